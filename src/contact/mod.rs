@@ -1,0 +1,100 @@
+//! Contact laws, each a pure step `(state, inputs) → (force, tangents, next state)`.
+//!
+//! # Sign convention
+//! A contact force is *restoring*: positive when it resists positive relative displacement. It
+//! enters the equation of motion on the left-hand side as `+ Bᵀ T`, and its work `∮ T du` over a
+//! closed cycle, the dissipated energy, is never negative.
+//!
+//! # State
+//! A law's memory is a slice of `state_len()` numbers that the caller owns. Nothing is hidden in
+//! the law: roll-back, rejected trial steps and harmonic balance need no more than a copy.
+
+mod jenkins;
+mod valanis;
+
+pub use jenkins::Jenkins;
+pub use valanis::Valanis;
+
+/// What a contact sees at the end of a step. Within the step displacement and normal load run
+/// linearly from their previous values, which are part of the state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inputs {
+    /// Relative tangential displacement (m).
+    pub displacement: f64,
+    /// Relative tangential velocity (m/s); only rate-dependent laws use it.
+    pub velocity: f64,
+    /// Normal load (N); at zero or below the contact is separated.
+    pub normal_load: f64,
+}
+
+/// Derivatives of the force at the end of the step with respect to the inputs, at fixed state.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Tangents {
+    /// ∂force/∂displacement (N/m).
+    pub displacement: f64,
+    /// ∂force/∂velocity (N s/m).
+    pub velocity: f64,
+    /// ∂force/∂normal_load (1).
+    pub normal_load: f64,
+}
+
+/// What the contact does at the end of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(i32)]
+pub enum SlipState {
+    /// No point of the contact slides (Jenkins), or the law has no distinct stick (never for Valanis).
+    Stick = 0,
+    /// The contact slides, wholly or in part.
+    Slip = 1,
+    /// No normal load: the bodies are apart and the force is zero.
+    Separated = 2,
+}
+
+/// Result of one step of a law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Response {
+    /// Restoring tangential force (N).
+    pub force: f64,
+    /// Derivatives of `force`.
+    pub tangents: Tangents,
+    /// Energy dissipated in this step (J), never negative.
+    pub dissipated_energy: f64,
+    /// Stick, slip or separated.
+    pub slip_state: SlipState,
+}
+
+/// Derivatives of one step with respect to the previous state, needed where a derivative must be
+/// carried through a whole history (periodic states, harmonic balance). Row-major.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct StateTangents {
+    /// ∂force/∂state, `n` entries.
+    pub force_by_state: Vec<f64>,
+    /// ∂next/∂state, `n × n` entries.
+    pub next_by_state: Vec<f64>,
+    /// ∂next/∂displacement, `n` entries.
+    pub next_by_displacement: Vec<f64>,
+    /// ∂next/∂velocity, `n` entries.
+    pub next_by_velocity: Vec<f64>,
+}
+
+/// A contact law with its parameters. See the module documentation for the sign convention.
+pub trait ContactLaw: std::fmt::Debug + Send + Sync {
+    /// Length of the state slice.
+    fn state_len(&self) -> usize;
+
+    /// Writes the state in which the contact, at rest at `displacement` (m) under `normal_load` (N),
+    /// carries `force` (N). A force above the limit is cut to the limit. A contact at rest that
+    /// remembers nothing is `set_state(0.0, normal_load, 0.0, state)`.
+    fn set_state(&self, displacement: f64, normal_load: f64, force: f64, state: &mut [f64]);
+
+    /// One step from `state` to `inputs`; writes the next state. Allocates nothing.
+    fn step(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> Response;
+
+    /// Derivatives of [`ContactLaw::step`] with respect to the previous state, at the same arguments.
+    /// `out`'s vectors are resized on first use and only overwritten after.
+    fn state_tangents(&self, state: &[f64], inputs: Inputs, out: &mut StateTangents);
+
+    /// The largest force the law reaches under `normal_load` (N) before any residual stiffness is
+    /// added (N).
+    fn limit(&self, normal_load: f64) -> f64;
+}

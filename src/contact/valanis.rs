@@ -1,0 +1,3 @@
+/// placeholder
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Valanis;

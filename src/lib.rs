@@ -1,0 +1,17 @@
+//! Friction contacts for structural dynamics: contact laws, a modal beam, harmonic balance,
+//! identification and the FMI-neutral instances behind the exported FMUs.
+//!
+//! The library does no input or output and holds no global state. Everything inside is SI
+//! (m, N, kg, s, rad); frequencies are in rad/s inside and in Hz where a user sees them.
+//! `ARCHITECTURE.md` is the map.
+
+pub mod contact;
+pub mod diagnose;
+pub mod harmonic;
+pub mod identify;
+pub mod integrate;
+pub mod measure;
+pub mod model;
+pub mod slave;
+pub mod structure;
+pub mod vocabulary;

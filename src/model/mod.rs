@@ -1,0 +1,105 @@
+//! The engineer's model (`model.toml`): types, parsing with positions, parameters by path.
+
+/// A whole model file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// What the contact is attached to.
+    pub structure: Structure,
+    /// The contact; a beam may have none (then its support may be a rotational spring).
+    pub contact: Option<Contact>,
+    /// Paths a fit may change, as written in `[fit] free`, `*` allowed at the end; defaults when absent.
+    pub free: Option<Vec<String>>,
+}
+
+/// `kind` of the model.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Structure {
+    /// `kind = "contact"`: displacement (and normal load) are prescribed.
+    Prescribed,
+    /// `kind = "beam"`.
+    Beam(Beam),
+}
+
+/// `[contact]`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Which law, with the parameters only it has.
+    pub law: Law,
+    /// Stiffness in stick (N/m), e0 for Valanis.
+    pub tangential_stiffness: f64,
+    /// Coefficient of friction (1).
+    pub friction_coefficient: f64,
+    /// Constant normal load (N).
+    pub normal_load: f64,
+}
+
+/// The contact laws a model file can name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Law {
+    /// One spring, one slider.
+    Jenkins,
+    /// Valanis' endochronic law; `λ` follows from e0 and the limit μN.
+    Valanis {
+        /// κ in [0, 1): 0 rounds the loop most, 1 would be Jenkins.
+        smoothness: f64,
+        /// e_t (N/m), slope left in macro-slip, below the tangential stiffness.
+        residual_stiffness: f64,
+    },
+}
+
+/// `[beam]` with its masses, support and excitation. Clamped at x = 0, pinned at x = length.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Beam {
+    /// Length (m).
+    pub length: f64,
+    /// Width (m).
+    pub width: f64,
+    /// Thickness in the direction of bending (m).
+    pub thickness: f64,
+    /// Density (kg/m³).
+    pub density: f64,
+    /// Young's modulus (Pa).
+    pub youngs_modulus: f64,
+    /// Number of modes kept.
+    pub modes: usize,
+    /// Damping of the modes.
+    pub damping: Damping,
+    /// Masses fixed to the beam.
+    pub point_masses: Vec<PointMass>,
+    /// Distance of the contact's line of action from the neutral axis (m), `[support] offset`.
+    pub offset: f64,
+    /// Rotational spring at x = length (N m/rad), `[support] rotational_stiffness`; 0 when absent.
+    pub rotational_stiffness: f64,
+    /// Rotational spring that replaces the clamp at x = 0 (N m/rad), `[support] clamp_stiffness`;
+    /// `None` is a rigid clamp.
+    pub clamp_stiffness: Option<f64>,
+    /// Where the excitation acts (m from the clamp), `[excitation] position`.
+    pub excitation_position: f64,
+    /// Positions of sensors (m): `[[sensor]] position`; the point masses' positions when absent.
+    pub sensors: Vec<f64>,
+}
+
+/// A mass at a position of the beam.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointMass {
+    /// Distance from the clamp (m).
+    pub position: f64,
+    /// Mass (kg).
+    pub mass: f64,
+}
+
+/// Modal damping.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Damping {
+    /// `damping_ratio = 0.003`: the same ratio for every mode.
+    Uniform(f64),
+    /// `damping_ratio = [0.003, 0.004, ...]`, one per mode.
+    PerMode(Vec<f64>),
+    /// `mass_damping` (1/s) and `stiffness_damping` (s): C = a M + b K.
+    Proportional {
+        /// a (1/s).
+        mass: f64,
+        /// b (s).
+        stiffness: f64,
+    },
+}

@@ -1,0 +1,32 @@
+//! Structures as the contact sees them: modal mass, damping, stiffness and the map to the contact.
+
+/// A beam reduced to mass-normalised modes with a contact at its end.
+///
+/// `q̈ᵢ + 2 ζᵢ ωᵢ q̇ᵢ + ωᵢ² qᵢ + T [cᵢ − Σⱼ Gᵢⱼ qⱼ] = f φᵢ(S)` and, at the contact,
+/// `u = Σ cᵢ qᵢ − ½ qᵀ G q − T · axial_flexibility` with `cᵢ = r φᵢ'(L)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModalBeam {
+    /// ωᵢ (rad/s), ascending.
+    pub angular_frequency: Vec<f64>,
+    /// ζᵢ (1).
+    pub damping_ratio: Vec<f64>,
+    /// cᵢ = r φᵢ'(L) (kg^-1/2).
+    pub contact_shape: Vec<f64>,
+    /// φᵢ(S) (kg^-1/2).
+    pub excitation_shape: Vec<f64>,
+    /// Gᵢⱼ = ∫ φᵢ' φⱼ' dx (1/(kg m)), row-major, symmetric.
+    pub shortening: Vec<f64>,
+    /// L/(E A) (m/N).
+    pub axial_flexibility: f64,
+    /// Sensors.
+    pub sensors: Vec<Sensor>,
+}
+
+/// A sensor on a [`ModalBeam`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensor {
+    /// Distance from the clamp (m).
+    pub position: f64,
+    /// φᵢ(position) (kg^-1/2).
+    pub shape: Vec<f64>,
+}

@@ -1,0 +1,84 @@
+//! The project's one vocabulary: FMI variables, model-file keys and CSV columns that mean the same
+//! quantity have the same name, unit, description and bounds, and take them from here.
+
+/// A named physical quantity with its SI unit and bounds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    /// The name in FMI variables, model files and CSV headers.
+    pub name: &'static str,
+    /// SI unit as FMI and the CSV headers spell it, e.g. `N/m`; `1` for a plain number.
+    pub unit: &'static str,
+    /// One line for an engineer.
+    pub description: &'static str,
+    /// Smallest legal value, if any.
+    pub min: Option<f64>,
+    /// Largest legal value, if any.
+    pub max: Option<f64>,
+    /// Typical size, for scaling.
+    pub nominal: f64,
+    /// The bounds themselves are not legal values (`0 < mass`), in which case `min`/`max` are open.
+    pub open: bool,
+}
+
+macro_rules! vocabulary {
+    ($($id:ident = $name:literal [$unit:literal] $min:expr, $max:expr, $open:literal, $nominal:literal, $text:literal;)*) => {
+        $(
+            #[doc = concat!($text, " (", $unit, ").")]
+            pub const $id: Quantity = Quantity {
+                name: $name, unit: $unit, description: $text,
+                min: $min, max: $max, open: $open, nominal: $nominal,
+            };
+        )*
+        /// Every quantity, in the order of this file.
+        pub const ALL: &[Quantity] = &[$($id),*];
+    };
+}
+
+vocabulary! {
+    // Contact: inputs and outputs.
+    DISPLACEMENT = "displacement" ["m"] None, None, false, 1e-5, "Relative tangential displacement at the contact";
+    VELOCITY = "velocity" ["m/s"] None, None, false, 1e-2, "Relative tangential velocity at the contact";
+    NORMAL_LOAD = "normal_load" ["N"] None, None, false, 100.0, "Normal load on the contact; at zero or below the bodies are apart";
+    NORMAL_DISPLACEMENT = "normal_displacement" ["m"] None, None, false, 1e-5, "Relative normal displacement at the contact";
+    FORCE = "force" ["N"] None, None, false, 100.0, "Restoring contact force, positive when it resists positive displacement";
+    DISSIPATED_ENERGY = "dissipated_energy" ["J"] Some(0.0), None, false, 1e-3, "Energy dissipated in the contact since the start";
+    SLIP_STATE = "slip_state" ["1"] Some(0.0), Some(2.0), false, 1.0, "0 stick, 1 slip, 2 separated";
+    // Contact: parameters.
+    TANGENTIAL_STIFFNESS = "tangential_stiffness" ["N/m"] Some(0.0), None, true, 1e6, "Tangential stiffness in stick (e0 of the Valanis law)";
+    FRICTION_COEFFICIENT = "friction_coefficient" ["1"] Some(0.0), None, true, 0.5, "Coefficient of friction; the friction limit is its product with the normal load";
+    SMOOTHNESS = "smoothness" ["1"] Some(0.0), Some(1.0), true, 0.5, "Kappa of the Valanis law, from 0 (included: most gradual slip) to 1 (excluded: would be Jenkins)";
+    RESIDUAL_STIFFNESS = "residual_stiffness" ["N/m"] Some(0.0), None, false, 1e5, "Slope left in macro-slip (e_t of the Valanis law), below the tangential stiffness";
+    // Beam: parameters.
+    LENGTH = "length" ["m"] Some(0.0), None, true, 1.0, "Length of the beam from clamp to pin";
+    WIDTH = "width" ["m"] Some(0.0), None, true, 0.05, "Width of the beam";
+    THICKNESS = "thickness" ["m"] Some(0.0), None, true, 0.005, "Thickness of the beam in the direction of bending";
+    DENSITY = "density" ["kg/m^3"] Some(0.0), None, true, 7850.0, "Mass density of the beam";
+    YOUNGS_MODULUS = "youngs_modulus" ["Pa"] Some(0.0), None, true, 2e11, "Young's modulus of the beam";
+    MODES = "modes" ["1"] Some(1.0), Some(40.0), false, 6.0, "Number of modes kept";
+    DAMPING_RATIO = "damping_ratio" ["1"] Some(0.0), Some(1.0), false, 0.003, "Modal damping ratio, one for all modes or one per mode";
+    MASS_DAMPING = "mass_damping" ["1/s"] Some(0.0), None, false, 1.0, "Mass-proportional damping";
+    STIFFNESS_DAMPING = "stiffness_damping" ["s"] Some(0.0), None, false, 1e-5, "Stiffness-proportional damping";
+    POSITION = "position" ["m"] Some(0.0), None, false, 0.5, "Distance from the clamp";
+    MASS = "mass" ["kg"] Some(0.0), None, true, 0.01, "Mass fixed to the structure";
+    OFFSET = "offset" ["m"] None, None, false, 0.006, "Distance of the contact's line of action from the neutral axis";
+    ROTATIONAL_STIFFNESS = "rotational_stiffness" ["N.m/rad"] Some(0.0), None, false, 100.0, "Rotational spring at the pinned end";
+    CLAMP_STIFFNESS = "clamp_stiffness" ["N.m/rad"] Some(0.0), None, true, 1e5, "Rotational spring in place of a rigid clamp";
+    // Beam: inputs and outputs.
+    EXCITATION = "excitation" ["N"] None, None, false, 1.0, "Force of the exciter on the structure";
+    CONTACT_FORCE = "contact_force" ["N"] None, None, false, 100.0, "Restoring force of the contact on the beam, positive when it resists positive displacement";
+    ACCELERATION = "acceleration" ["m/s^2"] None, None, false, 10.0, "Transverse acceleration of a sensor";
+    // Records.
+    TIME = "time" ["s"] None, None, false, 1.0, "Time";
+    AMPLITUDE = "amplitude" ["m/s^2"] Some(0.0), None, true, 10.0, "Amplitude of the first harmonic of the acceleration at the excitation, held in the test";
+    FREQUENCY = "frequency" ["Hz"] Some(0.0), None, true, 50.0, "Resonance frequency (phase resonance at the held amplitude)";
+}
+
+/// The quantity called `name`, if there is one.
+///
+/// ```
+/// assert_eq!(stickslip::vocabulary::find("force").unwrap().unit, "N");
+/// assert!(stickslip::vocabulary::find("farce").is_none());
+/// ```
+pub fn find(name: &str) -> Option<&'static Quantity> {
+    ALL.iter().find(|quantity| quantity.name == name)
+}

@@ -1,0 +1,1 @@
+//! Carries the FMU library and writes FMUs

@@ -1,0 +1,1 @@
+//! Reads model, dataset and CSV files
