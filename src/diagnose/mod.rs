@@ -1,1 +1,5 @@
-//! diagnose
+//! Model against measurement.
+
+mod comparison;
+
+pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Stage};
