@@ -1,2 +1,104 @@
-//! Development tasks.
-fn main() {}
+//! Development tasks: `cargo xtask check`, `cargo xtask test`, `cargo xtask golden`.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+const USAGE: &str = "usage: cargo xtask TASK
+
+  check    what to run before each commit: format, lints, docs, tests, golden files fresh
+  test     every test: Rust, then the FMUs under independent importers (prepares its own Python environment)
+  golden   regenerate the golden files under modelDescription/ (review the diff)
+";
+
+fn main() -> ExitCode {
+    let task = std::env::args().nth(1).unwrap_or_default();
+    let done = match task.as_str() {
+        "check" => check(),
+        "test" => test(),
+        "golden" => cargo(
+            &["test", "--package", "stickslip", "--test", "slave_golden"],
+            &[("STICKSLIP_GOLDEN", "write")],
+        ),
+        _ => Err(USAGE.to_owned()),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn check() -> Result<(), String> {
+    cargo(&["fmt", "--all", "--check"], &[])?;
+    cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--", "--deny", "warnings"], &[])?;
+    cargo(&["doc", "--workspace", "--no-deps", "--locked"], &[("RUSTDOCFLAGS", "--deny warnings")])?;
+    test()
+}
+
+/// Golden files are compared by the Rust tests, so a stale one fails here.
+fn test() -> Result<(), String> {
+    cargo(&["test", "--workspace", "--locked"], &[])?;
+    let python = python_environment()?;
+    let fmus = root().join("target/fmus-under-test");
+    // A file that an earlier version exported must not be what is judged.
+    let _ = std::fs::remove_dir_all(&fmus);
+    let out = fmus.to_string_lossy().into_owned();
+    cargo(
+        &[
+            "run",
+            "--quiet",
+            "--package",
+            "stickslip-fmu-package",
+            "--example",
+            "native_trajectories",
+            "--",
+            &out,
+        ],
+        &[],
+    )?;
+    run(Command::new(python)
+        .args(["-m", "pytest", "--quiet", "tests/fmi"])
+        .env("STICKSLIP_FMUS", &fmus)
+        .env("PYTHONDONTWRITEBYTECODE", "1"))
+}
+
+/// A virtual environment under `target/` with exactly the pinned packages; made anew when the pins change.
+fn python_environment() -> Result<PathBuf, String> {
+    let requirements = root().join("tests/fmi/requirements.txt");
+    let wanted = std::fs::read_to_string(&requirements)
+        .map_err(|error| format!("{}: {error}", requirements.display()))?;
+    let environment = root().join("target/python");
+    let python = environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    let stamp = environment.join("requirements-installed.txt");
+    if std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
+        return Ok(python);
+    }
+    let _ = std::fs::remove_dir_all(&environment);
+    run(Command::new("python3").args(["-m", "venv"]).arg(&environment))?;
+    run(Command::new(&python)
+        .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"])
+        .arg(&requirements))?;
+    std::fs::write(&stamp, wanted).map_err(|error| format!("{}: {error}", stamp.display()))?;
+    Ok(python)
+}
+
+fn cargo(arguments: &[&str], environment: &[(&str, &str)]) -> Result<(), String> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    run(Command::new(cargo).args(arguments).envs(environment.iter().copied()))
+}
+
+fn run(command: &mut Command) -> Result<(), String> {
+    let shown = format!("{command:?}");
+    eprintln!("$ {shown}");
+    match command.current_dir(root()).status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(format!("{shown} failed: {status}")),
+        Err(error) => Err(format!("{shown} could not be started: {error}")),
+    }
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
