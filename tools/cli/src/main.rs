@@ -1,2 +1,83 @@
-//! The program.
-fn main() {}
+//! The program: compares models with measurements and exports them as FMUs.
+
+mod commands;
+mod output;
+mod progress;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+/// Friction contacts: compare models with measurements, export them as FMUs.
+///
+/// Exit codes: 0 done, 1 failed (a file could not be written, a solver gave up), 2 bad input (nothing
+/// was written), 130 interrupted.
+#[derive(Parser)]
+#[command(name = "stickslip", version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compare five models of a frictional support with its measured resonance frequencies and
+    /// export the best as an FMU (what a bare `stickslip` does)
+    Demo(commands::demo::Demo),
+    /// Compare a model with a dataset, refit it, and compare again
+    Compare(commands::compare::Compare),
+    /// Write one model as an FMU
+    Export(commands::export::Export),
+    /// Write the standard FMUs
+    Fmu(commands::fmu::Fmu),
+}
+
+/// Where results go besides the terminal.
+#[derive(Args, Clone, Default)]
+struct ResultFiles {
+    /// Write the results as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write the results as a self-contained HTML page
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+}
+
+/// Why the program ends without success; the message is ready to be shown.
+#[derive(Debug)]
+struct Failure {
+    code: u8,
+    message: String,
+}
+
+impl Failure {
+    /// The user's input is at fault: exit code 2.
+    fn input(message: impl Into<String>) -> Failure {
+        Failure { code: 2, message: message.into() }
+    }
+
+    /// Something else is at fault: exit code 1.
+    fn other(message: impl Into<String>) -> Failure {
+        Failure { code: 1, message: message.into() }
+    }
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    progress::catch_interrupts();
+    let done = match cli.command.unwrap_or_else(|| Command::Demo(Default::default())) {
+        Command::Demo(command) => command.run(),
+        Command::Compare(command) => command.run(),
+        Command::Export(command) => command.run(),
+        Command::Fmu(command) => command.run(),
+    };
+    match done {
+        Ok(()) if progress::interrupted() => ExitCode::from(130),
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("{}", failure.message.trim_end());
+            ExitCode::from(failure.code)
+        }
+    }
+}
