@@ -53,7 +53,9 @@ impl Model {
     /// of friction acts, and a fit of both has no unique answer.
     ///
     /// Bounds are physical (a smoothness up to 0.98, a residual stiffness up to 0.9 of the tangential
-    /// one), widened to include the present value.
+    /// one), widened to include the present value. Each bound alone is a legal value; where two
+    /// parameters are joined (residual and tangential stiffness), a fit of both can still ask for a
+    /// pair that [`Model::set_all`] refuses.
     pub fn parameters(&self) -> Vec<ModelParameter> {
         self.values()
             .into_iter()
@@ -183,12 +185,16 @@ impl Model {
     fn fit_range(&self, quantity: &Quantity, value: f64) -> (f64, f64, Scale) {
         use Scale::{Linear, Logarithmic};
         let tangential = self.contact.map_or(0.0, |contact| contact.tangential_stiffness);
+        let residual = match self.contact.map(|contact| contact.law) {
+            Some(Law::Valanis { residual_stiffness, .. }) => residual_stiffness,
+            _ => 0.0,
+        };
         let (length, farthest) = match &self.structure {
             Structure::Beam(beam) => (beam.length, beam.farthest_position()),
             Structure::Prescribed => (0.0, 0.0),
         };
         let (lower, upper, scale) = match quantity.name {
-            "tangential_stiffness" => (1.0, 1e12, Logarithmic),
+            "tangential_stiffness" => (f64::max(1.0, residual / 0.9), 1e12, Logarithmic),
             // Far beyond any coefficient: with an unknown load it stands for the whole friction limit.
             "friction_coefficient" => (1e-4, 1e4, Logarithmic),
             "smoothness" => (0.0, 0.98, Linear),
