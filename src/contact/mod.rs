@@ -9,9 +9,11 @@
 //! A law's memory is a slice of `state_len()` numbers that the caller owns. Nothing is hidden in
 //! the law: roll-back, rejected trial steps and harmonic balance need no more than a copy.
 
+mod error;
 mod jenkins;
 mod valanis;
 
+pub use error::{Bounds, LawError};
 pub use jenkins::Jenkins;
 pub use valanis::Valanis;
 
@@ -75,6 +77,27 @@ pub struct StateTangents {
     pub next_by_displacement: Vec<f64>,
     /// ∂next/∂velocity, `n` entries.
     pub next_by_velocity: Vec<f64>,
+    /// ∂next/∂normal_load, `n` entries.
+    pub next_by_normal_load: Vec<f64>,
+}
+
+impl StateTangents {
+    /// Makes every vector fit a state of `n` numbers and fills it with zeros. Allocates only when `n`
+    /// is larger than ever before.
+    pub fn reset(&mut self, n: usize) {
+        let sizes = [n, n * n, n, n, n];
+        let vectors = [
+            &mut self.force_by_state,
+            &mut self.next_by_state,
+            &mut self.next_by_displacement,
+            &mut self.next_by_velocity,
+            &mut self.next_by_normal_load,
+        ];
+        for (vector, size) in vectors.into_iter().zip(sizes) {
+            vector.clear();
+            vector.resize(size, 0.0);
+        }
+    }
 }
 
 /// A contact law with its parameters. See the module documentation for the sign convention.
