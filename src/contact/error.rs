@@ -15,12 +15,10 @@ pub struct Bounds {
 impl Bounds {
     /// Finite and strictly above zero.
     pub const POSITIVE: Self = Self { lower: Bound::Excluded(0.0), upper: Bound::Unbounded };
-    /// From 0, included, to 1, excluded.
-    pub const UNIT_HALF_OPEN: Self = Self { lower: Bound::Included(0.0), upper: Bound::Excluded(1.0) };
 
-    /// Any finite value strictly below `upper`.
-    pub fn below(upper: f64) -> Self {
-        Self { lower: Bound::Unbounded, upper: Bound::Excluded(upper) }
+    /// From 0, included, to `upper`, excluded.
+    pub fn from_zero_to_below(upper: f64) -> Self {
+        Self { lower: Bound::Included(0.0), upper: Bound::Excluded(upper) }
     }
 
     /// `value` is finite and lies between the ends; NaN never does.
