@@ -244,12 +244,15 @@ fn check_beam(beam: &ModalBeam) -> Result<(), HarmonicError> {
     if same_length.iter().any(|v| v.len() != modes) || beam.shortening.len() != modes * modes {
         return Err(HarmonicError::InvalidInput("the beam's arrays do not have one entry per mode"));
     }
-    let all = same_length.iter().flat_map(|v| v.iter()).chain(&beam.angular_frequency).chain(&beam.shortening);
+    let all =
+        same_length.iter().flat_map(|v| v.iter()).chain(&beam.angular_frequency).chain(&beam.shortening);
     if all.chain([&beam.axial_flexibility]).any(|x| !x.is_finite()) {
         return Err(HarmonicError::InvalidInput("the beam has a value that is not finite"));
     }
     if beam.angular_frequency.iter().any(|w| *w <= 0.0) || beam.axial_flexibility < 0.0 {
-        return Err(HarmonicError::InvalidInput("a natural frequency or the axial flexibility is not positive"));
+        return Err(HarmonicError::InvalidInput(
+            "a natural frequency or the axial flexibility is not positive",
+        ));
     }
     Ok(())
 }

@@ -47,6 +47,9 @@ pub(crate) struct SampledCycle {
     /// Column `k`: derivatives of the force at sample `k` by coefficients, frequency, start state.
     sensitivity: DMatrix<f64>,
     state_len: usize,
+    /// The sample the march starts from.
+    origin: usize,
+    virgin: Vec<f64>,
     start: Vec<f64>,
     state: Vec<f64>,
     next: Vec<f64>,
@@ -68,7 +71,7 @@ pub(crate) struct SampledCycle {
 
 /// What one marched period tells about the periodic state.
 struct Closure {
-    full_rank: bool,
+    unique: bool,
     force_change: f64,
 }
 
@@ -89,6 +92,8 @@ impl SampledCycle {
             force_samples: vec![0.0; samples],
             sensitivity: DMatrix::zeros(0, 0),
             state_len: usize::MAX,
+            origin: 0,
+            virgin: Vec::new(),
             start: Vec::new(),
             state: Vec::new(),
             next: Vec::new(),
@@ -120,7 +125,9 @@ impl SampledCycle {
         self.state_len = state_len;
         let columns = self.wide + 1 + state_len;
         self.sensitivity = DMatrix::zeros(columns, self.samples);
-        for buffer in [&mut self.start, &mut self.state, &mut self.next, &mut self.state_scale] {
+        for buffer in
+            [&mut self.virgin, &mut self.start, &mut self.state, &mut self.next, &mut self.state_scale]
+        {
             *buffer = vec![0.0; state_len];
         }
         for buffer in [&mut self.start_sensitivity, &mut self.state_sensitivity, &mut self.next_sensitivity] {
@@ -151,34 +158,34 @@ impl SampledCycle {
         self.basis.evaluate(u, &mut self.displacement);
         differentiate(u, &mut self.slope);
         self.basis.evaluate(&self.slope, &mut self.rate);
-        let origin = self.farthest_sample();
+        contact.law.set_state(0.0, contact.normal_load, 0.0, &mut self.virgin);
         let mut from_hint = self.warm;
         if from_hint {
             self.predict(u);
-            self.start_from_prediction(contact, compliance, origin);
         } else {
-            self.start_virgin(contact, compliance, angular_frequency, origin);
+            self.start_virgin(contact, compliance, angular_frequency);
         }
         self.previous.copy_from_slice(u);
         self.warm = false;
         let (mut last_change, mut plain) = (f64::INFINITY, false);
         for _ in 0..MAX_CYCLES {
-            self.march(contact, compliance, angular_frequency, origin);
+            self.march(contact, compliance, angular_frequency);
             let closure = self.close();
-            if from_hint && !(closure.full_rank && closure.force_change.is_finite()) {
+            if from_hint && !(closure.unique && closure.force_change.is_finite()) {
                 from_hint = false;
-                self.start_virgin(contact, compliance, angular_frequency, origin);
+                self.start_virgin(contact, compliance, angular_frequency);
                 continue;
             }
             if closure.force_change <= LINEAR_FINISH * self.force_scale {
                 self.finish();
+                self.correct_start();
                 self.warm = true;
                 return Ok(());
             }
             // Newton may overshoot where the loop bends sharply; plain marching always contracts.
             plain = !closure.force_change.is_finite() || closure.force_change > last_change && !plain;
             last_change = closure.force_change;
-            self.improve_start(plain, contact, compliance, angular_frequency, origin);
+            self.improve_start(plain, contact, compliance, angular_frequency);
         }
         Err(HarmonicError::ContactNotPeriodic { cycles: MAX_CYCLES })
     }
@@ -194,7 +201,7 @@ impl SampledCycle {
         best
     }
 
-    /// First-order prediction of the force samples from the last solution.
+    /// First-order prediction of the force samples and the start state from the last solution.
     fn predict(&mut self, u: &[f64]) {
         for (previous, u) in self.previous.iter_mut().zip(u) {
             *previous = u - *previous;
@@ -205,27 +212,18 @@ impl SampledCycle {
         {
             *force += dot(&column[..self.wide], &self.previous);
         }
+        for (state, row) in self.start.iter_mut().zip(self.start_sensitivity.chunks_exact(columns)) {
+            *state += dot(&row[..self.wide], &self.previous);
+        }
     }
 
-    fn start_from_prediction(&mut self, contact: &ContactOnBeam, compliance: f64, origin: usize) {
-        let force = self.force_samples[origin];
-        let displacement = self.displacement[origin] - compliance * force;
-        contact.law.set_state(displacement, contact.normal_load, force, &mut self.start);
-        self.start_sensitivity.fill(0.0);
-    }
-
-    /// The state after loading the virgin contact to the displacement at `origin`, and its derivative.
-    fn start_virgin(
-        &mut self,
-        contact: &ContactOnBeam,
-        compliance: f64,
-        angular_frequency: f64,
-        origin: usize,
-    ) {
-        contact.law.set_state(0.0, contact.normal_load, 0.0, &mut self.state);
+    /// The state after loading the virgin contact to the largest displacement, and its derivative.
+    fn start_virgin(&mut self, contact: &ContactOnBeam, compliance: f64, angular_frequency: f64) {
+        self.origin = self.farthest_sample();
+        self.state.copy_from_slice(&self.virgin);
         self.state_sensitivity.fill(0.0);
         self.force_scale = 0.0;
-        self.step(contact, compliance, angular_frequency, origin, 0.0, None);
+        self.step(contact, compliance, angular_frequency, self.origin, 0.0, None);
         self.start.copy_from_slice(&self.next);
         self.start_sensitivity.copy_from_slice(&self.next_sensitivity);
         self.force_samples.fill(f64::NAN);
@@ -319,7 +317,7 @@ impl SampledCycle {
     }
 
     /// Marches one period from `start`, which is the state at sample `origin`.
-    fn march(&mut self, contact: &ContactOnBeam, compliance: f64, angular_frequency: f64, origin: usize) {
+    fn march(&mut self, contact: &ContactOnBeam, compliance: f64, angular_frequency: f64) {
         let (n, wide) = (self.state_len, self.wide);
         let columns = wide + 1 + n;
         self.state.copy_from_slice(&self.start);
@@ -332,7 +330,7 @@ impl SampledCycle {
         let mut last = 0.0;
         let mut largest = 0.0_f64;
         for i in 1..=self.samples {
-            let k = (origin + i) % self.samples;
+            let k = (self.origin + i) % self.samples;
             let known = self.force_samples[k];
             let predicted = if known.is_finite() { known } else { last };
             last = self.step(contact, compliance, angular_frequency, k, predicted, Some(k));
@@ -371,7 +369,13 @@ impl SampledCycle {
                 row[n + 1 + m] = (end[m] - begin[m]) / self.state_scale[i];
             }
         }
-        let full_rank = solve_ranked(&mut self.system, &mut self.pivots, right, UNFADING, &mut self.solution);
+        let rank = solve_ranked(&mut self.system, &mut self.pivots, right, UNFADING, &mut self.solution);
+        // Memory that does not fade must be the virgin contact's, or the result would depend on the
+        // evaluations before.
+        let unique = (0..n).all(|i| {
+            self.pivots[..rank].contains(&i)
+                || (self.start[i] - self.virgin[i]).abs() <= 1e-12 * self.state_scale[i]
+        });
         for (row, scale) in self.solution.chunks_exact_mut(right).zip(&self.state_scale) {
             row.iter_mut().for_each(|x| *x *= scale);
         }
@@ -380,12 +384,13 @@ impl SampledCycle {
             let by_state = &column[wide + 1..];
             let change: f64 = by_state.iter().enumerate().map(|(i, d)| d * self.solution[i * right]).sum();
             // `max` would drop a NaN.
-            force_change = if change.abs() > force_change || change.is_nan() { change.abs() } else { force_change };
+            force_change =
+                if change.abs() > force_change || change.is_nan() { change.abs() } else { force_change };
             if force_change.is_nan() {
                 break;
             }
         }
-        Closure { full_rank, force_change }
+        Closure { unique, force_change }
     }
 
     /// Moves the start towards the periodic state: by Newton's step, or to where the period ended.
@@ -395,22 +400,24 @@ impl SampledCycle {
         contact: &ContactOnBeam,
         compliance: f64,
         angular_frequency: f64,
-        origin: usize,
     ) {
-        let (n, wide) = (self.state_len, self.wide);
-        let (columns, right) = (wide + 1 + n, wide + 2);
         if plain && self.state.iter().any(|x| !x.is_finite()) {
-            self.start_virgin(contact, compliance, angular_frequency, origin);
+            self.start_virgin(contact, compliance, angular_frequency);
         } else if plain {
             self.start.copy_from_slice(&self.state);
             self.start_sensitivity.copy_from_slice(&self.state_sensitivity);
         } else {
-            for i in 0..n {
-                self.start[i] += self.solution[i * right];
-                for m in 0..=wide {
-                    self.start_sensitivity[i * columns + m] += self.solution[i * right + 1 + m];
-                }
-            }
+            self.correct_start();
+        }
+    }
+
+    /// Newton's step on the start state and its sensitivity.
+    fn correct_start(&mut self) {
+        let (columns, right) = (self.wide + 1 + self.state_len, self.wide + 2);
+        for (i, solution) in self.solution.chunks_exact(right).enumerate() {
+            self.start[i] += solution[0];
+            let row = &mut self.start_sensitivity[i * columns..];
+            row.iter_mut().zip(&solution[1..]).for_each(|(s, d)| *s += d);
         }
     }
 
@@ -508,14 +515,15 @@ fn add_scaled(target: &mut [f64], weight: f64, source: &[f64]) {
 }
 
 /// Gauss–Jordan elimination with full pivoting of `n` rows of width `n + right`; unknowns whose pivot
-/// falls below `threshold` are set to zero. Returns whether all pivots were used.
+/// falls below `threshold` are set to zero. Returns the rank; `pivots` then
+/// starts with the unknowns that were solved for.
 fn solve_ranked(
     system: &mut [f64],
     pivots: &mut [usize],
     right: usize,
     threshold: f64,
     out: &mut [f64],
-) -> bool {
+) -> usize {
     let n = pivots.len();
     let width = n + right;
     out[..n * right].fill(0.0);
@@ -558,5 +566,5 @@ fn solve_ranked(
     for (i, column) in pivots[..solved].iter().enumerate() {
         out[column * right..(column + 1) * right].copy_from_slice(&system[i * width + n..(i + 1) * width]);
     }
-    solved == n
+    solved
 }

@@ -69,10 +69,14 @@ pub fn forced_response(
     start: Option<&ForcedResponse>,
 ) -> Result<ForcedResponse, HarmonicError> {
     if !(period > 0.0 && period.is_finite()) || excitation.iter().any(|f| !f.is_finite()) {
-        return Err(HarmonicError::InvalidInput("the period and the excitation must be finite, the period positive"));
+        return Err(HarmonicError::InvalidInput(
+            "the period and the excitation must be finite, the period positive",
+        ));
     }
     if excitation.len() > coefficient_count(settings.harmonics) {
-        return Err(HarmonicError::InvalidInput("the excitation has more harmonics than the response may have"));
+        return Err(HarmonicError::InvalidInput(
+            "the excitation has more harmonics than the response may have",
+        ));
     }
     let balance = Balance::new(beam, contact, settings)?;
     let mut equations = Forced {

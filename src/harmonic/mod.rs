@@ -54,10 +54,14 @@ impl Default for Settings {
 impl Settings {
     fn check(&self) -> Result<(), HarmonicError> {
         if self.harmonics == 0 || self.samples < 8 * self.harmonics {
-            return Err(HarmonicError::InvalidInput("fewer than one harmonic, or than 8 samples per harmonic"));
+            return Err(HarmonicError::InvalidInput(
+                "fewer than one harmonic, or than 8 samples per harmonic",
+            ));
         }
         if !(self.tolerance > 0.0 && self.max_iterations > 0) {
-            return Err(HarmonicError::InvalidInput("the tolerance and the number of iterations must be positive"));
+            return Err(HarmonicError::InvalidInput(
+                "the tolerance and the number of iterations must be positive",
+            ));
         }
         Ok(())
     }

@@ -56,7 +56,9 @@ pub(crate) fn solve(
             match equations.evaluate(&trial) {
                 Ok(scale) if length(equations.residual()) <= (1.0 - 1e-4 * share) * norm => break scale,
                 // At the accuracy of the contact's periodic state the norm cannot fall any more.
-                Ok(scale) if relative_residual(equations.residual(), scale) <= settings.tolerance => break scale,
+                Ok(scale) if relative_residual(equations.residual(), scale) <= settings.tolerance => {
+                    break scale;
+                }
                 _ if halvings == 12 => return Err(HarmonicError::NotConverged { residual, iterations }),
                 _ => {
                     share *= 0.5;
