@@ -1,1 +1,90 @@
-//! harmonic
+//! Harmonic balance: periodic responses of a modal beam with a contact at its end.
+//!
+//! Displacements are sums of harmonics `0..=H`, bias and even harmonics included (the end of a bending
+//! beam moves inwards twice per cycle). The contact is integrated over a sampled period (`cycle`), the
+//! balance is exact algebra on Fourier coefficients (`balance`), and Newton's method with a line search
+//! solves it; where that fails, the solution is followed from small amplitudes.
+//!
+//! Coefficients are laid out `[a0, c1, s1, …, cH, sH]` per mode, mode after mode; see [`fourier`].
+
+mod balance;
+mod cycle;
+mod forced;
+pub mod fourier;
+mod guess;
+mod newton;
+mod periods;
+mod resonance;
+
+pub use forced::{ForcedResponse, forced_response};
+pub use periods::whole_periods;
+pub use resonance::{Resonance, backbone, phase_resonance};
+
+use crate::contact::ContactLaw;
+
+/// A contact law under the constant normal load it has on the beam.
+#[derive(Debug, Clone, Copy)]
+pub struct ContactOnBeam<'a> {
+    /// The law.
+    pub law: &'a dyn ContactLaw,
+    /// Normal load (N).
+    pub normal_load: f64,
+}
+
+/// Discretisation and stopping rule.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Highest harmonic H of the displacements, at least 1.
+    pub harmonics: usize,
+    /// Samples of a period in the contact, at least `8 H` and best a power of two. The contact meets
+    /// its turning points to the second order of the sampling step.
+    pub samples: usize,
+    /// Largest residual accepted, as share of the largest force in the balance.
+    pub tolerance: f64,
+    /// Newton steps before a start is given up.
+    pub max_iterations: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { harmonics: 7, samples: 128, tolerance: 1e-9, max_iterations: 40 }
+    }
+}
+
+impl Settings {
+    fn check(&self) -> Result<(), HarmonicError> {
+        if self.harmonics == 0 || self.samples < 8 * self.harmonics {
+            return Err(HarmonicError::InvalidInput(
+                "fewer than one harmonic, or than 8 samples per harmonic",
+            ));
+        }
+        if !(self.tolerance > 0.0 && self.max_iterations > 0) {
+            return Err(HarmonicError::InvalidInput(
+                "the tolerance and the number of iterations must be positive",
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Why no periodic response was found.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum HarmonicError {
+    /// The arguments make no sense together.
+    #[error("{0}")]
+    InvalidInput(&'static str),
+    /// Newton's method stopped short of the tolerance.
+    #[error("no balance after {iterations} steps: the residual is {residual:.1e} of the largest force")]
+    NotConverged {
+        /// Largest residual as share of the largest force.
+        residual: f64,
+        /// Newton steps made.
+        iterations: usize,
+    },
+    /// The contact did not settle to a periodic state under the displacement tried.
+    #[error("the contact did not become periodic within {cycles} cycles")]
+    ContactNotPeriodic {
+        /// Cycles marched.
+        cycles: usize,
+    },
+}

@@ -1,0 +1,86 @@
+//! What is refused when a law is made from parameters.
+
+use std::fmt;
+use std::ops::Bound;
+
+/// The values a parameter may take, an interval with open, closed or absent ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// Lower end.
+    pub lower: Bound<f64>,
+    /// Upper end.
+    pub upper: Bound<f64>,
+}
+
+impl Bounds {
+    /// Finite and strictly above zero.
+    pub const POSITIVE: Self = Self { lower: Bound::Excluded(0.0), upper: Bound::Unbounded };
+
+    /// From 0, included, to `upper`, excluded.
+    pub fn from_zero_to_below(upper: f64) -> Self {
+        Self { lower: Bound::Included(0.0), upper: Bound::Excluded(upper) }
+    }
+
+    /// `value` is finite and lies between the ends; NaN never does.
+    pub fn contain(&self, value: f64) -> bool {
+        let above = match self.lower {
+            Bound::Included(lower) => value >= lower,
+            Bound::Excluded(lower) => value > lower,
+            Bound::Unbounded => true,
+        };
+        let below = match self.upper {
+            Bound::Included(upper) => value <= upper,
+            Bound::Excluded(upper) => value < upper,
+            Bound::Unbounded => true,
+        };
+        value.is_finite() && above && below
+    }
+}
+
+impl fmt::Display for Bounds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "a finite number")?;
+        match self.lower {
+            Bound::Included(lower) => write!(f, ", at least {lower}")?,
+            Bound::Excluded(lower) => write!(f, ", above {lower}")?,
+            Bound::Unbounded => {}
+        }
+        match self.upper {
+            Bound::Included(upper) => write!(f, ", at most {upper}"),
+            Bound::Excluded(upper) => write!(f, ", below {upper}"),
+            Bound::Unbounded => Ok(()),
+        }
+    }
+}
+
+/// A contact law cannot be made from these parameters.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LawError {
+    /// One parameter is outside its bounds, infinite or not a number.
+    #[error("{parameter} is {value} {unit}; it must be {bounds}")]
+    OutOfBounds {
+        /// Name of the parameter, as in [`crate::vocabulary`] where it has an entry.
+        parameter: &'static str,
+        /// The value that was given.
+        value: f64,
+        /// SI unit of the value and of the bounds.
+        unit: &'static str,
+        /// What is allowed.
+        bounds: Bounds,
+    },
+}
+
+/// `value` if it is within `bounds`.
+pub(super) fn checked(
+    parameter: &'static str,
+    unit: &'static str,
+    value: f64,
+    bounds: Bounds,
+) -> Result<f64, LawError> {
+    if bounds.contain(value) {
+        Ok(value)
+    } else {
+        Err(LawError::OutOfBounds { parameter, value, unit, bounds })
+    }
+}

@@ -1,0 +1,570 @@
+//! The periodic contact: Fourier coefficients of the displacement in, of the force out.
+//!
+//! This is the seam between the balance equations and the way a contact is integrated over a period:
+//! [`SampledCycle::evaluate`] answers with the force's coefficients and their exact derivatives for
+//! the discretisation it uses. Here the period is sampled (alternating frequency/time, Cameron &
+//! Griffin 1989); within a step the displacement runs linearly, so that the turning points are met
+//! to the second order of the step only.
+//!
+//! The contact's state is part of the problem: a period is marched with the derivatives of every
+//! quantity with respect to the coefficients *and* to the state at its start. The monodromy matrix
+//! gives the periodic state by Newton's method, and the implicit function theorem its derivative.
+//! Where the memory does not fade (a stuck contact keeps whatever it remembers) the periodic state
+//! is not unique; then the one reached by loading the virgin contact to the largest displacement of
+//! the period counts, and its derivative is carried through that loading.
+
+use nalgebra::{DMatrix, DMatrixView, Dyn};
+
+use super::fourier::{Basis, coefficient_count, differentiate, dot};
+use super::{ContactOnBeam, HarmonicError};
+use crate::contact::{Inputs, Response, StateTangents};
+
+/// Where a pivot of `1 − monodromy` (scaled) counts as zero: the memory does not fade.
+const UNFADING: f64 = 1e-9;
+/// Share of the largest force left as error of the implicit step through the series spring.
+const STEP_TOLERANCE: f64 = 1e-11;
+/// Change of force (share of the largest) below which the periodic state is finished to first order.
+const LINEAR_FINISH: f64 = 1e-6;
+const MAX_CYCLES: usize = 60;
+const MAX_STEP_ITERATIONS: usize = 80;
+
+/// Workspace and result of one evaluation.
+#[derive(Debug, Clone)]
+pub(crate) struct SampledCycle {
+    basis: Basis,
+    samples: usize,
+    wide: usize,
+    /// Coefficients of the force (N), as many as the displacement has.
+    pub force: Vec<f64>,
+    /// ∂force/∂displacement coefficients, `wide × wide` (N/m).
+    pub jacobian: DMatrix<f64>,
+    /// ∂force coefficients/∂angular frequency; zero for rate-independent laws.
+    pub by_frequency: Vec<f64>,
+    displacement: Vec<f64>,
+    rate: Vec<f64>,
+    slope: Vec<f64>,
+    force_samples: Vec<f64>,
+    /// Column `k`: derivatives of the force at sample `k` by coefficients, frequency, start state.
+    sensitivity: DMatrix<f64>,
+    state_len: usize,
+    /// The sample the march starts from.
+    origin: usize,
+    virgin: Vec<f64>,
+    start: Vec<f64>,
+    state: Vec<f64>,
+    next: Vec<f64>,
+    state_scale: Vec<f64>,
+    start_sensitivity: Vec<f64>,
+    state_sensitivity: Vec<f64>,
+    next_sensitivity: Vec<f64>,
+    displacement_row: Vec<f64>,
+    velocity_row: Vec<f64>,
+    solution: Vec<f64>,
+    system: Vec<f64>,
+    pivots: Vec<usize>,
+    tangents: StateTangents,
+    force_scale: f64,
+    previous: Vec<f64>,
+    /// The samples and sensitivities belong to a converged evaluation at `previous`.
+    warm: bool,
+}
+
+/// What one marched period tells about the periodic state.
+struct Closure {
+    unique: bool,
+    force_change: f64,
+}
+
+impl SampledCycle {
+    /// `harmonics` are those of the displacement and of the force.
+    pub fn new(harmonics: usize, samples: usize) -> Self {
+        let wide = coefficient_count(harmonics);
+        Self {
+            basis: Basis::new(harmonics, samples),
+            samples,
+            wide,
+            force: vec![0.0; wide],
+            jacobian: DMatrix::zeros(wide, wide),
+            by_frequency: vec![0.0; wide],
+            displacement: vec![0.0; samples],
+            rate: vec![0.0; samples],
+            slope: vec![0.0; wide],
+            force_samples: vec![0.0; samples],
+            sensitivity: DMatrix::zeros(0, 0),
+            state_len: usize::MAX,
+            origin: 0,
+            virgin: Vec::new(),
+            start: Vec::new(),
+            state: Vec::new(),
+            next: Vec::new(),
+            state_scale: Vec::new(),
+            start_sensitivity: Vec::new(),
+            state_sensitivity: Vec::new(),
+            next_sensitivity: Vec::new(),
+            displacement_row: Vec::new(),
+            velocity_row: Vec::new(),
+            solution: Vec::new(),
+            system: Vec::new(),
+            pivots: Vec::new(),
+            tangents: StateTangents::default(),
+            force_scale: 0.0,
+            previous: vec![0.0; wide],
+            warm: false,
+        }
+    }
+
+    /// Forgets the last solution, so that the next evaluation depends on its arguments alone.
+    pub fn forget(&mut self) {
+        self.warm = false;
+    }
+
+    fn reserve(&mut self, state_len: usize) {
+        if self.state_len == state_len {
+            return;
+        }
+        self.state_len = state_len;
+        let columns = self.wide + 1 + state_len;
+        self.sensitivity = DMatrix::zeros(columns, self.samples);
+        for buffer in
+            [&mut self.virgin, &mut self.start, &mut self.state, &mut self.next, &mut self.state_scale]
+        {
+            *buffer = vec![0.0; state_len];
+        }
+        for buffer in [&mut self.start_sensitivity, &mut self.state_sensitivity, &mut self.next_sensitivity] {
+            *buffer = vec![0.0; state_len * columns];
+        }
+        self.displacement_row = vec![0.0; columns];
+        self.velocity_row = vec![0.0; columns];
+        self.solution = vec![0.0; state_len * (self.wide + 2)];
+        self.system = vec![0.0; state_len * (state_len + self.wide + 2)];
+        self.pivots = vec![0; state_len];
+        self.warm = false;
+    }
+
+    /// Evaluates the contact for the displacement with coefficients `u` (m; before the series spring
+    /// of `compliance`, m/N, gives way) at the fundamental `angular_frequency` (rad/s). The velocity a
+    /// rate-dependent law sees is that of `u`.
+    ///
+    /// # Errors
+    /// [`HarmonicError::ContactNotPeriodic`] when no periodic state is found.
+    pub fn evaluate(
+        &mut self,
+        contact: &ContactOnBeam,
+        compliance: f64,
+        angular_frequency: f64,
+        u: &[f64],
+    ) -> Result<(), HarmonicError> {
+        self.reserve(contact.law.state_len());
+        self.basis.evaluate(u, &mut self.displacement);
+        differentiate(u, &mut self.slope);
+        self.basis.evaluate(&self.slope, &mut self.rate);
+        contact.law.set_state(0.0, contact.normal_load, 0.0, &mut self.virgin);
+        let mut from_hint = self.warm;
+        if from_hint {
+            self.predict(u);
+        } else {
+            self.start_virgin(contact, compliance, angular_frequency);
+        }
+        self.previous.copy_from_slice(u);
+        self.warm = false;
+        let (mut last_change, mut plain) = (f64::INFINITY, false);
+        for _ in 0..MAX_CYCLES {
+            self.march(contact, compliance, angular_frequency);
+            let closure = self.close();
+            if from_hint && !(closure.unique && closure.force_change.is_finite()) {
+                from_hint = false;
+                self.start_virgin(contact, compliance, angular_frequency);
+                continue;
+            }
+            if closure.force_change <= LINEAR_FINISH * self.force_scale {
+                self.finish();
+                self.correct_start();
+                self.warm = true;
+                return Ok(());
+            }
+            // Newton may overshoot where the loop bends sharply; plain marching always contracts.
+            plain = !closure.force_change.is_finite() || closure.force_change > last_change && !plain;
+            last_change = closure.force_change;
+            self.improve_start(plain, contact, compliance, angular_frequency);
+        }
+        Err(HarmonicError::ContactNotPeriodic { cycles: MAX_CYCLES })
+    }
+
+    /// The sample of the largest displacement: a turning point, where most of the memory is wiped out.
+    fn farthest_sample(&self) -> usize {
+        let mut best = 0;
+        for (k, u) in self.displacement.iter().enumerate() {
+            if u.abs() > self.displacement[best].abs() {
+                best = k;
+            }
+        }
+        best
+    }
+
+    /// First-order prediction of the force samples and the start state from the last solution.
+    fn predict(&mut self, u: &[f64]) {
+        for (previous, u) in self.previous.iter_mut().zip(u) {
+            *previous = u - *previous;
+        }
+        let columns = self.sensitivity.nrows();
+        for (force, column) in
+            self.force_samples.iter_mut().zip(self.sensitivity.as_slice().chunks_exact(columns))
+        {
+            *force += dot(&column[..self.wide], &self.previous);
+        }
+        for (state, row) in self.start.iter_mut().zip(self.start_sensitivity.chunks_exact(columns)) {
+            *state += dot(&row[..self.wide], &self.previous);
+        }
+    }
+
+    /// The state after loading the virgin contact to the largest displacement, and its derivative.
+    fn start_virgin(&mut self, contact: &ContactOnBeam, compliance: f64, angular_frequency: f64) {
+        self.origin = self.farthest_sample();
+        self.state.copy_from_slice(&self.virgin);
+        self.state_sensitivity.fill(0.0);
+        self.force_scale = 0.0;
+        self.step(contact, compliance, angular_frequency, self.origin, 0.0, None);
+        self.start.copy_from_slice(&self.next);
+        self.start_sensitivity.copy_from_slice(&self.next_sensitivity);
+        self.force_samples.fill(f64::NAN);
+    }
+
+    /// One step from `state` to the sample `k` through the series spring; leaves `next` and its
+    /// sensitivity, and writes the force's sensitivity to column `column` if there is one.
+    fn step(
+        &mut self,
+        contact: &ContactOnBeam,
+        compliance: f64,
+        angular_frequency: f64,
+        k: usize,
+        predicted: f64,
+        column: Option<usize>,
+    ) -> f64 {
+        let mut inputs = Inputs {
+            displacement: 0.0,
+            velocity: angular_frequency * self.rate[k],
+            normal_load: contact.normal_load,
+        };
+        let mut implicit = Implicit::new(predicted);
+        let mut response: Response;
+        loop {
+            inputs.displacement = self.displacement[k] - compliance * implicit.force;
+            response = contact.law.step(&self.state, inputs, &mut self.next);
+            let scale = self.force_scale.max(response.force.abs());
+            let gradient = 1.0 + compliance * response.tangents.displacement;
+            if implicit.accept(response.force, gradient, compliance, STEP_TOLERANCE * scale) {
+                break;
+            }
+        }
+        contact.law.state_tangents(&self.state, inputs, &mut self.tangents);
+        self.carry(&response, compliance, angular_frequency, k, column);
+        response.force
+    }
+
+    /// Carries the derivatives through the step just made.
+    fn carry(
+        &mut self,
+        response: &Response,
+        compliance: f64,
+        angular_frequency: f64,
+        k: usize,
+        column: Option<usize>,
+    ) {
+        let (n, wide) = (self.state_len, self.wide);
+        let columns = wide + 1 + n;
+        let rated =
+            response.tangents.velocity != 0.0 || self.tangents.next_by_velocity.iter().any(|d| *d != 0.0);
+        let functions = self.basis.functions(k);
+        let (stiffness, damping) = (response.tangents.displacement, response.tangents.velocity);
+        let row = &mut self.displacement_row;
+        // Force at a held series spring …
+        for (r, b) in row.iter_mut().zip(functions) {
+            *r = stiffness * b;
+        }
+        row[wide..].fill(0.0);
+        if rated {
+            let velocity = &mut self.velocity_row;
+            differentiate_functions(functions, angular_frequency, velocity);
+            velocity[wide] = self.rate[k];
+            velocity[wide + 1..].fill(0.0);
+            row.iter_mut().zip(velocity.iter()).for_each(|(r, v)| *r += damping * v);
+        }
+        for (weight, source) in
+            self.tangents.force_by_state.iter().zip(self.state_sensitivity.chunks_exact(columns))
+        {
+            add_scaled(row, *weight, source);
+        }
+        // … the spring gives way: dT (1 + a ∂T/∂u) is what was summed …
+        let softening = 1.0 / (1.0 + compliance * stiffness);
+        row.iter_mut().for_each(|r| *r *= softening);
+        if let Some(column) = column {
+            self.sensitivity.as_mut_slice()[column * columns..(column + 1) * columns].copy_from_slice(row);
+        }
+        // … and the contact moves by du − a dT.
+        row.iter_mut().for_each(|r| *r *= -compliance);
+        row.iter_mut().zip(functions).for_each(|(r, b)| *r += b);
+        for (i, target) in self.next_sensitivity.chunks_exact_mut(columns).enumerate() {
+            target.fill(0.0);
+            add_scaled(target, self.tangents.next_by_displacement[i], row);
+            if rated {
+                add_scaled(target, self.tangents.next_by_velocity[i], &self.velocity_row);
+            }
+            let weights = &self.tangents.next_by_state[i * n..(i + 1) * n];
+            for (weight, source) in weights.iter().zip(self.state_sensitivity.chunks_exact(columns)) {
+                add_scaled(target, *weight, source);
+            }
+        }
+    }
+
+    /// Marches one period from `start`, which is the state at sample `origin`.
+    fn march(&mut self, contact: &ContactOnBeam, compliance: f64, angular_frequency: f64) {
+        let (n, wide) = (self.state_len, self.wide);
+        let columns = wide + 1 + n;
+        self.state.copy_from_slice(&self.start);
+        self.state_sensitivity.copy_from_slice(&self.start_sensitivity);
+        for i in 0..n {
+            self.state_sensitivity[i * columns + wide + 1..(i + 1) * columns].fill(0.0);
+            self.state_sensitivity[i * columns + wide + 1 + i] = 1.0;
+            self.state_scale[i] = self.start[i].abs();
+        }
+        let mut last = 0.0;
+        let mut largest = 0.0_f64;
+        for i in 1..=self.samples {
+            let k = (self.origin + i) % self.samples;
+            let known = self.force_samples[k];
+            let predicted = if known.is_finite() { known } else { last };
+            last = self.step(contact, compliance, angular_frequency, k, predicted, Some(k));
+            self.force_samples[k] = last;
+            largest = largest.max(last.abs());
+            std::mem::swap(&mut self.state, &mut self.next);
+            std::mem::swap(&mut self.state_sensitivity, &mut self.next_sensitivity);
+            for (scale, value) in self.state_scale.iter_mut().zip(&self.state) {
+                *scale = scale.max(value.abs());
+            }
+        }
+        self.force_scale = largest;
+    }
+
+    /// Solves `(1 − M) δ = end − start` for the state and its sensitivities (left in `solution`, one
+    /// column for the state, then the coefficients and the frequency).
+    fn close(&mut self) -> Closure {
+        let (n, wide) = (self.state_len, self.wide);
+        let (columns, right) = (wide + 1 + n, wide + 2);
+        let width = n + right;
+        for scale in &mut self.state_scale {
+            if *scale == 0.0 {
+                *scale = 1.0;
+            }
+        }
+        for i in 0..n {
+            let end = &self.state_sensitivity[i * columns..(i + 1) * columns];
+            let begin = &self.start_sensitivity[i * columns..(i + 1) * columns];
+            let row = &mut self.system[i * width..(i + 1) * width];
+            for j in 0..n {
+                let identity = f64::from(u8::from(i == j));
+                row[j] = identity - end[wide + 1 + j] * self.state_scale[j] / self.state_scale[i];
+            }
+            row[n] = (self.state[i] - self.start[i]) / self.state_scale[i];
+            for m in 0..=wide {
+                row[n + 1 + m] = (end[m] - begin[m]) / self.state_scale[i];
+            }
+        }
+        let rank = solve_ranked(&mut self.system, &mut self.pivots, right, UNFADING, &mut self.solution);
+        // Memory that does not fade must be the virgin contact's, or the result would depend on the
+        // evaluations before.
+        let unique = (0..n).all(|i| {
+            self.pivots[..rank].contains(&i)
+                || (self.start[i] - self.virgin[i]).abs() <= 1e-12 * self.state_scale[i]
+        });
+        for (row, scale) in self.solution.chunks_exact_mut(right).zip(&self.state_scale) {
+            row.iter_mut().for_each(|x| *x *= scale);
+        }
+        let mut force_change = 0.0_f64;
+        for column in self.sensitivity.as_slice().chunks_exact(columns) {
+            let by_state = &column[wide + 1..];
+            let change: f64 = by_state.iter().enumerate().map(|(i, d)| d * self.solution[i * right]).sum();
+            // `max` would drop a NaN.
+            force_change =
+                if change.abs() > force_change || change.is_nan() { change.abs() } else { force_change };
+            if force_change.is_nan() {
+                break;
+            }
+        }
+        Closure { unique, force_change }
+    }
+
+    /// Moves the start towards the periodic state: by Newton's step, or to where the period ended.
+    fn improve_start(
+        &mut self,
+        plain: bool,
+        contact: &ContactOnBeam,
+        compliance: f64,
+        angular_frequency: f64,
+    ) {
+        if plain && self.state.iter().any(|x| !x.is_finite()) {
+            self.start_virgin(contact, compliance, angular_frequency);
+        } else if plain {
+            self.start.copy_from_slice(&self.state);
+            self.start_sensitivity.copy_from_slice(&self.state_sensitivity);
+        } else {
+            self.correct_start();
+        }
+    }
+
+    /// Newton's step on the start state and its sensitivity.
+    fn correct_start(&mut self) {
+        let (columns, right) = (self.wide + 1 + self.state_len, self.wide + 2);
+        for (i, solution) in self.solution.chunks_exact(right).enumerate() {
+            self.start[i] += solution[0];
+            let row = &mut self.start_sensitivity[i * columns..];
+            row.iter_mut().zip(&solution[1..]).for_each(|(s, d)| *s += d);
+        }
+    }
+
+    /// Adds what the start state contributes, to first order, and projects on the harmonics.
+    fn finish(&mut self) {
+        let (n, wide, samples) = (self.state_len, self.wide, self.samples);
+        let (columns, right) = (wide + 1 + n, wide + 2);
+        for (force, column) in
+            self.force_samples.iter_mut().zip(self.sensitivity.as_mut_slice().chunks_exact_mut(columns))
+        {
+            let (total, by_state) = column.split_at_mut(wide + 1);
+            for (i, weight) in by_state.iter().enumerate() {
+                if *weight != 0.0 {
+                    *force += weight * self.solution[i * right];
+                    add_scaled(total, *weight, &self.solution[i * right + 1..(i + 1) * right]);
+                }
+            }
+        }
+        self.basis.project(&self.force_samples, &mut self.force);
+        // jacobian = projectionᵀ · sensitivityᵀ, both as strided views so that the fast product is used.
+        let projection = &self.basis.projection;
+        let left = transposed(projection.as_slice(), samples, wide, samples);
+        let right_factor = transposed(self.sensitivity.as_slice(), wide, samples, columns);
+        self.jacobian.gemm(1.0, &left, &right_factor, 0.0);
+        for (m, value) in self.by_frequency.iter_mut().enumerate() {
+            let column = &projection.as_slice()[m * samples..(m + 1) * samples];
+            *value = column.iter().enumerate().map(|(k, p)| p * self.sensitivity[(wide, k)]).sum();
+        }
+    }
+}
+
+/// The transpose of a column-major `rows × columns` matrix with the given column stride, as a view.
+pub(crate) fn transposed(
+    data: &[f64],
+    rows: usize,
+    columns: usize,
+    stride: usize,
+) -> DMatrixView<'_, f64, Dyn, Dyn> {
+    DMatrixView::from_slice_with_strides_generic(data, Dyn(columns), Dyn(rows), Dyn(stride), Dyn(1))
+}
+
+/// Safeguarded Newton iteration for `T = law(u − a T)`: the residual `T − law` grows with `T`, hence
+/// its sign brackets the root.
+struct Implicit {
+    force: f64,
+    low: f64,
+    high: f64,
+    iterations: usize,
+}
+
+impl Implicit {
+    fn new(force: f64) -> Self {
+        Self { force, low: f64::NEG_INFINITY, high: f64::INFINITY, iterations: 0 }
+    }
+
+    /// Takes the law's answer at the current force; true when it is good enough.
+    fn accept(&mut self, answer: f64, gradient: f64, compliance: f64, tolerance: f64) -> bool {
+        let defect = self.force - answer;
+        self.iterations += 1;
+        if compliance == 0.0 || defect.abs() <= tolerance || self.iterations > MAX_STEP_ITERATIONS {
+            return true;
+        }
+        if defect.is_nan() {
+            return true; // The caller sees the NaN in the force and starts again elsewhere.
+        }
+        if defect > 0.0 {
+            self.high = self.force;
+        } else {
+            self.low = self.force;
+        }
+        let newton = self.force - defect / gradient;
+        self.force = if newton > self.low && newton < self.high {
+            newton
+        } else if self.low.is_finite() && self.high.is_finite() {
+            0.5 * (self.low + self.high)
+        } else {
+            answer
+        };
+        false
+    }
+}
+
+fn differentiate_functions(functions: &[f64], angular_frequency: f64, out: &mut [f64]) {
+    out[0] = 0.0;
+    for h in 1..=functions.len() / 2 {
+        out[2 * h - 1] = -(h as f64) * angular_frequency * functions[2 * h];
+        out[2 * h] = h as f64 * angular_frequency * functions[2 * h - 1];
+    }
+}
+
+fn add_scaled(target: &mut [f64], weight: f64, source: &[f64]) {
+    if weight != 0.0 {
+        target.iter_mut().zip(source).for_each(|(t, s)| *t += weight * s);
+    }
+}
+
+/// Gauss–Jordan elimination with full pivoting of `n` rows of width `n + right`; unknowns whose pivot
+/// falls below `threshold` are set to zero. Returns the rank; `pivots` then
+/// starts with the unknowns that were solved for.
+fn solve_ranked(
+    system: &mut [f64],
+    pivots: &mut [usize],
+    right: usize,
+    threshold: f64,
+    out: &mut [f64],
+) -> usize {
+    let n = pivots.len();
+    let width = n + right;
+    out[..n * right].fill(0.0);
+    let mut solved = 0;
+    while solved < n {
+        let mut best = (solved, 0, 0.0);
+        for i in solved..n {
+            for j in 0..n {
+                let size = system[i * width + j].abs();
+                if size > best.2 {
+                    best = (i, j, size);
+                }
+            }
+        }
+        let (row, column, size) = best;
+        // A NaN never compares greater: it ends here as a missing pivot and shows in the force.
+        if size <= threshold {
+            break;
+        }
+        for j in 0..width {
+            system.swap(solved * width + j, row * width + j);
+        }
+        pivots[solved] = column;
+        let pivot = system[solved * width + column];
+        for j in 0..width {
+            system[solved * width + j] /= pivot;
+        }
+        for i in (0..n).filter(|i| *i != solved) {
+            let factor = system[i * width + column];
+            if factor != 0.0 {
+                for j in 0..width {
+                    system[i * width + j] -= factor * system[solved * width + j];
+                }
+                // Exactly zero, so that a later search cannot pick the column again.
+                system[i * width + column] = 0.0;
+            }
+        }
+        solved += 1;
+    }
+    for (i, column) in pivots[..solved].iter().enumerate() {
+        out[column * right..(column + 1) * right].copy_from_slice(&system[i * width + n..(i + 1) * width]);
+    }
+    solved
+}

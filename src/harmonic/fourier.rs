@@ -1,0 +1,224 @@
+//! Fourier coefficients of periodic signals, and products of signals as matrices on coefficients.
+//!
+//! A signal with harmonics `0..=H` is the slice `[a0, c1, s1, …, cH, sH]` of `2H + 1` numbers:
+//! `x(θ) = a0 + Σ c_h cos hθ + s_h sin hθ` with the phase `θ = Ω t`.
+
+use std::f64::consts::TAU;
+
+use nalgebra::DMatrix;
+
+/// Number of coefficients of a signal with harmonics `0..=harmonics`.
+pub const fn coefficient_count(harmonics: usize) -> usize {
+    2 * harmonics + 1
+}
+
+/// Value of the signal at `phase` (rad).
+pub fn value(coefficients: &[f64], phase: f64) -> f64 {
+    harmonics_of(coefficients).fold(coefficients.first().copied().unwrap_or(0.0), |sum, (h, c, s)| {
+        let (sin, cos) = (h * phase).sin_cos();
+        sum + c * cos + s * sin
+    })
+}
+
+/// Second derivative of the signal with respect to time at `phase` (rad), for the fundamental angular
+/// frequency `angular_frequency` (rad/s).
+pub fn second_time_derivative(coefficients: &[f64], phase: f64, angular_frequency: f64) -> f64 {
+    harmonics_of(coefficients).fold(0.0, |sum, (h, c, s)| {
+        let (sin, cos) = (h * phase).sin_cos();
+        sum - (h * angular_frequency).powi(2) * (c * cos + s * sin)
+    })
+}
+
+/// Coefficients `0..=harmonics` of equally spaced `samples` that span `periods` whole periods (the
+/// sample after the last would repeat the first). Fitting and projecting are the same on such a grid
+/// as long as `harmonics · periods < samples.len() / 2`; harmonics beyond that come out as zero.
+pub fn from_samples(samples: &[f64], periods: usize, harmonics: usize) -> Vec<f64> {
+    let mut coefficients = vec![0.0; coefficient_count(harmonics)];
+    let count = samples.len();
+    if count == 0 {
+        return coefficients;
+    }
+    coefficients[0] = samples.iter().sum::<f64>() / count as f64;
+    for h in 1..=harmonics {
+        if 2 * h * periods >= count {
+            break;
+        }
+        let (mut cosine, mut sine) = (0.0, 0.0);
+        for (k, x) in samples.iter().enumerate() {
+            // The exact integer remainder keeps the phase accurate for long records.
+            let (sin, cos) = (TAU * ((h * periods * k) % count) as f64 / count as f64).sin_cos();
+            cosine += x * cos;
+            sine += x * sin;
+        }
+        coefficients[2 * h - 1] = 2.0 * cosine / count as f64;
+        coefficients[2 * h] = 2.0 * sine / count as f64;
+    }
+    coefficients
+}
+
+/// `(h, c_h, s_h)` for `h ≥ 1`.
+fn harmonics_of(coefficients: &[f64]) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
+    let pairs = coefficients.get(1..).unwrap_or(&[]).chunks_exact(2);
+    pairs.enumerate().map(|(k, pair)| ((k + 1) as f64, pair[0], pair[1]))
+}
+
+/// Work of a force over one cycle, `∮ T u' dθ = π Σ h (T_c,h u_s,h − T_s,h u_c,h)`, exact for whatever
+/// harmonics both signals have.
+pub(crate) fn work_per_cycle(force: &[f64], displacement: &[f64]) -> f64 {
+    let pairs = harmonics_of(force).zip(harmonics_of(displacement));
+    std::f64::consts::PI * pairs.map(|((h, tc, ts), (_, uc, us))| h * (tc * us - ts * uc)).sum::<f64>()
+}
+
+/// The functions `1, cos θ, sin θ, …` on an equally spaced grid of one period.
+#[derive(Debug, Clone)]
+pub(crate) struct Basis {
+    /// `(2H+1) × N`: column `k` holds every function at sample `k`.
+    pub at_samples: DMatrix<f64>,
+    /// `N × (2H+1)`: `xᵀ · projection` are the coefficients of the samples `x`.
+    pub projection: DMatrix<f64>,
+}
+
+impl Basis {
+    pub fn new(harmonics: usize, samples: usize) -> Self {
+        let count = coefficient_count(harmonics);
+        let circle: Vec<(f64, f64)> =
+            (0..samples).map(|k| (TAU * k as f64 / samples as f64).sin_cos()).collect();
+        let mut at_samples = DMatrix::zeros(count, samples);
+        let mut projection = DMatrix::zeros(samples, count);
+        for k in 0..samples {
+            at_samples[(0, k)] = 1.0;
+            projection[(k, 0)] = 1.0 / samples as f64;
+            for h in 1..=harmonics {
+                let (sin, cos) = circle[(h * k) % samples];
+                at_samples[(2 * h - 1, k)] = cos;
+                at_samples[(2 * h, k)] = sin;
+                projection[(k, 2 * h - 1)] = 2.0 * cos / samples as f64;
+                projection[(k, 2 * h)] = 2.0 * sin / samples as f64;
+            }
+        }
+        Self { at_samples, projection }
+    }
+
+    /// The functions at sample `k`.
+    pub fn functions(&self, k: usize) -> &[f64] {
+        let count = self.at_samples.nrows();
+        &self.at_samples.as_slice()[k * count..(k + 1) * count]
+    }
+
+    /// Values of the signal at every sample.
+    pub fn evaluate(&self, coefficients: &[f64], out: &mut [f64]) {
+        for (k, x) in out.iter_mut().enumerate() {
+            *x = dot(self.functions(k), coefficients);
+        }
+    }
+
+    /// Coefficients of the samples.
+    pub fn project(&self, samples: &[f64], out: &mut [f64]) {
+        let count = samples.len();
+        for (c, column) in out.iter_mut().zip(self.projection.as_slice().chunks_exact(count)) {
+            *c = dot(column, samples);
+        }
+    }
+}
+
+/// Writes `∂x/∂θ`.
+pub(crate) fn differentiate(coefficients: &[f64], out: &mut [f64]) {
+    out[0] = 0.0;
+    for h in 1..=coefficients.len() / 2 {
+        out[2 * h - 1] = h as f64 * coefficients[2 * h];
+        out[2 * h] = -(h as f64) * coefficients[2 * h - 1];
+    }
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Writes the matrix of "multiply by the signal `factor`" from signals with harmonics
+/// `0..=harmonics` to coefficients cut after `rows`: column-major, `rows × (2·harmonics + 1)`.
+pub(crate) fn multiplication(factor: &[f64], harmonics: usize, rows: usize, out: &mut [f64]) {
+    let out = &mut out[..rows * coefficient_count(harmonics)];
+    out.fill(0.0);
+    let kept = factor.len().min(rows);
+    out[..kept].copy_from_slice(&factor[..kept]);
+    for k in 1..=harmonics {
+        let (cosine, sine) = out[(2 * k - 1) * rows..(2 * k + 1) * rows].split_at_mut(rows);
+        if 2 * k < rows {
+            cosine[2 * k - 1] += factor[0];
+            sine[2 * k] += factor[0];
+        }
+        for h in 1..=factor.len() / 2 {
+            let (c, s) = (0.5 * factor[2 * h - 1], 0.5 * factor[2 * h]);
+            let (sum, difference) = (h + k, h.abs_diff(k));
+            if 2 * sum < rows {
+                cosine[2 * sum - 1] += c;
+                cosine[2 * sum] += s;
+                sine[2 * sum] += c;
+                sine[2 * sum - 1] -= s;
+            }
+            if difference == 0 {
+                cosine[0] += c;
+                sine[0] += s;
+            } else if 2 * difference < rows {
+                let sign = if h > k { 1.0 } else { -1.0 };
+                cosine[2 * difference - 1] += c;
+                cosine[2 * difference] += sign * s;
+                sine[2 * difference] -= sign * c;
+                sine[2 * difference - 1] += s;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn multiplication_matrix_multiplies_signals() {
+        let factor = [0.3, -1.0, 2.0, 0.5, -0.7, 0.2, 0.9];
+        let other = [1.1, 0.4, -0.6, 0.8, 1.3];
+        let rows = coefficient_count(5);
+        let mut matrix = vec![0.0; rows * other.len()];
+        multiplication(&factor, 2, rows, &mut matrix);
+        let mut product = vec![0.0; rows];
+        for (column, x) in matrix.chunks(rows).zip(&other) {
+            product.iter_mut().zip(column).for_each(|(p, c)| *p += c * x);
+        }
+        for phase in [0.0, 0.7, 2.1, 4.4] {
+            let expected = value(&factor, phase) * value(&other, phase);
+            assert!((value(&product, phase) - expected).abs() < 1e-14);
+        }
+        // Cutting the rows cuts harmonics of the product and changes nothing else.
+        let mut cut = vec![0.0; 5 * other.len()];
+        multiplication(&factor, 2, 5, &mut cut);
+        for k in 0..other.len() {
+            assert_eq!(cut[5 * k..5 * k + 5], matrix[rows * k..rows * k + 5]);
+        }
+    }
+
+    #[test]
+    fn projection_inverts_evaluation() {
+        let coefficients = [0.3, -1.0, 2.0, 0.5, -0.7];
+        let basis = Basis::new(2, 16);
+        let mut samples = [0.0; 16];
+        basis.evaluate(&coefficients, &mut samples);
+        let mut back = [0.0; 5];
+        basis.project(&samples, &mut back);
+        for (a, b) in coefficients.iter().zip(&back) {
+            assert!((a - b).abs() < 1e-15);
+        }
+        let twice: Vec<f64> = samples.iter().chain(&samples).copied().collect();
+        for (a, b) in coefficients.iter().zip(from_samples(&twice, 2, 2)) {
+            assert!((a - b).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn work_per_cycle_is_the_enclosed_area() {
+        // Restoring force with a part in phase with velocity: T = k u + c u', area π c U² per harmonic.
+        let displacement = [0.0, 0.0, 2.0];
+        let force = [0.5, 0.25 * 2.0, 7.0 * 2.0];
+        assert!((work_per_cycle(&force, &displacement) - std::f64::consts::PI * 0.25 * 4.0).abs() < 1e-14);
+    }
+}
