@@ -26,6 +26,7 @@
 
 mod check;
 mod free;
+mod law;
 mod parameters;
 mod parse;
 mod write;
