@@ -16,7 +16,11 @@ const FORCED: Settings = Settings { harmonics: 15, samples: 256, tolerance: 1e-8
 
 /// Predictions of the `frequency` (Hz) column of a backbone, or of every `acceleration:x=…` column (m/s²)
 /// of a steady record, in the record's order.
-pub(super) fn predict(beam: &Beam, contact: Option<&Contact>, record: &Record) -> Result<Vec<Vec<f64>>, String> {
+pub(super) fn predict(
+    beam: &Beam,
+    contact: Option<&Contact>,
+    record: &Record,
+) -> Result<Vec<Vec<f64>>, String> {
     let modal = ModalBeam::new(beam).map_err(|error| error.to_string())?;
     let law = contact.map(Contact::law).transpose().map_err(|error| error.to_string())?;
     let on_beam = law
@@ -34,11 +38,16 @@ pub(super) fn predict(beam: &Beam, contact: Option<&Contact>, record: &Record) -
 
 fn backbone(beam: &ModalBeam, contact: Option<ContactOnBeam>, record: &Record) -> Result<Vec<f64>, String> {
     let amplitudes = &record.channel("amplitude").ok_or("there is no `amplitude` column")?.values;
-    let points = harmonic::backbone(beam, contact, amplitudes, &HELD, &[]).map_err(|error| error.to_string())?;
+    let points =
+        harmonic::backbone(beam, contact, amplitudes, &HELD, &[]).map_err(|error| error.to_string())?;
     Ok(points.iter().map(|point| point.angular_frequency / TAU).collect())
 }
 
-fn steady(beam: &ModalBeam, contact: Option<ContactOnBeam>, record: &Record) -> Result<Vec<Vec<f64>>, String> {
+fn steady(
+    beam: &ModalBeam,
+    contact: Option<ContactOnBeam>,
+    record: &Record,
+) -> Result<Vec<Vec<f64>>, String> {
     let time = record.time().ok_or("there is no `time` column")?;
     let step = record.sample_step().ok_or("`time` is not evenly spaced")?;
     let force = &record.channel("excitation").ok_or("there is no `excitation` column")?.values;

@@ -17,7 +17,9 @@ pub(super) fn predict(law: &dyn ContactLaw, normal_load: f64, record: &Record) -
     let displacement = &record.channel("displacement").ok_or("there is no `displacement` column")?.values;
     let velocity = match record.channel("velocity") {
         Some(channel) => channel.values.clone(),
-        None => differentiate(&record.channel("time").ok_or("there is no `time` column")?.values, displacement),
+        None => {
+            differentiate(&record.channel("time").ok_or("there is no `time` column")?.values, displacement)
+        }
     };
     let path = Path { law, normal_load, displacement, velocity: &velocity };
     let mut start = vec![0.0; law.state_len()];
@@ -33,7 +35,9 @@ pub(super) fn predict(law: &dyn ContactLaw, normal_load: f64, record: &Record) -
             let force = path.initial_force(measured);
             law.set_state(displacement[0], normal_load, force, &mut start);
         }
-        Regime::Backbone => return Err("a backbone table belongs to a beam or an oscillator, not to a bare contact".into()),
+        Regime::Backbone => {
+            return Err("a backbone table belongs to a beam or an oscillator, not to a bare contact".into());
+        }
     }
     Ok(path.forces(&start, displacement.len()))
 }

@@ -1,11 +1,10 @@
 //! Model against measurement: predict every record, score the prediction, refit, compare again.
 
 mod beam_record;
-mod compare;
+
 mod comparison;
 mod contact_record;
 mod predict;
 mod score;
 
-pub use compare::{evaluate, refit};
 pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Stage};

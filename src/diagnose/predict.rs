@@ -44,7 +44,8 @@ pub(super) fn normalised_residual(model: &Model, record: &Record) -> Result<Vec<
     let mut residual = Vec::new();
     for (channel, predicted) in compared(model, record).into_iter().zip(predictions(model, record)?) {
         let scale = score::standard_deviation(&channel.values) * (channel.values.len() as f64).sqrt();
-        residual.extend(channel.values.iter().zip(predicted).map(|(measured, value)| (value - measured) / scale));
+        residual
+            .extend(channel.values.iter().zip(predicted).map(|(measured, value)| (value - measured) / scale));
     }
     Ok(residual)
 }

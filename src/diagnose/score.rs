@@ -11,9 +11,16 @@ pub(super) fn channel(channel: &Channel, predicted: Vec<f64>) -> Result<ChannelR
     if deviation == 0.0 {
         return Err(format!("`{}` is the same number throughout; there is nothing to compare", channel.name));
     }
-    let squares = channel.values.iter().zip(&predicted).map(|(measured, predicted)| (predicted - measured).powi(2));
+    let squares =
+        channel.values.iter().zip(&predicted).map(|(measured, predicted)| (predicted - measured).powi(2));
     let rms = (squares.sum::<f64>() / channel.values.len() as f64).sqrt();
-    Ok(ChannelResult { name: channel.name.clone(), unit: channel.unit, error: rms / deviation, rms, predicted })
+    Ok(ChannelResult {
+        name: channel.name.clone(),
+        unit: channel.unit,
+        error: rms / deviation,
+        rms,
+        predicted,
+    })
 }
 
 /// Root-mean-square of the channels' normalised errors.

@@ -38,7 +38,8 @@ impl Outputs {
     pub fn write(self) -> Result<Vec<PathBuf>, Failure> {
         let mut ready = Vec::new();
         for (path, bytes) in &self.files {
-            let failed = |error: std::io::Error| Failure::other(format!("cannot write {}: {error}", path.display()));
+            let failed =
+                |error: std::io::Error| Failure::other(format!("cannot write {}: {error}", path.display()));
             let mut file = tempfile::Builder::new()
                 .prefix(".stickslip-")
                 .permissions_if_unix()
@@ -48,8 +49,9 @@ impl Outputs {
             ready.push((path, file));
         }
         for (path, file) in ready {
-            file.persist(path)
-                .map_err(|error| Failure::other(format!("cannot write {}: {}", path.display(), error.error)))?;
+            file.persist(path).map_err(|error| {
+                Failure::other(format!("cannot write {}: {}", path.display(), error.error))
+            })?;
         }
         Ok(self.files.into_iter().map(|(path, _)| path).collect())
     }

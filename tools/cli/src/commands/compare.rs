@@ -43,7 +43,8 @@ impl Compare {
                 !interrupted()
             });
             bar.finish_and_clear();
-            let (refitted, stage) = fitted.map_err(|error| Failure::other(format!("error: the refit failed: {error}")))?;
+            let (refitted, stage) =
+                fitted.map_err(|error| Failure::other(format!("error: the refit failed: {error}")))?;
             stages.push(stage);
             if let Some(path) = &self.out {
                 outputs.add(path, refitted.to_toml());

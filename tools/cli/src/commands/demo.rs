@@ -51,8 +51,12 @@ impl Demo {
         )
         .map_err(super::shown)?;
         println!("{}\n", dataset.title.as_deref().unwrap_or_default());
-        let (models, stages): (Vec<Model>, Vec<Stage>) =
-            STAGES.iter().map(|stage| run_stage(stage, &dataset)).collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+        let (models, stages): (Vec<Model>, Vec<Stage>) = STAGES
+            .iter()
+            .map(|stage| run_stage(stage, &dataset))
+            .collect::<Result<Vec<_>, _>>()?
+            .into_iter()
+            .unzip();
         let best = stages
             .iter()
             .zip(&models)

@@ -30,7 +30,8 @@ impl Fmu {
         let wanted = |name: &str| self.models.is_empty() || self.models.iter().any(|model| model == name);
         let mut outputs = Outputs::default();
         for (name, toml) in standard.iter().filter(|(name, _)| wanted(name)) {
-            let bytes = stickslip_fmu_package::write_fmu(name, toml).map_err(|error| Failure::other(error.to_string()))?;
+            let bytes = stickslip_fmu_package::write_fmu(name, toml)
+                .map_err(|error| Failure::other(error.to_string()))?;
             outputs.add(&self.out.join(format!("{name}.fmu")), bytes);
         }
         std::fs::create_dir_all(&self.out)
