@@ -83,7 +83,7 @@ fn both_micro_signs_are_read_and_latin_1_is_explained() {
     let latin: Vec<u8> = TABLE.replace("mm", "\u{b5}m").chars().map(|letter| letter as u8).collect();
     let error = dataset_error(DATASET.as_bytes(), &latin);
     says(&error, "r.csv", 1, &["not UTF-8", "Latin-1", "displacement ["]);
-    assert_eq!(error.excerpt.unwrap().column(), 1 + TABLE.find("mm").unwrap());
+    assert_eq!(error.excerpt.unwrap().column, 1 + TABLE.find("mm").unwrap());
     let wide: Vec<u8> = [0xff, 0xfe].into_iter().chain(TABLE.bytes().flat_map(|byte| [byte, 0])).collect();
     says(&dataset_error(DATASET.as_bytes(), &wide), "r.csv", 1, &["UTF-16"]);
     says(&dataset_error(&latin, b""), "dataset.toml", 1, &["not UTF-8"]);
@@ -139,7 +139,7 @@ fn fields_are_refused_in_their_line() {
 fn the_wrong_field_is_marked() {
     let error = dataset_error(DATASET.as_bytes(), b"time [s], force [N]\n0, one\n");
     let excerpt = error.excerpt.unwrap();
-    assert_eq!((&excerpt.text[excerpt.span.clone()], excerpt.line, excerpt.column()), ("one", 2, 4));
+    assert_eq!((&excerpt.text[excerpt.span.clone()], excerpt.line, excerpt.column), ("one", 2, 4));
 }
 
 #[test]
