@@ -76,7 +76,7 @@ pub enum Problem {
     #[error("column `{0}` is there twice")]
     DuplicateColumn(String),
     /// A row with another number of fields than the header.
-    #[error("{found} fields where the header has {expected} columns")]
+    #[error("the row and the header differ in length: {found} against {expected}")]
     Ragged {
         /// Number of columns.
         expected: usize,

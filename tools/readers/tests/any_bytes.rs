@@ -92,7 +92,7 @@ fn the_seeds_of_the_mutations_are_good() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
     fn mutated_models_are_read_or_refused(bytes in mutated(MODEL)) {
