@@ -13,7 +13,7 @@ use crate::vocabulary::Quantity;
 /// Exponents of length, mass, time and angle.
 type Dimension = [i32; 4];
 
-const STANDARD_GRAVITY: f64 = 9.806_65;
+const STANDARD_GRAVITY: f64 = 9.80665;
 
 /// Symbols that take the prefixes below: name, dimension, size in m, kg, s and rad.
 const PREFIXED: &[(&str, Dimension, f64)] = &[
@@ -36,8 +36,8 @@ const PLAIN: &[(&str, Dimension, f64)] = &[
     ("rpm", [0, 0, -1, 1], 2.0 * PI / 60.0),
     ("min", [0, 0, 1, 0], 60.0),
     ("in", [1, 0, 0, 0], 0.0254),
-    ("lbf", [1, 1, -2, 0], 4.448_221_615_260_5),
-    ("kip", [1, 1, -2, 0], 4448.221_615_260_5),
+    ("lbf", [1, 1, -2, 0], 4.4482216152605),
+    ("kip", [1, 1, -2, 0], 4448.2216152605),
 ];
 
 /// Both code points in use for micro, and the letter that stands in for them.

@@ -23,7 +23,7 @@ pub fn check_columns(dataset: &Dataset, model: &Model) -> Result<(), InputError>
         };
         if let Some(problem) = problem {
             // The header is not at hand any more, but it is the first line.
-            let header = Excerpt { line: 1, text: String::new(), span: 0..0 };
+            let header = Excerpt { line: 1, column: 1, text: String::new(), span: 0..0 };
             return Err(InputError {
                 path: PathBuf::from(&record.name),
                 excerpt: Some(header),

@@ -26,17 +26,12 @@ pub struct InputError {
 pub struct Excerpt {
     /// Number of the line, from 1.
     pub line: usize,
-    /// The line without its end; empty where the line is not at hand.
+    /// Number of the first wrong character in the line, from 1.
+    pub column: usize,
+    /// The line without its end, shortened if it is very long; empty where it cannot be shown.
     pub text: String,
     /// The bytes of `text` that are wrong.
     pub span: Range<usize>,
-}
-
-impl Excerpt {
-    /// Number of the first wrong character in the line, from 1.
-    pub fn column(&self) -> usize {
-        1 + self.text.get(..self.span.start).map_or(0, |before| before.chars().count())
-    }
 }
 
 /// What can be wrong with a file.
@@ -81,7 +76,7 @@ pub enum Problem {
     #[error("column `{0}` is there twice")]
     DuplicateColumn(String),
     /// A row with another number of fields than the header.
-    #[error("{found} fields where the header has {expected} columns")]
+    #[error("the row and the header differ in length: {found} against {expected}")]
     Ragged {
         /// Number of columns.
         expected: usize,
@@ -178,12 +173,11 @@ impl InputError {
         let renderer = if color { Renderer::styled() } else { Renderer::plain() };
         let renderer = renderer.decor_style(DecorStyle::Ascii);
         let path = self.path.display().to_string();
-        let title = Level::ERROR.primary_title(self.problem.to_string());
+        let title = Level::ERROR.primary_title(shortened(self.problem.to_string()));
         let group = match &self.excerpt {
             None => Group::with_title(title).element(Origin::path(path)),
-            Some(excerpt) if excerpt.text.is_empty() => {
-                Group::with_title(title).element(Origin::path(path).line(excerpt.line))
-            }
+            Some(excerpt) if excerpt.text.is_empty() => Group::with_title(title)
+                .element(Origin::path(path).line(excerpt.line).char_column(excerpt.column)),
             Some(excerpt) => title.element(
                 Snippet::source(excerpt.text.as_str())
                     .line_start(excerpt.line)
@@ -192,11 +186,21 @@ impl InputError {
             ),
         };
         let group = match self.problem.help() {
-            Some(help) => group.element(Level::HELP.message(help)),
+            Some(help) => group.element(Level::HELP.message(shortened(help))),
             None => group,
         };
         renderer.render(&[group])
     }
+}
+
+/// Messages quote the file, and a file without line ends or commas is one endless word.
+fn shortened(mut message: String) -> String {
+    const LONGEST: usize = 2000;
+    if let Some((end, _)) = message.char_indices().nth(LONGEST) {
+        message.truncate(end);
+        message.push('…');
+    }
+    message
 }
 
 /// One line, for logs; [`InputError::render`] is for users.
@@ -204,7 +208,7 @@ impl fmt::Display for InputError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "{}", self.path.display())?;
         if let Some(excerpt) = &self.excerpt {
-            write!(formatter, ":{}:{}", excerpt.line, excerpt.column())?;
+            write!(formatter, ":{}:{}", excerpt.line, excerpt.column)?;
         }
         write!(formatter, ": {}", self.problem)
     }

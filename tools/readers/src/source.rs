@@ -80,17 +80,24 @@ fn is_line_end(byte: u8) -> bool {
     byte == b'\n' || byte == b'\r'
 }
 
+/// Binary files have lines of megabytes: a line is shown this many bytes beyond the start of what is wrong
+/// with it, and not at all if that start lies further into the line.
+const SHOWN: usize = 500;
+
 /// The line at the start of `span`; of the span, what lies on that line.
 pub(crate) fn excerpt(text: &str, span: Range<usize>) -> Excerpt {
     let start = floor_boundary(text, span.start);
     let line_start = text[..start].rfind(['\n', '\r']).map_or(0, |end| end + 1);
     let line_end = text[start..].find(['\n', '\r']).map_or(text.len(), |end| start + end);
-    let end = floor_boundary(text, span.end.clamp(start, line_end)).max(start);
-    Excerpt {
-        line: 1 + line_ends(&text[..line_start]),
-        text: text[line_start..line_end].to_owned(),
-        span: start - line_start..end - line_start,
+    let line_end = floor_boundary(text, line_end.min(start + SHOWN));
+    let end = floor_boundary(text, span.end.clamp(start, line_end));
+    let line = 1 + line_ends(&text[..line_start]);
+    let column = 1 + text[line_start..start].chars().count();
+    if start - line_start > SHOWN {
+        return Excerpt { line, column, text: String::new(), span: 0..0 };
     }
+    let span = start - line_start..end - line_start;
+    Excerpt { line, column, text: text[line_start..line_end].to_owned(), span }
 }
 
 /// CR-LF is one end of a line; so are a bare LF and a bare CR.
@@ -115,7 +122,7 @@ mod tests {
             let text = ["one", "two", "", "µfour"].join(end);
             let place = text.find("four").unwrap();
             let excerpt = excerpt(&text, place..place + 4);
-            assert_eq!((excerpt.line, excerpt.text.as_str(), excerpt.column()), (4, "µfour", 2));
+            assert_eq!((excerpt.line, excerpt.text.as_str(), excerpt.column), (4, "µfour", 2));
             assert_eq!(&excerpt.text[excerpt.span], "four");
         }
     }
@@ -129,5 +136,14 @@ mod tests {
             assert!(found.span.end <= found.text.len());
         }
         assert_eq!(excerpt("", 0..0).line, 1);
+    }
+
+    #[test]
+    fn long_lines_are_cut_and_places_far_into_them_are_only_numbered() {
+        let text = format!("one\n{}", "µ".repeat(10_000));
+        let found = excerpt(&text, 4..20_000);
+        assert!((found.line, found.column) == (2, 1) && found.text.len() <= SHOWN && !found.text.is_empty());
+        let found = excerpt(&text, 10_004..10_006);
+        assert_eq!((found.line, found.column, found.text.as_str()), (2, 5001, ""));
     }
 }

@@ -83,7 +83,7 @@ fn both_micro_signs_are_read_and_latin_1_is_explained() {
     let latin: Vec<u8> = TABLE.replace("mm", "\u{b5}m").chars().map(|letter| letter as u8).collect();
     let error = dataset_error(DATASET.as_bytes(), &latin);
     says(&error, "r.csv", 1, &["not UTF-8", "Latin-1", "displacement ["]);
-    assert_eq!(error.excerpt.unwrap().column(), 1 + TABLE.find("mm").unwrap());
+    assert_eq!(error.excerpt.unwrap().column, 1 + TABLE.find("mm").unwrap());
     let wide: Vec<u8> = [0xff, 0xfe].into_iter().chain(TABLE.bytes().flat_map(|byte| [byte, 0])).collect();
     says(&dataset_error(DATASET.as_bytes(), &wide), "r.csv", 1, &["UTF-16"]);
     says(&dataset_error(&latin, b""), "dataset.toml", 1, &["not UTF-8"]);
@@ -129,8 +129,8 @@ fn fields_are_refused_in_their_line() {
     table_says(&format!("{header}0.2,NaN\n"), 5, &["not a finite number"]);
     table_says(&format!("{header}0.2,-inf\n"), 5, &["not a finite number"]);
     table_says(&format!("{header}0.2,1e999\n"), 5, &["not a finite number"]);
-    table_says(&format!("{header}0.2,3,4\n"), 5, &["3 fields where the header has 2 columns"]);
-    table_says(&format!("{header}0.2\n0.3,4\n"), 5, &["1 fields"]);
+    table_says(&format!("{header}0.2,3,4\n"), 5, &["differ in length: 3 against 2"]);
+    table_says(&format!("{header}0.2\n0.3,4\n"), 5, &["1 against 2"]);
     table_says(&format!("{header}0.1,3\n"), 5, &["time does not increase"]);
     table_says(&format!("{header}\n\n0.05,3\n"), 7, &["time does not increase: 0.05 s after 0.1 s"]);
 }
@@ -139,7 +139,7 @@ fn fields_are_refused_in_their_line() {
 fn the_wrong_field_is_marked() {
     let error = dataset_error(DATASET.as_bytes(), b"time [s], force [N]\n0, one\n");
     let excerpt = error.excerpt.unwrap();
-    assert_eq!((&excerpt.text[excerpt.span.clone()], excerpt.line, excerpt.column()), ("one", 2, 4));
+    assert_eq!((&excerpt.text[excerpt.span.clone()], excerpt.line, excerpt.column), ("one", 2, 4));
 }
 
 #[test]
@@ -248,6 +248,22 @@ fn datasets_must_have_what_the_model_needs() {
     ] {
         says(&check(model, regime, table).unwrap_err(), "r.csv", 1, &[words]);
     }
+}
+
+#[test]
+fn a_message_reads_like_this() {
+    let mut error = model(&MODEL.replace("normal_load", "normal_laod")).unwrap_err();
+    error.path = "model.toml".into();
+    let expected = "\
+error: unknown key `normal_laod` in [contact]
+ --> model.toml:8:1
+  |
+8 | normal_laod = 100
+  | ^^^^^^^^^^^
+  |
+  = help: did you mean `normal_load`? legal keys: `law`, `tangential_stiffness`, `friction_coefficient`, `normal_load`";
+    assert_eq!(error.render(false), expected);
+    assert_eq!(error.to_string(), "model.toml:8:1: unknown key `normal_laod` in [contact]");
 }
 
 #[test]
