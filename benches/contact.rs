@@ -1,6 +1,7 @@
 //! Time and allocations of a contact law's step: `cargo bench --bench contact`.
 //!
-//! Each figure is for 256 steps; the item rate gives steps per second.
+//! Each figure is for 256 steps; the item rate gives steps per second. Allocations are printed below
+//! the figures of what allocates, which only the last bench may, whose workspace is new every time.
 
 use divan::counter::ItemsCount;
 use divan::{AllocProfiler, Bencher, black_box};
@@ -102,4 +103,14 @@ fn valanis_periodic_state_of_256_samples(bencher: Bencher) {
     };
     solve().expect("the loop has a periodic state");
     bencher.bench_local(solve);
+}
+
+#[divan::bench]
+fn with_new_workspace_valanis_periodic_state_of_256_samples(bencher: Bencher) {
+    let (law, samples) = (valanis(), displacements(History::Stick));
+    let period = Period { displacement: &samples, velocity: &[], normal_load: &[LOAD] };
+    bencher.bench_local(|| {
+        let mut state = [0.0, 0.0, LOAD, 0.0];
+        PeriodicSolver::new().solve(black_box(&law), &period, &mut state).map(|info| info.iterations)
+    });
 }

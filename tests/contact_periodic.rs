@@ -4,7 +4,8 @@
 use std::f64::consts::TAU;
 
 use stickslip::contact::{
-    ContactLaw, Inputs, Jenkins, Period, PeriodicError, PeriodicSolver, Valanis, periodic_state,
+    ContactLaw, Inputs, Jenkins, Period, PeriodicError, PeriodicSolver, Response, SlipState, StateTangents,
+    Tangents, Valanis, periodic_state,
 };
 
 const LOAD: f64 = 147.15;
@@ -116,6 +117,11 @@ fn dissipation_of_the_traced_period_equals_its_work() {
     assert!((work / dissipated - 1.0).abs() < 1e-5, "{work:e} {dissipated:e}");
 }
 
+fn silent() -> Response {
+    let tangents = Tangents::default();
+    Response { force: 0.0, tangents, dissipated_energy: 0.0, slip_state: SlipState::Slip }
+}
+
 /// A state that grows without end has no period.
 #[derive(Debug)]
 struct Drifting;
@@ -127,16 +133,11 @@ impl ContactLaw for Drifting {
     fn set_state(&self, _: f64, _: f64, _: f64, state: &mut [f64]) {
         state[0] = 0.0;
     }
-    fn step(&self, state: &[f64], _: Inputs, next: &mut [f64]) -> stickslip::contact::Response {
+    fn step(&self, state: &[f64], _: Inputs, next: &mut [f64]) -> Response {
         next[0] = state[0] + 1.0;
-        stickslip::contact::Response {
-            force: 0.0,
-            tangents: Default::default(),
-            dissipated_energy: 0.0,
-            slip_state: stickslip::contact::SlipState::Slip,
-        }
+        silent()
     }
-    fn state_tangents(&self, _: &[f64], _: Inputs, out: &mut stickslip::contact::StateTangents) {
+    fn state_tangents(&self, _: &[f64], _: Inputs, out: &mut StateTangents) {
         out.reset(1);
         out.next_by_state[0] = 1.0;
     }
@@ -149,6 +150,49 @@ impl ContactLaw for Drifting {
 fn a_drifting_state_is_reported_not_returned() {
     let error = periodic_state(&Drifting, &[0.0, 1.0], &[1.0], &mut [0.0]).unwrap_err();
     assert!(matches!(error, PeriodicError::NotConverged { .. }), "{error}");
+}
+
+/// A linear memory of two components that turns and shrinks them, in an order that matters; it has
+/// exactly one periodic state, which one Newton step must hit.
+#[derive(Debug)]
+struct Turning;
+
+impl Turning {
+    fn matrix(displacement: f64) -> [f64; 4] {
+        if displacement > 0.5 { [0.999, 0.4, 0.0, 0.9999] } else { [0.998, 0.0, -0.3, 0.9] }
+    }
+}
+
+impl ContactLaw for Turning {
+    fn state_len(&self) -> usize {
+        2
+    }
+    fn set_state(&self, _: f64, _: f64, _: f64, state: &mut [f64]) {
+        state.fill(0.0);
+    }
+    fn step(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> Response {
+        let [a, b, c, d] = Self::matrix(inputs.displacement);
+        next[0] = a * state[0] + b * state[1] + 1.0;
+        next[1] = c * state[0] + d * state[1] - 2.0 * inputs.displacement;
+        silent()
+    }
+    fn state_tangents(&self, _: &[f64], inputs: Inputs, out: &mut StateTangents) {
+        out.reset(2);
+        out.next_by_state.copy_from_slice(&Self::matrix(inputs.displacement));
+    }
+    fn limit(&self, _: f64) -> f64 {
+        0.0
+    }
+}
+
+#[test]
+fn the_monodromy_multiplies_the_steps_in_their_order() {
+    let mut state = [3.0, 0.0];
+    let info = periodic_state(&Turning, &[0.0, 1.0, 1.0], &[1.0], &mut state).unwrap();
+    assert!(info.iterations <= 2 && info.residual < 1e-12, "{info:?}");
+    let mut after = state;
+    march(&Turning, &[0.0, 1.0, 1.0], &[1.0], &mut after, 1);
+    assert!((after[0] - state[0]).abs() + (after[1] - state[1]).abs() < 1e-10);
 }
 
 #[test]
