@@ -138,6 +138,7 @@ fn failed_evaluations_are_rejected_steps() {
     };
     let fit = fit(residual, 2, &[linear(0.2, 0.01, 1000.0)], &Options::default()).unwrap();
     assert!((fit.parameters[0] - 3.0).abs() < 1e-6, "{fit:?}");
+    assert!(fit.failures > 0, "the region was never entered");
     assert_eq!(fit.failures, failures.load(Ordering::Relaxed));
     // From inside the region there is no start, and the reason comes back.
     let error = stickslip::identify::fit(residual, 2, &[linear(5.0, 4.0, 6.0)], &Options::default()).unwrap_err();
