@@ -141,7 +141,8 @@ fn failed_evaluations_are_rejected_steps() {
     assert!(fit.failures > 0, "the region was never entered");
     assert_eq!(fit.failures, failures.load(Ordering::Relaxed));
     // From inside the region there is no start, and the reason comes back.
-    let error = stickslip::identify::fit(residual, 2, &[linear(5.0, 4.0, 6.0)], &Options::default()).unwrap_err();
+    let error =
+        stickslip::identify::fit(residual, 2, &[linear(5.0, 4.0, 6.0)], &Options::default()).unwrap_err();
     assert_eq!(error, FitError::NoStart { first: Some("diverged") });
     // A further start finds the way out.
     let options = Options { starts: 8, ..Options::default() };

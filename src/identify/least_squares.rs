@@ -1,8 +1,8 @@
 //! The adapter to the optimisation crate, and the only file that knows it.
 
 use basin::{
-    BoxBounds, ConstraintDescription, ConstraintSet, Constraints, CostFunction,
-    DenseMatrix, Executor, Jacobian, Residual, StepOutcome, Termination, TrustRegionReflective,
+    BoxBounds, ConstraintDescription, ConstraintSet, Constraints, CostFunction, DenseMatrix, Executor,
+    Jacobian, Residual, StepOutcome, Termination, TrustRegionReflective,
 };
 
 use super::problem::{Coordinate, Scaled, Stop};
