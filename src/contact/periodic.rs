@@ -201,15 +201,11 @@ impl PeriodicSolver {
             }
             let size = self.newton_correction();
             let (better, progress) = self.search(law, period, state, residual);
-            if size <= CORRECTION_TOLERANCE || !progress {
-                return if better <= RESIDUAL_ACCEPTED {
-                    Ok(PeriodicInfo { residual: better, iterations: iterations + 1 })
-                } else if progress {
-                    residual = self.march(law, period, state, true);
-                    continue;
-                } else {
-                    Err(PeriodicError::NotConverged { residual: better, iterations: iterations + 1 })
-                };
+            if (size <= CORRECTION_TOLERANCE || !progress) && better <= RESIDUAL_ACCEPTED {
+                return Ok(PeriodicInfo { residual: better, iterations: iterations + 1 });
+            }
+            if !progress {
+                return Err(PeriodicError::NotConverged { residual: better, iterations: iterations + 1 });
             }
             residual = self.march(law, period, state, true);
         }
@@ -283,12 +279,15 @@ impl PeriodicSolver {
             }
         }
         let mut largest: f64 = 0.0;
-        for i in 0..n {
-            self.residual[i] = self.current[i] - state[i];
-            if self.scale[i] == 0.0 {
-                self.scale[i] = 1.0;
+        let components = self.residual.iter_mut().zip(&mut self.scale).zip(self.current.iter().zip(state));
+        for ((residual, scale), (end, start)) in components {
+            *residual = end - start;
+            if *scale == 0.0 {
+                *scale = 1.0;
             }
-            largest = largest.max((self.residual[i] / self.scale[i]).abs());
+            let change = (*residual / *scale).abs();
+            // An overflow on the way must not pass for convergence: `max` would drop the NaN.
+            largest = if change.is_nan() { f64::INFINITY } else { largest.max(change) };
         }
         largest
     }
