@@ -369,6 +369,7 @@ impl SampledCycle {
                 row[n + 1 + m] = (end[m] - begin[m]) / self.state_scale[i];
             }
         }
+        self.hold_conserved(width);
         let rank = solve_ranked(&mut self.system, &mut self.pivots, right, UNFADING, &mut self.solution);
         // Memory that does not fade must be the virgin contact's, or the result would depend on the
         // evaluations before.
@@ -391,6 +392,20 @@ impl SampledCycle {
             }
         }
         Closure { unique, force_change }
+    }
+
+    /// Takes the memory that a period leaves exactly as it was out of the linear system: what a stuck
+    /// slider or an unstressed length remembers is kept, not traded against the rest of the state, which
+    /// elimination by the largest pivot would be free to do.
+    fn hold_conserved(&mut self, width: usize) {
+        let n = self.state_len;
+        for i in 0..n {
+            let conserved = self.system[i * width..i * width + n].iter().all(|x| x.abs() <= UNFADING);
+            if conserved {
+                self.system[i * width..(i + 1) * width].fill(0.0);
+                (0..n).for_each(|k| self.system[k * width + i] = 0.0);
+            }
+        }
     }
 
     /// Moves the start towards the periodic state: by Newton's step, or to where the period ended.

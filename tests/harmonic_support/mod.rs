@@ -3,6 +3,8 @@
 
 #![allow(dead_code)] // each test file uses its part
 
+pub mod oscillator;
+
 use nalgebra::{DMatrix, SymmetricEigen};
 use stickslip::structure::{ModalBeam, Sensor};
 
