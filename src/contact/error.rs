@@ -15,12 +15,10 @@ pub struct Bounds {
 impl Bounds {
     /// Finite and strictly above zero.
     pub const POSITIVE: Self = Self { lower: Bound::Excluded(0.0), upper: Bound::Unbounded };
-    /// From 0, included, to 1, excluded.
-    pub const UNIT_HALF_OPEN: Self = Self { lower: Bound::Included(0.0), upper: Bound::Excluded(1.0) };
 
-    /// Any finite value strictly below `upper`.
-    pub fn below(upper: f64) -> Self {
-        Self { lower: Bound::Unbounded, upper: Bound::Excluded(upper) }
+    /// From 0, included, to `upper`, excluded.
+    pub fn from_zero_to_below(upper: f64) -> Self {
+        Self { lower: Bound::Included(0.0), upper: Bound::Excluded(upper) }
     }
 
     /// `value` is finite and lies between the ends; NaN never does.
@@ -60,7 +58,7 @@ impl fmt::Display for Bounds {
 #[non_exhaustive]
 pub enum LawError {
     /// One parameter is outside its bounds, infinite or not a number.
-    #[error("{parameter} is {value} {unit}; it must be {bounds}")]
+    #[error("{parameter} is {value}{}; it must be {bounds}", spaced(unit))]
     OutOfBounds {
         /// Name of the parameter, as in [`crate::vocabulary`] where it has an entry.
         parameter: &'static str,
@@ -71,6 +69,11 @@ pub enum LawError {
         /// What is allowed.
         bounds: Bounds,
     },
+}
+
+/// The unit as it follows a number; a plain number's `1` is left out.
+fn spaced(unit: &str) -> String {
+    if unit == "1" { String::new() } else { format!(" {unit}") }
 }
 
 /// `value` if it is within `bounds`.

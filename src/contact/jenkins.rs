@@ -1,7 +1,7 @@
 //! Jenkins' element: a spring in series with a Coulomb slider.
 
 use super::error::{Bounds, LawError, checked};
-use super::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tangents};
+use super::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tangents, cut_to};
 use crate::vocabulary::{FRICTION_COEFFICIENT, TANGENTIAL_STIFFNESS};
 
 /// Jenkins' element, `T = k (u − z)` with `|T| ≤ μ N`.
@@ -189,7 +189,7 @@ impl ContactLaw for Jenkins {
 
     fn set_state(&self, displacement: f64, normal_load: f64, force: f64, state: &mut [f64]) {
         let limit = self.limit(normal_load);
-        let force = force.min(limit).max(-limit);
+        let force = cut_to(force, limit);
         state[0] = displacement - force / self.tangential_stiffness;
         state[1] = displacement;
         state[2] = normal_load;
@@ -254,6 +254,6 @@ impl ContactLaw for Jenkins {
     }
 
     fn limit(&self, normal_load: f64) -> f64 {
-        self.friction_coefficient * normal_load.max(0.0)
+        if normal_load <= 0.0 { 0.0 } else { self.friction_coefficient * normal_load }
     }
 }

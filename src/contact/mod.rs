@@ -9,12 +9,15 @@
 //! A law's memory is a slice of `state_len()` numbers that the caller owns. Nothing is hidden in
 //! the law: roll-back, rejected trial steps and harmonic balance need no more than a copy.
 
+mod endochronic;
 mod error;
 mod jenkins;
+mod periodic;
 mod valanis;
 
 pub use error::{Bounds, LawError};
 pub use jenkins::Jenkins;
+pub use periodic::{Period, PeriodicError, PeriodicInfo, PeriodicSolver, periodic_state};
 pub use valanis::Valanis;
 
 /// What a contact sees at the end of a step. Within the step displacement and normal load run
@@ -44,7 +47,7 @@ pub struct Tangents {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(i32)]
 pub enum SlipState {
-    /// No point of the contact slides (Jenkins), or the law has no distinct stick (never for Valanis).
+    /// No point of the contact slides. A law without a distinct stick, as Valanis', never reports it.
     Stick = 0,
     /// The contact slides, wholly or in part.
     Slip = 1,
@@ -120,4 +123,15 @@ pub trait ContactLaw: std::fmt::Debug + Send + Sync {
     /// The largest force the law reaches under `normal_load` (N) before any residual stiffness is
     /// added (N).
     fn limit(&self, normal_load: f64) -> f64;
+}
+
+/// `force` within `±limit`; NaN stays NaN, so that a diverged caller sees it.
+fn cut_to(force: f64, limit: f64) -> f64 {
+    if force > limit {
+        limit
+    } else if force < -limit {
+        -limit
+    } else {
+        force
+    }
 }
