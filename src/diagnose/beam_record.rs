@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::harmonic::{self, ContactOnBeam, ForcedResponse, Settings, fourier};
-use crate::measure::{Record, Regime};
+use crate::harmonic::{self, ContactOnBeam, Settings, fourier};
+use crate::measure::{Channel, Record, Regime};
 use crate::model::{Beam, Contact};
 use crate::structure::ModalBeam;
 
@@ -21,7 +21,9 @@ pub(super) fn predict(
     contact: Option<&Contact>,
     record: &Record,
 ) -> Result<Vec<Vec<f64>>, String> {
-    let modal = ModalBeam::new(beam).map_err(|error| error.to_string())?;
+    // Predictions are wanted where the record was measured, whatever sensors the model lists.
+    let sensors = record.channels_of("acceleration").filter_map(Channel::position).collect();
+    let modal = ModalBeam::new(&Beam { sensors, ..beam.clone() }).map_err(|error| error.to_string())?;
     let law = contact.map(Contact::law).transpose().map_err(|error| error.to_string())?;
     let on_beam = law
         .as_deref()
@@ -58,25 +60,5 @@ fn steady(
         .map_err(|error| error.to_string())?;
     // Phase 0 of the Fourier coefficients is the first sample.
     let times: Vec<f64> = time.iter().map(|instant| instant - time[0]).collect();
-    record
-        .channels_of("acceleration")
-        .map(|channel| acceleration_at(beam, &response, channel.position(), &times, &channel.name))
-        .collect()
-}
-
-fn acceleration_at(
-    beam: &ModalBeam,
-    response: &ForcedResponse,
-    position: Option<f64>,
-    times: &[f64],
-    name: &str,
-) -> Result<Vec<f64>, String> {
-    // Names are written with a few digits; a micrometre tells no two sensors apart.
-    let sensor = position
-        .and_then(|position| beam.sensors.iter().find(|sensor| (sensor.position - position).abs() < 1e-6))
-        .ok_or_else(|| {
-            let known: Vec<String> = beam.sensors.iter().map(|sensor| sensor.position.to_string()).collect();
-            format!("the model has no sensor at `{name}`; it has them at x = {} m", known.join(", "))
-        })?;
-    Ok(response.acceleration(&sensor.shape, times))
+    Ok(beam.sensors.iter().map(|sensor| response.acceleration(&sensor.shape, &times)).collect())
 }

@@ -2,7 +2,7 @@
 
 use super::comparison::{Parameter, RecordResult, Stage};
 use super::{predict, score};
-use crate::identify::{self, FitError, FitOptions};
+use crate::identify::{self, FitError, InterruptHook, Options, ProgressHook};
 use crate::measure::{Dataset, Use};
 use crate::model::Model;
 
@@ -10,7 +10,8 @@ use crate::model::Model;
 ///
 /// A record that cannot be predicted keeps the reason in [`RecordResult::failure`]; the others count.
 pub fn evaluate(name: &str, model: &Model, dataset: &Dataset) -> Stage {
-    let records: Vec<RecordResult> = dataset.records.iter().map(|record| predict::scored(model, record)).collect();
+    let records: Vec<RecordResult> =
+        dataset.records.iter().map(|record| predict::scored(model, record)).collect();
     let parameters = model
         .parameters()
         .into_iter()
@@ -24,42 +25,89 @@ pub fn evaluate(name: &str, model: &Model, dataset: &Dataset) -> Stage {
     Stage { name: name.to_owned(), parameters, error: score::total(&records), records, evaluations: 0 }
 }
 
+/// How a refit is watched and stopped.
+#[derive(Clone, Copy, Default)]
+pub struct Watch<'a> {
+    /// Called after every accepted step.
+    pub progress: Option<ProgressHook<'a>>,
+    /// Asked before every evaluation; `true` ends the fit with the best parameters so far.
+    pub interrupt: Option<InterruptHook<'a>>,
+}
+
+/// Why a model could not be refitted.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RefitError {
+    /// No parameter is free.
+    #[error("no parameter is free; name some in `[fit] free`")]
+    NothingFree,
+    /// A record cannot be predicted even with the parameters as they stand.
+    #[error("`{record}` cannot be predicted: {reason}")]
+    Unpredictable {
+        /// Its name in the dataset.
+        record: String,
+        /// What the solver said.
+        reason: String,
+    },
+    /// The fit itself.
+    #[error("{0}")]
+    Fit(#[from] FitError<String>),
+}
+
 /// Fits the model's free parameters to the dataset and evaluates the result.
 ///
 /// Fitted to the records marked `use = "fit"`; to all records where none is so marked. The residual is
-/// the error that [`Stage::error`] reports, so that the fit lowers what the user reads. `go_on` is asked
-/// now and then with the number of evaluations and the best error so far; `false` ends the fit with the
-/// best parameters found.
+/// the error that [`Stage::error`] reports, so that the fit lowers what the user reads.
+///
+/// # Errors
+/// [`RefitError`].
 pub fn refit(
     name: &str,
     model: &Model,
     dataset: &Dataset,
-    go_on: &mut (dyn FnMut(usize, f64) -> bool + Send),
-) -> Result<(Model, Stage), FitError> {
+    watch: Watch,
+) -> Result<(Model, Stage), RefitError> {
     let free: Vec<_> = model.parameters().into_iter().filter(|parameter| parameter.free).collect();
+    if free.is_empty() {
+        return Err(RefitError::NothingFree);
+    }
     let marked = dataset.records.iter().any(|record| record.use_for == Some(Use::Fit));
-    let fitted: Vec<_> =
-        dataset.records.iter().filter(|record| !marked || record.use_for == Some(Use::Fit)).collect();
+    let fitted = || dataset.records.iter().filter(move |record| !marked || record.use_for == Some(Use::Fit));
+    let mut count = 0;
+    for record in fitted() {
+        count += predict::normalised_residual(model, record)
+            .map_err(|reason| RefitError::Unpredictable { record: record.name.clone(), reason })?
+            .len();
+    }
     let with = |values: &[f64]| -> Result<Model, String> {
         let mut trial = model.clone();
-        for (parameter, value) in free.iter().zip(values) {
-            trial.set(&parameter.path, *value).map_err(|error| error.to_string())?;
-        }
+        let pairs: Vec<_> =
+            free.iter().zip(values).map(|(parameter, value)| (&parameter.path, *value)).collect();
+        trial.set_all(&pairs).map_err(|error| error.to_string())?;
         Ok(trial)
     };
-    let problem = identify::Problem {
-        parameters: free.iter().map(predict::fit_parameter).collect(),
-        residual: &|values: &[f64]| {
-            let trial = with(values)?;
-            let mut residual = Vec::new();
-            for record in &fitted {
-                residual.extend(predict::normalised_residual(&trial, record)?);
-            }
-            Ok(residual)
-        },
+    let residual = |values: &[f64], out: &mut [f64]| -> Result<(), String> {
+        let trial = with(values)?;
+        let mut rest = out;
+        for record in fitted() {
+            let part = predict::normalised_residual(&trial, record)?;
+            let (here, after) = std::mem::take(&mut rest).split_at_mut(part.len());
+            here.copy_from_slice(&part);
+            rest = after;
+        }
+        Ok(())
     };
-    let fit = identify::fit(&problem, &FitOptions::default(), go_on)?;
-    let best = with(&fit.parameters).map_err(FitError::Evaluation)?;
+    let parameters: Vec<_> = free
+        .iter()
+        .map(|free| identify::Parameter {
+            start: free.value,
+            lower: free.lower,
+            upper: free.upper,
+            scale: free.scale,
+        })
+        .collect();
+    let options = Options { progress: watch.progress, interrupt: watch.interrupt, ..Options::default() };
+    let fit = identify::fit(residual, count, &parameters, &options)?;
+    let best = with(&fit.parameters).map_err(|reason| FitError::NoStart { first: Some(reason) })?;
     let mut stage = evaluate(name, &best, dataset);
     stage.evaluations = fit.evaluations;
     for parameter in &mut stage.parameters {

@@ -2,9 +2,11 @@
 
 mod beam_record;
 
+mod compare;
 mod comparison;
 mod contact_record;
 mod predict;
 mod score;
 
+pub use compare::{RefitError, Watch, evaluate, refit};
 pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Stage};

@@ -32,7 +32,7 @@ mod parse;
 mod write;
 
 pub use check::{ParameterError, SMALLEST_AND_LARGEST};
-pub use parameters::{ModelParameter, Scale};
+pub use parameters::ModelParameter;
 
 /// What is wrong with a model file, and where.
 pub type ModelError = crate::document::DocumentError;

@@ -6,6 +6,7 @@
 
 use super::{Beam, Damping, Law, Model, ParameterError, Structure};
 use crate::document::suggestion;
+use crate::identify::Scale;
 use crate::vocabulary::{self as v, Quantity};
 
 /// One number of a model that may be read, set, or fitted.
@@ -25,15 +26,6 @@ pub struct ModelParameter {
     pub scale: Scale,
     /// Whether a fit may change it.
     pub free: bool,
-}
-
-/// How a fit should step in a parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scale {
-    /// In the value itself.
-    Linear,
-    /// In its logarithm; value and bounds are then above zero.
-    Logarithmic,
 }
 
 /// A parameter without its role in a fit.
