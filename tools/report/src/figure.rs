@@ -132,7 +132,7 @@ fn base() -> Value {
     json!({
         "autosize": true, "paper_bgcolor": "#ffffff", "plot_bgcolor": "#ffffff", "hovermode": "closest",
         "font": { "family": "system-ui, sans-serif", "size": 13, "color": "#1d2530" },
-        "margin": { "l": 56, "r": 12, "t": 12, "b": 48 },
+        "margin": { "l": 56, "r": 40, "t": 12, "b": 48 }, "modebar": { "orientation": "v", "bgcolor": "#ffffff" },
         "legend": { "orientation": "h", "x": 0, "xanchor": "left", "y": 1.02, "yanchor": "bottom" },
     })
 }

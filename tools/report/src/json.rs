@@ -19,15 +19,15 @@ use crate::summary;
 /// ```
 ///
 /// `refitted` is the last stage. Units are SI (Hz for frequencies). Numbers that are not finite, and
-/// errors of records without a prediction, are `null`; `rms` is `null` where the records do not all
-/// share one channel.
+/// errors of records without a prediction, are `null`. `rms` is over the records that every stage
+/// predicts, and `null` where the records do not all share one channel.
 pub fn json(comparison: &Comparison) -> Value {
     let summary = summary::summarise(comparison);
     let (first, last) = (comparison.stages.first(), comparison.stages.last());
     let rms = summary.common.as_ref().map(|common| {
         json!({
             "channel": common.name, "unit": common.unit,
-            "baseline": summary.rms.first(), "refitted": summary.rms.last(),
+            "baseline": summary.errors.first(), "refitted": summary.errors.last(),
         })
     });
     json!({

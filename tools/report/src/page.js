@@ -1,8 +1,10 @@
 "use strict";
 (function () {
   const stored = JSON.parse(document.getElementById("figures").textContent);
-  const config = { responsive: true, displaylogo: false, displayModeBar: "hover",
-    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+  // On a small screen the buttons would cover the figure, and fingers zoom without them.
+  const narrow = window.innerWidth < 600;
+  const config = { responsive: true, displaylogo: false, displayModeBar: narrow ? false : "hover",
+    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d", "zoomIn2d", "zoomOut2d"] };
 
   function draw(element) {
     if (element.dataset.drawn) return;
@@ -14,6 +16,7 @@
         if (typeof trace[axis] === "number") trace[axis] = stored.columns[trace[axis]];
       }
     }
+    if (narrow) figure.layout.margin.r = 12;
     Plotly.newPlot(element, figure.data, figure.layout, config);
   }
 

@@ -64,7 +64,7 @@ pub fn html(comparison: &Comparison, settings: &Settings) -> String {
                     h1 { (name(&comparison.title)) }
                     p.verdict { (name(&summary.verdict)) }
                     @for note in &summary.notes { p.warning { (name(note)) } }
-                    p.quiet { (scope(comparison)) @if let Some(date) = &settings.date { " · " (name(date)) } }
+                    p.quiet { (name(&scope(comparison, &levels))) @if let Some(date) = &settings.date { " " (name(date)) } }
                 }
                 noscript { p.warning { "The figures need JavaScript; the tables do not." } }
                 main { (sections) }
@@ -85,10 +85,23 @@ fn plotly_js() -> String {
     both[..end].to_owned()
 }
 
-/// How much was compared.
-fn scope(comparison: &Comparison) -> String {
-    let stages = format::count(comparison.stages.len(), "stage");
-    format!("{} against {stages} of the model", format::count(comparison.records.len(), "record"))
+/// What was compared, and where the largest error remains.
+fn scope(comparison: &Comparison, levels: &[Levels]) -> String {
+    let records = format::count(comparison.records.len(), "record");
+    let count = comparison.stages.len();
+    let stages = match &comparison.stages[..] {
+        [] => return format!("{records}."),
+        [only] => format!("“{}”", only.name),
+        [first, .., last] => format!("{count} stages of the model, from “{}” to “{}”", first.name, last.name),
+    };
+    // A record without a prediction is said above, as a warning.
+    let failed =
+        |record: usize| comparison.stages.last().is_some_and(|stage| summary::failure(stage, record).is_some());
+    if (0..comparison.records.len()).any(failed) {
+        return format!("{records} against {stages}.");
+    }
+    let worst = summary::worst(comparison, levels, count - 1);
+    format!("{records} against {stages}. Largest error that remains: {worst}.")
 }
 
 fn stage_section(

@@ -15,26 +15,18 @@ pub fn prose(name: &str) -> String {
     name.replace('_', " ")
 }
 
-/// The error of each stage as used by bars: RMS in the common channel's unit where there is one, else
-/// normalised. With it the scale to print it and the words for it.
-pub fn stage_errors(comparison: &Comparison, summary: &Summary) -> (Vec<f64>, Scale, String) {
+/// What [`Summary::errors`] are, in words.
+pub fn error_name(summary: &Summary) -> String {
     match &summary.common {
-        Some(common) => {
-            let name = format!("RMS error of {}", prose(&common.name));
-            (summary.rms.clone(), summary.rms_scale.clone(), name)
-        }
-        None => {
-            let errors: Vec<f64> = comparison.stages.iter().map(|stage| stage.error).collect();
-            let scale = Scale::of(errors.iter().copied(), "1");
-            (errors, scale, "normalised error".to_owned())
-        }
+        Some(common) => format!("RMS error of {}", prose(&common.name)),
+        None => "normalised error".to_owned(),
     }
 }
 
 /// A waterfall from the first stage's error through what each further stage changes to the rest. `None`
 /// with fewer than two stages, or when a stage has no finite error.
 pub fn waterfall(figures: &mut Figures, comparison: &Comparison, summary: &Summary) -> Option<usize> {
-    let (errors, scale, name) = stage_errors(comparison, summary);
+    let (errors, scale, name) = (&summary.errors, &summary.scale, error_name(summary));
     if errors.len() < 2 || errors.iter().any(|error| !error.is_finite()) {
         return None;
     }
@@ -63,7 +55,7 @@ pub fn waterfall(figures: &mut Figures, comparison: &Comparison, summary: &Summa
     let trace = json!({
         "type": "waterfall", "orientation": "h", "measure": measure, "y": rows, "text": text,
         "x": figures.column(values.iter().map(|value| value * scale.factor)),
-        "textposition": "outside", "cliponaxis": false, "showlegend": false, "hoverinfo": "x",
+        "textposition": "none", "showlegend": false, "hoverinfo": "text",
         "increasing": { "marker": { "color": "#D55E00" } }, "decreasing": { "marker": { "color": "#009E73" } },
         "totals": { "marker": { "color": "#5a6572" } }, "connector": { "line": { "color": "#aab2bd", "width": 1 } },
     });
@@ -73,10 +65,28 @@ pub fn waterfall(figures: &mut Figures, comparison: &Comparison, summary: &Summa
     layout["yaxis"]["ticks"] = json!("");
     // Otherwise plotly thins the labels of a category axis as it does numbers.
     layout["yaxis"]["nticks"] = json!(0);
-    // Room to the right of the longest bar for its number.
+    // Numbers to the right of their bars, where there is always room: plotly puts that of a falling bar
+    // to its left, over the labels.
+    layout["annotations"] = annotations(errors, &rows, &text, scale);
     let top = errors.iter().fold(0.0_f64, |top, &error| top.max(error)) * scale.factor;
-    layout["xaxis"]["range"] = json!([0.0, if top > 0.0 { 1.18 * top } else { 1.0 }]);
+    layout["xaxis"]["range"] = if top > 0.0 { json!([0.0, 1.22 * top]) } else { json!([0, 1]) };
     Some(figures.add(vec![trace], layout))
+}
+
+/// The numbers of a waterfall, each at the right end of its bar.
+fn annotations(errors: &[f64], rows: &[String], text: &[String], scale: &Scale) -> Value {
+    let right = |row: usize| match row {
+        0 => errors[0],
+        row if row == errors.len() => errors[row - 1],
+        row => errors[row - 1].max(errors[row]),
+    };
+    let all = (0..rows.len()).map(|row| {
+        json!({
+            "x": right(row) * scale.factor, "y": rows[row], "text": text[row],
+            "xanchor": "left", "xshift": 3, "showarrow": false,
+        })
+    });
+    all.collect()
 }
 
 /// `name` broken into lines of about `width` characters for a tick label, three at most.
@@ -124,6 +134,8 @@ pub fn backbone(figures: &mut Figures, comparison: &Comparison, levels: &Levels)
     }
     let mut measured = figure::points("measured", x, y, MEASURED, 10.0, 1.0);
     measured["marker"]["line"] = json!({ "width": 2 });
+    // Drawn on top, named first.
+    measured["legendrank"] = json!(1);
     traces.push(measured);
     traces.append(&mut below);
     let name = prose(&levels.channel);

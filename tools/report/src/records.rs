@@ -111,7 +111,7 @@ fn channel_figures(
     }
     let layout = figure::stacked(
         &clock.label(if time.is_some() { "time" } else { "sample" }),
-        &value.label(&name),
+        &value.label(&format::shorten(&name, 24)),
         &residual.label("residual"),
     );
     let caption = format!("{} against time; below, predicted minus measured.{thinned}", sentence_case(&name));
@@ -130,6 +130,7 @@ fn channel_figures(
                 .map(|(one, &y)| figure::points(&one.name, x, y, Style { symbol: "circle", ..one.style }, 3.0, 0.45));
             let mut layout = figure::single(&scale.label(&prose(&cause.name)), &residual.label("residual"));
             layout["showlegend"] = json!(true);
+            layout["legend"]["itemsizing"] = json!("constant");
             let traces = traces.collect();
             all.push(Captioned { figure: figures.add(traces, layout), caption, half: true });
         }

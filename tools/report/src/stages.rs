@@ -6,7 +6,7 @@ use stickslip::measure::{Regime, Use};
 
 use crate::figure;
 use crate::format::{self, Scale};
-use crate::plots::{prose, stage_errors};
+use crate::plots::{error_name, prose};
 use crate::summary::{self, Levels, Summary};
 
 /// A name from a file as the page shows it; the template escapes it.
@@ -21,9 +21,10 @@ fn key(stage: usize, count: usize) -> Markup {
 
 /// One row a stage: error as bar and number, effort, and where it fails worst.
 pub fn stage_table(comparison: &Comparison, summary: &Summary, levels: &[Levels]) -> Markup {
-    let (errors, scale, what) = stage_errors(comparison, summary);
+    let (errors, scale, what) = (&summary.errors, &summary.scale, error_name(summary));
     let count = comparison.stages.len();
     let top = errors.iter().copied().filter(|error| error.is_finite()).fold(0.0, f64::max);
+    let normalised = Scale::of(comparison.stages.iter().map(|stage| stage.error), "1");
     html! {
         div.scroll tabindex="0" role="region" aria-label="Error of each stage" {
             table.stages {
@@ -39,8 +40,8 @@ pub fn stage_table(comparison: &Comparison, summary: &Summary, levels: &[Levels]
                     tr.final[index + 1 == count] {
                         td.number { (index + 1) }
                         th scope="row" { (key(index, count)) (name(&stage.name)) }
-                        td.bars { (bar(errors[index], top, figure::style(index, count).colour, &scale)) }
-                        @if summary.common.is_some() { td.number { (format::error(stage.error)) } }
+                        td.bars { (bar(errors[index], top, figure::style(index, count).colour, scale)) }
+                        @if summary.common.is_some() { td.number { (normalised.number(stage.error)) } }
                         td.number { @if stage.evaluations == 0 { (format::ABSENT) } @else { (stage.evaluations) } }
                         td { (name(&summary::worst(comparison, levels, index))) }
                     }
@@ -50,9 +51,16 @@ pub fn stage_table(comparison: &Comparison, summary: &Summary, levels: &[Levels]
         p.note {
             "The normalised error is the root mean square over all compared channels, each divided by its own "
             "standard deviation in its record: 0 is perfect, 1 is no better than the channel’s mean. "
+            @if comparison.records.iter().enumerate().any(|(record, _)| failed(comparison, record)) {
+                "The bars are over the records that every stage predicts. "
+            }
             "Model runs are those spent on the fit; – means that nothing was fitted."
         }
     }
+}
+
+fn failed(comparison: &Comparison, record: usize) -> bool {
+    comparison.stages.iter().any(|stage| summary::failure(stage, record).is_some())
 }
 
 /// A bar of length `value / top` with the number behind it.
@@ -60,8 +68,8 @@ fn bar(value: f64, top: f64, colour: &str, scale: &Scale) -> Markup {
     let share = if top > 0.0 && value.is_finite() { (value / top).clamp(0.0, 1.0) } else { 0.0 };
     html! {
         span.bar {
-            span.track { span.fill style=(format!("width:{:.1}%;background:{colour}", 100.0 * share)) {} }
             span.value { (scale.number(value)) }
+            span.track { span.fill style=(format!("width:{:.1}%;background:{colour}", 100.0 * share)) {} }
         }
     }
 }
@@ -80,12 +88,12 @@ pub fn level_table(comparison: &Comparison, levels: &Levels) -> Markup {
     let residual = levels.residual_scale();
     let worst: Vec<Option<usize>> = (0..count).map(|stage| levels.worst(stage)).collect();
     html! {
+        p.note {
+            (name(&residual.label(&format!("Predicted minus measured {}", prose(&levels.channel)))))
+            "; the largest of each stage in bold."
+        }
         div.scroll tabindex="0" role="region" aria-label="Error at every level" {
             table.levels {
-                caption {
-                    "Predicted minus measured " (name(&prose(&levels.channel))) " (" (residual.unit) "); "
-                    "the largest of each stage in bold."
-                }
                 thead { tr {
                     th.number { (amplitude.label("Amplitude")) }
                     th.number { (value.label("Measured")) }
@@ -127,10 +135,11 @@ pub fn regime(comparison: &Comparison, record: usize) -> String {
 /// Normalised error of every stage in every record.
 pub fn record_table(comparison: &Comparison) -> Markup {
     let count = comparison.stages.len();
+    let scale = summary::error_scale(comparison);
     html! {
+        p.note { "Normalised error in every record; the largest of each stage in bold." }
         div.scroll tabindex="0" role="region" aria-label="Error in every record" {
             table.levels {
-                caption { "Normalised error in every record; the largest of each stage in bold." }
                 thead { tr {
                     th { "Record" }
                     th { "Regime and use" }
@@ -147,7 +156,7 @@ pub fn record_table(comparison: &Comparison) -> Markup {
                             @if let Some(reason) = summary::failure(stage, record) {
                                 td.number.failed title=(name(reason)) { "failed" }
                             } @else {
-                                td.number.worst[is_worst(comparison, stage, error)] { (format::error(error)) }
+                                td.number.worst[is_worst(comparison, stage, error)] { (scale.number(error)) }
                             }
                         }
                     }
@@ -225,9 +234,9 @@ pub fn parameter_table(comparison: &Comparison) -> Markup {
         }
     }
     html! {
+        p.note { "Fitted values in bold, with the value before the fit and the change." }
         div.scroll tabindex="0" role="region" aria-label="Parameters" {
             table.parameters {
-                caption { "Fitted values in bold, with the value before the fit and the change." }
                 thead { tr {
                     th { "Parameter" }
                     @for (index, stage) in comparison.stages.iter().enumerate() {
@@ -236,7 +245,7 @@ pub fn parameter_table(comparison: &Comparison) -> Markup {
                 } }
                 tbody { @for path in paths {
                     tr {
-                        th scope="row" { code { (name(path)) } }
+                        th scope="row" { code { (breakable(path)) } }
                         @for stage in &comparison.stages {
                             td { @match stage.parameters.iter().find(|parameter| parameter.path == path) {
                                 Some(parameter) => { (value(parameter)) }
@@ -248,6 +257,12 @@ pub fn parameter_table(comparison: &Comparison) -> Markup {
             }
         }
     }
+}
+
+/// A path that may be broken after its dots and underscores.
+fn breakable(path: &str) -> Markup {
+    let path = name(path);
+    html! { @for part in path.split_inclusive(['.', '_']) { (part) wbr; } }
 }
 
 fn value(parameter: &Parameter) -> Markup {

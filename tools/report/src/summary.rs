@@ -21,10 +21,11 @@ pub struct Summary {
     pub notes: Vec<String>,
     /// The channel that all records share, if there is just one.
     pub common: Option<CommonChannel>,
-    /// RMS error of each stage in that channel, over the samples of all records it predicts (SI).
-    pub rms: Vec<f64>,
-    /// How the numbers in `rms` are printed.
-    pub rms_scale: Scale,
+    /// Error of each stage over the records that every stage predicts, so that the numbers can be
+    /// compared: RMS over samples in the common channel's unit (SI) where there is one, else normalised.
+    pub errors: Vec<f64>,
+    /// How `errors` are printed.
+    pub scale: Scale,
 }
 
 /// Measured values and residuals of one channel of a backbone record.
@@ -56,11 +57,14 @@ impl Levels {
             .max_by(|&a, &b| self.residual(stage, a).abs().total_cmp(&self.residual(stage, b).abs()))
     }
 
-    /// The scale that all residuals of the table share.
+    /// The scale that all residuals of the table share: three digits of the largest.
     pub fn residual_scale(&self) -> Scale {
         let all = (0..self.predicted.len())
             .flat_map(|stage| (0..self.amplitude.len()).map(move |level| self.residual(stage, level)));
-        Scale::of(all, self.unit)
+        let largest = all.clone().filter(|size| size.is_finite()).fold(0.0, |top: f64, size| top.max(size.abs()));
+        let scale = Scale::of(all, self.unit);
+        let decimals = if largest > 0.0 { 2 - (largest * scale.factor).log10().floor() as i32 } else { 2 };
+        Scale { decimals: decimals.clamp(0, 9) as usize, ..scale }
     }
 }
 
@@ -98,6 +102,13 @@ pub fn failure(stage: &Stage, record: usize) -> Option<&str> {
 /// The error of a record as a stage predicts it; NaN where it has no prediction.
 pub fn record_error(stage: &Stage, record: usize) -> f64 {
     if failure(stage, record).is_some() { f64::NAN } else { stage.records[record].error }
+}
+
+/// One number of decimals for the errors of all records and stages, so that a table lines up.
+pub fn error_scale(comparison: &Comparison) -> Scale {
+    let records = 0..comparison.records.len();
+    let all = comparison.stages.iter().flat_map(|stage| records.clone().map(|record| record_error(stage, record)));
+    Scale::of(all, "1")
 }
 
 /// The backbone records, channel by channel.
@@ -187,7 +198,7 @@ pub fn worst(comparison: &Comparison, levels: &[Levels], stage_index: usize) -> 
     let at = Scale::of([table.amplitude[level]], table.amplitude_unit);
     let residual = table.residual_scale();
     let place = format!(
-        "{}\u{a0}{}: {}\u{a0}{}",
+        "{}\u{a0}{}:\u{a0}{}\u{a0}{}",
         format::engineering(table.amplitude[level] * at.factor, "1"),
         at.unit,
         residual.signed(table.residual(stage_index, level)),
@@ -199,54 +210,52 @@ pub fn worst(comparison: &Comparison, levels: &[Levels], stage_index: usize) -> 
 /// The verdict on a comparison.
 pub fn summarise(comparison: &Comparison) -> Summary {
     let common = common_channel(comparison);
-    let rms: Vec<f64> = match common {
-        Some(_) => comparison.stages.iter().map(|stage| pooled_rms(stage, |_| true)).collect(),
-        None => vec![f64::NAN; comparison.stages.len()],
-    };
-    let rms_scale = Scale::of(rms.iter().copied(), common.as_ref().map_or("1", |common| common.unit));
-    let (verdict, notes) = verdict(comparison, common.as_ref(), &rms_scale);
-    Summary { verdict, notes, common, rms, rms_scale }
-}
-
-fn verdict(
-    comparison: &Comparison,
-    common: Option<&CommonChannel>,
-    scale: &Scale,
-) -> (String, Vec<String>) {
-    let [first, .., last] = &comparison.stages[..] else {
-        return single_verdict(comparison, common, scale);
-    };
     let total = comparison.records.len();
     let predicted = |record: usize| comparison.stages.iter().all(|stage| failure(stage, record).is_none());
     let shared = (0..total).filter(|&record| predicted(record)).count();
-    let missing = |stage: &Stage| (0..total).filter(|&record| failure(stage, record).is_some()).count();
-    let mut notes = Vec::new();
-    for stage in comparison.stages.iter().filter(|stage| missing(stage) > 0) {
-        notes.push(format!(
-            "“{}” has no prediction for {} of {}.",
-            stage.name,
-            missing(stage),
-            format::count(total, "record")
-        ));
-    }
-    if shared == 0 {
-        return ("The stages have no record in common, so their errors cannot be compared.".into(), notes);
-    }
-    let value = |stage: &Stage| match common {
-        Some(_) => pooled_rms(stage, predicted),
+    // With no record in common each stage stands for itself; the verdict then says so.
+    let included = |record: usize| shared == 0 || predicted(record);
+    let error = |stage: &Stage| match common {
+        Some(_) => pooled_rms(stage, included),
         None if shared == total => stage.error,
-        None => pooled_error(stage, predicted),
+        None => pooled_error(stage, included),
     };
-    let print = |value: f64| if common.is_some() { scale.with_unit(value) } else { format::error(value) };
-    let (before, after) = (value(first), value(last));
-    let what = if common.is_some() { "error" } else { "normalised error" };
-    let rms = if common.is_some() { " RMS" } else { "" };
-    let change = format::change(before, after).map(|change| format!(" ({change})")).unwrap_or_default();
+    let errors: Vec<f64> = comparison.stages.iter().map(error).collect();
+    let scale = Scale::of(errors.iter().copied(), common.as_ref().map_or("1", |common| common.unit));
+    let mut summary = Summary { verdict: String::new(), notes: Vec::new(), common, errors, scale };
+    for stage in &comparison.stages {
+        let missing = (0..total).filter(|&record| failure(stage, record).is_some()).count();
+        if missing > 0 {
+            let records = format::count(total, "record");
+            summary.notes.push(format!("“{}” has no prediction for {missing} of {records}.", stage.name));
+        }
+    }
+    verdict(comparison, shared, &mut summary);
+    summary
+}
+
+fn verdict(comparison: &Comparison, shared: usize, summary: &mut Summary) {
+    let total = comparison.records.len();
+    let rms = if summary.common.is_some() { " RMS" } else { "" };
+    let what = if summary.common.is_some() { "error" } else { "normalised error" };
+    let print = |value: f64| if rms.is_empty() { format::error(value) } else { summary.scale.with_unit(value) };
     let limited = if shared < total {
         format!(" over the {} that every stage predicts", format::count(shared, "record"))
     } else {
         String::new()
     };
+    let (before, after) = match summary.errors[..] {
+        [] => return summary.verdict = "Nothing was compared: there is no model.".to_owned(),
+        _ if total == 0 => return summary.verdict = "Nothing was compared: there are no records.".to_owned(),
+        _ if shared == 0 => return summary.verdict = nothing_shared(comparison),
+        [only] => {
+            let normalised = pooled_error(&comparison.stages[0], |_| true);
+            let beside = if rms.is_empty() { String::new() } else { format!(" (normalised {})", format::error(normalised)) };
+            return summary.verdict = format!("The {what} is {}{rms}{beside}{limited}.", print(only));
+        }
+        [before, .., after] => (before, after),
+    };
+    let change = format::change(before, after).map(|change| format!(" ({change})")).unwrap_or_default();
     let verdict = if !(before.is_finite() && after.is_finite()) {
         "The errors are not finite numbers and cannot be compared.".to_owned()
     } else if after < 0.99 * before {
@@ -256,39 +265,20 @@ fn verdict(
     } else {
         format!("The {what} does not fall: {} before, {}{rms} after{limited}.", print(before), print(after))
     };
-    let best = comparison.stages.iter().map(|stage| (stage, value(stage)));
-    if let Some((stage, error)) = best.filter(|(_, e)| e.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))
-        && error < 0.99 * after
-    {
-        notes.push(format!("The smallest error is not the last stage's: “{}” has {}{rms}.", stage.name, print(error)));
-    }
-    (verdict, notes)
+    let finite = summary.errors.iter().enumerate().filter(|(_, error)| error.is_finite());
+    let better = finite.min_by(|a, b| a.1.total_cmp(b.1)).filter(|(_, error)| **error < 0.99 * after);
+    let note = better.map(|(stage, &error)| {
+        let name = &comparison.stages[stage].name;
+        format!("The smallest error is not the last stage’s: “{name}” has {}{rms}.", print(error))
+    });
+    summary.verdict = verdict;
+    summary.notes.extend(note);
 }
 
-fn single_verdict(
-    comparison: &Comparison,
-    common: Option<&CommonChannel>,
-    scale: &Scale,
-) -> (String, Vec<String>) {
-    let Some(stage) = comparison.stages.first() else {
-        return ("Nothing was compared: there is no model.".to_owned(), Vec::new());
-    };
-    let total = comparison.records.len();
-    let missing = (0..total).filter(|&record| failure(stage, record).is_some()).count();
-    let notes = (missing > 0)
-        .then(|| format!("“{}” has no prediction for {missing} of {}.", stage.name, format::count(total, "record")));
-    let verdict = if missing == total {
+fn nothing_shared(comparison: &Comparison) -> String {
+    if comparison.stages.len() == 1 {
         "The model predicts none of the records.".to_owned()
     } else {
-        let error = pooled_error(stage, |_| true);
-        match common {
-            Some(_) => format!(
-                "The error is {} RMS (normalised {}).",
-                scale.with_unit(pooled_rms(stage, |_| true)),
-                format::error(error)
-            ),
-            None => format!("The normalised error is {}.", format::error(error)),
-        }
-    };
-    (verdict, notes.into_iter().collect())
+        "The errors cannot be compared: no record is predicted by every stage.".to_owned()
+    }
 }

@@ -3,7 +3,7 @@
 use stickslip::diagnose::Comparison;
 
 use crate::format::{self, Scale, printable};
-use crate::plots::{prose, stage_errors};
+use crate::plots::{error_name, prose};
 use crate::summary::{self, Levels, Summary};
 
 const BOLD: &str = "\u{1b}[1m";
@@ -118,7 +118,7 @@ fn stages(out: &mut Text, comparison: &Comparison, summary: &Summary) {
     if comparison.stages.is_empty() {
         return;
     }
-    let (errors, scale, what) = stage_errors(comparison, summary);
+    let (errors, scale, what) = (&summary.errors, &summary.scale, error_name(summary));
     out.line("");
     out.paragraph(&format!("Stages: {}", scale.label(&what)), BOLD);
     let count = comparison.stages.len();
@@ -184,13 +184,14 @@ fn record_table(out: &mut Text, comparison: &Comparison) {
     }
     out.line("");
     out.paragraph("Normalised error in each record, by stage", BOLD);
+    let scale = summary::error_scale(comparison);
     let mut left = vec!["record".to_owned()];
     let mut cells = vec![(1..=comparison.stages.len()).map(|stage| stage.to_string()).collect::<Vec<_>>()];
     for (record, measured) in comparison.records.iter().enumerate() {
         left.push(printable(&measured.name));
         let row = comparison.stages.iter().map(|stage| match summary::failure(stage, record) {
             Some(_) => FAILED.to_owned(),
-            None => format::error(summary::record_error(stage, record)),
+            None => scale.number(summary::record_error(stage, record)),
         });
         cells.push(row.collect());
     }
