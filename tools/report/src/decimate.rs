@@ -100,7 +100,8 @@ mod tests {
     #[test]
     fn the_cycles_shown_are_those_with_the_largest_residual() {
         let motion: Vec<f64> = (0..20_000).map(|i| (TAU * f64::from(i) / 500.0).sin()).collect();
-        let residual: Vec<f64> = (0..20_000).map(|i| if (12_000..12_500).contains(&i) { 1.0 } else { 0.1 }).collect();
+        let residual: Vec<f64> =
+            (0..20_000).map(|i| if (12_000..12_500).contains(&i) { 1.0 } else { 0.1 }).collect();
         let (range, stride) = worst_cycles(&motion, &residual, 3, 1_000);
         assert!(range.start <= 12_000 && range.end >= 12_500, "{range:?}");
         assert!((1_495..=1_506).contains(&range.len()), "{range:?}");

@@ -227,7 +227,10 @@ mod tests {
     #[test]
     fn a_scale_prints_a_column_in_one_unit_and_resolves_its_smallest_entry() {
         let scale = Scale::of([1.80, 0.82, 0.15, 0.10], "Hz");
-        assert_eq!((scale.with_unit(1.80), scale.with_unit(0.1)), ("1.80\u{a0}Hz".into(), "0.10\u{a0}Hz".into()));
+        assert_eq!(
+            (scale.with_unit(1.80), scale.with_unit(0.1)),
+            ("1.80\u{a0}Hz".into(), "0.10\u{a0}Hz".into())
+        );
         let scale = Scale::of([12e-6, 3e-6], "m");
         assert_eq!(scale.label("displacement"), "displacement (µm)");
         assert_eq!(scale.number(12e-6), "12.0");

@@ -52,7 +52,8 @@ fn stage(comparison: &Comparison, stage: &Stage) -> Value {
             (parameter.path.clone(), value)
         })
         .collect();
-    let records = comparison.records.iter().zip(&stage.records).map(|(measured, result)| record(measured, result));
+    let records =
+        comparison.records.iter().zip(&stage.records).map(|(measured, result)| record(measured, result));
     json!({
         "name": stage.name, "error": stage.error, "evaluations": stage.evaluations,
         "parameters": parameters, "records": records.collect::<Vec<_>>(),

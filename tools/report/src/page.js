@@ -32,7 +32,7 @@
   // On paper a figure is as wide as the sheet (A4 less its margins), whatever the window was.
   const drawn = () => plots.filter((element) => element.dataset.drawn && visible(element));
   window.addEventListener("beforeprint", () => drawn().forEach((element) =>
-    Plotly.relayout(element, { width: element.closest(".half") ? 330 : 670 })));
+    Plotly.relayout(element, { width: element.closest(".half") ? 320 : 670 })));
   window.addEventListener("afterprint", () => drawn().forEach((element) =>
     Plotly.relayout(element, { width: null, autosize: true })));
 })();

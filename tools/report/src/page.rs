@@ -95,8 +95,9 @@ fn scope(comparison: &Comparison, levels: &[Levels]) -> String {
         [first, .., last] => format!("{count} stages of the model, from “{}” to “{}”", first.name, last.name),
     };
     // A record without a prediction is said above, as a warning.
-    let failed =
-        |record: usize| comparison.stages.last().is_some_and(|stage| summary::failure(stage, record).is_some());
+    let failed = |record: usize| {
+        comparison.stages.last().is_some_and(|stage| summary::failure(stage, record).is_some())
+    };
     if (0..comparison.records.len()).any(failed) {
         return format!("{records} against {stages}.");
     }
@@ -121,7 +122,7 @@ fn stage_section(
                               Green lowers the error, orange raises it."
                         .to_owned(),
                     half: false,
-                }, &format!("height:{}rem", 7 + 3 * comparison.stages.len().min(12))))
+                }, &format!("height:{}px", 112 + 48 * comparison.stages.len().min(12))))
             }
         }
     }
@@ -140,7 +141,7 @@ fn backbone_section(figures: &mut Figures, comparison: &Comparison, levels: &Lev
         section {
             h2 { (name(&format!("{channel} against amplitude"))) }
             (failures(comparison, levels.record))
-            (figure_element(&Captioned { figure, caption, half: false }, "height:36rem"))
+            (figure_element(&Captioned { figure, caption, half: false }, "height:576px"))
             (stages::level_table(comparison, levels))
         }
     }
@@ -181,7 +182,11 @@ fn record_section(figures: &mut Figures, comparison: &Comparison) -> Markup {
 }
 
 fn record_table_if_useful(comparison: &Comparison) -> Markup {
-    if comparison.records.len() > 1 { stages::record_table(comparison) } else { html! {} }
+    if comparison.records.len() > 1 {
+        stages::record_table(comparison)
+    } else {
+        html! {}
+    }
 }
 
 /// Time records by the error of the last stage, those without a prediction before all.
@@ -217,7 +222,7 @@ fn record_details(comparison: &Comparison, record: usize, drawn: &[Captioned], o
             (stages::channel_table(comparison, record))
             div.figures {
                 @for one in drawn {
-                    (figure_element(one, if one.half { "height:23rem" } else { "height:30rem" }))
+                    (figure_element(one, if one.half { "height:368px" } else { "height:480px" }))
                 }
             }
             @if drawn.is_empty() { p.note { "There is nothing to draw for this record." } }

@@ -105,7 +105,11 @@ fn wrapped(name: &str, width: usize) -> String {
         lines.truncate(3);
         lines[2].push('…');
     }
-    lines.iter().map(|line| figure::text(&crate::format::shorten(line, width + 6))).collect::<Vec<_>>().join("<br>")
+    lines
+        .iter()
+        .map(|line| figure::text(&crate::format::shorten(line, width + 6)))
+        .collect::<Vec<_>>()
+        .join("<br>")
 }
 
 /// Measured markers and every stage's line against amplitude, residuals below.
@@ -139,7 +143,8 @@ pub fn backbone(figures: &mut Figures, comparison: &Comparison, levels: &Levels)
     traces.push(measured);
     traces.append(&mut below);
     let name = prose(&levels.channel);
-    let layout = figure::stacked(&amplitude.label("amplitude"), &value.label(&name), &residual.label("residual"));
+    let layout =
+        figure::stacked(&amplitude.label("amplitude"), &value.label(&name), &residual.label("residual"));
     figures.add(traces, layout)
 }
 

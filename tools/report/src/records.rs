@@ -124,10 +124,9 @@ fn channel_figures(
         for (cause, caption) in causes(record, times) {
             let scale = Scale::of(cause.values.iter().copied(), cause.unit);
             let x = figures.column(picked(&cause.values, &kept, scale.factor));
-            let traces = drawn
-                .iter()
-                .zip(&residuals)
-                .map(|(one, &y)| figure::points(&one.name, x, y, Style { symbol: "circle", ..one.style }, 3.0, 0.45));
+            let traces = drawn.iter().zip(&residuals).map(|(one, &y)| {
+                figure::points(&one.name, x, y, Style { symbol: "circle", ..one.style }, 3.0, 0.45)
+            });
             let mut layout = figure::single(&scale.label(&prose(&cause.name)), &residual.label("residual"));
             layout["showlegend"] = json!(true);
             layout["legend"]["itemsizing"] = json!("constant");
@@ -189,7 +188,10 @@ fn causes(record: &Record, times: &[f64]) -> Vec<(Channel, String)> {
     } else if let (Some(channel), true) = (&displacement, summary::channel(record, "time").is_some()) {
         let values = differences(&channel.values, times);
         let velocity = Channel { name: "velocity".to_owned(), unit: "m/s", values, noise: None };
-        found.push((velocity, "Residual against velocity (central differences of the displacement).".to_owned()));
+        found.push((
+            velocity,
+            "Residual against velocity (central differences of the displacement).".to_owned(),
+        ));
     }
     if let Some(channel) = take("normal_load") {
         found.push((channel, "Residual against normal load.".to_owned()));

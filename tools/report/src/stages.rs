@@ -168,7 +168,8 @@ pub fn record_table(comparison: &Comparison) -> Markup {
 
 fn is_worst(comparison: &Comparison, stage: &stickslip::diagnose::Stage, error: f64) -> bool {
     let finite = (0..comparison.records.len()).map(|record| summary::record_error(stage, record));
-    comparison.records.len() > 1 && finite.filter(|e| e.is_finite()).fold(f64::NEG_INFINITY, f64::max) == error
+    comparison.records.len() > 1
+        && finite.filter(|e| e.is_finite()).fold(f64::NEG_INFINITY, f64::max) == error
 }
 
 /// Error of every stage in one record, channel by channel.

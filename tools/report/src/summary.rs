@@ -61,7 +61,8 @@ impl Levels {
     pub fn residual_scale(&self) -> Scale {
         let all = (0..self.predicted.len())
             .flat_map(|stage| (0..self.amplitude.len()).map(move |level| self.residual(stage, level)));
-        let largest = all.clone().filter(|size| size.is_finite()).fold(0.0, |top: f64, size| top.max(size.abs()));
+        let largest =
+            all.clone().filter(|size| size.is_finite()).fold(0.0, |top: f64, size| top.max(size.abs()));
         let scale = Scale::of(all, self.unit);
         let decimals = if largest > 0.0 { 2 - (largest * scale.factor).log10().floor() as i32 } else { 2 };
         Scale { decimals: decimals.clamp(0, 9) as usize, ..scale }
@@ -107,7 +108,8 @@ pub fn record_error(stage: &Stage, record: usize) -> f64 {
 /// One number of decimals for the errors of all records and stages, so that a table lines up.
 pub fn error_scale(comparison: &Comparison) -> Scale {
     let records = 0..comparison.records.len();
-    let all = comparison.stages.iter().flat_map(|stage| records.clone().map(|record| record_error(stage, record)));
+    let all =
+        comparison.stages.iter().flat_map(|stage| records.clone().map(|record| record_error(stage, record)));
     Scale::of(all, "1")
 }
 
@@ -238,9 +240,11 @@ fn verdict(comparison: &Comparison, shared: usize, summary: &mut Summary) {
     let total = comparison.records.len();
     let rms = if summary.common.is_some() { " RMS" } else { "" };
     let what = if summary.common.is_some() { "error" } else { "normalised error" };
-    let print = |value: f64| if rms.is_empty() { format::error(value) } else { summary.scale.with_unit(value) };
+    let print =
+        |value: f64| if rms.is_empty() { format::error(value) } else { summary.scale.with_unit(value) };
     let limited = if shared < total {
-        format!(" over the {} that every stage predicts", format::count(shared, "record"))
+        let who = if comparison.stages.len() == 1 { "it" } else { "every stage" };
+        format!(" over the {} that {who} predicts", format::count(shared, "record"))
     } else {
         String::new()
     };
@@ -250,7 +254,11 @@ fn verdict(comparison: &Comparison, shared: usize, summary: &mut Summary) {
         _ if shared == 0 => return summary.verdict = nothing_shared(comparison),
         [only] => {
             let normalised = pooled_error(&comparison.stages[0], |_| true);
-            let beside = if rms.is_empty() { String::new() } else { format!(" (normalised {})", format::error(normalised)) };
+            let beside = if rms.is_empty() {
+                String::new()
+            } else {
+                format!(" (normalised {})", format::error(normalised))
+            };
             return summary.verdict = format!("The {what} is {}{rms}{beside}{limited}.", print(only));
         }
         [before, .., after] => (before, after),

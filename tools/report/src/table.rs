@@ -132,7 +132,13 @@ fn stages(out: &mut Text, comparison: &Comparison, summary: &Summary) {
     for (index, stage) in comparison.stages.iter().enumerate() {
         let last = index + 1 == count;
         let share = if top > 0.0 && errors[index].is_finite() { errors[index] / top } else { 0.0 };
-        let paint = if last { BLUE } else if index == 0 { YELLOW } else { "" };
+        let paint = if last {
+            BLUE
+        } else if index == 0 {
+            YELLOW
+        } else {
+            ""
+        };
         let name = pad(&printable(&stage.name), name_width, false);
         let line = format!(
             "{}  {}  {}  {}",

@@ -22,7 +22,10 @@ pub fn settings() -> Settings {
         files: ["beam.toml", "backbone/dataset.toml", "backbone/f1.csv"]
             .iter()
             .enumerate()
-            .map(|(i, name)| InputFile { name: (*name).into(), sha256: format!("{:016x}", 0x9e37_79b9_u64 * (i as u64 + 3)).repeat(4) })
+            .map(|(i, name)| InputFile {
+                name: (*name).into(),
+                sha256: format!("{:016x}", 0x9e37_79b9_u64 * (i as u64 + 3)).repeat(4),
+            })
             .collect(),
         date: None,
     }
@@ -43,8 +46,13 @@ pub fn result(measured: &Channel, predicted: Vec<f64>) -> RecordResult {
     let spread = (measured.values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / count).sqrt();
     let squares: f64 = measured.values.iter().zip(&predicted).map(|(m, p)| (m - p).powi(2)).sum();
     let rms = (squares / count).sqrt();
-    let channel =
-        ChannelResult { name: measured.name.clone(), unit: measured.unit, error: rms / spread, rms, predicted };
+    let channel = ChannelResult {
+        name: measured.name.clone(),
+        unit: measured.unit,
+        error: rms / spread,
+        rms,
+        predicted,
+    };
     RecordResult { error: rms / spread, channels: vec![channel], failure: None }
 }
 
@@ -52,7 +60,12 @@ pub fn failed(reason: &str) -> RecordResult {
     RecordResult { error: f64::INFINITY, channels: vec![], failure: Some(reason.into()) }
 }
 
-pub fn stage(name: &str, parameters: Vec<Parameter>, records: Vec<RecordResult>, evaluations: usize) -> Stage {
+pub fn stage(
+    name: &str,
+    parameters: Vec<Parameter>,
+    records: Vec<RecordResult>,
+    evaluations: usize,
+) -> Stage {
     let good = || records.iter().filter(|record| record.failure.is_none());
     let error = (good().map(|record| record.error.powi(2)).sum::<f64>() / good().count() as f64).sqrt();
     Stage { name: name.into(), parameters, error, records, evaluations }
@@ -85,7 +98,12 @@ pub fn backbone() -> Comparison {
         stage("Valanis, published", law(7.9e6, 90.8046, 0.3, 0.0, false), one(PUBLISHED.to_vec()), 0),
         stage("Jenkins, refitted", law(5.1e6, 118.0, 1.0, 0.0, true), one(scaled(REFIT, 0.31)), 96),
         stage("Valanis, refitted", law(5.64e6, 140.0, 0.14, 0.0, true), one(scaled(REFIT, 0.15)), 214),
-        stage("Valanis with residual stiffness, refitted", law(5.54e6, 102.0, 0.67, 5.3e5, true), one(scaled(REFIT_STIFF, 0.10)), 338),
+        stage(
+            "Valanis with residual stiffness, refitted",
+            law(5.54e6, 102.0, 0.67, 5.3e5, true),
+            one(scaled(REFIT_STIFF, 0.10)),
+            338,
+        ),
     ];
     let amplitude = channel("amplitude", "m/s^2", AMPLITUDE.to_vec());
     let record = Record {
@@ -94,7 +112,11 @@ pub fn backbone() -> Comparison {
         use_for: None,
         channels: vec![amplitude, frequency],
     };
-    Comparison { title: "Beam with a frictional support: first resonance".into(), records: vec![record], stages }
+    Comparison {
+        title: "Beam with a frictional support: first resonance".into(),
+        records: vec![record],
+        stages,
+    }
 }
 
 /// Numbers from −1 to 1 that are the same on every machine.
@@ -128,7 +150,8 @@ pub fn contact(samples: usize) -> Comparison {
         let mut random = noise(u64::from(index) + 1);
         let size = 8e-6 * (1.0 + f64::from(index));
         let time: Vec<f64> = (0..samples).map(|i| i as f64 / 2048.0).collect();
-        let motion: Vec<f64> = time.iter().map(|t| size * (TAU * 5.0 * t).sin() * (1.0 + 0.2 * (TAU * 0.3 * t).sin())).collect();
+        let motion: Vec<f64> =
+            time.iter().map(|t| size * (TAU * 5.0 * t).sin() * (1.0 + 0.2 * (TAU * 0.3 * t).sin())).collect();
         let load: Vec<f64> = time.iter().map(|t| 160.0 + 12.0 * (TAU * 10.0 * t).cos()).collect();
         let limit: Vec<f64> = load.iter().map(|n| 0.47 * n).collect();
         let constant = vec![0.47 * 160.0; samples];
@@ -139,8 +162,12 @@ pub fn contact(samples: usize) -> Comparison {
         refitted.push(result(&force, jenkins(&motion, 4.7e6, &vec![85.0; samples], 0.0)));
         last.push(result(&force, jenkins(&motion, 5.09e6, &constant, 4.02e5)));
         let name = format!("r{index}.csv");
-        let mut channels =
-            vec![channel("time", "s", time), channel("displacement", "m", motion), force, channel("normal_load", "N", load)];
+        let mut channels = vec![
+            channel("time", "s", time),
+            channel("displacement", "m", motion),
+            force,
+            channel("normal_load", "N", load),
+        ];
         if index == 3 {
             channels.pop();
         }
@@ -171,7 +198,9 @@ pub fn beam_with_failure() -> Comparison {
     for index in 0..3_u32 {
         let time: Vec<f64> = (0..1200).map(|i| f64::from(i) / 4096.0).collect();
         let sweep = |position: f64, detune: f64| -> Vec<f64> {
-            time.iter().map(|t| 30.0 * position * (TAU * (50.0 + detune) * t).sin() * (-3.0 * t).exp()).collect()
+            time.iter()
+                .map(|t| 30.0 * position * (TAU * (50.0 + detune) * t).sin() * (-3.0 * t).exp())
+                .collect()
         };
         let tip = channel("acceleration:x=0.55", "m/s^2", sweep(0.55, 0.0));
         let middle = channel("acceleration:x=0.3", "m/s^2", sweep(0.3, 0.0));
