@@ -1,1 +1,40 @@
-//! Writes self-contained HTML reports
+//! Results of a comparison for people and programs: one self-contained HTML page, a table for the
+//! terminal, and JSON. Everything here is a pure function of its arguments: the same comparison gives
+//! the same bytes, and nothing is read from or written to disk or network.
+
+mod decimate;
+mod figure;
+mod format;
+mod json;
+mod page;
+mod plots;
+mod records;
+mod stages;
+mod summary;
+mod table;
+
+pub use json::json;
+pub use page::html;
+pub use table::terminal_table;
+
+/// How a report was made, so that somebody else can make it again.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Settings {
+    /// The command line as it was typed.
+    pub command: String,
+    /// Version of the program.
+    pub version: String,
+    /// The files that were read.
+    pub files: Vec<InputFile>,
+    /// When the report was made, as it is to be printed. `None` keeps the page reproducible.
+    pub date: Option<String>,
+}
+
+/// A file that was read.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct InputFile {
+    /// Its name as the user knows it.
+    pub name: String,
+    /// Its SHA-256 hash in hexadecimal digits.
+    pub sha256: String,
+}

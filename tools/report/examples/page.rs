@@ -1,0 +1,18 @@
+//! Writes an example report: `cargo run -p stickslip-report --example page -- out.html [backbone |
+//! contact | failure | hostile]`, and prints the same comparison as a table.
+
+#[path = "../tests/synthetic/mod.rs"]
+mod synthetic;
+
+fn main() -> std::io::Result<()> {
+    let mut arguments = std::env::args().skip(1);
+    let file = arguments.next().unwrap_or_else(|| "report.html".to_owned());
+    let comparison = match arguments.next().as_deref() {
+        Some("contact") => synthetic::contact(15_000),
+        Some("failure") => synthetic::beam_with_failure(),
+        Some("hostile") => synthetic::hostile(),
+        _ => synthetic::backbone(),
+    };
+    print!("{}", stickslip_report::terminal_table(&comparison, 80, false));
+    std::fs::write(file, stickslip_report::html(&comparison, &synthetic::settings()))
+}

@@ -1,0 +1,96 @@
+//! A comparison as JSON.
+
+use serde_json::{Map, Value, json};
+use stickslip::diagnose::{Comparison, RecordResult, Stage};
+use stickslip::measure::{Record, Regime, Use};
+
+use crate::summary;
+
+/// The comparison without its arrays, schema `stickslip.comparison/1`.
+///
+/// ```json
+/// {"schema": "stickslip.comparison/1", "title": "...", "verdict": "...",
+///  "error": {"baseline": 0.41, "refitted": 0.38},
+///  "rms": {"channel": "frequency", "unit": "Hz", "baseline": 1.8, "refitted": 0.1},
+///  "stages": [{"name": "baseline", "error": 0.41, "evaluations": 0,
+///    "parameters": {"contact.normal_load": {"value": 162.0, "unit": "N", "fitted_from": null}},
+///    "records": [{"file": "r0.csv", "regime": "from-rest", "use": "fit", "error": 0.4, "failure": null,
+///      "channels": {"force": {"unit": "N", "error": 0.4, "rms": 31.0}}}]}]}
+/// ```
+///
+/// `refitted` is the last stage. Units are SI (Hz for frequencies). Numbers that are not finite, and
+/// errors of records without a prediction, are `null`. `rms` is over the records that every stage
+/// predicts, and `null` where the records do not all share one channel.
+pub fn json(comparison: &Comparison) -> Value {
+    let summary = summary::summarise(comparison);
+    let (first, last) = (comparison.stages.first(), comparison.stages.last());
+    let rms = summary.common.as_ref().map(|common| {
+        json!({
+            "channel": common.name, "unit": common.unit,
+            "baseline": summary.errors.first(), "refitted": summary.errors.last(),
+        })
+    });
+    json!({
+        "schema": "stickslip.comparison/1",
+        "title": comparison.title,
+        "verdict": summary.verdict.replace('\u{a0}', " "),
+        "notes": summary.notes.iter().map(|note| note.replace('\u{a0}', " ")).collect::<Vec<_>>(),
+        "error": { "baseline": first.map(|stage| stage.error), "refitted": last.map(|stage| stage.error) },
+        "rms": rms,
+        "stages": comparison.stages.iter().map(|one| stage(comparison, one)).collect::<Vec<_>>(),
+    })
+}
+
+fn stage(comparison: &Comparison, stage: &Stage) -> Value {
+    let parameters: Map<String, Value> = stage
+        .parameters
+        .iter()
+        .map(|parameter| {
+            let value = json!({
+                "value": parameter.value, "unit": parameter.unit, "fitted_from": parameter.fitted_from,
+            });
+            (parameter.path.clone(), value)
+        })
+        .collect();
+    let records =
+        comparison.records.iter().zip(&stage.records).map(|(measured, result)| record(measured, result));
+    json!({
+        "name": stage.name, "error": stage.error, "evaluations": stage.evaluations,
+        "parameters": parameters, "records": records.collect::<Vec<_>>(),
+    })
+}
+
+fn record(measured: &Record, result: &RecordResult) -> Value {
+    let channels: Map<String, Value> = result
+        .channels
+        .iter()
+        .map(|channel| {
+            let value = json!({ "unit": channel.unit, "error": channel.error, "rms": channel.rms });
+            (channel.name.clone(), value)
+        })
+        .collect();
+    let error = result.failure.is_none().then_some(result.error);
+    json!({
+        "file": measured.name, "regime": regime(measured.regime), "use": measured.use_for.map(use_for),
+        "error": error, "failure": result.failure, "channels": channels,
+    })
+}
+
+/// As a dataset file spells it.
+fn regime(regime: Regime) -> &'static str {
+    match regime {
+        Regime::FromRest => "from-rest",
+        Regime::Steady => "steady",
+        Regime::UnknownInitialState => "unknown-initial-state",
+        Regime::Backbone => "backbone",
+    }
+}
+
+/// As a dataset file spells it.
+fn use_for(use_for: Use) -> &'static str {
+    match use_for {
+        Use::Fit => "fit",
+        Use::Select => "select",
+        Use::Confirm => "confirm",
+    }
+}

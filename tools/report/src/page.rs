@@ -1,0 +1,275 @@
+//! The HTML page.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use stickslip::diagnose::Comparison;
+use stickslip::measure::Regime;
+
+use crate::figure::Figures;
+use crate::records::Captioned;
+use crate::stages::{self, name};
+use crate::summary::{self, Levels, Summary};
+use crate::{Settings, format, plots, records};
+
+/// Records that are drawn; the tables hold all.
+const DRAWN_RECORDS: usize = 60;
+/// Points a line has at most, and at least when many records share the page.
+const POINTS: (usize, usize) = (2_000, 200);
+/// Numbers that the figures of a page may hold together, so that it stays a few megabytes.
+const NUMBERS: usize = 400_000;
+/// Columns that the figures of one channel of one record need, about.
+const COLUMNS: usize = 13;
+
+/// Nothing may be fetched, from anywhere: the browser enforces what the page promises.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
+                      img-src data: blob:; base-uri 'none'; form-action 'none'";
+
+/// One self-contained HTML page: it opens without a network, prints, and reads on a small screen.
+///
+/// Besides `comparison` it depends on nothing but `settings`, so that the same call gives the same
+/// bytes. Names from files are escaped wherever they appear. Long records are drawn with about 2 000
+/// points that keep the extremes of every stretch, and the captions say so.
+///
+/// ```
+/// use stickslip::diagnose::Comparison;
+/// let comparison = Comparison { title: "joint A".into(), records: vec![], stages: vec![] };
+/// let page = stickslip_report::html(&comparison, &stickslip_report::Settings::default());
+/// assert!(page.starts_with("<!DOCTYPE html>"));
+/// ```
+pub fn html(comparison: &Comparison, settings: &Settings) -> String {
+    let summary = summary::summarise(comparison);
+    let levels = summary::levels(comparison);
+    let mut figures = Figures::default();
+    let sections = html! {
+        (stage_section(&mut figures, comparison, &summary, &levels))
+        @for table in &levels { (backbone_section(&mut figures, comparison, table)) }
+        (record_section(&mut figures, comparison))
+        @if comparison.stages.iter().any(|stage| !stage.parameters.is_empty()) {
+            section id="parameters" { h2 { "Parameters" } (stages::parameter_table(comparison)) }
+        }
+        (settings_section(settings))
+    };
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="referrer" content="no-referrer";
+                title { (name(&comparison.title)) }
+                style { (PreEscaped(include_str!("style.css"))) }
+            }
+            body {
+                header {
+                    h1 { (name(&comparison.title)) }
+                    p.verdict { (name(&summary.verdict)) }
+                    @for note in &summary.notes { p.warning { (name(note)) } }
+                    p.quiet { (name(&scope(comparison, &levels))) @if let Some(date) = &settings.date { " " (name(date)) } }
+                }
+                noscript { p.warning { "The figures need JavaScript; the tables do not." } }
+                main { (sections) }
+                script type="application/json" id="figures" { (PreEscaped(figures.to_json())) }
+                (PreEscaped(plotly_js()))
+                script { (PreEscaped(include_str!("page.js"))) }
+            }
+        }
+    };
+    page.into_string()
+}
+
+/// The `<script>` element with plotly.js. The crate hands it out together with MathJax, which no
+/// figure here uses and which would add two megabytes: the first element is plotly.js.
+fn plotly_js() -> String {
+    let both = plotly::Plot::offline_js_sources();
+    let end = both.find("</script>").map_or(both.len(), |start| start + "</script>".len());
+    both[..end].to_owned()
+}
+
+/// What was compared, and where the largest error remains.
+fn scope(comparison: &Comparison, levels: &[Levels]) -> String {
+    let records = format::count(comparison.records.len(), "record");
+    let count = comparison.stages.len();
+    let stages = match &comparison.stages[..] {
+        [] => return format!("{records}."),
+        [only] => format!("“{}”", only.name),
+        [first, .., last] => format!("{count} stages of the model, from “{}” to “{}”", first.name, last.name),
+    };
+    // A record without a prediction is said above, as a warning.
+    let failed = |record: usize| {
+        comparison.stages.last().is_some_and(|stage| summary::failure(stage, record).is_some())
+    };
+    if (0..comparison.records.len()).any(failed) {
+        return format!("{records} against {stages}.");
+    }
+    let worst = summary::worst(comparison, levels, count - 1);
+    format!("{records} against {stages}. Largest error that remains: {worst}.")
+}
+
+fn stage_section(
+    figures: &mut Figures,
+    comparison: &Comparison,
+    summary: &Summary,
+    levels: &[Levels],
+) -> Markup {
+    html! {
+        section id="stages" {
+            h2 { "Error of each stage" }
+            (stages::stage_table(comparison, summary, levels))
+            @if let Some(figure) = plots::waterfall(figures, comparison, summary) {
+                (figure_element(&Captioned {
+                    figure,
+                    caption: "What each stage changes: from the first stage’s error to what remains. \
+                              Green lowers the error, orange raises it."
+                        .to_owned(),
+                    half: false,
+                }, &format!("height:{}px", 112 + 48 * comparison.stages.len().min(12))))
+            }
+        }
+    }
+}
+
+fn backbone_section(figures: &mut Figures, comparison: &Comparison, levels: &Levels) -> Markup {
+    let record = &comparison.records[levels.record];
+    let channel = plots::prose(&levels.channel);
+    let figure = plots::backbone(figures, comparison, levels);
+    let caption = format!(
+        "{}: measured {channel} (circles) and every stage’s prediction against amplitude; below, predicted \
+         minus measured. Lines join the levels and only lead the eye.",
+        record.name
+    );
+    html! {
+        section {
+            h2 { (name(&format!("{channel} against amplitude"))) }
+            (failures(comparison, levels.record))
+            (figure_element(&Captioned { figure, caption, half: false }, "height:576px"))
+            (stages::level_table(comparison, levels))
+        }
+    }
+}
+
+/// The table of all records and the figures of the time records, the worst first and open.
+fn record_section(figures: &mut Figures, comparison: &Comparison) -> Markup {
+    let time: Vec<usize> = worst_first(comparison);
+    if time.is_empty() && comparison.records.len() < 2 {
+        return html! {};
+    }
+    let shown = &time[..time.len().min(DRAWN_RECORDS)];
+    let channels: usize =
+        shown.iter().map(|&record| summary::compared_channels(comparison, record).len()).sum();
+    let limit = (NUMBERS / (COLUMNS * channels.max(1))).clamp(POINTS.1, POINTS.0);
+    let mut open = true;
+    html! {
+        section id="records" {
+            h2 { "Records" }
+            (record_table_if_useful(comparison))
+            @if !shown.is_empty() {
+                p.note {
+                    "Measured against the first and the last stage, the record that the last stage predicts worst "
+                    "first. Click a record to open it; only open records are printed."
+                    @if shown.len() < time.len() {
+                        " The figures show the " (shown.len()) " worst of " (time.len()) " records."
+                    }
+                }
+            }
+            @for &record in shown {
+                @let drawn = records::figures(figures, comparison, record, limit);
+                (record_details(comparison, record, &drawn, open))
+                // A record without a prediction has little to show: the next one is opened as well.
+                @let () = open &= comparison.stages.last().is_some_and(|s| summary::failure(s, record).is_some());
+            }
+        }
+    }
+}
+
+fn record_table_if_useful(comparison: &Comparison) -> Markup {
+    if comparison.records.len() > 1 {
+        stages::record_table(comparison)
+    } else {
+        html! {}
+    }
+}
+
+/// Time records by the error of the last stage, those without a prediction before all.
+fn worst_first(comparison: &Comparison) -> Vec<usize> {
+    let mut records: Vec<usize> = (0..comparison.records.len())
+        .filter(|&record| comparison.records[record].regime != Regime::Backbone)
+        .collect();
+    let error = |record: usize| {
+        let error = comparison.stages.last().map_or(0.0, |stage| summary::record_error(stage, record));
+        if error.is_finite() { error } else { f64::INFINITY }
+    };
+    records.sort_by(|&a, &b| error(b).total_cmp(&error(a)));
+    records
+}
+
+fn record_details(comparison: &Comparison, record: usize, drawn: &[Captioned], open: bool) -> Markup {
+    let error = |stage: Option<&stickslip::diagnose::Stage>| match stage {
+        Some(stage) if summary::failure(stage, record).is_some() => "no prediction".to_owned(),
+        Some(stage) => format::error(summary::record_error(stage, record)),
+        None => format::ABSENT.to_owned(),
+    };
+    let (first, last) = (error(comparison.stages.first()), error(comparison.stages.last()));
+    html! {
+        details open[open] {
+            summary {
+                span.record { (name(&comparison.records[record].name)) }
+                span.quiet { (stages::regime(comparison, record)) }
+                span.errors {
+                    "error " @if comparison.stages.len() > 1 { (first) " → " } strong { (last) }
+                }
+            }
+            (failures(comparison, record))
+            (stages::channel_table(comparison, record))
+            div.figures {
+                @for one in drawn {
+                    (figure_element(one, if one.half { "height:368px" } else { "height:480px" }))
+                }
+            }
+            @if drawn.is_empty() { p.note { "There is nothing to draw for this record." } }
+        }
+    }
+}
+
+/// Why stages have no prediction of a record.
+fn failures(comparison: &Comparison, record: usize) -> Markup {
+    html! {
+        @for stage in &comparison.stages {
+            @if let Some(reason) = summary::failure(stage, record) {
+                p.warning { "No prediction by " strong { (name(&stage.name)) } ": " (name(reason)) }
+            }
+        }
+    }
+}
+
+fn figure_element(one: &Captioned, style: &str) -> Markup {
+    html! {
+        figure.half[one.half] {
+            div.plot data-figure=(one.figure) style=(style) role="img" aria-label=(name(&one.caption)) {}
+            figcaption { (name(&one.caption)) }
+        }
+    }
+}
+
+fn settings_section(settings: &Settings) -> Markup {
+    html! {
+        section id="settings" {
+            h2 { "How to repeat this" }
+            @if !settings.command.is_empty() { pre { code { (name(&settings.command)) } } }
+            @if !settings.version.is_empty() { p { "stickslip " (name(&settings.version)) } }
+            @if !settings.files.is_empty() {
+                div.scroll tabindex="0" role="region" aria-label="Files" {
+                    table.files {
+                        thead { tr { th { "File" } th { "SHA-256" } } }
+                        tbody { @for file in &settings.files {
+                            tr { th scope="row" { (name(&file.name)) } td { code { (name(&file.sha256)) } } }
+                        } }
+                    }
+                }
+            }
+            p.note {
+                "This page is complete in itself and fetches nothing. The figures are drawn by plotly.js, "
+                "which it contains (MIT licence, Plotly, Inc.)."
+            }
+        }
+    }
+}

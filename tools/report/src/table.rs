@@ -1,0 +1,275 @@
+//! A comparison as text for a terminal.
+
+use stickslip::diagnose::Comparison;
+
+use crate::format::{self, Scale, printable};
+use crate::plots::{error_name, prose};
+use crate::summary::{self, Levels, Summary};
+
+const BOLD: &str = "\u{1b}[1m";
+const RED: &str = "\u{1b}[31m";
+const BLUE: &str = "\u{1b}[34m";
+const YELLOW: &str = "\u{1b}[33m";
+const RESET: &str = "\u{1b}[0m";
+
+/// The comparison as a table of stages with bars, then the error at every level of a backbone and in
+/// every record; where the stages do not fit side by side the table continues below.
+///
+/// Lines are at most `width` columns wide (at least 40 are used; 80 is usual). With `color`, ANSI
+/// sequences are added, which take no columns; without it the text has none, and control characters
+/// in names never reach the terminal.
+pub fn terminal_table(comparison: &Comparison, width: usize, color: bool) -> String {
+    let width = width.max(40);
+    let summary = summary::summarise(comparison);
+    let levels = summary::levels(comparison);
+    let mut out = Text { text: String::new(), width, color };
+    out.paragraph(&comparison.title, BOLD);
+    out.paragraph(&summary.verdict, "");
+    for note in &summary.notes {
+        out.paragraph(note, RED);
+    }
+    stages(&mut out, comparison, &summary);
+    for table in &levels {
+        level_table(&mut out, comparison, table);
+    }
+    if comparison.records.len() > 1 || levels.is_empty() {
+        record_table(&mut out, comparison);
+    }
+    failures(&mut out, comparison);
+    out.text
+}
+
+/// Text under construction.
+struct Text {
+    text: String,
+    width: usize,
+    color: bool,
+}
+
+impl Text {
+    fn line(&mut self, line: &str) {
+        self.text.push_str(line.trim_end());
+        self.text.push('\n');
+    }
+
+    fn painted(&self, text: &str, paint: &str) -> String {
+        if self.color && !paint.is_empty() { format!("{paint}{text}{RESET}") } else { text.to_owned() }
+    }
+
+    /// `text` broken at spaces; a longer word is broken where the line ends.
+    fn paragraph(&mut self, text: &str, paint: &str) {
+        let mut line = String::new();
+        for word in printable(text).split(' ').filter(|word| !word.is_empty()) {
+            if !line.is_empty() && columns(&line) + 1 + columns(word) > self.width {
+                self.line(&self.painted(&line, paint));
+                line.clear();
+            }
+            if !line.is_empty() {
+                line.push(' ');
+            }
+            for c in word.chars() {
+                if columns(&line) + char_columns(c) > self.width {
+                    self.line(&self.painted(&line, paint));
+                    line.clear();
+                }
+                line.push(c);
+            }
+        }
+        self.line(&self.painted(&line, paint));
+    }
+
+    /// A table of right-aligned cells under a left column, broken into parts as wide as the terminal.
+    /// `left` and every row of `cells` begin with the heading; the first `fixed` columns are repeated.
+    fn grid(&mut self, left: &[String], cells: &[Vec<String>], fixed: usize) {
+        let wide = |column: usize| cells.iter().map(|row| columns(&row[column])).max().unwrap_or(0) + 2;
+        let count = cells.first().map_or(0, Vec::len);
+        let repeated: usize = (0..fixed).map(wide).sum();
+        let left_width = left.iter().map(|cell| columns(cell)).max().unwrap_or(0);
+        let left_width = left_width.min(self.width.saturating_sub(repeated + 12).max(10));
+        let mut start = fixed;
+        while start < count {
+            let mut end = start;
+            let mut used = left_width + repeated;
+            while end < count && (end == start || used + wide(end) <= self.width) {
+                used += wide(end);
+                end += 1;
+            }
+            for (row, (left, cells)) in left.iter().zip(cells).enumerate() {
+                let mut line = pad(left, left_width, false);
+                for column in (0..fixed).chain(start..end) {
+                    let cell = pad(&cells[column], wide(column), true);
+                    let paint = if cells[column] == FAILED { RED } else { "" };
+                    line.push_str(&self.painted(&cell, paint));
+                }
+                let paint = if row == 0 { BOLD } else { "" };
+                self.line(&self.painted(line.trim_end(), paint));
+            }
+            start = end;
+            if start < count {
+                self.line("");
+            }
+        }
+    }
+}
+
+const FAILED: &str = "failed";
+
+fn stages(out: &mut Text, comparison: &Comparison, summary: &Summary) {
+    if comparison.stages.is_empty() {
+        return;
+    }
+    let (errors, scale, what) = (&summary.errors, &summary.scale, error_name(summary));
+    out.line("");
+    out.paragraph(&format!("Stages: {}", scale.label(&what)), BOLD);
+    let count = comparison.stages.len();
+    let numbers: Vec<String> = errors.iter().map(|&error| scale.number(error)).collect();
+    let number_width = numbers.iter().map(|number| columns(number)).max().unwrap_or(0);
+    let index_width = count.to_string().len();
+    let longest = comparison.stages.iter().map(|stage| columns(&printable(&stage.name))).max().unwrap_or(0);
+    let name_width = longest.min(out.width / 2 - 4);
+    let bar_width = out.width.saturating_sub(index_width + name_width + number_width + 6).min(50);
+    let top = errors.iter().copied().filter(|error| error.is_finite()).fold(0.0, f64::max);
+    for (index, stage) in comparison.stages.iter().enumerate() {
+        let last = index + 1 == count;
+        let share = if top > 0.0 && errors[index].is_finite() { errors[index] / top } else { 0.0 };
+        let paint = if last {
+            BLUE
+        } else if index == 0 {
+            YELLOW
+        } else {
+            ""
+        };
+        let name = pad(&printable(&stage.name), name_width, false);
+        let line = format!(
+            "{}  {}  {}  {}",
+            pad(&(index + 1).to_string(), index_width, true),
+            out.painted(&name, if last { BOLD } else { "" }),
+            out.painted(&pad(&numbers[index], number_width, true), if last { BOLD } else { "" }),
+            out.painted(&bar(share, bar_width), paint),
+        );
+        out.line(&line);
+    }
+}
+
+/// A bar of `share` of `width` columns, in steps of an eighth of a column.
+fn bar(share: f64, width: usize) -> String {
+    const EIGHTHS: [&str; 8] = ["", "▏", "▎", "▍", "▌", "▋", "▊", "▉"];
+    let eighths = (share.clamp(0.0, 1.0) * 8.0 * width as f64).round() as usize;
+    // Something is left of the error, however little: an empty bar would say there is none.
+    let eighths = if share > 0.0 { eighths.max(1) } else { eighths };
+    format!("{}{}", "█".repeat(eighths / 8), EIGHTHS[eighths % 8])
+}
+
+fn level_table(out: &mut Text, comparison: &Comparison, levels: &Levels) {
+    let count = comparison.stages.len();
+    let amplitude = Scale::of(levels.amplitude.iter().copied(), levels.amplitude_unit);
+    let value = Scale::of(levels.measured.iter().copied(), levels.unit);
+    let value = Scale { decimals: value.decimals.max(2), ..value };
+    let residual = levels.residual_scale();
+    out.line("");
+    let record = &comparison.records[levels.record].name;
+    let heading = residual.label(&prose(&levels.channel));
+    out.paragraph(&format!("{record}: predicted minus measured {heading}, by stage"), BOLD);
+    let mut left = vec![amplitude.label("amplitude")];
+    let mut first = vec![value.label("measured")];
+    first.extend((1..=count).map(|stage| stage.to_string()));
+    let mut cells = vec![first];
+    for level in 0..levels.amplitude.len() {
+        let shown = format::engineering(levels.amplitude[level] * amplitude.factor, "1");
+        left.push(pad(&shown, columns(&left[0]), true));
+        let mut row = vec![value.number(levels.measured[level])];
+        row.extend((0..count).map(|stage| residual.signed(levels.residual(stage, level))));
+        cells.push(row);
+    }
+    out.grid(&left, &cells, 1);
+}
+
+fn record_table(out: &mut Text, comparison: &Comparison) {
+    if comparison.records.is_empty() || comparison.stages.is_empty() {
+        return;
+    }
+    out.line("");
+    out.paragraph("Normalised error in each record, by stage", BOLD);
+    let scale = summary::error_scale(comparison);
+    let mut left = vec!["record".to_owned()];
+    let mut cells = vec![(1..=comparison.stages.len()).map(|stage| stage.to_string()).collect::<Vec<_>>()];
+    for (record, measured) in comparison.records.iter().enumerate() {
+        left.push(printable(&measured.name));
+        let row = comparison.stages.iter().map(|stage| match summary::failure(stage, record) {
+            Some(_) => FAILED.to_owned(),
+            None => scale.number(summary::record_error(stage, record)),
+        });
+        cells.push(row.collect());
+    }
+    out.grid(&left, &cells, 0);
+}
+
+fn failures(out: &mut Text, comparison: &Comparison) {
+    let mut first = true;
+    for stage in &comparison.stages {
+        for (record, measured) in comparison.records.iter().enumerate() {
+            if let Some(reason) = summary::failure(stage, record) {
+                if first {
+                    out.line("");
+                    out.paragraph("No prediction", BOLD);
+                }
+                first = false;
+                out.paragraph(&format!("{}, {}: {reason}", stage.name, measured.name), "");
+            }
+        }
+    }
+}
+
+/// `text` cut or filled to `width` columns.
+fn pad(text: &str, width: usize, right: bool) -> String {
+    let mut shown = text.to_owned();
+    if columns(text) > width {
+        shown.clear();
+        let mut used = 1;
+        for c in text.chars() {
+            used += char_columns(c);
+            if used > width {
+                break;
+            }
+            shown.push(c);
+        }
+        shown.push('…');
+    }
+    let fill = " ".repeat(width.saturating_sub(columns(&shown)));
+    if right { fill + &shown } else { shown + &fill }
+}
+
+/// Columns that `text` takes in a terminal.
+fn columns(text: &str) -> usize {
+    text.chars().map(char_columns).sum()
+}
+
+/// Columns of one character: none for combining marks, two for East Asian wide ones and emoji.
+fn char_columns(c: char) -> usize {
+    match c as u32 {
+        0x300..=0x36f | 0x200b..=0x200d | 0xfe00..=0xfe0f => 0,
+        0x1100..=0x115f | 0x2e80..=0xa4cf | 0xac00..=0xd7a3 | 0xf900..=0xfaff | 0xfe30..=0xfe6f => 2,
+        0xff00..=0xff60 | 0xffe0..=0xffe6 | 0x1f300..=0x1faff | 0x20000..=0x3fffd => 2,
+        _ => 1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bar_is_proportional_and_never_empty_for_an_error() {
+        assert_eq!(bar(1.0, 10), "█".repeat(10));
+        assert_eq!(bar(0.5, 10), "█".repeat(5));
+        assert_eq!(bar(1e-9, 10), "▏");
+        assert_eq!(bar(0.0, 10), "");
+    }
+
+    #[test]
+    fn padding_counts_columns_and_not_bytes() {
+        assert_eq!(pad("µm", 4, true), "  µm");
+        assert_eq!(columns(&pad("摩擦 contact", 7, false)), 7);
+        assert_eq!(pad("abcdef", 4, false), "abc…");
+    }
+}
