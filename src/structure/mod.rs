@@ -1,47 +1,5 @@
 //! Structures as the contact sees them: modal mass, damping, stiffness and the map to the contact.
 
-mod beam;
-
-pub use beam::{characteristic_frequencies, finite_element_frequencies, rotational_stiffness_from_frequency};
-
-/// Why a structure could not be reduced.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum StructureError {
-    /// A value that makes no physical sense.
-    #[error("`{name}` = {value} must be {wanted}")]
-    OutOfBounds {
-        /// Name of the quantity, as in model files.
-        name: &'static str,
-        /// The value, SI.
-        value: f64,
-        /// What would be legal.
-        wanted: &'static str,
-    },
-    /// As many damping ratios as modes are needed.
-    #[error("`damping_ratio` has {given} entries, but there are {modes} modes")]
-    DampingRatios {
-        /// Entries given.
-        given: usize,
-        /// Modes kept.
-        modes: usize,
-    },
-    /// No rotational spring gives the frequency asked for.
-    #[error(
-        "no rotational spring gives {frequency} Hz; from none to rigid the beam has {lowest:.3} to {highest:.3} Hz"
-    )]
-    FrequencyOutOfReach {
-        /// The frequency asked for (Hz).
-        frequency: f64,
-        /// Without a spring (Hz).
-        lowest: f64,
-        /// With a rigid one (Hz).
-        highest: f64,
-    },
-    /// The mass matrix is not positive definite.
-    #[error("the mass matrix is singular")]
-    Singular,
-}
-
 /// A beam reduced to mass-normalised modes with a contact at its end.
 ///
 /// `q̈ᵢ + 2 ζᵢ ωᵢ q̇ᵢ + ωᵢ² qᵢ + T [cᵢ − Σⱼ Gᵢⱼ qⱼ] = f φᵢ(S)` and, at the contact,
