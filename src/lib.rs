@@ -7,6 +7,7 @@
 
 pub mod contact;
 pub mod diagnose;
+pub mod document;
 pub mod harmonic;
 pub mod identify;
 pub mod integrate;

@@ -1,4 +1,43 @@
 //! The engineer's model (`model.toml`): types, parsing with positions, parameters by path.
+//!
+//! ```
+//! use stickslip::model::Model;
+//!
+//! let mut model = Model::parse(
+//!     r#"
+//!     schema = "stickslip.model/1"
+//!     kind = "contact"
+//!
+//!     [contact]
+//!     law = "jenkins"
+//!     tangential_stiffness = 5.1e6   # N/m
+//!     friction_coefficient = 0.47
+//!     normal_load = 162.0            # N
+//!     "#,
+//! )?;
+//! model.set("contact.friction_coefficient", 0.5)?;
+//! assert_eq!(model.get("contact.friction_coefficient"), Some(0.5));
+//! assert_eq!(Model::parse(&model.to_toml())?, model);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`Model::parse`] reports the first thing wrong with the byte range it stands at;
+//! [`Model::check`] holds the rules themselves, for models built or changed in code.
+
+mod check;
+mod free;
+mod parameters;
+mod parse;
+mod write;
+
+pub use check::{ParameterError, SMALLEST_AND_LARGEST};
+pub use parameters::{ModelParameter, Scale};
+
+/// What is wrong with a model file, and where.
+pub type ModelError = crate::document::DocumentError;
+
+/// The `schema` of the model files this version reads and writes.
+pub const SCHEMA: &str = "stickslip.model/1";
 
 /// A whole model file.
 #[derive(Debug, Clone, PartialEq)]
@@ -7,7 +46,8 @@ pub struct Model {
     pub structure: Structure,
     /// The contact; a beam may have none (then its support may be a rotational spring).
     pub contact: Option<Contact>,
-    /// Paths a fit may change, as written in `[fit] free`, `*` allowed at the end; defaults when absent.
+    /// Paths a fit may change, as written in `[fit] free`, where `*` stands for any characters;
+    /// defaults when absent. [`Model::parameters`] says what they come to.
     pub free: Option<Vec<String>>,
 }
 

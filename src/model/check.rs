@@ -1,0 +1,150 @@
+//! The rules a model keeps, whether it was read from a file, built in code or changed by a fit.
+
+use std::fmt;
+
+use super::{Beam, Contact, Damping, Law, Model, Structure};
+use crate::vocabulary::{self, Quantity};
+
+/// Magnitudes outside this range are refused: no physical parameter in SI units has them, and
+/// products of a few of them would overflow.
+pub const SMALLEST_AND_LARGEST: (f64, f64) = (1e-30, 1e30);
+
+/// Why a parameter, or another entry of a model, cannot be what it is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ParameterError {
+    /// Path of the entry, elements of arrays counted from 1: `beam.point_mass.2.mass`.
+    pub path: String,
+    /// What is wrong, in one sentence.
+    pub message: String,
+    /// What would be right, if there is more to say.
+    pub help: Option<String>,
+}
+
+impl ParameterError {
+    pub(super) fn new(path: impl Into<String>, message: impl Into<String>) -> Self {
+        ParameterError { path: path.into(), message: message.into(), help: None }
+    }
+
+    pub(super) fn with_help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+}
+
+impl fmt::Display for ParameterError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}: {}", self.path, self.message)?;
+        match &self.help {
+            Some(help) => write!(formatter, " ({help})"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl std::error::Error for ParameterError {}
+
+impl Model {
+    /// Checks every rule: bounds, counts, positions on the beam, and that each free path means something.
+    ///
+    /// # Errors
+    /// The first rule that is broken.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        self.check_values()?;
+        super::free::check_patterns(self)
+    }
+
+    /// The rules that a change of a parameter's value can break.
+    pub(super) fn check_values(&self) -> Result<(), ParameterError> {
+        for parameter in self.values() {
+            check_value(&parameter.path, parameter.quantity, parameter.value)?;
+        }
+        match (&self.structure, &self.contact) {
+            (Structure::Prescribed, None) => {
+                return Err(ParameterError::new("contact", "a model of kind \"contact\" needs [contact]"));
+            }
+            (Structure::Beam(beam), _) => check_beam(beam)?,
+            (Structure::Prescribed, Some(_)) => {}
+        }
+        self.contact.as_ref().map_or(Ok(()), check_contact)
+    }
+}
+
+/// Checks `value` against the bounds of `quantity` and of sense.
+fn check_value(path: &str, quantity: &Quantity, value: f64) -> Result<(), ParameterError> {
+    let (smallest, largest) = SMALLEST_AND_LARGEST;
+    let name = quantity.name;
+    if !value.is_finite() {
+        return Err(ParameterError::new(path, format!("`{name}` must be a finite number")));
+    }
+    if *quantity == vocabulary::SMOOTHNESS && value == 1.0 {
+        // The general message would not say why the bound itself is excluded.
+        let message =
+            "`smoothness` must be below 1: at 1 the Valanis law has a corner and is Jenkins' element";
+        return Err(ParameterError::new(path, message).with_help("use law = \"jenkins\""));
+    }
+    // Smoothness is open at 1 only, and a contact that is never loaded is no contact.
+    let open_below = quantity.open && *quantity != vocabulary::SMOOTHNESS;
+    let (min, open_below) =
+        if *quantity == vocabulary::NORMAL_LOAD { (Some(0.0), true) } else { (quantity.min, open_below) };
+    let above = min.is_none_or(|min| if open_below { value > min } else { value >= min });
+    let below = quantity.max.is_none_or(|max| if quantity.open { value < max } else { value <= max });
+    if !(above && below) {
+        let message = format!("`{name}` must be {}, not {value}", allowed(quantity, min, open_below));
+        return Err(ParameterError::new(path, message).with_help(quantity.description));
+    }
+    if value.abs() > largest || (open_below && value.abs() < smallest) {
+        let message = format!("`{name}` = {value:e} is beyond any physical magnitude");
+        return Err(ParameterError::new(path, message).with_help(format!("the unit is {}", quantity.unit)));
+    }
+    Ok(())
+}
+
+fn allowed(quantity: &Quantity, min: Option<f64>, open_below: bool) -> String {
+    let lower = min.map(|min| format!("{} {min}", if open_below { "above" } else { "at least" }));
+    let upper = quantity.max.map(|max| format!("{} {max}", if quantity.open { "below" } else { "at most" }));
+    [lower, upper].into_iter().flatten().collect::<Vec<_>>().join(" and ")
+}
+
+fn check_contact(contact: &Contact) -> Result<(), ParameterError> {
+    if let Law::Valanis { residual_stiffness, .. } = contact.law
+        && residual_stiffness >= contact.tangential_stiffness
+    {
+        let message = format!(
+            "`residual_stiffness` ({residual_stiffness} N/m) must be below `tangential_stiffness` ({} N/m)",
+            contact.tangential_stiffness
+        );
+        return Err(ParameterError::new("contact.residual_stiffness", message)
+            .with_help("the slope left in macro-slip cannot exceed the slope in stick"));
+    }
+    Ok(())
+}
+
+fn check_beam(beam: &Beam) -> Result<(), ParameterError> {
+    let (fewest, most) = (1, 40);
+    if !(fewest..=most).contains(&beam.modes) {
+        let message = format!("`modes` must be at least {fewest} and at most {most}, not {}", beam.modes);
+        return Err(ParameterError::new("beam.modes", message));
+    }
+    if let Damping::PerMode(ratios) = &beam.damping
+        && ratios.len() != beam.modes
+    {
+        let message = format!("{} damping ratios for {} modes", ratios.len(), beam.modes);
+        return Err(ParameterError::new("beam.damping_ratio", message)
+            .with_help("give one number for all modes, or as many as `modes` says"));
+    }
+    let on_beam = |path: String, position: f64| {
+        if (0.0..=beam.length).contains(&position) {
+            return Ok(());
+        }
+        let message =
+            format!("position {position} m is not on the beam, which runs from 0 to {} m", beam.length);
+        Err(ParameterError::new(path, message))
+    };
+    for (index, mass) in beam.point_masses.iter().enumerate() {
+        on_beam(format!("beam.point_mass.{}.position", index + 1), mass.position)?;
+    }
+    for (index, position) in beam.sensors.iter().enumerate() {
+        on_beam(format!("sensor.{}.position", index + 1), *position)?;
+    }
+    on_beam("excitation.position".to_owned(), beam.excitation_position)
+}

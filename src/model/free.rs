@@ -1,0 +1,85 @@
+//! `[fit] free`: which parameters a fit may change.
+
+use super::{Model, ParameterError};
+use crate::document::suggestion;
+
+const NORMAL_LOAD: &str = "contact.normal_load";
+
+/// Whether a fit of `model` may change the parameter at `path`, which now has `value`.
+pub(super) fn is_free(model: &Model, path: &str, value: f64) -> bool {
+    match &model.free {
+        None => free_by_default(path, value),
+        Some(patterns) => patterns.iter().any(|pattern| frees(pattern, path)),
+    }
+}
+
+fn free_by_default(path: &str, value: f64) -> bool {
+    // A spring that is not there stays away: adding one is a change of the model, not a fit of it.
+    let spring_present = path == "support.rotational_stiffness" && value > 0.0;
+    frees("contact.*", path)
+        || frees("beam.*damping*", path)
+        || path == "support.clamp_stiffness"
+        || spring_present
+}
+
+fn frees(pattern: &str, path: &str) -> bool {
+    // Load and coefficient act as a product: a pattern that means both would ask for a degenerate fit.
+    matches(pattern, path) && (path != NORMAL_LOAD || pattern == NORMAL_LOAD)
+}
+
+/// Whether `pattern`, in which each `*` stands for any characters or none, describes all of `text`.
+fn matches(pattern: &str, text: &str) -> bool {
+    let mut pieces = pattern.split('*');
+    let first = pieces.next().unwrap_or_default();
+    let Some(mut rest) = text.strip_prefix(first) else { return false };
+    let mut pieces: Vec<&str> = pieces.collect();
+    let Some(last) = pieces.pop() else { return rest.is_empty() };
+    for piece in pieces {
+        match rest.find(piece) {
+            Some(start) => rest = &rest[start + piece.len()..],
+            None => return false,
+        }
+    }
+    rest.ends_with(last)
+}
+
+/// Refuses patterns that free nothing.
+pub(super) fn check_patterns(model: &Model) -> Result<(), ParameterError> {
+    let patterns = model.free.iter().flatten();
+    let paths: Vec<String> = model.values().into_iter().map(|parameter| parameter.path).collect();
+    for (index, pattern) in patterns.enumerate() {
+        if !paths.iter().any(|path| frees(pattern, path)) {
+            let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
+            return Err(ParameterError::new(
+                format!("fit.free.{}", index + 1),
+                format!("\"{pattern}\" names no parameter of this model"),
+            )
+            .with_help(suggestion(pattern, &paths, "parameters")));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_star_stands_for_any_characters_or_none() {
+        for (pattern, text, expected) in [
+            ("contact.*", "contact.smoothness", true),
+            ("contact.*", "contact", false),
+            ("*", "", true),
+            ("*.mass", "beam.point_mass.1.mass", true),
+            ("beam.*.mass", "beam.point_mass.1.mass", true),
+            ("beam.*.mass", "beam.point_mass.1.position", false),
+            ("beam.*mass*mass", "beam.mass", false),
+            ("a*b*a", "aba", true),
+            ("a*a", "a", false),
+            ("contact.smoothness", "contact.smoothness", true),
+            ("contact.smooth", "contact.smoothness", false),
+        ] {
+            assert_eq!(matches(pattern, text), expected, "{pattern} against {text}");
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! Parameters by path, with the bounds and the scale for a fit.
+//!
+//! Paths follow the file: `contact.smoothness`, `beam.damping_ratio` (one for all modes) or
+//! `beam.damping_ratio.3` (the third mode's), `beam.point_mass.1.mass`, `support.offset`. Elements are
+//! counted from 1. Where the sensors sit is no parameter.
+
+use super::{Beam, Damping, Law, Model, ParameterError, Structure};
+use crate::document::suggestion;
+use crate::vocabulary::{self as v, Quantity};
+
+/// One number of a model that may be read, set, or fitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelParameter {
+    /// Path in the model file: `contact.tangential_stiffness`.
+    pub path: String,
+    /// Name, unit and meaning.
+    pub quantity: &'static Quantity,
+    /// Value in the quantity's unit.
+    pub value: f64,
+    /// Smallest value a fit should try, at or below `value`.
+    pub lower: f64,
+    /// Largest value a fit should try, at or above `value`.
+    pub upper: f64,
+    /// How a fit should step.
+    pub scale: Scale,
+    /// Whether a fit may change it.
+    pub free: bool,
+}
+
+/// How a fit should step in a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// In the value itself.
+    Linear,
+    /// In its logarithm; value and bounds are then above zero.
+    Logarithmic,
+}
+
+/// A parameter without its role in a fit.
+pub(super) struct Value {
+    pub(super) path: String,
+    pub(super) quantity: &'static Quantity,
+    pub(super) value: f64,
+}
+
+impl Model {
+    /// Every parameter, in the file's order.
+    ///
+    /// Free without `[fit] free` are the contact's parameters, the damping, and the support's
+    /// rotational stiffness and clamp stiffness where the model has them; geometry, material and masses
+    /// are not. The normal load is never free unless `[fit] free` names it literally
+    /// (`contact.normal_load`): as long as the load is constant only its product with the coefficient
+    /// of friction acts, and a fit of both has no unique answer.
+    ///
+    /// Bounds are physical (a smoothness up to 0.98, a residual stiffness up to 0.9 of the tangential
+    /// one), widened to include the present value. Each bound alone is a legal value; where two
+    /// parameters are joined (residual and tangential stiffness), a fit of both can still ask for a
+    /// pair that [`Model::set_all`] refuses.
+    pub fn parameters(&self) -> Vec<ModelParameter> {
+        self.values()
+            .into_iter()
+            .map(|Value { path, quantity, value }| {
+                let (lower, upper, scale) = self.fit_range(quantity, value);
+                let free = super::free::is_free(self, &path, value);
+                ModelParameter { path, quantity, value, lower, upper, scale, free }
+            })
+            .collect()
+    }
+
+    /// The value at `path`, in SI; `None` when the model has no such parameter.
+    pub fn get(&self, path: &str) -> Option<f64> {
+        self.values().into_iter().find(|parameter| parameter.path == path).map(|parameter| parameter.value)
+    }
+
+    /// Sets the value at `path`, in SI. Setting `support.clamp_stiffness` on a rigidly clamped beam
+    /// puts the rotational spring there.
+    ///
+    /// # Errors
+    /// A path the model does not have, or a value that breaks a rule ([`Model::check`]); the model is
+    /// then unchanged.
+    pub fn set(&mut self, path: &str, value: f64) -> Result<(), ParameterError> {
+        self.set_all(&[(path, value)])
+    }
+
+    /// Sets several values at once; rules that join parameters (residual stiffness below tangential
+    /// stiffness) are checked after all of them.
+    ///
+    /// # Errors
+    /// As [`Model::set`]; the model is then unchanged.
+    pub fn set_all<P: AsRef<str>>(&mut self, values: &[(P, f64)]) -> Result<(), ParameterError> {
+        let mut changed = self.clone();
+        for (path, value) in values {
+            changed.assign(path.as_ref(), *value)?;
+        }
+        changed.check_values()?;
+        *self = changed;
+        Ok(())
+    }
+
+    fn assign(&mut self, path: &str, value: f64) -> Result<(), ParameterError> {
+        if let ("support.clamp_stiffness", Structure::Beam(beam)) = (path, &mut self.structure) {
+            beam.clamp_stiffness = Some(value);
+            return Ok(());
+        }
+        if let Some((_, _, slot)) = self.slots().into_iter().find(|(name, _, _)| name == path) {
+            *slot = value;
+            return Ok(());
+        }
+        let paths: Vec<String> = self.values().into_iter().map(|parameter| parameter.path).collect();
+        let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
+        Err(ParameterError::new(path, "the model has no such parameter").with_help(suggestion(
+            path,
+            &paths,
+            "parameters",
+        )))
+    }
+
+    pub(super) fn values(&self) -> Vec<Value> {
+        // The one walk over the parameters lends them mutably; reading pays for a copy of the model.
+        self.clone()
+            .slots()
+            .into_iter()
+            .map(|(path, quantity, slot)| Value { path, quantity, value: *slot })
+            .collect()
+    }
+
+    /// The one list of parameters: path, quantity and place.
+    fn slots(&mut self) -> Vec<(String, &'static Quantity, &mut f64)> {
+        let mut slots = Vec::new();
+        let mut add = |table: &str, quantity: &'static Quantity, slot| {
+            slots.push((format!("{table}.{}", quantity.name), quantity, slot));
+        };
+        if let Structure::Beam(beam) = &mut self.structure {
+            add("beam", &v::LENGTH, &mut beam.length);
+            add("beam", &v::WIDTH, &mut beam.width);
+            add("beam", &v::THICKNESS, &mut beam.thickness);
+            add("beam", &v::DENSITY, &mut beam.density);
+            add("beam", &v::YOUNGS_MODULUS, &mut beam.youngs_modulus);
+            let damping: Vec<(String, &'static Quantity, &mut f64)> = match &mut beam.damping {
+                Damping::Uniform(ratio) => vec![(String::new(), &v::DAMPING_RATIO, ratio)],
+                Damping::PerMode(ratios) => ratios
+                    .iter_mut()
+                    .enumerate()
+                    .map(|(index, ratio)| (format!(".{}", index + 1), &v::DAMPING_RATIO, ratio))
+                    .collect(),
+                Damping::Proportional { mass, stiffness } => vec![
+                    (String::new(), &v::MASS_DAMPING, mass),
+                    (String::new(), &v::STIFFNESS_DAMPING, stiffness),
+                ],
+            };
+            for (suffix, quantity, slot) in damping {
+                slots.push((format!("beam.{}{suffix}", quantity.name), quantity, slot));
+            }
+            let mut add = |table: &str, quantity: &'static Quantity, slot| {
+                slots.push((format!("{table}.{}", quantity.name), quantity, slot));
+            };
+            for (index, mass) in beam.point_masses.iter_mut().enumerate() {
+                let table = format!("beam.point_mass.{}", index + 1);
+                add(&table, &v::POSITION, &mut mass.position);
+                add(&table, &v::MASS, &mut mass.mass);
+            }
+            add("support", &v::OFFSET, &mut beam.offset);
+            add("support", &v::ROTATIONAL_STIFFNESS, &mut beam.rotational_stiffness);
+            if let Some(stiffness) = &mut beam.clamp_stiffness {
+                add("support", &v::CLAMP_STIFFNESS, stiffness);
+            }
+            add("excitation", &v::POSITION, &mut beam.excitation_position);
+        }
+        if let Some(contact) = &mut self.contact {
+            let mut add = |quantity: &'static Quantity, slot| {
+                slots.push((format!("contact.{}", quantity.name), quantity, slot));
+            };
+            add(&v::TANGENTIAL_STIFFNESS, &mut contact.tangential_stiffness);
+            add(&v::FRICTION_COEFFICIENT, &mut contact.friction_coefficient);
+            add(&v::NORMAL_LOAD, &mut contact.normal_load);
+            if let Law::Valanis { smoothness, residual_stiffness } = &mut contact.law {
+                add(&v::SMOOTHNESS, smoothness);
+                add(&v::RESIDUAL_STIFFNESS, residual_stiffness);
+            }
+        }
+        slots
+    }
+
+    /// Bounds and scale for a fit of `quantity`, starting at `value`.
+    fn fit_range(&self, quantity: &Quantity, value: f64) -> (f64, f64, Scale) {
+        use Scale::{Linear, Logarithmic};
+        let tangential = self.contact.map_or(0.0, |contact| contact.tangential_stiffness);
+        let residual = match self.contact.map(|contact| contact.law) {
+            Some(Law::Valanis { residual_stiffness, .. }) => residual_stiffness,
+            _ => 0.0,
+        };
+        let (length, farthest) = match &self.structure {
+            Structure::Beam(beam) => (beam.length, beam.farthest_position()),
+            Structure::Prescribed => (0.0, 0.0),
+        };
+        let (lower, upper, scale) = match quantity.name {
+            "tangential_stiffness" => (f64::max(1.0, residual / 0.9), 1e12, Logarithmic),
+            // Far beyond any coefficient: with an unknown load it stands for the whole friction limit.
+            "friction_coefficient" => (1e-4, 1e4, Logarithmic),
+            "smoothness" => (0.0, 0.98, Linear),
+            "residual_stiffness" => (0.0, 0.9 * tangential, Linear),
+            "damping_ratio" => (1e-6, 0.5, Logarithmic),
+            "mass_damping" => (1e-6, 1e4, Logarithmic),
+            "stiffness_damping" => (1e-12, 1.0, Logarithmic),
+            "rotational_stiffness" => (1e-3, 1e9, Logarithmic),
+            "clamp_stiffness" => (1e-1, 1e12, Logarithmic),
+            "normal_load" => (value / 1e3, value * 1e3, Logarithmic),
+            "mass" => (value / 10.0, value * 10.0, Logarithmic),
+            "position" => (0.0, length, Linear),
+            "length" => (farthest.max(value / 2.0), value * 2.0, Logarithmic),
+            "offset" => (-10.0 * value.abs(), 10.0 * value.abs(), Linear),
+            // Geometry and material are known to better than a factor of two.
+            _ => (value / 2.0, value * 2.0, Logarithmic),
+        };
+        // Where zero is legal and the value is there, a logarithm has no start.
+        let (lower, scale) =
+            if scale == Logarithmic && value <= 0.0 { (0.0, Linear) } else { (lower, scale) };
+        (lower.min(value), upper.max(value), scale)
+    }
+}
+
+impl Beam {
+    /// The largest distance from the clamp at which anything sits: the beam cannot be shorter.
+    fn farthest_position(&self) -> f64 {
+        let masses = self.point_masses.iter().map(|mass| mass.position);
+        let sensors = self.sensors.iter().copied();
+        masses.chain(sensors).fold(self.excitation_position, f64::max)
+    }
+}

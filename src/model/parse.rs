@@ -1,0 +1,234 @@
+//! From the text of a `model.toml` to a [`Model`], every error with its bytes.
+
+use super::{Beam, Contact, Damping, Law, Model, ModelError, PointMass, SCHEMA, Structure};
+use crate::document::{Document, Numbers, Table, suggestion};
+use crate::vocabulary as v;
+
+const KINDS: [&str; 2] = ["contact", "beam"];
+const LAWS: [&str; 2] = ["jenkins", "valanis"];
+const COMMON_CONTACT_KEYS: [&str; 4] = ["law", "tangential_stiffness", "friction_coefficient", "normal_load"];
+const VALANIS_KEYS: [&str; 2] = ["smoothness", "residual_stiffness"];
+const BEAM_KEYS: [&str; 10] = [
+    "length",
+    "width",
+    "thickness",
+    "density",
+    "youngs_modulus",
+    "modes",
+    "damping_ratio",
+    "mass_damping",
+    "stiffness_damping",
+    "point_mass",
+];
+
+impl Model {
+    /// Reads the text of a model file.
+    ///
+    /// # Errors
+    /// The first thing wrong, with its bytes: text that is not TOML, another schema, a kind or law this
+    /// version does not know, an unknown key, a missing one, a value of the wrong type, and everything
+    /// [`Model::check`] refuses.
+    pub fn parse(text: &str) -> Result<Model, ModelError> {
+        let document = Document::parse(text)?;
+        let root = document.root();
+        check_schema(&root)?;
+        let kind = root.required_string("kind").map_err(|error| with_list(error, "kinds", &KINDS))?;
+        refuse_effects(&root)?;
+        let structure = match kind.value {
+            "contact" => {
+                refuse_beam_tables(&root)?;
+                root.allow(&["schema", "kind", "contact", "fit"])?;
+                Structure::Prescribed
+            }
+            "beam" => {
+                root.allow(&["schema", "kind", "beam", "support", "excitation", "sensor", "contact", "fit"])?;
+                Structure::Beam(beam(&root)?)
+            }
+            "oscillator" => {
+                return Err(kind
+                    .error("kind \"oscillator\" is not supported by this version")
+                    .with_help("supported kinds: `contact`, `beam`"));
+            }
+            other => {
+                return Err(kind
+                    .error(format!("unknown kind \"{other}\""))
+                    .with_help(suggestion(other, &KINDS, "kinds")));
+            }
+        };
+        let contact = root.table("contact")?.map(|table| contact(&table)).transpose()?;
+        let free = match root.table("fit")? {
+            None => None,
+            Some(fit) => {
+                fit.allow(&["free"])?;
+                fit.strings("free")?
+                    .map(|patterns| patterns.into_iter().map(|pattern| pattern.value.to_owned()).collect())
+            }
+        };
+        let model = Model { structure, contact, free };
+        model.check().map_err(|error| ModelError {
+            span: root.locate(&error.path),
+            message: error.message,
+            help: error.help,
+        })?;
+        Ok(model)
+    }
+}
+
+fn with_list(error: ModelError, what: &str, names: &[&str]) -> ModelError {
+    let list = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    if error.help.is_some() { error } else { error.with_help(format!("legal {what}: {list}")) }
+}
+
+fn check_schema(root: &Table<'_>) -> Result<(), ModelError> {
+    let first_line = || format!("a model file says schema = \"{SCHEMA}\"");
+    let schema = root.required_string("schema").map_err(|error| error.with_help(first_line()))?;
+    if schema.value == SCHEMA {
+        return Ok(());
+    }
+    let message = format!("schema \"{}\" is not one this version reads", schema.value);
+    Err(schema.error(message).with_help(first_line()))
+}
+
+fn refuse_effects(root: &Table<'_>) -> Result<(), ModelError> {
+    match root.span_of("effect") {
+        None => Ok(()),
+        Some(array) => {
+            // The array's own span runs over everything between its first and last header.
+            let span = root.locate("effect.1").unwrap_or(array);
+            Err(ModelError::new("[[effect]] is not supported by this version", Some(span)))
+        }
+    }
+}
+
+fn refuse_beam_tables(root: &Table<'_>) -> Result<(), ModelError> {
+    for key in root.keys() {
+        if ["beam", "support", "excitation", "sensor"].contains(&key.value) {
+            let message = format!("[{}] does not belong to a model of kind \"contact\"", key.value);
+            return Err(key.error(message).with_help("it belongs to kind = \"beam\""));
+        }
+    }
+    Ok(())
+}
+
+fn contact(table: &Table<'_>) -> Result<Contact, ModelError> {
+    let law = table.required_string("law").map_err(|error| with_list(error, "laws", &LAWS))?;
+    let law = match law.value {
+        "jenkins" => {
+            if let Some(key) = table.keys().into_iter().find(|key| VALANIS_KEYS.contains(&key.value)) {
+                let message = format!("`{}` does not belong to law = \"jenkins\"", key.value);
+                return Err(key.error(message).with_help("it belongs to law = \"valanis\""));
+            }
+            table.allow(&COMMON_CONTACT_KEYS)?;
+            Law::Jenkins
+        }
+        "valanis" => {
+            table.allow(&[&COMMON_CONTACT_KEYS[..], &VALANIS_KEYS[..]].concat())?;
+            Law::Valanis {
+                smoothness: table.quantity(&v::SMOOTHNESS)?,
+                residual_stiffness: table
+                    .number(v::RESIDUAL_STIFFNESS.name)?
+                    .map_or(0.0, |stiffness| stiffness.value),
+            }
+        }
+        other => {
+            return Err(law
+                .error(format!("unknown law \"{other}\""))
+                .with_help(suggestion(other, &LAWS, "laws")));
+        }
+    };
+    Ok(Contact {
+        law,
+        tangential_stiffness: table.quantity(&v::TANGENTIAL_STIFFNESS)?,
+        friction_coefficient: table.quantity(&v::FRICTION_COEFFICIENT)?,
+        normal_load: table.quantity(&v::NORMAL_LOAD)?,
+    })
+}
+
+fn beam(root: &Table<'_>) -> Result<Beam, ModelError> {
+    let table = root.table("beam")?.ok_or_else(|| root.missing("beam"))?;
+    table.allow(&BEAM_KEYS)?;
+    let point_masses = table.tables("point_mass")?.unwrap_or_default();
+    let point_masses = point_masses.iter().map(point_mass).collect::<Result<Vec<_>, _>>()?;
+    let sensors = match root.tables("sensor")? {
+        None => point_masses.iter().map(|mass| mass.position).collect(),
+        Some(sensors) => sensors.iter().map(position).collect::<Result<_, _>>()?,
+    };
+    let excitation = root.table("excitation")?.ok_or_else(|| root.missing("excitation"))?;
+    let support = root.table("support")?;
+    if let Some(support) = &support {
+        support.allow(&["offset", "rotational_stiffness", "clamp_stiffness"])?;
+    }
+    let spring = |name: &str| match &support {
+        Some(support) => Ok(support.number(name)?.map(|stiffness| stiffness.value)),
+        None => Ok(None),
+    };
+    Ok(Beam {
+        length: table.quantity(&v::LENGTH)?,
+        width: table.quantity(&v::WIDTH)?,
+        thickness: table.quantity(&v::THICKNESS)?,
+        density: table.quantity(&v::DENSITY)?,
+        youngs_modulus: table.quantity(&v::YOUNGS_MODULUS)?,
+        modes: modes(&table)?,
+        damping: damping(&table)?,
+        point_masses,
+        offset: offset(root, support.as_ref())?,
+        rotational_stiffness: spring(v::ROTATIONAL_STIFFNESS.name)?.unwrap_or(0.0),
+        clamp_stiffness: spring(v::CLAMP_STIFFNESS.name)?,
+        excitation_position: position(&excitation)?,
+        sensors,
+    })
+}
+
+/// The contact acts through the offset: without a contact it may be left out.
+fn offset(root: &Table<'_>, support: Option<&Table<'_>>) -> Result<f64, ModelError> {
+    let has_contact = root.span_of("contact").is_some();
+    match support {
+        Some(support) if has_contact => support.quantity(&v::OFFSET),
+        Some(support) => Ok(support.number(v::OFFSET.name)?.map_or(0.0, |offset| offset.value)),
+        None if has_contact => {
+            Err(root.missing("support").with_help("the contact acts through [support] offset"))
+        }
+        None => Ok(0.0),
+    }
+}
+
+fn modes(table: &Table<'_>) -> Result<usize, ModelError> {
+    let modes = table.required_number("modes")?;
+    if modes.value.fract() != 0.0 || modes.value < 0.0 {
+        return Err(modes.error(format!("`modes` must be a whole number, not {}", modes.value)));
+    }
+    // A number beyond the range saturates and is refused with the bounds.
+    Ok(modes.value as usize)
+}
+
+fn damping(table: &Table<'_>) -> Result<Damping, ModelError> {
+    let mass = table.number(v::MASS_DAMPING.name)?;
+    let stiffness = table.number(v::STIFFNESS_DAMPING.name)?;
+    let ratio = table.number_or_numbers(v::DAMPING_RATIO.name)?;
+    match (ratio, mass, stiffness) {
+        (Some(Numbers::One(ratio)), None, None) => Ok(Damping::Uniform(ratio)),
+        (Some(Numbers::Many(ratios)), None, None) => Ok(Damping::PerMode(ratios)),
+        (Some(_), _, _) => {
+            let span = table.span_of(v::DAMPING_RATIO.name);
+            Err(ModelError::new("`damping_ratio` excludes `mass_damping` and `stiffness_damping`", span)
+                .with_help("give the damping one way"))
+        }
+        (None, None, None) => Err(table
+            .missing(v::DAMPING_RATIO.name)
+            .with_help("give `damping_ratio`, or `mass_damping` [1/s] and `stiffness_damping` [s]")),
+        (None, mass, stiffness) => Ok(Damping::Proportional {
+            mass: mass.map_or(0.0, |mass| mass.value),
+            stiffness: stiffness.map_or(0.0, |stiffness| stiffness.value),
+        }),
+    }
+}
+
+fn point_mass(table: &Table<'_>) -> Result<PointMass, ModelError> {
+    table.allow(&["position", "mass"])?;
+    Ok(PointMass { position: table.quantity(&v::POSITION)?, mass: table.quantity(&v::MASS)? })
+}
+
+fn position(table: &Table<'_>) -> Result<f64, ModelError> {
+    table.allow(&["position"])?;
+    table.quantity(&v::POSITION)
+}

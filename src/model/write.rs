@@ -1,0 +1,108 @@
+//! From a [`Model`] to the text of a `model.toml`.
+
+use std::fmt::Write;
+
+use super::{Beam, Contact, Damping, Law, Model, SCHEMA, Structure};
+use crate::vocabulary::{self as v, Quantity};
+
+impl Model {
+    /// The text of the model's file. [`Model::parse`] reads the same model from it, to the last bit of
+    /// every number.
+    pub fn to_toml(&self) -> String {
+        let mut text = String::new();
+        line(&mut text, format_args!("schema = \"{SCHEMA}\""));
+        match &self.structure {
+            Structure::Prescribed => line(&mut text, format_args!("kind = \"contact\"")),
+            Structure::Beam(beam) => {
+                line(&mut text, format_args!("kind = \"beam\""));
+                write_beam(&mut text, beam);
+            }
+        }
+        if let Some(contact) = &self.contact {
+            write_contact(&mut text, contact);
+        }
+        if let Some(free) = &self.free {
+            let patterns: Vec<_> = free.iter().map(|pattern| quoted(pattern)).collect();
+            line(&mut text, format_args!("\n[fit]\nfree = [{}]", patterns.join(", ")));
+        }
+        text
+    }
+}
+
+fn line(text: &mut String, arguments: std::fmt::Arguments<'_>) {
+    // Writing to a String cannot fail.
+    let _ = writeln!(text, "{arguments}");
+}
+
+/// `name = value`, with the unit as a comment. `{:?}` gives the shortest digits that read back the same.
+fn write_quantity(text: &mut String, quantity: &Quantity, value: f64) {
+    let assignment = format!("{} = {value:?}", quantity.name);
+    match quantity.unit {
+        "1" => line(text, format_args!("{assignment}")),
+        unit => line(text, format_args!("{assignment:<40} # {unit}")),
+    }
+}
+
+fn quoted(string: &str) -> String {
+    toml::Value::String(string.to_owned()).to_string()
+}
+
+fn write_contact(text: &mut String, contact: &Contact) {
+    line(text, format_args!("\n[contact]"));
+    let law = match contact.law {
+        Law::Jenkins => "jenkins",
+        Law::Valanis { .. } => "valanis",
+    };
+    line(text, format_args!("law = \"{law}\""));
+    write_quantity(text, &v::TANGENTIAL_STIFFNESS, contact.tangential_stiffness);
+    write_quantity(text, &v::FRICTION_COEFFICIENT, contact.friction_coefficient);
+    write_quantity(text, &v::NORMAL_LOAD, contact.normal_load);
+    if let Law::Valanis { smoothness, residual_stiffness } = contact.law {
+        write_quantity(text, &v::SMOOTHNESS, smoothness);
+        write_quantity(text, &v::RESIDUAL_STIFFNESS, residual_stiffness);
+    }
+}
+
+fn write_beam(text: &mut String, beam: &Beam) {
+    let as_masses = beam.sensors.iter().eq(beam.point_masses.iter().map(|mass| &mass.position));
+    if beam.sensors.is_empty() && !as_masses {
+        // Without this line the sensors would be where the masses are.
+        line(text, format_args!("sensor = []"));
+    }
+    line(text, format_args!("\n[beam]"));
+    write_quantity(text, &v::LENGTH, beam.length);
+    write_quantity(text, &v::WIDTH, beam.width);
+    write_quantity(text, &v::THICKNESS, beam.thickness);
+    write_quantity(text, &v::DENSITY, beam.density);
+    write_quantity(text, &v::YOUNGS_MODULUS, beam.youngs_modulus);
+    line(text, format_args!("modes = {}", beam.modes));
+    match &beam.damping {
+        Damping::Uniform(ratio) => write_quantity(text, &v::DAMPING_RATIO, *ratio),
+        Damping::PerMode(ratios) => line(text, format_args!("damping_ratio = {ratios:?}")),
+        Damping::Proportional { mass, stiffness } => {
+            write_quantity(text, &v::MASS_DAMPING, *mass);
+            write_quantity(text, &v::STIFFNESS_DAMPING, *stiffness);
+        }
+    }
+    for mass in &beam.point_masses {
+        line(text, format_args!("\n[[beam.point_mass]]"));
+        write_quantity(text, &v::POSITION, mass.position);
+        write_quantity(text, &v::MASS, mass.mass);
+    }
+    line(text, format_args!("\n[support]"));
+    write_quantity(text, &v::OFFSET, beam.offset);
+    if beam.rotational_stiffness != 0.0 {
+        write_quantity(text, &v::ROTATIONAL_STIFFNESS, beam.rotational_stiffness);
+    }
+    if let Some(stiffness) = beam.clamp_stiffness {
+        write_quantity(text, &v::CLAMP_STIFFNESS, stiffness);
+    }
+    line(text, format_args!("\n[excitation]"));
+    write_quantity(text, &v::POSITION, beam.excitation_position);
+    if !as_masses {
+        for position in &beam.sensors {
+            line(text, format_args!("\n[[sensor]]"));
+            write_quantity(text, &v::POSITION, *position);
+        }
+    }
+}
