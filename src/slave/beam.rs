@@ -57,7 +57,8 @@ pub(super) fn describe(
         ]);
     }
     for position in sensors {
-        let inputs = acceleration_on.iter().map(|(index, _)| *index).take(if contact.is_some() { 1 } else { 2 });
+        let inputs =
+            acceleration_on.iter().map(|(index, _)| *index).take(if contact.is_some() { 1 } else { 2 });
         variables.extend([
             Variable::sensor(&v::DISPLACEMENT, "displacement", position),
             Variable::sensor(&v::VELOCITY, "velocity", position),

@@ -22,7 +22,8 @@ pub(super) fn describe(model: &Model, contact: &Contact, parameters: Vec<Variabl
         Law::Valanis { .. } => ("ValanisContact", "Friction contact: Valanis' law"),
     };
     let on = [(DISPLACEMENT, DependencyKind::Dependent), (NORMAL_LOAD, DependencyKind::Dependent)];
-    let initially = || [DISPLACEMENT, NORMAL_LOAD].into_iter().chain(PARAMETERS..PARAMETERS + parameters.len());
+    let initially =
+        || [DISPLACEMENT, NORMAL_LOAD].into_iter().chain(PARAMETERS..PARAMETERS + parameters.len());
     let mut variables = vec![
         Variable::input(&v::DISPLACEMENT, 0.0),
         Variable::input(&v::VELOCITY, 0.0),

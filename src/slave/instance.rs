@@ -399,6 +399,7 @@ impl Instance {
         for (value, variable) in self.values.iter_mut().zip(&self.description.variables) {
             *value = variable.start;
         }
+        self.state.fill(0.0);
         self.stage = Stage::Instantiated;
         self.stale = true;
         self.time = None;

@@ -45,7 +45,13 @@ pub(crate) trait Behaviour: Debug + Send {
 
     /// One step of length `step` (s) with the inputs in `values`; writes the outputs there.
     /// On error the caller discards `state` and `values`.
-    fn step(&mut self, state: &mut [f64], values: &mut [f64], step: f64, tolerance: f64) -> Result<(), String>;
+    fn step(
+        &mut self,
+        state: &mut [f64],
+        values: &mut [f64],
+        step: f64,
+        tolerance: f64,
+    ) -> Result<(), String>;
 
     /// Whether a step can fail, so that the instance must keep a copy to return to.
     fn can_fail(&self) -> bool;
