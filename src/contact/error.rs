@@ -58,7 +58,7 @@ impl fmt::Display for Bounds {
 #[non_exhaustive]
 pub enum LawError {
     /// One parameter is outside its bounds, infinite or not a number.
-    #[error("{parameter} is {value} {unit}; it must be {bounds}")]
+    #[error("{parameter} is {value}{}; it must be {bounds}", spaced(unit))]
     OutOfBounds {
         /// Name of the parameter, as in [`crate::vocabulary`] where it has an entry.
         parameter: &'static str,
@@ -69,6 +69,11 @@ pub enum LawError {
         /// What is allowed.
         bounds: Bounds,
     },
+}
+
+/// The unit as it follows a number; a plain number's `1` is left out.
+fn spaced(unit: &str) -> String {
+    if unit == "1" { String::new() } else { format!(" {unit}") }
 }
 
 /// `value` if it is within `bounds`.

@@ -201,15 +201,11 @@ impl PeriodicSolver {
             }
             let size = self.newton_correction();
             let (better, progress) = self.search(law, period, state, residual);
-            if size <= CORRECTION_TOLERANCE || !progress {
-                return if better <= RESIDUAL_ACCEPTED {
-                    Ok(PeriodicInfo { residual: better, iterations: iterations + 1 })
-                } else if progress {
-                    residual = self.march(law, period, state, true);
-                    continue;
-                } else {
-                    Err(PeriodicError::NotConverged { residual: better, iterations: iterations + 1 })
-                };
+            if (size <= CORRECTION_TOLERANCE || !progress) && better <= RESIDUAL_ACCEPTED {
+                return Ok(PeriodicInfo { residual: better, iterations: iterations + 1 });
+            }
+            if !progress {
+                return Err(PeriodicError::NotConverged { residual: better, iterations: iterations + 1 });
             }
             residual = self.march(law, period, state, true);
         }
@@ -288,7 +284,9 @@ impl PeriodicSolver {
             if self.scale[i] == 0.0 {
                 self.scale[i] = 1.0;
             }
-            largest = largest.max((self.residual[i] / self.scale[i]).abs());
+            let change = (self.residual[i] / self.scale[i]).abs();
+            // An overflow on the way must not pass for convergence: `max` would drop the NaN.
+            largest = if change.is_nan() { f64::INFINITY } else { largest.max(change) };
         }
         largest
     }

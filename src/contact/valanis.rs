@@ -233,19 +233,22 @@ impl Valanis {
     fn end(&self, start: &Start, limit: f64) -> End {
         let sign = if start.travel != 0.0 { start.travel.signum() } else { -start.hysteretic_force.signum() };
         let gap = 1.0 - sign * (start.hysteretic_force / limit);
-        let distance = self.reach_stiffness * start.travel.abs();
-        let delta = distance / limit;
+        let delta = self.reach_stiffness * (start.travel.abs() / limit);
         let stretch = advance(gap, delta, self.curvature);
         let Stretch { drop, ratio, .. } = stretch;
         let hysteretic_force = cut_to(start.hysteretic_force + sign * limit * drop, limit);
-        // Where the reach overflows, limit × reach does not, and the logarithm is all of it.
-        let scaled = if delta.is_finite() { limit * dissipation(gap, &stretch) } else { distance };
+        // Where the reach overflows, all of the path is macro-slip.
+        let slipped = if delta.is_finite() {
+            limit / self.reach_stiffness * dissipation(gap, &stretch)
+        } else {
+            start.travel.abs()
+        };
         let slope = stretch.gap / (1.0 + self.curvature * stretch.gap);
         let by_start = ratio * (1.0 + self.curvature * gap) / (1.0 + self.curvature * stretch.gap);
         let reach_term = if slope == 0.0 { 0.0 } else { delta * slope };
         End {
             hysteretic_force,
-            dissipated_energy: limit * (scaled / self.reach_stiffness),
+            dissipated_energy: limit * slipped,
             by_travel: self.reach_stiffness * slope,
             by_start,
             by_limit: sign * ((1.0 - stretch.gap) - by_start * (1.0 - gap) - reach_term),

@@ -1,0 +1,142 @@
+//! Where a step must end: reversals of the contact displacement and changes of the slip state.
+
+use super::propagator::NODES;
+use crate::contact::SlipState;
+
+/// An event is located to this fraction of the step.
+pub(crate) const PRECISION: f64 = 1e-7;
+
+/// Where, shortly behind the start of the step, the slip state that it starts with is looked up: far
+/// enough to be past an event that ended the step before, located to [`PRECISION`].
+pub(crate) const JUST_BEHIND_START: f64 = 1e-5;
+
+/// What the nodes say about reversals of the contact displacement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Reversal {
+    /// The displacement runs one way throughout.
+    None,
+    /// The first reversal, as a fraction of the step.
+    At(f64),
+    /// Displacement and velocity disagree between two nodes: there and back again, unresolved.
+    Hidden,
+}
+
+/// First reversal within the step. `velocity` (m/s) and `displacement` (m) at the five nodes;
+/// velocities below `floor` (m/s) throughout, and movements below `rounding` (m), count as rest.
+pub(crate) fn reversal(velocity: &[f64; 5], displacement: &[f64; 5], floor: f64, rounding: f64) -> Reversal {
+    let largest = velocity.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    if largest <= floor {
+        return Reversal::None;
+    }
+    let moving = |v: f64| v.abs() > PRECISION * largest;
+    let Some(first) = velocity.iter().position(|&v| moving(v)) else { return Reversal::None };
+    let mut last = first;
+    for node in first + 1..NODES.len() {
+        if moving(velocity[node]) && (velocity[node] > 0.0) != (velocity[last] > 0.0) {
+            return Reversal::At(root(velocity, last, node));
+        }
+        let travel = displacement[node] - displacement[node - 1];
+        if travel.abs() > rounding && (travel > 0.0) != (velocity[last] > 0.0) {
+            return Reversal::Hidden;
+        }
+        if moving(velocity[node]) {
+            last = node;
+        }
+    }
+    Reversal::None
+}
+
+/// Root of the quartic through the five velocities between two nodes where they differ in sign.
+fn root(velocity: &[f64; 5], from: usize, to: usize) -> f64 {
+    let (mut a, mut b) = (NODES[from], NODES[to]);
+    let (mut fa, mut fb) = (velocity[from], velocity[to]);
+    // Illinois: the end that stays twice is halved, so that both ends close in.
+    let mut side = 0;
+    for _ in 0..60 {
+        let x = (a * fb - b * fa) / (fb - fa);
+        let fx = quartic(velocity, x);
+        if fx == 0.0 || (b - a) < 1e-3 * PRECISION * b {
+            return x;
+        }
+        if (fx > 0.0) == (fb > 0.0) {
+            (b, fb) = (x, fx);
+            if side == 1 {
+                fa *= 0.5;
+            }
+            side = 1;
+        } else {
+            (a, fa) = (x, fx);
+            if side == -1 {
+                fb *= 0.5;
+            }
+            side = -1;
+        }
+    }
+    0.5 * (a + b)
+}
+
+/// The quartic through the five values at the nodes, by Newton's divided differences.
+fn quartic(values: &[f64; 5], x: f64) -> f64 {
+    let mut c = *values;
+    for level in 1..5 {
+        for i in (level..5).rev() {
+            c[i] = (c[i] - c[i - 1]) / (NODES[i] - NODES[i - level]);
+        }
+    }
+    (0..4).rev().fold(c[4], |sum, i| sum * (x - NODES[i]) + c[i])
+}
+
+/// First change of the slip state within the step, as a fraction of it: just behind the instant.
+/// `slip` at the five nodes, the first just behind the start; `probe` looks the state up between
+/// node `i` and node `i + 1`.
+pub(crate) fn corner(
+    slip: &[SlipState; 5],
+    mut probe: impl FnMut(usize, f64) -> Option<SlipState>,
+) -> Option<f64> {
+    let node = (0..4).find(|&i| slip[i + 1] != slip[0])?;
+    let mut before = if node == 0 { JUST_BEHIND_START } else { NODES[node] };
+    let mut after = NODES[node + 1];
+    while after - before > 0.1 * PRECISION * after {
+        let middle = 0.5 * (before + after);
+        if probe(node, middle)? == slip[0] {
+            before = middle;
+        } else {
+            after = middle;
+        }
+    }
+    Some(after)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reversal_is_found_where_a_quartic_velocity_vanishes() {
+        let velocity = |x: f64| (0.37 - x) * (1.0 + x * x);
+        let displacement = |x: f64| 0.37 * x - 0.5 * x * x + 0.37 * x.powi(3) / 3.0 - 0.25 * x.powi(4);
+        let (v, u) = (NODES.map(velocity), NODES.map(displacement));
+        match reversal(&v, &u, 0.0, 1e-12) {
+            Reversal::At(x) => assert!((x - 0.37).abs() < 1e-9, "{x}"),
+            other => panic!("{other:?}"),
+        }
+        assert_eq!(reversal(&v, &u, 10.0, 1e-12), Reversal::None);
+    }
+
+    #[test]
+    fn there_and_back_between_two_nodes_is_noticed() {
+        let velocity = [1.0, 1.0, 1.0, 1.0, 1.0];
+        let displacement = [0.0, 0.25, 0.2, 0.45, 0.7];
+        assert_eq!(reversal(&velocity, &displacement, 0.0, 1e-12), Reversal::Hidden);
+    }
+
+    #[test]
+    fn a_corner_is_located_behind_the_instant() {
+        use SlipState::{Slip, Stick};
+        let at = 0.613;
+        let probe = |_: usize, x: f64| Some(if x < at { Stick } else { Slip });
+        let found = corner(&[Stick, Stick, Stick, Slip, Slip], probe).unwrap();
+        assert!(found >= at && found - at < PRECISION, "{found}");
+        assert_eq!(corner(&[Slip; 5], probe), None);
+    }
+}

@@ -1,0 +1,220 @@
+//! Tangents of the contact laws against dual numbers run through the printed equations, and against
+//! finite differences.
+
+use num_dual::{Dual64, DualNum};
+use stickslip::contact::{ContactLaw, Inputs, Jenkins, StateTangents, Valanis};
+
+/// Result of an oracle: force and next state.
+type Outcome = (Dual64, Vec<Dual64>);
+
+/// Jenkins' element by a walk through the events of the step: contact, slip. Written for numbers that
+/// carry a derivative, from the law's definition `T = k (u − z)`, `|T| ≤ μ N`.
+fn jenkins(law: &Jenkins, state: &[Dual64], u1: Dual64, n1: Dual64) -> Outcome {
+    let (k, mu) = (law.tangential_stiffness(), law.friction_coefficient());
+    let (mut z, u0, n0) = (state[0], state[1], state[2]);
+    if n1.re <= 0.0 {
+        return (Dual64::from(0.0), vec![u1, u1, n1]);
+    }
+    if n0.re <= 0.0 {
+        z = u0 - n0 / (n1 - n0) * (u1 - u0);
+    }
+    let stuck = (u1 - z) * k;
+    let limit = n1 * mu;
+    let force = if stuck.re > limit.re {
+        limit
+    } else if stuck.re < -limit.re {
+        -limit
+    } else {
+        stuck
+    };
+    (force, vec![u1 - force / k, u1, n1])
+}
+
+/// Valanis' law from the printed implicit equation `a s (u − u0) = (κ/r)(ζ0 − ζ) − c2 ln(ζ/ζ0)`:
+/// bisection for the value, then Newton in dual numbers, which carries the derivative.
+fn valanis(law: &Valanis, state: &[Dual64], u1: Dual64, n1: Dual64) -> Outcome {
+    let (e0, e_t, kappa) = (law.tangential_stiffness(), law.residual_stiffness(), law.smoothness());
+    let (p, r) = (e0 - e_t, e0 - kappa * e_t);
+    let c2 = e0 * (1.0 - kappa) / (r * r);
+    let (mut y, mut u0, n0, mut origin) = (state[0], state[1], state[2], state[3]);
+    if n1.re <= 0.0 {
+        return (Dual64::from(0.0), vec![Dual64::from(0.0), u1, n1, u1]);
+    }
+    if n0.re <= 0.0 {
+        u0 -= n0 / (n1 - n0) * (u1 - u0);
+        (y, origin) = (Dual64::from(0.0), u0);
+    }
+    let limit = n1 * law.friction_coefficient();
+    if y.re.abs() > limit.re {
+        y = limit * y.re.signum();
+    }
+    let a = limit.recip() * (p / r);
+    let s = (u1.re - u0.re).signum();
+    if y.re == s * limit.re {
+        // Cut to the limit it moves along: saturated, where the printed form is singular.
+        let end = limit * s;
+        return (end + (u1 - origin) * e_t, vec![end, u1, n1, origin]);
+    }
+    let zeta0 = -(a * y * s) + p / r;
+    let path = a * (u1 - u0) * s;
+    // In w = ln ζ, since ζ itself underflows.
+    let residual = |w: Dual64| (zeta0 - w.exp()) * (kappa / r) - (w - zeta0.ln()) * c2 - path;
+    let (mut low, mut high) = (zeta0.re.ln() - path.re / c2, zeta0.re.ln());
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if residual(Dual64::from(middle)).re > 0.0 { low = middle } else { high = middle }
+    }
+    let mut w = Dual64::from(0.5 * (low + high));
+    for _ in 0..2 {
+        w += residual(w) / (kappa / r * w.re.exp() + c2);
+    }
+    let zeta = w.exp();
+    let end = (-zeta + p / r) / a * s;
+    (end + (u1 - origin) * e_t, vec![end, u1, n1, origin])
+}
+
+/// Scales in which errors are judged: force 1 N, displacement 1 µm.
+fn unit(index: usize, len: usize) -> f64 {
+    let displacement = if len == 3 { index < 2 } else { index == 1 || index == 3 };
+    if displacement { 1e-6 } else { 1.0 }
+}
+
+fn same(found: f64, expected: f64, unit: f64, what: &str) {
+    let tolerance = 1e-8 * (unit + expected.abs());
+    assert!((found - expected).abs() <= tolerance, "{what}: {found:e} instead of {expected:e}");
+}
+
+/// Compares every derivative of one step with the oracle's, and with central differences.
+fn check(
+    law: &dyn ContactLaw,
+    oracle: &dyn Fn(&[Dual64], Dual64, Dual64) -> Outcome,
+    state: &[f64],
+    u: f64,
+    load: f64,
+) {
+    let n = state.len();
+    let context = format!("{law:?} from {state:?} to u {u:e}, N {load:e}");
+    let step = |state: &[f64], displacement: f64, normal_load: f64| {
+        let mut next = vec![0.0; n];
+        let response = law.step(state, Inputs { displacement, velocity: 0.0, normal_load }, &mut next);
+        (response, next)
+    };
+    let (response, next) = step(state, u, load);
+    let mut tangents = StateTangents::default();
+    law.state_tangents(state, Inputs { displacement: u, velocity: 0.0, normal_load: load }, &mut tangents);
+    assert_eq!(response.tangents.velocity, 0.0);
+    assert!(tangents.next_by_velocity.iter().all(|value| *value == 0.0));
+    // Columns: the state's components, then displacement, then normal load.
+    for column in 0..n + 2 {
+        let seed = |index: usize, value: f64| {
+            if index == column { Dual64::from(value).derivative() } else { Dual64::from(value) }
+        };
+        let dual_state: Vec<_> = state.iter().enumerate().map(|(i, value)| seed(i, *value)).collect();
+        let (force, dual_next) = oracle(&dual_state, seed(n, u), seed(n + 1, load));
+        let h_unit = match column {
+            c if c < n => unit(c, n),
+            c if c == n => 1e-6,
+            _ => 1.0,
+        };
+        same(response.force, force.re, 1.0, &format!("force, {context}"));
+        let by = match column {
+            c if c < n => tangents.force_by_state[c],
+            c if c == n => response.tangents.displacement,
+            _ => response.tangents.normal_load,
+        };
+        same(by, force.eps, 1.0 / h_unit, &format!("∂force, column {column}, {context}"));
+        // Central difference as a check of the oracle itself.
+        let h = 1e-5 * h_unit;
+        let moved = |sign: f64| {
+            let mut state = state.to_vec();
+            let (mut u, mut load) = (u, load);
+            match column {
+                c if c < n => state[c] += sign * h,
+                c if c == n => u += sign * h,
+                _ => load += sign * h,
+            }
+            step(&state, u, load).0.force
+        };
+        let difference = (moved(1.0) - moved(-1.0)) / (2.0 * h);
+        assert!((difference - by).abs() * h_unit < 1e-3, "difference {difference:e} for {by:e}, {context}");
+        for row in 0..n {
+            let found = match column {
+                c if c < n => tangents.next_by_state[row * n + c],
+                c if c == n => tangents.next_by_displacement[row],
+                _ => tangents.next_by_normal_load[row],
+            };
+            same(next[row], dual_next[row].re, unit(row, n), &format!("next {row}, {context}"));
+            let what = format!("∂next {row}, column {column}, {context}");
+            same(found, dual_next[row].eps, unit(row, n) / h_unit, &what);
+        }
+    }
+}
+
+/// Start and end loads: in contact, falling below the force, separation, re-contact, apart.
+const LOADS: [(f64, f64); 8] = [
+    (150.0, 150.0),
+    (150.0, 400.0),
+    (150.0, 40.0),
+    (150.0, 3.0),
+    (150.0, -20.0),
+    (-50.0, 150.0),
+    (-50.0, 20.0),
+    (-50.0, -20.0),
+];
+
+// Chosen off the kinks between stick and slip, where no derivative exists.
+const TRAVELS: [f64; 7] = [-110e-6, -21e-6, -3.1e-6, -0.11e-6, 0.13e-6, 4.3e-6, 57e-6];
+
+#[test]
+fn jenkins_tangents_equal_dual_derivatives() {
+    let law = Jenkins::new(2e6, 0.37).unwrap();
+    for (start_load, end_load) in LOADS {
+        for share in [-0.93, -0.31, 0.0, 0.57, 0.97] {
+            for travel in TRAVELS {
+                let mut state = [0.0; 3];
+                law.set_state(2e-6, start_load, share * law.limit(start_load), &mut state);
+                let oracle = |state: &[Dual64], u, n| jenkins(&law, state, u, n);
+                check(&law, &oracle, &state, 2e-6 + travel, end_load);
+            }
+        }
+    }
+}
+
+#[test]
+fn valanis_tangents_equal_dual_derivatives() {
+    for (kappa, e_t) in [(0.0, 0.0), (0.3, 0.0), (0.67, 5.3e5), (0.0, 1e6), (0.95, 3e6)] {
+        let law = Valanis::new(7.9e6, 0.6, kappa, e_t).unwrap();
+        for (start_load, end_load) in LOADS {
+            for share in [-0.93, -0.31, 0.0, 0.57, 0.97] {
+                for travel in TRAVELS {
+                    let mut state = [0.0; 4];
+                    law.set_state(2e-6, start_load, share * law.limit(start_load), &mut state);
+                    if start_load > 0.0 {
+                        state[3] = -7e-6;
+                    }
+                    let oracle = |state: &[Dual64], u, n| valanis(&law, state, u, n);
+                    check(&law, &oracle, &state, 2e-6 + travel, end_load);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_step_without_motion_has_finite_tangents() {
+    let valanis = Valanis::new(7.9e6, 0.6, 0.3, 1e5).unwrap();
+    let jenkins = Jenkins::new(2e6, 0.37).unwrap();
+    let laws: [&dyn ContactLaw; 2] = [&valanis, &jenkins];
+    for law in laws {
+        for share in [-1.0, 0.0, 0.4, 1.0] {
+            let n = law.state_len();
+            let (mut state, mut next) = (vec![0.0; n], vec![0.0; n]);
+            law.set_state(1e-6, 100.0, share * law.limit(100.0), &mut state);
+            let inputs = Inputs { displacement: 1e-6, velocity: 0.0, normal_load: 100.0 };
+            let response = law.step(&state, inputs, &mut next);
+            assert!((response.force - share * law.limit(100.0)).abs() < 1e-9);
+            assert!(response.dissipated_energy.abs() < 1e-18);
+            assert!(response.tangents.displacement.is_finite() && response.tangents.displacement >= 0.0);
+        }
+    }
+}

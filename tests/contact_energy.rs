@@ -1,0 +1,168 @@
+//! What must hold for any history: energy is only lost, forces stay within the limit, and mirrored
+//! histories give mirrored forces.
+
+use proptest::prelude::*;
+use stickslip::contact::{ContactLaw, Inputs, Jenkins, Response, Valanis};
+
+/// A history: displacements (µm) and loads (N), with separations.
+fn history() -> impl Strategy<Value = Vec<(f64, f64)>> {
+    let load = prop_oneof![4 => 0.0..400.0, 1 => -200.0..0.0, 1 => Just(0.0), 2 => Just(147.0)];
+    let displacement = prop_oneof![8 => -80.0..80.0, 4 => -1.0..1.0, 1 => -1e4..1e4, 1 => Just(3.0)];
+    prop::collection::vec((displacement, load), 1..30)
+}
+
+fn jenkins() -> impl Strategy<Value = Jenkins> {
+    (4.0..8.0, 0.01..2.0).prop_map(|(exponent, mu)| Jenkins::new(10f64.powf(exponent), mu).unwrap())
+}
+
+fn valanis() -> impl Strategy<Value = Valanis> {
+    let kappa = prop_oneof![Just(0.0), 0.0..0.95, Just(0.999_999)];
+    let share = prop_oneof![Just(0.0), 0.0..0.9];
+    (4.0..8.0, 0.01..2.0, kappa, share).prop_map(|(exponent, mu, kappa, share)| {
+        let e0 = 10f64.powf(exponent);
+        Valanis::new(e0, mu, kappa, share * e0).unwrap()
+    })
+}
+
+fn step(law: &dyn ContactLaw, state: &mut [f64], displacement: f64, normal_load: f64) -> Response {
+    let mut next = [0.0; 4];
+    let next = &mut next[..state.len()];
+    let response = law.step(state, Inputs { displacement, velocity: 0.0, normal_load }, next);
+    state.copy_from_slice(next);
+    response
+}
+
+/// Integral of the force over one step by Simpson's rule on `parts` even parts of it.
+fn work(
+    law: &dyn ContactLaw,
+    state: &[f64],
+    from: (f64, f64),
+    to: (f64, f64),
+    first: f64,
+    parts: usize,
+) -> f64 {
+    let mut state = state.to_vec();
+    let mut sum = first;
+    for i in 1..=parts {
+        let s = i as f64 / parts as f64;
+        let load = if i == parts { to.1 } else { from.1 + s * (to.1 - from.1) };
+        let force = step(law, &mut state, from.0 + s * (to.0 - from.0), load).force;
+        sum += force
+            * if i == parts {
+                1.0
+            } else if i % 2 == 1 {
+                4.0
+            } else {
+                2.0
+            };
+    }
+    sum * (to.0 - from.0) / (3.0 * parts as f64)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn dissipation_is_never_negative_and_force_within_the_limit(
+        jenkins in jenkins(), valanis in valanis(), history in history(),
+    ) {
+        let laws: [&dyn ContactLaw; 2] = [&jenkins, &valanis];
+        for law in laws {
+            let mut state = vec![0.0; law.state_len()];
+            law.set_state(0.0, history[0].1, 0.0, &mut state);
+            for (displacement, load) in &history {
+                let response = step(law, &mut state, 1e-6 * displacement, *load);
+                prop_assert!(response.dissipated_energy >= 0.0, "{:?}", response);
+                let hysteretic = if law.state_len() == 3 { response.force } else { state[0] };
+                prop_assert!(hysteretic.abs() <= law.limit(*load));
+                prop_assert!(*load > 0.0 || response.force == 0.0);
+                prop_assert!(response.tangents.displacement >= 0.0 && response.tangents.normal_load.is_finite());
+            }
+        }
+    }
+
+    #[test]
+    fn mirrored_history_gives_mirrored_force(
+        jenkins in jenkins(), valanis in valanis(), history in history(),
+    ) {
+        let laws: [&dyn ContactLaw; 2] = [&jenkins, &valanis];
+        for law in laws {
+            let mut state = vec![0.0; law.state_len()];
+            law.set_state(0.0, history[0].1, 0.0, &mut state);
+            let mut mirror = state.clone();
+            for (displacement, load) in &history {
+                let response = step(law, &mut state, 1e-6 * displacement, *load);
+                let other = step(law, &mut mirror, -1e-6 * displacement, *load);
+                prop_assert_eq!(response.force, -other.force);
+                prop_assert_eq!(response.dissipated_energy, other.dissipated_energy);
+                prop_assert_eq!(response.tangents.displacement, other.tangents.displacement);
+            }
+        }
+    }
+
+    /// Work into the element = energy kept + dissipated, in every single step.
+    #[test]
+    fn jenkins_balances_energy(law in jenkins(), history in history()) {
+        let mut state = [0.0; 3];
+        law.set_state(0.0, 147.0, 0.0, &mut state);
+        let (mut from, mut force) = ((0.0, 147.0), 0.0);
+        let kept = |force: f64| 0.5 * force * force / law.tangential_stiffness();
+        for (displacement, load) in history.into_iter().take(6) {
+            let to = (1e-6 * displacement, load);
+            let parts = 2000;
+            let done = work(&law, &state, from, to, force, parts);
+            let before = force;
+            let response = step(&law, &mut state, to.0, load);
+            force = response.force;
+            // Simpson's rule on a force with two kinks at most is off by the kinks' share of a part.
+            let largest = law.limit(from.1).max(law.limit(load));
+            let swing = largest.min(law.tangential_stiffness() * (to.0 - from.0).abs());
+            let tolerance = 4.0 / parts as f64 * (to.0 - from.0).abs() * swing.max(1e-12) + 1e-15;
+            let balance = kept(force) - kept(before) + response.dissipated_energy - done;
+            prop_assert!(balance.abs() <= tolerance, "off by {:e} of {:e}, tolerance {:e}", balance, done, tolerance);
+            from = to;
+        }
+    }
+
+    /// The same for Valanis' law, which takes the load at the end of a step for the whole step.
+    #[test]
+    fn valanis_balances_energy(law in valanis(), history in history()) {
+        prop_assume!(law.smoothness() < 0.96);
+        let mut state = [0.0; 4];
+        law.set_state(0.0, 147.0, 0.0, &mut state);
+        for (displacement, load) in history.into_iter().take(6) {
+            let kept_before = law.stored_energy(&state);
+            let start = state;
+            let response = step(&law, &mut state, 1e-6 * displacement, load);
+            let mut done = 0.0;
+            if load > 0.0 {
+                // Motion in contact starts from the cut force, or unstressed where the contact closed.
+                let limit = law.limit(load);
+                let mut moving = [start[0].clamp(-limit, limit), start[1], load, start[3]];
+                if start[2] <= 0.0 {
+                    moving = [0.0, state[3], load, state[3]];
+                }
+                let first = moving[0] + law.residual_stiffness() * (moving[1] - moving[3]);
+                // The force changes on the scale of limit/stiffness: graded steps over the path.
+                let (path, scale) = (state[1] - moving[1], limit / law.tangential_stiffness());
+                let mut at = (moving[1], first);
+                let mut size = 0.2 * scale;
+                loop {
+                    let left = state[1] - at.0;
+                    let last = left.abs() <= size;
+                    let to = if last { state[1] } else { at.0 + size * path.signum() };
+                    done += work(&law, &moving, (at.0, load), (to, load), at.1, 40);
+                    at = (to, step(&law, &mut moving, to, load).force);
+                    if last {
+                        break;
+                    }
+                    size *= 1.5;
+                }
+            }
+            let kept = law.stored_energy(&state);
+            let balance = kept - kept_before + response.dissipated_energy - done;
+            let size = kept + kept_before + response.dissipated_energy + done.abs();
+            prop_assert!(balance.abs() <= 1e-6 * size, "off by {:e} of {:e}", balance, size);
+        }
+    }
+}
