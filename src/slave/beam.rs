@@ -2,7 +2,12 @@
 
 use super::Behaviour;
 use super::description::{DependencyKind, Description, Experiment, Variable};
+use crate::contact::ContactLaw;
+use crate::integrate::{
+    BeamInputs, BeamIntegrator, BeamMotion, BeamOutputs, Contact as Acting, Ramp, Settings,
+};
 use crate::model::{Beam, Contact, Model};
+use crate::structure::ModalBeam;
 use crate::vocabulary as v;
 
 use DependencyKind::{Dependent, Fixed};
@@ -13,6 +18,9 @@ const EXCITATION: usize = 0;
 const CONTACT_FORCE: usize = 1;
 /// With a contact: its normal load.
 const NORMAL_LOAD: usize = 1;
+
+/// Tolerances the integrator takes; a simulation's is moved to the nearest.
+const TOLERANCES: (f64, f64) = (1e-13, 0.1);
 
 /// Inputs and outputs of a beam, followed by `parameters`.
 pub(super) fn describe(
@@ -45,7 +53,7 @@ pub(super) fn describe(
             Variable::output(&v::DISSIPATED_ENERGY).depends(load(), []),
             Variable::output(&v::SLIP_STATE).integer().depends(load(), [NORMAL_LOAD]),
             Variable::output(&v::DISPLACEMENT).depends(load(), []),
-            Variable::output(&v::VELOCITY),
+            Variable::output(&v::VELOCITY).depends(load(), []),
         ]);
     } else {
         acceleration_on = vec![(EXCITATION, Fixed), (CONTACT_FORCE, Dependent)];
@@ -88,10 +96,12 @@ const BEAM_PARAMETERS: [&str; 9] = [
     "clamp_stiffness",
 ];
 
-/// Where the sensors sit, each place once.
+/// Where the sensors sit, each place once; at the point masses if the model names none.
 fn sensor_positions(beam: &Beam) -> Vec<f64> {
+    let masses = beam.point_masses.iter().map(|point| &point.position);
+    let fallback = masses.filter(|_| beam.sensors.is_empty());
     let mut positions: Vec<f64> = Vec::new();
-    for position in &beam.sensors {
+    for position in beam.sensors.iter().chain(fallback) {
         if !positions.contains(position) {
             positions.push(*position);
         }
@@ -101,6 +111,97 @@ fn sensor_positions(beam: &Beam) -> Vec<f64> {
 
 /// The physics of a beam.
 pub(super) fn behaviour(beam: &Beam, contact: Option<&Contact>) -> Result<Box<dyn Behaviour>, String> {
-    let _ = (beam, contact);
-    Err("not built".to_owned())
+    let beam = Beam { sensors: sensor_positions(beam), ..beam.clone() };
+    let modal = ModalBeam::new(&beam).map_err(|error| error.to_string())?;
+    let mut integrator = BeamIntegrator::new(&modal).map_err(|error| error.to_string())?;
+    let law = contact.map(super::contact::law).transpose()?;
+    let motion = integrator.rest(law.as_deref().map(|law| (law, 0.0)));
+    let outputs = integrator.new_outputs();
+    Ok(Box::new(BeamBehaviour { integrator, law, motion, outputs }))
+}
+
+/// Integrator, law and work space.
+#[derive(Debug)]
+struct BeamBehaviour {
+    integrator: BeamIntegrator,
+    law: Option<Box<dyn ContactLaw>>,
+    motion: BeamMotion,
+    outputs: BeamOutputs,
+}
+
+/// The inputs in `values`, held.
+fn held<'a>(law: Option<&'a dyn ContactLaw>, values: &[f64]) -> BeamInputs<'a> {
+    let contact = match law {
+        Some(law) => Acting::Friction { law, normal_load: Ramp::held(values[NORMAL_LOAD]) },
+        None => Acting::Force(Ramp::held(values[CONTACT_FORCE])),
+    };
+    BeamInputs { excitation: Ramp::held(values[EXCITATION]), contact }
+}
+
+impl BeamBehaviour {
+    /// Outputs of the motion under the inputs in `values`, written there.
+    fn write_outputs(&mut self, values: &mut [f64]) -> Result<(), String> {
+        let inputs = held(self.law.as_deref(), values);
+        let outputs = &mut self.outputs;
+        let read = self.integrator.outputs(&self.motion, f64::INFINITY, &inputs, outputs);
+        read.map_err(|error| error.to_string())?;
+        let mut row = 2;
+        let mut write = |value: f64| {
+            values[row] = value;
+            row += 1;
+        };
+        if self.law.is_some() {
+            write(outputs.contact_force);
+            write(outputs.dissipated_energy);
+            write(f64::from(outputs.slip_state as i32));
+        }
+        write(outputs.displacement);
+        write(outputs.velocity);
+        for sensor in &outputs.sensors {
+            write(sensor.displacement);
+            write(sensor.velocity);
+            write(sensor.acceleration);
+        }
+        Ok(())
+    }
+}
+
+impl Behaviour for BeamBehaviour {
+    fn state_len(&self) -> usize {
+        self.motion.state_len()
+    }
+
+    fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
+        self.motion = self.integrator.rest(self.law.as_deref().map(|law| (law, values[NORMAL_LOAD])));
+        self.write_outputs(values)?;
+        if self.motion.write_state(state) { Ok(()) } else { Err(wrong_length()) }
+    }
+
+    fn step(
+        &mut self,
+        state: &mut [f64],
+        values: &mut [f64],
+        step: f64,
+        tolerance: f64,
+    ) -> Result<(), String> {
+        if !self.motion.read_state(state) {
+            return Err(wrong_length());
+        }
+        let tolerance = tolerance.clamp(TOLERANCES.0, TOLERANCES.1);
+        let settings = Settings { tolerance, ..Settings::default() };
+        let inputs = held(self.law.as_deref(), values);
+        let advanced = self.integrator.advance(&mut self.motion, step, &inputs, &settings);
+        advanced.map_err(|error| error.to_string())?;
+        self.write_outputs(values)?;
+        if self.motion.write_state(state) { Ok(()) } else { Err(wrong_length()) }
+    }
+
+    fn can_fail(&self) -> bool {
+        true
+    }
+}
+
+/// Lengths come from the same motion; a difference would be a fault here.
+fn wrong_length() -> String {
+    "the state has another length than the beam's motion".to_owned()
 }

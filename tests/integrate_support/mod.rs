@@ -147,8 +147,7 @@ impl ExactJenkins {
     /// State after `t` of the present phase, under the modal force `p`.
     fn phase(&self, p: f64, t: f64) -> (f64, f64) {
         let stuck = self.slipping == 0.0;
-        let square =
-            self.omega * self.omega + if stuck { self.shape.powi(2) * self.stiffness } else { 0.0 };
+        let square = self.omega * self.omega + if stuck { self.shape.powi(2) * self.stiffness } else { 0.0 };
         let load = if stuck {
             p + self.shape * self.stiffness * self.slider
         } else {
