@@ -71,16 +71,15 @@ fn mass_at_mid_span_of_a_pinned_beam_obeys_its_transcendental_equation() {
     let mut beam = stickslip::model::Beam { clamp_stiffness: Some(1e-9), ..bare() };
     beam.point_masses = vec![PointMass { position: beam.length / 2.0, mass }];
     let ratio = mass / mass_of(&beam);
-    // Symmetric modes: 2 = ½ (m/ρAL) βL [tan(βL/2) − tanh(βL/2)]/... with both halves pinned and level
-    // at the middle; antisymmetric modes keep the mass at rest and are those without it.
+    // Symmetric modes: 4 = (m/ρAL) βL [tan(βL/2) − tanh(βL/2)], from two halves level at the middle whose
+    // shears carry the mass; antisymmetric modes keep the mass at rest and are those without it.
     let symmetric = |b: f64| {
         let h = b / 2.0;
         4.0 * h.cos() - ratio * b * (h.sin() - h.tanh() * h.cos())
     };
     let pi = std::f64::consts::PI;
     let found = wave_numbers(&beam, 4);
-    let expected =
-        [bisect(symmetric, 0.5, pi), 2.0 * pi, bisect(symmetric, 2.0 * pi, 3.0 * pi), 4.0 * pi];
+    let expected = [bisect(symmetric, 0.5, pi), 2.0 * pi, bisect(symmetric, 2.0 * pi, 3.0 * pi), 4.0 * pi];
     assert_roots(&found, expected, 1e-9);
     // Rayleigh's quotient with the static shape, 48 EI/L³ on m + 17/35 ρAL, is 0.1 % high at most.
     let rayleigh = (48.0 / (ratio + 17.0 / 35.0)).powf(0.25);
@@ -95,8 +94,9 @@ fn very_heavy_mass_vibrates_on_the_static_stiffness() {
         let position = 0.4;
         beam.point_masses = vec![PointMass { position, mass }];
         let length = beam.length;
-        let flexibility = position.powi(3) * (length - position).powi(2) * (3.0 * length + (length - position))
-            / (12.0 * beam_support::bending_stiffness(&beam) * length.powi(3));
+        let flexibility =
+            position.powi(3) * (length - position).powi(2) * (3.0 * length + (length - position))
+                / (12.0 * beam_support::bending_stiffness(&beam) * length.powi(3));
         let omega = BeamModes::new(&beam, 1).unwrap().angular_frequency()[0];
         assert!((omega * omega * flexibility * mass - 1.0).abs() < 2.0 / mass, "{omega}");
     }
@@ -127,7 +127,8 @@ fn modal_compliance_to_an_end_moment_converges_to_the_static_one() {
     let exact = beam.length / (4.0 * beam_support::bending_stiffness(&beam));
     assert!((tip_rotational_compliance(&beam).unwrap() / exact - 1.0).abs() < 1e-14);
     let modes = BeamModes::new(&beam, 40).unwrap();
-    let terms = modes.tip_slopes().zip(modes.angular_frequency()).map(|(slope, omega)| (slope / omega).powi(2));
+    let terms =
+        modes.tip_slopes().zip(modes.angular_frequency()).map(|(slope, omega)| (slope / omega).powi(2));
     let sums: Vec<f64> = terms
         .scan(0.0, |sum, term| {
             *sum += term;

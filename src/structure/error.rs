@@ -45,7 +45,9 @@ pub enum StructureError {
         modes: usize,
     },
     /// No rotational spring gives the beam this first frequency.
-    #[error("no rotational stiffness gives {frequency} Hz: a free pin gives {lowest} Hz, a clamped end {highest} Hz")]
+    #[error(
+        "no rotational stiffness gives {frequency} Hz: a free pin gives {lowest} Hz, a clamped end {highest} Hz"
+    )]
     FrequencyOutOfReach {
         /// The frequency asked for (Hz).
         frequency: f64,

@@ -24,20 +24,21 @@ pub fn bare() -> Beam {
 
 /// The strip with two unequal masses.
 pub fn steel() -> Beam {
-    let point_masses = vec![PointMass { position: 0.2, mass: 0.05 }, PointMass { position: 0.47, mass: 0.12 }];
+    let point_masses =
+        vec![PointMass { position: 0.2, mass: 0.05 }, PointMass { position: 0.47, mass: 0.12 }];
     Beam { point_masses, ..bare() }
 }
 
 /// The beam of "Nonlinear model identification of a frictional contact support" (MSSP, received 2009):
-/// accelerometers of 5 g at 550, 300 and 100 mm and a force transducer of 20 g at 550 mm (masses fitted,
-/// the paper does not give them).
+/// accelerometers at 550, 300 and 100 mm and a force transducer at 550 mm. The paper gives neither the
+/// masses nor E; these are assumed.
 pub fn frictional_support(rotational_stiffness: f64) -> Beam {
     let point_masses = vec![
-        PointMass { position: 0.55, mass: 0.025 },
+        PointMass { position: 0.55, mass: 0.02515 },
         PointMass { position: 0.3, mass: 0.005 },
         PointMass { position: 0.1, mass: 0.005 },
     ];
-    Beam { point_masses, rotational_stiffness, ..bare() }
+    Beam { youngs_modulus: 197.1e9, point_masses, rotational_stiffness, ..bare() }
 }
 
 /// EI (N m²).

@@ -71,7 +71,8 @@ impl BeamModes {
             angular_frequency.push(scales.angular_frequency * wave_number * wave_number);
             shapes.push(Shape::new(&divided, wave_number, tip));
         }
-        let shortening = normalise(&divided, wave_number, &mut shapes, &scales);
+        let mut shortening = normalise(&divided, wave_number, &mut shapes, &scales);
+        shortening.iter_mut().for_each(|product| *product /= beam.length);
         Ok(Self { length: beam.length, angular_frequency, shapes, shortening })
     }
 
@@ -232,7 +233,8 @@ impl Shape {
     /// The mode at a natural frequency, not yet normalised, with positive slope at the pin.
     fn new(divided: &DividedBeam, wave_number: f64, tip: f64) -> Self {
         let mut passed = Vec::new();
-        let arrival = divided.sweep(wave_number, |start, basis, triangle| passed.push((start, *basis, *triangle)));
+        let arrival =
+            divided.sweep(wave_number, |start, basis, triangle| passed.push((start, *basis, *triangle)));
         let mut coefficients = arrival.mode_coefficients(tip);
         let mut end = arrival.basis.combine(coefficients);
         pin(&mut end, tip / scale(wave_number));
@@ -279,7 +281,8 @@ fn pin(end: &mut State, spring: f64) {
     }
 }
 
-/// Gives every mode unit modal mass (kg, Eq. A8 with the point masses) and returns ∫ φᵢ' φⱼ' dx.
+/// Gives every mode unit modal mass (kg, Eq. A8 with the point masses) and returns
+/// ∫ φᵢ' φⱼ' over the fraction of the length (1/kg), row-major.
 fn normalise(divided: &DividedBeam, highest: f64, shapes: &mut [Shape], scales: &Scales) -> Vec<f64> {
     let rule: Vec<(f64, f64)> = quadrature(divided, highest).collect();
     let mut slopes: Vec<Vec<f64>> = Vec::with_capacity(shapes.len());

@@ -200,7 +200,8 @@ impl System {
         let reduced = |matrix: &DMatrix<f64>| matrix.select_rows(&self.free).select_columns(&self.free);
         let (stiffness, mass) = (reduced(&self.stiffness), reduced(&self.mass));
         let finite = stiffness.iter().chain(mass.iter()).all(|entry| entry.is_finite());
-        let lower = finite.then(|| Cholesky::new(stiffness)).flatten().ok_or_else(|| failed(f64::NAN))?.unpack();
+        let lower =
+            finite.then(|| Cholesky::new(stiffness)).flatten().ok_or_else(|| failed(f64::NAN))?.unpack();
         let half = lower.solve_lower_triangular(&mass).ok_or_else(|| failed(0.0))?;
         let flexibility = lower.solve_lower_triangular(&half.transpose()).ok_or_else(|| failed(0.0))?;
         let eigen = SymmetricEigen::try_new(flexibility, f64::EPSILON, MOST_ROUNDS)

@@ -93,7 +93,10 @@ mod tests {
             let closed = [(cosh + cos) / 2.0, (sinh + sin) / 2.0, (cosh - cos) / 2.0, (sinh - sin) / 2.0];
             for (order, (series, closed)) in krylov_duncan(phase).into_iter().zip(closed).enumerate() {
                 let value = series * phase.powi(order as i32);
-                assert!((value - closed).abs() < 1e-14 * closed.abs(), "{order} at {phase}: {value} {closed}");
+                assert!(
+                    (value - closed).abs() < 1e-14 * closed.abs(),
+                    "{order} at {phase}: {value} {closed}"
+                );
             }
         }
     }
@@ -101,7 +104,8 @@ mod tests {
     #[test]
     fn crossing_two_pieces_is_crossing_their_sum() {
         let state = [0.3, -1.2, 0.7, 2.0];
-        let (first, second, whole) = (Transfer::new(6.0, 0.1), Transfer::new(6.0, 0.2), Transfer::new(6.0, 0.3));
+        let (first, second, whole) =
+            (Transfer::new(6.0, 0.1), Transfer::new(6.0, 0.2), Transfer::new(6.0, 0.3));
         for (stepped, at_once) in second.apply(&first.apply(&state)).into_iter().zip(whole.apply(&state)) {
             assert!((stepped - at_once).abs() < 1e-13 * at_once.abs());
         }

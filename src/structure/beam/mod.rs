@@ -59,7 +59,8 @@ impl ModalBeam {
         check_damping(&beam.damping, beam.modes)?;
         let axial_flexibility = beam.length / (beam.youngs_modulus * beam.width * beam.thickness);
         let modes = BeamModes::new(beam, beam.modes)?;
-        let shape_at = |x| (0..beam.modes).filter_map(|mode| modes.displacement(mode, x)).collect::<Vec<f64>>();
+        let shape_at =
+            |x| (0..beam.modes).filter_map(|mode| modes.displacement(mode, x)).collect::<Vec<f64>>();
         let sensor = |position| Sensor { position, shape: shape_at(position) };
         let sensors = if beam.sensors.is_empty() {
             beam.point_masses.iter().map(|point| sensor(point.position)).collect()

@@ -16,7 +16,11 @@ use super::krylov::{LARGEST_PHASE, State, Transfer, scale};
 
 /// A spring's condition `stiffness · slope + moment = 0` as two weights that stay finite for a rigid one.
 fn spring_weights(stiffness: f64) -> (f64, f64) {
-    if stiffness.is_infinite() { (1.0, 0.0) } else { (stiffness / (1.0 + stiffness), 1.0 / (1.0 + stiffness)) }
+    if stiffness.is_infinite() {
+        (1.0, 0.0)
+    } else {
+        (stiffness / (1.0 + stiffness), 1.0 / (1.0 + stiffness))
+    }
 }
 
 /// A piece of the beam between two masses or ends; lengths as fractions of the beam's length.
