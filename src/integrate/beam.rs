@@ -6,6 +6,8 @@ use super::{BeamError, BeamInputs, Contact, IntegrationError, Ramp, Settings};
 use crate::contact::{ContactLaw, Inputs, SlipState};
 use crate::structure::ModalBeam;
 
+/// Part of the tolerance that one step may use, so that their sum over some cycles stays near it.
+const STEP_SHARE: f64 = 0.2;
 /// Largest step, in radians of the lowest mode: the nodes of a step must see every reversal.
 const LARGEST_ANGLE: f64 = 0.4;
 /// Step tried first from a state that has no suggestion, in radians of the lowest mode.
@@ -215,9 +217,11 @@ impl BeamIntegrator {
             };
             span.step = step;
             span.to = if last { 1.0 } else { (time + step) / duration };
-            match self.solver.attempt(&span, settings.tolerance) {
-                Trial::Event(fraction) if fraction * step >= smallest => shortened = Some(fraction * step),
-                Trial::Done(error) if error <= 1.0 => {
+            match self.solver.attempt(&span, STEP_SHARE * settings.tolerance) {
+                Trial::Done { event: Some(fraction), .. } if fraction * step >= smallest => {
+                    shortened = Some(fraction * step);
+                }
+                Trial::Done { error, .. } if error <= 1.0 => {
                     if !self.solver.commit(&span) {
                         return Err(IntegrationError::StepTooSmall { time, step });
                     }
@@ -231,8 +235,8 @@ impl BeamIntegrator {
                 }
                 failed => {
                     let factor = match failed {
-                        Trial::Done(error) => (0.9 * error.powf(-0.2)).clamp(0.1, 0.9),
-                        _ => 0.4,
+                        Trial::Done { error, .. } => (0.9 * error.powf(-0.2)).clamp(0.1, 0.9),
+                        Trial::Diverged => 0.4,
                     };
                     *suggested = factor * step;
                     shortened = None;

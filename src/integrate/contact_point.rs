@@ -50,7 +50,7 @@ impl ContactPoint {
                 high = high.min(force - residual);
             }
             let newton = force - residual / slope;
-            let following = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            let following = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
             if following == force || high <= low {
                 return Some((response, displacement));
             }

@@ -3,12 +3,16 @@
 use super::propagator::NODES;
 use crate::contact::SlipState;
 
-/// An event is located to this fraction of the step.
-pub(crate) const PRECISION: f64 = 1e-7;
+/// A velocity below this part of the largest in the step is a reversal reached. What the displacement
+/// overshoots is of the square of it.
+const REVERSAL_PRECISION: f64 = 1e-5;
+
+/// A change of slip state is located to this part of the step: the force is in error in proportion.
+const CORNER_PRECISION: f64 = 1e-7;
 
 /// Where, shortly behind the start of the step, the slip state that it starts with is looked up: far
-/// enough to be past an event that ended the step before, located to [`PRECISION`].
-pub(crate) const JUST_BEHIND_START: f64 = 1e-5;
+/// enough to be past an event that ended the step before.
+pub(crate) const JUST_BEHIND_START: f64 = 1e-3;
 
 /// What the nodes say about reversals of the contact displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,7 +32,7 @@ pub(crate) fn reversal(velocity: &[f64; 5], displacement: &[f64; 5], floor: f64,
     if largest <= floor {
         return Reversal::None;
     }
-    let moving = |v: f64| v.abs() > PRECISION * largest;
+    let moving = |v: f64| v.abs() > REVERSAL_PRECISION * largest;
     let Some(first) = velocity.iter().position(|&v| moving(v)) else { return Reversal::None };
     let mut last = first;
     for node in first + 1..NODES.len() {
@@ -55,7 +59,7 @@ fn root(velocity: &[f64; 5], from: usize, to: usize) -> f64 {
     for _ in 0..60 {
         let x = (a * fb - b * fa) / (fb - fa);
         let fx = quartic(velocity, x);
-        if fx == 0.0 || (b - a) < 1e-3 * PRECISION * b {
+        if fx == 0.0 || (b - a) < 1e-9 * b {
             return x;
         }
         if (fx > 0.0) == (fb > 0.0) {
@@ -96,7 +100,7 @@ pub(crate) fn corner(
     let node = (0..4).find(|&i| slip[i + 1] != slip[0])?;
     let mut before = if node == 0 { JUST_BEHIND_START } else { NODES[node] };
     let mut after = NODES[node + 1];
-    while after - before > 0.1 * PRECISION * after {
+    while after - before > 0.1 * CORNER_PRECISION * after {
         let middle = 0.5 * (before + after);
         if probe(node, middle)? == slip[0] {
             before = middle;
@@ -104,7 +108,7 @@ pub(crate) fn corner(
             after = middle;
         }
     }
-    Some(after)
+    (after < 1.0 - CORNER_PRECISION).then_some(after)
 }
 
 #[cfg(test)]
@@ -136,7 +140,7 @@ mod tests {
         let at = 0.613;
         let probe = |_: usize, x: f64| Some(if x < at { Stick } else { Slip });
         let found = corner(&[Stick, Stick, Stick, Slip, Slip], probe).unwrap();
-        assert!(found >= at && found - at < PRECISION, "{found}");
+        assert!(found >= at && found - at < CORNER_PRECISION, "{found}");
         assert_eq!(corner(&[Slip; 5], probe), None);
     }
 }

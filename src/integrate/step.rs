@@ -74,10 +74,8 @@ impl Span<'_> {
 pub(crate) enum Trial {
     /// No convergence, or the law gave no finite force: try a shorter step.
     Diverged,
-    /// An event at this fraction of the step.
-    Event(f64),
-    /// A step without event; error estimate relative to the tolerance.
-    Done(f64),
+    /// Error estimate relative to the tolerance, and the first event as a fraction of the step.
+    Done { error: f64, event: Option<f64> },
 }
 
 /// The working state and the buffers of a step. After construction nothing allocates.
@@ -195,10 +193,7 @@ impl StepSolver {
         if !error.is_finite() {
             return Trial::Diverged;
         }
-        match self.event(span, tolerance) {
-            Some(fraction) => Trial::Event(fraction),
-            None => Trial::Done(error),
-        }
+        Trial::Done { error, event: self.event(span, tolerance) }
     }
 
     /// Commits the step tried last: node 0 and the contact memory move to its end. False, with the
@@ -513,7 +508,7 @@ impl StepSolver {
         let norm = self.shape_norm * self.energy_norm;
         let floor = (1e-6 * tolerance).max(1e-13) * norm;
         let size = displacement.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-        let rounding = 64.0 * f64::EPSILON * size + events::PRECISION * span.step * floor;
+        let rounding = 64.0 * f64::EPSILON * size + 1e-7 * span.step * floor;
         let mut first = match events::reversal(&velocity, &displacement, floor, rounding) {
             Reversal::None => f64::INFINITY,
             Reversal::At(fraction) => fraction,
@@ -541,7 +536,7 @@ impl StepSolver {
         if let Some(fraction) = events::corner(&slip, probe) {
             first = first.min(fraction);
         }
-        (first < 1.0 - events::PRECISION).then_some(first)
+        (first < 1.0).then_some(first)
     }
 
     /// √Σ(ω²q² + v²)
