@@ -1,4 +1,11 @@
-//! Measured data: arrays in, arrays out.
+//! Measured data: arrays in, arrays out. Names and units of columns, and the records they make up.
+
+mod channel;
+mod record;
+mod unit;
+
+pub use channel::{COLUMNS, ChannelName, ChannelNameError, Place};
+pub use unit::{UnitError, unit_factor};
 
 /// How a record begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,7 +34,7 @@ pub enum Use {
 /// One column of a record, in SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// Column name without its unit: `force`, `acceleration:x=0.55`.
+    /// Column name without its unit, as [`ChannelName`] writes it: `force`, `acceleration:x=0.55`.
     pub name: String,
     /// SI unit.
     pub unit: &'static str,

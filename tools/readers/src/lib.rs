@@ -1,1 +1,30 @@
-//! Reads model, dataset and CSV files
+//! Reads the files an engineer writes: `model.toml`, `dataset.toml` and the CSV files beside it.
+//!
+//! Everything is checked before anything is returned: there are no partial results, and nothing is
+//! repaired silently. An [`InputError`] is data (file, line, what is wrong); [`InputError::render`] is
+//! the one place that turns it into the text a user sees, with the line it is about.
+//!
+//! Text is UTF-8; a byte order mark and CR-LF line ends are accepted.
+
+mod columns;
+mod dataset;
+mod error;
+mod source;
+mod table;
+
+use std::path::Path;
+
+use stickslip::model::Model;
+
+pub use columns::check_columns;
+pub use dataset::read_dataset;
+pub use error::{Excerpt, InputError, Problem};
+
+/// Reads a model file.
+///
+/// # Errors
+/// A file that cannot be read or is not UTF-8, and everything [`Model::parse`] refuses.
+pub fn read_model(path: impl AsRef<Path>) -> Result<Model, InputError> {
+    let source = source::Source::read(path.as_ref())?;
+    Model::parse(source.text()).map_err(|error| source.document_error(error))
+}

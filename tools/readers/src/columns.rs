@@ -1,0 +1,85 @@
+//! Whether a dataset has what a model needs to be compared with it.
+
+use std::path::PathBuf;
+
+use stickslip::measure::{Channel, Dataset, Record, Regime};
+use stickslip::model::{Beam, Model, Structure};
+
+use crate::error::{Excerpt, InputError, Problem};
+
+/// Checks that every record has the columns that a comparison with `model` needs.
+///
+/// A contact needs `displacement` and `force`; a beam needs `excitation` and at least one measured motion
+/// at a position on the beam (`acceleration:x=0.55`), or a backbone table.
+///
+/// # Errors
+/// The first record that lacks a column, has one that does not fit the model, or has a regime the model
+/// cannot have. The path is the record's name as the dataset writes it.
+pub fn check_columns(dataset: &Dataset, model: &Model) -> Result<(), InputError> {
+    for record in &dataset.records {
+        let problem = match &model.structure {
+            Structure::Prescribed => contact_problem(record),
+            Structure::Beam(beam) => beam_problem(record, beam),
+        };
+        if let Some(problem) = problem {
+            // The header is not at hand any more, but it is the first line.
+            let header = Excerpt { line: 1, column: 1, text: String::new(), span: 0..0 };
+            return Err(InputError {
+                path: PathBuf::from(&record.name),
+                excerpt: Some(header),
+                problem: Box::new(problem),
+            });
+        }
+    }
+    Ok(())
+}
+
+fn missing(column: &str, reason: &str) -> Option<Problem> {
+    Some(Problem::MissingColumn { column: column.to_owned(), reason: reason.to_owned() })
+}
+
+fn contact_problem(record: &Record) -> Option<Problem> {
+    if record.regime == Regime::Backbone {
+        let message = "a backbone is measured on a structure, but the model's kind is \"contact\"";
+        return Some(Problem::UnsuitableRegime(message.to_owned()));
+    }
+    if record.channel("displacement").is_none() {
+        return missing("displacement [m]", "it drives a model of kind \"contact\"");
+    }
+    if record.channel("force").is_none() {
+        return missing(
+            "force [N]",
+            "a model of kind \"contact\" is compared with the measured contact force",
+        );
+    }
+    None
+}
+
+fn beam_problem(record: &Record, beam: &Beam) -> Option<Problem> {
+    if record.regime == Regime::Backbone {
+        return None; // its two columns were checked when it was read
+    }
+    if record.channel("excitation").is_none() {
+        return missing("excitation [N]", "it drives a model of kind \"beam\"");
+    }
+    let motions: Vec<&Channel> = ["acceleration", "velocity", "displacement"]
+        .iter()
+        .flat_map(|quantity| record.channels_of(quantity))
+        .collect();
+    if motions.is_empty() {
+        let reason = "a model of kind \"beam\" is compared with the motion measured at a position";
+        return missing("acceleration:x=... [m/s^2]", reason);
+    }
+    motions.into_iter().find_map(|channel| unsuitable_motion(channel, beam))
+}
+
+fn unsuitable_motion(channel: &Channel, beam: &Beam) -> Option<Problem> {
+    let reason = match channel.position() {
+        None => format!("say where on the beam it was measured: `{}:x=0.55 [...]`", channel.quantity()),
+        Some(position) if !(0.0..=beam.length).contains(&position) => {
+            format!("the beam runs from 0 to {} m", beam.length)
+        }
+        Some(_) => return None,
+    };
+    Some(Problem::UnsuitableColumn { column: channel.name.clone(), reason })
+}

@@ -1,0 +1,71 @@
+//! Every dataset that lies beside the repository can be read. Where there is none, the test says so.
+
+use std::env;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use stickslip_readers::{check_columns, read_dataset, read_model};
+
+/// The folder of the external data: `STICKSLIP_DATA`, or `../shared/data` beside the repository.
+fn data() -> Option<PathBuf> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
+    let folder = env::var_os("STICKSLIP_DATA").map_or(beside, PathBuf::from);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    // The harness hides what a passing test prints with eprintln; written directly it is seen.
+    let path = folder.display();
+    let _ =
+        writeln!(io::stderr(), "SKIPPED: no data at {path} (set STICKSLIP_DATA to the folder that has it)");
+    None
+}
+
+#[test]
+fn the_hidden_effect_cases_are_read() {
+    let Some(data) = data() else { return };
+    for case in 1..=9 {
+        let folder = data.join(format!("hidden-effect/case-{case}"));
+        let dataset = read_dataset(&folder).unwrap_or_else(|error| panic!("{}", error.render(false)));
+        assert_eq!(dataset.records.len(), 8, "case {case}");
+        for record in &dataset.records {
+            assert!(record.sample_step().is_some(), "case {case}, {}: uneven", record.name);
+        }
+        match read_model(folder.join("model.toml")) {
+            Ok(model) => {
+                check_columns(&dataset, &model).unwrap_or_else(|error| panic!("case {case}: {error}"))
+            }
+            // Oscillators are the only kind this version does not model; their data are read all the same.
+            Err(error) => {
+                assert!(
+                    error.to_string().contains("\"oscillator\" is not supported"),
+                    "case {case}: {error}"
+                );
+                assert!(matches!(case, 6 | 7), "case {case}: {error}");
+                assert!(dataset.records[0].channel("displacement:m2").unwrap().noise.is_some());
+            }
+        }
+    }
+}
+
+#[test]
+fn the_friction_damper_is_read_in_si() {
+    let Some(data) = data() else { return };
+    let folder = data.join("friction-damper");
+    let dataset = read_dataset(&folder).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    let model =
+        read_model(folder.join("model.toml")).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    check_columns(&dataset, &model).unwrap();
+    assert_eq!(dataset.records.len(), 10);
+    for record in &dataset.records {
+        // Block means of four samples at 1024 Hz; the strokes are half an inch to one and a half.
+        let step = record.sample_step().expect("evenly sampled");
+        assert!((step * 256.0 - 1.0).abs() < 1e-3, "{}: {step}", record.name);
+        let stroke = record
+            .channel("displacement")
+            .unwrap()
+            .values
+            .iter()
+            .fold(0.0, |most, value| f64::max(most, value.abs()));
+        assert!((0.01..0.05).contains(&stroke), "{}: {stroke} m", record.name);
+    }
+}
