@@ -1,1 +1,76 @@
-//! slave
+//! Models as co-simulation slaves, without any version of FMI: a variable table and an instance.
+//!
+//! # One table
+//! [`Description`] lists the variables of a model once. The `modelDescription.xml` of an FMU, its
+//! documentation, the dispatch of values and the identity check (the GUID) all come from it. A value
+//! reference is a position in the table.
+//!
+//! # Contacts
+//! The inputs set before [`Instance::do_step`]`(t, h)` are those reached at `t + h`, on a straight line
+//! from the previous ones; the outputs then belong to `t + h`. The laws are rate-independent: `h` must
+//! be positive and finite, and plays no other role. A contact starts unstressed at displacement 0
+//! under the normal load set at initialization and goes from there to the initial displacement. During
+//! initialization the outputs follow the inputs and parameters without leaving a trace.
+//!
+//! # Beams
+//! A beam starts at rest and undeformed. Its inputs are held constant over a step. Its outputs belong
+//! to the end of the step and change in [`Instance::do_step`] only.
+
+mod beam;
+mod contact;
+mod description;
+mod instance;
+mod parameter;
+mod snapshot;
+
+pub use description::{
+    Causality, Dependency, DependencyKind, Description, Experiment, Initial, Variability, Variable,
+    VariableType,
+};
+pub use instance::{Error, Instance, Setup, Stage};
+pub use snapshot::{Snapshot, SnapshotError};
+
+use crate::model::{Model, Structure};
+use std::fmt::Debug;
+
+/// The physics behind an instance. It holds parameters and work space; what it remembers from step to
+/// step is in `state` and `values`, which belong to the instance, so that saving an instance is a copy.
+pub(crate) trait Behaviour: Debug + Send {
+    /// Length of the state.
+    fn state_len(&self) -> usize;
+
+    /// Writes the state and the outputs at the start of a simulation, from nothing but the inputs in
+    /// `values`.
+    fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String>;
+
+    /// One step of length `step` (s) with the inputs in `values`; writes the outputs there.
+    /// On error the caller discards `state` and `values`.
+    fn step(
+        &mut self,
+        state: &mut [f64],
+        values: &mut [f64],
+        step: f64,
+        tolerance: f64,
+    ) -> Result<(), String>;
+
+    /// Whether a step can fail, so that the instance must keep a copy to return to.
+    fn can_fail(&self) -> bool;
+}
+
+/// The variable table of a model whose parameters have the rows `parameters`.
+fn describe(model: &Model, parameters: Vec<Variable>) -> Result<Description, String> {
+    match (&model.structure, &model.contact) {
+        (Structure::Prescribed, Some(contact)) => Ok(contact::describe(model, contact, parameters)),
+        (Structure::Prescribed, None) => Err("a contact model needs a contact".to_owned()),
+        (Structure::Beam(beam), contact) => Ok(beam::describe(model, beam, contact.as_ref(), parameters)),
+    }
+}
+
+/// The physics of a model.
+fn behaviour(model: &Model) -> Result<Box<dyn Behaviour>, String> {
+    match (&model.structure, &model.contact) {
+        (Structure::Prescribed, Some(contact)) => Ok(Box::new(contact::ContactBehaviour::new(contact)?)),
+        (Structure::Prescribed, None) => Err("a contact model needs a contact".to_owned()),
+        (Structure::Beam(beam), contact) => beam::behaviour(beam, contact.as_ref()),
+    }
+}

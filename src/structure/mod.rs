@@ -1,9 +1,20 @@
 //! Structures as the contact sees them: modal mass, damping, stiffness and the map to the contact.
+//!
+//! [`ModalBeam::new`] reduces a [`model::Beam`](crate::model::Beam) to its exact modes;
+//! [`rotational_stiffness_from_frequency`] reads the support's stiffness off a measured frequency.
+
+pub mod beam;
+mod error;
+
+pub use beam::{rotational_stiffness_from_frequency, tip_rotational_compliance};
+pub use error::StructureError;
 
 /// A beam reduced to mass-normalised modes with a contact at its end.
 ///
 /// `q̈ᵢ + 2 ζᵢ ωᵢ q̇ᵢ + ωᵢ² qᵢ + T [cᵢ − Σⱼ Gᵢⱼ qⱼ] = f φᵢ(S)` and, at the contact,
 /// `u = Σ cᵢ qᵢ − ½ qᵀ G q − T · axial_flexibility` with `cᵢ = r φᵢ'(L)`.
+///
+/// Every mode has a positive slope at the contact, so `contact_shape` has the sign of the offset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalBeam {
     /// ωᵢ (rad/s), ascending.

@@ -1,1 +1,117 @@
-//! Carries the FMU library and writes FMUs
+//! Carries the FMU library and writes FMUs.
+//!
+//! An FMU is a model file, the generic library, and what the model's variable table says in XML and
+//! HTML. Writing one needs no compiler: the library is embedded in this crate.
+//!
+//! ```
+//! let (name, model_toml) = stickslip_fmu_package::standard_models()[0];
+//! let fmu = stickslip_fmu_package::write_fmu(name, model_toml)?;
+//! assert!(fmu.starts_with(b"PK"));
+//! # Ok::<(), stickslip_fmu_package::Error>(())
+//! ```
+
+mod documentation;
+mod xml;
+
+pub use documentation::documentation_html;
+pub use xml::model_description_xml;
+
+use std::io::{Cursor, Write};
+use stickslip::slave::Instance;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
+
+/// Why an FMU cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Not a C identifier of up to 64 characters: importers make file and function names of it.
+    #[error("{0:?} cannot be a model identifier: letters, digits and _ only, no digit first, at most 64")]
+    Identifier(String),
+    /// The model file.
+    #[error(transparent)]
+    Model(#[from] stickslip::slave::Error),
+    /// The archive; only memory can run out.
+    #[error("the archive cannot be written: {0}")]
+    Archive(#[from] zip::result::ZipError),
+    /// As `Archive`.
+    #[error("the archive cannot be written: {0}")]
+    Write(#[from] std::io::Error),
+}
+
+/// The generic shared library for the platform this crate was built for.
+pub fn library() -> &'static [u8] {
+    include_bytes!(env!("STICKSLIP_FMU_LIBRARY"))
+}
+
+/// The folder of [`library`] in `binaries/`: `linux64`, `win64`, `darwin64`, `aarch64-linux` ...
+pub fn platform() -> &'static str {
+    env!("STICKSLIP_FMU_PLATFORM")
+}
+
+/// File extension of [`library`], without the dot.
+pub fn library_extension() -> &'static str {
+    env!("STICKSLIP_FMU_EXTENSION")
+}
+
+/// Names (which are model identifiers) and model files of the standard models.
+pub fn standard_models() -> [(&'static str, &'static str); 4] {
+    [
+        ("JenkinsContact", include_str!("../../../modelDescription/JenkinsContact.toml")),
+        ("ValanisContact", include_str!("../../../modelDescription/ValanisContact.toml")),
+        ("ModalBeam", include_str!("../../../modelDescription/ModalBeam.toml")),
+        ("FrictionalBeam", include_str!("../../../modelDescription/FrictionalBeam.toml")),
+    ]
+}
+
+/// The bytes of an FMU of the model in `model_toml`. The same arguments give the same bytes.
+///
+/// # Errors
+/// A name that is no C identifier, or a text that is no model.
+pub fn write_fmu(model_identifier: &str, model_toml: &str) -> Result<Vec<u8>, Error> {
+    check_identifier(model_identifier)?;
+    let instance = Instance::new(model_toml)?;
+    let description = instance.description();
+    let binary = format!("binaries/{}/{model_identifier}.{}", platform(), library_extension());
+    let mut entries: Vec<(String, Vec<u8>, u32)> = vec![
+        ("modelDescription.xml".into(), model_description_xml(model_identifier, description).into(), 0o644),
+        (binary, library().to_vec(), 0o755),
+        ("resources/model.toml".into(), model_toml.into(), 0o644),
+        (
+            "documentation/index.html".into(),
+            documentation_html(model_identifier, description, model_toml).into(),
+            0o644,
+        ),
+        (
+            "documentation/licenses/LICENSE-MIT.txt".into(),
+            include_bytes!("../../../LICENSE-MIT").into(),
+            0o644,
+        ),
+        (
+            "documentation/licenses/LICENSE-APACHE.txt".into(),
+            include_bytes!("../../../LICENSE-APACHE").into(),
+            0o644,
+        ),
+    ];
+    entries.sort_by(|left, right| left.0.cmp(&right.0));
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, content, mode) in entries {
+        // The default time is 1980-01-01: an FMU does not tell when it was made.
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Deflated)
+            .last_modified_time(zip::DateTime::default())
+            .unix_permissions(mode);
+        archive.start_file(name, options)?;
+        archive.write_all(&content)?;
+    }
+    Ok(archive.finish()?.into_inner())
+}
+
+fn check_identifier(name: &str) -> Result<(), Error> {
+    let legal = |character: char| character.is_ascii_alphanumeric() || character == '_';
+    let first_is_digit = name.starts_with(|character: char| character.is_ascii_digit());
+    if name.is_empty() || name.len() > 64 || first_is_digit || !name.chars().all(legal) {
+        return Err(Error::Identifier(name.to_owned()));
+    }
+    Ok(())
+}

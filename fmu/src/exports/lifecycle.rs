@@ -1,0 +1,164 @@
+//! Creation, initialization, logging, and the end.
+
+use crate::calls::Function;
+use crate::ffi::{self, Boolean, CO_SIMULATION, CallbackFunctions, FmiString, Handle, Real, Status};
+use crate::guard::{Component, Failure, catch, guarded, install_hook};
+use crate::location;
+use crate::log::{Category, Log};
+use std::ffi::{CStr, c_char, c_int};
+use stickslip::slave::{Instance, Setup};
+
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
+    c"default".as_ptr()
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetVersion() -> *const c_char {
+    c"2.0".as_ptr()
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Instantiate(
+    instance_name: FmiString,
+    fmu_type: c_int,
+    guid: FmiString,
+    resource_location: FmiString,
+    functions: *const CallbackFunctions,
+    _visible: Boolean,
+    logging_on: Boolean,
+) -> Handle {
+    install_hook();
+    // SAFETY: strings and callbacks are the importer's promise.
+    let (log, name, guid, location) = unsafe {
+        let name = ffi::text(instance_name);
+        (Log::new(functions, name, logging_on != 0), name, ffi::text(guid), ffi::text(resource_location))
+    };
+    let (status, category, message) = match catch(|| instantiate(name, fmu_type, guid, location)) {
+        Ok(Ok(instance)) => {
+            let component = Box::new(Component::new(instance, log));
+            if component.log.wants_events() {
+                let name = component.instance.description().name;
+                component.log.event(&format!("{}: a {name} is ready", Function::Instantiate.name()));
+            }
+            return Box::into_raw(component).cast();
+        }
+        Ok(Err(message)) => (Status::Error, Category::StatusError, message),
+        Err(message) => (Status::Fatal, Category::StatusFatal, message),
+    };
+    log.send(status, category, &format!("{}: {message}", Function::Instantiate.name()));
+    std::ptr::null_mut()
+}
+
+fn instantiate(
+    name: Option<&CStr>,
+    fmu_type: c_int,
+    guid: Option<&CStr>,
+    location: Option<&CStr>,
+) -> Result<Instance, String> {
+    if name.is_none_or(CStr::is_empty) {
+        return Err("the instance name is missing".to_owned());
+    }
+    if fmu_type != CO_SIMULATION {
+        return Err(format!("fmuType is {fmu_type}; this FMU is for co-simulation ({CO_SIMULATION})"));
+    }
+    let guid = guid.ok_or("the GUID is missing")?.to_string_lossy();
+    let location = location.ok_or("fmuResourceLocation is missing")?;
+    let file = location::directory(location.to_bytes())?.join("model.toml");
+    let text = std::fs::read_to_string(&file)
+        .map_err(|error| format!("{} cannot be read: {error}", file.display()))?;
+    let instance = Instance::new(&text).map_err(|error| format!("{}: {error}", file.display()))?;
+    let expected = instance.guid().to_string();
+    let given = guid.strip_prefix('{').and_then(|rest| rest.strip_suffix('}')).unwrap_or(&guid);
+    if !given.eq_ignore_ascii_case(&expected) {
+        return Err(format!("the GUID is {guid}, but {} has {{{expected}}}", file.display()));
+    }
+    Ok(instance)
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2FreeInstance(handle: Handle) {
+    // SAFETY: the importer's promise. A NULL handle is ignored, as the standard says.
+    unsafe { Component::free(handle) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetDebugLogging(
+    handle: Handle,
+    logging_on: Boolean,
+    count: usize,
+    categories: *const FmiString,
+) -> Status {
+    let body = |component: &mut Component| {
+        // SAFETY: the importer's promise.
+        let pointers = unsafe { ffi::slice(categories, count, "categories")? };
+        // SAFETY: the importer's promise.
+        let texts: Option<Vec<&CStr>> =
+            pointers.iter().map(|pointer| unsafe { ffi::text(*pointer) }).collect();
+        let texts = texts.ok_or_else(|| Failure::error("one of the categories is NULL"))?;
+        component.log.configure(logging_on != 0, &texts).map_err(Failure::error)
+    };
+    // SAFETY: the importer's promise.
+    unsafe { guarded(handle, Function::SetDebugLogging, body) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetupExperiment(
+    handle: Handle,
+    tolerance_defined: Boolean,
+    tolerance: Real,
+    start_time: Real,
+    stop_time_defined: Boolean,
+    stop_time: Real,
+) -> Status {
+    let setup = Setup {
+        tolerance: (tolerance_defined != 0).then_some(tolerance),
+        start: start_time,
+        stop: (stop_time_defined != 0).then_some(stop_time),
+    };
+    // SAFETY: the importer's promise.
+    unsafe { guarded(handle, Function::SetupExperiment, |component| Ok(component.instance.set_up(setup)?)) }
+}
+
+/// A function without arguments, which is also an event.
+unsafe fn transition(
+    handle: Handle,
+    function: Function,
+    change: impl FnOnce(&mut Instance) -> Result<(), stickslip::slave::Error>,
+) -> Status {
+    let body = |component: &mut Component| {
+        change(&mut component.instance)?;
+        component.log.event(function.name());
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { guarded(handle, function, body) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2EnterInitializationMode(handle: Handle) -> Status {
+    // SAFETY: the importer's promise.
+    unsafe { transition(handle, Function::EnterInitializationMode, Instance::enter_initialization) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2ExitInitializationMode(handle: Handle) -> Status {
+    // SAFETY: the importer's promise.
+    unsafe { transition(handle, Function::ExitInitializationMode, Instance::exit_initialization) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Terminate(handle: Handle) -> Status {
+    // SAFETY: the importer's promise.
+    unsafe { transition(handle, Function::Terminate, Instance::terminate) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Reset(handle: Handle) -> Status {
+    let reset = |instance: &mut Instance| {
+        instance.reset();
+        Ok(())
+    };
+    // SAFETY: the importer's promise.
+    unsafe { transition(handle, Function::Reset, reset) }
+}

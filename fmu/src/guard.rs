@@ -1,0 +1,210 @@
+//! What every function does first and last: the handle, the call table, panics, and messages.
+//!
+//! # Panics
+//! Unwinding into C is undefined, so every export catches, and the panic's text goes to the importer's
+//! logger. Left alone, the standard library's panic hook would also print to standard error. The
+//! library therefore installs a hook of its own, once, which stays silent on a thread that is inside
+//! one of these functions and calls the previous hook otherwise. A `cdylib` links its own copy of the
+//! standard library: the importer's hook, should it be written in Rust, is another one and untouched.
+//! The thread-local cells need no destructor, so that the library can be unloaded at any time.
+
+use crate::calls::{Function, State};
+use crate::ffi::{Handle, Status};
+use crate::log::{Category, Log};
+use std::cell::Cell;
+use std::fmt;
+use std::panic::{self, AssertUnwindSafe, Location};
+use std::sync::Once;
+use stickslip::slave::{Error, Instance};
+
+const COMPONENT: u64 = u64::from_le_bytes(*b"stkslip2");
+const FREED: u64 = u64::from_le_bytes(*b"fmufreed");
+
+/// What an `fmi2Component` points to.
+pub struct Component {
+    /// Tells a component from other memory.
+    magic: u64,
+    pub instance: Instance,
+    pub log: Log,
+    pub last_step: Status,
+    poisoned: bool,
+}
+
+/// Why a call fails.
+#[derive(Debug)]
+pub struct Failure {
+    pub status: Status,
+    pub message: String,
+}
+
+impl Failure {
+    /// The call failed, the instance is as before.
+    pub fn error(message: impl Into<String>) -> Self {
+        Self { status: Status::Error, message: message.into() }
+    }
+
+    /// The call cannot deliver, which is no fault of the importer.
+    pub fn discard(message: impl Into<String>) -> Self {
+        Self { status: Status::Discard, message: message.into() }
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Step { .. } => Self::discard(error.to_string()),
+            _ => Self::error(error.to_string()),
+        }
+    }
+}
+
+impl Component {
+    pub fn new(instance: Instance, log: Log) -> Self {
+        Self { magic: COMPONENT, instance, log, last_step: Status::Ok, poisoned: false }
+    }
+
+    /// The component behind `handle`, unless it is visibly none.
+    ///
+    /// # Safety
+    /// `handle` is NULL or points to readable memory; if that is a component, nobody else uses it now.
+    unsafe fn from_handle<'a>(handle: Handle) -> Option<&'a mut Self> {
+        let component = handle.cast::<Self>();
+        if component.is_null() || !component.is_aligned() {
+            return None;
+        }
+        // SAFETY: readable by the caller's promise; only a matching number makes it a reference.
+        unsafe { ((&raw const (*component).magic).read() == COMPONENT).then(|| &mut *component) }
+    }
+
+    #[inline]
+    pub fn state(&self) -> State {
+        if self.poisoned { State::Poisoned } else { State::Stage(self.instance.stage()) }
+    }
+
+    #[cold]
+    fn report(&self, function: Function, failure: &Failure) -> Status {
+        let category = match failure.status {
+            Status::Discard => Category::StatusDiscard,
+            Status::Warning => Category::StatusWarning,
+            Status::Fatal => Category::StatusFatal,
+            _ => Category::StatusError,
+        };
+        self.log.send(failure.status, category, &format!("{}: {}", function.name(), failure.message));
+        failure.status
+    }
+
+    /// Frees the component of `handle`, if it is one.
+    ///
+    /// # Safety
+    /// As [`guarded`]; the handle is not used afterwards.
+    pub unsafe fn free(handle: Handle) {
+        // SAFETY: the caller's promise.
+        let Some(component) = (unsafe { Self::from_handle(handle) }) else { return };
+        component.log.event(Function::FreeInstance.name());
+        component.magic = FREED;
+        let component: *mut Self = component;
+        // SAFETY: made by `Box::into_raw` in `fmi2Instantiate`, and no longer a component for anyone else.
+        let _ = catch(|| drop(unsafe { Box::from_raw(component) }));
+    }
+}
+
+/// Runs `body` on the component of `handle` if the call table allows `function` now.
+///
+/// # Safety
+/// `handle` is NULL or points to readable memory; if that is a component, nobody else uses it now.
+#[inline]
+pub unsafe fn guarded(
+    handle: Handle,
+    function: Function,
+    body: impl FnOnce(&mut Component) -> Result<(), Failure>,
+) -> Status {
+    // SAFETY: the caller's promise.
+    let Some(component) = (unsafe { Component::from_handle(handle) }) else {
+        return Status::Error;
+    };
+    let state = component.state();
+    if !function.is_legal_in(state) {
+        return refuse(component, function, state);
+    }
+    match catch(|| body(component)) {
+        Ok(Ok(())) => Status::Ok,
+        Ok(Err(failure)) => component.report(function, &failure),
+        Err(message) => {
+            component.poisoned = true;
+            component.report(function, &Failure { status: Status::Fatal, message })
+        }
+    }
+}
+
+#[cold]
+fn refuse(component: &Component, function: Function, state: State) -> Status {
+    let status = if state == State::Poisoned { Status::Fatal } else { Status::Error };
+    component.report(function, &Failure { status, message: function.refusal(state) })
+}
+
+thread_local! {
+    /// This thread is inside an exported function.
+    static INSIDE: Cell<bool> = const { Cell::new(false) };
+    /// Where the last panic inside came from.
+    static PANICKED_AT: Cell<Option<Place>> = const { Cell::new(None) };
+}
+
+/// The end of a file's name and a line, without memory on the heap: see the module's last sentence.
+#[derive(Clone, Copy)]
+struct Place {
+    file: [u8; 64],
+    length: usize,
+    line: u32,
+}
+
+impl Place {
+    fn new(location: &Location<'_>) -> Self {
+        let name = location.file().as_bytes();
+        let mut file = [0; 64];
+        let length = name.len().min(file.len());
+        file[..length].copy_from_slice(&name[name.len() - length..]);
+        Self { file, length, line: location.line() }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, " at {}:{}", String::from_utf8_lossy(&self.file[..self.length]), self.line)
+    }
+}
+
+/// The result of `body`, or the text of its panic.
+#[inline]
+pub fn catch<T>(body: impl FnOnce() -> T) -> Result<T, String> {
+    let outside = INSIDE.replace(true);
+    // A component whose call panicked is never used again, so that no broken invariant is seen.
+    let outcome = panic::catch_unwind(AssertUnwindSafe(body));
+    INSIDE.set(outside);
+    outcome.map_err(|payload| panic_text(&*payload))
+}
+
+#[cold]
+fn panic_text(payload: &(dyn std::any::Any + Send)) -> String {
+    let text = payload
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| payload.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("no message");
+    let place = PANICKED_AT.take().map(|place| place.to_string()).unwrap_or_default();
+    format!("internal error{place}: {text}")
+}
+
+/// Keeps panics inside the exported functions off standard error.
+pub fn install_hook() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let previous = panic::take_hook();
+        panic::set_hook(Box::new(move |information| {
+            if INSIDE.get() {
+                PANICKED_AT.set(information.location().map(Place::new));
+            } else {
+                previous(information);
+            }
+        }));
+    });
+}

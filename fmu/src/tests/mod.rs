@@ -1,0 +1,8 @@
+//! The exported functions, called as an importer calls them.
+
+mod call_table;
+mod fixture;
+mod lifecycle;
+mod panics;
+mod saved_states;
+mod values;

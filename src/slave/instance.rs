@@ -1,0 +1,589 @@
+//! A running model: values, state, and the stages of a simulation.
+
+use super::description::{Causality, Description, Variable, VariableType};
+use super::parameter::{parameters, with_values};
+use super::snapshot::{Snapshot, SnapshotError};
+use super::{Behaviour, behaviour, describe};
+use crate::model::Model;
+use uuid::Uuid;
+
+/// Relative tolerance of the integration inside, where the simulation sets none.
+const DEFAULT_TOLERANCE: f64 = 1e-6;
+/// No physical input in SI units is larger; products of a few stay finite.
+const LARGEST_INPUT: f64 = 1e30;
+/// Numbers in a snapshot besides values and state: time, tolerance, stop, and whether time is known.
+const CLOCK: usize = 4;
+
+/// Where an instance is in a simulation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Stage {
+    /// New or reset: parameters and inputs may be set.
+    Instantiated = 0,
+    /// Between [`Instance::enter_initialization`] and [`Instance::exit_initialization`].
+    Initialization = 1,
+    /// Ready for the next step.
+    StepComplete = 2,
+    /// The last step failed; the state is that before it.
+    StepFailed = 3,
+    /// The simulation is over.
+    Terminated = 4,
+}
+
+impl Stage {
+    /// Every stage.
+    pub const ALL: [Self; 5] =
+        [Self::Instantiated, Self::Initialization, Self::StepComplete, Self::StepFailed, Self::Terminated];
+
+    pub(super) fn from_number(number: u32) -> Option<Self> {
+        Self::ALL.into_iter().find(|stage| *stage as u32 == number)
+    }
+}
+
+/// Why an instance refuses a call. It is then as before the call, except after [`Error::Step`].
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// No variable has this value reference.
+    #[error("no variable has the value reference {reference}; the largest is {largest}")]
+    UnknownReference {
+        /// What was asked for.
+        reference: u32,
+        /// The last row of the table.
+        largest: usize,
+    },
+    /// A variable of another type.
+    #[error("{name} is {is}, not {asked}")]
+    WrongType {
+        /// The variable.
+        name: String,
+        /// Its type.
+        is: &'static str,
+        /// The type asked for.
+        asked: &'static str,
+    },
+    /// Not now, or never.
+    #[error("{name} cannot be set: {reason}")]
+    NotSettable {
+        /// The variable.
+        name: String,
+        /// Why.
+        reason: &'static str,
+    },
+    /// Outside the bounds, infinite or not a number.
+    #[error("{name} = {value} is refused; it must be {bounds}")]
+    Value {
+        /// The variable.
+        name: String,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        bounds: String,
+    },
+    /// The model file cannot be read.
+    #[error("the model: {0}")]
+    Model(String),
+    /// The parameters do not make a model; the text begins with the name of one of them.
+    #[error("{0}")]
+    Parameters(String),
+    /// An argument of a call other than a variable's value.
+    #[error("{argument} = {value} is refused; it must be {allowed}")]
+    Argument {
+        /// Its name.
+        argument: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// Two arrays of different lengths.
+    #[error("{references} value references, but {values} values")]
+    Lengths {
+        /// Number of value references.
+        references: usize,
+        /// Number of values.
+        values: usize,
+    },
+    /// Out of order.
+    #[error("not allowed in stage {0:?}")]
+    Stage(Stage),
+    /// A step could not be computed. The instance is in [`Stage::StepFailed`] at the step's beginning.
+    #[error("the step from {time} s could not be computed: {reason}")]
+    Step {
+        /// Beginning of the step (s).
+        time: f64,
+        /// Why.
+        reason: String,
+    },
+    /// A saved state cannot be set.
+    #[error(transparent)]
+    Snapshot(#[from] SnapshotError),
+}
+
+/// The frame of a simulation.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Setup {
+    /// Relative tolerance of the integration inside; 1e-6 where absent.
+    pub tolerance: Option<f64>,
+    /// Start (s).
+    pub start: f64,
+    /// Stop (s); no step may go beyond.
+    pub stop: Option<f64>,
+}
+
+/// A model that is being simulated.
+///
+/// ```
+/// use stickslip::slave::{Instance, Setup};
+/// let mut contact = Instance::new(
+///     r#"
+///     schema = "stickslip.model/1"
+///     kind = "contact"
+///     [contact]
+///     law = "jenkins"
+///     tangential_stiffness = 2e6
+///     friction_coefficient = 0.5
+///     normal_load = 100.0
+///     "#,
+/// )?;
+/// let displacement = contact.description().reference("displacement").unwrap();
+/// let force = contact.description().reference("force").unwrap();
+/// contact.set_up(Setup::default())?;
+/// contact.enter_initialization()?;
+/// contact.exit_initialization()?;
+/// contact.set_real(&[displacement], &[40e-6])?;
+/// contact.do_step(0.0, 1e-3)?;
+/// let mut value = [0.0];
+/// contact.get_real(&[force], &mut value)?;
+/// assert_eq!(value, [50.0]);
+/// # Ok::<(), stickslip::slave::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Instance {
+    model: Model,
+    description: Description,
+    guid: Uuid,
+    paths: Vec<String>,
+    behaviour: Box<dyn Behaviour>,
+    /// Parameter values the behaviour was built from.
+    built: Vec<f64>,
+    stage: Stage,
+    values: Vec<f64>,
+    state: Vec<f64>,
+    /// Values and state before the step, where a step can fail.
+    backup: (Vec<f64>, Vec<f64>),
+    /// Outputs are older than inputs or parameters (only before the first step).
+    stale: bool,
+    time: Option<f64>,
+    tolerance: f64,
+    stop: f64,
+}
+
+impl Instance {
+    /// An instance of the model in `model_toml`, the text of a model file.
+    ///
+    /// # Errors
+    /// A text that is no model, with the line, or parameters that make none.
+    pub fn new(model_toml: &str) -> Result<Self, Error> {
+        let model = Model::parse(model_toml).map_err(|error| {
+            let line = error.span.as_ref().and_then(|span| model_toml.get(..span.start));
+            let line = line.map(|before| format!("line {}: ", before.matches('\n').count() + 1));
+            Error::Model(format!("{}{}", line.unwrap_or_default(), error.message))
+        })?;
+        Self::from_model(&model)
+    }
+
+    /// An instance of `model`.
+    ///
+    /// # Errors
+    /// Parameters that make no model.
+    pub fn from_model(model: &Model) -> Result<Self, Error> {
+        model.check().map_err(|error| Error::Model(error.to_string()))?;
+        let (paths, rows) = parameters(model);
+        let description = describe(model, rows).map_err(Error::Model)?;
+        let behaviour = behaviour(model).map_err(Error::Parameters)?;
+        let values: Vec<f64> = description.variables.iter().map(|variable| variable.start).collect();
+        let state = vec![0.0; behaviour.state_len()];
+        let guid = description.guid();
+        Ok(Self {
+            model: model.clone(),
+            guid,
+            built: values[values.len() - paths.len()..].to_vec(),
+            paths,
+            stage: Stage::Instantiated,
+            backup: (values.clone(), state.clone()),
+            stale: true,
+            time: None,
+            tolerance: DEFAULT_TOLERANCE,
+            stop: f64::INFINITY,
+            description,
+            behaviour,
+            values,
+            state,
+        })
+    }
+
+    /// The variable table.
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// Identity of the model ([`Description::guid`]).
+    pub fn guid(&self) -> Uuid {
+        self.guid
+    }
+
+    /// Where the instance is in the simulation.
+    pub fn stage(&self) -> Stage {
+        self.stage
+    }
+
+    /// End of the last successful step (s); the start time before the first.
+    pub fn time(&self) -> f64 {
+        self.time.unwrap_or(0.0)
+    }
+
+    /// Reads Real variables into `values`.
+    ///
+    /// # Errors
+    /// An unknown or Integer variable; before the first step also parameters that make no model.
+    pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Error> {
+        same_length(references.len(), values.len())?;
+        self.check_rows(references, VariableType::Real)?;
+        self.refresh()?;
+        for (reference, value) in references.iter().zip(values) {
+            *value = self.values[*reference as usize];
+        }
+        Ok(())
+    }
+
+    /// Reads Integer variables into `values`.
+    ///
+    /// # Errors
+    /// As [`Instance::get_real`].
+    pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Result<(), Error> {
+        same_length(references.len(), values.len())?;
+        self.check_rows(references, VariableType::Integer)?;
+        self.refresh()?;
+        for (reference, value) in references.iter().zip(values) {
+            *value = self.values[*reference as usize] as i32;
+        }
+        Ok(())
+    }
+
+    /// Sets Real inputs and, until the initialization ends, parameters. Sets all or none.
+    ///
+    /// # Errors
+    /// An unknown, Integer or not settable variable, or a value outside its bounds.
+    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<(), Error> {
+        same_length(references.len(), values.len())?;
+        self.check_rows(references, VariableType::Real)?;
+        for (reference, value) in references.iter().zip(values) {
+            self.check_setting(&self.description.variables[*reference as usize], *value)?;
+        }
+        for (reference, value) in references.iter().zip(values) {
+            self.values[*reference as usize] = *value;
+        }
+        self.stale |= self.stage != Stage::StepComplete;
+        Ok(())
+    }
+
+    /// Sets Integer variables; no model has one that may be set.
+    ///
+    /// # Errors
+    /// Always, unless `references` is empty.
+    pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Result<(), Error> {
+        same_length(references.len(), values.len())?;
+        self.check_rows(references, VariableType::Integer)?;
+        match references.iter().zip(values).next() {
+            Some((reference, value)) => {
+                self.check_setting(&self.description.variables[*reference as usize], f64::from(*value))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Sets the frame of the simulation.
+    ///
+    /// # Errors
+    /// A tolerance that is not positive, times that are not finite, a stop before the start.
+    pub fn set_up(&mut self, setup: Setup) -> Result<(), Error> {
+        self.require(Stage::Instantiated)?;
+        let argument = |argument, value, allowed: &str| {
+            Err(Error::Argument { argument, value, allowed: allowed.to_owned() })
+        };
+        if !setup.start.is_finite() {
+            return argument("startTime", setup.start, "a finite number");
+        }
+        if let Some(stop) = setup.stop
+            && !(stop.is_finite() && stop >= setup.start)
+        {
+            return argument("stopTime", stop, "a finite number, not before startTime");
+        }
+        if let Some(tolerance) = setup.tolerance
+            && !(tolerance.is_finite() && tolerance > 0.0)
+        {
+            return argument("tolerance", tolerance, "a finite number, above 0");
+        }
+        self.time = Some(setup.start);
+        self.stop = setup.stop.unwrap_or(f64::INFINITY);
+        self.tolerance = setup.tolerance.unwrap_or(DEFAULT_TOLERANCE);
+        Ok(())
+    }
+
+    /// Begins the initialization.
+    ///
+    /// # Errors
+    /// Only after instantiation or reset.
+    pub fn enter_initialization(&mut self) -> Result<(), Error> {
+        self.require(Stage::Instantiated)?;
+        self.stage = Stage::Initialization;
+        self.stale = true;
+        Ok(())
+    }
+
+    /// Ends the initialization: builds the model from its parameters and starts it.
+    ///
+    /// # Errors
+    /// Parameters that make no model; the initialization then goes on.
+    pub fn exit_initialization(&mut self) -> Result<(), Error> {
+        self.require(Stage::Initialization)?;
+        self.refresh()?;
+        self.stage = Stage::StepComplete;
+        Ok(())
+    }
+
+    /// One communication step from `time` to `time + step` (s).
+    ///
+    /// # Errors
+    /// `step` not positive, times not finite, `time` not the end of the last step, an end beyond the
+    /// stop time: the instance is unchanged. [`Error::Step`] if the integration fails: values and state
+    /// are those at `time` and the stage is [`Stage::StepFailed`].
+    pub fn do_step(&mut self, time: f64, step: f64) -> Result<(), Error> {
+        self.require(Stage::StepComplete)?;
+        self.check_times(time, step)?;
+        if self.behaviour.can_fail() {
+            self.backup.0.copy_from_slice(&self.values);
+            self.backup.1.copy_from_slice(&self.state);
+        }
+        let mut outcome = self.behaviour.step(&mut self.state, &mut self.values, step, self.tolerance);
+        if self.behaviour.can_fail() {
+            if !self.values.iter().chain(&self.state).all(|value| value.is_finite()) {
+                outcome = outcome.and(Err("the solution grew beyond all bounds".to_owned()));
+            }
+            if outcome.is_err() {
+                self.values.copy_from_slice(&self.backup.0);
+                self.state.copy_from_slice(&self.backup.1);
+                self.stage = Stage::StepFailed;
+            }
+        }
+        outcome.map_err(|reason| Error::Step { time, reason })?;
+        self.time = Some(time + step);
+        Ok(())
+    }
+
+    /// Ends the simulation; values can still be read.
+    ///
+    /// # Errors
+    /// Only after the initialization.
+    pub fn terminate(&mut self) -> Result<(), Error> {
+        if !matches!(self.stage, Stage::StepComplete | Stage::StepFailed) {
+            return Err(Error::Stage(self.stage));
+        }
+        self.stage = Stage::Terminated;
+        Ok(())
+    }
+
+    /// Back to where the instance was made: all values at their start.
+    pub fn reset(&mut self) {
+        for (value, variable) in self.values.iter_mut().zip(&self.description.variables) {
+            *value = variable.start;
+        }
+        self.state.fill(0.0);
+        self.stage = Stage::Instantiated;
+        self.stale = true;
+        self.time = None;
+        self.stop = f64::INFINITY;
+        self.tolerance = DEFAULT_TOLERANCE;
+    }
+
+    /// Saves everything that [`Instance::restore`] needs.
+    pub fn snapshot(&self) -> Snapshot {
+        let mut snapshot = Snapshot { guid: self.guid, stage: self.stage, numbers: Vec::new() };
+        self.save(&mut snapshot);
+        snapshot
+    }
+
+    /// Saves into an existing snapshot, without allocating if it is of the same model.
+    pub fn save(&self, snapshot: &mut Snapshot) {
+        snapshot.guid = self.guid;
+        snapshot.stage = self.stage;
+        let numbers = &mut snapshot.numbers;
+        numbers.clear();
+        numbers.reserve_exact(self.values.len() + self.state.len() + CLOCK);
+        numbers.extend_from_slice(&self.values);
+        numbers.extend_from_slice(&self.state);
+        let known = f64::from(u8::from(self.time.is_some()));
+        numbers.extend_from_slice(&[self.time.unwrap_or(0.0), known, self.tolerance, self.stop]);
+    }
+
+    /// Makes the instance continue where `snapshot` was saved, bit by bit.
+    ///
+    /// # Errors
+    /// A snapshot of another model.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
+        if snapshot.guid != self.guid {
+            return Err(SnapshotError::OtherModel { found: snapshot.guid, expected: self.guid }.into());
+        }
+        let (values_len, state_len) = (self.values.len(), self.state.len());
+        let expected = values_len + state_len + CLOCK;
+        if snapshot.numbers.len() != expected {
+            return Err(SnapshotError::Corrupt.into());
+        }
+        let (values, rest) = snapshot.numbers.split_at(values_len);
+        let (state, clock) = rest.split_at(state_len);
+        // In the first two stages the parameters are still open and need not make a model.
+        let stale = matches!(snapshot.stage, Stage::Instantiated | Stage::Initialization);
+        if !stale {
+            self.build(&values[values_len - self.paths.len()..])?;
+        }
+        self.values.copy_from_slice(values);
+        self.state.copy_from_slice(state);
+        self.stage = snapshot.stage;
+        self.stale = stale;
+        self.time = (clock[1] != 0.0).then_some(clock[0]);
+        self.tolerance = clock[2];
+        self.stop = clock[3];
+        Ok(())
+    }
+
+    fn require(&self, stage: Stage) -> Result<(), Error> {
+        if self.stage == stage { Ok(()) } else { Err(Error::Stage(self.stage)) }
+    }
+
+    fn check_rows(&self, references: &[u32], asked: VariableType) -> Result<(), Error> {
+        for reference in references {
+            match self.description.variables.get(*reference as usize) {
+                Some(variable) if variable.variable_type == asked => {}
+                Some(variable) => {
+                    return Err(Error::WrongType {
+                        name: variable.name.to_string(),
+                        is: type_name(variable.variable_type),
+                        asked: type_name(asked),
+                    });
+                }
+                None => return Err(self.unknown_reference(*reference)),
+            }
+        }
+        Ok(())
+    }
+
+    /// The error for a value reference asked as a type that no variable of any model has.
+    pub fn no_variable_of_type(&self, reference: u32, asked: &'static str) -> Error {
+        match self.description.variables.get(reference as usize) {
+            Some(variable) => Error::WrongType {
+                name: variable.name.to_string(),
+                is: type_name(variable.variable_type),
+                asked,
+            },
+            None => self.unknown_reference(reference),
+        }
+    }
+
+    fn unknown_reference(&self, reference: u32) -> Error {
+        Error::UnknownReference { reference, largest: self.description.variables.len() - 1 }
+    }
+
+    fn check_setting(&self, variable: &Variable, value: f64) -> Result<(), Error> {
+        let open = matches!(self.stage, Stage::Instantiated | Stage::Initialization);
+        let reason = match variable.causality {
+            Causality::Input if open || self.stage == Stage::StepComplete => None,
+            Causality::Input => Some("the simulation cannot go on from here"),
+            Causality::Parameter if open => None,
+            Causality::Parameter => Some("a fixed parameter is settled when the initialization ends"),
+            Causality::Output => Some("it is an output"),
+        };
+        if let Some(reason) = reason {
+            return Err(Error::NotSettable { name: variable.name.to_string(), reason });
+        }
+        if variable.allows(value) && value.abs() <= LARGEST_INPUT {
+            return Ok(());
+        }
+        let bounds = if value.abs() > LARGEST_INPUT && value.is_finite() {
+            format!("at most {LARGEST_INPUT:e} in magnitude")
+        } else {
+            variable.bounds()
+        };
+        Err(Error::Value { name: variable.name.to_string(), value, bounds })
+    }
+
+    #[inline]
+    fn check_times(&self, time: f64, step: f64) -> Result<(), Error> {
+        let slack = 1e-3 * step + 1e-9 * time.abs();
+        let expected = self.time.unwrap_or(time);
+        let fits = step > 0.0
+            && step.is_finite()
+            && time.is_finite()
+            && (time - expected).abs() <= slack
+            && time + step <= self.stop + slack;
+        if fits { Ok(()) } else { Err(self.wrong_times(time, step)) }
+    }
+
+    #[cold]
+    fn wrong_times(&self, time: f64, step: f64) -> Error {
+        let argument = |argument, value, allowed| Error::Argument { argument, value, allowed };
+        if !(step > 0.0 && step.is_finite()) {
+            argument("communicationStepSize", step, "a finite number, above 0".to_owned())
+        } else if !time.is_finite() {
+            argument("currentCommunicationPoint", time, "a finite number".to_owned())
+        } else if time + step > self.stop + 1e-3 * step + 1e-9 * time.abs() {
+            let allowed = format!("so small that the step ends by the stop time, {}", self.stop);
+            argument("communicationStepSize", step, allowed)
+        } else {
+            let allowed = format!("the end of the last step, {}", self.time());
+            argument("currentCommunicationPoint", time, allowed)
+        }
+    }
+
+    /// Before the first step: outputs from inputs and parameters.
+    fn refresh(&mut self) -> Result<(), Error> {
+        if !self.stale {
+            return Ok(());
+        }
+        let first_parameter = self.values.len() - self.paths.len();
+        let parameters = self.values[first_parameter..].to_vec();
+        self.build(&parameters)?;
+        self.behaviour.start(&mut self.state, &mut self.values).map_err(Error::Parameters)?;
+        self.stale = false;
+        Ok(())
+    }
+
+    /// Builds the behaviour from `parameters`, unless it was built from the same.
+    fn build(&mut self, parameters: &[f64]) -> Result<(), Error> {
+        let same = self.built.iter().zip(parameters).all(|(old, new)| old.to_bits() == new.to_bits());
+        if same {
+            return Ok(());
+        }
+        let first_parameter = self.values.len() - self.paths.len();
+        let rows = &self.description.variables[first_parameter..];
+        let model = with_values(&self.model, &self.paths, rows, parameters).map_err(Error::Parameters)?;
+        let behaviour = behaviour(&model).map_err(Error::Parameters)?;
+        if behaviour.state_len() != self.state.len() {
+            return Err(Error::Parameters("these parameters change the size of the model".to_owned()));
+        }
+        self.behaviour = behaviour;
+        self.built.copy_from_slice(parameters);
+        Ok(())
+    }
+}
+
+fn same_length(references: usize, values: usize) -> Result<(), Error> {
+    if references == values { Ok(()) } else { Err(Error::Lengths { references, values }) }
+}
+
+fn type_name(variable_type: VariableType) -> &'static str {
+    match variable_type {
+        VariableType::Real => "Real",
+        VariableType::Integer => "Integer",
+    }
+}

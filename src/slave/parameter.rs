@@ -1,0 +1,59 @@
+//! Which numbers of a model file are parameters of its slave, and what they are called there.
+
+use super::description::Variable;
+use crate::model::{Model, ParameterError, Structure};
+use std::borrow::Cow;
+
+/// Rows of the variable table for the parameters of `model`, with their paths in the model file.
+///
+/// The normal load is an input, and positions are part of the names: neither is a parameter.
+pub(super) fn parameters(model: &Model) -> (Vec<String>, Vec<Variable>) {
+    let is_parameter = |path: &str| path != "contact.normal_load" && !path.ends_with(".position");
+    let list = model.parameters().into_iter().filter(|parameter| is_parameter(&parameter.path));
+    list.map(|parameter| {
+        let mut variable = Variable::parameter(parameter.quantity, parameter.value);
+        let element = parameter.path.split('.').find_map(|part| part.parse::<usize>().ok());
+        match (element, &model.structure) {
+            (Some(element), Structure::Beam(beam)) if parameter.path.ends_with(".mass") => {
+                let position = beam.point_masses[element - 1].position;
+                let before = &beam.point_masses[..element - 1];
+                let same = before.iter().filter(|point| point.position == position).count();
+                // A sensor and a force transducer may sit at the same place.
+                let suffix = if same == 0 { String::new() } else { format!(":{}", same + 1) };
+                variable.name = Cow::Owned(format!("mass:x={position}{suffix}"));
+                variable.description = Cow::Owned(format!("Mass fixed to the beam at x = {position} m"));
+            }
+            (Some(element), _) => {
+                variable.name = Cow::Owned(format!("{}:mode={element}", parameter.quantity.name));
+                variable.description = Cow::Owned(format!("Damping ratio of mode {element}"));
+            }
+            // Zero is the most gradual slip and legal; one would be Jenkins' element.
+            (None, _) if parameter.quantity.name == "smoothness" => variable.includes_min = true,
+            (None, _) => {}
+        }
+        (parameter.path, variable)
+    })
+    .unzip()
+}
+
+/// `model` with its parameters replaced by `values`, in the order of `paths`.
+///
+/// # Errors
+/// The first rule the values break, in the words of the model file with the variable's name for the path.
+pub(super) fn with_values(
+    model: &Model,
+    paths: &[String],
+    variables: &[Variable],
+    values: &[f64],
+) -> Result<Model, String> {
+    let mut changed = model.clone();
+    let pairs: Vec<(&String, f64)> = paths.iter().zip(values.iter().copied()).collect();
+    match changed.set_all(&pairs) {
+        Ok(()) => Ok(changed),
+        Err(ParameterError { path, message, help }) => {
+            let name = paths.iter().position(|other| *other == path).map(|row| &*variables[row].name);
+            let help = help.map(|help| format!(" ({help})")).unwrap_or_default();
+            Err(format!("{}: {message}{help}", name.unwrap_or(&path)))
+        }
+    }
+}

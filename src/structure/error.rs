@@ -1,0 +1,83 @@
+//! What can be wrong with a structure, as data.
+
+use crate::vocabulary::Quantity;
+
+/// Why a structure has no modes, or not the ones asked for.
+///
+/// `path` is the value's place in the model file, e.g. `beam.point_mass[1].mass` (counted from 0).
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StructureError {
+    /// A value is outside the bounds of its quantity, or not a finite number.
+    #[error("{path} = {value} is not a legal {} ({})", quantity.name, quantity.unit)]
+    OutOfBounds {
+        /// Where the value stands.
+        path: String,
+        /// The value (SI).
+        value: f64,
+        /// What it should be: unit and bounds.
+        quantity: &'static Quantity,
+    },
+    /// A position is beyond the end of the beam.
+    #[error("{path} = {position} m is beyond the end of the beam at {length} m")]
+    BeyondTheEnd {
+        /// Where the position stands.
+        path: String,
+        /// The position (m from the clamp).
+        position: f64,
+        /// Length of the beam (m).
+        length: f64,
+    },
+    /// The number of modes is zero or beyond what the beam theory is good for.
+    #[error("{modes} modes asked for, between 1 and {most} are possible")]
+    ModeCount {
+        /// Modes asked for.
+        modes: usize,
+        /// The largest number allowed.
+        most: usize,
+    },
+    /// One damping ratio per mode is needed.
+    #[error("{given} damping ratios given for {modes} modes")]
+    DampingRatioCount {
+        /// Ratios given.
+        given: usize,
+        /// Modes of the model.
+        modes: usize,
+    },
+    /// No rotational spring gives the beam this first frequency.
+    #[error(
+        "no rotational stiffness gives {frequency} Hz: a free pin gives {lowest} Hz, a clamped end {highest} Hz"
+    )]
+    FrequencyOutOfReach {
+        /// The frequency asked for (Hz).
+        frequency: f64,
+        /// First frequency with a free pin (Hz), the lowest possible.
+        lowest: f64,
+        /// First frequency with a clamped end (Hz), approached but not reached.
+        highest: f64,
+    },
+    /// A finite-element mesh too coarse for the modes, or too large for a dense solver.
+    #[error("{elements} elements asked for, between {least} and {most} are possible")]
+    ElementCount {
+        /// Elements asked for.
+        elements: usize,
+        /// The smallest number that has the modes asked for.
+        least: usize,
+        /// The largest number allowed.
+        most: usize,
+    },
+    /// The values are legal one by one, but a quantity derived from them overflows or vanishes.
+    #[error("the {quantity} of the beam is {value}, beyond what can be computed")]
+    NotComputable {
+        /// The derived quantity, in words.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The search for a natural frequency did not separate it from its neighbour.
+    #[error("mode {mode} cannot be told from its neighbour in double precision")]
+    Unresolved {
+        /// The mode, counted from 1.
+        mode: usize,
+    },
+}

@@ -1,0 +1,218 @@
+//! `modelDescription.xml` from the variable table.
+
+use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
+use quick_xml::writer::Writer;
+use stickslip::slave::{
+    Causality, Dependency, DependencyKind, Description, Initial, Variability, Variable, VariableType,
+};
+
+/// Exponents of the base units kg, m, s and rad.
+type Exponents = [i8; 4];
+
+/// Unit names of the project's vocabulary. All are SI without prefixes: factor 1, offset 0.
+const UNITS: [(&str, Exponents); 14] = [
+    ("1", [0, 0, 0, 0]),
+    ("1/s", [0, 0, -1, 0]),
+    ("J", [1, 2, -2, 0]),
+    ("N", [1, 1, -2, 0]),
+    ("N.m/rad", [1, 2, -2, -1]),
+    ("N/m", [1, 0, -2, 0]),
+    ("N.s/m", [1, 0, -1, 0]),
+    ("Pa", [1, -1, -2, 0]),
+    ("kg", [1, 0, 0, 0]),
+    ("kg/m^3", [1, -3, 0, 0]),
+    ("m", [0, 1, 0, 0]),
+    ("m/s", [0, 1, -1, 0]),
+    ("m/s^2", [0, 1, -2, 0]),
+    ("s", [0, 0, 1, 0]),
+];
+
+/// Log categories with what they hold.
+const LOG_CATEGORIES: [(&str, &str); 6] = [
+    ("logAll", "All messages"),
+    ("logEvents", "Creation, initialization, reset and end of the instance"),
+    ("logStatusDiscard", "Why a call returned fmi2Discard: a step that could not be computed"),
+    ("logStatusError", "Why a call returned fmi2Error; the message names the variable"),
+    ("logStatusFatal", "Why a call returned fmi2Fatal"),
+    ("logStatusWarning", "Why a call returned fmi2Warning"),
+];
+
+type Element<'a> = (&'a str, Vec<(&'a str, String)>);
+
+/// The XML of `description` for an FMU called `model_identifier`.
+pub fn model_description_xml(model_identifier: &str, description: &Description) -> String {
+    let mut xml = Xml(Writer::new_with_indent(Vec::new(), b' ', 2));
+    xml.event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)));
+    let root = vec![
+        ("fmiVersion", "2.0".to_owned()),
+        ("modelName", description.name.to_owned()),
+        ("guid", format!("{{{}}}", description.guid())),
+        ("description", description.summary.to_owned()),
+        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("license", "MIT OR Apache-2.0".to_owned()),
+        ("generationTool", concat!("stickslip ", env!("CARGO_PKG_VERSION")).to_owned()),
+        ("variableNamingConvention", "flat".to_owned()),
+        ("numberOfEventIndicators", "0".to_owned()),
+    ];
+    xml.inside(("fmiModelDescription", root), |xml| {
+        xml.empty(("CoSimulation", co_simulation(model_identifier)));
+        xml.inside(("UnitDefinitions", vec![]), |xml| units(xml, description));
+        xml.inside(("LogCategories", vec![]), |xml| {
+            for (name, text) in LOG_CATEGORIES {
+                xml.empty(("Category", vec![("name", name.to_owned()), ("description", text.to_owned())]));
+            }
+        });
+        let experiment = description.experiment;
+        xml.empty((
+            "DefaultExperiment",
+            vec![
+                ("startTime", number(experiment.start)),
+                ("stopTime", number(experiment.stop)),
+                ("tolerance", number(experiment.tolerance)),
+                ("stepSize", number(experiment.step)),
+            ],
+        ));
+        xml.inside(("ModelVariables", vec![]), |xml| {
+            for (reference, variable) in description.variables.iter().enumerate() {
+                scalar_variable(xml, reference, variable);
+            }
+        });
+        xml.inside(("ModelStructure", vec![]), |xml| {
+            xml.inside(("Outputs", vec![]), |xml| {
+                unknowns(xml, description, |variable| &variable.dependencies)
+            });
+            xml.inside(("InitialUnknowns", vec![]), |xml| {
+                unknowns(xml, description, |variable| &variable.initial_dependencies)
+            });
+        });
+    });
+    let mut text = String::from_utf8(xml.0.into_inner()).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+fn co_simulation(model_identifier: &str) -> Vec<(&'static str, String)> {
+    let flags = [
+        ("needsExecutionTool", false),
+        ("canHandleVariableCommunicationStepSize", true),
+        ("canInterpolateInputs", false),
+        ("canRunAsynchronuously", false),
+        ("canBeInstantiatedOnlyOncePerProcess", false),
+        ("canNotUseMemoryManagementFunctions", true),
+        ("canGetAndSetFMUstate", true),
+        ("canSerializeFMUstate", true),
+        ("providesDirectionalDerivative", false),
+    ];
+    let mut attributes = vec![("modelIdentifier", model_identifier.to_owned())];
+    attributes.extend(flags.map(|(name, flag)| (name, flag.to_string())));
+    attributes.push(("maxOutputDerivativeOrder", "0".to_owned()));
+    attributes
+}
+
+/// The units that occur.
+fn units(xml: &mut Xml, description: &Description) {
+    for (name, exponents) in UNITS {
+        if description.variables.iter().any(|variable| variable.quantity.unit == name) {
+            xml.inside(("Unit", vec![("name", name.to_owned())]), |xml| {
+                let pairs = ["kg", "m", "s", "rad"].into_iter().zip(exponents);
+                let base = pairs.filter(|(_, exponent)| *exponent != 0);
+                xml.empty(("BaseUnit", base.map(|(unit, exponent)| (unit, exponent.to_string())).collect()));
+            });
+        }
+    }
+}
+
+fn scalar_variable(xml: &mut Xml, reference: usize, variable: &Variable) {
+    let causality = match variable.causality {
+        Causality::Parameter => "parameter",
+        Causality::Input => "input",
+        Causality::Output => "output",
+    };
+    let variability = match variable.variability() {
+        Variability::Fixed => "fixed",
+        Variability::Discrete => "discrete",
+        Variability::Continuous => "continuous",
+    };
+    let mut attributes = vec![
+        ("name", variable.name.to_string()),
+        ("valueReference", reference.to_string()),
+        ("description", variable.description.to_string()),
+        ("causality", causality.to_owned()),
+        ("variability", variability.to_owned()),
+    ];
+    attributes.extend(variable.initial().map(|initial| {
+        let initial = match initial {
+            Initial::Exact => "exact",
+            Initial::Calculated => "calculated",
+        };
+        ("initial", initial.to_owned())
+    }));
+    let real = variable.variable_type == VariableType::Real;
+    let mut of_type = Vec::new();
+    if real {
+        of_type.push(("unit", variable.quantity.unit.to_owned()));
+    }
+    of_type.extend(variable.quantity.min.map(|min| ("min", number(min))));
+    of_type.extend(variable.quantity.max.map(|max| ("max", number(max))));
+    if real {
+        of_type.push(("nominal", number(variable.quantity.nominal)));
+    }
+    of_type.extend(variable.start().map(|start| ("start", number(start))));
+    xml.inside(("ScalarVariable", attributes), |xml| {
+        xml.empty((if real { "Real" } else { "Integer" }, of_type));
+    });
+}
+
+fn unknowns(xml: &mut Xml, description: &Description, of: impl Fn(&Variable) -> &Vec<Dependency>) {
+    for reference in description.references(Causality::Output) {
+        let dependencies = of(&description.variables[reference as usize]);
+        // Indices count from 1.
+        let indices = dependencies.iter().map(|dependency| (dependency.on + 1).to_string());
+        let kinds = dependencies.iter().map(|dependency| match dependency.kind {
+            DependencyKind::Dependent => "dependent",
+            DependencyKind::Fixed => "fixed",
+        });
+        let attributes = vec![
+            ("index", (reference + 1).to_string()),
+            ("dependencies", indices.collect::<Vec<_>>().join(" ")),
+            ("dependenciesKind", kinds.collect::<Vec<_>>().join(" ")),
+        ];
+        xml.empty(("Unknown", attributes));
+    }
+}
+
+/// The shortest decimal that reads back as the same number, as an `xs:double`; whole numbers of type
+/// Integer read the same way.
+fn number(value: f64) -> String {
+    let magnitude = value.abs();
+    if value != 0.0 && !(1e-4..1e7).contains(&magnitude) { format!("{value:e}") } else { value.to_string() }
+}
+
+/// A writer into memory, which cannot fail.
+struct Xml(Writer<Vec<u8>>);
+
+impl Xml {
+    fn event(&mut self, event: Event<'_>) {
+        // Memory that runs out aborts the program before it comes here.
+        let _ = self.0.write_event(event);
+    }
+
+    fn tag((name, attributes): Element<'_>) -> BytesStart<'_> {
+        let mut tag = BytesStart::new(name);
+        for (key, value) in &attributes {
+            tag.push_attribute((*key, value.as_str()));
+        }
+        tag
+    }
+
+    fn empty(&mut self, element: Element<'_>) {
+        self.event(Event::Empty(Self::tag(element)));
+    }
+
+    fn inside(&mut self, element: Element<'_>, content: impl FnOnce(&mut Self)) {
+        let name = element.0.to_owned();
+        self.event(Event::Start(Self::tag(element)));
+        content(self);
+        self.event(Event::End(BytesEnd::new(name)));
+    }
+}

@@ -1,0 +1,33 @@
+//! The committed model descriptions are those of the standard models.
+
+use std::path::PathBuf;
+use stickslip::slave::Instance;
+use stickslip_fmu_package::{model_description_xml, standard_models};
+
+/// `STICKSLIP_GOLDEN=write cargo test -p stickslip-fmu-package --test slave_golden` writes them again.
+#[test]
+fn committed_model_descriptions_are_fresh() {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../modelDescription");
+    for (name, model_toml) in standard_models() {
+        let instance = Instance::new(model_toml).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let xml = model_description_xml(name, instance.description());
+        let file = folder.join(format!("{name}.xml"));
+        if std::env::var_os("STICKSLIP_GOLDEN").is_some_and(|value| value == "write") {
+            std::fs::write(&file, xml).unwrap();
+            continue;
+        }
+        let committed = std::fs::read_to_string(&file).unwrap_or_default();
+        assert_eq!(
+            committed.replace("\r\n", "\n"),
+            xml,
+            "{name}.xml is stale: set STICKSLIP_GOLDEN=write, run this test, and review the difference"
+        );
+    }
+}
+
+#[test]
+fn the_name_of_a_standard_model_is_the_one_its_description_has() {
+    for (name, model_toml) in standard_models() {
+        assert_eq!(Instance::new(model_toml).unwrap().description().name, name);
+    }
+}
