@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use stickslip::diagnose::{Comparison, evaluate, refit};
 
-use super::{check_destinations, present, read_dataset, read_model};
+use super::{check_destinations, dataset_files, list, present, read_dataset, read_model, settings, watched};
 use crate::output::Outputs;
-use crate::progress::{self, interrupted};
 use crate::{Failure, ResultFiles};
 
 /// Arguments of `stickslip compare`.
@@ -37,26 +36,20 @@ impl Compare {
         let mut stages = vec![baseline];
         let mut outputs = Outputs::default();
         if !self.no_fit {
-            let bar = progress::spinner("refitting");
-            let fitted = refit("refitted", &model, &dataset, &mut |evaluations, error| {
-                bar.set_message(format!("{evaluations} evaluations, error {error:.4}"));
-                !interrupted()
-            });
-            bar.finish_and_clear();
-            let (refitted, stage) =
-                fitted.map_err(|error| Failure::other(format!("error: the refit failed: {error}")))?;
+            let (refitted, stage) = watched("refitting", |watch| refit("refitted", &model, &dataset, watch))
+                .map_err(|error| Failure::other(format!("error: the refit failed: {error}")))?;
             stages.push(stage);
             if let Some(path) = &self.out {
                 outputs.add(path, refitted.to_toml());
             }
         }
         let title = dataset.title.clone().unwrap_or_else(|| self.dataset.display().to_string());
+        let mut read = vec![self.model.clone()];
+        read.extend(dataset_files(&self.dataset, &dataset));
+        let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         let comparison = Comparison { title, records: dataset.records, stages };
-        let settings = super::settings(&[&self.model], &[&self.dataset])?;
         present(&comparison, &settings, &self.files, &mut outputs)?;
-        for path in outputs.write()? {
-            println!("wrote {}", path.display());
-        }
+        list(&outputs.write()?);
         Ok(())
     }
 }

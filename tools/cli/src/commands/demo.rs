@@ -1,17 +1,16 @@
 //! `stickslip demo`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use stickslip::diagnose::{Comparison, Stage, evaluate, refit};
 use stickslip::measure::Dataset;
 use stickslip::model::Model;
 
-use super::present;
+use super::{present, watched};
 use crate::output::Outputs;
-use crate::progress::{self, interrupted};
 use crate::{Failure, ResultFiles};
 
-/// The example that the program carries inside itself.
+/// A file of the example that the program carries inside itself.
 macro_rules! example {
     ($file:literal) => {
         include_str!(concat!("../../../../examples/frictional-support/", $file))
@@ -20,86 +19,97 @@ macro_rules! example {
 
 /// What the demonstration tries, in this order: name, model file, whether to refit it.
 const STAGES: [(&str, &str, bool); 5] = [
-    ("linear beam", example!("linear.toml"), false),
-    ("Valanis, published", example!("published.toml"), false),
-    ("Jenkins, refitted", example!("jenkins.toml"), true),
-    ("Valanis, refitted", example!("valanis.toml"), true),
-    ("Valanis + residual stiffness", example!("valanis-residual.toml"), true),
+    ("linear beam", "linear.toml", false),
+    ("Valanis, published", "published.toml", false),
+    ("Jenkins, refitted", "jenkins.toml", true),
+    ("Valanis, refitted", "valanis.toml", true),
+    ("Valanis + residual stiffness", "valanis-residual.toml", true),
+];
+
+/// The files, as they are written into the folder of results for the user to go on with.
+const FILES: [(&str, &str); 8] = [
+    ("README.md", example!("README.md")),
+    ("dataset.toml", example!("dataset.toml")),
+    ("backbone.csv", example!("backbone.csv")),
+    ("linear.toml", example!("linear.toml")),
+    ("published.toml", example!("published.toml")),
+    ("jenkins.toml", example!("jenkins.toml")),
+    ("valanis.toml", example!("valanis.toml")),
+    ("valanis-residual.toml", example!("valanis-residual.toml")),
 ];
 
 /// Arguments of `stickslip demo`.
 #[derive(clap::Args)]
 pub struct Demo {
-    /// Folder for the report, the numbers, the best model and its FMU; made if it is not there
-    #[arg(long, value_name = "DIR", default_value = "stickslip-demo")]
+    /// Folder for the example's files, the report, the best model and its FMU; made if it is not there
+    #[arg(long, value_name = "DIR", default_value = DEFAULT_FOLDER)]
     out: PathBuf,
 }
 
+const DEFAULT_FOLDER: &str = "stickslip-demo";
+
 impl Default for Demo {
     fn default() -> Self {
-        Self { out: "stickslip-demo".into() }
+        Self { out: DEFAULT_FOLDER.into() }
     }
 }
 
 impl Demo {
     /// Compares, reports, exports.
     pub fn run(self) -> Result<(), Failure> {
-        let dataset = stickslip_readers::parse_dataset(
-            "examples/frictional-support/dataset.toml",
-            example!("dataset.toml"),
-            &[("backbone.csv", example!("backbone.csv"))],
-        )
-        .map_err(super::shown)?;
-        println!("{}\n", dataset.title.as_deref().unwrap_or_default());
-        let (models, stages): (Vec<Model>, Vec<Stage>) = STAGES
-            .iter()
-            .map(|stage| run_stage(stage, &dataset))
-            .collect::<Result<Vec<_>, _>>()?
-            .into_iter()
-            .unzip();
-        let best = stages
-            .iter()
-            .zip(&models)
-            .min_by(|(left, _), (right, _)| left.error.total_cmp(&right.error))
-            .map(|(_, model)| model.to_toml())
-            .ok_or_else(|| Failure::other("nothing was compared"))?;
+        let example = self.out.join("frictional-support");
+        std::fs::create_dir_all(&example)
+            .map_err(|error| Failure::other(format!("cannot make {}: {error}", example.display())))?;
+        let mut inputs = Outputs::default();
+        FILES.iter().for_each(|(name, text)| inputs.add(&example.join(name), *text));
+        inputs.write()?;
 
-        std::fs::create_dir_all(&self.out)
-            .map_err(|error| Failure::other(format!("cannot make {}: {error}", self.out.display())))?;
-        let mut outputs = Outputs::default();
-        let comparison = Comparison {
-            title: "Resonance of a beam on a frictional support, measured at eight levels".into(),
-            records: dataset.records,
-            stages,
-        };
-        let settings = super::settings(&[], &[]);
+        let dataset = stickslip_readers::read_dataset(&example).map_err(super::shown)?;
+        println!("{}\n", dataset.title.as_deref().unwrap_or_default());
+        let mut models = Vec::new();
+        let mut stages = Vec::new();
+        for (name, file, fit) in STAGES {
+            let (model, stage) = run_stage(name, &example.join(file), fit, &dataset)?;
+            models.push(model);
+            stages.push(stage);
+        }
+        let best = best(&stages);
+        let read: Vec<PathBuf> = FILES.iter().skip(1).map(|(name, _)| example.join(name)).collect();
+        let settings = super::settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         let files = ResultFiles {
             json: Some(self.out.join("comparison.json")),
             report: Some(self.out.join("report.html")),
         };
-        present(&comparison, &settings, &files, &mut outputs)?;
-        let fmu = stickslip_fmu_package::write_fmu("FrictionalSupport", &best)
+        let fmu = stickslip_fmu_package::write_fmu("FrictionalSupport", &models[best].to_toml())
             .map_err(|error| Failure::other(error.to_string()))?;
-        outputs.add(&self.out.join("FrictionalSupport.toml"), best);
+        let summary = format!("best: {}, exported as an FMU", stages[best].name);
+        let title = "Resonance of a beam on a frictional support, measured at eight levels".to_owned();
+        let comparison = Comparison { title, records: dataset.records, stages };
+        let mut outputs = Outputs::default();
+        present(&comparison, &settings, &files, &mut outputs)?;
+        outputs.add(&self.out.join("FrictionalSupport.toml"), models[best].to_toml());
         outputs.add(&self.out.join("FrictionalSupport.fmu"), fmu);
-        println!();
+        println!("\n{summary}");
         super::list(&outputs.write()?);
         Ok(())
     }
 }
 
-fn run_stage((name, text, fit): &(&str, &str, bool), dataset: &Dataset) -> Result<(Model, Stage), Failure> {
-    let bar = progress::spinner(name);
-    let model = Model::parse(text).map_err(|error| Failure::other(format!("{name}: {error}")))?;
-    let done = if *fit {
-        refit(name, &model, dataset, &mut |evaluations, error| {
-            bar.set_message(format!("{evaluations} evaluations, error {error:.4}"));
-            !interrupted()
-        })
-        .map_err(|error| Failure::other(format!("{name}: the refit failed: {error}")))
-    } else {
-        Ok((model.clone(), evaluate(name, &model, dataset)))
-    };
-    bar.finish_and_clear();
-    done
+fn run_stage(name: &str, path: &Path, fit: bool, dataset: &Dataset) -> Result<(Model, Stage), Failure> {
+    let model = super::read_model(path)?;
+    watched(name, |watch| {
+        if fit {
+            refit(name, &model, dataset, watch)
+                .map_err(|error| Failure::other(format!("error: {name}: the refit failed: {error}")))
+        } else {
+            let stage = evaluate(name, &model, dataset);
+            Ok((model, stage))
+        }
+    })
+}
+
+/// Index of the stage with the smallest error.
+fn best(stages: &[Stage]) -> usize {
+    let errors = stages.iter().map(|stage| if stage.error.is_nan() { f64::INFINITY } else { stage.error });
+    errors.enumerate().min_by(|left, right| left.1.total_cmp(&right.1)).map_or(0, |(index, _)| index)
 }

@@ -2,6 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use serde_json::json;
+use stickslip::slave::Instance;
+
+use super::{check_destinations, list, read_model};
 use crate::output::Outputs;
 use crate::{Failure, ResultFiles};
 
@@ -18,8 +22,44 @@ pub struct Export {
 }
 
 impl Export {
-    /// Writes the FMU.
+    /// Writes the FMU; with `--json` its variables as data, with `--report` its documentation page.
     pub fn run(self) -> Result<(), Failure> {
+        check_destinations(&self.files)?;
+        Outputs::check(&self.out)?;
+        let text = read_model(&self.model)?.to_toml();
+        let name = model_identifier(&self.out)?;
+        let failed = |error: stickslip_fmu_package::Error| Failure::input(format!("error: {error}"));
+        let mut outputs = Outputs::default();
+        outputs.add(&self.out, stickslip_fmu_package::write_fmu(&name, &text).map_err(failed)?);
+        let instance = Instance::new(&text).map_err(|error| Failure::input(format!("error: {error}")))?;
+        let description = instance.description();
+        if let Some(path) = &self.files.report {
+            outputs.add(path, stickslip_fmu_package::documentation_html(&name, description, &text));
+        }
+        if let Some(path) = &self.files.json {
+            let variables: Vec<_> = description
+                .variables
+                .iter()
+                .map(|variable| json!({ "name": variable.name, "causality": variable.causality.as_str(), "unit": variable.unit }))
+                .collect();
+            let export = json!({
+                "schema": "stickslip.export/1",
+                "fmu": self.out,
+                "model_identifier": name,
+                "guid": description.guid(),
+                "variables": variables,
+            });
+            outputs.add(path, format!("{export:#}\n"));
+        }
+        list(&outputs.write()?);
         Ok(())
+    }
+}
+
+/// The file's name without `.fmu`.
+fn model_identifier(path: &Path) -> Result<String, Failure> {
+    match (path.extension().and_then(|end| end.to_str()), path.file_stem().and_then(|stem| stem.to_str())) {
+        (Some("fmu"), Some(stem)) => Ok(stem.to_owned()),
+        _ => Err(Failure::input(format!("error: {} should end in .fmu", path.display()))),
     }
 }

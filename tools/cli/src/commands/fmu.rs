@@ -36,10 +36,7 @@ impl Fmu {
         }
         std::fs::create_dir_all(&self.out)
             .map_err(|error| Failure::other(format!("cannot make {}: {error}", self.out.display())))?;
-        let written = outputs.write()?;
-        for path in written {
-            println!("{}", path.display());
-        }
+        super::list(&outputs.write()?);
         Ok(())
     }
 }

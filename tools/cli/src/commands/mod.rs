@@ -5,13 +5,17 @@ pub mod demo;
 pub mod export;
 pub mod fmu;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use stickslip::diagnose::Comparison;
+use sha2::{Digest as _, Sha256};
+use stickslip::diagnose::{Comparison, Watch};
 use stickslip::measure::Dataset;
 use stickslip::model::Model;
 
+use stickslip_report::{InputFile, Settings};
+
 use crate::output::Outputs;
+use crate::progress;
 use crate::{Failure, ResultFiles};
 
 /// Reads a model file; the failure points at the line.
@@ -22,7 +26,7 @@ fn read_model(path: &Path) -> Result<Model, Failure> {
 /// Reads a dataset and makes sure that it has what `model` needs.
 fn read_dataset(path: &Path, model: &Model) -> Result<Dataset, Failure> {
     let dataset = stickslip_readers::read_dataset(path).map_err(shown)?;
-    stickslip_readers::check_columns(path, &dataset, model).map_err(shown)?;
+    stickslip_readers::check_columns(&dataset, model).map_err(shown)?;
     Ok(dataset)
 }
 
@@ -34,7 +38,7 @@ fn shown(error: stickslip_readers::InputError) -> Failure {
 /// Prints the comparison and puts the asked-for files among `outputs`.
 fn present(
     comparison: &Comparison,
-    settings: &stickslip_report::Settings,
+    settings: &Settings,
     files: &ResultFiles,
     outputs: &mut Outputs,
 ) -> Result<(), Failure> {
@@ -53,6 +57,52 @@ fn present(
 fn terminal_table(comparison: &Comparison) -> String {
     use std::io::IsTerminal as _;
     stickslip_report::terminal_table(comparison, 80, std::io::stdout().is_terminal())
+}
+
+/// How the results came about: command line, version, and what was read. `files` are named as the user
+/// named them; a file beside a dataset gets the dataset's folder.
+fn settings(files: &[&Path]) -> Result<Settings, Failure> {
+    let input = |path: &&Path| {
+        let bytes = std::fs::read(path)
+            .map_err(|error| Failure::other(format!("cannot read {}: {error}", path.display())))?;
+        Ok(InputFile { name: path.display().to_string(), sha256: hexadecimal(&Sha256::digest(bytes)) })
+    };
+    let arguments: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    Ok(Settings {
+        command: std::iter::once("stickslip".to_owned()).chain(arguments).collect::<Vec<_>>().join(" "),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        files: files.iter().map(input).collect::<Result<_, Failure>>()?,
+        date: None,
+    })
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The dataset's own file and the tables it lists.
+fn dataset_files(path: &Path, dataset: &Dataset) -> Vec<PathBuf> {
+    let file = if path.is_dir() { path.join("dataset.toml") } else { path.to_owned() };
+    let folder = file.parent().unwrap_or(Path::new("")).to_owned();
+    std::iter::once(file).chain(dataset.records.iter().map(|record| folder.join(&record.name))).collect()
+}
+
+/// Says what was written.
+fn list(written: &[PathBuf]) {
+    for path in written {
+        println!("wrote {}", path.display());
+    }
+}
+
+/// Runs `work` with a spinner that shows the evaluations and the error of the fit so far.
+fn watched<T>(what: &str, work: impl FnOnce(Watch) -> T) -> T {
+    let bar = progress::spinner(what);
+    let show = |at: &stickslip::identify::Progress| {
+        bar.set_message(format!("step {}, {} evaluations", at.iteration, at.evaluations));
+    };
+    let done = work(Watch { progress: Some(&show), interrupt: Some(&progress::interrupted) });
+    bar.finish_and_clear();
+    done
 }
 
 /// Refuses destinations that could not be written, before any work.
