@@ -154,7 +154,7 @@ impl<'a> Balance<'a> {
         let (modes, count, wide, unknowns) = (self.modes(), self.count, self.wide, self.unknowns);
         // Mean squares of the basis functions: 1 for the bias, ½ for the rest. Projection on b_k is
         // ⟨T w b_k⟩/⟨b_k²⟩, and ⟨T w b_k⟩ = Σ_m T_m ⟨b_m²⟩ W_mk.
-        let mean_square = |m: usize| if m % count == 0 { 1.0 } else { 0.5 };
+        let mean_square = |m: usize| if m.is_multiple_of(count) { 1.0 } else { 0.5 };
         let weight = |m: usize| if m == 0 { 1.0 } else { 0.5 };
         for (k, column) in self.product.as_slice().chunks_exact(wide).enumerate() {
             let project = |signal: &[f64]| -> f64 {

@@ -15,7 +15,9 @@
 
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 
+use super::elimination::solve_ranked;
 use super::fourier::{Basis, coefficient_count, differentiate, dot};
+use super::implicit::Implicit;
 use super::{ContactOnBeam, HarmonicError};
 use crate::contact::{Inputs, Response, StateTangents};
 
@@ -26,7 +28,6 @@ const STEP_TOLERANCE: f64 = 1e-11;
 /// Change of force (share of the largest) below which the periodic state is finished to first order.
 const LINEAR_FINISH: f64 = 1e-6;
 const MAX_CYCLES: usize = 60;
-const MAX_STEP_ITERATIONS: usize = 80;
 
 /// Workspace and result of one evaluation.
 #[derive(Debug, Clone)]
@@ -474,47 +475,6 @@ pub(crate) fn transposed(
     DMatrixView::from_slice_with_strides_generic(data, Dyn(columns), Dyn(rows), Dyn(stride), Dyn(1))
 }
 
-/// Safeguarded Newton iteration for `T = law(u − a T)`: the residual `T − law` grows with `T`, hence
-/// its sign brackets the root.
-struct Implicit {
-    force: f64,
-    low: f64,
-    high: f64,
-    iterations: usize,
-}
-
-impl Implicit {
-    fn new(force: f64) -> Self {
-        Self { force, low: f64::NEG_INFINITY, high: f64::INFINITY, iterations: 0 }
-    }
-
-    /// Takes the law's answer at the current force; true when it is good enough.
-    fn accept(&mut self, answer: f64, gradient: f64, compliance: f64, tolerance: f64) -> bool {
-        let defect = self.force - answer;
-        self.iterations += 1;
-        if compliance == 0.0 || defect.abs() <= tolerance || self.iterations > MAX_STEP_ITERATIONS {
-            return true;
-        }
-        if defect.is_nan() {
-            return true; // The caller sees the NaN in the force and starts again elsewhere.
-        }
-        if defect > 0.0 {
-            self.high = self.force;
-        } else {
-            self.low = self.force;
-        }
-        let newton = self.force - defect / gradient;
-        self.force = if newton > self.low && newton < self.high {
-            newton
-        } else if self.low.is_finite() && self.high.is_finite() {
-            0.5 * (self.low + self.high)
-        } else {
-            answer
-        };
-        false
-    }
-}
-
 fn differentiate_functions(functions: &[f64], angular_frequency: f64, out: &mut [f64]) {
     out[0] = 0.0;
     for h in 1..=functions.len() / 2 {
@@ -527,59 +487,4 @@ fn add_scaled(target: &mut [f64], weight: f64, source: &[f64]) {
     if weight != 0.0 {
         target.iter_mut().zip(source).for_each(|(t, s)| *t += weight * s);
     }
-}
-
-/// Gauss–Jordan elimination with full pivoting of `n` rows of width `n + right`; unknowns whose pivot
-/// falls below `threshold` are set to zero. Returns the rank; `pivots` then
-/// starts with the unknowns that were solved for.
-fn solve_ranked(
-    system: &mut [f64],
-    pivots: &mut [usize],
-    right: usize,
-    threshold: f64,
-    out: &mut [f64],
-) -> usize {
-    let n = pivots.len();
-    let width = n + right;
-    out[..n * right].fill(0.0);
-    let mut solved = 0;
-    while solved < n {
-        let mut best = (solved, 0, 0.0);
-        for i in solved..n {
-            for j in 0..n {
-                let size = system[i * width + j].abs();
-                if size > best.2 {
-                    best = (i, j, size);
-                }
-            }
-        }
-        let (row, column, size) = best;
-        // A NaN never compares greater: it ends here as a missing pivot and shows in the force.
-        if size <= threshold {
-            break;
-        }
-        for j in 0..width {
-            system.swap(solved * width + j, row * width + j);
-        }
-        pivots[solved] = column;
-        let pivot = system[solved * width + column];
-        for j in 0..width {
-            system[solved * width + j] /= pivot;
-        }
-        for i in (0..n).filter(|i| *i != solved) {
-            let factor = system[i * width + column];
-            if factor != 0.0 {
-                for j in 0..width {
-                    system[i * width + j] -= factor * system[solved * width + j];
-                }
-                // Exactly zero, so that a later search cannot pick the column again.
-                system[i * width + column] = 0.0;
-            }
-        }
-        solved += 1;
-    }
-    for (i, column) in pivots[..solved].iter().enumerate() {
-        out[column * right..(column + 1) * right].copy_from_slice(&system[i * width + n..(i + 1) * width]);
-    }
-    solved
 }

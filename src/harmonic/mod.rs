@@ -9,9 +9,11 @@
 
 mod balance;
 mod cycle;
+mod elimination;
 mod forced;
 pub mod fourier;
 mod guess;
+mod implicit;
 mod newton;
 mod periods;
 mod resonance;

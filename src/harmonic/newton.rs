@@ -32,7 +32,8 @@ pub(crate) fn solve(
 ) -> Result<Effort, HarmonicError> {
     let mut trial = x.to_vec();
     let mut scale = equations.evaluate(x)?;
-    for iterations in 0..=settings.max_iterations {
+    let mut iterations = 0;
+    loop {
         let residual = relative_residual(equations.residual(), scale);
         if residual <= settings.tolerance {
             return Ok(Effort { iterations, residual });
@@ -67,8 +68,8 @@ pub(crate) fn solve(
             }
         };
         x.copy_from_slice(&trial);
+        iterations += 1;
     }
-    unreachable!("the loop returns at its last iteration")
 }
 
 fn length(v: &[f64]) -> f64 {

@@ -46,13 +46,13 @@ impl Coordinate {
         };
         let mut coordinate =
             Self { scale, start, unit, lower, upper, value_lower: lower, value_upper: upper };
-        coordinate.lower = coordinate.from_value(lower);
-        coordinate.upper = coordinate.from_value(upper);
+        coordinate.lower = coordinate.coordinate_of(lower);
+        coordinate.upper = coordinate.coordinate_of(upper);
         Ok(coordinate)
     }
 
     /// The parameter's value; never outside the bounds, whatever the rounding.
-    pub fn to_value(self, y: f64) -> f64 {
+    pub fn value(self, y: f64) -> f64 {
         let value = match self.scale {
             Scale::Linear => self.start + self.unit * y,
             Scale::Logarithmic => self.start * y.exp(),
@@ -60,7 +60,7 @@ impl Coordinate {
         value.clamp(self.value_lower, self.value_upper)
     }
 
-    pub fn from_value(self, value: f64) -> f64 {
+    pub fn coordinate_of(self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => (value - self.start) / self.unit,
             Scale::Logarithmic => (value / self.start).ln(),
@@ -71,7 +71,7 @@ impl Coordinate {
     pub fn slope(self, y: f64) -> f64 {
         match self.scale {
             Scale::Linear => self.unit,
-            Scale::Logarithmic => self.to_value(y),
+            Scale::Logarithmic => self.value(y),
         }
     }
 
@@ -142,7 +142,7 @@ where
     }
 
     pub fn values(&self, y: &[f64]) -> Vec<f64> {
-        self.coordinates.iter().zip(y).map(|(c, y)| c.to_value(*y)).collect()
+        self.coordinates.iter().zip(y).map(|(c, y)| c.value(*y)).collect()
     }
 
     /// Residuals at `y`; NaN throughout when the evaluation failed.

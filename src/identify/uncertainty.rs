@@ -91,10 +91,8 @@ impl Uncertainty {
             let coordinate = coordinates[i];
             result.standard_error[i] = Some(deviation * coordinate.slope(y[i]));
             let reach = quantile * deviation;
-            result.interval[i] = Some(Interval {
-                low: coordinate.to_value(y[i] - reach),
-                high: coordinate.to_value(y[i] + reach),
-            });
+            result.interval[i] =
+                Some(Interval { low: coordinate.value(y[i] - reach), high: coordinate.value(y[i] + reach) });
             for (b, &j) in free.iter().enumerate().filter(|(b, _)| determined[*b]) {
                 let product = deviation * covariance(b, b).sqrt();
                 result.correlation[i * y.len() + j] =
