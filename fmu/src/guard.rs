@@ -3,9 +3,12 @@
 //! # Panics
 //! Unwinding into C is undefined, so every export catches, and the panic's text goes to the importer's
 //! logger. Left alone, the standard library's panic hook would also print to standard error. The
-//! library therefore installs a hook of its own, once, which stays silent on a thread that is inside
-//! one of these functions and calls the previous hook otherwise. A `cdylib` links its own copy of the
-//! standard library: the importer's hook, should it be written in Rust, is another one and untouched.
+//! library therefore installs a hook of its own, once, which only notes the place. That surprises
+//! nobody: a `cdylib` links its own copy of the standard library, whose hook sees the panics of this
+//! library and no others, and this library runs only inside its exports. (The importer's hook, should
+//! it be written in Rust, is another one and untouched.) The unit tests are different: there the test
+//! harness shares the hook, so a thread is silent only while it is inside an export.
+//!
 //! The thread-local cells need no destructor, so that the library can be unloaded at any time.
 
 use crate::calls::{Function, State};
@@ -144,6 +147,7 @@ fn refuse(component: &Component, function: Function, state: State) -> Status {
 
 thread_local! {
     /// This thread is inside an exported function.
+    #[cfg(test)]
     static INSIDE: Cell<bool> = const { Cell::new(false) };
     /// Where the last panic inside came from.
     static PANICKED_AT: Cell<Option<Place>> = const { Cell::new(None) };
@@ -176,9 +180,11 @@ impl fmt::Display for Place {
 /// The result of `body`, or the text of its panic.
 #[inline]
 pub fn catch<T>(body: impl FnOnce() -> T) -> Result<T, String> {
+    #[cfg(test)]
     let outside = INSIDE.replace(true);
     // A component whose call panicked is never used again, so that no broken invariant is seen.
     let outcome = panic::catch_unwind(AssertUnwindSafe(body));
+    #[cfg(test)]
     INSIDE.set(outside);
     outcome.map_err(|payload| panic_text(&*payload))
 }
@@ -198,13 +204,14 @@ fn panic_text(payload: &(dyn std::any::Any + Send)) -> String {
 pub fn install_hook() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
+        #[cfg(test)]
         let previous = panic::take_hook();
         panic::set_hook(Box::new(move |information| {
-            if INSIDE.get() {
-                PANICKED_AT.set(information.location().map(Place::new));
-            } else {
-                previous(information);
+            #[cfg(test)]
+            if !INSIDE.get() {
+                return previous(information);
             }
+            PANICKED_AT.set(information.location().map(Place::new));
         }));
     });
 }

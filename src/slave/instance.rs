@@ -172,6 +172,8 @@ pub struct Instance {
     state: Vec<f64>,
     /// Values and state before the step, where a step can fail.
     backup: (Vec<f64>, Vec<f64>),
+    /// [`Behaviour::can_fail`], asked once: a step of a contact takes nanoseconds.
+    can_fail: bool,
     /// Outputs are older than inputs or parameters (only before the first step).
     stale: bool,
     time: Option<f64>,
@@ -212,6 +214,7 @@ impl Instance {
             paths,
             stage: Stage::Instantiated,
             backup: (values.clone(), state.clone()),
+            can_fail: behaviour.can_fail(),
             stale: true,
             time: None,
             tolerance: DEFAULT_TOLERANCE,
@@ -362,12 +365,12 @@ impl Instance {
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<(), Error> {
         self.require(Stage::StepComplete)?;
         self.check_times(time, step)?;
-        if self.behaviour.can_fail() {
+        if self.can_fail {
             self.backup.0.copy_from_slice(&self.values);
             self.backup.1.copy_from_slice(&self.state);
         }
         let mut outcome = self.behaviour.step(&mut self.state, &mut self.values, step, self.tolerance);
-        if self.behaviour.can_fail() {
+        if self.can_fail {
             if !self.values.iter().chain(&self.state).all(|value| value.is_finite()) {
                 outcome = outcome.and(Err("the solution grew beyond all bounds".to_owned()));
             }

@@ -10,7 +10,9 @@ use std::{env, fs};
 mod native {
     //! The models by the library's own means, not through a slave.
     use stickslip::contact::{ContactLaw, Inputs, Jenkins, Valanis};
-    use stickslip::model::{Law, Model};
+    use stickslip::integrate::{BeamInputs, BeamIntegrator, Contact as Acting, Ramp, Settings};
+    use stickslip::model::{Beam, Contact, Law, Model, Structure};
+    use stickslip::structure::ModalBeam;
 
     /// Column names and rows.
     pub type Table = (Vec<String>, Vec<Vec<f64>>);
@@ -23,16 +25,27 @@ mod native {
         (level * sine, growth * sine + level * rate * cosine)
     }
 
-    /// A contact under a prescribed displacement and a normal load that lifts off twice.
-    pub fn contact(model: &Model) -> Table {
-        let contact = model.contact.expect("a contact model");
+    /// Columns and rows of a run of `model`.
+    pub fn run(model: &Model) -> Table {
+        match (&model.structure, &model.contact) {
+            (Structure::Beam(beam), contact) => self::beam(beam, contact.as_ref()),
+            (Structure::Prescribed, contact) => self::contact(&contact.expect("a contact model")),
+        }
+    }
+
+    fn law(contact: &Contact) -> Box<dyn ContactLaw> {
         let (k, mu) = (contact.tangential_stiffness, contact.friction_coefficient);
-        let law: Box<dyn ContactLaw> = match contact.law {
+        match contact.law {
             Law::Jenkins => Box::new(Jenkins::new(k, mu).expect("legal")),
             Law::Valanis { smoothness, residual_stiffness } => {
                 Box::new(Valanis::new(k, mu, smoothness, residual_stiffness).expect("legal"))
             }
-        };
+        }
+    }
+
+    /// A contact under a prescribed displacement and a normal load that lifts off twice.
+    fn contact(contact: &Contact) -> Table {
+        let law = law(contact);
         let mut state = vec![0.0; law.state_len()];
         let mut next = state.clone();
         let names = ["displacement", "velocity", "normal_load", "force", "dissipated_energy", "slip_state"];
@@ -54,6 +67,70 @@ mod native {
         }
         (names.map(String::from).to_vec(), rows)
     }
+
+    /// A beam shaken near its first resonance, the inputs held over each step of 0.1 ms.
+    fn beam(beam: &Beam, contact: Option<&Contact>) -> Table {
+        let modal = ModalBeam::new(beam).expect("a standard model");
+        let mut integrator = BeamIntegrator::new(&modal).expect("a beam");
+        let law = contact.map(law);
+        let load = |time: f64| {
+            contact.map_or(0.0, |contact| contact.normal_load) * (1.0 + 0.5 * (30.0 * time).sin())
+        };
+        let mut motion = integrator.rest(law.as_deref().map(|law| (law, load(0.0))));
+        let mut outputs = integrator.new_outputs();
+        let mut names = vec!["excitation".to_owned()];
+        match contact {
+            Some(_) => {
+                let own = ["normal_load", "force", "dissipated_energy", "slip_state"];
+                names.extend(own.map(String::from));
+            }
+            None => names.push("contact_force".to_owned()),
+        }
+        names.extend(["displacement", "velocity"].map(String::from));
+        // The force transducer and an accelerometer may share a place: one sensor there is enough.
+        let mut places: Vec<(usize, f64)> = Vec::new();
+        for (index, sensor) in modal.sensors.iter().enumerate() {
+            if places.iter().all(|(_, place)| *place != sensor.position) {
+                places.push((index, sensor.position));
+            }
+        }
+        for (_, place) in &places {
+            names
+                .extend(["displacement", "velocity", "acceleration"].map(|name| format!("{name}:x={place}")));
+        }
+        let mut rows = Vec::new();
+        let (count, step) = (2000, 1e-4);
+        for index in 0..=count {
+            let time = f64::from(index) * step;
+            let excitation = 20.0 * (2.0 * std::f64::consts::PI * 51.0 * time).sin();
+            let other = match contact {
+                Some(_) => load(time),
+                None => 30.0 * (2.0 * std::f64::consts::PI * 17.0 * time).sin(),
+            };
+            let acting = match law.as_deref() {
+                Some(law) => Acting::Friction { law, normal_load: Ramp::held(other) },
+                None => Acting::Force(Ramp::held(other)),
+            };
+            let inputs = BeamInputs { excitation: Ramp::held(excitation), contact: acting };
+            if index > 0 {
+                let settings = Settings { tolerance: 1e-6, ..Settings::default() };
+                integrator.advance(&mut motion, step, &inputs, &settings).expect("a step");
+            }
+            integrator.outputs(&motion, f64::INFINITY, &inputs, &mut outputs).expect("outputs");
+            let mut row = vec![time, excitation, other];
+            if contact.is_some() {
+                let slip = f64::from(outputs.slip_state as i32);
+                row.extend([outputs.contact_force, outputs.dissipated_energy, slip]);
+            }
+            row.extend([outputs.displacement, outputs.velocity]);
+            for (index, _) in &places {
+                let sensor = &outputs.sensors[*index];
+                row.extend([sensor.displacement, sensor.velocity, sensor.acceleration]);
+            }
+            rows.push(row);
+        }
+        (names, rows)
+    }
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -61,10 +138,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = Path::new(&folder);
     fs::create_dir_all(folder)?;
     for (name, model_toml) in stickslip_fmu_package::standard_models() {
-        let Ok(fmu) = stickslip_fmu_package::write_fmu(name, model_toml) else { continue };
+        let fmu = stickslip_fmu_package::write_fmu(name, model_toml)?;
         fs::write(folder.join(format!("{name}.fmu")), fmu)?;
         let model = stickslip::model::Model::parse(model_toml)?;
-        let (names, rows) = native::contact(&model);
+        let (names, rows) = native::run(&model);
         let mut csv = format!("time,{}\n", names.join(","));
         for row in rows {
             let cells: Vec<String> = row.iter().map(f64::to_string).collect();
