@@ -152,6 +152,8 @@ mod tests {
     fn no_name_can_end_the_script_element_or_become_a_link() {
         let mut figures = Figures::default();
         figures.add(vec![points("</script><a href='x'>", 0, 0, style(0, 1), 4.0, 1.0)], single("<b>", "y"));
+        // Even a string that did not come through `text`.
+        figures.add(vec![json!({ "name": "</script>" })], json!({ "title": "<!--" }));
         let text = figures.to_json();
         assert!(!text.contains('<') && !text.contains('>'), "{text}");
         let back: Value = serde_json::from_str(&text).unwrap();
