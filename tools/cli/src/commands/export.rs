@@ -40,13 +40,20 @@ impl Export {
             let variables: Vec<_> = description
                 .variables
                 .iter()
-                .map(|variable| json!({ "name": variable.name, "causality": variable.causality.as_str(), "unit": variable.unit }))
+                .map(|variable| {
+                    json!({
+                        "name": variable.name,
+                        "causality": format!("{:?}", variable.causality).to_lowercase(),
+                        "unit": variable.quantity.unit,
+                        "description": variable.description,
+                    })
+                })
                 .collect();
             let export = json!({
                 "schema": "stickslip.export/1",
                 "fmu": self.out,
                 "model_identifier": name,
-                "guid": description.guid(),
+                "guid": description.guid().to_string(),
                 "variables": variables,
             });
             outputs.add(path, format!("{export:#}\n"));

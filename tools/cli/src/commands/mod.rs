@@ -67,7 +67,8 @@ fn settings(files: &[&Path]) -> Result<Settings, Failure> {
             .map_err(|error| Failure::other(format!("cannot read {}: {error}", path.display())))?;
         Ok(InputFile { name: path.display().to_string(), sha256: hexadecimal(&Sha256::digest(bytes)) })
     };
-    let arguments: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    let arguments: Vec<String> =
+        std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
     Ok(Settings {
         command: std::iter::once("stickslip".to_owned()).chain(arguments).collect::<Vec<_>>().join(" "),
         version: env!("CARGO_PKG_VERSION").to_owned(),
