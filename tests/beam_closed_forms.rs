@@ -46,7 +46,8 @@ fn slope_left_by_a_stiff_spring_is_the_clamping_moment_over_its_stiffness() {
         let beam = stickslip::model::Beam { rotational_stiffness: stiffness, ..bare() };
         let modes = BeamModes::new(&beam, 5).unwrap();
         for (slope, omega) in modes.tip_slopes().zip(modes.angular_frequency()) {
-            let curvature = 2.0 * omega / frequency_scale(&beam) / beam.length.powi(2) / mass_of(&beam).sqrt();
+            let curvature =
+                2.0 * omega / frequency_scale(&beam) / beam.length.powi(2) / mass_of(&beam).sqrt();
             let expected = beam_support::bending_stiffness(&beam) * curvature / stiffness;
             assert!((slope / expected - 1.0).abs() < 1e-4, "{stiffness}: {slope} {expected}");
         }
