@@ -213,7 +213,7 @@ proptest! {
         let elements = FiniteElementModes::new(&beam, 24, 6).unwrap();
         for (mode, (a, b)) in exact.angular_frequency().iter().zip(elements.angular_frequency()).enumerate() {
             // The elements' own error grows with the mode and stays above zero.
-            prop_assert!(b / a > 1.0 - 1e-7 && b / a < 1.0 + 6e-4, "mode {}: {} {}", mode + 1, a, b);
+            prop_assert!(b / a > 1.0 - 1e-7 && b / a < 1.0 + 2e-3, "mode {}: {} {}", mode + 1, a, b);
         }
     }
 

@@ -40,6 +40,21 @@ fn rigid_spring_at_the_pin_gives_clamped_clamped_roots() {
 }
 
 #[test]
+fn slope_left_by_a_stiff_spring_is_the_clamping_moment_over_its_stiffness() {
+    // Clamped–clamped: EI φ''(L) = 2 EI β² / √(ρAL), the deflection's mean square being one.
+    for stiffness in [1e8, 1e12, 1e16] {
+        let beam = stickslip::model::Beam { rotational_stiffness: stiffness, ..bare() };
+        let modes = BeamModes::new(&beam, 5).unwrap();
+        for (slope, omega) in modes.tip_slopes().zip(modes.angular_frequency()) {
+            let curvature =
+                2.0 * omega / frequency_scale(&beam) / beam.length.powi(2) / mass_of(&beam).sqrt();
+            let expected = beam_support::bending_stiffness(&beam) * curvature / stiffness;
+            assert!((slope / expected - 1.0).abs() < 1e-4, "{stiffness}: {slope} {expected}");
+        }
+    }
+}
+
+#[test]
 fn vanishing_clamp_stiffness_gives_pinned_pinned_multiples_of_pi() {
     let beam = stickslip::model::Beam { clamp_stiffness: Some(1e-9), ..bare() };
     assert_roots(&wave_numbers(&beam, 20), (1..=20).map(|n| f64::from(n) * std::f64::consts::PI), 1e-10);

@@ -216,7 +216,7 @@ impl System {
                 .tr_solve_lower_triangular(&eigen.eigenvectors.column(index))
                 .ok_or_else(|| failed(0.0))?;
             // The last unknown is the slope at the pin.
-            let sign = vector.iter().last().map_or(1.0, |slope| slope.signum());
+            let sign = vector.iter().next_back().map_or(1.0, |slope| slope.signum());
             for (&unknown, entry) in self.free.iter().zip(vector.iter()) {
                 coordinates[(unknown, mode)] = sign * entry / modal_mass.sqrt();
             }

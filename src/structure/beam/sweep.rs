@@ -97,8 +97,7 @@ impl Basis {
 /// Result of one sweep: what is left of the problem at the pin.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Arrival {
-    /// Natural frequencies below this one if the end at x = 1 were clamped and all nodes before it held,
-    /// plus those the nodes add: the count before the pin's own rotation is let go.
+    /// Natural frequencies below this one if the pin's rotation were held as well.
     held_count: usize,
     /// The motions the clamp allows, at x = 1.
     pub basis: Basis,
