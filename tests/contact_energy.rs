@@ -2,6 +2,7 @@
 //! histories give mirrored forces.
 
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 use stickslip::contact::{ContactLaw, Inputs, Jenkins, Response, Valanis};
 
 /// A history: displacements (µm) and loads (N), with separations.
@@ -16,7 +17,10 @@ fn jenkins() -> impl Strategy<Value = Jenkins> {
 }
 
 fn valanis() -> impl Strategy<Value = Valanis> {
-    let kappa = prop_oneof![Just(0.0), 0.0..0.95, Just(0.999_999)];
+    valanis_with(prop_oneof![Just(0.0), 0.0..0.95, Just(0.999_999)])
+}
+
+fn valanis_with(kappa: impl Strategy<Value = f64>) -> impl Strategy<Value = Valanis> {
     let share = prop_oneof![Just(0.0), 0.0..0.9];
     (4.0..8.0, 0.01..2.0, kappa, share).prop_map(|(exponent, mu, kappa, share)| {
         let e0 = 10f64.powf(exponent);
@@ -60,7 +64,13 @@ fn work(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+    // A fixed seed: a run says the same today and tomorrow.
+    #![proptest_config(ProptestConfig {
+        cases: 200,
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(20_260_211),
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn dissipation_is_never_negative_and_force_within_the_limit(
@@ -114,10 +124,12 @@ proptest! {
             let before = force;
             let response = step(&law, &mut state, to.0, load);
             force = response.force;
-            // Simpson's rule on a force with two kinks at most is off by the kinks' share of a part.
-            let largest = law.limit(from.1).max(law.limit(load));
-            let swing = largest.min(law.tangential_stiffness() * (to.0 - from.0).abs());
-            let tolerance = 4.0 / parts as f64 * (to.0 - from.0).abs() * swing.max(1e-12) + 1e-15;
+            // Simpson's rule is exact but for the parts in which the force has a kink, one or two, where
+            // it is off by no more than the part's length times the change of the force; and round-off of u enters the force.
+            let path = (to.0 - from.0).abs();
+            let stretch = law.tangential_stiffness() * path;
+            let largest = law.limit(from.1).max(law.limit(load)).min(force.abs().max(before.abs()) + stretch);
+            let tolerance = 4.0 / parts as f64 * path * largest + 1e-14 * largest * (to.0.abs() + from.0.abs());
             let balance = kept(force) - kept(before) + response.dissipated_energy - done;
             prop_assert!(balance.abs() <= tolerance, "off by {:e} of {:e}, tolerance {:e}", balance, done, tolerance);
             from = to;
@@ -126,8 +138,7 @@ proptest! {
 
     /// The same for Valanis' law, which takes the load at the end of a step for the whole step.
     #[test]
-    fn valanis_balances_energy(law in valanis(), history in history()) {
-        prop_assume!(law.smoothness() < 0.96);
+    fn valanis_balances_energy(law in valanis_with(0.0..0.95), history in history()) {
         let mut state = [0.0; 4];
         law.set_state(0.0, 147.0, 0.0, &mut state);
         for (displacement, load) in history.into_iter().take(6) {

@@ -273,6 +273,18 @@ fn work_equals_stored_plus_dissipated_on_a_fine_history() {
 }
 
 #[test]
+fn dissipation_of_tiny_steps_keeps_its_digits() {
+    // From rest D grows with the cube of the step, X³ e0 λ (1 − κ)/3: sixteen digits below the energy
+    // kept for the smallest of these.
+    let law = published();
+    for step in [1e-13_f64, 1e-12, 1e-11, 1e-10, 1e-9] {
+        let cubic = STIFFNESS * LAMBDA * (1.0 - SMOOTHNESS) / 3.0 * step.powi(3);
+        let response = go(&law, &mut fresh(&law), step, LOAD);
+        close(response.dissipated_energy / cubic, 1.0, 1e-3);
+    }
+}
+
+#[test]
 fn a_change_of_load_creates_no_force() {
     let law = published();
     let mut state = fresh(&law);

@@ -54,6 +54,8 @@ use crate::vocabulary::{FRICTION_COEFFICIENT, TANGENTIAL_STIFFNESS};
 pub struct Jenkins {
     tangential_stiffness: f64,
     friction_coefficient: f64,
+    /// μ/k (m/N): stretch of the spring at the limit, by normal load.
+    stretch_per_load: f64,
 }
 
 /// One step, with all that the response and both kinds of derivative need.
@@ -87,20 +89,12 @@ impl Jenkins {
     /// [`LawError::OutOfBounds`] unless both are finite and above zero.
     pub fn new(tangential_stiffness: f64, friction_coefficient: f64) -> Result<Self, LawError> {
         let (stiffness, friction) = (&TANGENTIAL_STIFFNESS, &FRICTION_COEFFICIENT);
-        Ok(Self {
-            tangential_stiffness: checked(
-                stiffness.name,
-                stiffness.unit,
-                tangential_stiffness,
-                Bounds::POSITIVE,
-            )?,
-            friction_coefficient: checked(
-                friction.name,
-                friction.unit,
-                friction_coefficient,
-                Bounds::POSITIVE,
-            )?,
-        })
+        let tangential_stiffness =
+            checked(stiffness.name, stiffness.unit, tangential_stiffness, Bounds::POSITIVE)?;
+        let friction_coefficient =
+            checked(friction.name, friction.unit, friction_coefficient, Bounds::POSITIVE)?;
+        let stretch_per_load = friction_coefficient / tangential_stiffness;
+        Ok(Self { tangential_stiffness, friction_coefficient, stretch_per_load })
     }
 
     /// Stiffness in stick, k (N/m).
@@ -121,30 +115,13 @@ impl Jenkins {
                 if start_load > 0.0 { self.lift_off(slider, start, start_load, inputs) } else { 0.0 };
             return Step { force: 0.0, dissipated_energy, branch: Branch::Separated };
         }
-        let limit = self.friction_coefficient * end_load;
         if start_load <= 0.0 {
-            // The slider starts from the displacement at the instant of contact; from there spring
-            // force and limit both grow from zero in proportion, so the step sticks or slips throughout.
-            let load_change = end_load - start_load;
-            let closed = end_load / load_change;
-            let travel = closed * (end - start);
-            let slipped = travel.abs() - limit / self.tangential_stiffness;
-            if slipped <= 0.0 {
-                let force = self.tangential_stiffness * travel;
-                return Step {
-                    force,
-                    dissipated_energy: 0.0,
-                    branch: Branch::StickSinceContact { closed, load_change },
-                };
-            }
-            let sign = travel.signum();
-            let dissipated_energy = 0.5 * limit * slipped;
-            return Step { force: sign * limit, dissipated_energy, branch: Branch::Slip { sign } };
+            return self.re_contact(start, start_load, inputs);
         }
         let stretch = end - slider;
-        let slipped = stretch.abs() - limit / self.tangential_stiffness;
+        let slipped = stretch.abs() - self.stretch_per_load * end_load;
         if slipped <= 0.0 {
-            let force = self.tangential_stiffness * stretch;
+            let force = cut_to(self.tangential_stiffness * stretch, self.friction_coefficient * end_load);
             return Step { force, dissipated_energy: 0.0, branch: Branch::Stick };
         }
         let sign = stretch.signum();
@@ -154,17 +131,35 @@ impl Jenkins {
         let stuck = margin / (margin + slipped);
         let mean_load = end_load + 0.5 * (1.0 - stuck) * (start_load - end_load);
         Step {
-            force: sign * limit,
+            force: sign * (self.friction_coefficient * end_load),
             dissipated_energy: self.friction_coefficient * mean_load * slipped,
             branch: Branch::Slip { sign },
         }
     }
 
+    /// A step in which the contact closes. The slider starts from the displacement at that instant;
+    /// from there spring force and limit both grow from zero in proportion, so that the rest of the step
+    /// sticks or slips throughout.
+    fn re_contact(&self, start: f64, start_load: f64, inputs: Inputs) -> Step {
+        let load_change = inputs.normal_load - start_load;
+        let closed = inputs.normal_load / load_change;
+        let travel = closed * (inputs.displacement - start);
+        let limit = self.friction_coefficient * inputs.normal_load;
+        let slipped = travel.abs() - self.stretch_per_load * inputs.normal_load;
+        if slipped <= 0.0 {
+            let force = cut_to(self.tangential_stiffness * travel, limit);
+            let branch = Branch::StickSinceContact { closed, load_change };
+            return Step { force, dissipated_energy: 0.0, branch };
+        }
+        let sign = travel.signum();
+        let dissipated_energy = 0.5 * limit * slipped;
+        Step { force: sign * limit, dissipated_energy, branch: Branch::Slip { sign } }
+    }
+
     /// How far (m) the spring at the start of the step could still stretch in the direction `sign`.
     /// Round-off may put a slipping state slightly beyond its limit, hence the cut at zero.
     fn margin(&self, sign: f64, slider: f64, start: f64, start_load: f64) -> f64 {
-        let limit = self.friction_coefficient * start_load;
-        (limit / self.tangential_stiffness - sign * (start - slider)).max(0.0)
+        (self.stretch_per_load * start_load - sign * (start - slider)).max(0.0)
     }
 
     /// Energy (J) dissipated on the way to the instant `N = 0` within the step: as the limit falls to
@@ -201,7 +196,12 @@ impl ContactLaw for Jenkins {
         next[0] = match step.branch {
             Branch::Stick => state[0],
             Branch::Separated => inputs.displacement,
-            _ => inputs.displacement - step.force / self.tangential_stiffness,
+            Branch::Slip { sign } => {
+                inputs.displacement - sign * (self.stretch_per_load * inputs.normal_load)
+            }
+            Branch::StickSinceContact { closed, .. } => {
+                state[1] + (1.0 - closed) * (inputs.displacement - state[1])
+            }
         };
         next[1] = inputs.displacement;
         next[2] = inputs.normal_load;

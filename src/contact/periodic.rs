@@ -279,12 +279,13 @@ impl PeriodicSolver {
             }
         }
         let mut largest: f64 = 0.0;
-        for i in 0..n {
-            self.residual[i] = self.current[i] - state[i];
-            if self.scale[i] == 0.0 {
-                self.scale[i] = 1.0;
+        let components = self.residual.iter_mut().zip(&mut self.scale).zip(self.current.iter().zip(state));
+        for ((residual, scale), (end, start)) in components {
+            *residual = end - start;
+            if *scale == 0.0 {
+                *scale = 1.0;
             }
-            let change = (self.residual[i] / self.scale[i]).abs();
+            let change = (*residual / *scale).abs();
             // An overflow on the way must not pass for convergence: `max` would drop the NaN.
             largest = if change.is_nan() { f64::INFINITY } else { largest.max(change) };
         }
