@@ -14,6 +14,10 @@ const CORNER_PRECISION: f64 = 1e-7;
 /// enough to be past an event that ended the step before.
 pub(crate) const JUST_BEHIND_START: f64 = 1e-3;
 
+/// Parts of a quarter of the step searched for changes of slip state under a varying normal load:
+/// unlike under a constant one, a contact may then slip for a moment while it goes one way.
+pub(crate) const PROBES: usize = 8;
+
 /// What the nodes say about reversals of the contact displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Reversal {
@@ -92,23 +96,33 @@ fn quartic(values: &[f64; 5], x: f64) -> f64 {
 
 /// First change of the slip state within the step, as a fraction of it: just behind the instant.
 /// `slip` at the five nodes, the first just behind the start; `probe` looks the state up between
-/// node `i` and node `i + 1`.
+/// node `i` and node `i + 1`, in `parts` parts (1 where only the nodes count).
 pub(crate) fn corner(
     slip: &[SlipState; 5],
+    parts: usize,
     mut probe: impl FnMut(usize, f64) -> Option<SlipState>,
 ) -> Option<f64> {
-    let node = (0..4).find(|&i| slip[i + 1] != slip[0])?;
-    let mut before = if node == 0 { JUST_BEHIND_START } else { NODES[node] };
-    let mut after = NODES[node + 1];
-    while after - before > 0.1 * CORNER_PRECISION * after {
-        let middle = 0.5 * (before + after);
-        if probe(node, middle)? == slip[0] {
-            before = middle;
-        } else {
-            after = middle;
+    let mut before = JUST_BEHIND_START;
+    for node in 0..4 {
+        for part in 1..=parts {
+            let mut after = NODES[node] + 0.25 * part as f64 / parts as f64;
+            let state = if part == parts { slip[node + 1] } else { probe(node, after)? };
+            if state == slip[0] {
+                before = after;
+                continue;
+            }
+            while after - before > 0.1 * CORNER_PRECISION * after {
+                let middle = 0.5 * (before + after);
+                if probe(node, middle)? == slip[0] {
+                    before = middle;
+                } else {
+                    after = middle;
+                }
+            }
+            return (after < 1.0 - CORNER_PRECISION).then_some(after);
         }
     }
-    (after < 1.0 - CORNER_PRECISION).then_some(after)
+    None
 }
 
 #[cfg(test)]
@@ -139,8 +153,11 @@ mod tests {
         use SlipState::{Slip, Stick};
         let at = 0.613;
         let probe = |_: usize, x: f64| Some(if x < at { Stick } else { Slip });
-        let found = corner(&[Stick, Stick, Stick, Slip, Slip], probe).unwrap();
+        let found = corner(&[Stick, Stick, Stick, Slip, Slip], 1, probe).unwrap();
         assert!(found >= at && found - at < CORNER_PRECISION, "{found}");
-        assert_eq!(corner(&[Slip; 5], probe), None);
+        assert_eq!(corner(&[Slip; 5], 1, probe), None);
+        let moment = |_: usize, x: f64| Some(if x > 0.6 && x < 0.64 { Slip } else { Stick });
+        let found = corner(&[Stick; 5], PROBES, moment).unwrap();
+        assert!(found > 0.6 && found - 0.6 < CORNER_PRECISION, "{found}");
     }
 }

@@ -13,6 +13,9 @@ const MIDDLE: usize = 2;
 const END: usize = 4;
 /// Sweeps before a step counts as not converging; convergence is about a digit a sweep or better.
 const SWEEPS: usize = 12;
+/// No finer than this part of the limit is the force asked to follow a normal load that varies within
+/// a step: there a law may be accurate to first order in the step only.
+const FINEST_PATH: f64 = 1e-5;
 /// Amplitudes below this are set to zero: denormal numbers are ten times slower.
 const NEGLIGIBLE: f64 = 1e-150;
 
@@ -95,6 +98,8 @@ pub(crate) struct StepSolver {
     /// Energy norm of the state, and of the contact shape.
     energy_norm: f64,
     shape_norm: f64,
+    /// Energy norm of the modal displacements under a unit contact force.
+    compliance_norm: f64,
     /// The part of the node states due to the start of the step.
     q_start: [Vec<f64>; 5],
     v_start: [Vec<f64>; 5],
@@ -122,7 +127,10 @@ impl StepSolver {
             contact_next: Vec::new(),
             dissipated_energy: 0.0,
             energy_norm: 0.0,
-            shape_norm: norm(&beam.contact_shape),
+            shape_norm: norm(beam.contact_shape.iter().copied()),
+            compliance_norm: norm(
+                beam.contact_shape.iter().zip(&beam.angular_frequency).map(|(c, omega)| c / omega),
+            ),
             q_start: per_node(),
             v_start: per_node(),
             q_end: vec![0.0; modes],
@@ -168,6 +176,9 @@ impl StepSolver {
                     self.store(0, response, displacement, load);
                     self.dissipated_energy += response.dissipated_energy;
                     std::mem::swap(&mut self.contact, &mut self.contact_next);
+                } else {
+                    let contact = &mut self.nodes[0];
+                    contact.displacement -= self.beam.axial_flexibility * contact.force;
                 }
             }
         }
@@ -494,8 +505,10 @@ impl StepSolver {
         let end = &self.nodes[END];
         let direct = law.step(&self.contact, inputs(end), &mut self.contact_next).force;
         let bent = law.step(&self.contact_middle, inputs(end), &mut self.contact_next).force;
-        let scale = law.limit(end.normal_load).max(law.limit(self.nodes[0].normal_load)).max(end.force.abs());
-        if direct == bent { 0.0 } else { (direct - bent).abs() / (tolerance * scale) }
+        let limit = law.limit(end.normal_load).max(law.limit(self.nodes[0].normal_load));
+        // About to lift off the limit vanishes; what then counts is what a force does to the beam.
+        let scale = limit.max(end.force.abs()).max(0.01 * self.energy_norm / self.compliance_norm);
+        if direct == bent { 0.0 } else { (direct - bent).abs() / (tolerance.max(FINEST_PATH) * scale) }
     }
 
     /// The first event of the step tried, unless it is its end.
@@ -533,7 +546,8 @@ impl StepSolver {
         if let Some(state) = probe(0, events::JUST_BEHIND_START) {
             slip[0] = state;
         }
-        if let Some(fraction) = events::corner(&slip, probe) {
+        let between = if normal_load.start == normal_load.end { 1 } else { events::PROBES };
+        if let Some(fraction) = events::corner(&slip, between, probe) {
             first = first.min(fraction);
         }
         (first < 1.0).then_some(first)
@@ -546,8 +560,8 @@ impl StepSolver {
     }
 }
 
-fn norm(values: &[f64]) -> f64 {
-    values.iter().map(|x| x * x).sum::<f64>().sqrt()
+fn norm(values: impl Iterator<Item = f64>) -> f64 {
+    values.map(|x| x * x).sum::<f64>().sqrt()
 }
 
 fn weigh(out: &mut [f64], rows: [&[f64]; 3], by: [&Vec<f64>; 3]) {
