@@ -15,8 +15,12 @@ const CORNER_PRECISION: f64 = 1e-7;
 pub(crate) const JUST_BEHIND_START: f64 = 1e-3;
 
 /// Parts of a quarter of the step searched for changes of slip state under a varying normal load:
-/// unlike under a constant one, a contact may then slip for a moment while it goes one way.
+/// unlike under a constant one, a contact may then slip for a moment, or stop, while it goes one way.
 pub(crate) const PROBES: usize = 8;
+
+/// How far back, as a fraction of the step, such a search looks to tell stick from slip: a contact
+/// that slipped since the start of the step and then stopped shows it only in what it did last.
+pub(crate) const LOOK_BACK: f64 = 1e-5;
 
 /// What the nodes say about reversals of the contact displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,7 +100,7 @@ fn quartic(values: &[f64; 5], x: f64) -> f64 {
 
 /// First change of the slip state within the step, as a fraction of it: just behind the instant.
 /// `slip` at the five nodes, the first just behind the start; `probe` looks the state up between
-/// node `i` and node `i + 1`, in `parts` parts (1 where only the nodes count).
+/// node `i` and node `i + 1`, which it does at the ends of `parts` parts (1 where the nodes do).
 pub(crate) fn corner(
     slip: &[SlipState; 5],
     parts: usize,
@@ -106,7 +110,7 @@ pub(crate) fn corner(
     for node in 0..4 {
         for part in 1..=parts {
             let mut after = NODES[node] + 0.25 * part as f64 / parts as f64;
-            let state = if part == parts { slip[node + 1] } else { probe(node, after)? };
+            let state = if parts == 1 { slip[node + 1] } else { probe(node, after)? };
             if state == slip[0] {
                 before = after;
                 continue;

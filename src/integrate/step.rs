@@ -15,7 +15,7 @@ const END: usize = 4;
 const SWEEPS: usize = 12;
 /// No finer than this part of the limit is the force asked to follow a normal load that varies within
 /// a step: there a law may be accurate to first order in the step only.
-const FINEST_PATH: f64 = 1e-5;
+const FINEST_PATH: f64 = 1e-4;
 /// Amplitudes below this are set to zero: denormal numbers are ten times slower.
 const NEGLIGIBLE: f64 = 1e-150;
 
@@ -529,25 +529,32 @@ impl StepSolver {
         };
         let mut slip = self.nodes.map(|node| node.slip_state);
         let nodes = self.nodes;
-        let contact = &self.contact;
-        let next = &mut self.contact_next;
-        let mut probe = |node: usize, at: f64| {
+        let constant = normal_load.start == normal_load.end;
+        let (contact, before, next) = (&self.contact, &mut self.contact_middle, &mut self.contact_next);
+        let point = |node: usize, at: f64| {
             let (u, v) = hermite(&nodes[node], &nodes[node + 1], span.step, (at - NODES[node]) * 4.0);
-            let point = ContactPoint {
+            ContactPoint {
                 displacement: u,
                 velocity: v,
                 flexibility,
                 normal_load: normal_load.at(span.fraction(at)),
                 guess: nodes[node].force,
-            };
-            point.solve(law, contact, next).map(|(response, _)| response.slip_state)
+            }
+        };
+        let mut probe = |node: usize, at: f64| {
+            let mut from = contact;
+            if !constant {
+                point(node, at - events::LOOK_BACK).solve(law, contact, before)?;
+                from = before;
+            }
+            point(node, at).solve(law, from, next).map(|(response, _)| response.slip_state)
         };
         // The state committed belongs to the step before: a contact that slipped up to a reversal sticks.
         if let Some(state) = probe(0, events::JUST_BEHIND_START) {
             slip[0] = state;
         }
-        let between = if normal_load.start == normal_load.end { 1 } else { events::PROBES };
-        if let Some(fraction) = events::corner(&slip, between, probe) {
+        let parts = if constant { 1 } else { events::PROBES };
+        if let Some(fraction) = events::corner(&slip, parts, probe) {
             first = first.min(fraction);
         }
         (first < 1.0).then_some(first)
