@@ -158,16 +158,22 @@ fn a_restored_slave_has_the_saved_parameters_too() {
 fn a_step_that_fails_leaves_the_state_before_it() {
     let mut beam = running("ModalBeam");
     outputs(&mut beam, 0);
-    let before = beam.snapshot();
+    let good = beam.snapshot();
     set(&mut beam, "contact_force", 1e30).unwrap();
+    // Behind the header, which tells the stage, and before the checksum.
+    let numbers = |beam: &Instance| {
+        let bytes = beam.snapshot().to_bytes();
+        bytes[24..bytes.len() - 8].to_vec()
+    };
+    let before = numbers(&beam);
     let error = beam.do_step(0.02, 1e-3).unwrap_err();
     assert!(matches!(error, Error::Step { .. }), "{error}");
     assert_eq!(beam.stage(), Stage::StepFailed);
+    assert_eq!(numbers(&beam), before);
     assert!(matches!(beam.do_step(0.02, 1e-3), Err(Error::Stage(Stage::StepFailed))));
-    assert_eq!(beam.time(), 0.02);
+    beam.restore(&good).unwrap();
     let mut expected = running("ModalBeam");
-    expected.restore(&before).unwrap();
-    beam.restore(&before).unwrap();
+    outputs(&mut expected, 0);
     assert_eq!(outputs(&mut beam, 20), outputs(&mut expected, 20));
 }
 
