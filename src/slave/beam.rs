@@ -18,6 +18,7 @@ const EXCITATION: usize = 0;
 const CONTACT_FORCE: usize = 1;
 /// With a contact: its normal load.
 const NORMAL_LOAD: usize = 1;
+const FIRST_OUTPUT: usize = 2;
 
 /// Tolerances the integrator takes; a simulation's is moved to the nearest.
 const TOLERANCES: (f64, f64) = (1e-13, 0.1);
@@ -31,7 +32,7 @@ pub(super) fn describe(
 ) -> Description {
     let sensors = sensor_positions(beam);
     let outputs = if contact.is_some() { 5 } else { 2 } + 3 * sensors.len();
-    let first_parameter = 2 + outputs;
+    let first_parameter = FIRST_OUTPUT + outputs;
     // A beam at rest has neither displacement nor velocity, and damping does not act on it.
     let at_rest = |names: &'static [&'static str]| {
         let rows = parameters.iter().enumerate();
@@ -117,7 +118,7 @@ pub(super) fn behaviour(beam: &Beam, contact: Option<&Contact>) -> Result<Box<dy
     let law = contact.map(super::contact::law).transpose()?;
     let motion = integrator.rest(law.as_deref().map(|law| (law, 0.0)));
     let outputs = integrator.new_outputs();
-    Ok(Box::new(BeamBehaviour { integrator, law, motion, outputs }))
+    Ok(Box::new(BeamBehaviour { integrator, law, motion, outputs, row: Vec::new() }))
 }
 
 /// Integrator, law and work space.
@@ -127,6 +128,8 @@ struct BeamBehaviour {
     law: Option<Box<dyn ContactLaw>>,
     motion: BeamMotion,
     outputs: BeamOutputs,
+    /// The outputs as they stand in the table.
+    row: Vec<f64>,
 }
 
 /// The inputs in `values`, held.
@@ -145,23 +148,19 @@ impl BeamBehaviour {
         let outputs = &mut self.outputs;
         let read = self.integrator.outputs(&self.motion, f64::INFINITY, &inputs, outputs);
         read.map_err(|error| error.to_string())?;
-        let mut row = 2;
-        let mut write = |value: f64| {
-            values[row] = value;
-            row += 1;
-        };
+        self.row.clear();
         if self.law.is_some() {
-            write(outputs.contact_force);
-            write(outputs.dissipated_energy);
-            write(f64::from(outputs.slip_state as i32));
+            let slip_state = f64::from(outputs.slip_state as i32);
+            self.row.extend([outputs.contact_force, outputs.dissipated_energy, slip_state]);
         }
-        write(outputs.displacement);
-        write(outputs.velocity);
+        self.row.extend([outputs.displacement, outputs.velocity]);
         for sensor in &outputs.sensors {
-            write(sensor.displacement);
-            write(sensor.velocity);
-            write(sensor.acceleration);
+            self.row.extend([sensor.displacement, sensor.velocity, sensor.acceleration]);
         }
+        if !self.row.iter().all(|value| value.is_finite()) {
+            return Err("an output is beyond all bounds".to_owned());
+        }
+        values[FIRST_OUTPUT..FIRST_OUTPUT + self.row.len()].copy_from_slice(&self.row);
         Ok(())
     }
 }
@@ -194,10 +193,6 @@ impl Behaviour for BeamBehaviour {
         advanced.map_err(|error| error.to_string())?;
         self.write_outputs(values)?;
         if self.motion.write_state(state) { Ok(()) } else { Err(wrong_length()) }
-    }
-
-    fn can_fail(&self) -> bool {
-        true
     }
 }
 

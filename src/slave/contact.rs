@@ -101,8 +101,4 @@ impl Behaviour for ContactBehaviour {
         self.advance(state, values);
         Ok(())
     }
-
-    fn can_fail(&self) -> bool {
-        false
-    }
 }

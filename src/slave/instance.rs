@@ -1,6 +1,7 @@
 //! A running model: values, state, and the stages of a simulation.
 
 use super::description::{Causality, Description, Variable, VariableType};
+use super::error::Error;
 use super::parameter::{parameters, with_values};
 use super::snapshot::{Snapshot, SnapshotError};
 use super::{Behaviour, behaviour, describe};
@@ -38,86 +39,6 @@ impl Stage {
     pub(super) fn from_number(number: u32) -> Option<Self> {
         Self::ALL.into_iter().find(|stage| *stage as u32 == number)
     }
-}
-
-/// Why an instance refuses a call. It is then as before the call, except after [`Error::Step`].
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// No variable has this value reference.
-    #[error("no variable has the value reference {reference}; the largest is {largest}")]
-    UnknownReference {
-        /// What was asked for.
-        reference: u32,
-        /// The last row of the table.
-        largest: usize,
-    },
-    /// A variable of another type.
-    #[error("{name} is {is}, not {asked}")]
-    WrongType {
-        /// The variable.
-        name: String,
-        /// Its type.
-        is: &'static str,
-        /// The type asked for.
-        asked: &'static str,
-    },
-    /// Not now, or never.
-    #[error("{name} cannot be set: {reason}")]
-    NotSettable {
-        /// The variable.
-        name: String,
-        /// Why.
-        reason: &'static str,
-    },
-    /// Outside the bounds, infinite or not a number.
-    #[error("{name} = {value} is refused; it must be {bounds}")]
-    Value {
-        /// The variable.
-        name: String,
-        /// What was given.
-        value: f64,
-        /// What is allowed.
-        bounds: String,
-    },
-    /// The model file cannot be read.
-    #[error("the model: {0}")]
-    Model(String),
-    /// The parameters do not make a model; the text begins with the name of one of them.
-    #[error("{0}")]
-    Parameters(String),
-    /// An argument of a call other than a variable's value.
-    #[error("{argument} = {value} is refused; it must be {allowed}")]
-    Argument {
-        /// Its name.
-        argument: &'static str,
-        /// What was given.
-        value: f64,
-        /// What is allowed.
-        allowed: String,
-    },
-    /// Two arrays of different lengths.
-    #[error("{references} value references, but {values} values")]
-    Lengths {
-        /// Number of value references.
-        references: usize,
-        /// Number of values.
-        values: usize,
-    },
-    /// Out of order.
-    #[error("not allowed in stage {0:?}")]
-    Stage(Stage),
-    /// A step could not be computed. The instance is in [`Stage::StepFailed`] at the step's beginning.
-    #[error("the step from {time} s could not be computed: {reason}")]
-    Step {
-        /// Beginning of the step (s).
-        time: f64,
-        /// Why.
-        reason: String,
-    },
-    /// A saved state cannot be set.
-    #[error(transparent)]
-    Snapshot(#[from] SnapshotError),
 }
 
 /// The frame of a simulation.
@@ -170,10 +91,6 @@ pub struct Instance {
     stage: Stage,
     values: Vec<f64>,
     state: Vec<f64>,
-    /// Values and state before the step, where a step can fail.
-    backup: (Vec<f64>, Vec<f64>),
-    /// [`Behaviour::can_fail`], asked once: a step of a contact takes nanoseconds.
-    can_fail: bool,
     /// Outputs are older than inputs or parameters (only before the first step).
     stale: bool,
     time: Option<f64>,
@@ -213,8 +130,6 @@ impl Instance {
             built: values[values.len() - paths.len()..].to_vec(),
             paths,
             stage: Stage::Instantiated,
-            backup: (values.clone(), state.clone()),
-            can_fail: behaviour.can_fail(),
             stale: true,
             time: None,
             tolerance: DEFAULT_TOLERANCE,
@@ -365,22 +280,11 @@ impl Instance {
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<(), Error> {
         self.require(Stage::StepComplete)?;
         self.check_times(time, step)?;
-        if self.can_fail {
-            self.backup.0.copy_from_slice(&self.values);
-            self.backup.1.copy_from_slice(&self.state);
+        let outcome = self.behaviour.step(&mut self.state, &mut self.values, step, self.tolerance);
+        if let Err(reason) = outcome {
+            self.stage = Stage::StepFailed;
+            return Err(Error::Step { time, reason });
         }
-        let mut outcome = self.behaviour.step(&mut self.state, &mut self.values, step, self.tolerance);
-        if self.can_fail {
-            if !self.values.iter().chain(&self.state).all(|value| value.is_finite()) {
-                outcome = outcome.and(Err("the solution grew beyond all bounds".to_owned()));
-            }
-            if outcome.is_err() {
-                self.values.copy_from_slice(&self.backup.0);
-                self.state.copy_from_slice(&self.backup.1);
-                self.stage = Stage::StepFailed;
-            }
-        }
-        outcome.map_err(|reason| Error::Step { time, reason })?;
         self.time = Some(time + step);
         Ok(())
     }

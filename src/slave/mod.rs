@@ -19,6 +19,7 @@
 mod beam;
 mod contact;
 mod description;
+mod error;
 mod instance;
 mod parameter;
 mod snapshot;
@@ -27,7 +28,8 @@ pub use description::{
     Causality, Dependency, DependencyKind, Description, Experiment, Initial, Variability, Variable,
     VariableType,
 };
-pub use instance::{Error, Instance, Setup, Stage};
+pub use error::Error;
+pub use instance::{Instance, Setup, Stage};
 pub use snapshot::{Snapshot, SnapshotError};
 
 use crate::model::{Model, Structure};
@@ -40,11 +42,11 @@ pub(crate) trait Behaviour: Debug + Send {
     fn state_len(&self) -> usize;
 
     /// Writes the state and the outputs at the start of a simulation, from nothing but the inputs in
-    /// `values`.
+    /// `values`. On error both are as before.
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String>;
 
     /// One step of length `step` (s) with the inputs in `values`; writes the outputs there.
-    /// On error the caller discards `state` and `values`.
+    /// On error both are as before.
     fn step(
         &mut self,
         state: &mut [f64],
@@ -52,9 +54,6 @@ pub(crate) trait Behaviour: Debug + Send {
         step: f64,
         tolerance: f64,
     ) -> Result<(), String>;
-
-    /// Whether a step can fail, so that the instance must keep a copy to return to.
-    fn can_fail(&self) -> bool;
 }
 
 /// The variable table of a model whose parameters have the rows `parameters`.
