@@ -1,6 +1,7 @@
 //! Parameters by path: what a fit may change, within which bounds, and what setting them refuses.
 
-use stickslip::model::{Model, Scale};
+use stickslip::identify::Scale;
+use stickslip::model::Model;
 
 fn beam(law: &str, damping: &str, support: &str, fit: &str) -> Model {
     let text = format!(

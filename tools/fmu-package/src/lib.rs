@@ -16,10 +16,10 @@ mod xml;
 pub use documentation::documentation_html;
 pub use xml::model_description_xml;
 
-use std::io::{Cursor, Write};
+use std::io::{Cursor, Read, Write};
 use stickslip::slave::Instance;
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipWriter};
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 /// Why an FMU cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -31,6 +31,9 @@ pub enum Error {
     /// The model file.
     #[error(transparent)]
     Model(#[from] stickslip::slave::Error),
+    /// Bytes that are no whole FMU with a model in it.
+    #[error("not a whole FMU written by stickslip: {0}")]
+    Unreadable(String),
     /// The archive; only memory can run out.
     #[error("the archive cannot be written: {0}")]
     Archive(#[from] zip::result::ZipError),
@@ -76,7 +79,7 @@ pub fn write_fmu(model_identifier: &str, model_toml: &str) -> Result<Vec<u8>, Er
     let mut entries: Vec<(String, Vec<u8>, u32)> = vec![
         ("modelDescription.xml".into(), model_description_xml(model_identifier, description).into(), 0o644),
         (binary, library().to_vec(), 0o755),
-        ("resources/model.toml".into(), model_toml.into(), 0o644),
+        (MODEL_FILE.into(), model_toml.into(), 0o644),
         (
             "documentation/index.html".into(),
             documentation_html(model_identifier, description, model_toml).into(),
@@ -106,6 +109,36 @@ pub fn write_fmu(model_identifier: &str, model_toml: &str) -> Result<Vec<u8>, Er
     }
     Ok(archive.finish()?.into_inner())
 }
+
+/// The model file inside an FMU that this program exported.
+///
+/// # Errors
+/// [`Error::Unreadable`] for bytes that are no whole FMU of ours.
+///
+/// ```
+/// let (name, model_toml) = stickslip_fmu_package::standard_models()[0];
+/// let fmu = stickslip_fmu_package::write_fmu(name, model_toml)?;
+/// assert_eq!(stickslip_fmu_package::read_model_toml(&fmu)?, model_toml);
+/// assert!(stickslip_fmu_package::read_model_toml(&fmu[..fmu.len() / 2]).is_err());
+/// # Ok::<(), stickslip_fmu_package::Error>(())
+/// ```
+pub fn read_model_toml(fmu: &[u8]) -> Result<String, Error> {
+    let mut archive =
+        ZipArchive::new(Cursor::new(fmu)).map_err(|error| Error::Unreadable(error.to_string()))?;
+    let mut text = String::new();
+    let file =
+        archive.by_name(MODEL_FILE).map_err(|error| Error::Unreadable(format!("{MODEL_FILE}: {error}")))?;
+    // A model file has some kilobytes; an archive that unpacks to more than this is not ours.
+    file.take(LARGEST_MODEL)
+        .read_to_string(&mut text)
+        .map_err(|error| Error::Unreadable(format!("{MODEL_FILE}: {error}")))?;
+    Ok(text)
+}
+
+/// Where an FMU carries its model.
+const MODEL_FILE: &str = "resources/model.toml";
+/// Bytes of a model file read from an FMU at most.
+const LARGEST_MODEL: u64 = 1 << 20;
 
 fn check_identifier(name: &str) -> Result<(), Error> {
     let legal = |character: char| character.is_ascii_alphanumeric() || character == '_';

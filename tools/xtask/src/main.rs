@@ -16,7 +16,7 @@ fn main() -> ExitCode {
         "check" => check(),
         "test" => test(),
         "golden" => cargo(
-            &["test", "--package", "stickslip", "--test", "slave_golden"],
+            &["test", "--package", "stickslip-fmu-package", "--test", "slave_golden"],
             &[("STICKSLIP_GOLDEN", "write")],
         ),
         _ => Err(USAGE.to_owned()),

@@ -11,7 +11,7 @@ use crate::{Failure, ResultFiles};
 /// Arguments of `stickslip compare`.
 #[derive(clap::Args)]
 pub struct Compare {
-    /// The model file
+    /// The model file, or an FMU that carries one
     model: PathBuf,
     /// The dataset: `dataset.toml` or the folder that holds it
     dataset: PathBuf,

@@ -12,7 +12,7 @@ use crate::{Failure, ResultFiles};
 /// Arguments of `stickslip export`.
 #[derive(clap::Args)]
 pub struct Export {
-    /// The model file
+    /// The model file, or an FMU that carries one
     model: PathBuf,
     /// The FMU to write; its name becomes the model identifier
     #[arg(short, long, value_name = "X.fmu")]

@@ -18,8 +18,16 @@ use crate::output::Outputs;
 use crate::progress;
 use crate::{Failure, ResultFiles};
 
-/// Reads a model file; the failure points at the line.
+/// Reads a model file, or the model inside an FMU that this program exported; the failure points at the line.
 fn read_model(path: &Path) -> Result<Model, Failure> {
+    if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu")) {
+        let failed = |reason: String| Failure::input(format!("error: {}: {reason}", path.display()));
+        let bytes = std::fs::read(path).map_err(|error| failed(error.to_string()))?;
+        let text =
+            stickslip_fmu_package::read_model_toml(&bytes).map_err(|error| failed(error.to_string()))?;
+        return Model::parse(&text)
+            .map_err(|error| failed(format!("resources/model.toml: {}", error.message)));
+    }
     stickslip_readers::read_model(path).map_err(shown)
 }
 
