@@ -22,7 +22,7 @@ impl ContactLaw for Broken {
     fn step(&self, _: &[f64], inputs: Inputs, next: &mut [f64]) -> Response {
         next[0] = inputs.displacement;
         Response {
-            force: if inputs.displacement > 1e-6 { f64::NAN } else { 0.0 },
+            force: if inputs.displacement.abs() > 1e-6 { f64::NAN } else { 0.0 },
             tangents: Tangents::default(),
             dissipated_energy: 0.0,
             slip_state: SlipState::Stick,

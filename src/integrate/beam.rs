@@ -1,7 +1,8 @@
 //! The integrator of the modal beam: checks, step-size control, outputs.
 
 use super::motion::BeamMotion;
-use super::step::{Span, StepSolver, Trial};
+use super::step::{Span, StepSolver};
+use super::trial::Trial;
 use super::{BeamError, BeamInputs, Contact, IntegrationError, Ramp, Settings};
 use crate::contact::{ContactLaw, Inputs, SlipState};
 use crate::structure::ModalBeam;
@@ -12,6 +13,9 @@ const STEP_SHARE: f64 = 0.2;
 const LARGEST_ANGLE: f64 = 0.4;
 /// Step tried first from a state that has no suggestion, in radians of the lowest mode.
 const FIRST_ANGLE: f64 = 0.1;
+/// An event does not cut a step shorter than this part of it: what happens twice within so short a
+/// time is rounding.
+const SHORTEST_CUT: f64 = 1e-5;
 /// Smallest step, in radians of the highest mode.
 const SMALLEST_ANGLE: f64 = 1e-9;
 
@@ -207,8 +211,8 @@ impl BeamIntegrator {
             return Err(IntegrationError::StepTooSmall { time: 0.0, step: 0.0 });
         }
         let mut time = 0.0;
-        // A step shorter than the error control asks for, up to an event.
-        let mut shortened = None;
+        // A step cut short at an event, and how long it was at first.
+        let (mut shortened, mut uncut) = (None, 0.0_f64);
         for _ in 0..settings.step_limit {
             let remaining = duration - time;
             let (step, last) = match shortened {
@@ -218,7 +222,10 @@ impl BeamIntegrator {
             span.step = step;
             span.to = if last { 1.0 } else { (time + step) / duration };
             match self.solver.attempt(&span, STEP_SHARE * settings.tolerance) {
-                Trial::Done { event: Some(fraction), .. } if fraction * step >= smallest => {
+                Trial::Done { event: Some(fraction), .. }
+                    if fraction * step >= smallest.max(SHORTEST_CUT * uncut) =>
+                {
+                    uncut = uncut.max(step);
                     shortened = Some(fraction * step);
                 }
                 Trial::Done { error, .. } if error <= 1.0 => {
@@ -226,7 +233,7 @@ impl BeamIntegrator {
                         return Err(IntegrationError::StepTooSmall { time, step });
                     }
                     *suggested = suggest(*suggested, step, error);
-                    shortened = None;
+                    (shortened, uncut) = (None, 0.0);
                     if last {
                         return Ok(());
                     }
@@ -239,7 +246,7 @@ impl BeamIntegrator {
                         Trial::Diverged => 0.4,
                     };
                     *suggested = factor * step;
-                    shortened = None;
+                    (shortened, uncut) = (None, 0.0);
                     if *suggested < smallest {
                         return Err(IntegrationError::StepTooSmall { time, step: *suggested });
                     }

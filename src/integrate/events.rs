@@ -5,7 +5,7 @@ use crate::contact::SlipState;
 
 /// A velocity below this part of the largest in the step is a reversal reached. What the displacement
 /// overshoots is of the square of it.
-const REVERSAL_PRECISION: f64 = 1e-5;
+const REVERSAL_PRECISION: f64 = 1e-4;
 
 /// A change of slip state is located to this part of the step: the force is in error in proportion.
 const CORNER_PRECISION: f64 = 1e-7;

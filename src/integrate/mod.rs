@@ -42,6 +42,7 @@ mod events;
 mod motion;
 mod propagator;
 mod step;
+mod trial;
 
 pub use beam::{BeamIntegrator, BeamOutputs, SensorReading};
 pub use error::{BeamError, IntegrationError};

@@ -1,0 +1,271 @@
+//! A trial step: collocation by sweeps, correction, error estimate and events.
+
+use super::Contact;
+use super::contact_point::ContactPoint;
+use super::events::{self, Reversal};
+use super::propagator::NODES;
+use super::step::{NEGLIGIBLE, NodeContact, Span, StepSolver};
+
+/// Nodes of the quadratic through the forcing.
+pub(crate) const MIDDLE: usize = 2;
+pub(crate) const END: usize = 4;
+/// Sweeps before a step counts as not converging; convergence is about a digit a sweep or better.
+const SWEEPS: usize = 12;
+/// No finer than this part of the limit is the force asked to follow a normal load that varies within
+/// a step: there a law may be accurate to first order in the step only.
+const FINEST_PATH: f64 = 1e-4;
+/// What a trial step found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Trial {
+    /// No convergence, or the law gave no finite force: try a shorter step.
+    Diverged,
+    /// Error estimate relative to the tolerance, and the first event as a fraction of the step.
+    Done { error: f64, event: Option<f64> },
+}
+
+impl StepSolver {
+    /// Tries a step of `span.step` to the relative `tolerance`.
+    pub fn attempt(&mut self, span: &Span, tolerance: f64) -> Trial {
+        self.select_propagator(span.step);
+        self.begin();
+        if !self.collocate(span, tolerance) {
+            return Trial::Diverged;
+        }
+        for node in [1, 3] {
+            self.place(node);
+            if self.evaluate(node, span, 0.0).is_none() {
+                return Trial::Diverged;
+            }
+        }
+        let error = self.correct(span, tolerance);
+        if !error.is_finite() {
+            return Trial::Diverged;
+        }
+        Trial::Done { error, event: self.event(span, tolerance) }
+    }
+
+    fn select_propagator(&mut self, step: f64) {
+        if self.propagators[self.current].is_for(step) {
+            return;
+        }
+        self.current = 1 - self.current;
+        let propagator = &mut self.propagators[self.current];
+        if !propagator.is_for(step) {
+            propagator.fill(&self.beam.angular_frequency, &self.beam.damping_ratio, step);
+        }
+    }
+
+    /// What the state and the forcing at the start contribute to the nodes.
+    fn begin(&mut self) {
+        let (q, v, p) = (&self.q[0], &self.v[0], &self.forcing[0]);
+        for node in 1..=END {
+            let rows = self.propagators[self.current].node(node);
+            weigh(&mut self.q_start[node], rows.q_start, [q, v, p]);
+            weigh(&mut self.v_start[node], rows.v_start, [q, v, p]);
+        }
+        let (first, rest) = self.forcing.split_at_mut(1);
+        rest[MIDDLE - 1].copy_from_slice(&first[0]);
+        rest[END - 1].copy_from_slice(&first[0]);
+        for node in 1..=END {
+            self.nodes[node] = self.nodes[0];
+        }
+    }
+
+    /// Modal state at a node from the quadratic forcing.
+    fn place(&mut self, node: usize) {
+        let rows = self.propagators[self.current].node(node);
+        let forcing = [&self.forcing[MIDDLE][..], &self.forcing[END][..]];
+        add_weighed(&mut self.q[node], &self.q_start[node], rows.q_forcing, forcing);
+        add_weighed(&mut self.v[node], &self.v_start[node], rows.v_forcing, forcing);
+    }
+
+    /// Solves the collocation equations by sweeps; false if they do not converge.
+    fn collocate(&mut self, span: &Span, tolerance: f64) -> bool {
+        let mut previous = f64::INFINITY;
+        for sweep in 0..SWEEPS {
+            self.place(MIDDLE);
+            let yielding = self.own_flexibility(MIDDLE);
+            let Some(middle) = self.evaluate(MIDDLE, span, yielding) else { return false };
+            if sweep == 0 {
+                self.extrapolate_end();
+            }
+            self.place(END);
+            let yielding = self.own_flexibility(END);
+            let Some(end) = self.evaluate(END, span, yielding) else { return false };
+            let change = (middle + end).sqrt() * span.step;
+            let scale = self.energy_norm.max(self.energy(&self.q[END], &self.v[END]));
+            if change <= 0.02 * tolerance * scale || change <= NEGLIGIBLE {
+                return true;
+            }
+            if !change.is_finite() || (sweep > 2 && change > 0.9 * previous) {
+                return false;
+            }
+            previous = change;
+        }
+        false
+    }
+
+    /// First guess at the end of the step: straight on from start and middle.
+    fn extrapolate_end(&mut self) {
+        let (before, last) = self.forcing.split_at_mut(END);
+        for ((end, middle), start) in last[0].iter_mut().zip(&before[MIDDLE]).zip(&before[0]) {
+            *end = 2.0 * middle - start;
+        }
+        self.nodes[END] = self.nodes[MIDDLE];
+        self.nodes[END].force = 2.0 * self.nodes[MIDDLE].force - self.nodes[0].force;
+    }
+
+    /// How far a unit force at a node, spread by the quadratic, moves the same node: with it the
+    /// force answers to itself within a sweep. Zero is always legal, only slower.
+    fn own_flexibility(&self, node: usize) -> f64 {
+        let rows = self.propagators[self.current].node(node).q_forcing;
+        let own = if node == MIDDLE { rows[0] } else { rows[1] };
+        let shape = &self.beam.contact_shape;
+        shape.iter().zip(own).map(|(c, w)| c * c * w).sum::<f64>().max(0.0)
+    }
+
+    /// Contact and forcing at a placed node; squared change of the forcing, or `None` if the law
+    /// fails. `yielding` (m/N) is the node's own flexibility.
+    fn evaluate(&mut self, node: usize, span: &Span, yielding: f64) -> Option<f64> {
+        self.geometry(node);
+        let fraction = span.fraction(NODES[node]);
+        match span.inputs.contact {
+            Contact::Force(force) => self.nodes[node].force = force.at(fraction),
+            Contact::Friction { law, normal_load } => {
+                let load = normal_load.at(fraction);
+                let point = self.point(node, load, yielding);
+                let (response, displacement) = point.solve(law, &self.contact, &mut self.contact_next)?;
+                self.store(node, response, displacement, load);
+            }
+        }
+        Some(self.force_modes(node, span.inputs.excitation.at(fraction)))
+    }
+
+    /// End state from the quartic through all five nodes; returns the error estimate relative to
+    /// the tolerance.
+    fn correct(&mut self, span: &Span, tolerance: f64) -> f64 {
+        let propagator = &self.propagators[self.current];
+        let start = propagator.node(END);
+        let (q_rows, v_rows) = (propagator.quartic_q(), propagator.quartic_v());
+        let p: [&[f64]; 5] = std::array::from_fn(|j| &self.forcing[j][..]);
+        let (mut error, mut norm) = (0.0, 0.0);
+        for (i, &omega) in self.beam.angular_frequency.iter().enumerate() {
+            let (q0, v0) = (self.q[0][i], self.v[0][i]);
+            let mut q = start.q_start[0][i] * q0 + start.q_start[1][i] * v0;
+            let mut v = start.v_start[0][i] * q0 + start.v_start[1][i] * v0;
+            for j in 0..5 {
+                q += q_rows[j][i] * p[j][i];
+                v += v_rows[j][i] * p[j][i];
+            }
+            self.q_end[i] = q;
+            self.v_end[i] = v;
+            let (dq, dv) = (omega * (q - self.q[END][i]), v - self.v[END][i]);
+            error += dq * dq + dv * dv;
+            norm += omega * omega * q * q + v * v;
+        }
+        let scale = self.energy_norm.max(norm.sqrt());
+        let modal = if error == 0.0 { 0.0 } else { error.sqrt() / (tolerance * scale) };
+        modal.max(self.path_error(span, tolerance))
+    }
+
+    /// A law takes displacement and normal load to run linearly together within a step, but they
+    /// curve; what a stop at the middle changes in the force, relative to the tolerance and the limit.
+    fn path_error(&mut self, span: &Span, tolerance: f64) -> f64 {
+        let Contact::Friction { law, normal_load } = span.inputs.contact else { return 0.0 };
+        if normal_load.start == normal_load.end {
+            return 0.0;
+        }
+        let inputs = |contact: &NodeContact| crate::contact::Inputs {
+            displacement: contact.displacement,
+            velocity: contact.geometric_velocity,
+            normal_load: contact.normal_load,
+        };
+        law.step(&self.contact, inputs(&self.nodes[MIDDLE]), &mut self.contact_middle);
+        let end = &self.nodes[END];
+        let direct = law.step(&self.contact, inputs(end), &mut self.contact_next).force;
+        let bent = law.step(&self.contact_middle, inputs(end), &mut self.contact_next).force;
+        let limit = law.limit(end.normal_load).max(law.limit(self.nodes[0].normal_load));
+        // About to lift off the limit vanishes; what then counts is what a force does to the beam.
+        let scale = limit.max(end.force.abs()).max(0.01 * self.energy_norm / self.compliance_norm);
+        if direct == bent { 0.0 } else { (direct - bent).abs() / (tolerance.max(FINEST_PATH) * scale) }
+    }
+
+    /// The first event of the step tried, unless it is its end.
+    fn event(&mut self, span: &Span, tolerance: f64) -> Option<f64> {
+        let Contact::Friction { law, normal_load } = span.inputs.contact else { return None };
+        let flexibility = self.beam.axial_flexibility;
+        let velocity = self.nodes.map(|node| node.velocity(flexibility, span.load_rate));
+        let displacement = self.nodes.map(|node| node.displacement);
+        // Motion this small is invisible at the tolerance; what is left of it may be rounding.
+        let norm = self.shape_norm * self.energy_norm;
+        let floor = (1e-6 * tolerance).max(1e-13) * norm;
+        let size = displacement.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+        let rounding = 64.0 * f64::EPSILON * size + 1e-7 * span.step * floor;
+        let mut first = match events::reversal(&velocity, &displacement, floor, rounding) {
+            Reversal::None => f64::INFINITY,
+            Reversal::At(fraction) => fraction,
+            Reversal::Hidden => 0.5,
+        };
+        let mut slip = self.nodes.map(|node| node.slip_state);
+        let nodes = self.nodes;
+        let constant = normal_load.start == normal_load.end;
+        let (contact, before, next) = (&self.contact, &mut self.contact_middle, &mut self.contact_next);
+        let point = |node: usize, at: f64| {
+            let (u, v) = hermite(&nodes[node], &nodes[node + 1], span.step, (at - NODES[node]) * 4.0);
+            ContactPoint {
+                displacement: u,
+                velocity: v,
+                flexibility,
+                normal_load: normal_load.at(span.fraction(at)),
+                guess: nodes[node].force,
+            }
+        };
+        let mut probe = |node: usize, at: f64| {
+            let mut from = contact;
+            if !constant {
+                point(node, at - events::LOOK_BACK).solve(law, contact, before)?;
+                from = before;
+            }
+            point(node, at).solve(law, from, next).map(|(response, _)| response.slip_state)
+        };
+        // The state committed belongs to the step before: a contact that slipped up to a reversal sticks.
+        if let Some(state) = probe(0, events::JUST_BEHIND_START) {
+            slip[0] = state;
+        }
+        let parts = if constant { 1 } else { events::PROBES };
+        if let Some(fraction) = events::corner(&slip, parts, probe) {
+            first = first.min(fraction);
+        }
+        (first < 1.0).then_some(first)
+    }
+}
+
+fn weigh(out: &mut [f64], rows: [&[f64]; 3], by: [&Vec<f64>; 3]) {
+    let n = out.len();
+    let rows = rows.map(|row| &row[..n]);
+    let by = by.map(|values| &values[..n]);
+    for i in 0..n {
+        out[i] = rows[0][i] * by[0][i] + rows[1][i] * by[1][i] + rows[2][i] * by[2][i];
+    }
+}
+
+fn add_weighed(out: &mut [f64], start: &[f64], rows: [&[f64]; 2], by: [&[f64]; 2]) {
+    let n = out.len();
+    let start = &start[..n];
+    let rows = rows.map(|row| &row[..n]);
+    let by = by.map(|values| &values[..n]);
+    for i in 0..n {
+        out[i] = start[i] + rows[0][i] * by[0][i] + rows[1][i] * by[1][i];
+    }
+}
+
+/// Cubic through displacement and velocity of two neighbouring nodes, `x` from 0 to 1 between them,
+/// a quarter of `step` (s) apart: displacement (m) and velocity (m/s).
+fn hermite(a: &NodeContact, b: &NodeContact, step: f64, x: f64) -> (f64, f64) {
+    let width = 0.25 * step;
+    let rise = b.geometric_displacement - a.geometric_displacement;
+    let (va, vb) = (a.geometric_velocity * width, b.geometric_velocity * width);
+    let (c2, c3) = (3.0 * rise - 2.0 * va - vb, va + vb - 2.0 * rise);
+    let u = a.geometric_displacement + x * (va + x * (c2 + x * c3));
+    (u, (va + x * (2.0 * c2 + 3.0 * x * c3)) / width)
+}
