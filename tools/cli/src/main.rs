@@ -54,12 +54,17 @@ struct Failure {
 impl Failure {
     /// The user's input is at fault: exit code 2.
     fn input(message: impl Into<String>) -> Failure {
-        Failure { code: 2, message: message.into() }
+        Failure { code: 2, message: format!("error: {}", message.into()) }
+    }
+
+    /// The user's input is at fault, and `message` shows where.
+    fn rendered(message: String) -> Failure {
+        Failure { code: 2, message }
     }
 
     /// Something else is at fault: exit code 1.
     fn other(message: impl Into<String>) -> Failure {
-        Failure { code: 1, message: message.into() }
+        Failure { code: 1, message: format!("error: {}", message.into()) }
     }
 }
 

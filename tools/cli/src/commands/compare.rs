@@ -37,7 +37,7 @@ impl Compare {
         let mut outputs = Outputs::default();
         if !self.no_fit {
             let (refitted, stage) = watched("refitting", |watch| refit("refitted", &model, &dataset, watch))
-                .map_err(|error| Failure::other(format!("error: the refit failed: {error}")))?;
+                .map_err(|error| Failure::other(format!("the refit failed: {error}")))?;
             stages.push(stage);
             if let Some(path) = &self.out {
                 outputs.add(path, refitted.to_toml());

@@ -100,7 +100,7 @@ fn run_stage(name: &str, path: &Path, fit: bool, dataset: &Dataset) -> Result<(M
     watched(name, |watch| {
         if fit {
             refit(name, &model, dataset, watch)
-                .map_err(|error| Failure::other(format!("error: {name}: the refit failed: {error}")))
+                .map_err(|error| Failure::other(format!("{name}: the refit failed: {error}")))
         } else {
             let stage = evaluate(name, &model, dataset);
             Ok((model, stage))

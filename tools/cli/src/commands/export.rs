@@ -28,10 +28,10 @@ impl Export {
         Outputs::check(&self.out)?;
         let text = read_model(&self.model)?.to_toml();
         let name = model_identifier(&self.out)?;
-        let failed = |error: stickslip_fmu_package::Error| Failure::input(format!("error: {error}"));
+        let failed = |error: stickslip_fmu_package::Error| Failure::input(format!("{error}"));
         let mut outputs = Outputs::default();
         outputs.add(&self.out, stickslip_fmu_package::write_fmu(&name, &text).map_err(failed)?);
-        let instance = Instance::new(&text).map_err(|error| Failure::input(format!("error: {error}")))?;
+        let instance = Instance::new(&text).map_err(|error| Failure::input(format!("{error}")))?;
         let description = instance.description();
         if let Some(path) = &self.files.report {
             outputs.add(path, stickslip_fmu_package::documentation_html(&name, description, &text));
@@ -67,6 +67,6 @@ impl Export {
 fn model_identifier(path: &Path) -> Result<String, Failure> {
     match (path.extension().and_then(|end| end.to_str()), path.file_stem().and_then(|stem| stem.to_str())) {
         (Some("fmu"), Some(stem)) => Ok(stem.to_owned()),
-        _ => Err(Failure::input(format!("error: {} should end in .fmu", path.display()))),
+        _ => Err(Failure::input(format!("{} should end in .fmu", path.display()))),
     }
 }

@@ -21,7 +21,7 @@ use crate::{Failure, ResultFiles};
 /// Reads a model file, or the model inside an FMU that this program exported; the failure points at the line.
 fn read_model(path: &Path) -> Result<Model, Failure> {
     if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu")) {
-        let failed = |reason: String| Failure::input(format!("error: {}: {reason}", path.display()));
+        let failed = |reason: String| Failure::input(format!("{}: {reason}", path.display()));
         let bytes = std::fs::read(path).map_err(|error| failed(error.to_string()))?;
         let text =
             stickslip_fmu_package::read_model_toml(&bytes).map_err(|error| failed(error.to_string()))?;
@@ -40,7 +40,7 @@ fn read_dataset(path: &Path, model: &Model) -> Result<Dataset, Failure> {
 
 fn shown(error: stickslip_readers::InputError) -> Failure {
     use std::io::IsTerminal as _;
-    Failure::input(error.render(std::io::stderr().is_terminal()))
+    Failure::rendered(error.render(std::io::stderr().is_terminal()))
 }
 
 /// Prints the comparison and puts the asked-for files among `outputs`.

@@ -1,0 +1,272 @@
+//! What a user does with the program, and what it says when the input is wrong.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+const CONTACT: &str = r#"schema = "stickslip.model/1"
+kind = "contact"
+
+[contact]
+law = "jenkins"
+tangential_stiffness = 2.0e6
+friction_coefficient = 0.5
+normal_load = 100.0
+"#;
+
+const DATASET: &str = r#"schema = "stickslip.dataset/1"
+
+[[record]]
+file = "loop.csv"
+regime = "from-rest"
+"#;
+
+fn stickslip(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_stickslip")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// A folder with `model.toml`, `data/dataset.toml` and a loop measured on a contact of 3e6 N/m and 60 N.
+fn example() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("model.toml"), CONTACT).unwrap();
+    fs::create_dir(folder.path().join("data")).unwrap();
+    fs::write(folder.path().join("data/dataset.toml"), DATASET).unwrap();
+    fs::write(folder.path().join("data/loop.csv"), measured_loop()).unwrap();
+    folder
+}
+
+/// Jenkins' element stepped by hand, in millimetres and kilonewtons.
+fn measured_loop() -> String {
+    let (mut slider, mut text) = (0.0_f64, "time [s],displacement [mm],force [kN]\n".to_owned());
+    for index in 0..400 {
+        let time = f64::from(index) * 0.0025;
+        let displacement = 50e-6 * (std::f64::consts::TAU * 2.0 * time).sin();
+        let force = (3e6 * (displacement - slider)).clamp(-60.0, 60.0);
+        slider = displacement - force / 3e6;
+        text += &format!("{time},{},{}\n", displacement * 1e3, force * 1e-3);
+    }
+    text
+}
+
+fn rms_of(stage: &serde_json::Value) -> f64 {
+    stage["records"][0]["channels"]["frequency"]["rms"].as_f64().unwrap()
+}
+
+fn entries(folder: &Path) -> Vec<PathBuf> {
+    let mut all: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    all.sort();
+    all
+}
+
+#[test]
+fn the_demonstration_lets_the_error_fall_and_exports_the_best_model() {
+    let folder = tempfile::tempdir().unwrap();
+    // The demonstration is what the program does when it is told nothing.
+    let output = stickslip(folder.path(), &[]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let results = folder.path().join("stickslip-demo");
+    let json: serde_json::Value =
+        serde_json::from_slice(&fs::read(results.join("comparison.json")).unwrap()).unwrap();
+    let rms: Vec<f64> = json["stages"].as_array().unwrap().iter().map(rms_of).collect();
+    // An independent program: 1.80 Hz (linear), 0.80 Hz (its frequencies with the printed parameters), 0.15
+    // and 0.10 Hz refitted. Jenkins has no independent number.
+    for (stage, expected) in rms.iter().zip([1.81, 0.80, 0.23, 0.15, 0.10]) {
+        assert!((stage - expected).abs() < 0.01, "{rms:?}");
+    }
+    assert!(rms.is_sorted_by(|before, after| before > after));
+    assert!(stdout(&output).contains("FrictionalSupport.fmu"));
+    let page = fs::read_to_string(results.join("report.html")).unwrap();
+    assert!(page.contains("Plotly") && page.len() > 1_000_000);
+    // What was exported is what was fitted: read back from the FMU it makes the same error.
+    let again = stickslip(
+        &results,
+        &["compare", "FrictionalSupport.fmu", "frictional-support", "--no-fit", "--json", "again.json"],
+    );
+    assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
+    let again: serde_json::Value =
+        serde_json::from_slice(&fs::read(results.join("again.json")).unwrap()).unwrap();
+    assert_eq!(rms_of(&again["stages"][0]), rms[4]);
+}
+
+#[test]
+fn a_refit_finds_the_parameters_of_an_exact_loop() {
+    let folder = example();
+    let output = stickslip(
+        folder.path(),
+        &["compare", "model.toml", "data", "-o", "refitted.toml", "--json", "c.json", "--report", "r.html"],
+    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let json: serde_json::Value =
+        serde_json::from_slice(&fs::read(folder.path().join("c.json")).unwrap()).unwrap();
+    assert_eq!(json["schema"], "stickslip.comparison/1");
+    assert!(json["error"]["baseline"].as_f64().unwrap() > 0.1);
+    assert!(json["error"]["refitted"].as_f64().unwrap() < 1e-6);
+    let parameters = &json["stages"][1]["parameters"];
+    assert!((parameters["contact.tangential_stiffness"]["value"].as_f64().unwrap() / 3e6 - 1.0).abs() < 1e-6);
+    assert!((parameters["contact.friction_coefficient"]["value"].as_f64().unwrap() / 0.6 - 1.0).abs() < 1e-6);
+    // The refitted model makes the error that was promised, and exports.
+    let again =
+        stickslip(folder.path(), &["compare", "refitted.toml", "data", "--no-fit", "--json", "d.json"]);
+    assert!(again.status.success());
+    let again: serde_json::Value =
+        serde_json::from_slice(&fs::read(folder.path().join("d.json")).unwrap()).unwrap();
+    assert_eq!(again["error"]["baseline"], json["error"]["refitted"]);
+    assert!(stickslip(folder.path(), &["export", "refitted.toml", "-o", "Refitted.fmu"]).status.success());
+}
+
+#[test]
+fn the_same_input_gives_the_same_bytes() {
+    let folder = example();
+    for name in ["first", "second"] {
+        fs::create_dir(folder.path().join(name)).unwrap();
+        let files = [format!("{name}/c.json"), format!("{name}/X.fmu")];
+        let compared = stickslip(folder.path(), &["compare", "model.toml", "data", "--json", &files[0]]);
+        let exported = stickslip(folder.path(), &["export", "model.toml", "-o", &files[1]]);
+        assert!(compared.status.success() && exported.status.success());
+    }
+    for file in ["c.json", "X.fmu"] {
+        let read = |name: &str| fs::read(folder.path().join(name).join(file)).unwrap();
+        assert!(read("first") == read("second"), "{file}");
+    }
+}
+
+#[test]
+fn standard_fmus_are_written_by_name_or_all() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(stickslip(folder.path(), &["fmu", "--out", "all"]).status.success());
+    let names: Vec<String> = entries(&folder.path().join("all"))
+        .iter()
+        .map(|path| path.file_name().unwrap().to_string_lossy().into_owned())
+        .collect();
+    assert_eq!(names, ["FrictionalBeam.fmu", "JenkinsContact.fmu", "ModalBeam.fmu", "ValanisContact.fmu"]);
+    assert!(stickslip(folder.path(), &["fmu", "--out", "one", "ModalBeam"]).status.success());
+    assert_eq!(entries(&folder.path().join("one")).len(), 1);
+    let unknown = stickslip(folder.path(), &["fmu", "--out", "none", "Modalbeam"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(!folder.path().join("none").exists());
+}
+
+/// Compares with something wrong in it: exit code 2, one message that holds every one of `hints`, no file written.
+fn refused(change: impl Fn(&Path), arguments: &[&str], hints: &[&str]) {
+    let folder = example();
+    change(folder.path());
+    let before = entries(folder.path());
+    let output = stickslip(folder.path(), arguments);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert_eq!(message.matches("error: ").count(), 1, "{message}");
+    for hint in hints {
+        assert!(message.contains(hint), "no `{hint}` in\n{message}");
+    }
+    assert_eq!(entries(folder.path()), before, "something was written");
+}
+
+const COMPARE: [&str; 8] =
+    ["compare", "model.toml", "data", "-o", "new.toml", "--json", "c.json", "--report=r.html"];
+
+fn replace(file: &'static str, from: &'static str, to: &'static str) -> impl Fn(&Path) {
+    move |folder| {
+        let path = folder.join(file);
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(text.contains(from));
+        fs::write(path, text.replacen(from, to, 1)).unwrap();
+    }
+}
+
+#[test]
+fn an_unknown_key_is_refused_with_file_and_line() {
+    refused(
+        replace("model.toml", "friction_coefficient", "friction_coeficient"),
+        &COMPARE,
+        &["model.toml:7", "friction_coeficient", "friction_coefficient"],
+    );
+}
+
+#[test]
+fn a_missing_column_is_refused_with_its_file() {
+    refused(replace("data/loop.csv", "force [kN]", "velocity [m/s]"), &COMPARE, &["loop.csv:1", "force"]);
+}
+
+#[test]
+fn a_unit_of_another_dimension_is_refused_with_file_and_line() {
+    refused(replace("data/loop.csv", "[kN]", "[kg]"), &COMPARE, &["loop.csv:1", "kg", "kN"]);
+}
+
+#[test]
+fn a_number_that_is_none_is_refused_with_file_and_line() {
+    refused(replace("data/loop.csv", "\n0.0025,", "\nNaN,"), &COMPARE, &["loop.csv:3", "NaN"]);
+}
+
+#[test]
+fn a_smoothness_of_one_is_refused_with_file_and_line() {
+    let change = replace("model.toml", "law = \"jenkins\"", "law = \"valanis\"\nsmoothness = 1.0");
+    refused(change, &COMPARE, &["model.toml:6", "smoothness"]);
+}
+
+#[test]
+fn a_mass_of_zero_is_refused_with_file_and_line() {
+    let beam = include_str!("../../../examples/frictional-support/published.toml")
+        .replace("mass = 0.02515", "mass = 0.0");
+    assert!(beam.contains("mass = 0.0\n") || beam.contains("mass = 0.0 "));
+    refused(
+        move |folder| fs::write(folder.join("model.toml"), &beam).unwrap(),
+        &["export", "model.toml", "-o", "X.fmu"],
+        &["model.toml:", "mass"],
+    );
+}
+
+#[test]
+fn a_truncated_fmu_is_refused_by_name() {
+    let truncate = |folder: &Path| {
+        assert!(stickslip(folder, &["export", "model.toml", "-o", "X.fmu"]).status.success());
+        let whole = fs::read(folder.join("X.fmu")).unwrap();
+        fs::write(folder.join("X.fmu"), &whole[..whole.len() / 2]).unwrap();
+    };
+    refused(truncate, &["compare", "X.fmu", "data", "--json", "c.json"], &["X.fmu", "not a whole FMU"]);
+}
+
+#[test]
+fn a_destination_that_cannot_be_written_is_refused_before_any_work() {
+    refused(|_| (), &["compare", "model.toml", "data", "--report", "nowhere/r.html"], &["nowhere"]);
+    refused(|_| (), &["export", "model.toml", "-o", "model.so"], &[".fmu"]);
+    refused(|_| (), &["export", "model.toml", "-o", "two words.fmu"], &["two words"]);
+    refused(|_| (), &["compare", "missing.toml", "data"], &["missing.toml"]);
+}
+
+/// The measured loops of a friction device have a licence of their own and stay where they are.
+#[test]
+fn measured_friction_damper_is_compared_where_its_data_are_present() {
+    let data = std::env::var_os("STICKSLIP_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), PathBuf::from);
+    let folder = data.join("friction-damper");
+    if !folder.is_dir() {
+        eprintln!("SKIPPED: {} is not there (set STICKSLIP_DATA)", folder.display());
+        return;
+    }
+    let out = tempfile::tempdir().unwrap();
+    let (model, dataset) = (folder.join("model.toml"), folder.join("dataset.toml"));
+    let output = stickslip(
+        out.path(),
+        &[
+            "compare",
+            model.to_str().unwrap(),
+            dataset.to_str().unwrap(),
+            "--json",
+            "c.json",
+            "--report",
+            "r.html",
+        ],
+    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let json: serde_json::Value =
+        serde_json::from_slice(&fs::read(out.path().join("c.json")).unwrap()).unwrap();
+    let error = |name: &str| json["error"][name].as_f64().unwrap();
+    assert!(error("refitted") < 0.5 * error("baseline"), "{} {}", error("baseline"), error("refitted"));
+    assert_eq!(json["stages"][1]["records"].as_array().unwrap().len(), 10);
+}
