@@ -1,0 +1,165 @@
+//! Records of every regime against models that made them.
+//!
+//! Items to verify: an unknown initial force is found; a steady loop needs no start; a beam from rest ends in
+//! the steady state that harmonic balance finds; the error is the one the files define; a record that
+//! cannot be predicted says why and leaves the others alone.
+
+use std::f64::consts::TAU;
+
+use stickslip::diagnose::{Watch, evaluate, refit};
+use stickslip::measure::{Channel, Dataset, Record, Regime};
+use stickslip::model::Model;
+
+const STIFFNESS: f64 = 2e6;
+const LIMIT: f64 = 50.0;
+
+fn contact() -> Model {
+    Model::parse(
+        r#"
+        schema = "stickslip.model/1"
+        kind = "contact"
+        [contact]
+        law = "jenkins"
+        tangential_stiffness = 2e6
+        friction_coefficient = 0.5
+        normal_load = 100.0
+        "#,
+    )
+    .unwrap()
+}
+
+fn channel(name: &str, unit: &'static str, values: Vec<f64>) -> Channel {
+    Channel { name: name.into(), unit, values, noise: None }
+}
+
+fn record(name: &str, regime: Regime, channels: Vec<Channel>) -> Record {
+    Record { name: name.into(), regime, use_for: None, channels }
+}
+
+fn dataset(records: Vec<Record>) -> Dataset {
+    Dataset { title: None, records }
+}
+
+/// A Jenkins loop stepped by hand from `slider` (m), `periods` of 200 samples and 40 µm.
+fn measured_loop(mut slider: f64, periods: usize, regime: Regime) -> Record {
+    let (mut time, mut displacement, mut force) = (Vec::new(), Vec::new(), Vec::new());
+    for index in 0..200 * periods {
+        let u = 40e-6 * (TAU * index as f64 / 200.0 + 0.3).sin();
+        let t = (STIFFNESS * (u - slider)).clamp(-LIMIT, LIMIT);
+        slider = u - t / STIFFNESS;
+        time.push(index as f64 * 1e-3);
+        displacement.push(u);
+        force.push(t);
+    }
+    let channels = vec![
+        channel("time", "s", time),
+        channel("displacement", "m", displacement),
+        channel("force", "N", force),
+    ];
+    record("loop.csv", regime, channels)
+}
+
+#[test]
+fn an_unknown_initial_force_is_found_from_the_record() {
+    for slider in [-8e-6, 0.0, 20e-6, 30e-6] {
+        let stage =
+            evaluate("", &contact(), &dataset(vec![measured_loop(slider, 2, Regime::UnknownInitialState)]));
+        assert!(stage.error < 1e-4, "slider at {slider}: {}", stage.error);
+    }
+    // From rest it is another record: the slider does not start where the model has it.
+    let stage = evaluate("", &contact(), &dataset(vec![measured_loop(30e-6, 2, Regime::FromRest)]));
+    assert!(stage.error > 0.1, "{}", stage.error);
+}
+
+#[test]
+fn a_steady_loop_needs_no_start() {
+    let mut record = measured_loop(7e-6, 2, Regime::Steady);
+    for channel in &mut record.channels {
+        channel.values.drain(..200); // the first period is the transient
+    }
+    let stage = evaluate("", &contact(), &dataset(vec![record]));
+    assert!(stage.error < 1e-12, "{}", stage.error);
+}
+
+#[test]
+fn the_error_is_the_root_mean_square_over_the_standard_deviation() {
+    let mut record = measured_loop(0.0, 1, Regime::FromRest);
+    let measured = record.channels[2].values.clone();
+    let count = measured.len() as f64;
+    let mean = measured.iter().sum::<f64>() / count;
+    let deviation = (measured.iter().map(|force| (force - mean).powi(2)).sum::<f64>() / count).sqrt();
+    record.channels[2].values.iter_mut().for_each(|force| *force += 3.0);
+    let stage = evaluate("", &contact(), &dataset(vec![record]));
+    assert!((stage.error - 3.0 / deviation).abs() < 1e-12);
+    assert!((stage.records[0].channels[0].rms - 3.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_refit_finds_the_contact_that_made_the_loops() {
+    let mut start = contact();
+    start.set("contact.tangential_stiffness", 1.2e6).unwrap();
+    start.set("contact.friction_coefficient", 0.8).unwrap();
+    let data = dataset(vec![
+        measured_loop(0.0, 1, Regime::FromRest),
+        measured_loop(5e-6, 1, Regime::UnknownInitialState),
+    ]);
+    let (model, stage) = refit("refitted", &start, &data, Watch::default()).unwrap();
+    assert!(stage.error < 1e-4, "{}", stage.error);
+    assert!((model.get("contact.tangential_stiffness").unwrap() / STIFFNESS - 1.0).abs() < 1e-3);
+    assert!((model.get("contact.friction_coefficient").unwrap() / 0.5 - 1.0).abs() < 1e-3);
+    assert!(stage.parameters.iter().any(|parameter| parameter.fitted_from == Some(1.2e6)));
+}
+
+#[test]
+fn an_interrupted_refit_keeps_the_best_so_far() {
+    let mut start = contact();
+    start.set("contact.friction_coefficient", 0.8).unwrap();
+    let data = dataset(vec![measured_loop(0.0, 1, Regime::FromRest)]);
+    let before = evaluate("", &start, &data).error;
+    let calls = std::sync::atomic::AtomicUsize::new(0);
+    let interrupt = || calls.fetch_add(1, std::sync::atomic::Ordering::SeqCst) >= 8;
+    let watch = Watch { interrupt: Some(&interrupt), ..Watch::default() };
+    let (_, stage) = refit("", &start, &data, watch).unwrap();
+    assert!(stage.error <= before && stage.evaluations <= 16, "{} {}", stage.error, stage.evaluations);
+}
+
+#[test]
+fn a_record_that_cannot_be_predicted_says_why_and_leaves_the_others_alone() {
+    let mut flat = measured_loop(0.0, 1, Regime::FromRest);
+    flat.channels[2].values.fill(1.0);
+    let stage = evaluate("", &contact(), &dataset(vec![flat, measured_loop(0.0, 1, Regime::FromRest)]));
+    assert!(stage.records[0].failure.as_ref().unwrap().contains("force"));
+    assert!(stage.records[1].failure.is_none() && stage.error < 1e-12);
+}
+
+#[test]
+fn a_beam_from_rest_ends_in_the_steady_state_of_harmonic_balance() {
+    let text = include_str!("../examples/frictional-support/published.toml").replace("= 0.003", "= 0.02");
+    let model = Model::parse(&text).unwrap();
+    let (per_period, periods, kept) = (256, 60, 2);
+    let period = 1.0 / 51.0;
+    let instants: Vec<f64> =
+        (0..per_period * periods).map(|k| period * k as f64 / per_period as f64).collect();
+    let force: Vec<f64> = instants.iter().map(|t| 8.0 * (TAU * t / period).sin()).collect();
+    let blank: Vec<f64> = instants.iter().map(|t| t.sin()).collect();
+    let positions = ["acceleration:x=0.55", "acceleration:x=0.2"];
+    let mut channels = vec![channel("time", "s", instants), channel("excitation", "N", force)];
+    channels.extend(positions.map(|name| channel(name, "m/s^2", blank.clone())));
+    let transient = record("rest.csv", Regime::FromRest, channels);
+    let from_rest = evaluate("", &model, &dataset(vec![transient.clone()]));
+    assert_eq!(from_rest.records[0].failure, None);
+
+    // What the integration ends in becomes the measurement of a steady record.
+    let last = per_period * (periods - kept);
+    let mut steady = Record { regime: Regime::Steady, ..transient };
+    for (channel, result) in steady.channels[2..].iter_mut().zip(&from_rest.records[0].channels) {
+        channel.values = result.predicted.clone();
+    }
+    for channel in &mut steady.channels {
+        channel.values.drain(..last);
+    }
+    let stage = evaluate("", &model, &dataset(vec![steady]));
+    assert_eq!(stage.records[0].failure, None);
+    // Truncation at 30 harmonics, and what is left of the transient.
+    assert!(stage.error < 5e-3, "{}", stage.error);
+}
