@@ -24,18 +24,20 @@ pub(super) fn advance(gap: f64, delta: f64, b: f64) -> Stretch {
     Stretch { log_ratio, drop: -gap * loss, gap: gap * (1.0 + loss), ratio: 1.0 + loss }
 }
 
-/// `g` a fraction `share` of the reach `delta` into `stretch`, which starts from `gap`.
-pub(super) fn gap_within(gap: f64, delta: f64, b: f64, stretch: &Stretch, share: f64) -> f64 {
+/// `ln(g₀/g)` and `g` a fraction `share` of the reach `delta` into `stretch`, which starts from `gap`.
+pub(super) fn within(gap: f64, delta: f64, b: f64, stretch: &Stretch, share: f64) -> (f64, f64) {
     let (part, c) = (share * delta, b * gap);
-    if c == 0.0 || part == 0.0 || delta - c > EXPONENTIAL_VANISHES {
-        return gap * (1.0 + log_ratio(part, c).1);
-    }
-    // Hermite's cubic through both ends of the stretch, where q and dq/dδ = 1/(1 + b g) are known.
-    let (first, last) = (delta / (1.0 + c), delta / (1.0 + b * stretch.gap));
-    let (square, rest) = (share * share, 1.0 - share);
-    let guess = square * (3.0 - 2.0 * share) * stretch.log_ratio
-        + share * rest * (rest * first - share * last);
-    gap * (1.0 + refine(guess.max(0.0), part, c).1)
+    let (log_ratio, loss) = if c == 0.0 || part == 0.0 || delta - c > EXPONENTIAL_VANISHES {
+        log_ratio(part, c)
+    } else {
+        // Hermite's cubic through both ends of the stretch, where q and dq/dδ = 1/(1 + b g) are known.
+        let (first, last) = (delta / (1.0 + c), delta / (1.0 + b * stretch.gap));
+        let (square, rest) = (share * share, 1.0 - share);
+        let guess = square * (3.0 - 2.0 * share) * stretch.log_ratio
+            + share * rest * (rest * first - share * last);
+        refine(guess.max(0.0), part, c)
+    };
+    (log_ratio, gap * (1.0 + loss))
 }
 
 /// Beyond this e^−q is zero, also in the equation of `log_ratio`.
@@ -116,7 +118,7 @@ pub(super) fn dissipation(gap: f64, stretch: &Stretch) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{advance, dissipation, gap_within, log_ratio};
+    use super::{advance, dissipation, log_ratio, within};
 
     #[test]
     fn log_ratio_solves_its_equation_over_all_scales() {
@@ -172,8 +174,12 @@ mod tests {
                 for delta in [0.0, 1e-9, 0.02, 1.0, 30.0, 1e3, 1e7, f64::INFINITY] {
                     let whole = advance(gap, delta, b);
                     for share in [0.25, 0.75] {
-                        let (found, part) = (gap_within(gap, delta, b, &whole, share), advance(gap, share * delta, b));
-                        assert!((found - part.gap).abs() <= 1e-13 * part.gap, "{gap} {b} {delta} {share}");
+                        let (log_ratio, found) = within(gap, delta, b, &whole, share);
+                        let part = advance(gap, share * delta, b);
+                        let context = format!("gap {gap:e} b {b} δ {delta:e} share {share}");
+                        assert!((found - part.gap).abs() <= 4e-16 * gap, "{context}");
+                        let same = log_ratio == part.log_ratio;
+                        assert!(same || (log_ratio / part.log_ratio - 1.0).abs() < 1e-14, "{context}");
                     }
                 }
             }

@@ -1,6 +1,6 @@
 //! Valanis' endochronic law in the form used for frictional joints.
 
-use super::endochronic::{Stretch, advance, dissipation, gap_within};
+use super::endochronic::{Stretch, advance, dissipation, within};
 use super::error::{Bounds, LawError, checked};
 use super::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tangents, cut_to};
 use crate::vocabulary::{
@@ -40,14 +40,14 @@ use crate::vocabulary::{
 /// - the last motion ends under the load at the end, so that a saturated contact stays at `±μ N(t)`
 ///   whatever the step's size, and dissipates the exact mean, `μ (N₀ + N₁)/2` times the distance;
 /// - a limit ahead of the motion cuts at once, for the force cannot get away from it. A limit behind it
-///   cuts at the end of the step only, after the motion has led away from it (unless it falls below half
-///   the force: to twice the limit it then cuts at once).
+///   cuts only at the end of the step, unless the motion has led away from it, and the force then counts
+///   as running linearly from start to end. (To twice such a limit the force is cut at once.)
 ///
-/// Every part of the path obeys the law or a cut: energy balances and none is created, exactly.
+/// The energy dissipated is that of this very path, and no part of it creates energy.
 ///
 /// A contact that lifts off moves until the instant `N = 0`, where the force vanishes and all the energy
-/// kept, that of the residual spring too, is dissipated; one that closes moves from that instant, with
-/// nothing remembered.
+/// kept, that of the residual spring too, is dissipated. One that closes remembers nothing and moves from
+/// the instant `N = 0`: limit and `y` then grow in proportion to the distance, which is exact.
 ///
 /// # State
 /// `[y, u, N, origin]`: hysteretic force (N), displacement (m) and normal load (N) at the end of the
@@ -62,9 +62,9 @@ use crate::vocabulary::{
 ///
 /// # Limits of validity
 /// A step must not contain a reversal. The law is not of Masing type, and minor loops do not close.
-/// While a contact that has closed slides so slowly that `y` stays well below a growing limit, the order
-/// in the step is between the first and the second, with an error below 1 % of the change of the
-/// limit in a step. No point sticks: [`SlipState::Stick`] is never reported. At a step without motion the tangent is that of
+/// Where the limit grows manyfold within a step, after a contact has closed, and faster than `y` could
+/// grow, the order in the step falls below the second, towards the first; the error is then a small
+/// part of the change of the limit in a step. No point sticks: [`SlipState::Stick`] is never reported. At a step without motion the tangent is that of
 /// unloading, the stiffer of the two directions.
 ///
 /// # Reference
@@ -328,18 +328,29 @@ impl Valanis {
 
     fn end(&self, start: &Start, end_load: f64, limit: f64) -> End {
         let (sign, distance) = (Self::direction(start), start.travel.abs());
-        let mut end = if start.normal_load == end_load {
+        let mut end = if start.closing.is_some() {
+            self.growth(sign, distance, limit)
+        } else if start.normal_load == end_load {
             self.one_motion(start.hysteretic_force, sign, distance, limit)
         } else {
             let first = self.limit(start.normal_load + FIRST_LOAD * (end_load - start.normal_load));
             self.two_motions(start.hysteretic_force, sign, distance, [first, limit])
         };
-        // The limit behind the motion.
+        // A limit behind the motion that falls faster than the force takes it along: the mean counts.
         let cut = cut_to(end.hysteretic_force, limit);
         if cut != end.hysteretic_force {
-            end.dissipated_energy += self.lost_by_cut(end.hysteretic_force, cut);
-            end.hysteretic_force = cut;
-            (end.by_travel, end.by_start, end.by_start_limit, end.by_end_limit) = (0.0, 0.0, 0.0, -sign);
+            let (first, last) = (start.hysteretic_force.abs(), cut.abs());
+            let lost = (first - last) / self.hysteretic_stiffness - distance;
+            // NaN stays, which `max` would not keep.
+            let lost = if lost < 0.0 { 0.0 } else { lost };
+            end = End {
+                hysteretic_force: cut,
+                dissipated_energy: 0.5 * (first + last) * lost,
+                by_travel: 0.0,
+                by_start: 0.0,
+                by_start_limit: 0.0,
+                by_end_limit: -sign,
+            };
         }
         end
     }
@@ -348,11 +359,11 @@ impl Valanis {
     fn one_motion(&self, force: f64, sign: f64, distance: f64, limit: f64) -> End {
         let whole = self.motion(force, sign, distance, limit);
         let (delta, end_gap) = (whole.delta, whole.stretch.gap);
-        let gap = gap_within(whole.gap, delta, self.curvature, &whole.stretch, FIRST_SHARE);
+        let (log_ratio, gap) = within(whole.gap, delta, self.curvature, &whole.stretch, FIRST_SHARE);
         let last_delta = (1.0 - FIRST_SHARE) * delta;
-        // ∂y/∂y of the last motion; where the gap has vanished, its limit.
-        let by_start =
-            if gap > 0.0 { self.slope(end_gap) / self.slope(gap) } else { (-last_delta).exp() };
+        // Where the reach overflows, nothing is left of the start.
+        let left = if delta.is_finite() { (log_ratio - whole.stretch.log_ratio).exp() } else { 0.0 };
+        let by_start = left * (1.0 + self.curvature * gap) / (1.0 + self.curvature * end_gap);
         let last = self.by_limit(sign, gap, end_gap, by_start, last_delta);
         let first = whole.by_limit - last;
         End {
@@ -362,6 +373,26 @@ impl Valanis {
             by_start: whole.by_start,
             by_start_limit: (1.0 - FIRST_LOAD) * first,
             by_end_limit: last + FIRST_LOAD * first,
+        }
+    }
+
+    /// Motion since the contact closed. The limit grows from zero in proportion to the distance, and so
+    /// does the force: their ratio `d` is the root of `d (1 + b (1 − d)) = ρ (1 − d)`.
+    fn growth(&self, sign: f64, distance: f64, limit: f64) -> End {
+        let (b, rho) = (self.curvature, self.reach_stiffness * (distance / limit));
+        let root = (1.0 + 2.0 * (b + rho)).sqrt().hypot(b - rho);
+        // Where ρ overflows the contact is saturated.
+        let saturated = rho == f64::INFINITY;
+        let ratio = if saturated { 1.0 } else { 2.0 * rho / (1.0 + b + rho + root) };
+        let by_rho = if saturated { 0.0 } else { (1.0 - ratio) / root };
+        let reach_term = if saturated { 0.0 } else { rho * by_rho };
+        End {
+            hysteretic_force: sign * limit * ratio,
+            dissipated_energy: 0.5 * limit * ratio * distance * (ratio / (1.0 + b * (1.0 - ratio))),
+            by_travel: self.reach_stiffness * by_rho,
+            by_start: 0.0,
+            by_start_limit: 0.0,
+            by_end_limit: sign * (ratio - reach_term),
         }
     }
 
