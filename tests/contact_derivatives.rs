@@ -30,33 +30,23 @@ fn jenkins(law: &Jenkins, state: &[Dual64], u1: Dual64, n1: Dual64) -> Outcome {
     (force, vec![u1 - force / k, u1, n1])
 }
 
-/// Valanis' law from the printed implicit equation `a s (u − u0) = (κ/r)(ζ0 − ζ) − c2 ln(ζ/ζ0)`:
-/// bisection for the value, then Newton in dual numbers, which carries the derivative.
-fn valanis(law: &Valanis, state: &[Dual64], u1: Dual64, n1: Dual64) -> Outcome {
+/// Valanis' hysteretic force after a motion under one limit, from the printed implicit equation
+/// `a s (u − u0) = (κ/r)(ζ0 − ζ) − c2 ln(ζ/ζ0)`: bisection for the value, then Newton in dual numbers,
+/// which carries the derivative.
+fn valanis_motion(law: &Valanis, y: Dual64, s: f64, distance: Dual64, limit: Dual64) -> Dual64 {
     let (e0, e_t, kappa) = (law.tangential_stiffness(), law.residual_stiffness(), law.smoothness());
     let (p, r) = (e0 - e_t, e0 - kappa * e_t);
     let c2 = e0 * (1.0 - kappa) / (r * r);
-    let (mut y, mut u0, n0, mut origin) = (state[0], state[1], state[2], state[3]);
-    if n1.re <= 0.0 {
-        return (Dual64::from(0.0), vec![Dual64::from(0.0), u1, n1, u1]);
-    }
-    if n0.re <= 0.0 {
-        u0 -= n0 / (n1 - n0) * (u1 - u0);
-        (y, origin) = (Dual64::from(0.0), u0);
-    }
-    let limit = n1 * law.friction_coefficient();
-    if y.re.abs() > limit.re {
-        y = limit * y.re.signum();
-    }
+    // The limit ahead cuts, and one behind at twice its amount.
+    let y = match s * y.re / limit.re {
+        // The printed form is singular in saturation.
+        ratio if ratio >= 1.0 => return limit * s,
+        ratio if ratio < -2.0 => -limit * (2.0 * s),
+        _ => y,
+    };
     let a = limit.recip() * (p / r);
-    let s = (u1.re - u0.re).signum();
-    if y.re == s * limit.re {
-        // Cut to the limit it moves along: saturated, where the printed form is singular.
-        let end = limit * s;
-        return (end + (u1 - origin) * e_t, vec![end, u1, n1, origin]);
-    }
     let zeta0 = -(a * y * s) + p / r;
-    let path = a * (u1 - u0) * s;
+    let path = a * distance;
     // In w = ln ζ, since ζ itself underflows.
     let residual = |w: Dual64| (zeta0 - w.exp()) * (kappa / r) - (w - zeta0.ln()) * c2 - path;
     let (mut low, mut high) = (zeta0.re.ln() - path.re / c2, zeta0.re.ln());
@@ -68,9 +58,47 @@ fn valanis(law: &Valanis, state: &[Dual64], u1: Dual64, n1: Dual64) -> Outcome {
     for _ in 0..2 {
         w += residual(w) / (kappa / r * w.re.exp() + c2);
     }
-    let zeta = w.exp();
-    let end = (-zeta + p / r) / a * s;
-    (end + (u1 - origin) * e_t, vec![end, u1, n1, origin])
+    (-w.exp() + p / r) / a * s
+}
+
+/// Valanis' law over one step: two motions, three quarters under the load a third into the step and the
+/// rest under the load at its end; or, where the contact closes, force and limit in proportion.
+fn valanis(law: &Valanis, state: &[Dual64], u1: Dual64, n1: Dual64) -> Outcome {
+    let (e0, e_t, kappa) = (law.tangential_stiffness(), law.residual_stiffness(), law.smoothness());
+    let (mut y, mut u0, n0, mut origin) = (state[0], state[1], state[2], state[3]);
+    if n1.re <= 0.0 {
+        return (Dual64::from(0.0), vec![Dual64::from(0.0), u1, n1, u1]);
+    }
+    let s = (u1.re - u0.re).signum();
+    let limit = n1 * law.friction_coefficient();
+    if n0.re <= 0.0 {
+        u0 -= n0 / (n1 - n0) * (u1 - u0);
+        origin = u0;
+        // Rate law with y = ratio × limit: p r/(1 − κ)/e0 g/(1 + b g) = limit × ratio/distance.
+        let (p, r) = (e0 - e_t, e0 - kappa * e_t);
+        let b = kappa * p / (e0 * (1.0 - kappa));
+        let rho = (u1 - u0) * s / limit * (p * r / (e0 * (1.0 - kappa)));
+        let defect = |g: Dual64| (-g + 1.0) * (g * b + 1.0) - rho * g;
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if defect(Dual64::from(middle)).re > 0.0 { low = middle } else { high = middle }
+        }
+        let mut g = Dual64::from(0.5 * (low + high));
+        for _ in 0..2 {
+            g += defect(g) / (1.0 - b + 2.0 * b * g.re + rho.re);
+        }
+        y = limit * s * (-g + 1.0);
+    } else {
+        let path = (u1 - u0) * s;
+        let early = (n0 * 2.0 + n1) / 3.0 * law.friction_coefficient();
+        y = valanis_motion(law, y, s, path * 0.75, early);
+        y = valanis_motion(law, y, s, path * 0.25, limit);
+        if s * y.re < -limit.re {
+            y = -limit * s;
+        }
+    }
+    (y + (u1 - origin) * e_t, vec![y, u1, n1, origin])
 }
 
 /// Scales in which errors are judged: force 1 N, displacement 1 µm.

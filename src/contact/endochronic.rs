@@ -1,7 +1,7 @@
 //! One monotonic stretch of the Valanis law, free of units.
 //!
 //! Between two reversals at constant normal load the law's distance from saturation, relative to the
-//! limit, `g = 1 − s y/L` in `[0, 2]`, obeys `b g + ln g = b g₀ + ln g₀ − δ`, with the reach `δ ≥ 0`
+//! limit, `g = 1 − s y/L` (in `[0, 2]` within the limit; the equation holds for any `g ≥ 0`), obeys `b g + ln g = b g₀ + ln g₀ − δ`, with the reach `δ ≥ 0`
 //! proportional to the distance travelled and `b ≥ 0` a constant of the law. (Gaul & Lenz 1997
 //! integrated; `b g` is Wright's omega function of the right-hand side plus `ln b`.)
 
@@ -24,21 +24,42 @@ pub(super) fn advance(gap: f64, delta: f64, b: f64) -> Stretch {
     Stretch { log_ratio, drop: -gap * loss, gap: gap * (1.0 + loss), ratio: 1.0 + loss }
 }
 
+/// `ln(g₀/g)` and `g` a fraction `share` of the reach `delta` into `stretch`, which starts from `gap`.
+pub(super) fn within(gap: f64, delta: f64, b: f64, stretch: &Stretch, share: f64) -> (f64, f64) {
+    let (part, c) = (share * delta, b * gap);
+    let (log_ratio, loss) = if c == 0.0 || part == 0.0 || delta - c > EXPONENTIAL_VANISHES {
+        log_ratio(part, c)
+    } else {
+        // Hermite's cubic through both ends of the stretch, where q and dq/dδ = 1/(1 + b g) are known.
+        let (first, last) = (delta / (1.0 + c), delta / (1.0 + b * stretch.gap));
+        let (square, rest) = (share * share, 1.0 - share);
+        let guess = square * (3.0 - 2.0 * share) * stretch.log_ratio
+            + share * rest * (rest * first - share * last);
+        refine(guess.max(0.0), part, c)
+    };
+    (log_ratio, gap * (1.0 + loss))
+}
+
+/// Beyond this e^−q is zero, also in the equation of `log_ratio`.
+const EXPONENTIAL_VANISHES: f64 = 750.0;
+
 /// The root `q ≥ 0` of `F(q) = q + c (1 − e^−q) − δ`, `c ≥ 0`, which is increasing and concave.
 ///
 /// Halley's steps, no more than twice Newton's, from a lower bound. Newton's alone would rise to the
 /// root without passing it; from beyond the root either falls back below it or closer, so that the
 /// start cannot fail. Nothing overflows: only `e^−q` is ever formed. Returns `q` and `e^−q − 1`.
 fn log_ratio(delta: f64, c: f64) -> (f64, f64) {
-    // Beyond this e^−q is zero, also in the equation.
-    const EXPONENTIAL_VANISHES: f64 = 750.0;
     if c == 0.0 || delta == 0.0 {
         return (delta, (-delta).exp_m1());
     }
     if delta - c > EXPONENTIAL_VANISHES {
         return (delta - c, -1.0);
     }
-    let mut q = lower_bound(delta, c);
+    refine(lower_bound(delta, c), delta, c)
+}
+
+/// Root of `log_ratio`'s equation from the guess `q`, which may lie on either side of it.
+fn refine(mut q: f64, delta: f64, c: f64) -> (f64, f64) {
     // Two or three rounds are usual; the bound only stops a NaN.
     for _ in 0..50 {
         let loss = (-q).exp_m1();
@@ -97,7 +118,7 @@ pub(super) fn dissipation(gap: f64, stretch: &Stretch) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{advance, dissipation, log_ratio};
+    use super::{advance, dissipation, log_ratio, within};
 
     #[test]
     fn log_ratio_solves_its_equation_over_all_scales() {
@@ -142,6 +163,25 @@ mod tests {
                 }
                 let whole = dissipation(gap, &long);
                 assert!((sum / whole - 1.0).abs() < 1e-11, "gap {gap} b {b}: {sum:e} {whole:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_gap_within_a_stretch_is_the_end_of_its_part() {
+        for gap in [0.0, 1e-9, 0.3, 1.7, 40.0] {
+            for b in [0.0, 0.4, 30.0, 1e6] {
+                for delta in [0.0, 1e-9, 0.02, 1.0, 30.0, 1e3, 1e7, f64::INFINITY] {
+                    let whole = advance(gap, delta, b);
+                    for share in [0.25, 0.75] {
+                        let (log_ratio, found) = within(gap, delta, b, &whole, share);
+                        let part = advance(gap, share * delta, b);
+                        let context = format!("gap {gap:e} b {b} δ {delta:e} share {share}");
+                        assert!((found - part.gap).abs() <= 4e-16 * gap, "{context}");
+                        let same = log_ratio == part.log_ratio;
+                        assert!(same || (log_ratio / part.log_ratio - 1.0).abs() < 1e-14, "{context}");
+                    }
+                }
             }
         }
     }

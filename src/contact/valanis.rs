@@ -1,6 +1,6 @@
 //! Valanis' endochronic law in the form used for frictional joints.
 
-use super::endochronic::{Stretch, advance, dissipation};
+use super::endochronic::{Stretch, advance, dissipation, within};
 use super::error::{Bounds, LawError, checked};
 use super::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tangents, cut_to};
 use crate::vocabulary::{
@@ -23,14 +23,31 @@ use crate::vocabulary::{
 /// spring: `T = y + e_t (u − origin)`. With `p = e0 − e_t` and `r = e0 − κ e_t` saturation at `μ N`
 /// means `λ = e0 p/(r μ N)`, for `e_t = 0` simply `λ = e0/(μ N)`.
 ///
-/// A step is integrated in closed form, so one step equals many steps in the same direction. The
-/// energy kept is `y²/(2 p) + e_t (u − origin)²/2`; what the contact dissipates is closed form too.
+/// Under constant normal load a step is integrated in closed form, so one step equals many steps in the
+/// same direction. The energy kept is `y²/(2 p) + e_t (u − origin)²/2`; what the contact dissipates is
+/// closed form too.
 ///
-/// Normal load: a step uses the load at its end. A load that falls cuts `y` to the new limit before
-/// the motion (the energy difference is dissipated); a load that rises creates no force. On
-/// separation, `N ≤ 0` at the end of a step, the force is zero for the whole step, `y` vanishes and the
-/// residual spring relaxes (all the energy kept is dissipated). After it, motion counts from the
-/// instant at which the load, linear within the step, becomes positive.
+/// # Varying normal load
+/// A change of the load alone moves the limit and never creates a force; where the limit falls below the
+/// force it cuts `y`, and the energy difference is dissipated. Displacement and load run linearly within
+/// a step, and `y` then follows `y' = u' f(y, N(t))`. The step is split into two motions in closed form,
+/// each under one load: three quarters of the distance under the load a third into the step, the rest
+/// under the load at its end. These are the weights and nodes of Radau's quadrature with two points:
+///
+/// - the mean load is the true one, hence the second order in the step; what grows with the square of
+///   the change of load is integrated exactly too, and only the order in which the two motions follow
+///   each other leaves an error of third order in a step;
+/// - the last motion ends under the load at the end, so that a saturated contact stays at `±μ N(t)`
+///   whatever the step's size, and dissipates the exact mean, `μ (N₀ + N₁)/2` times the distance;
+/// - a limit ahead of the motion cuts at once, for the force cannot get away from it. A limit behind it
+///   cuts only at the end of the step, unless the motion has led away from it, and the force then counts
+///   as running linearly from start to end. (To twice such a limit the force is cut at once.)
+///
+/// The energy dissipated is that of this very path, and no part of it creates energy.
+///
+/// A contact that lifts off moves until the instant `N = 0`, where the force vanishes and all the energy
+/// kept, that of the residual spring too, is dissipated. One that closes remembers nothing and moves from
+/// the instant `N = 0`: limit and `y` then grow in proportion to the distance, which is exact.
 ///
 /// # State
 /// `[y, u, N, origin]`: hysteretic force (N), displacement (m) and normal load (N) at the end of the
@@ -45,8 +62,9 @@ use crate::vocabulary::{
 ///
 /// # Limits of validity
 /// A step must not contain a reversal. The law is not of Masing type, and minor loops do not close.
-/// Because a step uses one normal load, a varying load is resolved to first order in the step. No point
-/// sticks: [`SlipState::Stick`] is never reported. At a step without motion the tangent is that of
+/// Where the limit grows manyfold within a step, after a contact has closed, and faster than `y` could
+/// grow, the order in the step falls below the second, towards the first; the error is then a small
+/// part of the change of the limit in a step. No point sticks: [`SlipState::Stick`] is never reported. At a step without motion the tangent is that of
 /// unloading, the stiffer of the two directions.
 ///
 /// # Reference
@@ -78,13 +96,11 @@ pub struct Valanis {
     curvature: f64,
 }
 
-/// Where the motion of a step starts, after separation, re-contact and loss of normal load.
+/// The motion of a step, after re-contact: from the hysteretic force and the load at its start.
 struct Start {
-    /// Hysteretic force within the limit (N), and its derivative with respect to the state's.
+    /// Within the limit (N).
     hysteretic_force: f64,
-    kept: f64,
-    /// +1 or −1 when the force was cut to plus or minus the limit, else 0.
-    cut: f64,
+    normal_load: f64,
     /// Distance moved in contact (m), signed.
     travel: f64,
     origin: f64,
@@ -100,15 +116,38 @@ struct Closing {
     by_end_load: f64,
 }
 
-/// The hysteretic force at the end of a step.
+/// A motion under one load.
+struct Motion {
+    hysteretic_force: f64,
+    dissipated_energy: f64,
+    by_travel: f64,
+    by_start: f64,
+    by_limit: f64,
+    /// In a motion that a limit ahead did not cut, relative to the limit: gap at the start, reach,
+    /// and the end.
+    gap: f64,
+    delta: f64,
+    stretch: Stretch,
+}
+
+/// The hysteretic force at the end of a step, with derivatives with respect to the distance moved, the
+/// hysteretic force at the start, and the limits at both ends.
 struct End {
     hysteretic_force: f64,
     dissipated_energy: f64,
     by_travel: f64,
     by_start: f64,
-    /// At a given start, with respect to the limit.
-    by_limit: f64,
+    by_start_limit: f64,
+    by_end_limit: f64,
 }
+
+/// Radau's quadrature with two points on `[0, 1]`: the first weight and node; the last node is 1.
+const FIRST_SHARE: f64 = 0.75;
+const FIRST_LOAD: f64 = 1.0 / 3.0;
+
+/// A limit behind the motion that falls to less than a half of the force is no small change within a
+/// step: it cuts the force to this many limits before the motion, which keeps the gap below 3.
+const BEHIND: f64 = 2.0;
 
 impl Valanis {
     /// A law with stiffness `tangential_stiffness` e0 (N/m), `friction_coefficient` μ (1), `smoothness`
@@ -206,59 +245,186 @@ impl Valanis {
         normal_load <= 0.0 || limit == 0.0
     }
 
-    fn start(&self, state: &[f64], inputs: Inputs, limit: f64) -> Start {
-        let (force, displacement, load, origin) = (state[0], state[1], state[2], state[3]);
+    fn start(state: &[f64], inputs: Inputs) -> Start {
+        let (hysteretic_force, displacement, normal_load, origin) = (state[0], state[1], state[2], state[3]);
         let travel = inputs.displacement - displacement;
-        if load <= 0.0 {
-            let load_change = inputs.normal_load - load;
-            let closed = inputs.normal_load / load_change;
-            return Start {
-                hysteretic_force: 0.0,
-                kept: 0.0,
-                cut: 0.0,
-                travel: closed * travel,
-                origin: displacement + (1.0 - closed) * travel,
-                closing: Some(Closing {
-                    by_displacement: closed,
-                    by_start_load: travel * (closed / load_change),
-                    by_end_load: -travel * (load / load_change) / load_change,
-                }),
-            };
+        if normal_load > 0.0 {
+            return Start { hysteretic_force, normal_load, travel, origin, closing: None };
         }
-        let cut = if force.abs() > limit { force.signum() } else { 0.0 };
-        let (hysteretic_force, kept) = if cut == 0.0 { (force, 1.0) } else { (cut * limit, 0.0) };
-        Start { hysteretic_force, kept, cut, travel, origin, closing: None }
+        let load_change = inputs.normal_load - normal_load;
+        let closed = inputs.normal_load / load_change;
+        Start {
+            hysteretic_force: 0.0,
+            normal_load: 0.0,
+            travel: closed * travel,
+            origin: displacement + (1.0 - closed) * travel,
+            closing: Some(Closing {
+                by_displacement: closed,
+                by_start_load: travel * (closed / load_change),
+                by_end_load: -travel * (normal_load / load_change) / load_change,
+            }),
+        }
     }
 
-    fn end(&self, start: &Start, limit: f64) -> End {
-        let sign = if start.travel != 0.0 { start.travel.signum() } else { -start.hysteretic_force.signum() };
-        let gap = 1.0 - sign * (start.hysteretic_force / limit);
-        let delta = self.reach_stiffness * (start.travel.abs() / limit);
+    /// Moves from `force` (N) over `distance` (m, not negative) in the direction `sign` under one `limit`
+    /// (N), which may lie below the force: ahead it cuts, behind it is mostly left to the end of the step.
+    fn motion(&self, force: f64, sign: f64, distance: f64, limit: f64) -> Motion {
+        let along = sign * force;
+        let (cut, start) = if along > limit {
+            (true, sign * limit)
+        } else if along < -BEHIND * limit {
+            (true, -sign * BEHIND * limit)
+        } else {
+            (false, force)
+        };
+        let gap = 1.0 - sign * (start / limit);
+        let delta = self.reach_stiffness * (distance / limit);
         let stretch = advance(gap, delta, self.curvature);
-        let Stretch { drop, ratio, .. } = stretch;
-        let hysteretic_force = cut_to(start.hysteretic_force + sign * limit * drop, limit);
+        let end = start + sign * limit * stretch.drop;
         // Where the reach overflows, all of the path is macro-slip.
         let slipped = if delta.is_finite() {
             limit / self.reach_stiffness * dissipation(gap, &stretch)
         } else {
-            start.travel.abs()
+            distance + self.lost_by_cut(start, sign * limit) / limit
         };
-        let slope = stretch.gap / (1.0 + self.curvature * stretch.gap);
-        let by_start = ratio * (1.0 + self.curvature * gap) / (1.0 + self.curvature * stretch.gap);
-        let reach_term = if slope == 0.0 { 0.0 } else { delta * slope };
-        End {
-            hysteretic_force,
-            dissipated_energy: limit * slipped,
-            by_travel: self.reach_stiffness * slope,
-            by_start,
-            by_limit: sign * ((1.0 - stretch.gap) - by_start * (1.0 - gap) - reach_term),
+        let by_start = stretch.ratio * (1.0 + self.curvature * gap) / (1.0 + self.curvature * stretch.gap);
+        let by_limit = self.by_limit(sign, gap, stretch.gap, by_start, delta);
+        Motion {
+            // Rounding may pass the limit ahead.
+            hysteretic_force: if sign * end > limit { sign * limit } else { end },
+            dissipated_energy: limit * slipped + self.lost_by_cut(force, start),
+            by_travel: self.reach_stiffness * self.slope(stretch.gap),
+            by_start: if cut { 0.0 } else { by_start },
+            by_limit: if cut { by_limit + by_start * (start / limit) } else { by_limit },
+            gap,
+            delta,
+            stretch,
         }
     }
 
-    /// Derivative of the hysteretic force at the end with respect to the normal load there, apart from
-    /// its effect on the distance moved in contact.
-    fn by_end_load(&self, start: &Start, end: &End) -> f64 {
-        self.friction_coefficient * (end.by_limit + end.by_start * start.cut)
+    /// Slope of the hysteretic force over the distance, relative to the reach stiffness.
+    fn slope(&self, gap: f64) -> f64 {
+        gap / (1.0 + self.curvature * gap)
+    }
+
+    /// Derivative of the force after a motion with respect to its limit, at a given start.
+    fn by_limit(&self, sign: f64, gap: f64, end_gap: f64, by_start: f64, delta: f64) -> f64 {
+        let slope = self.slope(end_gap);
+        let reach_term = if slope == 0.0 { 0.0 } else { delta * slope };
+        sign * ((1.0 - end_gap) - by_start * (1.0 - gap) - reach_term)
+    }
+
+    /// Energy (J) lost where the hysteretic force is cut to `cut`.
+    fn lost_by_cut(&self, force: f64, cut: f64) -> f64 {
+        if force == cut {
+            return 0.0;
+        }
+        0.5 * (force.abs() - cut.abs()) * (force.abs() + cut.abs()) / self.hysteretic_stiffness
+    }
+
+    fn direction(start: &Start) -> f64 {
+        if start.travel == 0.0 { -start.hysteretic_force.signum() } else { start.travel.signum() }
+    }
+
+    fn end(&self, start: &Start, end_load: f64, limit: f64) -> End {
+        let (sign, distance) = (Self::direction(start), start.travel.abs());
+        let mut end = if start.closing.is_some() {
+            self.growth(sign, distance, limit)
+        } else if start.normal_load == end_load {
+            self.one_motion(start.hysteretic_force, sign, distance, limit)
+        } else {
+            let first = self.limit(start.normal_load + FIRST_LOAD * (end_load - start.normal_load));
+            self.two_motions(start.hysteretic_force, sign, distance, [first, limit])
+        };
+        // A limit behind the motion that falls faster than the force takes it along: the mean counts.
+        let cut = cut_to(end.hysteretic_force, limit);
+        if cut != end.hysteretic_force {
+            let (first, last) = (start.hysteretic_force.abs(), cut.abs());
+            let lost = (first - last) / self.hysteretic_stiffness - distance;
+            // NaN stays, which `max` would not keep.
+            let lost = if lost < 0.0 { 0.0 } else { lost };
+            end = End {
+                hysteretic_force: cut,
+                dissipated_energy: 0.5 * (first + last) * lost,
+                by_travel: 0.0,
+                by_start: 0.0,
+                by_start_limit: 0.0,
+                by_end_limit: -sign,
+            };
+        }
+        end
+    }
+
+    /// Under constant load both motions of a step are one; its derivatives still tell their limits apart.
+    fn one_motion(&self, force: f64, sign: f64, distance: f64, limit: f64) -> End {
+        let whole = self.motion(force, sign, distance, limit);
+        let (delta, end_gap) = (whole.delta, whole.stretch.gap);
+        let (log_ratio, gap) = within(whole.gap, delta, self.curvature, &whole.stretch, FIRST_SHARE);
+        let last_delta = (1.0 - FIRST_SHARE) * delta;
+        // Where the reach overflows, nothing is left of the start.
+        let left = if delta.is_finite() { (log_ratio - whole.stretch.log_ratio).exp() } else { 0.0 };
+        let by_start = left * (1.0 + self.curvature * gap) / (1.0 + self.curvature * end_gap);
+        let last = self.by_limit(sign, gap, end_gap, by_start, last_delta);
+        let first = whole.by_limit - last;
+        End {
+            hysteretic_force: whole.hysteretic_force,
+            dissipated_energy: whole.dissipated_energy,
+            by_travel: whole.by_travel,
+            by_start: whole.by_start,
+            by_start_limit: (1.0 - FIRST_LOAD) * first,
+            by_end_limit: last + FIRST_LOAD * first,
+        }
+    }
+
+    /// Motion since the contact closed. The limit grows from zero in proportion to the distance, and so
+    /// does the force: their ratio `d` is the root of `d (1 + b (1 − d)) = ρ (1 − d)`.
+    fn growth(&self, sign: f64, distance: f64, limit: f64) -> End {
+        let (b, rho) = (self.curvature, self.reach_stiffness * (distance / limit));
+        let root = (1.0 + 2.0 * (b + rho)).sqrt().hypot(b - rho);
+        // Where ρ overflows the contact is saturated.
+        let saturated = rho == f64::INFINITY;
+        let ratio = if saturated { 1.0 } else { 2.0 * rho / (1.0 + b + rho + root) };
+        let by_rho = if saturated { 0.0 } else { (1.0 - ratio) / root };
+        let reach_term = if saturated { 0.0 } else { rho * by_rho };
+        End {
+            hysteretic_force: sign * limit * ratio,
+            dissipated_energy: 0.5 * limit * ratio * distance * (ratio / (1.0 + b * (1.0 - ratio))),
+            by_travel: self.reach_stiffness * by_rho,
+            by_start: 0.0,
+            by_start_limit: 0.0,
+            by_end_limit: sign * (ratio - reach_term),
+        }
+    }
+
+    fn two_motions(&self, force: f64, sign: f64, distance: f64, limits: [f64; 2]) -> End {
+        let first = self.motion(force, sign, FIRST_SHARE * distance, limits[0]);
+        let last = self.motion(first.hysteretic_force, sign, (1.0 - FIRST_SHARE) * distance, limits[1]);
+        let by_first_limit = last.by_start * first.by_limit;
+        End {
+            hysteretic_force: last.hysteretic_force,
+            dissipated_energy: first.dissipated_energy + last.dissipated_energy,
+            by_travel: FIRST_SHARE * last.by_start * first.by_travel + (1.0 - FIRST_SHARE) * last.by_travel,
+            by_start: last.by_start * first.by_start,
+            by_start_limit: (1.0 - FIRST_LOAD) * by_first_limit,
+            by_end_limit: last.by_limit + FIRST_LOAD * by_first_limit,
+        }
+    }
+
+    /// Energy (J) dissipated in a step that ends apart: that of the motion up to the instant `N = 0`, the
+    /// last part of which is without force, and all that is kept there.
+    fn lift_off(&self, state: &[f64], inputs: Inputs) -> f64 {
+        let [force, displacement, normal_load, origin] = [state[0], state[1], state[2], state[3]];
+        let first = self.limit((1.0 - FIRST_LOAD) * normal_load);
+        if first == 0.0 {
+            return self.stored_energy(state);
+        }
+        let in_contact = normal_load / (normal_load - inputs.normal_load.min(0.0));
+        let travel = in_contact * (inputs.displacement - displacement);
+        let start = Start { hysteretic_force: force, normal_load, travel, origin, closing: None };
+        let moved = self.motion(force, Self::direction(&start), FIRST_SHARE * travel.abs(), first);
+        let stretch = displacement + travel - origin;
+        let hysteretic = moved.hysteretic_force * moved.hysteretic_force / self.hysteretic_stiffness;
+        moved.dissipated_energy + 0.5 * (hysteretic + self.residual_stiffness * stretch * stretch)
     }
 }
 
@@ -286,19 +452,14 @@ impl ContactLaw for Valanis {
             return Response {
                 force: 0.0,
                 tangents: Tangents::default(),
-                dissipated_energy: self.stored_energy(state),
+                dissipated_energy: self.lift_off(state, inputs),
                 slip_state: SlipState::Separated,
             };
         }
-        let start = self.start(state, inputs, limit);
-        let end = self.end(&start, limit);
+        let start = Self::start(state, inputs);
+        let end = self.end(&start, inputs.normal_load, limit);
         next[0] = end.hysteretic_force;
         next[3] = start.origin;
-        let mut cut_energy = 0.0;
-        if start.cut != 0.0 {
-            cut_energy =
-                0.5 * (state[0].abs() - limit) * (state[0].abs() + limit) / self.hysteretic_stiffness;
-        }
         let slope = end.by_travel + self.residual_stiffness;
         let (travel_by_displacement, travel_by_load) =
             start.closing.map_or((1.0, 0.0), |closing| (closing.by_displacement, closing.by_end_load));
@@ -307,9 +468,9 @@ impl ContactLaw for Valanis {
             tangents: Tangents {
                 displacement: slope * travel_by_displacement,
                 velocity: 0.0,
-                normal_load: self.by_end_load(&start, &end) + slope * travel_by_load,
+                normal_load: self.friction_coefficient * end.by_end_limit + slope * travel_by_load,
             },
-            dissipated_energy: end.dissipated_energy + cut_energy,
+            dissipated_energy: end.dissipated_energy,
             slip_state: SlipState::Slip,
         }
     }
@@ -323,10 +484,10 @@ impl ContactLaw for Valanis {
             out.next_by_displacement[3] = 1.0;
             return;
         }
-        let start = self.start(state, inputs, limit);
-        let end = self.end(&start, limit);
+        let start = Self::start(state, inputs);
+        let end = self.end(&start, inputs.normal_load, limit);
         let slope = end.by_travel + self.residual_stiffness;
-        out.next_by_normal_load[0] = self.by_end_load(&start, &end);
+        out.next_by_normal_load[0] = self.friction_coefficient * end.by_end_limit;
         // Rows of next_by_state: y, u, N, origin; columns likewise.
         if let Some(closing) = start.closing {
             let closed = closing.by_displacement;
@@ -343,10 +504,11 @@ impl ContactLaw for Valanis {
             out.next_by_normal_load[3] = -closing.by_end_load;
             return;
         }
-        let by_start = end.by_start * start.kept;
-        out.force_by_state.copy_from_slice(&[by_start, -end.by_travel, 0.0, -self.residual_stiffness]);
-        out.next_by_state[0] = by_start;
-        out.next_by_state[1] = -end.by_travel;
+        let by_start_load = self.friction_coefficient * end.by_start_limit;
+        let by_state = [end.by_start, -end.by_travel, by_start_load];
+        out.force_by_state[..3].copy_from_slice(&by_state);
+        out.force_by_state[3] = -self.residual_stiffness;
+        out.next_by_state[..3].copy_from_slice(&by_state);
         out.next_by_state[15] = 1.0;
         out.next_by_displacement[0] = end.by_travel;
     }
