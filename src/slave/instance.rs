@@ -444,10 +444,10 @@ impl Instance {
         } else if !time.is_finite() {
             argument("currentCommunicationPoint", time, "a finite number".to_owned())
         } else if time + step > self.stop + 1e-3 * step + 1e-9 * time.abs() {
-            let allowed = format!("so small that the step ends by the stop time, {}", self.stop);
+            let allowed = format!("so small that the step ends by the stop time, {:?}", self.stop);
             argument("communicationStepSize", step, allowed)
         } else {
-            let allowed = format!("the end of the last step, {}", self.time());
+            let allowed = format!("the end of the last step, {:?}", self.time());
             argument("currentCommunicationPoint", time, allowed)
         }
     }
