@@ -258,3 +258,14 @@ fn a_model_without_sense_is_refused_with_its_line() {
     model.contact = None;
     assert!(Instance::from_model(&model).is_err());
 }
+
+#[test]
+fn numbers_in_messages_are_as_short_as_their_exponents_allow() {
+    let mut contact = new("JenkinsContact");
+    let refused = set(&mut contact, "displacement", 1e31).unwrap_err().to_string();
+    assert_eq!(refused, "displacement = 1e31 is refused; it must be at most 1e30 in magnitude");
+    initialize(&mut contact);
+    contact.do_step(0.0, 1e-300).unwrap();
+    let refused = contact.do_step(1.0, 1e-3).unwrap_err().to_string();
+    assert!(refused.ends_with("it must be the end of the last step, 1e-300"), "{refused}");
+}

@@ -2,6 +2,12 @@
 
 use crate::contact::{ContactLaw, Inputs, Response};
 
+/// Evaluations with Newton's step; it needs about five, and where rounding makes it go to and fro, none
+/// of the further ones help.
+const NEWTON: usize = 20;
+/// Evaluations in all: bisection gets from any bracket to neighbouring numbers in the others.
+const EVALUATIONS: usize = 100;
+
 /// What the law sees of the beam at one instant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactPoint {
@@ -23,12 +29,13 @@ impl ContactPoint {
     ///
     /// `F(T) = T − law(u − flexibility · T)` rises with slope `1 + flexibility · tangent ≥ 1`, so its
     /// root lies between any `T` and `T − F(T)`: every evaluation brackets it, and Newton's step
-    /// stays inside. Bisection takes over where the law's rounding or its kinks stop Newton.
+    /// stays inside. Bisection takes over where the law's rounding or its kinks stop Newton: the law
+    /// rounds as its memory does, so that a force near zero is rounded more coarsely than its size says.
     pub fn solve(&self, law: &dyn ContactLaw, state: &[f64], next: &mut [f64]) -> Option<(Response, f64)> {
         let mut force = if self.flexibility == 0.0 { 0.0 } else { self.guess };
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut velocity = self.velocity;
-        for _ in 0..80 {
+        for evaluation in 0..EVALUATIONS {
             let displacement = self.displacement - self.flexibility * force;
             let inputs = Inputs { displacement, velocity, normal_load: self.normal_load };
             let response = law.step(state, inputs, next);
@@ -50,7 +57,8 @@ impl ContactPoint {
                 high = high.min(force - residual);
             }
             let newton = force - residual / slope;
-            let following = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
+            let inside = newton >= low && newton <= high;
+            let following = if inside && evaluation < NEWTON { newton } else { 0.5 * (low + high) };
             if following == force || high <= low {
                 return Some((response, displacement));
             }
@@ -58,5 +66,57 @@ impl ContactPoint {
             velocity = self.velocity / slope;
         }
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Valanis;
+
+    /// Forces near zero on the way back from a larger one, where Newton's step went to and fro between
+    /// two numbers next to each other.
+    #[test]
+    fn a_force_that_the_law_rounds_coarsely_is_found() {
+        let law = Valanis::new(7.9e6, 0.6, 0.3, 0.0).unwrap();
+        let point = |displacement, velocity, flexibility, normal_load, guess| ContactPoint {
+            displacement,
+            velocity,
+            flexibility,
+            normal_load,
+            guess,
+        };
+        for (point, force, displacement, origin) in [
+            (
+                point(
+                    -1.6887542010522152e-10,
+                    -9.822542774585608e-4,
+                    1.5228426405456837e-8,
+                    62.56481246380056,
+                    -1.2492228166403122e-3,
+                ),
+                0.027570691225917075,
+                3.497343814665358e-9,
+                0.0,
+            ),
+            (
+                point(
+                    -8.570894017970955e-7,
+                    -5.0795596650554335e-3,
+                    1.6430909426042125e-8,
+                    131.85087202488123,
+                    17.19895144022218,
+                ),
+                -39.84509572770177,
+                -6.042049047763668e-6,
+                4.844040201091358e-6,
+            ),
+        ] {
+            let state = [force, displacement, point.normal_load, origin];
+            let mut next = [0.0; 4];
+            let (response, at) = point.solve(&law, &state, &mut next).expect("a finite force");
+            let direct = point.displacement - point.flexibility * response.force;
+            assert!((at - direct).abs() <= 1e-14 * displacement.abs());
+        }
     }
 }

@@ -59,7 +59,7 @@ pub enum IntegrationError {
         index: usize,
     },
     /// The tolerance cannot be met with any step that makes progress.
-    #[error("the step size fell to {step} s at {time} s after the start of the communication step")]
+    #[error("the step size fell to {step:?} s at {time:?} s after the start of the communication step")]
     StepTooSmall {
         /// Time since the start of the communication step (s).
         time: f64,
@@ -67,7 +67,7 @@ pub enum IntegrationError {
         step: f64,
     },
     /// More steps than [`Settings::step_limit`](super::Settings) were needed.
-    #[error("{limit} steps were not enough; stopped at {time} s after the start of the communication step")]
+    #[error("{limit} steps were not enough; stopped at {time:?} s after the start of the communication step")]
     TooManySteps {
         /// The limit.
         limit: usize,

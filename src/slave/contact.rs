@@ -2,7 +2,7 @@
 
 use super::Behaviour;
 use super::description::{DependencyKind, Description, Experiment, Variable};
-use crate::contact::{ContactLaw, Inputs, Jenkins, Valanis};
+use crate::contact::{ContactLaw, Inputs};
 use crate::model::{Contact, Law, Model};
 use crate::vocabulary as v;
 
@@ -37,20 +37,6 @@ pub(super) fn describe(model: &Model, contact: &Contact, parameters: Vec<Variabl
     Description { name, summary, experiment, variables, model: model.to_toml() }
 }
 
-/// The law of `contact`.
-pub(super) fn law(contact: &Contact) -> Result<Box<dyn ContactLaw>, String> {
-    let Contact { tangential_stiffness, friction_coefficient, .. } = *contact;
-    match contact.law {
-        Law::Jenkins => Jenkins::new(tangential_stiffness, friction_coefficient)
-            .map(|law| Box::new(law) as Box<dyn ContactLaw>),
-        Law::Valanis { smoothness, residual_stiffness } => {
-            Valanis::new(tangential_stiffness, friction_coefficient, smoothness, residual_stiffness)
-                .map(|law| Box::new(law) as Box<dyn ContactLaw>)
-        }
-    }
-    .map_err(|error| error.to_string())
-}
-
 /// The law and room for one step.
 #[derive(Debug)]
 pub(super) struct ContactBehaviour {
@@ -60,7 +46,7 @@ pub(super) struct ContactBehaviour {
 
 impl ContactBehaviour {
     pub(super) fn new(contact: &Contact) -> Result<Self, String> {
-        let law = law(contact)?;
+        let law = contact.law().map_err(|error| error.to_string())?;
         let next = vec![0.0; law.state_len()];
         Ok(Self { law, next })
     }

@@ -34,7 +34,7 @@ pub enum Error {
         reason: &'static str,
     },
     /// Outside the bounds, infinite or not a number.
-    #[error("{name} = {value} is refused; it must be {bounds}")]
+    #[error("{name} = {value:?} is refused; it must be {bounds}")]
     Value {
         /// The variable.
         name: String,
@@ -50,7 +50,7 @@ pub enum Error {
     #[error("{0}")]
     Parameters(String),
     /// An argument of a call other than a variable's value.
-    #[error("{argument} = {value} is refused; it must be {allowed}")]
+    #[error("{argument} = {value:?} is refused; it must be {allowed}")]
     Argument {
         /// Its name.
         argument: &'static str,
@@ -71,7 +71,7 @@ pub enum Error {
     #[error("not allowed in stage {0:?}")]
     Stage(Stage),
     /// A step could not be computed. The instance is in [`Stage::StepFailed`] at the step's beginning.
-    #[error("the step from {time} s could not be computed: {reason}")]
+    #[error("the step from {time:?} s could not be computed: {reason}")]
     Step {
         /// Beginning of the step (s).
         time: f64,

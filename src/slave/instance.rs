@@ -337,7 +337,7 @@ impl Instance {
     /// Makes the instance continue where `snapshot` was saved, bit by bit.
     ///
     /// # Errors
-    /// A snapshot of another model.
+    /// A snapshot of another model, or with numbers that no instance has; the instance is as before.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         if snapshot.guid != self.guid {
             return Err(SnapshotError::OtherModel { found: snapshot.guid, expected: self.guid }.into());
@@ -349,6 +349,12 @@ impl Instance {
         }
         let (values, rest) = snapshot.numbers.split_at(values_len);
         let (state, clock) = rest.split_at(state_len);
+        // Bytes may come from anywhere. Only the stop time may be infinite.
+        let [_, _, tolerance, stop] = *clock else { return Err(SnapshotError::Corrupt.into()) };
+        let finite = snapshot.numbers[..expected - 1].iter().all(|number| number.is_finite());
+        if !finite || tolerance <= 0.0 || stop.is_nan() {
+            return Err(SnapshotError::Corrupt.into());
+        }
         // In the first two stages the parameters are still open and need not make a model.
         let stale = matches!(snapshot.stage, Stage::Instantiated | Stage::Initialization);
         if !stale {
@@ -359,8 +365,8 @@ impl Instance {
         self.stage = snapshot.stage;
         self.stale = stale;
         self.time = (clock[1] != 0.0).then_some(clock[0]);
-        self.tolerance = clock[2];
-        self.stop = clock[3];
+        self.tolerance = tolerance;
+        self.stop = stop;
         Ok(())
     }
 
@@ -444,10 +450,10 @@ impl Instance {
         } else if !time.is_finite() {
             argument("currentCommunicationPoint", time, "a finite number".to_owned())
         } else if time + step > self.stop + 1e-3 * step + 1e-9 * time.abs() {
-            let allowed = format!("so small that the step ends by the stop time, {}", self.stop);
+            let allowed = format!("so small that the step ends by the stop time, {:?}", self.stop);
             argument("communicationStepSize", step, allowed)
         } else {
-            let allowed = format!("the end of the last step, {}", self.time());
+            let allowed = format!("the end of the last step, {:?}", self.time());
             argument("currentCommunicationPoint", time, allowed)
         }
     }

@@ -36,8 +36,8 @@ pub enum SnapshotError {
     /// Written by an unknown version.
     #[error("saved in format {0}; this library reads format {VERSION}")]
     Version(u32),
-    /// The checksum does not fit: some byte was changed.
-    #[error("the saved state is corrupt (its checksum is wrong)")]
+    /// The checksum does not fit, or numbers that no instance has: some byte was changed.
+    #[error("the saved state is corrupt")]
     Corrupt,
     /// Saved by another model.
     #[error("saved by another model (GUID {found}; this is {expected})")]

@@ -90,6 +90,23 @@ fn every_changed_byte_and_every_other_length_is_refused() {
 }
 
 #[test]
+fn numbers_that_no_instance_has_are_refused() {
+    let importer = Importer::new(VALANIS);
+    let running = importer.running();
+    forces(&running, 0);
+    let bytes = running.bytes();
+    let (header, checksum) = (48, 8);
+    for number in (header..bytes.len() - checksum).step_by(8) {
+        let mut changed = bytes.clone();
+        changed[number..number + 8].copy_from_slice(&f64::NAN.to_le_bytes());
+        seal(&mut changed);
+        assert_eq!(running.set_bytes(&changed), Status::Error, "number {}", (number - header) / 8);
+        assert!(running.error().starts_with("fmi2SetFMUstate: "));
+    }
+    assert_eq!(running.bytes(), bytes);
+}
+
+#[test]
 fn the_state_of_another_model_is_refused() {
     let (jenkins, valanis) = (Importer::new(JENKINS), Importer::new(VALANIS));
     let (one, other) = (jenkins.running(), valanis.running());

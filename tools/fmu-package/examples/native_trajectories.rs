@@ -9,9 +9,9 @@ use std::{env, fs};
 
 mod native {
     //! The models by the library's own means, not through a slave.
-    use stickslip::contact::{ContactLaw, Inputs, Jenkins, Valanis};
+    use stickslip::contact::Inputs;
     use stickslip::integrate::{BeamInputs, BeamIntegrator, Contact as Acting, Ramp, Settings};
-    use stickslip::model::{Beam, Contact, Law, Model, Structure};
+    use stickslip::model::{Beam, Contact, Model, Structure};
     use stickslip::structure::ModalBeam;
 
     /// Column names and rows.
@@ -33,19 +33,9 @@ mod native {
         }
     }
 
-    fn law(contact: &Contact) -> Box<dyn ContactLaw> {
-        let (k, mu) = (contact.tangential_stiffness, contact.friction_coefficient);
-        match contact.law {
-            Law::Jenkins => Box::new(Jenkins::new(k, mu).expect("legal")),
-            Law::Valanis { smoothness, residual_stiffness } => {
-                Box::new(Valanis::new(k, mu, smoothness, residual_stiffness).expect("legal"))
-            }
-        }
-    }
-
     /// A contact under a prescribed displacement and a normal load that lifts off twice.
     fn contact(contact: &Contact) -> Table {
-        let law = law(contact);
+        let law = contact.law().expect("legal");
         let mut state = vec![0.0; law.state_len()];
         let mut next = state.clone();
         let names = ["displacement", "velocity", "normal_load", "force", "dissipated_energy", "slip_state"];
@@ -72,7 +62,7 @@ mod native {
     fn beam(beam: &Beam, contact: Option<&Contact>) -> Table {
         let modal = ModalBeam::new(beam).expect("a standard model");
         let mut integrator = BeamIntegrator::new(&modal).expect("a beam");
-        let law = contact.map(law);
+        let law = contact.map(|contact| contact.law().expect("legal"));
         let load = |time: f64| {
             contact.map_or(0.0, |contact| contact.normal_load) * (1.0 + 0.5 * (30.0 * time).sin())
         };
