@@ -111,7 +111,7 @@ fn refitted(name: &str, model: &Model, dataset: &Dataset) -> Result<Option<Refit
         Err(error @ (RefitError::NothingFree | RefitError::NothingToFit)) => {
             return Err(Failure::input(format!("{name}: {error}")));
         }
-        Err(error) => return Err(Failure::other(format!("{name}: the refit failed: {error}"))),
+        Err(error) => return Err(Failure::other(format!("{name}: {error}"))),
         Ok(done) => Some(done),
     };
     match done.as_ref().map_or(Ending::Interrupted, |done| done.ending) {
