@@ -6,7 +6,8 @@
 
 use std::f64::consts::TAU;
 
-use stickslip::diagnose::{Watch, evaluate, refit};
+use stickslip::diagnose::{Refit, Watch, evaluate, refit};
+use stickslip::identify::Ending;
 use stickslip::measure::{Channel, Dataset, Record, Regime};
 use stickslip::model::Model;
 
@@ -103,7 +104,7 @@ fn a_refit_finds_the_contact_that_made_the_loops() {
         measured_loop(0.0, 1, Regime::FromRest),
         measured_loop(5e-6, 1, Regime::UnknownInitialState),
     ]);
-    let (model, stage) = refit("refitted", &start, &data, Watch::default()).unwrap();
+    let Refit { model, stage, .. } = refit("refitted", &start, &data, Watch::default()).unwrap();
     assert!(stage.error < 1e-4, "{}", stage.error);
     assert!((model.get("contact.tangential_stiffness").unwrap() / STIFFNESS - 1.0).abs() < 1e-3);
     assert!((model.get("contact.friction_coefficient").unwrap() / 0.5 - 1.0).abs() < 1e-3);
@@ -119,7 +120,8 @@ fn an_interrupted_refit_keeps_the_best_so_far() {
     let calls = std::sync::atomic::AtomicUsize::new(0);
     let interrupt = || calls.fetch_add(1, std::sync::atomic::Ordering::SeqCst) >= 8;
     let watch = Watch { interrupt: Some(&interrupt), ..Watch::default() };
-    let (_, stage) = refit("", &start, &data, watch).unwrap();
+    let Refit { stage, ending, .. } = refit("", &start, &data, watch).unwrap();
+    assert_eq!(ending, Ending::Interrupted);
     assert!(stage.error <= before && stage.evaluations <= 16, "{} {}", stage.error, stage.evaluations);
 }
 

@@ -208,6 +208,9 @@ fn progress_is_told_and_interrupt_heeded() {
         Options { starts: 5, progress: Some(&progress), interrupt: Some(&interrupt), ..Options::default() };
     let cut = fit(rosenbrock, 2, &parameters, &options).unwrap();
     assert_eq!(cut.ending, Ending::Interrupted);
+    let mut there = [0.0; 2];
+    rosenbrock(&cut.parameters, &mut there).unwrap();
+    assert_eq!(cut.residuals, there, "residuals of the parameters returned");
     assert_eq!(told.load(Ordering::Relaxed), 3);
     let at_once = || true;
     let options = Options { interrupt: Some(&at_once), ..Options::default() };

@@ -2,8 +2,8 @@
 
 use super::comparison::{Parameter, RecordResult, Stage};
 use super::{predict, score};
-use crate::identify::{self, FitError, InterruptHook, Options, ProgressHook};
-use crate::measure::{Dataset, Use};
+use crate::identify::{self, Ending, FitError, InterruptHook, Options, ProgressHook};
+use crate::measure::{Dataset, Record, Use};
 use crate::model::Model;
 
 /// Predicts every record of `dataset` with `model` and scores the predictions.
@@ -40,6 +40,9 @@ pub enum RefitError {
     /// No parameter is free.
     #[error("no parameter is free; name some in `[fit] free`")]
     NothingFree,
+    /// Every record is kept for selecting or confirming.
+    #[error("every record is kept from the fit; mark one `use = \"fit\"`, or none at all")]
+    NothingToFit,
     /// A record cannot be predicted even with the parameters as they stand.
     #[error("`{record}` cannot be predicted: {reason}")]
     Unpredictable {
@@ -53,27 +56,42 @@ pub enum RefitError {
     Fit(#[from] FitError<String>),
 }
 
+/// A model with its parameters fitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refit {
+    /// The model.
+    pub model: Model,
+    /// Its predictions of all records, those that it was not fitted to among them.
+    pub stage: Stage,
+    /// Why the fit ended; anything but `Converged` should be told.
+    pub ending: Ending,
+}
+
+/// The records a fit may see: those marked `use = "fit"`, or where none is so marked those without a mark.
+fn fitted(dataset: &Dataset) -> Vec<&Record> {
+    let used = |use_for| dataset.records.iter().filter(|record| record.use_for == use_for).collect();
+    let marked: Vec<&Record> = used(Some(Use::Fit));
+    if marked.is_empty() { used(None) } else { marked }
+}
+
 /// Fits the model's free parameters to the dataset and evaluates the result.
 ///
-/// Fitted to the records marked `use = "fit"`; to all records where none is so marked. The residual is
-/// the error that [`Stage::error`] reports, so that the fit lowers what the user reads.
+/// Fitted to the records marked `use = "fit"`, where none is so marked to those without a mark. The
+/// residual is the error that [`Stage::error`] reports, over these records alone.
 ///
 /// # Errors
 /// [`RefitError`].
-pub fn refit(
-    name: &str,
-    model: &Model,
-    dataset: &Dataset,
-    watch: Watch,
-) -> Result<(Model, Stage), RefitError> {
+pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Result<Refit, RefitError> {
     let free: Vec<_> = model.parameters().into_iter().filter(|parameter| parameter.free).collect();
     if free.is_empty() {
         return Err(RefitError::NothingFree);
     }
-    let marked = dataset.records.iter().any(|record| record.use_for == Some(Use::Fit));
-    let fitted = || dataset.records.iter().filter(move |record| !marked || record.use_for == Some(Use::Fit));
+    let fitted = fitted(dataset);
+    if fitted.is_empty() {
+        return Err(RefitError::NothingToFit);
+    }
     let mut count = 0;
-    for record in fitted() {
+    for &record in &fitted {
         count += predict::normalised_residual(model, record)
             .map_err(|reason| RefitError::Unpredictable { record: record.name.clone(), reason })?
             .len();
@@ -88,7 +106,7 @@ pub fn refit(
     let residual = |values: &[f64], out: &mut [f64]| -> Result<(), String> {
         let trial = with(values)?;
         let mut rest = out;
-        for record in fitted() {
+        for &record in &fitted {
             let part = predict::normalised_residual(&trial, record)?;
             let (here, after) = std::mem::take(&mut rest).split_at_mut(part.len());
             here.copy_from_slice(&part);
@@ -113,5 +131,5 @@ pub fn refit(
     for parameter in &mut stage.parameters {
         parameter.fitted_from = free.iter().find(|free| free.path == parameter.path).map(|free| free.value);
     }
-    Ok((best, stage))
+    Ok(Refit { model: best, stage, ending: fit.ending })
 }

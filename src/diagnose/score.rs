@@ -7,13 +7,13 @@ use crate::measure::Channel;
 ///
 /// A channel that does not vary has no standard deviation to measure an error by and is refused.
 pub(super) fn channel(channel: &Channel, predicted: Vec<f64>) -> Result<ChannelResult, String> {
-    let deviation = standard_deviation(&channel.values);
-    if deviation == 0.0 {
-        return Err(format!("`{}` is the same number throughout; there is nothing to compare", channel.name));
-    }
+    let deviation = deviation(channel)?;
     let squares =
         channel.values.iter().zip(&predicted).map(|(measured, predicted)| (predicted - measured).powi(2));
     let rms = (squares.sum::<f64>() / channel.values.len() as f64).sqrt();
+    if !rms.is_finite() {
+        return Err(format!("the prediction of `{}` is not finite", channel.name));
+    }
     Ok(ChannelResult {
         name: channel.name.clone(),
         unit: channel.unit,
@@ -39,8 +39,51 @@ fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     (sum / count as f64).sqrt()
 }
 
-/// Population standard deviation.
-pub(super) fn standard_deviation(values: &[f64]) -> f64 {
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
+/// A standard deviation below this share of the largest value is the rounding of a constant.
+const ROUNDING: f64 = 1e-12;
+
+/// Population standard deviation of a channel: what its errors are measured by.
+pub(super) fn deviation(channel: &Channel) -> Result<f64, String> {
+    let Channel { name, values, .. } = channel;
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let deviation = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
+    let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    if !deviation.is_finite() {
+        return Err(format!("`{name}` is too large to compare: its squares overflow"));
+    }
+    if deviation <= ROUNDING * largest {
+        return Err(format!("`{name}` is the same number throughout; there is nothing to compare"));
+    }
+    Ok(deviation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn force(values: &[f64]) -> Channel {
+        Channel { name: "force".into(), unit: "N", values: values.to_vec(), noise: None }
+    }
+
+    #[test]
+    fn an_error_is_that_share_of_the_standard_deviation() {
+        let scored = channel(&force(&[1.0, -1.0, 1.0, -1.0]), vec![1.5, -0.5, 0.5, -1.5]).unwrap();
+        assert_eq!((scored.rms, scored.error), (0.5, 0.5));
+    }
+
+    #[test]
+    fn what_has_no_scale_or_no_prediction_is_refused_and_not_scored() {
+        // Three times 0.1 has a mean that rounding moves off 0.1.
+        for values in [&[0.1, 0.1, 0.1][..], &[5.0], &[0.0, 0.0]] {
+            let refused = channel(&force(values), vec![1.0; values.len()]).unwrap_err();
+            assert!(refused.contains("the same number"), "{refused}");
+        }
+        let refused = channel(&force(&[1e300, -1e300]), vec![0.0; 2]).unwrap_err();
+        assert!(refused.contains("overflow"), "{refused}");
+        for value in [f64::NAN, f64::INFINITY, 1e200] {
+            let refused = channel(&force(&[1.0, 2.0]), vec![value; 2]).unwrap_err();
+            assert!(refused.contains("not finite"), "{refused}");
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::balance::Balance;
-use super::fourier::{coefficient_count, second_time_derivative};
+use super::fourier::{coefficient_count, time_derivative, value};
 use super::newton::{self, Effort, Equations};
 use super::{ContactOnBeam, HarmonicError, Settings, guess};
 use crate::structure::ModalBeam;
@@ -41,13 +41,16 @@ impl ForcedResponse {
         sum
     }
 
-    /// Acceleration (m/s²) of that point at `times` (s), where t = 0 is phase 0 of the excitation.
+    /// Time derivative of order `order` of that displacement (m/s^order) at `times` (s), where t = 0 is
+    /// phase 0 of the excitation.
+    pub fn motion(&self, shape: &[f64], order: usize, times: &[f64]) -> Vec<f64> {
+        let motion = time_derivative(&self.displacement(shape), order, self.angular_frequency);
+        times.iter().map(|t| value(&motion, self.angular_frequency * t)).collect()
+    }
+
+    /// Acceleration (m/s²) of that point at `times` (s).
     pub fn acceleration(&self, shape: &[f64], times: &[f64]) -> Vec<f64> {
-        let displacement = self.displacement(shape);
-        let at = |t: &f64| {
-            second_time_derivative(&displacement, self.angular_frequency * t, self.angular_frequency)
-        };
-        times.iter().map(at).collect()
+        self.motion(shape, 2, times)
     }
 }
 

@@ -20,13 +20,16 @@ pub fn value(coefficients: &[f64], phase: f64) -> f64 {
     })
 }
 
-/// Second derivative of the signal with respect to time at `phase` (rad), for the fundamental angular
-/// frequency `angular_frequency` (rad/s).
-pub fn second_time_derivative(coefficients: &[f64], phase: f64, angular_frequency: f64) -> f64 {
-    harmonics_of(coefficients).fold(0.0, |sum, (h, c, s)| {
-        let (sin, cos) = (h * phase).sin_cos();
-        sum - (h * angular_frequency).powi(2) * (c * cos + s * sin)
-    })
+/// Coefficients of the signal's time derivative of order `order`, for the fundamental angular frequency
+/// `angular_frequency` (rad/s).
+pub fn time_derivative(coefficients: &[f64], order: usize, angular_frequency: f64) -> Vec<f64> {
+    let mut derivative = coefficients.to_vec();
+    for _ in 0..order {
+        let before = derivative.clone();
+        differentiate(&before, &mut derivative);
+        derivative.iter_mut().for_each(|value| *value *= angular_frequency);
+    }
+    derivative
 }
 
 /// Coefficients `0..=harmonics` of equally spaced `samples` that span `periods` whole periods (the

@@ -33,6 +33,18 @@ pub struct Resonance {
     pub residual: f64,
 }
 
+impl Resonance {
+    /// Equivalent viscous damping ratio (1): energy lost per cycle over 4π times the kinetic energy's peak,
+    /// `ΔE/(2π Ω² Σ |qᵢ|²)` in first harmonics. For a linear mode its modal damping ratio.
+    pub fn damping_ratio(&self) -> f64 {
+        // Displacements have 2H + 1 coefficients per mode where the contact has 4H + 1.
+        let per_mode = self.contact_displacement.len() / 2 + 1;
+        let squares: f64 = self.coefficients.chunks_exact(per_mode).map(|q| q[1] * q[1] + q[2] * q[2]).sum();
+        let lost = self.dissipated_energy + self.viscous_energy;
+        lost / (std::f64::consts::TAU * self.angular_frequency.powi(2) * squares)
+    }
+}
+
 /// Phase resonance of the beam's first mode with the first-harmonic acceleration at the excitation held
 /// at `acceleration_amplitude` (m/s²): harmonics of the modes, frequency and force are the unknowns.
 /// Without a contact, or with one that never slips, this is the resonance of the linear beam.

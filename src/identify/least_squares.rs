@@ -151,7 +151,7 @@ where
         let outcome = stepper.step();
         let Ok(outcome) = outcome else {
             run.ending = Ending::Interrupted;
-            return Some(run);
+            break;
         };
         let state = stepper.state();
         let (y, cost) = (basin::State::param(state), basin::State::cost(state) / scale);
@@ -184,12 +184,9 @@ where
         }
         run.ending = Ending::StepLimit;
     }
-    if let Ok(residuals) = problem.evaluate(&run.y) {
-        run.cost = half_square(&residuals);
-        run.residuals = residuals;
-    } else {
-        run.ending = Ending::Interrupted;
-    }
+    // The solver keeps no residuals. Interrupted or not, those returned belong to the parameters returned.
+    run.residuals = problem.evaluate_uninterrupted(&run.y);
+    run.cost = half_square(&run.residuals);
     Some(run)
 }
 

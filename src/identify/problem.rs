@@ -147,10 +147,8 @@ where
 
     /// Residuals at `y`; NaN throughout when the evaluation failed.
     pub fn evaluate(&self, y: &[f64]) -> Result<Vec<f64>, Stop> {
-        if let Ok(last) = self.last.lock()
-            && last.0 == y
-        {
-            return Ok(last.1.clone());
+        if let Some(known) = self.known(y) {
+            return Ok(known);
         }
         let residuals = self.evaluate_afresh(y)?;
         if let Ok(mut last) = self.last.lock() {
@@ -159,10 +157,24 @@ where
         Ok(residuals)
     }
 
+    /// As `evaluate`, without asking whether to stop.
+    pub fn evaluate_uninterrupted(&self, y: &[f64]) -> Vec<f64> {
+        self.known(y).unwrap_or_else(|| self.compute(y))
+    }
+
+    /// The residuals at `y` if it was evaluated last.
+    fn known(&self, y: &[f64]) -> Option<Vec<f64>> {
+        self.last.lock().ok().filter(|last| last.0 == y).map(|last| last.1.clone())
+    }
+
     fn evaluate_afresh(&self, y: &[f64]) -> Result<Vec<f64>, Stop> {
         if self.options.interrupt.is_some_and(|interrupt| interrupt()) {
             return Err(Stop);
         }
+        Ok(self.compute(y))
+    }
+
+    fn compute(&self, y: &[f64]) -> Vec<f64> {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
         let mut out = vec![0.0; self.count];
         let outcome = (self.residual)(&self.values(y), &mut out);
@@ -175,7 +187,7 @@ where
         {
             first.get_or_insert(error);
         }
-        Ok(out)
+        out
     }
 
     /// ∂residual/∂y, column by column; the columns are evaluated in parallel, each on its own, so that

@@ -12,8 +12,23 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Refuses, before any work is done, a destination that could not be written in the end.
-    pub fn check(path: &Path) -> Result<(), Failure> {
+    /// Refuses, before any work is done, destinations that could not be written in the end, or of which one
+    /// would replace another.
+    pub fn check<'p>(paths: impl IntoIterator<Item = &'p PathBuf>) -> Result<(), Failure> {
+        let mut places = Vec::new();
+        for path in paths {
+            Self::check_one(path)?;
+            // The folder is there, so it has one true name.
+            let place = (folder_of(path).canonicalize().ok(), path.file_name());
+            if places.contains(&place) {
+                return Err(Failure::input(format!("two results would be written to {}", path.display())));
+            }
+            places.push(place);
+        }
+        Ok(())
+    }
+
+    fn check_one(path: &Path) -> Result<(), Failure> {
         let folder = folder_of(path);
         if path.is_dir() {
             return Err(Failure::input(format!("{} is a folder; name a file in it", path.display())));
@@ -54,6 +69,18 @@ impl Outputs {
             })?;
         }
         Ok(self.files.into_iter().map(|(path, _)| path).collect())
+    }
+}
+
+/// Writes to standard output. A reader that has seen enough and closed the pipe does not stop the program:
+/// the files are still to be written.
+pub fn say(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::other(format!("cannot write to standard output: {error}")))
+        }
+        _ => Ok(()),
     }
 }
 

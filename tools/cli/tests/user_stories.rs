@@ -237,6 +237,105 @@ fn a_destination_that_cannot_be_written_is_refused_before_any_work() {
     refused(|_| (), &["export", "model.toml", "-o", "model.so"], &[".fmu"]);
     refused(|_| (), &["export", "model.toml", "-o", "two words.fmu"], &["two words"]);
     refused(|_| (), &["compare", "missing.toml", "data"], &["missing.toml"]);
+    refused(|_| (), &["compare", "model.toml", "data", "--json", "x", "--report", "./x"], &["two results"]);
+    refused(|_| (), &["compare", "model.toml", "data", "--json", "x", "-o", "data/../x"], &["two results"]);
+    refused(|_| (), &["export", "model.toml", "-o", "X.fmu", "--report", "X.fmu"], &["two results"]);
+}
+
+#[test]
+fn a_refitted_model_without_anything_free_is_refused_and_a_comparison_is_not() {
+    let fixed =
+        |folder: &Path| fs::write(folder.join("model.toml"), format!("{CONTACT}[fit]\nfree = []\n")).unwrap();
+    refused(fixed, &COMPARE, &["[fit] free"]);
+    let folder = example();
+    fixed(folder.path());
+    let output = stickslip(folder.path(), &["compare", "model.toml", "data", "--json", "c.json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("nothing is free"));
+    assert!(folder.path().join("c.json").is_file());
+}
+
+#[test]
+fn columns_that_are_left_aside_are_named() {
+    let folder = example();
+    let table = measured_loop().replace('\n', ",100\n").replacen(",100", ",normal_load [N]", 1);
+    fs::write(folder.path().join("data/loop.csv"), table).unwrap();
+    let output = stickslip(folder.path(), &["compare", "model.toml", "data", "--no-fit"]);
+    assert!(output.status.success());
+    let note = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(note.contains("loop.csv: column `normal_load` is not used"), "{note}");
+}
+
+#[test]
+fn a_comparison_without_any_prediction_fails_and_says_why() {
+    let folder = example();
+    let table = "time [s],displacement [mm],force [N]\n0,0,0.1\n1,0.01,0.1\n2,0,0.1\n";
+    fs::write(folder.path().join("data/loop.csv"), table).unwrap();
+    let output = stickslip(folder.path(), &["compare", "model.toml", "data", "--no-fit"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stdout(&output).contains("the same number throughout"), "{}", stdout(&output));
+    let output = stickslip(folder.path(), &["compare", "model.toml", "data"]);
+    assert_eq!(output.status.code(), Some(1));
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(message.contains("loop.csv") && message.contains("the same number"), "{message}");
+}
+
+#[test]
+fn a_reader_that_closes_the_pipe_does_not_cost_the_results() {
+    let folder = example();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_stickslip"))
+        .current_dir(folder.path())
+        .args(["compare", "model.toml", "data", "--no-fit", "--json", "c.json"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(folder.path().join("c.json").is_file());
+}
+
+/// Starts the program, interrupts it while it works and waits for its end.
+#[cfg(unix)]
+fn interrupted(folder: &Path, arguments: &[&str]) -> Output {
+    let child = Command::new(env!("CARGO_BIN_EXE_stickslip"))
+        .current_dir(folder)
+        .args(arguments)
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Long enough to be past the start, short against the work.
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    child.wait_with_output().unwrap()
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_refit_writes_what_it_has() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [
+        ("backbone.csv", include_str!("../../../examples/frictional-support/backbone.csv")),
+        ("dataset.toml", include_str!("../../../examples/frictional-support/dataset.toml")),
+    ] {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    // So many modes that the refit takes a minute.
+    let slow =
+        include_str!("../../../examples/frictional-support/valanis.toml").replace("modes = 4", "modes = 40");
+    assert!(slow.contains("modes = 40"));
+    fs::write(folder.path().join("slow.toml"), slow).unwrap();
+    let started = std::time::Instant::now();
+    let output = interrupted(folder.path(), &["compare", "slow.toml", ".", "--json", "c.json"]);
+    assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("interrupted"));
+    let json: serde_json::Value =
+        serde_json::from_slice(&fs::read(folder.path().join("c.json")).unwrap()).unwrap();
+    assert!(json["error"]["baseline"].as_f64().unwrap() > 0.1);
+    assert!(started.elapsed().as_secs() < 30);
 }
 
 /// The measured loops of a friction device have a licence of their own and stay where they are.

@@ -2,9 +2,13 @@
 
 use std::path::PathBuf;
 
-use stickslip::diagnose::{Comparison, evaluate, refit};
+use stickslip::diagnose::{Comparison, evaluate};
+use stickslip::model::Model;
 
-use super::{check_destinations, dataset_files, list, present, read_dataset, read_model, settings, watched};
+use super::{
+    check_destinations, dataset_files, list, present, read_dataset, read_model, refitted, settings,
+    tell_unused,
+};
 use crate::output::Outputs;
 use crate::{Failure, ResultFiles};
 
@@ -28,19 +32,19 @@ pub struct Compare {
 impl Compare {
     /// Compares.
     pub fn run(self) -> Result<(), Failure> {
-        check_destinations(&self.files)?;
-        self.out.iter().try_for_each(|path| Outputs::check(path))?;
+        check_destinations(&self.files, &self.out)?;
         let model = read_model(&self.model)?;
         let dataset = read_dataset(&self.dataset, &model)?;
+        tell_unused(&model, &dataset);
         let baseline = evaluate("baseline", &model, &dataset);
         let mut stages = vec![baseline];
         let mut outputs = Outputs::default();
-        if !self.no_fit {
-            let (refitted, stage) = watched("refitting", |watch| refit("refitted", &model, &dataset, watch))
-                .map_err(|error| Failure::other(format!("the refit failed: {error}")))?;
-            stages.push(stage);
+        if self.fits(&model)
+            && let Some(done) = refitted("refitted", &model, &dataset)?
+        {
+            stages.push(done.stage);
             if let Some(path) = &self.out {
-                outputs.add(path, refitted.to_toml());
+                outputs.add(path, done.model.to_toml());
             }
         }
         let title = dataset.title.clone().unwrap_or_else(|| self.dataset.display().to_string());
@@ -49,7 +53,21 @@ impl Compare {
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         let comparison = Comparison { title, records: dataset.records, stages };
         present(&comparison, &settings, &self.files, &mut outputs)?;
-        list(&outputs.write()?);
+        list(&outputs.write()?)?;
+        if comparison.stages.iter().all(|stage| stage.error.is_nan()) {
+            return Err(Failure::other("no record can be predicted"));
+        }
         Ok(())
+    }
+
+    /// Whether there is something to refit. A model with nothing free is compared as it is, unless its
+    /// refitted form is asked for.
+    fn fits(&self, model: &Model) -> bool {
+        let nothing_free = !model.parameters().iter().any(|parameter| parameter.free);
+        if !self.no_fit && self.out.is_none() && nothing_free {
+            eprintln!("note: nothing is free in `[fit] free`; the model is compared as it is");
+            return false;
+        }
+        !self.no_fit
     }
 }

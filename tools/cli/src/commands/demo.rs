@@ -1,13 +1,11 @@
 //! `stickslip demo`
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use stickslip::diagnose::{Comparison, Stage, evaluate, refit};
-use stickslip::measure::Dataset;
-use stickslip::model::Model;
+use stickslip::diagnose::{Comparison, Stage, evaluate};
 
-use super::{present, watched};
-use crate::output::Outputs;
+use super::present;
+use crate::output::{Outputs, say};
 use crate::{Failure, ResultFiles};
 
 /// A file of the example that the program carries inside itself.
@@ -65,11 +63,19 @@ impl Demo {
         inputs.write()?;
 
         let dataset = stickslip_readers::read_dataset(&example).map_err(super::shown)?;
-        println!("{}\n", dataset.title.as_deref().unwrap_or_default());
+        say(&format!("{}\n\n", dataset.title.as_deref().unwrap_or_default()))?;
         let mut models = Vec::new();
         let mut stages = Vec::new();
         for (name, file, fit) in STAGES {
-            let (model, stage) = run_stage(name, &example.join(file), fit, &dataset)?;
+            let model = super::read_model(&example.join(file))?;
+            let done = if fit {
+                super::refitted(name, &model, &dataset)?.map(|done| (done.model, done.stage))
+            } else {
+                let stage = evaluate(name, &model, &dataset);
+                Some((model, stage))
+            };
+            // Interrupted: what was tried so far is shown.
+            let Some((model, stage)) = done else { break };
             models.push(model);
             stages.push(stage);
         }
@@ -89,23 +95,9 @@ impl Demo {
         present(&comparison, &settings, &files, &mut outputs)?;
         outputs.add(&self.out.join("FrictionalSupport.toml"), models[best].to_toml());
         outputs.add(&self.out.join("FrictionalSupport.fmu"), fmu);
-        println!("\n{summary}");
-        super::list(&outputs.write()?);
-        Ok(())
+        say(&format!("\n{summary}\n"))?;
+        super::list(&outputs.write()?)
     }
-}
-
-fn run_stage(name: &str, path: &Path, fit: bool, dataset: &Dataset) -> Result<(Model, Stage), Failure> {
-    let model = super::read_model(path)?;
-    watched(name, |watch| {
-        if fit {
-            refit(name, &model, dataset, watch)
-                .map_err(|error| Failure::other(format!("{name}: the refit failed: {error}")))
-        } else {
-            let stage = evaluate(name, &model, dataset);
-            Ok((model, stage))
-        }
-    })
 }
 
 /// Index of the stage with the smallest error.

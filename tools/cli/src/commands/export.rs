@@ -24,8 +24,7 @@ pub struct Export {
 impl Export {
     /// Writes the FMU; with `--json` its variables as data, with `--report` its documentation page.
     pub fn run(self) -> Result<(), Failure> {
-        check_destinations(&self.files)?;
-        Outputs::check(&self.out)?;
+        check_destinations(&self.files, [&self.out])?;
         let text = read_model(&self.model)?.to_toml();
         let name = model_identifier(&self.out)?;
         let failed = |error: stickslip_fmu_package::Error| Failure::input(format!("{error}"));
@@ -58,8 +57,7 @@ impl Export {
             });
             outputs.add(path, format!("{export:#}\n"));
         }
-        list(&outputs.write()?);
-        Ok(())
+        list(&outputs.write()?)
     }
 }
 

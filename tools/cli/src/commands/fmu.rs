@@ -36,7 +36,6 @@ impl Fmu {
         }
         std::fs::create_dir_all(&self.out)
             .map_err(|error| Failure::other(format!("cannot make {}: {error}", self.out.display())))?;
-        super::list(&outputs.write()?);
-        Ok(())
+        super::list(&outputs.write()?)
     }
 }

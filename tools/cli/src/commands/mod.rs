@@ -5,16 +5,18 @@ pub mod demo;
 pub mod export;
 pub mod fmu;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest as _, Sha256};
-use stickslip::diagnose::{Comparison, Watch};
+use stickslip::diagnose::{Comparison, Refit, RefitError, Watch, refit, unused_columns};
+use stickslip::identify::{Ending, FitError};
 use stickslip::measure::Dataset;
 use stickslip::model::Model;
 
 use stickslip_report::{InputFile, Settings};
 
-use crate::output::Outputs;
+use crate::output::{Outputs, say};
 use crate::progress;
 use crate::{Failure, ResultFiles};
 
@@ -50,7 +52,7 @@ fn present(
     files: &ResultFiles,
     outputs: &mut Outputs,
 ) -> Result<(), Failure> {
-    print!("{}", terminal_table(comparison));
+    say(&terminal_table(comparison))?;
     if let Some(path) = &files.json {
         let text = serde_json::to_string_pretty(&stickslip_report::json(comparison))
             .map_err(|error| Failure::other(error.to_string()))?;
@@ -97,9 +99,50 @@ fn dataset_files(path: &Path, dataset: &Dataset) -> Vec<PathBuf> {
 }
 
 /// Says what was written.
-fn list(written: &[PathBuf]) {
-    for path in written {
-        println!("wrote {}", path.display());
+fn list(written: &[PathBuf]) -> Result<(), Failure> {
+    written.iter().try_for_each(|path| say(&format!("wrote {}\n", path.display())))
+}
+
+/// Refits `model` as the stage `name`, and tells when that did not go to its end. `None` when it was
+/// interrupted before it had anything better than the model.
+fn refitted(name: &str, model: &Model, dataset: &Dataset) -> Result<Option<Refit>, Failure> {
+    let done = match watched(name, |watch| refit(name, model, dataset, watch)) {
+        Err(RefitError::Fit(FitError::Interrupted)) => None,
+        Err(error @ (RefitError::NothingFree | RefitError::NothingToFit)) => {
+            return Err(Failure::input(format!("{name}: {error}")));
+        }
+        Err(error) => return Err(Failure::other(format!("{name}: {error}"))),
+        Ok(done) => Some(done),
+    };
+    match done.as_ref().map_or(Ending::Interrupted, |done| done.ending) {
+        Ending::Converged => {}
+        Ending::Interrupted => eprintln!("note: {name}: interrupted; these are the results so far"),
+        Ending::StepLimit => eprintln!("note: {name}: the fit was still improving when its steps ran out"),
+        Ending::Stalled => {
+            eprintln!("note: {name}: the fit ended where no step lowered the error, short of convergence");
+        }
+    }
+    Ok(done)
+}
+
+/// Tells which columns of the dataset a comparison with `model` leaves aside, each once.
+fn tell_unused(model: &Model, dataset: &Dataset) {
+    let mut records_of: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for record in &dataset.records {
+        for column in unused_columns(model, record) {
+            records_of.entry(column).or_default().push(&record.name);
+        }
+    }
+    for (column, records) in records_of {
+        let reason = match column {
+            "normal_load" => "; the model's normal load is constant",
+            _ => "",
+        };
+        let others = match records.len() {
+            1 => String::new(),
+            count => format!(" and {} more", count - 1),
+        };
+        eprintln!("note: {}{others}: column `{column}` is not used{reason}", records[0]);
     }
 }
 
@@ -115,6 +158,9 @@ fn watched<T>(what: &str, work: impl FnOnce(Watch) -> T) -> T {
 }
 
 /// Refuses destinations that could not be written, before any work.
-fn check_destinations(files: &ResultFiles) -> Result<(), Failure> {
-    files.json.iter().chain(&files.report).try_for_each(|path| Outputs::check(path))
+fn check_destinations<'p>(
+    files: &'p ResultFiles,
+    other: impl IntoIterator<Item = &'p PathBuf>,
+) -> Result<(), Failure> {
+    Outputs::check(files.json.iter().chain(&files.report).chain(other))
 }
