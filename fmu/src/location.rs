@@ -6,7 +6,8 @@ use std::path::PathBuf;
 /// Windows `file:///C:/a`. A plain path, which some importers pass, is taken as it is.
 ///
 /// # Errors
-/// Another scheme, another host, or an incomplete `%` escape.
+/// Another scheme, another host, an incomplete `%` escape, or no directory at all: the importer's
+/// working directory is not meant.
 pub fn directory(uri: &[u8]) -> Result<PathBuf, String> {
     let shown = || String::from_utf8_lossy(uri).into_owned();
     let Some(rest) = strip_scheme(uri) else {
@@ -58,14 +59,18 @@ fn decode(text: &[u8]) -> Option<Vec<u8>> {
     Some(decoded)
 }
 
-#[cfg(unix)]
 fn path(bytes: Vec<u8>) -> Result<PathBuf, String> {
+    if bytes.is_empty() { Err("fmuResourceLocation names no directory".to_owned()) } else { native(bytes) }
+}
+
+#[cfg(unix)]
+fn native(bytes: Vec<u8>) -> Result<PathBuf, String> {
     use std::os::unix::ffi::OsStringExt;
     Ok(std::ffi::OsString::from_vec(bytes).into())
 }
 
 #[cfg(not(unix))]
-fn path(bytes: Vec<u8>) -> Result<PathBuf, String> {
+fn native(bytes: Vec<u8>) -> Result<PathBuf, String> {
     String::from_utf8(bytes).map(PathBuf::from).map_err(|_| "fmuResourceLocation is not UTF-8".to_owned())
 }
 
@@ -90,8 +95,9 @@ mod tests {
     }
 
     #[test]
-    fn other_schemes_hosts_and_broken_escapes_are_refused() {
-        for uri in ["http://x/y", "file://elsewhere/y", "file:///a%2", "file:///a%zz"] {
+    fn other_schemes_hosts_broken_escapes_and_nothing_are_refused() {
+        for uri in ["http://x/y", "file://elsewhere/y", "file:///a%2", "file:///a%zz", "", "file:", "file://"]
+        {
             assert!(directory(uri.as_bytes()).is_err(), "{uri}");
         }
     }

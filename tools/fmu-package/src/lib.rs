@@ -129,9 +129,13 @@ pub fn read_model_toml(fmu: &[u8]) -> Result<String, Error> {
     let file =
         archive.by_name(MODEL_FILE).map_err(|error| Error::Unreadable(format!("{MODEL_FILE}: {error}")))?;
     // A model file has some kilobytes; an archive that unpacks to more than this is not ours.
-    file.take(LARGEST_MODEL)
+    let length = file
+        .take(LARGEST_MODEL + 1)
         .read_to_string(&mut text)
         .map_err(|error| Error::Unreadable(format!("{MODEL_FILE}: {error}")))?;
+    if length as u64 > LARGEST_MODEL {
+        return Err(Error::Unreadable(format!("{MODEL_FILE} has more than {LARGEST_MODEL} bytes")));
+    }
     Ok(text)
 }
 
