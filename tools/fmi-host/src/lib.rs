@@ -13,6 +13,7 @@ use std::ffi::{CString, NulError, c_void};
 use std::path::Path;
 use std::ptr::{self, NonNull};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Why an FMU's library does not do what it should.
 #[derive(Debug, thiserror::Error)]
@@ -43,6 +44,9 @@ pub enum Error {
         /// Number of values.
         values: usize,
     },
+    /// A saved state of another slave: its library would take it for one of its own.
+    #[error("the saved state belongs to another slave")]
+    ForeignState,
 }
 
 /// A loaded library with its functions.
@@ -72,6 +76,8 @@ impl Library {
 pub struct Slave {
     library: Arc<Library>,
     handle: NonNull<c_void>,
+    /// No other slave in this process has or had it.
+    number: u64,
     /// Some libraries keep the pointer they are given.
     _callbacks: Box<Callbacks>,
 }
@@ -79,13 +85,18 @@ pub struct Slave {
 // SAFETY: FMI allows any thread to call a component, one at a time; `&mut self` sees to that.
 unsafe impl Send for Slave {}
 
-/// A saved state. It belongs to the slave that saved it, which frees it.
+/// A saved state. It belongs to the slave that saved it, which frees it; dropped, it leaks.
 #[derive(Debug)]
-pub struct State(StateHandle);
+#[must_use = "give it back to Slave::free"]
+pub struct State {
+    handle: StateHandle,
+    owner: u64,
+}
 
 macro_rules! call {
     ($self:ident.$function:ident($($argument:expr),*)) => {{
-        // SAFETY: the handle is alive, and pointers and lengths come from the same slices.
+        // SAFETY: the handle is alive, saved states are its own, and pointers and lengths come from the
+        // same slices.
         let status = unsafe { ($self.library.functions.$function)($self.handle.as_ptr(), $($argument),*) };
         checked(stringify!($function), status)
     }};
@@ -108,7 +119,9 @@ impl Slave {
             (functions.fmi2Instantiate)(name, CO_SIMULATION, guid, resources, &*callbacks, 0, 0)
         };
         let handle = NonNull::new(handle).ok_or(Error::Instantiate)?;
-        Ok(Self { library, handle, _callbacks: callbacks })
+        static COUNT: AtomicU64 = AtomicU64::new(0);
+        let number = COUNT.fetch_add(1, Ordering::Relaxed);
+        Ok(Self { library, handle, number, _callbacks: callbacks })
     }
 
     /// `fmi2SetupExperiment` from `start` (s), with a relative tolerance if given.
@@ -197,34 +210,41 @@ impl Slave {
     pub fn save(&mut self) -> Result<State, Error> {
         let mut state = ptr::null_mut();
         call!(self.fmi2GetFMUstate(&mut state))?;
-        Ok(State(state))
+        Ok(State { handle: state, owner: self.number })
+    }
+
+    /// The C pointer of a state of this slave.
+    fn own(&self, state: &State) -> Result<StateHandle, Error> {
+        if state.owner == self.number { Ok(state.handle) } else { Err(Error::ForeignState) }
     }
 
     /// `fmi2SetFMUstate`.
     ///
     /// # Errors
-    /// The FMU's status.
+    /// A state of another slave; the FMU's status.
     pub fn restore(&mut self, state: &State) -> Result<(), Error> {
-        call!(self.fmi2SetFMUstate(state.0))
+        let state = self.own(state)?;
+        call!(self.fmi2SetFMUstate(state))
     }
 
     /// `fmi2FreeFMUstate`.
     ///
     /// # Errors
-    /// The FMU's status.
-    pub fn free(&mut self, mut state: State) -> Result<(), Error> {
-        call!(self.fmi2FreeFMUstate(&mut state.0))
+    /// A state of another slave; the FMU's status.
+    pub fn free(&mut self, state: State) -> Result<(), Error> {
+        let mut state = self.own(&state)?;
+        call!(self.fmi2FreeFMUstate(&mut state))
     }
 
     /// `fmi2SerializeFMUstate`.
     ///
     /// # Errors
-    /// The FMU's status.
+    /// A state of another slave; the FMU's status.
     pub fn serialize(&mut self, state: &State) -> Result<Vec<u8>, Error> {
-        let mut size = 0;
-        call!(self.fmi2SerializedFMUstateSize(state.0, &mut size))?;
+        let (state, mut size) = (self.own(state)?, 0);
+        call!(self.fmi2SerializedFMUstateSize(state, &mut size))?;
         let mut bytes = vec![0_u8; size];
-        call!(self.fmi2SerializeFMUstate(state.0, bytes.as_mut_ptr().cast(), size))?;
+        call!(self.fmi2SerializeFMUstate(state, bytes.as_mut_ptr().cast(), size))?;
         Ok(bytes)
     }
 
@@ -235,7 +255,7 @@ impl Slave {
     pub fn deserialize(&mut self, bytes: &[u8]) -> Result<State, Error> {
         let mut state = ptr::null_mut();
         call!(self.fmi2DeSerializeFMUstate(bytes.as_ptr().cast(), bytes.len(), &mut state))?;
-        Ok(State(state))
+        Ok(State { handle: state, owner: self.number })
     }
 }
 

@@ -61,6 +61,16 @@ fn statuses_of_failed_calls_come_back() {
 }
 
 #[test]
+fn the_saved_state_of_another_slave_is_refused() {
+    let (mut one, mut other) = (unpack("JenkinsContact").running(), unpack("JenkinsContact").running());
+    let state = one.save().unwrap();
+    assert!(matches!(other.restore(&state), Err(Error::ForeignState)));
+    assert!(matches!(other.serialize(&state), Err(Error::ForeignState)));
+    one.restore(&state).unwrap();
+    one.free(state).unwrap();
+}
+
+#[test]
 fn ten_thousand_instances_live_together() {
     let fmu = unpack("JenkinsContact");
     let mut all: Vec<Slave> = (0..10_000).map(|_| fmu.running()).collect();
