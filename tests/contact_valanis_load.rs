@@ -173,7 +173,12 @@ fn a_varying_load_is_followed_to_second_order_in_the_step() {
             let (a, b) = ((coarse.1 / dissipated - 1.0).abs(), (fine.1 / dissipated - 1.0).abs());
             println!(
                 "κ {kappa} {}: {:.1e} {:.1e} order {order:.2}, D {:.1e} {:.1e} {:.2}",
-                history.name, coarse.0 / size, fine.0 /size, a, b, (a/b).log(8.0)
+                history.name,
+                coarse.0 / size,
+                fine.0 / size,
+                a,
+                b,
+                (a / b).log(8.0)
             );
         }
     }

@@ -95,6 +95,19 @@ fn the_demonstration_lets_the_error_fall_and_exports_the_best_model() {
 }
 
 #[test]
+fn the_demonstration_leaves_a_changed_file_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let example = folder.path().join("stickslip-demo/frictional-support");
+    fs::create_dir_all(&example).unwrap();
+    fs::write(example.join("jenkins.toml"), "my own").unwrap();
+    let output = stickslip(folder.path(), &["demo"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("jenkins.toml"));
+    assert_eq!(fs::read_to_string(example.join("jenkins.toml")).unwrap(), "my own");
+    assert_eq!(entries(&example).len(), 1);
+}
+
+#[test]
 fn a_refit_finds_the_parameters_of_an_exact_loop() {
     let folder = example();
     let output = stickslip(

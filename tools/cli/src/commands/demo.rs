@@ -58,9 +58,7 @@ impl Demo {
         let example = self.out.join("frictional-support");
         std::fs::create_dir_all(&example)
             .map_err(|error| Failure::other(format!("cannot make {}: {error}", example.display())))?;
-        let mut inputs = Outputs::default();
-        FILES.iter().for_each(|(name, text)| inputs.add(&example.join(name), *text));
-        inputs.write()?;
+        write_example(&example)?;
 
         let dataset = stickslip_readers::read_dataset(&example).map_err(super::shown)?;
         say(&format!("{}\n\n", dataset.title.as_deref().unwrap_or_default()))?;
@@ -98,6 +96,25 @@ impl Demo {
         say(&format!("\n{summary}\n"))?;
         super::list(&outputs.write()?)
     }
+}
+
+/// Writes the example's files, but not over one that the user has changed.
+fn write_example(folder: &Path) -> Result<(), Failure> {
+    let mut files = Outputs::default();
+    for (name, text) in FILES {
+        let path = folder.join(name);
+        match std::fs::read(&path) {
+            Ok(present) if present == text.as_bytes() => {}
+            Ok(_) => {
+                return Err(Failure::input(format!(
+                    "{} is no longer the example's; `stickslip demo --out FOLDER` works in another folder",
+                    path.display()
+                )));
+            }
+            Err(_) => files.add(&path, text),
+        }
+    }
+    files.write().map(|_| ())
 }
 
 /// Index of the stage with the smallest error.
