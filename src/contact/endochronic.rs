@@ -33,8 +33,8 @@ pub(super) fn within(gap: f64, delta: f64, b: f64, stretch: &Stretch, share: f64
         // Hermite's cubic through both ends of the stretch, where q and dq/dδ = 1/(1 + b g) are known.
         let (first, last) = (delta / (1.0 + c), delta / (1.0 + b * stretch.gap));
         let (square, rest) = (share * share, 1.0 - share);
-        let guess = square * (3.0 - 2.0 * share) * stretch.log_ratio
-            + share * rest * (rest * first - share * last);
+        let guess =
+            square * (3.0 - 2.0 * share) * stretch.log_ratio + share * rest * (rest * first - share * last);
         refine(guess.max(0.0), part, c)
     };
     (log_ratio, gap * (1.0 + loss))
