@@ -1,7 +1,7 @@
 //! Valanis' contact under a normal load that varies within the step: against the rate law as printed,
 //! integrated independently with the load of each instant.
 
-use stickslip::contact::{ContactLaw, Inputs, Response, SlipState, Valanis};
+use stickslip::contact::{ContactLaw, Inputs, Response, Valanis};
 
 const STIFFNESS: f64 = 7.9e6;
 
@@ -52,7 +52,7 @@ const HISTORIES: [History; 9] = [
         load: |t| 120.0 + 70.0 * (5.0 * t).sin(),
     },
     History { name: "lift-off", share: -0.8, displacement: |t| 30e-6 * t, load: |t| 150.0 - 187.0 * t },
-    History { name: "re-contact", share: 0.0, displacement: |t| -90e-6 * t, load: |t| 150.0 * t - 37.0 },
+    History { name: "re-contact", share: 0.0, displacement: |t| -90e-6 * t, load: |t| 150.0 * t - 50.0 },
     History {
         name: "lift-off and re-contact",
         share: 0.9,
@@ -102,7 +102,7 @@ fn piece(law: &Valanis, (y, work): (f64, f64), from: (f64, f64), to: (f64, f64))
 
 /// Hysteretic force at `samples` even times, and what is dissipated until the end.
 fn reference(law: &Valanis, history: &History, samples: usize) -> (Vec<f64>, f64) {
-    const PIECES: usize = 250;
+    const PIECES: usize = 1000;
     let at = |i: usize| i as f64 / (samples * PIECES) as f64;
     let mut y = history.share * law.limit((history.load)(0.0));
     let mut work = 0.0;
@@ -166,21 +166,82 @@ fn a_varying_load_is_followed_to_second_order_in_the_step() {
     for (kappa, e_t) in LAWS {
         let law = law(kappa, e_t);
         for history in &HISTORIES {
-            let (forces, dissipated) = reference(&law, history, 16);
-            let [coarse, fine] = [64, 512].map(|steps| error(&law, history, steps, &forces));
+            let (forces, dissipated) = reference(&law, history, 4);
+            let [coarse, fine] = [128, 1024].map(|steps| error(&law, history, steps, &forces));
             let size = forces.iter().fold(0.0_f64, |m, y| m.max(y.abs()));
-            let order = (coarse.0 / fine.0).log(8.0);
-            let (a, b) = ((coarse.1 / dissipated - 1.0).abs(), (fine.1 / dissipated - 1.0).abs());
-            println!(
-                "κ {kappa} {}: {:.1e} {:.1e} order {order:.2}, D {:.1e} {:.1e} {:.2}",
-                history.name,
-                coarse.0 / size,
-                fine.0 / size,
-                a,
-                b,
-                (a / b).log(8.0)
-            );
+            // Eight times as many steps, 64 times smaller; after re-contact a law close to Jenkins', whose
+            // corner the steps must first resolve, comes to it last.
+            let least = if kappa < 0.9 { 8_f64.powf(1.8) } else { 8_f64.powf(1.6) };
+            let context = format!("κ {kappa} {}: {coarse:?} {fine:?}", history.name);
+            assert!(fine.0 <= coarse.0 / least && fine.0 < 4e-5 * size, "{context}");
+            let [coarse, fine] = [coarse, fine].map(|found| (found.1 / dissipated - 1.0).abs());
+            assert!(fine <= (coarse / 8_f64.powf(1.6)).max(1e-12) && fine < 5e-5, "D, {context}");
         }
     }
-    panic!();
+}
+
+#[test]
+fn a_saturated_contact_follows_its_limit_whatever_the_step() {
+    for (kappa, e_t) in LAWS {
+        let law = law(kappa, e_t);
+        let (mut state, mut from) = ([0.0; 4], 150.0);
+        law.set_state(0.0, from, law.limit(from), &mut state);
+        for (i, load) in [400.0, 90.0, 20.0, 21.0, 1000.0, 3.0].into_iter().enumerate() {
+            let before = law.stored_energy(&state);
+            let spring = e_t * (i as f64 + 0.5 - state[3]);
+            let response = go(&law, &mut state, (i + 1) as f64, load);
+            assert!((state[0] / law.limit(load) - 1.0).abs() < 1e-9, "{state:?}");
+            let work = 0.5 * (law.limit(from) + law.limit(load)) + spring;
+            let lost = work - (law.stored_energy(&state) - before);
+            assert!(
+                (response.dissipated_energy / lost - 1.0).abs() < 3e-4,
+                "{} {lost}",
+                response.dissipated_energy
+            );
+            from = load;
+        }
+    }
+}
+
+#[test]
+fn a_load_that_grows_from_zero_is_followed_exactly() {
+    for (kappa, e_t) in LAWS {
+        let law = law(kappa, e_t);
+        for travel in [1e-10, 1e-7, 5e-6, -14e-6, 80e-6] {
+            let mut state = [0.0; 4];
+            law.set_state(0.0, 0.0, 0.0, &mut state);
+            let response = go(&law, &mut state, travel, 150.0);
+            // Force in proportion to the load: the same slope over the whole path.
+            let slope = rate(&law, state[0], travel.signum(), 150.0);
+            assert!((state[0] / (slope * travel) - 1.0).abs() < 1e-9, "κ {kappa} travel {travel}");
+            let lost = 0.5 * response.force * travel - law.stored_energy(&state);
+            let size = (0.5 * response.force * travel).abs();
+            assert!((response.dissipated_energy - lost).abs() < 1e-12 * size, "κ {kappa} travel {travel}");
+        }
+    }
+}
+
+#[test]
+fn a_step_is_continuous_where_the_load_stops_varying() {
+    for (kappa, e_t) in LAWS {
+        let law = law(kappa, e_t);
+        for (share, travel) in [(-1.0, 20e-6), (0.3, 20e-6), (0.97, 3e-6), (1.0, -50e-6), (0.0, 1e-12)] {
+            let step = |load: f64| {
+                let mut state = [0.0; 4];
+                law.set_state(0.0, 150.0, share * law.limit(150.0), &mut state);
+                (go(&law, &mut state, travel, load), state[0])
+            };
+            let [below, held, above] = [150.0 * (1.0 - 1e-13), 150.0, 150.0 * (1.0 + 1e-13)].map(step);
+            for (near, y) in [below, above] {
+                assert!((y - held.1).abs() < 1e-10);
+                let (a, b) = (near.dissipated_energy, held.0.dissipated_energy);
+                assert!((a - b).abs() < 1e-12 * b + 1e-16, "{a:e} {b:e}");
+                if share.abs() < 1.0 {
+                    let (a, b) = (near.tangents, held.0.tangents);
+                    assert!((a.normal_load - b.normal_load).abs() < 1e-9, "{a:?} {b:?}");
+                    assert!((a.displacement - b.displacement).abs() < 1e-9 * STIFFNESS, "{a:?} {b:?}");
+                }
+            }
+        }
+    }
 }

@@ -12,8 +12,9 @@ pub(crate) const END: usize = 4;
 /// Sweeps before a step counts as not converging; convergence is about a digit a sweep or better.
 const SWEEPS: usize = 12;
 /// No finer than this part of the limit is the force asked to follow a normal load that varies within
-/// a step: there a law may be accurate to first order in the step only.
-const FINEST_PATH: f64 = 1e-4;
+/// a step: a law may be accurate to second order in the step only, so that the number of steps grows
+/// with the cube root of what is asked.
+const FINEST_PATH: f64 = 1e-5;
 /// What a trial step found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Trial {
