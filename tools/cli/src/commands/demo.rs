@@ -1,6 +1,6 @@
 //! `stickslip demo`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use stickslip::diagnose::{Comparison, Stage, evaluate};
 
