@@ -39,9 +39,9 @@ use crate::vocabulary::{
 ///   each other leaves an error of third order in a step;
 /// - the last motion ends under the load at the end, so that a saturated contact stays at `±μ N(t)`
 ///   whatever the step's size, and dissipates the exact mean, `μ (N₀ + N₁)/2` times the distance;
-/// - a limit ahead of the motion cuts at once, for the force cannot get away from it. A limit behind it
-///   cuts only at the end of the step, unless the motion has led away from it, and the force then counts
-///   as running linearly from start to end. (To twice such a limit the force is cut at once.)
+/// - a limit ahead of the motion cuts at once, for the force cannot get away from it. A limit behind it,
+///   which the motion may lead away from, cuts at the end of the step; the force then counts as running
+///   linearly from start to end. (To twice such a limit the force is cut at once.)
 ///
 /// The energy dissipated is that of this very path, and no part of it creates energy.
 ///
@@ -64,8 +64,8 @@ use crate::vocabulary::{
 /// A step must not contain a reversal. The law is not of Masing type, and minor loops do not close.
 /// Where the limit grows manyfold within a step, after a contact has closed, and faster than `y` could
 /// grow, the order in the step falls below the second, towards the first; the error is then a small
-/// part of the change of the limit in a step. No point sticks: [`SlipState::Stick`] is never reported. At a step without motion the tangent is that of
-/// unloading, the stiffer of the two directions.
+/// part of the change of the limit in a step. No point sticks: [`SlipState::Stick`] is never reported.
+/// At a step without motion the tangent is that of unloading, the stiffer of the two directions.
 ///
 /// # Reference
 /// Beam with a frictional support, eq. 10; L. Gaul, J. Lenz, *Nonlinear dynamics of structures
@@ -359,10 +359,8 @@ impl Valanis {
     fn one_motion(&self, force: f64, sign: f64, distance: f64, limit: f64) -> End {
         let whole = self.motion(force, sign, distance, limit);
         let (delta, end_gap) = (whole.delta, whole.stretch.gap);
-        let (log_ratio, gap) = within(whole.gap, delta, self.curvature, &whole.stretch, FIRST_SHARE);
+        let (gap, left) = within(whole.gap, delta, self.curvature, &whole.stretch, FIRST_SHARE);
         let last_delta = (1.0 - FIRST_SHARE) * delta;
-        // Where the reach overflows, nothing is left of the start.
-        let left = if delta.is_finite() { (log_ratio - whole.stretch.log_ratio).exp() } else { 0.0 };
         let by_start = left * (1.0 + self.curvature * gap) / (1.0 + self.curvature * end_gap);
         let last = self.by_limit(sign, gap, end_gap, by_start, last_delta);
         let first = whole.by_limit - last;
