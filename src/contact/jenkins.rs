@@ -1,7 +1,7 @@
 //! Jenkins' element: a spring in series with a Coulomb slider.
 
 use super::error::{Bounds, LawError, checked};
-use super::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tangents, cut_to};
+use super::{ContactLaw, Inputs, Response, Slider, SlipState, StateTangents, Tangents, cut_to};
 use crate::vocabulary::{FRICTION_COEFFICIENT, TANGENTIAL_STIFFNESS};
 
 /// Jenkins' element, `T = k (u − z)` with `|T| ≤ μ N`.
@@ -255,5 +255,13 @@ impl ContactLaw for Jenkins {
 
     fn limit(&self, normal_load: f64) -> f64 {
         if normal_load <= 0.0 { 0.0 } else { self.friction_coefficient * normal_load }
+    }
+
+    fn sliders(&self, normal_load: f64, out: &mut Vec<Slider>) -> bool {
+        out.clear();
+        if normal_load > 0.0 {
+            out.push(Slider::jenkins(self.tangential_stiffness, self.limit(normal_load)));
+        }
+        true
     }
 }

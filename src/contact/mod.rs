@@ -13,11 +13,13 @@ mod endochronic;
 mod error;
 mod jenkins;
 mod periodic;
+mod slider;
 mod valanis;
 
 pub use error::{Bounds, LawError};
 pub use jenkins::Jenkins;
 pub use periodic::{Period, PeriodicError, PeriodicInfo, PeriodicSolver, periodic_state};
+pub use slider::Slider;
 pub use valanis::Valanis;
 
 /// What a contact sees at the end of a step. Within the step displacement and normal load run
@@ -123,6 +125,19 @@ pub trait ContactLaw: std::fmt::Debug + Send + Sync {
     /// The largest force the law reaches under `normal_load` (N) before any residual stiffness is
     /// added (N).
     fn limit(&self, normal_load: f64) -> f64;
+
+    /// Whether the reversed history of displacement gives the reversed history of force. Then a periodic
+    /// response to a force of odd harmonics can have odd harmonics alone.
+    fn is_odd(&self) -> bool {
+        true
+    }
+
+    /// Writes the law under the constant `normal_load` (N) as sliders side by side, whose forces add up, and
+    /// returns true; or returns false where the law is not piecewise linear.
+    fn sliders(&self, normal_load: f64, out: &mut Vec<Slider>) -> bool {
+        let _ = (normal_load, out);
+        false
+    }
 }
 
 /// `force` within `±limit`; NaN stays NaN, so that a diverged caller sees it.

@@ -8,7 +8,7 @@
 
 use nalgebra::DMatrix;
 
-use super::cycle::{SampledCycle, transposed};
+use super::cycle::sampled::{SampledCycle, transposed};
 use super::fourier::{coefficient_count, multiplication, work_per_cycle};
 use super::{ContactOnBeam, HarmonicError, Settings};
 use crate::structure::ModalBeam;

@@ -8,6 +8,7 @@
 //! Coefficients are laid out `[a0, c1, s1, …, cH, sH]` per mode, mode after mode; see [`fourier`].
 
 mod balance;
+mod curve;
 mod cycle;
 mod elimination;
 mod forced;
@@ -17,10 +18,14 @@ mod implicit;
 mod newton;
 mod periods;
 mod resonance;
+mod set;
+mod system;
 
+pub use curve::{Contacting, Curve, Ending, Peak, Point};
 pub use forced::{ForcedResponse, forced_response};
 pub use periods::whole_periods;
 pub use resonance::{Resonance, backbone, phase_resonance};
+pub use set::HarmonicSet;
 
 use crate::contact::ContactLaw;
 

@@ -15,10 +15,10 @@
 
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 
-use super::elimination::solve_ranked;
-use super::fourier::{Basis, coefficient_count, differentiate, dot};
-use super::implicit::Implicit;
-use super::{ContactOnBeam, HarmonicError};
+use super::super::elimination::solve_ranked;
+use super::super::fourier::{Basis, coefficient_count, differentiate, dot};
+use super::super::implicit::Implicit;
+use super::super::{ContactOnBeam, HarmonicError};
 use crate::contact::{Inputs, Response, StateTangents};
 
 /// Where a pivot of `1 − monodromy` (scaled) counts as zero: the memory does not fade.

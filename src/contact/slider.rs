@@ -1,0 +1,53 @@
+//! The element of piecewise-linear hysteresis.
+
+/// A spring with play, in series with a Coulomb slider, under a constant normal load:
+/// `T = k · d(u − z)`, held within `−lower_limit ≤ T ≤ upper_limit` by the slider `z`, which follows in slip.
+///
+/// `d(x)` is zero within the play, `x − play_above` above and `x − play_below` below it. Without play it is
+/// Jenkins' element; with `play_below = −∞` and infinite limits a one-sided spring; with neither play
+/// nor limits a linear spring.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slider {
+    /// k (N/m), above zero.
+    pub stiffness: f64,
+    /// Lower end of the play (m), at most zero; −∞ for a spring that never pulls.
+    pub play_below: f64,
+    /// Upper end of the play (m), at least `play_below`; +∞ for a spring that never pushes.
+    pub play_above: f64,
+    /// Largest −T (N); ∞ where nothing slips.
+    pub lower_limit: f64,
+    /// Largest T (N); ∞ where nothing slips.
+    pub upper_limit: f64,
+}
+
+impl Slider {
+    /// Jenkins' element with stiffness `stiffness` (N/m) and limit `limit` (N).
+    pub const fn jenkins(stiffness: f64, limit: f64) -> Self {
+        Self { stiffness, play_below: 0.0, play_above: 0.0, lower_limit: limit, upper_limit: limit }
+    }
+
+    /// Whether the reversed displacement gives the reversed force.
+    pub fn is_odd(&self) -> bool {
+        self.play_below == -self.play_above && self.lower_limit == self.upper_limit
+    }
+
+    /// Force (N) and slider position (m) after the displacement has run one way to `displacement` (m), from
+    /// the slider position `slider` (m).
+    pub fn step(&self, slider: f64, displacement: f64) -> (f64, f64) {
+        let stretch = displacement - slider;
+        let force = if stretch > self.play_above {
+            self.stiffness * (stretch - self.play_above)
+        } else if stretch < self.play_below {
+            self.stiffness * (stretch - self.play_below)
+        } else {
+            0.0
+        };
+        if force > self.upper_limit {
+            (self.upper_limit, displacement - self.play_above - self.upper_limit / self.stiffness)
+        } else if force < -self.lower_limit {
+            (-self.lower_limit, displacement - self.play_below + self.lower_limit / self.stiffness)
+        } else {
+            (force, slider)
+        }
+    }
+}

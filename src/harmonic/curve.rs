@@ -1,0 +1,93 @@
+//! Response curves: what is known at each of their points.
+
+/// A contact at a point of a curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contacting {
+    /// Energy the contact takes per cycle (J).
+    pub dissipated_energy: f64,
+    /// Slope of the loop from tip to tip (N/m); NaN where nothing moves.
+    pub equivalent_stiffness: f64,
+    /// Share of the period in stick; `None` for a law without a distinct stick.
+    pub stick_fraction: Option<f64>,
+    /// Coefficients `[a0, c1, s1, …]` of the contact's displacement (m).
+    pub displacement: Vec<f64>,
+    /// Coefficients `[a0, c1, s1, …]` of the restoring force (N).
+    pub force: Vec<f64>,
+}
+
+/// One periodic response.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Fundamental Ω (rad/s).
+    pub angular_frequency: f64,
+    /// Factor of the excitation; for an excitation of unit amplitude its amplitude (N).
+    pub level: f64,
+    /// Largest magnitude of each node's displacement over a period (m).
+    pub amplitude: Vec<f64>,
+    /// Coefficients `[a0, c1, s1, …]` of each node's displacement (m).
+    pub nodes: Vec<Vec<f64>>,
+    /// The contacts.
+    pub contacts: Vec<Contacting>,
+    /// Work of the excitation per cycle (J).
+    pub work: f64,
+    /// Whether a small disturbance dies out; `None` where it was not asked for or cannot be told.
+    pub stable: Option<bool>,
+    /// Estimated error of the displacements from the harmonics left out, as share of the amplitude of
+    /// the node it is largest at.
+    pub error_estimate: f64,
+    /// Whether `error_estimate` meets the tolerance asked for.
+    pub resolved: bool,
+    /// Highest harmonic of the unknowns.
+    pub harmonics: usize,
+    /// Newton steps it took.
+    pub iterations: usize,
+}
+
+impl Point {
+    /// Amplitude of the first harmonic of each node's displacement (m).
+    pub fn first_harmonic(&self) -> Vec<f64> {
+        self.nodes.iter().map(|c| if c.len() > 2 { c[1].hypot(c[2]) } else { 0.0 }).collect()
+    }
+
+    /// Energy all contacts take per cycle (J).
+    pub fn dissipated_energy(&self) -> f64 {
+        self.contacts.iter().map(|contact| contact.dissipated_energy).sum()
+    }
+}
+
+/// A local maximum of a node's amplitude along a curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Peak {
+    /// Which node.
+    pub node: usize,
+    /// Ω (rad/s).
+    pub angular_frequency: f64,
+    /// Amplitude there (m): largest magnitude over a period.
+    pub amplitude: f64,
+    /// Level there.
+    pub level: f64,
+}
+
+/// How a curve came to its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// The end of the range was reached.
+    Complete,
+    /// It was interrupted.
+    Interrupted,
+    /// The steps became too small, or too many: the rest of the range is missing.
+    Stuck,
+}
+
+/// Periodic responses along a curve, in the order they were followed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// Names of the nodes.
+    pub nodes: Vec<String>,
+    /// The points; with turning points the frequency runs back and forth.
+    pub points: Vec<Point>,
+    /// Peaks of every node between the ends, located to the solver's accuracy.
+    pub peaks: Vec<Peak>,
+    /// How it ended.
+    pub ending: Ending,
+}

@@ -1,0 +1,126 @@
+//! The sampled contact on any set of harmonics: slow, simple, and independent of the exact ways.
+
+use nalgebra::DMatrix;
+
+use super::sampled::SampledCycle;
+use super::{Cycle, CycleSummary, PeriodicContact};
+use crate::contact::{Inputs, SlipState};
+use crate::harmonic::fourier::{coefficient_count, from_samples, value, work_per_cycle};
+use crate::harmonic::set::HarmonicSet;
+use crate::harmonic::{ContactOnBeam, HarmonicError};
+
+/// [`SampledCycle`] restricted to a set of harmonics.
+#[derive(Debug)]
+pub(crate) struct ReferenceCycle {
+    set: HarmonicSet,
+    wide: HarmonicSet,
+    inner: SampledCycle,
+    samples: usize,
+    displacement: Vec<f64>,
+    force: Vec<f64>,
+    jacobian: DMatrix<f64>,
+    by_frequency: Vec<f64>,
+    /// Displacement, force and slip state at the samples of the last evaluation.
+    history: Vec<(f64, f64, SlipState)>,
+}
+
+impl ReferenceCycle {
+    pub fn new(set: HarmonicSet, samples: usize) -> Self {
+        let wide = HarmonicSet::full(set.highest());
+        Self {
+            set,
+            wide,
+            inner: SampledCycle::new(set.highest(), samples),
+            samples,
+            displacement: vec![0.0; wide.len()],
+            force: vec![0.0; set.len()],
+            jacobian: DMatrix::zeros(set.len(), set.len()),
+            by_frequency: vec![0.0; set.len()],
+            history: Vec::new(),
+        }
+    }
+
+    /// Two marched periods; the second, which is periodic but for memory that does not fade, is kept.
+    fn march(&mut self, contact: &PeriodicContact, angular_frequency: f64) {
+        let step = std::f64::consts::TAU / self.samples as f64;
+        let n = contact.law.state_len();
+        let (mut state, mut next) = (vec![0.0; n], vec![0.0; n]);
+        contact.law.set_state(0.0, contact.normal_load, 0.0, &mut state);
+        let derivative = crate::harmonic::fourier::time_derivative(&self.displacement, 1, angular_frequency);
+        self.history.clear();
+        for k in 0..2 * self.samples {
+            let phase = step * (k % self.samples) as f64;
+            let total = value(&self.displacement, phase);
+            let force = value(self.inner.force.as_slice(), phase);
+            let inputs = Inputs {
+                displacement: total - contact.compliance * force,
+                velocity: value(&derivative, phase),
+                normal_load: contact.normal_load,
+            };
+            let response = contact.law.step(&state, inputs, &mut next);
+            std::mem::swap(&mut state, &mut next);
+            if k >= self.samples {
+                self.history.push((inputs.displacement, response.force, response.slip_state));
+            }
+        }
+    }
+}
+
+impl Cycle for ReferenceCycle {
+    fn evaluate(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+    ) -> Result<(), HarmonicError> {
+        self.set.convert(u, self.wide, &mut self.displacement);
+        let on_beam = ContactOnBeam { law: contact.law, normal_load: contact.normal_load };
+        self.inner.evaluate(&on_beam, contact.compliance, angular_frequency, &self.displacement)?;
+        self.wide.convert(&self.inner.force, self.set, &mut self.force);
+        self.wide.convert(&self.inner.by_frequency, self.set, &mut self.by_frequency);
+        let places: Vec<usize> =
+            (0..self.wide.len()).filter(|place| self.set.place(place.div_ceil(2)).is_some()).collect();
+        for (column, j) in places.iter().enumerate() {
+            for (row, i) in places.iter().enumerate() {
+                self.jacobian[(row, column)] = self.inner.jacobian[(*i, *j)];
+            }
+        }
+        self.march(contact, angular_frequency);
+        Ok(())
+    }
+
+    fn force(&self) -> &[f64] {
+        &self.force
+    }
+
+    fn jacobian(&self) -> &DMatrix<f64> {
+        &self.jacobian
+    }
+
+    fn by_frequency(&self) -> &[f64] {
+        &self.by_frequency
+    }
+
+    fn forget(&mut self) {
+        self.inner.forget();
+    }
+
+    fn force_on(&mut self, set: HarmonicSet, out: &mut [f64]) {
+        let forces: Vec<f64> = self.history.iter().map(|(_, force, _)| *force).collect();
+        let full = from_samples(&forces, 1, set.highest());
+        HarmonicSet::full(full.len() / 2).convert(&full, set, out);
+    }
+
+    fn summary(&mut self) -> CycleSummary {
+        let by_displacement = |a: &&(f64, f64, SlipState), b: &&(f64, f64, SlipState)| a.0.total_cmp(&b.0);
+        let low = self.history.iter().min_by(by_displacement).map_or((0.0, 0.0), |p| (p.0, p.1));
+        let high = self.history.iter().max_by(by_displacement).map_or((0.0, 0.0), |p| (p.0, p.1));
+        let stuck = self.history.iter().filter(|(_, _, state)| *state == SlipState::Stick).count();
+        debug_assert_eq!(self.displacement.len(), coefficient_count(self.wide.highest()));
+        CycleSummary {
+            dissipated_energy: work_per_cycle(&self.inner.force, &self.displacement),
+            equivalent_stiffness: (high.1 - low.1) / (high.0 - low.0),
+            stick_fraction: Some(stuck as f64 / self.history.len().max(1) as f64),
+        }
+    }
+}
