@@ -103,6 +103,9 @@ pub struct Beam {
     pub youngs_modulus: f64,
     /// Number of modes kept.
     pub modes: usize,
+    /// Whether a static correction stands for the flexibility of the modes left out against a moment at
+    /// the pin, `[beam] static_correction`; false when absent.
+    pub static_correction: bool,
     /// Damping of the modes.
     pub damping: Damping,
     /// Masses fixed to the beam.
