@@ -27,11 +27,13 @@
 mod check;
 mod free;
 mod law;
+mod oscillator;
 mod parameters;
 mod parse;
 mod write;
 
 pub use check::{ParameterError, SMALLEST_AND_LARGEST};
+pub use oscillator::{Anchor, GROUND, Mass, Oscillator, Spring};
 pub use parameters::ModelParameter;
 
 /// What is wrong with a model file, and where.
