@@ -7,11 +7,14 @@
 //!
 //! Coefficients are laid out `[a0, c1, s1, …, cH, sH]` per mode, mode after mode; see [`fourier`].
 
+mod assembly;
 mod balance;
+mod condensed;
 mod condition;
 mod curve;
 mod cycle;
 mod elimination;
+mod extremum;
 mod factors;
 mod forced;
 pub mod fourier;
@@ -23,7 +26,9 @@ mod problem;
 mod resonance;
 mod set;
 mod system;
+mod transfer;
 
+pub use assembly::{Assembly, AttachedContact, Body, Control, CurveSettings, Method};
 pub use curve::{Contacting, Curve, Ending, Fold, Peak, Point};
 pub use forced::{ForcedResponse, forced_response};
 pub use periods::whole_periods;

@@ -8,8 +8,24 @@ pub(crate) mod sampled;
 use nalgebra::DMatrix;
 
 use super::HarmonicError;
+use super::assembly::Method;
 use super::set::HarmonicSet;
 use crate::contact::ContactLaw;
+
+/// The way to carry `law` over a period that `method` asks for.
+pub(crate) fn cycle_for(
+    law: &dyn ContactLaw,
+    normal_load: f64,
+    set: HarmonicSet,
+    method: Method,
+) -> Box<dyn Cycle> {
+    let _ = (law, normal_load);
+    let samples = match method {
+        Method::Exact => (32 * set.highest()).next_power_of_two().max(1024),
+        Method::Sampled { samples } => samples.max(8 * set.highest()),
+    };
+    Box::new(reference::ReferenceCycle::new(set, samples))
+}
 
 /// A contact whose displacement is periodic.
 #[derive(Debug, Clone, Copy)]
