@@ -11,6 +11,7 @@ mod assembly;
 mod balance;
 mod condensed;
 mod condition;
+mod continuation;
 mod curve;
 mod cycle;
 mod elimination;
