@@ -8,6 +8,7 @@
 //! Coefficients are laid out `[a0, c1, s1, …, cH, sH]` per mode, mode after mode; see [`fourier`].
 
 mod balance;
+mod contact_cycle;
 mod curve;
 mod cycle;
 mod elimination;
@@ -21,6 +22,7 @@ mod resonance;
 mod set;
 mod system;
 
+pub use contact_cycle::{ContactCycle, ContactMapping, CycleSummary, contact_cycle};
 pub use curve::{Contacting, Curve, Ending, Peak, Point};
 pub use forced::{ForcedResponse, forced_response};
 pub use periods::whole_periods;
@@ -36,6 +38,20 @@ pub struct ContactOnBeam<'a> {
     pub law: &'a dyn ContactLaw,
     /// Normal load (N).
     pub normal_load: f64,
+}
+
+/// How a contact is carried over a period.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// From turning point to turning point: exact for piecewise-linear laws, and to quadrature's accuracy
+    /// (about 1e-10 of the force) for laws that are smooth between reversals.
+    #[default]
+    Exact,
+    /// At equally spaced samples of a period, of second order in their distance: an independent check.
+    Sampled {
+        /// Samples of a period, at least eight times the highest harmonic.
+        samples: usize,
+    },
 }
 
 /// Discretisation and stopping rule.
