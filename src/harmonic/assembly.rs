@@ -1,6 +1,6 @@
 //! A structure with its contacts and its excitation, and how its periodic responses are to be computed.
 
-use super::HarmonicError;
+use super::{HarmonicError, Method};
 use crate::contact::ContactLaw;
 use crate::structure::{LinearStructure, ModalBeam};
 
@@ -65,20 +65,6 @@ impl<'a> Assembly<'a> {
             _ => Ok(()),
         }
     }
-}
-
-/// How contacts are carried over a period.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    /// Events located exactly for piecewise linear laws; other laws in closed form between reversals or,
-    /// without one, finely sampled.
-    Exact,
-    /// Every law on a grid of so many samples per period: the classical alternating frequency/time method,
-    /// slower, for comparison.
-    Sampled {
-        /// Samples, at least 8 per harmonic.
-        samples: usize,
-    },
 }
 
 /// Discretisation, stopping rule and step control of response curves.

@@ -5,6 +5,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::{Condensed, span};
 use crate::harmonic::HarmonicError;
+use crate::harmonic::cycle::Cycle;
 use crate::harmonic::system::Operating;
 use crate::harmonic::transfer::{Of, add_product};
 

@@ -16,13 +16,14 @@ mod outcome;
 
 use nalgebra::DMatrix;
 
-use super::assembly::{Assembly, AttachedContact, Body, CurveSettings, Method};
-use super::cycle::{Cycle, PeriodicContact, cycle_for};
+use super::assembly::{Assembly, AttachedContact, Body, CurveSettings};
+use super::cycle::map::ContactMap;
+use super::cycle::{Cycle, PeriodicContact};
 use super::extremum::Extremum;
 use super::set::HarmonicSet;
 use super::system::{Observation, Operating, PeriodicSystem, Scalar};
 use super::transfer::{Of, Transfer, add_product};
-use super::{HarmonicError, Point};
+use super::{HarmonicError, Method, Point};
 use crate::contact::ContactLaw;
 use crate::structure::{LinearStructure, Output, Receptance, Rows};
 
@@ -46,9 +47,9 @@ struct Attached<'a> {
     law: Law<'a>,
     normal_load: f64,
     rebuild: Option<Rebuild<'a>>,
-    cycle: Box<dyn Cycle>,
+    cycle: ContactMap,
     /// The same contact on twice the harmonics, to see what the set leaves out.
-    wide: Option<Box<dyn Cycle>>,
+    wide: Option<ContactMap>,
     /// ∂force/∂parameter on the set.
     by_parameter: Vec<f64>,
 }
@@ -139,7 +140,7 @@ impl<'a> Condensed<'a> {
             law: Law::Given(contact.law),
             normal_load: contact.normal_load,
             rebuild: None,
-            cycle: cycle_for(contact.law, contact.normal_load, set, settings.method),
+            cycle: ContactMap::new(set, settings.method),
             wide: None,
             by_parameter: Vec::new(),
         };
@@ -434,8 +435,7 @@ impl PeriodicSystem for Condensed<'_> {
         }
         self.set = new;
         for contact in &mut self.contacts {
-            let PeriodicContact { law, normal_load, .. } = contact_of(&contact.law, contact.normal_load);
-            contact.cycle = cycle_for(law, normal_load, new, self.method);
+            contact.cycle = ContactMap::new(new, self.method);
         }
         self.reserve();
         Ok(true)

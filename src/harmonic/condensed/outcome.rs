@@ -2,7 +2,8 @@
 
 use super::{Condensed, compliance_derivative, contact_of, full_place, pair, span};
 use crate::harmonic::curve::Contacting;
-use crate::harmonic::cycle::cycle_for;
+use crate::harmonic::cycle::Cycle;
+use crate::harmonic::cycle::map::ContactMap;
 use crate::harmonic::fourier::work_per_cycle;
 use crate::harmonic::set::HarmonicSet;
 use crate::harmonic::system::{Observation, Operating, Scalar};
@@ -260,9 +261,7 @@ impl Condensed<'_> {
             let attached = contact_of(&contact.law, contact.normal_load);
             let method = self.method;
             let set = self.wide;
-            let cycle = contact
-                .wide
-                .get_or_insert_with(|| cycle_for(attached.law, attached.normal_load, set, method));
+            let cycle = contact.wide.get_or_insert_with(|| ContactMap::new(set, method));
             let u = &self.scratch.wide[j * wide..(j + 1) * wide];
             cycle.evaluate(&attached, at.angular_frequency, u)?;
             let into = &mut self.scratch.kept[j * width..(j + 1) * width];

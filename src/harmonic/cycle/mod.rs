@@ -2,30 +2,20 @@
 //!
 //! This is the seam between the balance equations and the way a contact is carried over a period.
 
-pub(crate) mod reference;
+mod ledger;
+pub(crate) mod map;
+mod motion;
+mod piecewise;
+mod reference;
 pub(crate) mod sampled;
+mod turning;
+mod waves;
 
 use nalgebra::DMatrix;
 
 use super::HarmonicError;
-use super::assembly::Method;
 use super::set::HarmonicSet;
 use crate::contact::ContactLaw;
-
-/// The way to carry `law` over a period that `method` asks for.
-pub(crate) fn cycle_for(
-    law: &dyn ContactLaw,
-    normal_load: f64,
-    set: HarmonicSet,
-    method: Method,
-) -> Box<dyn Cycle> {
-    let _ = (law, normal_load);
-    let samples = match method {
-        Method::Exact => (32 * set.highest()).next_power_of_two().max(1024),
-        Method::Sampled { samples } => samples.max(8 * set.highest()),
-    };
-    Box::new(reference::ReferenceCycle::new(set, samples))
-}
 
 /// A contact whose displacement is periodic.
 #[derive(Debug, Clone, Copy)]
@@ -41,7 +31,7 @@ pub(crate) struct PeriodicContact<'a> {
 
 /// What a contact does over a period of the solution last evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct CycleSummary {
+pub struct CycleSummary {
     /// Energy dissipated (J).
     pub dissipated_energy: f64,
     /// Slope from tip to tip of the loop (N/m): between the smallest and the largest displacement of
