@@ -59,6 +59,9 @@ pub(crate) fn first_rise(c: &mut Series) -> Option<f64> {
 /// sign bound the number of roots from above, leave none or one.
 pub(crate) fn sign_changes(c: &Series, visit: &mut dyn FnMut(f64, f64) -> bool) {
     let Some(first) = c.iter().copied().find(|c| *c != 0.0) else { return };
+    if !c.iter().sum::<f64>().is_finite() {
+        return;
+    }
     let mut bernstein = *c;
     let mut binomial = 1.0;
     for (j, b) in bernstein.iter_mut().enumerate() {
