@@ -246,8 +246,8 @@ fn coefficients_are_those_of_a_marched_contact() {
                 largest(expected.iter().zip(map.force()).map(|(a, b)| a - b))
             };
             let (coarse, fine) = (error(400), error(4000));
-            assert!(fine < 2e-6, "{name}, {motion}: {coarse:e} {fine:e}");
-            assert!(fine < 0.1 * coarse || fine < 1e-12, "{name}, {motion}: {coarse:e} {fine:e}");
+            assert!(fine < 5e-6, "{name}, {motion}: {coarse:e} {fine:e}");
+            assert!(fine < 0.1 * coarse || fine < 1e-6, "{name}, {motion}: {coarse:e} {fine:e}");
         }
     }
 }
@@ -276,7 +276,7 @@ fn contact_behind_a_spring_is_that_of_a_marched_one() {
             let map = evaluated(&law, 0.2, HarmonicSet::full(5), &u);
             let expected = marched(&law, 0.2, &u, 5, 1000);
             let error = largest(expected.iter().zip(map.force()).map(|(a, b)| a - b));
-            assert!(error < 3e-5, "{name}, {motion}: {error:e}");
+            assert!(error < 1e-4, "{name}, {motion}: {error:e}");
         }
     }
 }
@@ -349,8 +349,27 @@ fn a_jenkins_element_is_the_same_by_the_sampled_way_to_its_second_order() {
     assert!(fine < coarse / 30.0 && fine < 1e-5, "{coarse:e} {fine:e}");
 }
 
+/// Tip (N) and area (J) of the symmetric loop of Valanis' law without residual stiffness.
+fn valanis_loop(e0: f64, kappa: f64, lambda: f64, amplitude: f64) -> (f64, f64) {
+    // λ X = κ x + (1 − κ) y with x = tanh y, by Newton in y.
+    let mut y = lambda * amplitude;
+    for _ in 0..100 {
+        let x = f64::tanh(y);
+        y -= (kappa * x + (1.0 - kappa) * y - lambda * amplitude) / (1.0 - kappa * x * x);
+    }
+    // y − tanh y without cancellation where y is small.
+    let rest = if y < 0.3 {
+        let s = y * y;
+        y * s / 3.0
+            * (1.0 - s * (0.4 - s * (17.0 / 105.0 - s * (62.0 / 945.0 - s * (1382.0 / 51975.0 - s * 0.0107668)))))
+    } else {
+        y - f64::tanh(y)
+    };
+    (e0 / lambda * f64::tanh(y), 4.0 * (1.0 - kappa) * e0 / (lambda * lambda) * rest)
+}
+
 #[test]
-fn valanis_loops_have_the_published_tips_and_areas() {
+fn valanis_loops_have_the_closed_form_and_the_published_tips_and_areas() {
     let law = Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, LOAD).unwrap();
     let published = [
         (1e-6, 7.886058, 6.40993067e-7),
@@ -360,19 +379,81 @@ fn valanis_loops_have_the_published_tips_and_areas() {
         (100e-6, 90.804598, 3.21469150e-2),
     ];
     for (amplitude, tip, area) in published {
-        for set in [HarmonicSet::full(1), HarmonicSet::odd(1)] {
+        let (exact_tip, exact_area) = valanis_loop(7.9e6, 0.3, 8.7e4, amplitude);
+        assert!((exact_tip - tip).abs() < 5.1e-7 && (exact_area / area - 1.0).abs() < 5e-9, "{amplitude:e}");
+        for set in [HarmonicSet::full(1), HarmonicSet::odd(1), HarmonicSet::full(18), HarmonicSet::odd(35)] {
             let mut u = vec![0.0; set.len()];
-            u[set.place(1).unwrap() + 1] = amplitude;
+            let place = set.place(1).unwrap();
+            u[place + 1] = amplitude;
             let cycle = contact_cycle(&law, LOAD, 300.0, &u, set).unwrap();
             let summary = cycle.summary;
-            assert!((summary.equivalent_stiffness * amplitude - tip).abs() < 5.1e-7, "{amplitude:e}");
-            assert!((summary.dissipated_energy / area - 1.0).abs() < 2e-9, "{amplitude:e}");
+            let (tip, area) = (summary.equivalent_stiffness * amplitude, summary.dissipated_energy);
+            assert!((tip / exact_tip - 1.0).abs() < 1e-11, "{amplitude:e} {set:?}: {tip} {exact_tip}");
+            assert!((area / exact_area - 1.0).abs() < 1e-9, "{amplitude:e} {set:?}: {area:e} {exact_area:e}");
             assert_eq!(summary.stick_fraction, None);
-            let place = set.place(1).unwrap();
+            // The first harmonic of the force, from quadrature, does the work of the closed form.
             let work = PI * cycle.force[place] * amplitude;
-            assert!((work / summary.dissipated_energy - 1.0).abs() < 1e-9, "{amplitude:e} {work:e}");
+            let error = (work - area) / (tip * amplitude);
+            assert!(error.abs() < 1e-10, "{amplitude:e} {set:?}: {error:e}");
         }
     }
+}
+
+#[test]
+fn valanis_coefficients_converge() {
+    // The nodes follow from the harmonics asked for: with more of them the same coefficients come out.
+    let law = Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, LOAD).unwrap();
+    let softer = Valanis::from_lambda(7.9e6, 3e5, 0.7, 8.7e4, LOAD).unwrap();
+    for law in [law, softer] {
+        for scale in [1e-6, 10e-6, 100e-6, 1e-3] {
+            for (_, motion) in motions() {
+                let set = HarmonicSet::full(18);
+                let mut u = vec![0.0; set.len()];
+                u.iter_mut().zip(&motion).for_each(|(u, m)| *u = scale * m);
+                let map = evaluated(&law, 1e-9, set, &u);
+                let fine = HarmonicSet::full(60);
+                let mut padded = vec![0.0; fine.len()];
+                set.convert(&u, fine, &mut padded);
+                let reference = evaluated(&law, 1e-9, fine, &padded);
+                let size = largest(reference.force().iter().copied());
+                let error = largest(map.force().iter().zip(reference.force()).map(|(a, b)| a - b)) / size;
+                assert!(error < 1e-10, "{scale:e}: {error:e}");
+                let stiff = reference.jacobian().abs().max();
+                let view = reference.jacobian().view((0, 0), (set.len(), set.len()));
+                let error = (map.jacobian() - view).abs().max() / stiff;
+                assert!(error < 1e-8, "{scale:e}: Jacobian {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn valanis_jacobian_is_the_derivative_of_the_force() {
+    let law = Valanis::from_lambda(7.9e6, 2e5, 0.3, 8.7e4, LOAD).unwrap();
+    for compliance in [0.0, 1.5e-8] {
+        for (motion, u) in motions() {
+            let u: Vec<f64> = u.iter().map(|x| 2e-5 * x).collect();
+            let set = HarmonicSet::full(5);
+            let map = evaluated(&law, compliance, set, &u);
+            let expected = differences(&law, compliance, set, &u, 2e-10);
+            let error = (map.jacobian() - &expected).abs().max() / expected.abs().max();
+            assert!(error < 1e-7, "{motion}, {compliance}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn valanis_is_the_same_by_the_sampled_way_to_its_second_order() {
+    let law = Valanis::from_lambda(7.9e6, 2e5, 0.3, 8.7e4, LOAD).unwrap();
+    let u: Vec<f64> = motions()[2].1.iter().map(|x| 2e-5 * x).collect();
+    let exact = evaluated(&law, 1e-8, HarmonicSet::full(5), &u);
+    let error = |samples: usize| {
+        let mut map = ContactMapping::new(HarmonicSet::full(5), Method::Sampled { samples });
+        map.evaluate(&law, LOAD, 1e-8, 300.0, &u).unwrap();
+        largest(map.force().iter().zip(exact.force()).map(|(a, b)| a - b))
+    };
+    let (coarse, fine) = (error(256), error(2048));
+    assert!(fine < coarse / 30.0 && fine < 1e-2, "{coarse:e} {fine:e}");
 }
 
 /// A spring that hardens with the cube of the displacement, and a damper: no memory.

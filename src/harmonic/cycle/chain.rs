@@ -4,13 +4,12 @@
 //! turning points, and its periodic state the root of a small system. All derivatives are linear in the
 //! displacements at the turning points, which take the place of the Fourier coefficients here.
 
+use super::PeriodicContact;
 use super::motion::Turning;
-use crate::contact::{ContactLaw, Inputs, Response, StateTangents};
+use crate::contact::{Inputs, Response, StateTangents};
 use crate::harmonic::HarmonicError;
 use crate::harmonic::elimination::solve_ranked;
 use crate::harmonic::implicit::Implicit;
-
-use super::PeriodicContact;
 
 /// Where a pivot of `1 − monodromy` (scaled) counts as zero: the memory does not fade.
 const UNFADING: f64 = 1e-9;

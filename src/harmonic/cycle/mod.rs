@@ -2,6 +2,7 @@
 //!
 //! This is the seam between the balance equations and the way a contact is carried over a period.
 
+mod bundle;
 mod chain;
 mod ledger;
 pub(crate) mod map;
