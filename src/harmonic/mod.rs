@@ -8,28 +8,32 @@
 //! Coefficients are laid out `[a0, c1, s1, …, cH, sH]` per mode, mode after mode; see [`fourier`].
 
 mod balance;
+mod condition;
 mod contact_cycle;
 mod curve;
 mod cycle;
 mod elimination;
+mod factors;
 mod forced;
 pub mod fourier;
 mod guess;
 mod implicit;
 mod newton;
 mod periods;
+mod problem;
 mod resonance;
 mod set;
 mod system;
 
 pub use contact_cycle::{ContactCycle, ContactMapping, CycleSummary, contact_cycle};
-pub use curve::{Contacting, Curve, Ending, Peak, Point};
+pub use curve::{Contacting, Curve, Ending, Fold, Peak, Point};
 pub use forced::{ForcedResponse, forced_response};
 pub use periods::whole_periods;
 pub use resonance::{Resonance, backbone, phase_resonance};
 pub use set::HarmonicSet;
 
 use crate::contact::ContactLaw;
+use crate::structure::StructureError;
 
 /// A contact law under the constant normal load it has on the beam.
 #[derive(Debug, Clone, Copy)]
@@ -110,4 +114,7 @@ pub enum HarmonicError {
         /// Cycles marched.
         cycles: usize,
     },
+    /// The structure cannot be condensed to its contacts.
+    #[error(transparent)]
+    Structure(#[from] StructureError),
 }

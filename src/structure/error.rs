@@ -67,12 +67,67 @@ pub enum StructureError {
         most: usize,
     },
     /// The values are legal one by one, but a quantity derived from them overflows or vanishes.
-    #[error("the {quantity} of the beam is {value}, beyond what can be computed")]
+    #[error("the {quantity} is {value}, beyond what can be computed")]
     NotComputable {
         /// The derived quantity, in words.
         quantity: &'static str,
         /// Its value.
         value: f64,
+    },
+    /// A reference to a mass that the oscillator does not have.
+    #[error("{path} names mass {mass} (counted from 0) of {count}")]
+    UnknownMass {
+        /// Where the reference stands.
+        path: String,
+        /// The mass referred to, counted from 0.
+        mass: usize,
+        /// Number of masses.
+        count: usize,
+    },
+    /// The mass matrix is not positive definite: something moves without inertia, and has no modes.
+    #[error("the mass matrix is not positive definite: something moves without inertia")]
+    NoInertia,
+    /// Too many degrees of freedom for all modes.
+    #[error("all modes of {size} degrees of freedom asked for, at most {most} are possible")]
+    TooManyModes {
+        /// Degrees of freedom.
+        size: usize,
+        /// The largest number allowed.
+        most: usize,
+    },
+    /// A row or a matrix names a degree of freedom that is not there.
+    #[error("degree of freedom {index} (counted from 0) of {size}")]
+    NoSuchFreedom {
+        /// The degree of freedom.
+        index: usize,
+        /// How many there are.
+        size: usize,
+    },
+    /// Compliances cannot be computed the way that was asked for.
+    #[error("the {method} way to compliances is not open: {reason}")]
+    Unavailable {
+        /// The way.
+        method: &'static str,
+        /// Why not.
+        reason: &'static str,
+    },
+    /// Nothing holds a part of the structure in place: a constant force moves it without end.
+    #[error(
+        "{part} is not tied to the ground by any chain of springs, so its mean position is undetermined; \
+         give it a spring, or ask for odd harmonics alone"
+    )]
+    FreeBody {
+        /// The outputs that move with it.
+        part: String,
+    },
+    /// An undamped structure is driven at a natural frequency.
+    #[error(
+        "the structure without its contacts has a natural frequency of {angular_frequency} rad/s and no \
+         damping there: its response is unbounded"
+    )]
+    UndampedResonance {
+        /// Angular frequency of the harmonic (rad/s).
+        angular_frequency: f64,
     },
     /// The search for a natural frequency did not separate it from its neighbour.
     #[error("mode {mode} cannot be told from its neighbour in double precision")]
