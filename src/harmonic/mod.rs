@@ -19,6 +19,7 @@ mod newton;
 mod periods;
 mod resonance;
 mod set;
+pub mod stability;
 mod system;
 
 pub use curve::{Contacting, Curve, Ending, Peak, Point};

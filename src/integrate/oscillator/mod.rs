@@ -8,13 +8,13 @@
 //! - [`OscillatorIntegrator`]: any law, adaptive steps of order four to five;
 //! - [`RungeKutta`]: the classical scheme on the rate form of sliders, fixed steps.
 
-mod elements;
+pub(crate) mod elements;
 mod error;
 mod excitation;
 mod flow;
 
 mod passage;
-mod polynomial;
+pub(crate) mod polynomial;
 
 mod shooting;
 pub(crate) mod system;
@@ -24,4 +24,5 @@ pub use error::OscillatorError;
 pub use excitation::Excitation;
 pub use flow::{OscillatorFlow, OscillatorMotion};
 pub use passage::Passage;
+pub(crate) use shooting::multipliers;
 pub use shooting::{PeriodicMotion, ShootingSettings, shoot};

@@ -97,6 +97,12 @@ impl System {
         })
     }
 
+    /// The same structure, driven along the displacement of contact `i` against a force's sense: its
+    /// excitation is a contact force.
+    pub fn driven_by_contact(&self, i: usize) -> Self {
+        Self { excitation: self.contacts[i].iter().map(|b| -b).collect(), ..self.clone() }
+    }
+
     /// Inner coordinates of a displacement or velocity `q`.
     pub fn inward(&self, q: &[f64]) -> Vec<f64> {
         (self.factor.l().transpose() * DVector::from_column_slice(q)).as_slice().to_vec()
