@@ -15,7 +15,7 @@ mod flow;
 
 mod passage;
 pub(crate) mod polynomial;
-
+mod runge_kutta;
 mod shooting;
 pub(crate) mod system;
 
@@ -24,5 +24,6 @@ pub use error::OscillatorError;
 pub use excitation::Excitation;
 pub use flow::{OscillatorFlow, OscillatorMotion};
 pub use passage::Passage;
+pub use runge_kutta::{RungeKutta, Transient};
 pub(crate) use shooting::multipliers;
 pub use shooting::{PeriodicMotion, ShootingSettings, shoot};

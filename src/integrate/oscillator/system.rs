@@ -161,6 +161,18 @@ impl System {
         }
     }
 
+    /// Acceleration under the contact forces `contact` and the excitation `force` (N).
+    pub fn accelerate(&self, x: &[f64], v: &[f64], contact: &[f64], force: f64, out: &mut [f64]) {
+        let n = self.size;
+        for (i, out) in out.iter_mut().enumerate() {
+            let row = i * n..(i + 1) * n;
+            *out = self.excitation[i] * force
+                - dot(&self.damping[row.clone()], v)
+                - dot(&self.stiffness[row], x)
+                - self.contacts.iter().zip(contact).map(|(b, t)| b[i] * t).sum::<f64>();
+        }
+    }
+
     /// Room for [`System::expand`].
     pub fn series(&self) -> Vec<f64> {
         vec![0.0; (DEGREE + 1) * self.size]
