@@ -12,7 +12,7 @@ pub(crate) mod elements;
 mod error;
 mod excitation;
 mod flow;
-
+mod implicit;
 mod passage;
 pub(crate) mod polynomial;
 mod runge_kutta;
@@ -23,6 +23,7 @@ pub use elements::LoadedContact;
 pub use error::OscillatorError;
 pub use excitation::Excitation;
 pub use flow::{OscillatorFlow, OscillatorMotion};
+pub use implicit::{OscillatorIntegrator, OscillatorState};
 pub use passage::Passage;
 pub use runge_kutta::{RungeKutta, Transient};
 pub(crate) use shooting::multipliers;
