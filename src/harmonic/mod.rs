@@ -28,6 +28,7 @@ mod periods;
 mod problem;
 mod resonance;
 mod set;
+pub mod stability;
 mod start;
 mod system;
 mod transfer;
