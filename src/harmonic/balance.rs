@@ -378,12 +378,12 @@ impl PeriodicSystem for Balance<'_> {
 
     fn describe(&mut self, x: &[f64], at: &Operating) -> Result<Point, HarmonicError> {
         const GRID: usize = 16;
-        let nodes: Vec<Vec<f64>> = (0..self.nodes()).map(|node| self.output(self.output_shape(node))).collect();
+        let nodes: Vec<Vec<f64>> =
+            (0..self.nodes()).map(|node| self.output(self.output_shape(node))).collect();
         let points = GRID * self.harmonics;
         let step = std::f64::consts::TAU / points as f64;
-        let amplitude = |node: &Vec<f64>| {
-            (0..points).map(|k| value(node, step * k as f64).abs()).fold(0.0_f64, f64::max)
-        };
+        let amplitude =
+            |node: &Vec<f64>| (0..points).map(|k| value(node, step * k as f64).abs()).fold(0.0_f64, f64::max);
         let contacts = match &self.contact {
             None => Vec::new(),
             Some(_) => {
@@ -492,7 +492,8 @@ mod tests {
         let beam = beam();
         let contact = ContactOnBeam { law, normal_load: 100.0 };
         let mut balance =
-            Balance::new(&beam, Some(contact), &[0.0, 30.0, 5.0], 3, Method::Sampled { samples: 64 }).unwrap();
+            Balance::new(&beam, Some(contact), &[0.0, 30.0, 5.0], 3, Method::Sampled { samples: 64 })
+                .unwrap();
         let n = balance.unknowns();
         let mut x: Vec<f64> = (0..n).map(|k| size * [0.1, 0.4, 1.0, -0.2, 0.1, 0.15, -0.05][k % 7]).collect();
         let at = Operating { self_excitation: 0.004, ..Operating::forced(290.0, 1.2) };
@@ -534,7 +535,14 @@ mod tests {
                 for i in rows {
                     let difference = (up[i] - down[i]) / (2.0 * step);
                     let error = (exact(i) - difference).abs() / largest.max(1e-12);
-                    if error > worst { worst = error; println!("{i} {j} {} {difference} {error} {}", exact(i), balance.equations.contraction()); }
+                    if error > worst {
+                        worst = error;
+                        println!(
+                            "{i} {j} {} {difference} {error} {}",
+                            exact(i),
+                            balance.equations.contraction()
+                        );
+                    }
                 }
             }
         }
@@ -562,8 +570,7 @@ mod tests {
         let mut beam = beam();
         beam.axial_flexibility = 0.0;
         let contact = ContactOnBeam { law, normal_load: load };
-        let mut balance =
-            Balance::new(&beam, Some(contact), &[], 2, Method::Sampled { samples }).unwrap();
+        let mut balance = Balance::new(&beam, Some(contact), &[], 2, Method::Sampled { samples }).unwrap();
         balance.displacement[2] = amplitude;
         let u = balance.displacement.clone();
         balance.contact_force(300.0, &u).unwrap();
