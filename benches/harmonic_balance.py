@@ -250,7 +250,6 @@ def table(record):
 
 def page(record):
     machine, ours, pyharm = record["machine"], record["stickslip"], record["pyharm"]
-    beam = ours["beam"]
     return f"""# Harmonic balance, measured
 
 Two masses with a Jenkins element, 0.2 … 2.0 rad/s under arc-length continuation. Command:
@@ -265,16 +264,23 @@ Fastest of several runs, warm. pyHarm samples the period {pyharm["samples"]} tim
 0.5, 1.0, 1.3 and 2.0 rad/s against the event-driven exact solution is {pyharm["largest_error"]:.1e}. Left to
 itself its linear algebra starts a thread per core, which costs more than it gains at this size.
 
-The beam with a frictional support ({beam["modes"]} modes, Valanis' law, {beam["harmonics"]} harmonics, response held):
-{1e3 * beam["seconds_per_point"]:.3g} ms a point. Command: `{" ".join(CARGO)}`
-
-Machine: {machine["processor"]}, {machine["cores"]} cores, load {machine["load"]:.1f} when the run began.
+{beam(ours)}Machine: {machine["processor"]}, {machine["cores"]} cores, load {machine["load"]:.1f} when the run began.
 
 ## How the cost grows
 
 ![Time of a point against harmonics, sliders and degrees of freedom](harmonic-balance.svg)
 
 {growth(ours)}
+"""
+
+
+def beam(ours):
+    if "beam" not in ours:
+        return ""
+    modes, harmonics = ours["beam"]["modes"], ours["beam"]["harmonics"]
+    return f"""The beam with a frictional support ({modes} modes, Valanis' law, {harmonics} harmonics, response held):
+{1e3 * ours["beam"]["seconds_per_point"]:.3g} ms a point. Command: `{" ".join(CARGO)}`
+
 """
 
 

@@ -7,25 +7,38 @@
 //!
 //! Coefficients are laid out `[a0, c1, s1, …, cH, sH]` per mode, mode after mode; see [`fourier`].
 
+mod assembly;
 mod balance;
+mod condensed;
 mod condition;
+mod contact_cycle;
+mod continuation;
 mod curve;
 mod cycle;
 mod elimination;
+mod extremum;
 mod factors;
+mod follow;
 mod forced;
 pub mod fourier;
+mod frequency_response;
 mod guess;
 mod implicit;
-mod newton;
+mod modal;
 mod periods;
 mod problem;
 mod resonance;
 mod set;
+pub mod stability;
+mod start;
 mod system;
+mod transfer;
 
+pub use assembly::{Assembly, AttachedContact, Body, Control, CurveSettings};
+pub use contact_cycle::{ContactCycle, ContactMapping, CycleSummary, contact_cycle};
 pub use curve::{Contacting, Curve, Ending, Fold, Peak, Point};
 pub use forced::{ForcedResponse, forced_response};
+pub use frequency_response::{frequency_response, level_response, periodic_response};
 pub use periods::whole_periods;
 pub use resonance::{Resonance, backbone, phase_resonance};
 pub use set::HarmonicSet;
@@ -42,15 +55,28 @@ pub struct ContactOnBeam<'a> {
     pub normal_load: f64,
 }
 
+/// How a contact is carried over a period.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// From turning point to turning point: exact for piecewise-linear laws, and to quadrature's accuracy
+    /// (about 1e-10 of the force) for laws that are smooth between reversals.
+    #[default]
+    Exact,
+    /// At equally spaced samples of a period, of second order in their distance: an independent check.
+    Sampled {
+        /// Samples of a period, at least eight times the highest harmonic.
+        samples: usize,
+    },
+}
+
 /// Discretisation and stopping rule.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Highest harmonic H of the displacements, at least 1.
     pub harmonics: usize,
-    /// Samples of a period in the contact, at least `8 H` and best a power of two. The contact meets
-    /// its turning points to the second order of the sampling step.
-    pub samples: usize,
-    /// Largest residual accepted, as share of the largest force in the balance.
+    /// How the contact is carried over a period. Its displacement has `2 H` harmonics.
+    pub method: Method,
+    /// Largest residual accepted, as share of the contact's displacement.
     pub tolerance: f64,
     /// Newton steps before a start is given up.
     pub max_iterations: usize,
@@ -58,15 +84,20 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { harmonics: 7, samples: 128, tolerance: 1e-9, max_iterations: 40 }
+        Self { harmonics: 7, method: Method::Exact, tolerance: 1e-9, max_iterations: 40 }
     }
 }
 
 impl Settings {
     fn check(&self) -> Result<(), HarmonicError> {
-        if self.harmonics == 0 || self.samples < 8 * self.harmonics {
+        if self.harmonics == 0 {
+            return Err(HarmonicError::InvalidInput("there must be a harmonic at least"));
+        }
+        if let Method::Sampled { samples } = self.method
+            && samples < 16 * self.harmonics
+        {
             return Err(HarmonicError::InvalidInput(
-                "fewer than one harmonic, or than 8 samples per harmonic",
+                "fewer than 16 samples per harmonic, 8 for each of the contact's displacement",
             ));
         }
         if !(self.tolerance > 0.0 && self.max_iterations > 0) {
@@ -85,9 +116,9 @@ pub enum HarmonicError {
     #[error("{0}")]
     InvalidInput(&'static str),
     /// Newton's method stopped short of the tolerance.
-    #[error("no balance after {iterations} steps: the residual is {residual:.1e} of the largest force")]
+    #[error("no balance after {iterations} steps: the residual is {residual:.1e} of the largest term")]
     NotConverged {
-        /// Largest residual as share of the largest force.
+        /// Largest residual as share of the largest term.
         residual: f64,
         /// Newton steps made.
         iterations: usize,

@@ -97,6 +97,12 @@ impl System {
         })
     }
 
+    /// The same structure, driven along the displacement of contact `i` against a force's sense: its
+    /// excitation is a contact force.
+    pub fn driven_by_contact(&self, i: usize) -> Self {
+        Self { excitation: self.contacts[i].iter().map(|b| -b).collect(), ..self.clone() }
+    }
+
     /// Inner coordinates of a displacement or velocity `q`.
     pub fn inward(&self, q: &[f64]) -> Vec<f64> {
         (self.factor.l().transpose() * DVector::from_column_slice(q)).as_slice().to_vec()
@@ -152,6 +158,18 @@ impl System {
             }
             let factor = h * h / ((j + 1) * (j + 2)) as f64;
             next.iter_mut().for_each(|next| *next *= factor);
+        }
+    }
+
+    /// Acceleration under the contact forces `contact` and the excitation `force` (N).
+    pub fn accelerate(&self, x: &[f64], v: &[f64], contact: &[f64], force: f64, out: &mut [f64]) {
+        let n = self.size;
+        for (i, out) in out.iter_mut().enumerate() {
+            let row = i * n..(i + 1) * n;
+            *out = self.excitation[i] * force
+                - dot(&self.damping[row.clone()], v)
+                - dot(&self.stiffness[row], x)
+                - self.contacts.iter().zip(contact).map(|(b, t)| b[i] * t).sum::<f64>();
         }
     }
 
