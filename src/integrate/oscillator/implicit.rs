@@ -245,7 +245,8 @@ impl<'a> OscillatorIntegrator<'a> {
             }
             let error = self.trial.error;
             if !(tried && error <= 1.0) {
-                let factor = if tried && error.is_finite() { (0.9 * error.powf(-0.2)).clamp(0.1, 0.5) } else { 0.25 };
+                let factor =
+                    if tried && error.is_finite() { (0.9 * error.powf(-0.2)).clamp(0.1, 0.5) } else { 0.25 };
                 wanted = factor * h;
                 if wanted < smallest {
                     return Err(OscillatorError::StepTooSmall { time: state.time, step: wanted });
@@ -402,7 +403,8 @@ impl<'a> OscillatorIntegrator<'a> {
             }
         }
         let h = self.operators.h;
-        let size = |x: &[f64], v: &[f64]| (2.0 * self.system.energy(x, v).abs() + dot(x, x) / (h * h) * 1e-4).sqrt();
+        let size =
+            |x: &[f64], v: &[f64]| (2.0 * self.system.energy(x, v).abs() + dot(x, x) / (h * h) * 1e-4).sqrt();
         let scale = size(&x, &v).max(size(&state.x, &state.v));
         let error = size(&by_x, &by_v);
         self.trial.error = if scale > 0.0 { error / (SHARE * self.tolerance * scale) } else { 0.0 };
@@ -453,7 +455,11 @@ impl<'a> OscillatorIntegrator<'a> {
     }
 
     /// The contact that reverses first between two nodes, the nodes, and the sign of its velocity before.
-    fn first_reversal(&self, state: &OscillatorState, except: Option<usize>) -> Option<(usize, f64, f64, f64)> {
+    fn first_reversal(
+        &self,
+        state: &OscillatorState,
+        except: Option<usize>,
+    ) -> Option<(usize, f64, f64, f64)> {
         let mut first: Option<(usize, f64, f64, f64)> = None;
         for (i, velocity) in self.trial.velocity.iter().enumerate() {
             if self.contacts[i].law.state_len() == 0 || except == Some(i) {
