@@ -212,6 +212,18 @@ impl<'a> Table<'a> {
         array.iter().map(text).collect::<Result<_, _>>().map(Some)
     }
 
+    /// The boolean at `key`, if the key is there.
+    ///
+    /// # Errors
+    /// A value that is neither `true` nor `false`.
+    pub fn boolean(&self, key: &str) -> Result<Option<Located<bool>>, DocumentError> {
+        let Some(value) = self.entry(key) else { return Ok(None) };
+        match value.get_ref() {
+            DeValue::Boolean(flag) => Ok(Some(Located { value: *flag, span: value.span() })),
+            _ => Err(self.wrong_type(key, "`true` or `false`", value)),
+        }
+    }
+
     /// The finite number at `key`, if the key is there; integers count as numbers.
     ///
     /// # Errors

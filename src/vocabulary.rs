@@ -63,6 +63,9 @@ vocabulary! {
     OFFSET = "offset" ["m"] None, None, false, 0.006, "Distance of the contact's line of action from the neutral axis";
     ROTATIONAL_STIFFNESS = "rotational_stiffness" ["N.m/rad"] Some(0.0), None, false, 100.0, "Rotational spring at the pinned end";
     CLAMP_STIFFNESS = "clamp_stiffness" ["N.m/rad"] Some(0.0), None, true, 1e5, "Rotational spring in place of a rigid clamp";
+    // Oscillator: parameters.
+    STIFFNESS = "stiffness" ["N/m"] Some(0.0), None, false, 1e4, "Stiffness of a spring";
+    DAMPING = "damping" ["N.s/m"] Some(0.0), None, false, 1.0, "Damping of the damper beside a spring";
     // Beam: inputs and outputs.
     EXCITATION = "excitation" ["N"] None, None, false, 1.0, "Force of the exciter on the structure";
     CONTACT_FORCE = "contact_force" ["N"] None, None, false, 100.0, "Restoring force of the contact on the beam, positive when it resists positive displacement";

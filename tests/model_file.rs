@@ -164,6 +164,12 @@ fn values_out_of_bounds_are_refused_at_the_value() {
     refused(&replaced(BEAM, "modes = 4", "modes = 0"), 10, "0", &["at least 1 and at most 40"]);
     refused(&replaced(BEAM, "modes = 4", "modes = 3.5"), 10, "3.5", &["whole number"]);
     refused(&replaced(BEAM, "modes = 4", "modes = 1e25"), 10, "1e25", &["at most 40"]);
+    refused(
+        &replaced(BEAM, "modes = 4", "modes = 4\nstatic_correction = 1"),
+        11,
+        "1",
+        &["`true` or `false`"],
+    );
     refused(&replaced(BEAM, "0.005]", "1.5]"), 11, "1.5", &["at most 1"]);
     for number in ["nan", "-inf", "1e999"] {
         refused(&replaced(CONTACT, "0.6", number), 7, number, &["finite"]);
@@ -266,6 +272,7 @@ fn beam() -> impl Strategy<Value = Beam> {
                 density,
                 youngs_modulus,
                 modes,
+                static_correction: modes % 2 == 0,
                 damping,
                 point_masses,
                 offset,

@@ -27,11 +27,13 @@
 mod check;
 mod free;
 mod law;
+mod oscillator;
 mod parameters;
 mod parse;
 mod write;
 
 pub use check::{ParameterError, SMALLEST_AND_LARGEST};
+pub use oscillator::{Anchor, GROUND, Mass, Oscillator, Spring};
 pub use parameters::ModelParameter;
 
 /// What is wrong with a model file, and where.
@@ -103,6 +105,9 @@ pub struct Beam {
     pub youngs_modulus: f64,
     /// Number of modes kept.
     pub modes: usize,
+    /// Whether a static correction stands for the flexibility of the modes left out against a moment at
+    /// the pin, `[beam] static_correction`; false when absent.
+    pub static_correction: bool,
     /// Damping of the modes.
     pub damping: Damping,
     /// Masses fixed to the beam.

@@ -8,13 +8,14 @@ const KINDS: [&str; 2] = ["contact", "beam"];
 const LAWS: [&str; 2] = ["jenkins", "valanis"];
 const COMMON_CONTACT_KEYS: [&str; 4] = ["law", "tangential_stiffness", "friction_coefficient", "normal_load"];
 const VALANIS_KEYS: [&str; 2] = ["smoothness", "residual_stiffness"];
-const BEAM_KEYS: [&str; 10] = [
+const BEAM_KEYS: [&str; 11] = [
     "length",
     "width",
     "thickness",
     "density",
     "youngs_modulus",
     "modes",
+    "static_correction",
     "damping_ratio",
     "mass_damping",
     "stiffness_damping",
@@ -169,6 +170,7 @@ fn beam(root: &Table<'_>) -> Result<Beam, ModelError> {
         density: table.quantity(&v::DENSITY)?,
         youngs_modulus: table.quantity(&v::YOUNGS_MODULUS)?,
         modes: modes(&table)?,
+        static_correction: table.boolean("static_correction")?.is_some_and(|flag| flag.value),
         damping: damping(&table)?,
         point_masses,
         offset: offset(root, support.as_ref())?,

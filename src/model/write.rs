@@ -76,6 +76,9 @@ fn write_beam(text: &mut String, beam: &Beam) {
     write_quantity(text, &v::DENSITY, beam.density);
     write_quantity(text, &v::YOUNGS_MODULUS, beam.youngs_modulus);
     line(text, format_args!("modes = {}", beam.modes));
+    if beam.static_correction {
+        line(text, format_args!("static_correction = true"));
+    }
     match &beam.damping {
         Damping::Uniform(ratio) => write_quantity(text, &v::DAMPING_RATIO, *ratio),
         Damping::PerMode(ratios) => line(text, format_args!("damping_ratio = {ratios:?}")),

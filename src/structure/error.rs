@@ -74,6 +74,45 @@ pub enum StructureError {
         /// Its value.
         value: f64,
     },
+    /// A reference to a mass that the oscillator does not have.
+    #[error("{path} names mass {mass} (counted from 0) of {count}")]
+    UnknownMass {
+        /// Where the reference stands.
+        path: String,
+        /// The mass referred to, counted from 0.
+        mass: usize,
+        /// Number of masses.
+        count: usize,
+    },
+    /// The mass matrix is not positive definite: something moves without inertia, and has no modes.
+    #[error("the mass matrix is not positive definite: something moves without inertia")]
+    NoInertia,
+    /// Too many degrees of freedom for all modes.
+    #[error("all modes of {size} degrees of freedom asked for, at most {most} are possible")]
+    TooManyModes {
+        /// Degrees of freedom.
+        size: usize,
+        /// The largest number allowed.
+        most: usize,
+    },
+    /// Nothing holds a part of the structure in place: a constant force moves it without end.
+    #[error(
+        "{part} is not tied to the ground by any chain of springs, so its mean position is undetermined; \
+         give it a spring, or ask for odd harmonics alone"
+    )]
+    FreeBody {
+        /// The outputs that move with it.
+        part: String,
+    },
+    /// An undamped structure is driven at a natural frequency.
+    #[error(
+        "the structure without its contacts has a natural frequency of {angular_frequency} rad/s and no \
+         damping there: its response is unbounded"
+    )]
+    UndampedResonance {
+        /// Angular frequency of the harmonic (rad/s).
+        angular_frequency: f64,
+    },
     /// The search for a natural frequency did not separate it from its neighbour.
     #[error("mode {mode} cannot be told from its neighbour in double precision")]
     Unresolved {

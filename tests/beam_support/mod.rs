@@ -12,6 +12,7 @@ pub fn bare() -> Beam {
         density: 7850.0,
         youngs_modulus: 197e9,
         modes: 6,
+        static_correction: false,
         damping: Damping::Uniform(0.003),
         point_masses: Vec::new(),
         offset: 0.006,

@@ -43,7 +43,7 @@ impl ModalBeam {
     /// use stickslip::model::{Beam, Damping};
     /// let steel = Beam {
     ///     length: 0.6, width: 0.04, thickness: 0.005, density: 7850.0, youngs_modulus: 2e11,
-    ///     modes: 4, damping: Damping::Uniform(0.003), point_masses: vec![],
+    ///     modes: 4, static_correction: false, damping: Damping::Uniform(0.003), point_masses: vec![],
     ///     offset: 0.006, rotational_stiffness: 0.0, clamp_stiffness: None,
     ///     excitation_position: 0.55, sensors: vec![0.3],
     /// };

@@ -1,0 +1,82 @@
+//! Masses and springs as a linear structure.
+
+use super::StructureError;
+use super::linear::{Assembly, LinearStructure, Output};
+use crate::model::{Anchor, Oscillator, Spring};
+use crate::vocabulary as v;
+
+impl Oscillator {
+    /// The matrices: one degree of freedom and one output per mass, in their order and by their names.
+    ///
+    /// Each spring between masses i and j adds `k (qᵢ − qⱼ)` and `c (q̇ᵢ − q̇ⱼ)`. Stiffness and damping may
+    /// be zero; what a model file must not say, negative ones, is assembled as it stands. The contact
+    /// acts between its mass and the ground.
+    ///
+    /// # Errors
+    /// [`StructureError::OutOfBounds`] for a mass that is not positive or a number that is not finite,
+    /// [`StructureError::UnknownMass`] for a reference to a mass that is not there.
+    pub fn structure(&self) -> Result<LinearStructure, StructureError> {
+        self.check_for_assembly()?;
+        let (mut damping, mut stiffness) = (Assembly::default(), Assembly::default());
+        for spring in &self.springs {
+            couple(&mut damping, spring, spring.damping);
+            couple(&mut stiffness, spring, spring.stiffness);
+        }
+        let mass = self.masses.iter().enumerate().map(|(i, mass)| (i, i, mass.mass)).collect();
+        let output =
+            |(i, mass): (usize, &crate::model::Mass)| Output { name: mass.name.clone(), row: vec![(i, 1.0)] };
+        Ok(LinearStructure {
+            size: self.masses.len(),
+            mass,
+            damping: damping.entries(),
+            stiffness: stiffness.entries(),
+            contacts: self.contact.iter().map(|mass| vec![(*mass, 1.0)]).collect(),
+            excitation: vec![(self.excitation, 1.0)],
+            outputs: self.masses.iter().enumerate().map(output).collect(),
+        })
+    }
+
+    fn check_for_assembly(&self) -> Result<(), StructureError> {
+        let count = self.masses.len();
+        let there = |path: &dyn Fn() -> String, mass: usize| {
+            if mass < count { Ok(()) } else { Err(StructureError::UnknownMass { path: path(), mass, count }) }
+        };
+        let out_of_bounds =
+            |path: String, value: f64, quantity| Err(StructureError::OutOfBounds { path, value, quantity });
+        for (index, mass) in self.masses.iter().enumerate() {
+            if !(mass.mass > 0.0 && mass.mass.is_finite()) {
+                return out_of_bounds(format!("mass[{index}].mass"), mass.mass, &v::MASS);
+            }
+        }
+        for (index, spring) in self.springs.iter().enumerate() {
+            for (value, quantity) in [(spring.stiffness, &v::STIFFNESS), (spring.damping, &v::DAMPING)] {
+                if !value.is_finite() {
+                    return out_of_bounds(format!("spring[{index}].{}", quantity.name), value, quantity);
+                }
+            }
+            for end in spring.between {
+                if let Anchor::Mass(mass) = end {
+                    there(&|| format!("spring[{index}].between"), mass)?;
+                }
+            }
+        }
+        self.contact.map_or(Ok(()), |mass| there(&|| "contact.at".to_owned(), mass))?;
+        there(&|| "excitation.at".to_owned(), self.excitation)
+    }
+}
+
+/// Adds what a spring's end forces are per unit of displacement (or velocity) of its ends.
+fn couple(matrix: &mut Assembly, spring: &Spring, value: f64) {
+    match spring.between {
+        [Anchor::Ground, Anchor::Ground] => {}
+        [Anchor::Ground, Anchor::Mass(i)] | [Anchor::Mass(i), Anchor::Ground] => matrix.add(i, i, value),
+        // Both ends at one mass: never stretched.
+        [Anchor::Mass(i), Anchor::Mass(j)] if i == j => {}
+        [Anchor::Mass(i), Anchor::Mass(j)] => {
+            matrix.add(i, i, value);
+            matrix.add(j, j, value);
+            matrix.add(i, j, -value);
+            matrix.add(j, i, -value);
+        }
+    }
+}
