@@ -271,8 +271,8 @@ mod tests {
             nodes: vec!["a".into()],
             points,
             peaks: Vec::new(),
+            folds: Vec::new(),
             ending: Ending::Complete,
-            ..Curve::default()
         };
         let one = ResponseCurve { level: 1.0, curve, loops: Vec::new(), failure: None, seconds: 0.0 };
         let responses = Responses {

@@ -18,7 +18,8 @@ use crate::Settings;
 ///    "amplitude": {"m1": 0.93}, "harmonic1": {"m1": 0.93}, "dissipated": 0.134, "work": 0.766,
 ///    "equivalent_stiffness": 0.0112, "stick_fraction": 0.05, "stable": true, "error_estimate": 1e-7,
 ///    "resolved": true, "harmonics": 21}],
-///  "peaks": [{"curve": 0, "node": "m1", "omega": 0.527, "frequency_hz": 0.0839, "amplitude": 1.008, "level": 0.4}]}
+///  "peaks": [{"curve": 0, "node": "m1", "omega": 0.527, "frequency_hz": 0.0839, "amplitude": 1.008, "level": 0.4}],
+///  "folds": [{"curve": 0, "omega": 1.2, "frequency_hz": 0.19, "level": 0.4, "amplitude": {"m1": 1.0}}]}
 /// ```
 ///
 /// SI units; `omega` in rad/s. `amplitude` is the largest magnitude of the displacement over a period,
@@ -49,6 +50,7 @@ pub fn responses_json(responses: &Responses, settings: &Settings) -> Value {
             one.curve.points.iter().map(|at| point(responses, index, one, at)).collect()
         }),
         "peaks": every(responses, |index, one| peaks(index, &one.curve)),
+        "folds": every(responses, |index, one| folds(index, &one.curve)),
     })
 }
 
@@ -109,4 +111,18 @@ fn peaks(index: usize, curve: &Curve) -> Vec<Value> {
         })
     };
     curve.peaks.iter().map(peak).collect()
+}
+
+/// Where the curve turns back.
+fn folds(index: usize, curve: &Curve) -> Vec<Value> {
+    let fold = |fold: &stickslip::harmonic::Fold| {
+        let amplitude: Map<String, Value> =
+            curve.nodes.iter().cloned().zip(fold.amplitude.iter().map(|value| json!(value))).collect();
+        json!({
+            "curve": index, "omega": fold.angular_frequency,
+            "frequency_hz": fold.angular_frequency / std::f64::consts::TAU,
+            "level": fold.level, "amplitude": amplitude,
+        })
+    };
+    curve.folds.iter().map(fold).collect()
 }

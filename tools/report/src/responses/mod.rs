@@ -213,6 +213,11 @@ impl Responses {
                 (None, Ending::Stuck) => warnings.push(format!(
                     "The curve at {level} ends {reached}, short of {end}: its steps became too small or too many."
                 )),
+                (None, Ending::Returned) => warnings.push(format!(
+                    "The curve at {level} turned and left the range at {}, where it had come in: {end} is not \
+                     reached this way.",
+                    self.unit.shown(self.range.0)
+                )),
                 (None, Ending::Interrupted) => {
                     warnings.push(format!("Interrupted: the curve at {level} ends {reached}, short of {end}."));
                 }
@@ -274,6 +279,7 @@ fn worst_estimate<'a>(points: impl Iterator<Item = &'a Point>) -> f64 {
 fn ending(one: &ResponseCurve) -> &'static str {
     match (one.failure.is_some(), one.curve.ending) {
         (true, _) | (_, Ending::Stuck) => "stuck",
+        (_, Ending::Returned) => "returned",
         (_, Ending::Interrupted) => "interrupted",
         (_, Ending::Complete) => "complete",
     }

@@ -13,7 +13,7 @@ fn document(responses: &Responses) -> Document {
     let mut sections = vec![Section {
         id: "peaks".into(),
         title: if responses.held.is_some() { "Resonances".into() } else { "Peaks".into() },
-        blocks: vec![peak_table(responses)],
+        blocks: [Some(peak_table(responses)), fold_table(responses)].into_iter().flatten().collect(),
     }];
     let mut section = |id: &str, title: &str, blocks: Vec<Block>| {
         let some = blocks.iter().any(|block| !matches!(block, Block::Plots(plots) if plots.is_empty()));
@@ -77,6 +77,24 @@ fn peak_table(responses: &Responses) -> Block {
         return Block::Note("No peak lies between the ends of the range.".into());
     }
     Block::Table(Table { label: "Peaks".into(), heading, rows })
+}
+
+/// Where curves turn back; nothing where none does.
+fn fold_table(responses: &Responses) -> Option<Block> {
+    let rows = responses.curves.iter().flat_map(|one| {
+        one.curve.folds.iter().map(|fold| {
+            let moved = fold.amplitude.iter().map(|value| Cell::text(format::engineering(*value, "m")));
+            [Cell::text(responses.level(one)), Cell::Number(responses.unit.of(fold.angular_frequency), 6)]
+                .into_iter()
+                .chain(moved)
+                .collect::<Vec<_>>()
+        })
+    });
+    let rows: Vec<_> = rows.collect();
+    let heading = ["Turning point at".to_owned(), format!("Frequency ({})", responses.unit.name())];
+    let nodes = responses.nodes().iter().map(|node| format!("Amplitude of {node}"));
+    let heading = heading.into_iter().chain(nodes).collect();
+    (!rows.is_empty()).then(|| Block::Table(Table { label: "Turning points".into(), heading, rows }))
 }
 
 /// How well each curve was found.
