@@ -1,6 +1,6 @@
 //! What the paper says, held against its own model.
 
-use stickslip::structure::{LinearStructure, Receptance, Rows};
+use stickslip::harmonic::CurveSettings;
 use stickslip_report::document::{Block, Cell, Section};
 
 use super::draw::{equivalent_stiffness, table};
@@ -360,15 +360,11 @@ fn largest_stuck_receptance(system: &System) -> Result<(f64, f64), Failure> {
     Ok((at, stuck_receptance(system, at)?))
 }
 
-/// Displacement of the stuck contact per unit of force (m/N).
+/// Displacement of the stuck contact per unit of force (m/N): under a force too small to make it slip all is linear.
 fn stuck_receptance(system: &System, angular_frequency: f64) -> Result<f64, Failure> {
-    let failed = |error: stickslip::structure::StructureError| Failure::other(error.to_string());
-    let structure: LinearStructure = system.stuck();
-    let mut receptance = Receptance::new(&structure).map_err(failed)?;
-    let mut compliance = receptance.compliance(Rows::Contacts);
-    let (damping, inertia) = ((0.0, angular_frequency).into(), (-angular_frequency.powi(2), 0.0).into());
-    receptance.evaluate(damping, inertia, Rows::Contacts, &mut compliance).map_err(failed)?;
-    Ok(compliance.value[(0, 1)].norm())
+    const SMALL: f64 = 1e-6;
+    let settings = CurveSettings { harmonics: 1, ..fine() };
+    Ok(system.point(SMALL, angular_frequency, &settings)?.amplitude[Y] / SMALL)
 }
 
 /// The value at which `of` is largest.
