@@ -16,6 +16,12 @@ impl Bounds {
     /// Finite and strictly above zero.
     pub const POSITIVE: Self = Self { lower: Bound::Excluded(0.0), upper: Bound::Unbounded };
 
+    /// Finite and at least zero.
+    pub const NOT_NEGATIVE: Self = Self { lower: Bound::Included(0.0), upper: Bound::Unbounded };
+
+    /// Finite.
+    pub const FINITE: Self = Self { lower: Bound::Unbounded, upper: Bound::Unbounded };
+
     /// From 0, included, to `upper`, excluded.
     pub fn from_zero_to_below(upper: f64) -> Self {
         Self { lower: Bound::Included(0.0), upper: Bound::Excluded(upper) }

@@ -1,8 +1,9 @@
 //! Jenkins' element: a spring in series with a Coulomb slider.
 
+use super::element::Element;
 use super::error::{Bounds, LawError, checked};
-use super::{ContactLaw, Inputs, Response, Slider, SlipState, StateTangents, Tangents, cut_to};
-use crate::vocabulary::{FRICTION_COEFFICIENT, TANGENTIAL_STIFFNESS};
+use super::{ContactLaw, Inputs, Response, Slider, StateTangents};
+use crate::vocabulary::{FRICTION_COEFFICIENT, Quantity, TANGENTIAL_STIFFNESS};
 
 /// Jenkins' element, `T = k (u − z)` with `|T| ≤ μ N`.
 ///
@@ -52,34 +53,7 @@ use crate::vocabulary::{FRICTION_COEFFICIENT, TANGENTIAL_STIFFNESS};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jenkins {
-    tangential_stiffness: f64,
-    friction_coefficient: f64,
-    /// μ/k (m/N): stretch of the spring at the limit, by normal load.
-    stretch_per_load: f64,
-}
-
-/// One step, with all that the response and both kinds of derivative need.
-struct Step {
-    force: f64,
-    dissipated_energy: f64,
-    branch: Branch,
-}
-
-/// Which formula gives the force at the end of the step.
-enum Branch {
-    /// The slider rested for the whole step.
-    Stick,
-    /// The slider rested since the contact closed within the step; `closed` is the fraction of the
-    /// step in contact.
-    StickSinceContact {
-        closed: f64,
-        load_change: f64,
-    },
-    /// At the limit, in the direction `sign`.
-    Slip {
-        sign: f64,
-    },
-    Separated,
+    element: Element,
 }
 
 impl Jenkins {
@@ -88,93 +62,26 @@ impl Jenkins {
     /// # Errors
     /// [`LawError::OutOfBounds`] unless both are finite and above zero.
     pub fn new(tangential_stiffness: f64, friction_coefficient: f64) -> Result<Self, LawError> {
-        let (stiffness, friction) = (&TANGENTIAL_STIFFNESS, &FRICTION_COEFFICIENT);
-        let tangential_stiffness =
-            checked(stiffness.name, stiffness.unit, tangential_stiffness, Bounds::POSITIVE)?;
-        let friction_coefficient =
-            checked(friction.name, friction.unit, friction_coefficient, Bounds::POSITIVE)?;
-        let stretch_per_load = friction_coefficient / tangential_stiffness;
-        Ok(Self { tangential_stiffness, friction_coefficient, stretch_per_load })
+        let (stiffness, friction) = checked_pair(tangential_stiffness, friction_coefficient)?;
+        Ok(Self { element: Element::new(stiffness, friction, 0.0) })
     }
 
     /// Stiffness in stick, k (N/m).
     pub fn tangential_stiffness(&self) -> f64 {
-        self.tangential_stiffness
+        self.element.stiffness
     }
 
     /// Coefficient of friction, μ (1).
     pub fn friction_coefficient(&self) -> f64 {
-        self.friction_coefficient
+        self.element.friction
     }
+}
 
-    fn evaluate(&self, state: &[f64], inputs: Inputs) -> Step {
-        let (slider, start, start_load) = (state[0], state[1], state[2]);
-        let (end, end_load) = (inputs.displacement, inputs.normal_load);
-        if end_load <= 0.0 {
-            let dissipated_energy =
-                if start_load > 0.0 { self.lift_off(slider, start, start_load, inputs) } else { 0.0 };
-            return Step { force: 0.0, dissipated_energy, branch: Branch::Separated };
-        }
-        if start_load <= 0.0 {
-            return self.re_contact(start, start_load, inputs);
-        }
-        let stretch = end - slider;
-        let slipped = stretch.abs() - self.stretch_per_load * end_load;
-        if slipped <= 0.0 {
-            let force = cut_to(self.tangential_stiffness * stretch, self.friction_coefficient * end_load);
-            return Step { force, dissipated_energy: 0.0, branch: Branch::Stick };
-        }
-        let sign = stretch.signum();
-        // Slip begins where the stuck force crosses the limit, a fraction `stuck` into the step, and
-        // lasts; the slider's speed is constant and the limit linear, so their mean values multiply.
-        let margin = self.margin(sign, slider, start, start_load);
-        let stuck = margin / (margin + slipped);
-        let mean_load = end_load + 0.5 * (1.0 - stuck) * (start_load - end_load);
-        Step {
-            force: sign * (self.friction_coefficient * end_load),
-            dissipated_energy: self.friction_coefficient * mean_load * slipped,
-            branch: Branch::Slip { sign },
-        }
-    }
-
-    /// A step in which the contact closes. The slider starts from the displacement at that instant;
-    /// from there spring force and limit both grow from zero in proportion, so that the rest of the step
-    /// sticks or slips throughout.
-    fn re_contact(&self, start: f64, start_load: f64, inputs: Inputs) -> Step {
-        let load_change = inputs.normal_load - start_load;
-        let closed = inputs.normal_load / load_change;
-        let travel = closed * (inputs.displacement - start);
-        let limit = self.friction_coefficient * inputs.normal_load;
-        let slipped = travel.abs() - self.stretch_per_load * inputs.normal_load;
-        if slipped <= 0.0 {
-            let force = cut_to(self.tangential_stiffness * travel, limit);
-            let branch = Branch::StickSinceContact { closed, load_change };
-            return Step { force, dissipated_energy: 0.0, branch };
-        }
-        let sign = travel.signum();
-        let dissipated_energy = 0.5 * limit * slipped;
-        Step { force: sign * limit, dissipated_energy, branch: Branch::Slip { sign } }
-    }
-
-    /// How far (m) the spring at the start of the step could still stretch in the direction `sign`.
-    /// Round-off may put a slipping state slightly beyond its limit, hence the cut at zero.
-    fn margin(&self, sign: f64, slider: f64, start: f64, start_load: f64) -> f64 {
-        (self.stretch_per_load * start_load - sign * (start - slider)).max(0.0)
-    }
-
-    /// Energy (J) dissipated on the way to the instant `N = 0` within the step: as the limit falls to
-    /// zero the slider must give up all of the spring's stretch.
-    fn lift_off(&self, slider: f64, start: f64, start_load: f64, inputs: Inputs) -> f64 {
-        let fraction = start_load / (start_load - inputs.normal_load);
-        let stretch = start + fraction * (inputs.displacement - start) - slider;
-        if stretch == 0.0 {
-            return 0.0;
-        }
-        let margin = self.margin(stretch.signum(), slider, start, start_load);
-        let slipped = stretch.abs();
-        let load_at_slip = start_load * (slipped / (margin + slipped));
-        0.5 * self.friction_coefficient * load_at_slip * slipped
-    }
+/// Stiffness and coefficient of friction, both finite and above zero.
+pub(super) fn checked_pair(stiffness: f64, friction: f64) -> Result<(f64, f64), LawError> {
+    let checked_one =
+        |quantity: &Quantity, value| checked(quantity.name, quantity.unit, value, Bounds::POSITIVE);
+    Ok((checked_one(&TANGENTIAL_STIFFNESS, stiffness)?, checked_one(&FRICTION_COEFFICIENT, friction)?))
 }
 
 impl ContactLaw for Jenkins {
@@ -183,84 +90,25 @@ impl ContactLaw for Jenkins {
     }
 
     fn set_state(&self, displacement: f64, normal_load: f64, force: f64, state: &mut [f64]) {
-        let limit = self.limit(normal_load);
-        let force = cut_to(force, limit);
-        state[0] = displacement - force / self.tangential_stiffness;
-        state[1] = displacement;
-        state[2] = normal_load;
+        self.element.set_state(displacement, normal_load, force, state);
     }
 
     fn step(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> Response {
-        let step = self.evaluate(state, inputs);
-        // In stick the slider is kept to the last bit rather than recomputed from the force.
-        next[0] = match step.branch {
-            Branch::Stick => state[0],
-            Branch::Separated => inputs.displacement,
-            Branch::Slip { sign } => {
-                inputs.displacement - sign * (self.stretch_per_load * inputs.normal_load)
-            }
-            Branch::StickSinceContact { closed, .. } => {
-                state[1] + (1.0 - closed) * (inputs.displacement - state[1])
-            }
-        };
-        next[1] = inputs.displacement;
-        next[2] = inputs.normal_load;
-        let (displacement, normal_load, slip_state) = match step.branch {
-            Branch::Stick => (self.tangential_stiffness, 0.0, SlipState::Stick),
-            Branch::StickSinceContact { closed, load_change } => {
-                let travel = inputs.displacement - state[1];
-                let by_load = -self.tangential_stiffness * travel * (state[2] / load_change) / load_change;
-                (self.tangential_stiffness * closed, by_load, SlipState::Stick)
-            }
-            Branch::Slip { sign } => (0.0, sign * self.friction_coefficient, SlipState::Slip),
-            Branch::Separated => (0.0, 0.0, SlipState::Separated),
-        };
-        Response {
-            force: step.force,
-            tangents: Tangents { displacement, velocity: 0.0, normal_load },
-            dissipated_energy: step.dissipated_energy,
-            slip_state,
-        }
+        self.element.step(state, inputs, next)
     }
 
     fn state_tangents(&self, state: &[f64], inputs: Inputs, out: &mut StateTangents) {
-        out.reset(3);
-        let stiffness = self.tangential_stiffness;
-        let friction = self.friction_coefficient;
-        // ∂next/∂(z, u, N | displacement, normal_load) follows from z = u − T/k, except when apart.
-        match self.evaluate(state, inputs).branch {
-            Branch::Stick => {
-                out.force_by_state[0] = -stiffness;
-                out.next_by_state[0] = 1.0;
-            }
-            Branch::StickSinceContact { closed, load_change } => {
-                let travel = inputs.displacement - state[1];
-                let slider_by_start_load = -travel * (closed / load_change);
-                out.force_by_state[1] = -stiffness * closed;
-                out.force_by_state[2] = -stiffness * slider_by_start_load;
-                out.next_by_state[1] = closed;
-                out.next_by_state[2] = slider_by_start_load;
-                out.next_by_displacement[0] = 1.0 - closed;
-                out.next_by_normal_load[0] = travel * (state[2] / load_change) / load_change;
-            }
-            Branch::Slip { sign } => {
-                out.next_by_displacement[0] = 1.0;
-                out.next_by_normal_load[0] = -sign * friction / stiffness;
-            }
-            Branch::Separated => out.next_by_displacement[0] = 1.0,
-        }
-        out.next_by_displacement[1] = 1.0;
-        out.next_by_normal_load[2] = 1.0;
+        self.element.state_tangents(state, inputs, out);
     }
 
     fn limit(&self, normal_load: f64) -> f64 {
-        if normal_load <= 0.0 { 0.0 } else { self.friction_coefficient * normal_load }
+        self.element.limit(normal_load)
     }
 
     fn sliders(&self, normal_load: f64, out: &mut Vec<Slider>) -> bool {
         out.clear();
         if normal_load > 0.0 {
-            out.push(Slider::jenkins(self.tangential_stiffness, self.limit(normal_load)));
+            out.push(Slider::jenkins(self.element.stiffness, self.limit(normal_load)));
         }
         true
     }

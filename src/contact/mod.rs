@@ -9,17 +9,28 @@
 //! A law's memory is a slice of `state_len()` numbers that the caller owns. Nothing is hidden in
 //! the law: roll-back, rejected trial steps and harmonic balance need no more than a copy.
 
+mod backlash;
+mod cubic;
+mod element;
 mod endochronic;
 mod error;
+mod iwan;
 mod jenkins;
+mod parallel;
 mod periodic;
 mod slider;
+mod unilateral;
 mod valanis;
 
+pub use backlash::Backlash;
+pub use cubic::CubicSpring;
 pub use error::{Bounds, LawError};
+pub use iwan::{Iwan, IwanSpacing};
 pub use jenkins::Jenkins;
+pub use parallel::ParallelSliders;
 pub use periodic::{Period, PeriodicError, PeriodicInfo, PeriodicSolver, periodic_state};
 pub use slider::Slider;
+pub use unilateral::Unilateral;
 pub use valanis::Valanis;
 
 /// What a contact sees at the end of a step. Within the step displacement and normal load run

@@ -26,6 +26,16 @@ impl Slider {
         Self { stiffness, play_below: 0.0, play_above: 0.0, lower_limit: limit, upper_limit: limit }
     }
 
+    /// A spring of stiffness `stiffness` (N/m) that neither has play nor slips.
+    pub const fn linear(stiffness: f64) -> Self {
+        Self::jenkins(stiffness, f64::INFINITY)
+    }
+
+    /// A spring of stiffness `stiffness` (N/m) that pushes back above the displacement `gap` (m) alone.
+    pub const fn unilateral(stiffness: f64, gap: f64) -> Self {
+        Self { play_below: f64::NEG_INFINITY, play_above: gap, ..Self::linear(stiffness) }
+    }
+
     /// Whether the reversed displacement gives the reversed force.
     pub fn is_odd(&self) -> bool {
         self.play_below == -self.play_above && self.lower_limit == self.upper_limit
@@ -35,13 +45,8 @@ impl Slider {
     /// the slider position `slider` (m).
     pub fn step(&self, slider: f64, displacement: f64) -> (f64, f64) {
         let stretch = displacement - slider;
-        let force = if stretch > self.play_above {
-            self.stiffness * (stretch - self.play_above)
-        } else if stretch < self.play_below {
-            self.stiffness * (stretch - self.play_below)
-        } else {
-            0.0
-        };
+        // Written so that a NaN stays a NaN and a diverged caller sees it.
+        let force = self.stiffness * (stretch - stretch.max(self.play_below).min(self.play_above));
         if force > self.upper_limit {
             (self.upper_limit, displacement - self.play_above - self.upper_limit / self.stiffness)
         } else if force < -self.lower_limit {
