@@ -68,6 +68,17 @@ pub struct Peak {
     pub level: f64,
 }
 
+/// A turning point of a curve: what is followed (frequency, level) goes back there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fold {
+    /// Ω (rad/s).
+    pub angular_frequency: f64,
+    /// Level there.
+    pub level: f64,
+    /// Each node's amplitude there (m): largest magnitude over a period.
+    pub amplitude: Vec<f64>,
+}
+
 /// How a curve came to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
@@ -77,6 +88,8 @@ pub enum Ending {
     Interrupted,
     /// The steps became too small, or too many: the rest of the range is missing.
     Stuck,
+    /// The curve turned and left the range where it had come in: its other end is not reached this way.
+    Returned,
 }
 
 /// Periodic responses along a curve, in the order they were followed.
@@ -88,6 +101,8 @@ pub struct Curve {
     pub points: Vec<Point>,
     /// Peaks of every node between the ends, located to the solver's accuracy.
     pub peaks: Vec<Peak>,
+    /// Turning points between the ends, located to the solver's accuracy.
+    pub folds: Vec<Fold>,
     /// How it ended.
     pub ending: Ending,
 }

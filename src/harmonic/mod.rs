@@ -7,27 +7,39 @@
 //!
 //! Coefficients are laid out `[a0, c1, s1, …, cH, sH]` per mode, mode after mode; see [`fourier`].
 
+mod assembly;
 mod balance;
+mod condensed;
+mod condition;
+mod contact_cycle;
+mod continuation;
 mod curve;
 mod cycle;
 mod elimination;
+mod extremum;
+mod factors;
 mod forced;
 pub mod fourier;
 mod guess;
 mod implicit;
 mod newton;
 mod periods;
+mod problem;
 mod resonance;
 mod set;
 mod system;
+mod transfer;
 
-pub use curve::{Contacting, Curve, Ending, Peak, Point};
+pub use assembly::{Assembly, AttachedContact, Body, Control, CurveSettings};
+pub use contact_cycle::{ContactCycle, ContactMapping, CycleSummary, contact_cycle};
+pub use curve::{Contacting, Curve, Ending, Fold, Peak, Point};
 pub use forced::{ForcedResponse, forced_response};
 pub use periods::whole_periods;
 pub use resonance::{Resonance, backbone, phase_resonance};
 pub use set::HarmonicSet;
 
 use crate::contact::ContactLaw;
+use crate::structure::StructureError;
 
 /// A contact law under the constant normal load it has on the beam.
 #[derive(Debug, Clone, Copy)]
@@ -36,6 +48,20 @@ pub struct ContactOnBeam<'a> {
     pub law: &'a dyn ContactLaw,
     /// Normal load (N).
     pub normal_load: f64,
+}
+
+/// How a contact is carried over a period.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// From turning point to turning point: exact for piecewise-linear laws, and to quadrature's accuracy
+    /// (about 1e-10 of the force) for laws that are smooth between reversals.
+    #[default]
+    Exact,
+    /// At equally spaced samples of a period, of second order in their distance: an independent check.
+    Sampled {
+        /// Samples of a period, at least eight times the highest harmonic.
+        samples: usize,
+    },
 }
 
 /// Discretisation and stopping rule.
@@ -94,4 +120,7 @@ pub enum HarmonicError {
         /// Cycles marched.
         cycles: usize,
     },
+    /// The structure cannot be condensed to its contacts.
+    #[error(transparent)]
+    Structure(#[from] StructureError),
 }

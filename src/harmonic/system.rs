@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use super::curve::Point;
 use super::HarmonicError;
 
 /// Numbers besides the Fourier coefficients on which the balance depends.
@@ -18,6 +19,33 @@ pub(crate) struct Operating {
     pub parameter: f64,
 }
 
+impl Operating {
+    /// Excitation at `level` and `angular_frequency` (rad/s).
+    pub fn forced(angular_frequency: f64, level: f64) -> Self {
+        Self { angular_frequency, level, self_excitation: 0.0, parameter: 0.0 }
+    }
+
+    /// The numbers in the order of [`Scalar`].
+    pub fn scalars(&self) -> [f64; 4] {
+        [self.angular_frequency, self.level, self.self_excitation, self.parameter]
+    }
+
+    /// One of the numbers.
+    pub fn get(&self, scalar: Scalar) -> f64 {
+        self.scalars()[scalar.index()]
+    }
+
+    /// Sets one of the numbers.
+    pub fn set(&mut self, scalar: Scalar, value: f64) {
+        match scalar {
+            Scalar::AngularFrequency => self.angular_frequency = value,
+            Scalar::Level => self.level = value,
+            Scalar::SelfExcitation => self.self_excitation = value,
+            Scalar::Parameter => self.parameter = value,
+        }
+    }
+}
+
 /// One of the numbers of [`Operating`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scalar {
@@ -25,6 +53,13 @@ pub(crate) enum Scalar {
     Level,
     SelfExcitation,
     Parameter,
+}
+
+impl Scalar {
+    /// Place in arrays of the four.
+    pub const fn index(self) -> usize {
+        self as usize
+    }
 }
 
 /// Displacement harmonic of an output, and its derivatives.
@@ -35,6 +70,7 @@ pub(crate) struct Observation {
     /// Their derivatives by the unknowns.
     pub by_unknowns: [Vec<f64>; 2],
     /// Their derivatives by the scalars, in the order angular frequency, level, self-excitation, parameter.
+    /// By the self-excitation and the parameter they are valid where the last evaluation was asked for them.
     pub by_scalars: [[f64; 4]; 2],
 }
 
@@ -56,9 +92,73 @@ pub(crate) trait PeriodicSystem {
     /// ∂residual/∂scalar of the last evaluation; valid for the scalars it was asked for.
     fn by(&self, scalar: Scalar) -> &[f64];
 
-    /// Displacement harmonic `order` of output `node` at the last evaluation.
+    /// Displacement harmonic `order` of output `node` at the last evaluation. Zeros for a harmonic that
+    /// the system has not.
     fn observe(&mut self, node: usize, order: usize, out: &mut Observation);
 
     /// Makes the next evaluation depend on its arguments alone.
     fn forget(&mut self);
+
+    /// Number of outputs.
+    fn nodes(&self) -> usize;
+
+    /// Highest harmonic of the unknowns.
+    fn harmonics(&self) -> usize;
+
+    /// Writes a start for Newton's method at `at`: equivalent linearisation, or what the system has.
+    fn guess(&mut self, at: &Operating, x: &mut [f64]) -> Result<(), HarmonicError>;
+
+    /// The response of the last evaluation, which was at `x` and `at` and solved the balance: everything of
+    /// a [`Point`] but stability, error and effort, which are left as unknown, 0, resolved and 0.
+    fn describe(&mut self, x: &[f64], at: &Operating) -> Result<Point, HarmonicError>;
+
+    /// Derivatives of the nodes' coefficients (those of [`Point::nodes`]) where the unknowns change by
+    /// `unknowns` and the scalars by `scalars`, at the last evaluation.
+    fn nodes_along(&mut self, unknowns: &[f64], scalars: &[f64; 4], out: &mut [Vec<f64>]) {
+        let mut seen = Observation::default();
+        for (node, coefficients) in out.iter_mut().enumerate() {
+            coefficients.clear();
+            coefficients.resize(2 * self.harmonics() + 1, 0.0);
+            for place in 0..coefficients.len() {
+                let (order, part) = (place.div_ceil(2), usize::from(place > 0 && place % 2 == 0));
+                if part == 0 {
+                    self.observe(node, order, &mut seen);
+                }
+                let along: f64 = seen.by_unknowns[part].iter().zip(unknowns).map(|(a, b)| a * b).sum();
+                let rest: f64 = seen.by_scalars[part].iter().zip(scalars).map(|(a, b)| a * b).sum();
+                coefficients[place] = along + rest;
+            }
+        }
+    }
+
+    /// Estimated error of the nodes' displacements from the harmonics left out, as share of the amplitude of
+    /// the node it is largest at, at the solution `x`, `point` last evaluated. `solve` turns a residual into
+    /// `(∂residual/∂unknowns)⁻¹ residual`. 0 where the system has no estimate.
+    fn truncation_error(
+        &mut self,
+        x: &[f64],
+        at: &Operating,
+        point: &Point,
+        solve: &mut dyn FnMut(&mut [f64]),
+    ) -> Result<f64, HarmonicError> {
+        let _ = (x, at, point, solve);
+        Ok(0.0)
+    }
+
+    /// Changes the highest harmonic and carries `vectors` of unknowns over; false, with nothing changed,
+    /// where the system cannot.
+    fn set_harmonics(
+        &mut self,
+        harmonics: usize,
+        vectors: &mut [&mut Vec<f64>],
+    ) -> Result<bool, HarmonicError> {
+        let _ = (harmonics, vectors);
+        Ok(false)
+    }
+
+    /// Whether a small disturbance of the solution last evaluated dies out; `None` where it cannot be told.
+    fn stable(&mut self, x: &[f64], at: &Operating) -> Option<bool> {
+        let _ = (x, at);
+        None
+    }
 }

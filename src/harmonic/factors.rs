@@ -1,0 +1,113 @@
+//! Triangular factors of a small dense matrix, in a buffer that is used again and again.
+
+/// `P A = L U` by elimination with row pivoting. Column-major.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Factors {
+    size: usize,
+    values: Vec<f64>,
+    pivots: Vec<usize>,
+}
+
+impl Factors {
+    /// Sets the size and hands out the matrix, zero and column-major, to be filled before [`Self::factor`].
+    pub fn reset(&mut self, size: usize) -> &mut [f64] {
+        self.size = size;
+        self.values.clear();
+        self.values.resize(size * size, 0.0);
+        self.pivots.resize(size, 0);
+        &mut self.values
+    }
+
+    /// Number of rows.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Factors the matrix in place; false where it is singular or not finite.
+    pub fn factor(&mut self) -> bool {
+        let n = self.size;
+        for k in 0..n {
+            let (done, rest) = self.values.split_at_mut((k + 1) * n);
+            let column = &mut done[k * n..];
+            let mut pivot = k;
+            for i in k + 1..n {
+                if column[i].abs() > column[pivot].abs() {
+                    pivot = i;
+                }
+            }
+            let value = column[pivot];
+            if value == 0.0 || !value.is_finite() {
+                return false;
+            }
+            self.pivots[k] = pivot;
+            column.swap(k, pivot);
+            let inverse = 1.0 / value;
+            column[k + 1..].iter_mut().for_each(|x| *x *= inverse);
+            // The part of L to the left is swapped too, so that a solve can apply all swaps first.
+            if pivot != k {
+                for j in 0..k {
+                    done.swap(j * n + k, j * n + pivot);
+                }
+            }
+            let factors = &done[k * n + k + 1..(k + 1) * n];
+            for target in rest.chunks_exact_mut(n) {
+                target.swap(k, pivot);
+                let (head, tail) = target.split_at_mut(k + 1);
+                let weight = head[k];
+                if weight != 0.0 {
+                    tail.iter_mut().zip(factors).for_each(|(t, f)| *t -= weight * f);
+                }
+            }
+        }
+        true
+    }
+
+    /// Replaces `right` by `A⁻¹ right`.
+    pub fn solve(&self, right: &mut [f64]) {
+        let n = self.size;
+        for k in 0..n {
+            right.swap(k, self.pivots[k]);
+        }
+        for k in 0..n {
+            let (head, tail) = right.split_at_mut(k + 1);
+            let weight = head[k];
+            let column = &self.values[k * n + k + 1..(k + 1) * n];
+            tail.iter_mut().zip(column).for_each(|(t, f)| *t -= weight * f);
+        }
+        for k in (0..n).rev() {
+            let column = &self.values[k * n..k * n + k + 1];
+            let value = right[k] / column[k];
+            right[k] = value;
+            right[..k].iter_mut().zip(column).for_each(|(t, f)| *t -= value * f);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solution_reproduces_the_right_side() {
+        // Needs swaps: the first pivot is zero.
+        let matrix = [0.0, 2.0, -1.0, 3.0, 1.0, 0.5, 4.0, 0.1, 1.0, 1.0, 7.0, 0.2, 2.0, 5.0, 0.3, 1.0];
+        let mut factors = Factors::default();
+        factors.reset(4).copy_from_slice(&matrix);
+        assert!(factors.factor());
+        let mut x = [1.0, -2.0, 3.0, 0.5];
+        factors.solve(&mut x);
+        for (i, right) in [1.0, -2.0, 3.0, 0.5].iter().enumerate() {
+            let product: f64 = (0..4).map(|j| matrix[4 * j + i] * x[j]).sum();
+            assert!((product - right).abs() < 1e-14, "{i}: {product}");
+        }
+    }
+
+    #[test]
+    fn a_singular_matrix_is_refused() {
+        let mut factors = Factors::default();
+        factors.reset(2).copy_from_slice(&[1.0, 2.0, 2.0, 4.0]);
+        assert!(!factors.factor());
+        factors.reset(1)[0] = f64::NAN;
+        assert!(!factors.factor());
+    }
+}

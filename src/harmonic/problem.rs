@@ -1,0 +1,233 @@
+//! Balance equations with conditions on top: Newton's method on unknowns and free scalars together.
+
+use super::HarmonicError;
+use super::factors::Factors;
+use super::system::{Operating, PeriodicSystem, Scalar};
+
+/// Gradient of a condition.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct ConditionRow {
+    /// By the unknowns.
+    pub by_unknowns: Vec<f64>,
+    /// By the scalars, in the order of [`Scalar`].
+    pub by_scalars: [f64; 4],
+}
+
+/// A scalar equation beside the balance.
+pub(crate) trait Condition {
+    /// Value at the system's last evaluation, which was at `x` and `at`, and its gradient; `row` comes zeroed
+    /// and as long as `x`. The value is relative: 1 is a complete miss.
+    fn evaluate(
+        &mut self,
+        system: &mut dyn PeriodicSystem,
+        x: &[f64],
+        at: &Operating,
+        row: &mut ConditionRow,
+    ) -> f64;
+}
+
+/// When a solution is good enough, and when it is given up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Stopping {
+    /// Largest residual accepted, as share of the largest term; the conditions count in full.
+    pub tolerance: f64,
+    /// Newton steps at most.
+    pub max_iterations: usize,
+}
+
+/// How a solution was reached.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Effort {
+    /// Newton steps made.
+    pub iterations: usize,
+    /// Largest relative residual left.
+    pub residual: f64,
+}
+
+/// Solves balance and conditions for `x` and the scalars `free`, as many as there are conditions, starting
+/// from what they hold; on failure they hold the last iterate. For many solves keep a [`Newton`].
+pub(crate) fn solve(
+    system: &mut dyn PeriodicSystem,
+    x: &mut [f64],
+    at: &mut Operating,
+    free: &[Scalar],
+    conditions: &mut [&mut dyn Condition],
+    stopping: &Stopping,
+) -> Result<Effort, HarmonicError> {
+    Newton::default().solve(system, x, at, free, conditions, stopping)
+}
+
+/// Newton's method with a line search, and its buffers.
+///
+/// Rows of the balance are divided by the size of their terms, so that all residuals are relative.
+#[derive(Debug, Default)]
+pub(crate) struct Newton {
+    factors: Factors,
+    residual: Vec<f64>,
+    step: Vec<f64>,
+    trial: Vec<f64>,
+    rows: Vec<ConditionRow>,
+    scale: f64,
+    factored: bool,
+}
+
+impl Newton {
+    /// As the function [`solve`].
+    pub fn solve(
+        &mut self,
+        system: &mut dyn PeriodicSystem,
+        x: &mut [f64],
+        at: &mut Operating,
+        free: &[Scalar],
+        conditions: &mut [&mut dyn Condition],
+        stopping: &Stopping,
+    ) -> Result<Effort, HarmonicError> {
+        debug_assert_eq!(free.len(), conditions.len());
+        self.factored = false;
+        self.evaluate(system, x, at, free, conditions)?;
+        let mut residual = largest(&self.residual);
+        let mut before = f64::INFINITY;
+        let mut iterations = 0;
+        loop {
+            if residual <= stopping.tolerance {
+                return Ok(Effort { iterations, residual });
+            }
+            if iterations == stopping.max_iterations || residual.is_nan() {
+                return Err(HarmonicError::NotConverged { residual, iterations });
+            }
+            // Under quadratic convergence a step with the last factors leaves 2 r²/r_before: often enough.
+            let chord = self.factored && 4.0 * residual * residual <= stopping.tolerance * before;
+            if !chord && !self.factor(system, free) {
+                return Err(HarmonicError::NotConverged { residual, iterations });
+            }
+            let norm = length(&self.residual);
+            self.step.clear();
+            self.step.extend(self.residual.iter().map(|r| -r));
+            self.factors.solve(&mut self.step);
+            if self.step.iter().any(|s| !s.is_finite()) {
+                return Err(HarmonicError::NotConverged { residual, iterations });
+            }
+            before = residual;
+            residual = self
+                .search(system, x, at, free, conditions, norm, stopping)
+                .ok_or(HarmonicError::NotConverged { residual, iterations })?;
+            iterations += 1;
+        }
+    }
+
+    /// Solves with the factors of the last Newton step: `right` has an entry per unknown and per free scalar,
+    /// of which those of the balance are relative to the size of its terms. Factors first where the start
+    /// was already the solution. False where that fails.
+    pub fn solve_linear(&mut self, system: &dyn PeriodicSystem, free: &[Scalar], right: &mut [f64]) -> bool {
+        if !self.factored && !self.factor(system, free) {
+            return false;
+        }
+        self.factors.solve(right);
+        right.iter().all(|value| value.is_finite())
+    }
+
+    /// Factors the matrix of the last evaluation anew.
+    pub fn refactor(&mut self, system: &dyn PeriodicSystem, free: &[Scalar]) -> bool {
+        self.factor(system, free)
+    }
+
+    /// The longest sensible step along the direction found, then halves until the residual falls. Returns
+    /// the new residual; `x` and `at` are moved.
+    #[expect(clippy::too_many_arguments, reason = "the problem's four parts, and what is known of them")]
+    fn search(
+        &mut self,
+        system: &mut dyn PeriodicSystem,
+        x: &mut [f64],
+        at: &mut Operating,
+        free: &[Scalar],
+        conditions: &mut [&mut dyn Condition],
+        norm: f64,
+        stopping: &Stopping,
+    ) -> Option<f64> {
+        const HALVINGS: usize = 12;
+        let n = x.len();
+        let mut share = longest_share(at, free, &self.step[n..]);
+        for _ in 0..=HALVINGS {
+            let mut moved = *at;
+            let mut trial = std::mem::take(&mut self.trial);
+            trial.clear();
+            trial.extend(x.iter().zip(&self.step).map(|(x, s)| x + share * s));
+            for (scalar, step) in free.iter().zip(&self.step[n..]) {
+                moved.set(*scalar, at.get(*scalar) + share * step);
+            }
+            let done = self.evaluate(system, &trial, &moved, free, conditions).is_ok();
+            self.trial = trial;
+            let residual = largest(&self.residual);
+            // At the accuracy of the contacts' periodic states the norm cannot fall any more.
+            if done
+                && (length(&self.residual) <= (1.0 - 1e-4 * share) * norm || residual <= stopping.tolerance)
+            {
+                x.copy_from_slice(&self.trial);
+                *at = moved;
+                return Some(residual);
+            }
+            share *= 0.5;
+        }
+        None
+    }
+
+    fn evaluate(
+        &mut self,
+        system: &mut dyn PeriodicSystem,
+        x: &[f64],
+        at: &Operating,
+        free: &[Scalar],
+        conditions: &mut [&mut dyn Condition],
+    ) -> Result<(), HarmonicError> {
+        let scale = system.evaluate(x, at, free)?;
+        self.scale = if scale > 0.0 { scale } else { 1.0 };
+        self.residual.clear();
+        self.residual.extend(system.residual().iter().map(|r| r / self.scale));
+        self.rows.resize_with(conditions.len(), ConditionRow::default);
+        for (condition, row) in conditions.iter_mut().zip(&mut self.rows) {
+            row.by_unknowns.clear();
+            row.by_unknowns.resize(x.len(), 0.0);
+            row.by_scalars = [0.0; 4];
+            self.residual.push(condition.evaluate(system, x, at, row));
+        }
+        Ok(())
+    }
+
+    fn factor(&mut self, system: &dyn PeriodicSystem, free: &[Scalar]) -> bool {
+        let n = system.unknowns();
+        let size = n + free.len();
+        let weight = 1.0 / self.scale;
+        let matrix = self.factors.reset(size);
+        for (k, source) in system.jacobian().as_slice().chunks_exact(n.max(1)).enumerate() {
+            let column = &mut matrix[k * size..(k + 1) * size];
+            column.iter_mut().zip(source).for_each(|(c, s)| *c = s * weight);
+            column[n..].iter_mut().zip(&self.rows).for_each(|(c, row)| *c = row.by_unknowns[k]);
+        }
+        for (k, scalar) in free.iter().enumerate() {
+            let column = &mut matrix[(n + k) * size..(n + k + 1) * size];
+            column.iter_mut().zip(system.by(*scalar)).for_each(|(c, s)| *c = s * weight);
+            let rows = column[n..].iter_mut().zip(&self.rows);
+            rows.for_each(|(c, row)| *c = row.by_scalars[scalar.index()]);
+        }
+        self.factored = self.factors.factor();
+        self.factored
+    }
+}
+
+/// Keeps the frequency positive: at most halved in a step.
+fn longest_share(at: &Operating, free: &[Scalar], step: &[f64]) -> f64 {
+    let frequency = free.iter().position(|scalar| *scalar == Scalar::AngularFrequency);
+    frequency.map_or(1.0, |k| {
+        let fall = -step[k];
+        if fall > 0.5 * at.angular_frequency { 0.5 * at.angular_frequency / fall } else { 1.0 }
+    })
+}
+
+fn length(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Largest magnitude; NaN where there is one.
+fn largest(v: &[f64]) -> f64 {
+    v.iter().fold(0.0, |m: f64, x| if x.abs() > m || x.is_nan() { x.abs() } else { m })
+}
