@@ -9,13 +9,13 @@ use std::time::Instant;
 
 use indicatif::ProgressBar;
 use stickslip::harmonic::{
-    Assembly, Control, Curve, CurveSettings, Ending, HarmonicError, frequency_response,
+    Assembly, Curve, Ending, HarmonicError, frequency_response,
 };
 use stickslip_report::responses::{
     FrequencyUnit, Held, ResponseCurve, Responses, responses_html, responses_json, responses_table,
 };
 
-use self::request::{Hold, Request};
+use self::request::Request;
 use self::setup::Setup;
 use super::{check_destinations, list, read_model, settings};
 use crate::output::{Outputs, say};
