@@ -47,10 +47,12 @@ fn document(responses: &Responses) -> Document {
 /// Every peak of every node at every level.
 fn peak_table(responses: &Responses) -> Block {
     let held = responses.held.as_ref();
+    let peaks = responses.curves.iter().flat_map(|one| &one.curve.peaks);
+    let amplitude = format::Scale::of(peaks.map(|peak| peak.amplitude), "m");
     let mut heading = vec![
         "Node".to_owned(),
         format!("Frequency ({})", responses.unit.name()),
-        "Amplitude".to_owned(),
+        amplitude.label("Amplitude"),
         if held.is_some() { "Held".to_owned() } else { "Force".to_owned() },
     ];
     if let Some(held) = held {
@@ -63,7 +65,7 @@ fn peak_table(responses: &Responses) -> Block {
             let mut row = vec![
                 Cell::text(one.curve.nodes.get(peak.node).map_or("", String::as_str)),
                 Cell::Number(responses.unit.of(peak.angular_frequency), 6),
-                Cell::text(format::engineering(peak.amplitude, "m")),
+                Cell::Number(amplitude.factor * peak.amplitude, 6),
                 Cell::text(responses.level(one)),
             ];
             if held.is_some() {

@@ -29,14 +29,17 @@ pub fn at_peaks(
     let mut loops = Vec::new();
     for peak in resonances(curve) {
         let Some(near) = nearest(curve, &peak) else { continue };
-        let exact = periodic_response(assembly, peak.angular_frequency, control, &request.settings, Some(near));
+        let exact =
+            periodic_response(assembly, peak.angular_frequency, control, &request.settings, Some(near));
         let point = exact.as_ref().unwrap_or(near);
         for (index, (contact, at)) in assembly.contacts.iter().zip(&point.contacts).enumerate() {
-            let which = if point.contacts.len() > 1 { format!("contact {}, ", index + 1) } else { String::new() };
+            let which =
+                if point.contacts.len() > 1 { format!("contact {}, ", index + 1) } else { String::new() };
             let name = format!("{which}{level} {unit}, {}", request.unit.shown(point.angular_frequency));
-            loops.extend(contact_loop(contact.law, contact.normal_load, point.angular_frequency, &at.displacement).map(
-                |(displacement, force)| ContactLoop { name, displacement, force },
-            ));
+            loops.extend(
+                contact_loop(contact.law, contact.normal_load, point.angular_frequency, &at.displacement)
+                    .map(|(displacement, force)| ContactLoop { name, displacement, force }),
+            );
         }
     }
     loops
@@ -46,7 +49,9 @@ pub fn at_peaks(
 fn resonances(curve: &Curve) -> Vec<Peak> {
     let mut peaks = curve.peaks.clone();
     peaks.sort_by(|a, b| a.angular_frequency.total_cmp(&b.angular_frequency));
-    peaks.dedup_by(|later, first| later.angular_frequency - first.angular_frequency < SAME * first.angular_frequency);
+    peaks.dedup_by(|later, first| {
+        later.angular_frequency - first.angular_frequency < SAME * first.angular_frequency
+    });
     peaks
 }
 

@@ -1,5 +1,6 @@
 //! `stickslip frf`
 
+mod held;
 pub mod loops;
 mod request;
 mod setup;
@@ -8,9 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use indicatif::ProgressBar;
-use stickslip::harmonic::{
-    Assembly, Curve, Ending, HarmonicError, frequency_response,
-};
+use stickslip::harmonic::{Assembly, Curve, Ending, HarmonicError, frequency_response};
 use stickslip_report::responses::{
     FrequencyUnit, Held, ResponseCurve, Responses, responses_html, responses_json, responses_table,
 };
@@ -103,10 +102,10 @@ impl Frf {
             title: format!("Response of {}", self.model.display()),
             unit: request.unit,
             range: request.range,
-            held: request.hold.as_ref().map(|hold| Held {
-                node: setup.nodes()[hold.node].clone(),
-                derivative: hold.derivative,
-            }),
+            held: request
+                .hold
+                .as_ref()
+                .map(|hold| Held { node: setup.nodes()[hold.node].clone(), derivative: hold.derivative }),
             harmonics: self.harmonics,
             tolerance: self.tolerance,
             stability: !self.no_stability,
@@ -166,21 +165,31 @@ fn follow(
     let control = request.control(level);
     let mut count = 0_usize;
     let mut shown: Option<Instant> = None;
-    let found = frequency_response(assembly, request.range.0, request.range.1, &control, &request.settings, &mut |point| {
-        count += 1;
-        // Points come by the ten thousand a second; a terminal need not follow.
-        if shown.is_none_or(|last| last.elapsed().as_millis() > 50) {
-            shown = Some(Instant::now());
-            let place = request.unit.shown(point.angular_frequency);
-            bar.set_message(format!("{which}{count} points, at {place}"));
-        }
-        !progress::interrupted()
-    });
-    let (curve, failure) = match found {
+    let found = frequency_response(
+        assembly,
+        request.range.0,
+        request.range.1,
+        &control,
+        &request.settings,
+        &mut |point| {
+            count += 1;
+            // Points come by the ten thousand a second; a terminal need not follow.
+            if shown.is_none_or(|last| last.elapsed().as_millis() > 50) {
+                shown = Some(Instant::now());
+                let place = request.unit.shown(point.angular_frequency);
+                bar.set_message(format!("{which}{count} points, at {place}"));
+            }
+            !progress::interrupted()
+        },
+    );
+    let (mut curve, failure) = match found {
         Ok(curve) => (curve, None),
         Err(HarmonicError::InvalidInput(reason)) => return Err(Failure::input(reason)),
         Err(error) => (empty(request), Some(error.to_string())),
     };
+    if let Some(hold) = request.hold {
+        curve.peaks = held::resonances(assembly, request, hold, &control, &curve);
+    }
     let loops = loops::at_peaks(assembly, request, &control, level, &curve);
     Ok(ResponseCurve { level, curve, loops, failure, seconds: started.elapsed().as_secs_f64() })
 }

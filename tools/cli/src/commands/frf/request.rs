@@ -39,14 +39,18 @@ impl Request {
         let unit: FrequencyUnit = command.unit.into();
         let (from, to) = (command.from, command.to);
         if !(from.is_finite() && to.is_finite() && from > 0.0) {
-            return Err(Failure::input(format!("--from {from} --to {to}: frequencies must be positive numbers")));
+            return Err(Failure::input(format!(
+                "--from {from} --to {to}: frequencies must be positive numbers"
+            )));
         }
         if from >= to {
             return Err(Failure::input(format!("--from {from} must be below --to {to}")));
         }
         let (hold, levels) = levels(command, nodes)?;
         if let Some(level) = levels.iter().find(|level| !(level.is_finite() && **level > 0.0)) {
-            return Err(Failure::input(format!("a level of {level} is not possible; levels are positive numbers")));
+            return Err(Failure::input(format!(
+                "a level of {level} is not possible; levels are positive numbers"
+            )));
         }
         if levels.len() > LEVELS {
             return Err(Failure::input(format!("{} levels are too many; {LEVELS} at most", levels.len())));
@@ -74,9 +78,7 @@ impl Request {
     pub fn control(&self, level: f64) -> Control {
         match self.hold {
             None => Control::Level(level),
-            Some(Hold { node, derivative }) => {
-                Control::Held { node, order: 1, derivative, amplitude: level }
-            }
+            Some(Hold { node, derivative }) => Control::Held { node, order: 1, derivative, amplitude: level },
         }
     }
 }
@@ -144,10 +146,9 @@ fn hold(text: &str, nodes: &[String]) -> Result<(Hold, Option<f64>), Failure> {
 /// The node of that name; positions are compared as numbers, so that `x=0.550` is found too.
 fn place(name: &str, nodes: &[String]) -> Option<usize> {
     let position = |text: &str| text.strip_prefix("x=").and_then(|value| value.parse::<f64>().ok());
-    nodes
-        .iter()
-        .position(|node| node == name)
-        .or_else(|| nodes.iter().position(|node| position(node).is_some() && position(node) == position(name)))
+    nodes.iter().position(|node| node == name).or_else(|| {
+        nodes.iter().position(|node| position(node).is_some() && position(node) == position(name))
+    })
 }
 
 #[cfg(test)]

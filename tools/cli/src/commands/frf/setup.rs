@@ -35,10 +35,11 @@ impl Setup {
                 let names: Vec<&str> = oscillator.masses.iter().map(|mass| mass.name.as_str()).collect();
                 let mut oscillator = oscillator.clone();
                 if let Some(wanted) = excite {
-                    oscillator.excitation = names.iter().position(|name| *name == wanted).ok_or_else(|| {
-                        let help = suggestion(wanted, &names, "masses");
-                        Failure::input(format!("--excite: the model has no mass `{wanted}`; {help}"))
-                    })?;
+                    oscillator.excitation =
+                        names.iter().position(|name| *name == wanted).ok_or_else(|| {
+                            let help = suggestion(wanted, &names, "masses");
+                            Failure::input(format!("--excite: the model has no mass `{wanted}`; {help}"))
+                        })?;
                 }
                 let nodes = names.iter().map(|name| (*name).to_owned()).collect();
                 (OwnedBody::Linear(oscillator.structure().map_err(failed)?), nodes)

@@ -8,7 +8,12 @@ use crate::Failure;
 use crate::commands::frf::loops::contact_loop;
 
 /// A curve of `value` over frequency.
-pub fn over_frequency(name: impl Into<String>, curve: &Curve, stroke: Stroke, value: impl Fn(&Point) -> f64) -> Line {
+pub fn over_frequency(
+    name: impl Into<String>,
+    curve: &Curve,
+    stroke: Stroke,
+    value: impl Fn(&Point) -> f64,
+) -> Line {
     Line {
         name: name.into(),
         x: curve.points.iter().map(|point| point.angular_frequency).collect(),

@@ -9,8 +9,8 @@ mod time_domain;
 
 use stickslip_report::document::{Document, scientific};
 
-use self::system::System;
 pub use self::system::MODEL;
+use self::system::System;
 use crate::{Failure, progress};
 
 /// Schema of the study's data.

@@ -109,7 +109,12 @@ pub fn response_section(system: &System) -> Result<(Section, f64), Failure> {
 
 /// A row with the response at one frequency, harmonic balance against time integration. Returns how far they
 /// are apart.
-fn compared(system: &System, rows: &mut Vec<[Cell; 7]>, name: String, frequency: f64) -> Result<f64, Failure> {
+fn compared(
+    system: &System,
+    rows: &mut Vec<[Cell; 7]>,
+    name: String,
+    frequency: f64,
+) -> Result<f64, Failure> {
     let point = system.point(FORCE, frequency, &fine())?;
     let motion = time_domain::periodic(system, FORCE, frequency, false)?;
     let deviation = deviations(&point, &motion).into_iter().fold(0.0, f64::max);
@@ -150,7 +155,14 @@ fn truncation(system: &System) -> Result<Block, Failure> {
     });
     Ok(table(
         "Error of harmonic balance at ω = 0.5 rad/s",
-        ["Harmonics, at ω = 0.5 rad/s", "Error of x", "Of y", "Of the dissipation", "Of the work", "Estimate"],
+        [
+            "Harmonics, at ω = 0.5 rad/s",
+            "Error of x",
+            "Of y",
+            "Of the dissipation",
+            "Of the work",
+            "Estimate",
+        ],
         rows.collect::<Result<_, Failure>>()?,
     ))
 }
@@ -171,7 +183,8 @@ pub fn loop_section(system: &System) -> Result<Section, Failure> {
         stroke: every,
     };
     let (u, f) = (Axis::new("displacement y", "m"), Axis::new("friction force", "N"));
-    let figure: Plot = plot("Figure 6. Loop of the contact at ω = 0.5 rad/s.", false, u, f, vec![balance, time]);
+    let figure: Plot =
+        plot("Figure 6. Loop of the contact at ω = 0.5 rad/s.", false, u, f, vec![balance, time]);
     let amplitude = point.amplitude[Y];
     let limit = system.limit();
     let closed = 4.0 * limit * (amplitude - limit / system.stiffness);

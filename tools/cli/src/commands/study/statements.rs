@@ -32,7 +32,11 @@ impl Verdict {
 }
 
 /// All statements, those that fail marked.
-pub fn section(system: &System, forces: &[Resonance], frictions: &[Resonance]) -> Result<(Section, usize), Failure> {
+pub fn section(
+    system: &System,
+    forces: &[Resonance],
+    frictions: &[Resonance],
+) -> Result<(Section, usize), Failure> {
     let mut all = vec![slip_onset(system)?, minimal_receptance(system, forces)?];
     all.push(dissipated_share(system, forces)?);
     all.push(softening(forces));
@@ -95,14 +99,18 @@ fn minimal_receptance(system: &System, tracked: &[Resonance]) -> Result<Statemen
     let around = |value: f64| (0.8 * value, 1.25 * value);
     let x = minimum(around(of_x), 1e-4, |force| Ok(system.first_peak(force, X)?.peak.amplitude / force))?;
     let y = minimum(around(of_y), 1e-4, |force| Ok(system.first_peak(force, Y)?.peak.amplitude / force))?;
-    let at = |force: f64, node: usize| Ok::<_, Failure>(system.first_peak(force, node)?.peak.amplitude / force);
+    let at =
+        |force: f64, node: usize| Ok::<_, Failure>(system.first_peak(force, node)?.peak.amplitude / force);
     Ok(Statement {
         figure: "7",
         said: "The receptance at the first resonance is smallest at A = 0.2 N.",
         found: format!(
             "It is smallest at A = {x:.3} N for x ({:.3} m/N; {:.3} at 0.2 N) and at {y:.3} N for y ({:.3} m/N; {:.3} at \
              0.2 N).",
-            at(x, X)?, at(0.2, X)?, at(y, Y)?, at(0.2, Y)?
+            at(x, X)?,
+            at(0.2, X)?,
+            at(y, Y)?,
+            at(0.2, Y)?
         ),
         verdict: Verdict::of((x - 0.2).abs() < 0.02 && (y - 0.2).abs() < 0.02),
     })
@@ -110,13 +118,16 @@ fn minimal_receptance(system: &System, tracked: &[Resonance]) -> Result<Statemen
 
 fn dissipated_share(system: &System, tracked: &[Resonance]) -> Result<Statement, Failure> {
     let start = best(tracked, |one| share(&one.y.point));
-    let at = minimum((0.8 * start, 1.25 * start), 1e-4, |force| Ok(-share(&system.first_peak(force, Y)?.point)))?;
+    let at =
+        minimum((0.8 * start, 1.25 * start), 1e-4, |force| Ok(-share(&system.first_peak(force, Y)?.point)))?;
     let largest = share(&system.first_peak(at, Y)?.point);
     let printed = share(&system.first_peak(0.2, Y)?.point);
     Ok(Statement {
         figure: "7",
         said: "The ratio of dissipated to input energy reaches its maximum at A = 0.2 N.",
-        found: format!("At the peak of y it is largest, {largest:.3}, at A = {at:.3} N; at 0.2 N it is {printed:.3}."),
+        found: format!(
+            "At the peak of y it is largest, {largest:.3}, at A = {at:.3} N; at 0.2 N it is {printed:.3}."
+        ),
         verdict: Verdict::of((at - 0.2).abs() < 0.02),
     })
 }
@@ -153,9 +164,13 @@ fn friction(system: &System, tracked: &[Resonance]) -> Result<[Statement; 4], Fa
     let sticks = system.stiffness * receptance * FORCE / system.normal_load;
     let around = |value: f64| (0.8 * value, 1.25 * value);
     let x = best(tracked, |one| -one.x.peak.amplitude);
-    let x = minimum(around(x), 1e-4, |friction| Ok(system.with_friction(friction).first_peak(FORCE, X)?.peak.amplitude))?;
+    let x = minimum(around(x), 1e-4, |friction| {
+        Ok(system.with_friction(friction).first_peak(FORCE, X)?.peak.amplitude)
+    })?;
     let y = best(tracked, |one| -one.y.peak.amplitude);
-    let y = minimum(around(y), 1e-4, |friction| Ok(system.with_friction(friction).first_peak(FORCE, Y)?.peak.amplitude))?;
+    let y = minimum(around(y), 1e-4, |friction| {
+        Ok(system.with_friction(friction).first_peak(FORCE, Y)?.peak.amplitude)
+    })?;
     Ok([
         Statement {
             figure: "10",
@@ -164,7 +179,12 @@ fn friction(system: &System, tracked: &[Resonance]) -> Result<[Statement; 4], Fa
                 "At the first resonance it increases up to μ = {at_tracked:.3} ({:.4} J; {:.4} J at 0.06). Only at a fixed \
                  frequency it peaks earlier: at ω = {FIXED} rad/s at μ = {at_fixed:.4} ({:.4} J; {:.4}, {:.4} and {:.4} J at \
                  0.05, 0.06, 0.07).",
-                at_peak(at_tracked)?, at_peak(0.06)?, fixed(at_fixed)?, fixed(0.05)?, fixed(0.06)?, fixed(0.07)?
+                at_peak(at_tracked)?,
+                at_peak(0.06)?,
+                fixed(at_fixed)?,
+                fixed(0.05)?,
+                fixed(0.06)?,
+                fixed(0.07)?
             ),
             verdict: Verdict::of((at_tracked - 0.06).abs() < 0.01),
         },
@@ -188,15 +208,19 @@ fn friction(system: &System, tracked: &[Resonance]) -> Result<[Statement; 4], Fa
             figure: "9",
             said: "The first resonance frequency increases with μ.",
             found: {
-                let of = |friction: f64| Ok::<_, Failure>(system.with_friction(friction).first_peak(FORCE, Y)?.peak);
+                let of = |friction: f64| {
+                    Ok::<_, Failure>(system.with_friction(friction).first_peak(FORCE, Y)?.peak)
+                };
                 let all = FRICTIONS.iter().map(|&friction| Ok(of(friction)?.angular_frequency));
                 let all = all.collect::<Result<Vec<f64>, Failure>>()?;
                 let list: Vec<String> = all.iter().map(|frequency| format!("{frequency:.4}")).collect();
                 format!("Peaks of y for the values of figure 9: {} rad/s.", list.join(", "))
             },
-            verdict: Verdict::of(tracked.windows(2).all(|pair| {
-                pair[1].y.peak.angular_frequency >= pair[0].y.peak.angular_frequency - 1e-6
-            })),
+            verdict: Verdict::of(
+                tracked
+                    .windows(2)
+                    .all(|pair| pair[1].y.peak.angular_frequency >= pair[0].y.peak.angular_frequency - 1e-6),
+            ),
         },
     ])
 }
@@ -220,7 +244,10 @@ fn transients(system: &System) -> Result<[Statement; 2], Failure> {
         scientific(exact),
         list(&PERIODS.map(|periods| off(periods, X))),
         list(&PERIODS.map(|periods| off(periods, Y))),
-        PERIODS[0], PERIODS[1], PERIODS[2], PERIODS[3]
+        PERIODS[0],
+        PERIODS[1],
+        PERIODS[2],
+        PERIODS[3]
     );
     let first = 0.5;
     let limit = time_domain::periodic(system, FORCE, first, false)?;
@@ -255,10 +282,8 @@ fn transients(system: &System) -> Result<[Statement; 2], Failure> {
 
 /// Percentages as a list.
 fn list(values: &[f64]) -> String {
-    let all: Vec<String> = values
-        .iter()
-        .map(|value| format!("{value:+.2}\u{a0}%").replace('-', "−"))
-        .collect();
+    let all: Vec<String> =
+        values.iter().map(|value| format!("{value:+.2}\u{a0}%").replace('-', "−")).collect();
     all.join(", ")
 }
 

@@ -32,7 +32,10 @@ pub fn over_force(system: &System) -> Result<Vec<Resonance>, Failure> {
 /// The first resonance over the coefficient of friction.
 pub fn over_friction(system: &System) -> Result<Vec<Resonance>, Failure> {
     let frictions = linear(0.01, 0.5, 50);
-    frictions.into_iter().map(|friction| resonance(&system.with_friction(friction), FORCE, friction)).collect()
+    frictions
+        .into_iter()
+        .map(|friction| resonance(&system.with_friction(friction), FORCE, friction))
+        .collect()
 }
 
 fn resonance(system: &System, force: f64, value: f64) -> Result<Resonance, Failure> {
@@ -45,7 +48,13 @@ pub fn force_section(system: &System, tracked: &[Resonance]) -> Result<Section, 
     let over_force = |node: usize, name: &str| {
         let y = Axis::new(format!("{name} over force"), "m/N").scaled(Scaling::Either);
         let lines = named(&curves, "A", "N", |_, force, point| point.amplitude[node] / force);
-        plot(format!("Figure 7. Receptance {name}/A over frequency for amplitudes A of the force."), true, frequency(), y, lines)
+        plot(
+            format!("Figure 7. Receptance {name}/A over frequency for amplitudes A of the force."),
+            true,
+            frequency(),
+            y,
+            lines,
+        )
     };
     let peaks = |name: &str, of: fn(&Resonance) -> f64, index: usize| Line {
         name: name.to_owned(),
@@ -102,8 +111,14 @@ pub fn force_section(system: &System, tracked: &[Resonance]) -> Result<Section, 
             table(
                 "First resonance over the force",
                 [
-                    "A (N)", "ω of x (rad/s)", "x/A (m/N)", "ω of y (rad/s)", "y/A (m/N)", "Dissipated at y (J)",
-                    "Share of the work", "k_eq (N/m)",
+                    "A (N)",
+                    "ω of x (rad/s)",
+                    "x/A (m/N)",
+                    "ω of y (rad/s)",
+                    "y/A (m/N)",
+                    "Dissipated at y (J)",
+                    "Share of the work",
+                    "k_eq (N/m)",
                 ],
                 rows,
             ),
@@ -149,13 +164,15 @@ pub fn friction_section(system: &System, tracked: &[Resonance]) -> Result<Sectio
         let (u, force) = (Axis::new("displacement y", "m"), Axis::new("friction force", "N"));
         Ok::<_, Failure>(plot(caption, true, u, force, lines))
     };
-    let tracked_loops =
-        loops("Figure 10. Loops at the first resonance (peak of y).", &|one| Ok(one.first_peak(FORCE, Y)?.point))?;
+    let tracked_loops = loops("Figure 10. Loops at the first resonance (peak of y).", &|one| {
+        Ok(one.first_peak(FORCE, Y)?.point)
+    })?;
     let caption = format!("The same at ω = {FIXED} rad/s throughout.");
     let fixed_loops = loops(&caption, &|one| one.point(FORCE, FIXED, &fine()))?;
     let rows = FRICTIONS.iter().map(|&friction| {
         let one = system.with_friction(friction);
-        let (x, y, there) = (one.first_peak(FORCE, X)?, one.first_peak(FORCE, Y)?, one.point(FORCE, FIXED, &fine())?);
+        let (x, y, there) =
+            (one.first_peak(FORCE, X)?, one.first_peak(FORCE, Y)?, one.point(FORCE, FIXED, &fine())?);
         Ok([
             Cell::Number(friction, 3),
             Cell::Number(x.peak.amplitude / FORCE, 6),
@@ -175,7 +192,15 @@ pub fn friction_section(system: &System, tracked: &[Resonance]) -> Result<Sectio
             Block::Plots(vec![response(X, "x"), response(Y, "y"), energy, tracked_loops, fixed_loops]),
             table(
                 "First resonance over the coefficient of friction",
-                ["μ", "x/A (m/N)", "ω of y (rad/s)", "y/A (m/N)", "Dissipated at y (J)", "k_eq at y (N/m)", &heading],
+                [
+                    "μ",
+                    "x/A (m/N)",
+                    "ω of y (rad/s)",
+                    "y/A (m/N)",
+                    "Dissipated at y (J)",
+                    "k_eq at y (N/m)",
+                    &heading,
+                ],
                 rows,
             ),
         ],
@@ -203,9 +228,19 @@ pub fn stiffness_section(system: &System) -> Result<Section, Failure> {
         plot(caption, false, frequency(), y, lines)
     };
     let plots = vec![
-        figure("Figure 12. Equivalent stiffness over frequency for coefficients of friction μ at A = 0.4 N.", &by_friction, "μ", ""),
+        figure(
+            "Figure 12. Equivalent stiffness over frequency for coefficients of friction μ at A = 0.4 N.",
+            &by_friction,
+            "μ",
+            "",
+        ),
         figure("Figure 13. The same for amplitudes A of the force.", &by_force, "A", "N"),
-        figure("Figure 14. The same for stiffnesses k_t of the contact at A = 0.4 N.", &by_stiffness, "k_t", "N/m"),
+        figure(
+            "Figure 14. The same for stiffnesses k_t of the contact at A = 0.4 N.",
+            &by_stiffness,
+            "k_t",
+            "N/m",
+        ),
     ];
     Ok(Section {
         id: "stiffness".into(),

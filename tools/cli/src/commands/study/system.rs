@@ -101,8 +101,9 @@ impl System {
     pub fn curve(&self, force: f64, range: (f64, f64), settings: &CurveSettings) -> Result<Curve, Failure> {
         let law = self.law()?;
         let watch = &mut |_: &Point| !progress::interrupted();
-        let curve = frequency_response(&self.under(&law), range.0, range.1, &Control::Level(force), settings, watch)
-            .map_err(|error| Failure::other(error.to_string()))?;
+        let curve =
+            frequency_response(&self.under(&law), range.0, range.1, &Control::Level(force), settings, watch)
+                .map_err(|error| Failure::other(error.to_string()))?;
         if progress::interrupted() {
             return Err(Failure { code: 130, message: "interrupted; no results were written".into() });
         }
@@ -110,7 +111,12 @@ impl System {
     }
 
     /// The response at one frequency (rad/s).
-    pub fn point(&self, force: f64, angular_frequency: f64, settings: &CurveSettings) -> Result<Point, Failure> {
+    pub fn point(
+        &self,
+        force: f64,
+        angular_frequency: f64,
+        settings: &CurveSettings,
+    ) -> Result<Point, Failure> {
         let law = self.law()?;
         let control = Control::Level(force);
         periodic_response(&self.under(&law), angular_frequency, &control, settings, None)

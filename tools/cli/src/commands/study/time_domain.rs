@@ -24,7 +24,12 @@ pub struct Motion {
 const SAMPLES: usize = 360;
 
 /// The periodic motion, found by shooting.
-pub fn periodic(system: &System, force: f64, angular_frequency: f64, with_loop: bool) -> Result<Motion, Failure> {
+pub fn periodic(
+    system: &System,
+    force: f64,
+    angular_frequency: f64,
+    with_loop: bool,
+) -> Result<Motion, Failure> {
     with_flow(system, |flow| {
         let excitation = Excitation::cosine(angular_frequency, force);
         let found =
