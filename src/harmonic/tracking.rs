@@ -1,0 +1,345 @@
+//! Resonances followed over the excitation's level or over a parameter of the contacts.
+
+use super::assembly::{Assembly, AttachedContact, Body, CurveSettings};
+use super::condensed::{Condensed, Rebuild};
+use super::curve::Point;
+use super::problem::Stopping;
+use super::system::{Operating, PeriodicSystem};
+use super::HarmonicError;
+use super::tracker::{Solution, Sought, Tracker, describe, more_harmonics};
+use crate::contact::{ContactLaw, LawError};
+
+/// Halvings of the way from one value to the next before it is given up.
+const MOST_HALVINGS: usize = 20;
+
+/// What is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Followed {
+    /// The frequency at which the node's amplitude, its largest displacement over a period, is largest.
+    Peak,
+    /// The frequency at which the first harmonic of the node's displacement is a quarter period behind that
+    /// of the excitation, or ahead of it (as it may be away from the excitation).
+    Phase,
+    /// A constant frequency.
+    Frequency,
+}
+
+/// What is followed, of which node, and from where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tracking {
+    /// What is followed.
+    pub followed: Followed,
+    /// Which node of the structure.
+    pub node: usize,
+    /// Ω (rad/s) near which it is at the first value: the peak is the next one uphill from there.
+    pub angular_frequency: f64,
+}
+
+/// The response followed at one value of what is varied.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tracked {
+    /// The value: a level, or of the parameter.
+    pub value: f64,
+    /// Amplitude of the node: its largest displacement over a period (m).
+    pub amplitude: f64,
+    /// Amplitude over level; for an excitation of unit amplitude the receptance (m/N).
+    pub receptance: f64,
+    /// The response with frequency, level and energies.
+    pub point: Point,
+}
+
+/// A contact law that belongs to its holder, under its constant normal load.
+#[derive(Debug)]
+pub struct OwnedContact {
+    /// The law.
+    pub law: Box<dyn ContactLaw>,
+    /// Normal load (N).
+    pub normal_load: f64,
+}
+
+impl OwnedContact {
+    /// A law under `normal_load` (N).
+    pub fn new(law: impl ContactLaw + 'static, normal_load: f64) -> Self {
+        Self { law: Box::new(law), normal_load }
+    }
+
+    pub(crate) fn attached(&self) -> AttachedContact<'_> {
+        AttachedContact { law: &*self.law, normal_load: self.normal_load }
+    }
+}
+
+/// A contact, by its number, at a value of a parameter: of friction, normal load, stiffness, or whatever it
+/// depends on. The kind of law is the same for all values.
+pub type ContactAt<'a> = dyn Fn(usize, f64) -> Result<OwnedContact, LawError> + 'a;
+
+/// Follows a response over the excitation's levels, in the order given.
+///
+/// ```
+/// use stickslip::contact::Jenkins;
+/// use stickslip::harmonic::{
+///     Assembly, AttachedContact, Body, CurveSettings, Followed, Tracking, track_levels,
+/// };
+/// use stickslip::model::{Anchor, Mass, Oscillator, Spring};
+/// let structure = Oscillator {
+///     masses: vec![Mass { name: "m1".into(), mass: 1.0 }],
+///     springs: vec![Spring { between: [Anchor::Ground, Anchor::Mass(0)], stiffness: 1.0, damping: 0.1 }],
+///     contact: Some(0),
+///     excitation: 0,
+/// }
+/// .structure()?;
+/// let law = Jenkins::new(0.44, 0.1)?;
+/// let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+/// let assembly = Assembly::new(Body::Linear(&structure), contacts);
+/// let tracking = Tracking { followed: Followed::Peak, node: 0, angular_frequency: 1.1 };
+/// let levels = [0.001, 1.0, 100.0];
+/// let peaks = track_levels(&assembly, &tracking, &levels, &CurveSettings::default())?;
+/// // From stuck, √1.44, to free.
+/// assert!((peaks[0].point.angular_frequency - 1.2).abs() < 0.01);
+/// assert!((peaks[2].point.angular_frequency - 1.0).abs() < 0.01);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`HarmonicError::InvalidInput`] for arguments that do not fit; the other kinds where the response was lost
+/// between one value and the next, however small the steps.
+pub fn track_levels(
+    assembly: &Assembly,
+    tracking: &Tracking,
+    levels: &[f64],
+    settings: &CurveSettings,
+) -> Result<Vec<Tracked>, HarmonicError> {
+    if levels.iter().any(|level| !(level.is_finite() && *level != 0.0)) {
+        return Err(HarmonicError::InvalidInput("a level is zero or not finite"));
+    }
+    let mut system = balance(assembly, settings)?;
+    let mut follower = Follower::new(assembly, tracking, settings, &mut *system)?;
+    follower.over(levels, |at, value| at.level = value)
+}
+
+/// Follows a response at a constant `level` over `values` of a parameter of the contacts, in the order given.
+/// The contacts of `assembly` are replaced by those that `contact` makes.
+///
+/// ```
+/// use stickslip::contact::Jenkins;
+/// use stickslip::harmonic::{
+///     Assembly, AttachedContact, Body, CurveSettings, Followed, OwnedContact, Tracking, track_parameter,
+/// };
+/// use stickslip::model::{Anchor, Mass, Oscillator, Spring};
+/// let structure = Oscillator {
+///     masses: vec![Mass { name: "m1".into(), mass: 1.0 }],
+///     springs: vec![Spring { between: [Anchor::Ground, Anchor::Mass(0)], stiffness: 1.0, damping: 0.1 }],
+///     contact: Some(0),
+///     excitation: 0,
+/// }
+/// .structure()?;
+/// let law = Jenkins::new(0.44, 0.1)?;
+/// let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+/// let assembly = Assembly::new(Body::Linear(&structure), contacts);
+/// let contact = |_, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.44, friction)?, 1.0));
+/// let tracking = Tracking { followed: Followed::Phase, node: 0, angular_frequency: 1.1 };
+/// let settings = CurveSettings::default();
+/// let resonances = track_parameter(&assembly, &contact, 0.5, &tracking, &[0.1, 0.2, 0.3], &settings)?;
+/// assert!(resonances[2].point.angular_frequency > resonances[0].point.angular_frequency);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// Those of [`track_levels`], and [`HarmonicError::Law`] where `contact` fails.
+pub fn track_parameter(
+    assembly: &Assembly,
+    contact: &ContactAt,
+    level: f64,
+    tracking: &Tracking,
+    values: &[f64],
+    settings: &CurveSettings,
+) -> Result<Vec<Tracked>, HarmonicError> {
+    if !(level.is_finite() && level != 0.0) {
+        return Err(HarmonicError::InvalidInput("the level is zero or not finite"));
+    }
+    if values.iter().any(|value| !value.is_finite()) {
+        return Err(HarmonicError::InvalidInput("a value of the parameter is not finite"));
+    }
+    let Some(first) = values.first() else { return Ok(Vec::new()) };
+    let owned = made(assembly, contact, *first)?;
+    let attached = Assembly { contacts: owned.iter().map(OwnedContact::attached).collect(), ..assembly.clone() };
+    let mut system = varied_balance(&attached, contact, settings)?;
+    let mut follower = Follower::new(assembly, tracking, settings, &mut *system)?;
+    follower.over(values, |at, value| (at.level, at.parameter) = (level, value))
+}
+
+/// The contacts at a value of the parameter.
+fn made(assembly: &Assembly, contact: &ContactAt, value: f64) -> Result<Vec<OwnedContact>, LawError> {
+    (0..assembly.contacts.len()).map(|number| contact(number, value)).collect()
+}
+
+/// The balance of an assembly.
+fn balance<'a>(
+    assembly: &Assembly<'a>,
+    settings: &CurveSettings,
+) -> Result<Box<dyn PeriodicSystem + 'a>, HarmonicError> {
+    match assembly.body {
+        Body::Linear(_) => Ok(Box::new(Condensed::new(assembly, settings)?)),
+        Body::Beam(_) => Err(HarmonicError::InvalidInput("only a linear structure can be condensed")),
+    }
+}
+
+/// The balance of an assembly whose contacts depend on the parameter.
+fn varied_balance<'a>(
+    assembly: &Assembly<'a>,
+    contact: &'a ContactAt,
+    settings: &CurveSettings,
+) -> Result<Box<dyn PeriodicSystem + 'a>, HarmonicError> {
+    match assembly.body {
+        Body::Linear(_) => {
+            let mut system = Condensed::new(assembly, settings)?;
+            for number in 0..assembly.contacts.len() {
+                let rebuild: Rebuild<'a> = Box::new(move |value| {
+                    let OwnedContact { law, normal_load } = contact(number, value)?;
+                    Ok((law, normal_load))
+                });
+                system.vary(number, rebuild);
+            }
+            Ok(Box::new(system))
+        }
+        Body::Beam(_) => Err(HarmonicError::InvalidInput("only a linear structure can be condensed")),
+    }
+}
+
+/// Carries the response from value to value.
+struct Follower<'s> {
+    system: &'s mut (dyn PeriodicSystem + 's),
+    settings: CurveSettings,
+    tracker: Tracker,
+    sought: Sought,
+    node: usize,
+    angular_frequency: f64,
+    /// The last two values with their responses, the later one first.
+    reached: Vec<(f64, Solution)>,
+}
+
+impl<'s> Follower<'s> {
+    fn new(
+        assembly: &Assembly,
+        tracking: &Tracking,
+        settings: &CurveSettings,
+        system: &'s mut (dyn PeriodicSystem + 's),
+    ) -> Result<Self, HarmonicError> {
+        if tracking.node >= system.nodes() {
+            return Err(HarmonicError::InvalidInput("the structure has no such node"));
+        }
+        if !(tracking.angular_frequency > 0.0 && tracking.angular_frequency.is_finite()) {
+            return Err(HarmonicError::InvalidInput("the frequency to start from must be positive"));
+        }
+        let sought = match tracking.followed {
+            Followed::Frequency => Sought::Frequency,
+            Followed::Peak => Sought::Peak(tracking.node),
+            Followed::Phase => {
+                let part = |place: usize| assembly.waveform.get(place).copied().unwrap_or(0.0);
+                let excitation = [part(1), part(2)];
+                if excitation == [0.0; 2] {
+                    return Err(HarmonicError::InvalidInput("the excitation has no first harmonic"));
+                }
+                Sought::Phase(tracking.node, excitation)
+            }
+        };
+        let stopping = Stopping { tolerance: settings.tolerance, max_iterations: settings.max_iterations };
+        Ok(Self {
+            system,
+            settings: *settings,
+            tracker: Tracker::new(stopping),
+            sought,
+            node: tracking.node,
+            angular_frequency: tracking.angular_frequency,
+            reached: Vec::new(),
+        })
+    }
+
+    /// The responses at all values; `set` makes them known to the balance.
+    fn over(
+        &mut self,
+        values: &[f64],
+        set: impl Fn(&mut Operating, f64),
+    ) -> Result<Vec<Tracked>, HarmonicError> {
+        values.iter().map(|value| self.reach(*value, &set)).collect()
+    }
+
+    /// The response at a value, on smaller and smaller steps from the last one.
+    fn reach(&mut self, value: f64, set: &impl Fn(&mut Operating, f64)) -> Result<Tracked, HarmonicError> {
+        let mut halvings = 0;
+        let mut next = value;
+        loop {
+            match self.step(next, set) {
+                Ok(point) if next == value => {
+                    let amplitude = point.amplitude[self.node];
+                    return Ok(Tracked { value, amplitude, receptance: amplitude / point.level.abs(), point });
+                }
+                Ok(_) => next = value,
+                Err(error) => {
+                    halvings += 1;
+                    let numerical =
+                        matches!(error, HarmonicError::NotConverged { .. } | HarmonicError::ContactNotPeriodic { .. });
+                    match self.reached.first() {
+                        Some((from, _)) if numerical && halvings <= MOST_HALVINGS => next = between(*from, next),
+                        _ => return Err(error),
+                    }
+                }
+            }
+        }
+    }
+
+    /// One step to a value.
+    fn step(&mut self, value: f64, set: &impl Fn(&mut Operating, f64)) -> Result<Point, HarmonicError> {
+        let start = match self.predicted(value, set) {
+            Some(start) => start,
+            None => {
+                let mut at = Operating::forced(self.angular_frequency, 0.0);
+                set(&mut at, value);
+                self.tracker.respond(self.system, at)?
+            }
+        };
+        let mut solution = self.tracker.locate(self.system, self.sought, start)?;
+        let mut point = describe(self.system, &solution, &self.settings)?;
+        while let Some(harmonics) = more_harmonics(&point, &self.settings) {
+            let mut vectors: Vec<&mut Vec<f64>> = vec![&mut solution.x];
+            vectors.extend(self.reached.iter_mut().map(|(_, reached)| &mut reached.x));
+            if !self.system.set_harmonics(harmonics, &mut vectors)? {
+                break;
+            }
+            solution = self.tracker.locate(self.system, self.sought, solution)?;
+            point = describe(self.system, &solution, &self.settings)?;
+        }
+        point.iterations = self.tracker.take_iterations();
+        self.reached.insert(0, (value, solution));
+        self.reached.truncate(2);
+        Ok(point)
+    }
+
+    /// The response at a value, on the straight line through the last two.
+    fn predicted(&self, value: f64, set: &impl Fn(&mut Operating, f64)) -> Option<Solution> {
+        let (last_value, last) = self.reached.first()?;
+        let mut start = last.clone();
+        set(&mut start.at, value);
+        match self.reached.get(1) {
+            Some((before_value, before)) if before_value != last_value => {
+                let ahead = (value - last_value) / (last_value - before_value);
+                // Far beyond the two a straight line is no better than the last.
+                let ahead = ahead.clamp(-1.0, 2.0);
+                start.x.iter_mut().zip(&before.x).for_each(|(x, b)| *x += ahead * (*x - b));
+                let change = last.at.angular_frequency - before.at.angular_frequency;
+                let most = 0.1 * last.at.angular_frequency;
+                start.at.angular_frequency += (ahead * change).clamp(-most, most);
+            }
+            // A new level, at first: as if all were linear.
+            _ => {
+                let ratio = start.at.level / last.at.level;
+                start.x.iter_mut().for_each(|x| *x *= ratio);
+            }
+        }
+        Some(start)
+    }
+}
+
+/// Halfway from one value to another, by ratio where both have the same sign.
+fn between(from: f64, to: f64) -> f64 {
+    if from * to > 0.0 { (from * to).sqrt().copysign(to) } else { 0.5 * (from + to) }
+}
