@@ -7,11 +7,16 @@
 //!
 //! Coefficients are laid out `[a0, c1, s1, …, cH, sH]` per mode, mode after mode; see [`fourier`].
 
+mod assembly;
 mod balance;
+mod condensed;
 mod condition;
+mod contact_cycle;
+mod continuation;
 mod curve;
 mod cycle;
 mod elimination;
+mod extremum;
 mod factors;
 mod forced;
 pub mod fourier;
@@ -23,7 +28,10 @@ mod problem;
 mod resonance;
 mod set;
 mod system;
+mod transfer;
 
+pub use assembly::{Assembly, AttachedContact, Body, Control, CurveSettings};
+pub use contact_cycle::{ContactCycle, ContactMapping, CycleSummary, contact_cycle};
 pub use curve::{Contacting, Curve, Ending, Fold, Peak, Point};
 pub use forced::{ForcedResponse, forced_response};
 pub use periods::whole_periods;
@@ -40,6 +48,20 @@ pub struct ContactOnBeam<'a> {
     pub law: &'a dyn ContactLaw,
     /// Normal load (N).
     pub normal_load: f64,
+}
+
+/// How a contact is carried over a period.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// From turning point to turning point: exact for piecewise-linear laws, and to quadrature's accuracy
+    /// (about 1e-10 of the force) for laws that are smooth between reversals.
+    #[default]
+    Exact,
+    /// At equally spaced samples of a period, of second order in their distance: an independent check.
+    Sampled {
+        /// Samples of a period, at least eight times the highest harmonic.
+        samples: usize,
+    },
 }
 
 /// Discretisation and stopping rule.

@@ -2,8 +2,14 @@
 //!
 //! This is the seam between the balance equations and the way a contact is carried over a period.
 
-pub(crate) mod reference;
+mod ledger;
+pub(crate) mod map;
+mod motion;
+mod piecewise;
+mod reference;
 pub(crate) mod sampled;
+mod turning;
+mod waves;
 
 use nalgebra::DMatrix;
 
@@ -25,7 +31,7 @@ pub(crate) struct PeriodicContact<'a> {
 
 /// What a contact does over a period of the solution last evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct CycleSummary {
+pub struct CycleSummary {
     /// Energy dissipated (J).
     pub dissipated_energy: f64,
     /// Slope from tip to tip of the loop (N/m): between the smallest and the largest displacement of

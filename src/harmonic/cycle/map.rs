@@ -1,0 +1,104 @@
+//! The choice of the way a contact is carried over a period.
+
+use nalgebra::DMatrix;
+
+use super::piecewise::PiecewiseCycle;
+use super::reference::ReferenceCycle;
+use super::{Cycle, CycleSummary, PeriodicContact};
+use crate::contact::Slider;
+use crate::harmonic::set::HarmonicSet;
+use crate::harmonic::{HarmonicError, Method};
+
+/// A contact map by the given method: of the exact ones the one that fits the law.
+#[derive(Debug)]
+pub(crate) struct ContactMap {
+    set: HarmonicSet,
+    method: Method,
+    sliders: Vec<Slider>,
+    way: Way,
+}
+
+#[derive(Debug)]
+enum Way {
+    Piecewise(Box<PiecewiseCycle>),
+    Reference(Box<ReferenceCycle>),
+}
+
+impl ContactMap {
+    /// A contact map on `set`.
+    pub fn new(set: HarmonicSet, method: Method) -> Self {
+        let way = match method {
+            Method::Exact => Way::Piecewise(Box::new(PiecewiseCycle::new(set))),
+            Method::Sampled { samples } => Way::Reference(Box::new(ReferenceCycle::new(set, samples))),
+        };
+        Self { set, method, sliders: Vec::new(), way }
+    }
+
+    /// Makes the way fit the law.
+    fn choose(&mut self, contact: &PeriodicContact) {
+        if self.method != Method::Exact {
+            return;
+        }
+        let piecewise = contact.law.sliders(contact.normal_load, &mut self.sliders);
+        match (&self.way, piecewise) {
+            (Way::Piecewise(_), true) | (Way::Reference(_), false) => {}
+            (_, true) => self.way = Way::Piecewise(Box::new(PiecewiseCycle::new(self.set))),
+            (_, false) => self.way = Way::Reference(Box::new(ReferenceCycle::new(self.set, 1024))),
+        }
+    }
+
+    fn cycle(&self) -> &dyn Cycle {
+        match &self.way {
+            Way::Piecewise(cycle) => cycle.as_ref(),
+            Way::Reference(cycle) => cycle.as_ref(),
+        }
+    }
+
+    fn cycle_mut(&mut self) -> &mut dyn Cycle {
+        match &mut self.way {
+            Way::Piecewise(cycle) => cycle.as_mut(),
+            Way::Reference(cycle) => cycle.as_mut(),
+        }
+    }
+}
+
+impl Cycle for ContactMap {
+    fn evaluate(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+    ) -> Result<(), HarmonicError> {
+        if let Method::Sampled { samples } = self.method
+            && samples < 8 * self.set.highest()
+        {
+            return Err(HarmonicError::InvalidInput("fewer than 8 samples per harmonic"));
+        }
+        self.choose(contact);
+        self.cycle_mut().evaluate(contact, angular_frequency, u)
+    }
+
+    fn force(&self) -> &[f64] {
+        self.cycle().force()
+    }
+
+    fn jacobian(&self) -> &DMatrix<f64> {
+        self.cycle().jacobian()
+    }
+
+    fn by_frequency(&self) -> &[f64] {
+        self.cycle().by_frequency()
+    }
+
+    fn forget(&mut self) {
+        self.cycle_mut().forget();
+    }
+
+    fn force_on(&mut self, set: HarmonicSet, out: &mut [f64]) {
+        self.cycle_mut().force_on(set, out);
+    }
+
+    fn summary(&mut self) -> CycleSummary {
+        self.cycle_mut().summary()
+    }
+}
