@@ -22,23 +22,28 @@ mod forced;
 pub mod fourier;
 mod guess;
 mod implicit;
+mod modes;
 mod newton;
 mod periods;
 mod problem;
 mod resonance;
 mod set;
 mod system;
+mod tracker;
+mod tracking;
 mod transfer;
 
 pub use assembly::{Assembly, AttachedContact, Body, Control, CurveSettings};
 pub use contact_cycle::{ContactCycle, ContactMapping, CycleSummary, contact_cycle};
 pub use curve::{Contacting, Curve, Ending, Fold, Peak, Point};
 pub use forced::{ForcedResponse, forced_response};
+pub use modes::{ModePoint, ModeRange, NonlinearMode, nonlinear_mode};
 pub use periods::whole_periods;
 pub use resonance::{Resonance, backbone, phase_resonance};
 pub use set::HarmonicSet;
+pub use tracking::{ContactAt, Followed, OwnedContact, Tracked, Tracking, track_levels, track_parameter};
 
-use crate::contact::ContactLaw;
+use crate::contact::{ContactLaw, LawError};
 use crate::structure::StructureError;
 
 /// A contact law under the constant normal load it has on the beam.
@@ -120,6 +125,9 @@ pub enum HarmonicError {
         /// Cycles marched.
         cycles: usize,
     },
+    /// A contact could not be made for a value of the parameter.
+    #[error(transparent)]
+    Law(#[from] LawError),
     /// The structure cannot be condensed to its contacts.
     #[error(transparent)]
     Structure(#[from] StructureError),

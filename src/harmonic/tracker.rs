@@ -7,7 +7,7 @@ use super::curve::Point;
 use super::extremum::{Extremum, value_at};
 use super::factors::Factors;
 use super::problem::{Condition, Newton, Stopping};
-use super::system::{Observation, Operating, PeriodicSystem, Scalar};
+use super::system::{Operating, PeriodicSystem, Scalar};
 
 const FREQUENCY: [Scalar; 1] = [Scalar::AngularFrequency];
 /// Steps uphill before a peak is given up.
@@ -54,8 +54,6 @@ pub(crate) struct Tracker {
     newton: Newton,
     stopping: Stopping,
     extremum: Extremum,
-    seen: Observation,
-    coefficients: Vec<f64>,
     along: Vec<Vec<f64>>,
     /// Direction of the curve at the last peak, and how fast the rise falls there.
     last: Option<(Vec<f64>, f64)>,
@@ -71,8 +69,6 @@ impl Tracker {
             newton: Newton::default(),
             stopping,
             extremum: Extremum::default(),
-            seen: Observation::default(),
-            coefficients: Vec::new(),
             along: Vec::new(),
             last: None,
             sizes: (1.0, 1.0),
@@ -245,7 +241,7 @@ impl Tracker {
         if !solved {
             return Err(HarmonicError::NotConverged { residual: f64::NAN, iterations: 0 });
         }
-        let rise = self.rise(system, node, &direction);
+        let rise = self.rise(system, node, &solution, &direction)?;
         direction[..n].iter_mut().for_each(|d| *d /= self.sizes.0);
         direction[n] /= self.sizes.1;
         let size = length(&direction);
@@ -254,20 +250,20 @@ impl Tracker {
     }
 
     /// Derivative of the node's amplitude along a direction, relative to the amplitude.
-    fn rise(&mut self, system: &mut dyn PeriodicSystem, node: usize, direction: &[f64]) -> f64 {
-        let harmonics = system.harmonics();
-        self.coefficients.clear();
-        for order in 0..=harmonics {
-            system.observe(node, order, &mut self.seen);
-            let parts = if order == 0 { 1 } else { 2 };
-            self.coefficients.extend_from_slice(&self.seen.value[..parts]);
-        }
-        let (phase, amplitude) = self.extremum.of(&self.coefficients);
+    fn rise(
+        &mut self,
+        system: &mut dyn PeriodicSystem,
+        node: usize,
+        solution: &Solution,
+        direction: &[f64],
+    ) -> Result<f64, HarmonicError> {
+        let coefficients = &system.describe(&solution.x, &solution.at)?.nodes[node];
+        let (phase, amplitude) = self.extremum.of(coefficients);
         let (unknowns, frequency) = direction.split_at(direction.len() - 1);
         self.along.resize_with(system.nodes(), Vec::new);
         system.nodes_along(unknowns, &[frequency[0], 0.0, 0.0, 0.0], &mut self.along);
-        let sign = value_at(&self.coefficients, phase).signum();
-        if amplitude > 0.0 { sign * value_at(&self.along[node], phase) / amplitude } else { 0.0 }
+        let sign = value_at(coefficients, phase).signum();
+        Ok(if amplitude > 0.0 { sign * value_at(&self.along[node], phase) / amplitude } else { 0.0 })
     }
 
     /// The peak between a place on the way up and one on the way down.
