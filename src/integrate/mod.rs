@@ -40,6 +40,7 @@ mod contact_point;
 mod error;
 mod events;
 mod motion;
+pub mod oscillator;
 mod propagator;
 mod step;
 mod trial;
@@ -47,6 +48,8 @@ mod trial;
 pub use beam::{BeamIntegrator, BeamOutputs, SensorReading};
 pub use error::{BeamError, IntegrationError};
 pub use motion::BeamMotion;
+pub use oscillator::{Excitation, LoadedContact, OscillatorError, OscillatorFlow, OscillatorMotion, Passage};
+pub use oscillator::{PeriodicMotion, ShootingSettings, shoot};
 
 use crate::contact::ContactLaw;
 

@@ -67,7 +67,7 @@ pub enum StructureError {
         most: usize,
     },
     /// The values are legal one by one, but a quantity derived from them overflows or vanishes.
-    #[error("the {quantity} of the beam is {value}, beyond what can be computed")]
+    #[error("the {quantity} is {value}, beyond what can be computed")]
     NotComputable {
         /// The derived quantity, in words.
         quantity: &'static str,
@@ -94,6 +94,22 @@ pub enum StructureError {
         size: usize,
         /// The largest number allowed.
         most: usize,
+    },
+    /// A row or a matrix names a degree of freedom that is not there.
+    #[error("degree of freedom {index} (counted from 0) of {size}")]
+    NoSuchFreedom {
+        /// The degree of freedom.
+        index: usize,
+        /// How many there are.
+        size: usize,
+    },
+    /// Compliances cannot be computed the way that was asked for.
+    #[error("the {method} way to compliances is not open: {reason}")]
+    Unavailable {
+        /// The way.
+        method: &'static str,
+        /// Why not.
+        reason: &'static str,
     },
     /// Nothing holds a part of the structure in place: a constant force moves it without end.
     #[error(

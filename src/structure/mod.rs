@@ -12,7 +12,7 @@ mod receptance;
 pub use beam::{rotational_stiffness_from_frequency, tip_rotational_compliance};
 pub use error::StructureError;
 pub use linear::{Entries, LinearStructure, MOST_DENSE_MODES, NaturalModes, Output, Row};
-pub use receptance::{Compliance, Receptance, Rows};
+pub use receptance::{Compliance, Method, Receptance, Rows};
 
 /// A beam reduced to mass-normalised modes with a contact at its end.
 ///

@@ -1,0 +1,27 @@
+//! Time integration of lumped oscillators with contacts under constant normal loads.
+//!
+//! `M q̈ + C q̇ + K q + Σ Bᵢᵀ Tᵢ(uᵢ) = e f(t)`, `uᵢ = Bᵢ q`: a [`LinearStructure`](crate::structure::LinearStructure)
+//! with contact laws whose forces are restoring. Independent of the harmonic balance, and its check:
+//!
+//! - [`OscillatorFlow`]: exact, event by event, for piecewise-linear laws;
+//! - [`shoot`]: periodic motions of that flow by Newton's method on the period map, with Floquet multipliers;
+//! - [`OscillatorIntegrator`]: any law, adaptive steps of order four to five;
+//! - [`RungeKutta`]: the classical scheme on the rate form of sliders, fixed steps.
+
+mod elements;
+mod error;
+mod excitation;
+mod flow;
+
+mod passage;
+mod polynomial;
+
+mod shooting;
+pub(crate) mod system;
+
+pub use elements::LoadedContact;
+pub use error::OscillatorError;
+pub use excitation::Excitation;
+pub use flow::{OscillatorFlow, OscillatorMotion};
+pub use passage::Passage;
+pub use shooting::{PeriodicMotion, ShootingSettings, shoot};
