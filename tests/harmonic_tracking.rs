@@ -129,7 +129,9 @@ fn load_and_level_together_only_scale_the_response() {
         let levels: Vec<f64> = loads.iter().map(|load| 0.4 / load).collect();
         let by_level = track_levels(&assembly, &tracking, &levels, &settings(9)).unwrap();
         for (a, b) in by_load.iter().zip(&by_level) {
-            assert!((a.point.angular_frequency / b.point.angular_frequency - 1.0).abs() < 1e-6);
+            let (left, right) = (a.point.angular_frequency, b.point.angular_frequency);
+            println!("{followed:?} {} {left} {right} {} {}", a.value, a.receptance, b.receptance);
+            assert!((left / right - 1.0).abs() < 1e-6, "{followed:?} {}: {left} {right}", a.value);
             assert!((a.receptance / b.receptance - 1.0).abs() < 1e-8, "{} {}", a.receptance, b.receptance);
         }
     }

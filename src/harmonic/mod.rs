@@ -132,3 +132,10 @@ pub enum HarmonicError {
     #[error(transparent)]
     Structure(#[from] StructureError),
 }
+
+impl HarmonicError {
+    /// Whether a shorter step may succeed where this one failed.
+    fn is_of_the_step(&self) -> bool {
+        matches!(self, Self::NotConverged { .. } | Self::ContactNotPeriodic { .. })
+    }
+}

@@ -13,12 +13,11 @@ use super::problem::{Condition, Newton, Stopping};
 use super::system::{Operating, PeriodicSystem, Scalar};
 use super::HarmonicError;
 use super::tracker::{Solution, describe, more_harmonics};
+use super::tracking::{LARGEST_CHANGE, LEAST_SHARE, between};
 use crate::contact::{ContactLaw, Inputs};
 use crate::structure::{LinearStructure, Row};
 
 const FREE: [Scalar; 2] = [Scalar::AngularFrequency, Scalar::SelfExcitation];
-/// Halvings of the way from one amplitude to the next before it is given up.
-const MOST_HALVINGS: usize = 24;
 
 /// Which mode, over which amplitudes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,9 +96,14 @@ pub fn nonlinear_mode(
     if assembly.contacts.is_empty() {
         return Err(HarmonicError::InvalidInput("a structure without contacts has linear modes"));
     }
-    let mut system = Condensed::new(assembly, settings)?;
     let laws = assembly.contacts.iter().map(|contact| tangent_stiffness(contact.law, contact.normal_load));
     let start = LinearStart::new(structure, laws, range)?;
+    // Free vibrations are poles of the structure's compliance where the contacts carry little; a damper moved
+    // from the contacts to the structure, more than any friction damps, keeps the poles away.
+    let relief = start.angular_frequency / start.contact_share;
+    let damped = with_dampers(structure, relief);
+    let mut system = Condensed::new(&Assembly { body: Body::Linear(&damped), ..assembly.clone() }, settings)?;
+    system.relieve(relief);
     let mut x = vec![0.0; system.unknowns()];
     let set = system.set();
     for (u, share) in x.chunks_exact_mut(set.len()).zip(&start.contacts) {
@@ -153,6 +157,8 @@ struct LinearStart {
     damping_ratio: f64,
     /// Displacement of each contact where that of the node is 1.
     contacts: Vec<f64>,
+    /// Sum of the squares of the contacts' displacements in the mode of unit modal mass (1/kg).
+    contact_share: f64,
 }
 
 impl LinearStart {
@@ -184,13 +190,36 @@ impl LinearStart {
         if node.abs() <= STILL * shape.amax() {
             return Err(HarmonicError::InvalidInput("the node does not move in this mode"));
         }
+        let contact_share: f64 = structure.contacts.iter().map(|row| of(row).powi(2)).sum();
+        if contact_share.sqrt() <= STILL * shape.amax() {
+            return Err(HarmonicError::InvalidInput("no contact moves in this mode: it is linear"));
+        }
         let rate: f64 = structure.damping.iter().map(|(i, j, c)| shape[*i] * c * shape[*j]).sum();
         Ok(Self {
             angular_frequency,
             damping_ratio: 0.5 * rate / angular_frequency,
             contacts: structure.contacts.iter().map(|row| of(row) / node).collect(),
+            contact_share,
         })
     }
+}
+
+/// The structure with a damper (N s/m) along every contact's displacement.
+fn with_dampers(structure: &LinearStructure, damping: f64) -> LinearStructure {
+    let mut damped = structure.clone();
+    let entries = &mut damped.damping;
+    for row in &structure.contacts {
+        for (i, left) in row {
+            for (j, right) in row {
+                let value = left * damping * right;
+                match entries.binary_search_by_key(&(*i, *j), |(i, j, _)| (*i, *j)) {
+                    Ok(place) => entries[place].2 += value,
+                    Err(place) => entries.insert(place, (*i, *j, value)),
+                }
+            }
+        }
+    }
+    damped
 }
 
 /// Slope (N/m) of the force of a contact at rest that remembers nothing.
@@ -215,9 +244,9 @@ struct FreeVibration<'s> {
 impl FreeVibration<'_> {
     /// The mode at an amplitude, on smaller and smaller steps from the last one.
     fn reach(&mut self, amplitude: f64, first: &Solution) -> Result<ModePoint, HarmonicError> {
-        let mut halvings = 0;
-        let mut next = amplitude;
+        let mut share = 1.0;
         loop {
+            let next = self.reached.first().map_or(amplitude, |(from, _)| between(*from, amplitude, share));
             let start = self.predicted(next).unwrap_or_else(|| first.clone());
             match self.step(next, start) {
                 Ok(point) if next == amplitude => {
@@ -229,13 +258,13 @@ impl FreeVibration<'_> {
                         point,
                     });
                 }
-                Ok(_) => next = amplitude,
+                Ok(_) => share = f64::min(2.0 * share, 1.0),
                 Err(error) => {
-                    halvings += 1;
-                    match self.reached.first() {
-                        Some((from, _)) if halvings <= MOST_HALVINGS => next = (from * next).sqrt(),
-                        _ => return Err(error),
+                    share *= 0.5;
+                    if self.reached.is_empty() || share < LEAST_SHARE || !error.is_of_the_step() {
+                        return Err(error);
                     }
+                    self.system.forget();
                 }
             }
         }
@@ -257,6 +286,13 @@ impl FreeVibration<'_> {
                 vectors.extend(self.reached.iter_mut().map(|(_, reached)| &mut reached.x));
                 if self.system.set_harmonics(harmonics, &mut vectors)? {
                     continue;
+                }
+            }
+            if let Some((_, last)) = self.reached.first() {
+                let change = solution.at.angular_frequency / last.at.angular_frequency - 1.0;
+                if change.abs() > LARGEST_CHANGE {
+                    let iterations = effort.iterations;
+                    return Err(HarmonicError::NotConverged { residual: change.abs(), iterations });
                 }
             }
             self.reached.insert(0, (amplitude, solution));

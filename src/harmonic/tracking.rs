@@ -9,8 +9,10 @@ use super::HarmonicError;
 use super::tracker::{Solution, Sought, Tracker, describe, more_harmonics};
 use crate::contact::{ContactLaw, LawError};
 
-/// Halvings of the way from one value to the next before it is given up.
-const MOST_HALVINGS: usize = 20;
+/// Share of the way from one value to the next below which it is given up.
+pub(super) const LEAST_SHARE: f64 = 1e-5;
+/// Change of the frequency in a step, relative, beyond which another resonance may have been taken for this.
+pub(super) const LARGEST_CHANGE: f64 = 0.03;
 
 /// What is followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -265,23 +267,21 @@ impl<'s> Follower<'s> {
 
     /// The response at a value, on smaller and smaller steps from the last one.
     fn reach(&mut self, value: f64, set: &impl Fn(&mut Operating, f64)) -> Result<Tracked, HarmonicError> {
-        let mut halvings = 0;
-        let mut next = value;
+        let mut share = 1.0;
         loop {
+            let next = self.reached.first().map_or(value, |(from, _)| between(*from, value, share));
             match self.step(next, set) {
                 Ok(point) if next == value => {
                     let amplitude = point.amplitude[self.node];
                     return Ok(Tracked { value, amplitude, receptance: amplitude / point.level.abs(), point });
                 }
-                Ok(_) => next = value,
+                Ok(_) => share = f64::min(2.0 * share, 1.0),
                 Err(error) => {
-                    halvings += 1;
-                    let numerical =
-                        matches!(error, HarmonicError::NotConverged { .. } | HarmonicError::ContactNotPeriodic { .. });
-                    match self.reached.first() {
-                        Some((from, _)) if numerical && halvings <= MOST_HALVINGS => next = between(*from, next),
-                        _ => return Err(error),
+                    share *= 0.5;
+                    if self.reached.is_empty() || share < LEAST_SHARE || !error.is_of_the_step() {
+                        return Err(error);
                     }
+                    self.system.forget();
                 }
             }
         }
@@ -309,6 +309,12 @@ impl<'s> Follower<'s> {
             point = describe(self.system, &solution, &self.settings)?;
         }
         point.iterations = self.tracker.take_iterations();
+        if let Some((_, last)) = self.reached.first() {
+            let change = solution.at.angular_frequency / last.at.angular_frequency - 1.0;
+            if change.abs() > LARGEST_CHANGE {
+                return Err(HarmonicError::NotConverged { residual: change.abs(), iterations: point.iterations });
+            }
+        }
         self.reached.insert(0, (value, solution));
         self.reached.truncate(2);
         Ok(point)
@@ -339,7 +345,13 @@ impl<'s> Follower<'s> {
     }
 }
 
-/// Halfway from one value to another, by ratio where both have the same sign.
-fn between(from: f64, to: f64) -> f64 {
-    if from * to > 0.0 { (from * to).sqrt().copysign(to) } else { 0.5 * (from + to) }
+/// A share of the way from one value to another, by ratio where both have the same sign.
+pub(super) fn between(from: f64, to: f64, share: f64) -> f64 {
+    if share >= 1.0 || from == to {
+        to
+    } else if from * to > 0.0 {
+        from * (to / from).powf(share)
+    } else {
+        from + share * (to - from)
+    }
 }

@@ -7,6 +7,7 @@ pub(crate) mod map;
 mod motion;
 mod piecewise;
 mod reference;
+pub(crate) mod relieved;
 pub(crate) mod sampled;
 mod turning;
 mod waves;
