@@ -156,7 +156,7 @@ fn lightly_damped_resonances_lie_on_the_mode() {
     let settings = CurveSettings { harmonics: 9, ..CurveSettings::default() };
     let tracking = Tracking { followed: Followed::Phase, node: 0, angular_frequency: 0.5554 };
     let levels: Vec<f64> = (0..12).map(|k| 1e-3 * 1.6_f64.powi(k)).collect();
-    let resonances = track_levels(&assembly, &tracking, &levels, &settings).unwrap();
+    let resonances = track_levels(&assembly, &tracking, &levels, &settings).unwrap().points;
     let mut frequencies = Vec::new();
     for resonance in &resonances {
         let amplitude = resonance.point.first_harmonic()[0];

@@ -5,7 +5,7 @@ mod two_masses;
 
 use stickslip::contact::{ContactLaw, CubicSpring, Jenkins};
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, CurveSettings, Followed, HarmonicError, OwnedContact, Tracked, Tracking,
+    Assembly, AttachedContact, Body, CurveSettings, Followed, HarmonicError, OwnedContact, Tracked, TrackedCurve, Tracking,
     track_levels, track_parameter,
 };
 use stickslip::structure::LinearStructure;
@@ -13,6 +13,13 @@ use two_masses::{single_mass, two_masses};
 
 fn assembly<'a>(structure: &'a LinearStructure, law: &'a dyn ContactLaw) -> Assembly<'a> {
     Assembly::new(Body::Linear(structure), vec![AttachedContact { law, normal_load: 1.0 }])
+}
+
+/// The whole curve.
+fn whole(curve: Result<TrackedCurve, HarmonicError>) -> Vec<Tracked> {
+    let curve = curve.unwrap();
+    assert_eq!(curve.lost, None);
+    curve.points
 }
 
 fn settings(harmonics: usize) -> CurveSettings {
@@ -37,7 +44,7 @@ fn a_linear_oscillator_peaks_below_and_is_in_phase_resonance_at_its_natural_freq
     let levels = [0.01, 1.0, 50.0];
     let square: f64 = stiffness + contact;
     let follow = |followed| {
-        track_levels(&assembly, &tracking(followed, 0, 0.8), &levels, &settings(3)).unwrap()
+        whole(track_levels(&assembly, &tracking(followed, 0, 0.8), &levels, &settings(3)))
     };
     for phase in follow(Followed::Phase) {
         assert!((phase.point.angular_frequency / square.sqrt() - 1.0).abs() < 1e-9);
@@ -65,9 +72,8 @@ fn two_mass_peaks_are_those_of_the_exact_solution() {
         (1, 1.33, 1.300160, 2.535184036, 1.065182030, 0.0772145624),
     ];
     for (node, start, omega, x, y, dissipated) in peaks {
-        let peak = track_levels(&assembly, &tracking(Followed::Peak, node, start), &[0.4], &settings(41))
-            .unwrap()
-            .remove(0);
+        let tracking = tracking(Followed::Peak, node, start);
+        let peak = whole(track_levels(&assembly, &tracking, &[0.4], &settings(41))).remove(0);
         let point = &peak.point;
         assert!((point.angular_frequency - omega).abs() < 2e-6, "{} {omega}", point.angular_frequency);
         assert!((peak.amplitude / [x, y][node] - 1.0).abs() < 1e-6);
@@ -87,7 +93,7 @@ fn receptance_at_the_peak_is_least_at_a_medium_level() {
     let least = |node| {
         let levels = spaced(0.01, 2.0, 60);
         let peaks =
-            track_levels(&assembly, &tracking(Followed::Peak, node, 0.67), &levels, &settings(9)).unwrap();
+            whole(track_levels(&assembly, &tracking(Followed::Peak, node, 0.67), &levels, &settings(9)));
         // Stuck, nothing depends on the level.
         assert!((peaks[1].receptance / peaks[0].receptance - 1.0).abs() < 1e-9);
         let by_receptance = |a: &&Tracked, b: &&Tracked| a.receptance.total_cmp(&b.receptance);
@@ -107,8 +113,9 @@ fn dissipation_at_a_fixed_frequency_is_largest_at_a_medium_friction() {
     let contacts = |_: usize, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.2, friction)?, 1.0));
     let assembly = assembly(&structure, &law);
     let frequency = tracking(Followed::Frequency, 1, 0.54);
+    let friction = [0.05, 0.06, 0.07];
     let points =
-        track_parameter(&assembly, &contacts, 0.4, &frequency, &[0.05, 0.06, 0.07], &settings(21)).unwrap();
+        whole(track_parameter(&assembly, &contacts, 0.4, &frequency, &friction, &settings(21)));
     for (point, lost) in points.iter().zip([0.2910, 0.2994, 0.2939]) {
         assert_eq!(point.point.angular_frequency, 0.54);
         assert!((point.point.dissipated_energy() - lost).abs() < 5.1e-5, "{}", point.value);
@@ -123,11 +130,12 @@ fn load_and_level_together_only_scale_the_response() {
     let assembly = assembly(&structure, &law);
     let loads = [1.0, 0.5, 0.25, 2.0, 8.0];
     for followed in [Followed::Peak, Followed::Phase] {
-        let tracking = tracking(followed, 0, 0.53);
+        let node = if followed == Followed::Peak { 0 } else { 1 };
+        let tracking = tracking(followed, node, 0.53);
         let contacts = |_: usize, load: f64| Ok(OwnedContact::new(Jenkins::new(0.2, 0.02)?, load));
-        let by_load = track_parameter(&assembly, &contacts, 0.4, &tracking, &loads, &settings(9)).unwrap();
+        let by_load = whole(track_parameter(&assembly, &contacts, 0.4, &tracking, &loads, &settings(9)));
         let levels: Vec<f64> = loads.iter().map(|load| 0.4 / load).collect();
-        let by_level = track_levels(&assembly, &tracking, &levels, &settings(9)).unwrap();
+        let by_level = whole(track_levels(&assembly, &tracking, &levels, &settings(9)));
         for (a, b) in by_load.iter().zip(&by_level) {
             let (left, right) = (a.point.angular_frequency, b.point.angular_frequency);
             println!("{followed:?} {} {left} {right} {} {}", a.value, a.receptance, b.receptance);
@@ -145,7 +153,7 @@ fn duffing_peaks_are_followed_past_the_fold() {
     let law = CubicSpring::new(0.0, cubic).unwrap();
     let levels = spaced(1e-3, 0.3, 9);
     let peak = tracking(Followed::Peak, 0, 0.98);
-    for peak in track_levels(&assembly(&structure, &law), &peak, &levels, &settings(1)).unwrap() {
+    for peak in whole(track_levels(&assembly(&structure, &law), &peak, &levels, &settings(1))) {
         let (a, omega) = (peak.amplitude, peak.point.angular_frequency);
         let bent = 1.0 + 0.75 * cubic * a * a;
         assert!((omega * omega / (bent - 0.5 * damping * damping) - 1.0).abs() < 1e-6, "{omega} {a}");
@@ -173,5 +181,5 @@ fn what_cannot_be_followed_is_refused() {
     let frequency = tracking(Followed::Frequency, 0, 0.5);
     let result = track_parameter(&assembly, &contacts, 0.4, &frequency, &[0.02, -1.0], &settings(5));
     assert!(matches!(result, Err(HarmonicError::Law(_))), "{result:?}");
-    assert_eq!(follow(tracking(Followed::Peak, 0, 0.5), &[]), Ok(Vec::new()));
+    assert_eq!(follow(tracking(Followed::Peak, 0, 0.5), &[]), Ok(TrackedCurve { points: Vec::new(), lost: None }));
 }

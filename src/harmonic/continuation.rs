@@ -67,6 +67,11 @@ pub(crate) enum Verdict {
     Harmonics(usize),
 }
 
+/// Judges a point that the system and the solver have just left; the last argument is what is free, the scalar
+/// continued first.
+pub(crate) type Judge<'j> = dyn FnMut(&mut dyn PeriodicSystem, &mut Newton, &Location, &[Scalar]) -> Result<Verdict, HarmonicError>
+    + 'j;
+
 /// Outcome of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Advance {
@@ -141,6 +146,13 @@ impl<'s> Path<'s> {
         Ok(path)
     }
 
+    /// Starts again with other harmonics.
+    pub fn restart(&mut self, harmonics: usize) -> Result<(), HarmonicError> {
+        self.next.clone_from(&self.present);
+        self.system.set_harmonics(harmonics, &mut [&mut self.next.x])?;
+        self.start()
+    }
+
     fn start(&mut self) -> Result<(), HarmonicError> {
         self.system.forget();
         self.next.at.set(self.route.along, self.route.from);
@@ -201,7 +213,7 @@ impl<'s> Path<'s> {
         if let Some(last) = self.right.last_mut() {
             *last = 1.0;
         }
-        if !self.newton.solve_linear(self.system, &self.free, &mut self.right) {
+        if !self.newton.prepare(self.system, &self.free) || !self.newton.solve_linear(&mut self.right) {
             return Err(HarmonicError::NotConverged { residual: f64::INFINITY, iterations: 0 });
         }
         self.next.unknowns.clear();
@@ -233,14 +245,7 @@ impl<'s> Path<'s> {
     }
 
     /// One step: `present` moves on, `previous` is where it was.
-    pub fn advance(
-        &mut self,
-        judge: &mut dyn FnMut(
-            &mut dyn PeriodicSystem,
-            &mut Newton,
-            &Location,
-        ) -> Result<Verdict, HarmonicError>,
-    ) -> Result<Advance, HarmonicError> {
+    pub fn advance(&mut self, judge: &mut Judge) -> Result<Advance, HarmonicError> {
         self.measure();
         let unit = self.unit;
         unit.normalise(&mut self.present);
@@ -365,11 +370,7 @@ impl<'s> Path<'s> {
     fn settle(
         &mut self,
         arrived: Option<Ending>,
-        judge: &mut dyn FnMut(
-            &mut dyn PeriodicSystem,
-            &mut Newton,
-            &Location,
-        ) -> Result<Verdict, HarmonicError>,
+        judge: &mut Judge,
     ) -> Result<Option<Advance>, HarmonicError> {
         let unit = self.unit;
         unit.normalise(&mut self.next);
@@ -380,7 +381,7 @@ impl<'s> Path<'s> {
             return Ok(None);
         }
         let bend = loop {
-            match judge(self.system, &mut self.newton, &self.next)? {
+            match judge(self.system, &mut self.newton, &self.next, &self.free)? {
                 Verdict::Keep(bend) => break bend,
                 Verdict::TooFar if self.step > CORNER_STEP => return Ok(None),
                 Verdict::TooFar => break 1.0,
@@ -515,6 +516,16 @@ impl<'s> Path<'s> {
             let ends = h0 * a.at.get(*scalar) + h1 * b.at.get(*scalar);
             self.next.at.set(*scalar, ends + g0 * a.scalars[k] + g1 * b.scalars[k]);
         }
+    }
+
+    /// Has the first point judged.
+    pub fn judge(&mut self, judge: &mut Judge) -> Result<Verdict, HarmonicError> {
+        judge(self.system, &mut self.newton, &self.present, &self.free)
+    }
+
+    /// The scalar continued.
+    pub fn along(&self) -> Scalar {
+        self.route.along
     }
 
     /// Size of the scalar continued per unit of arc length at the present point, with its sign.

@@ -53,8 +53,10 @@ pub struct ModePoint {
 pub struct NonlinearMode {
     /// Ω of the undamped structure with its contacts as they are at rest (rad/s).
     pub angular_frequency: f64,
-    /// The points in the order of [`ModeRange::amplitudes`].
+    /// The points in the order of [`ModeRange::amplitudes`], as far as they were reached.
     pub points: Vec<ModePoint>,
+    /// Why the rest is missing, if it is: no vibration was found, however small the step from the last one.
+    pub lost: Option<HarmonicError>,
 }
 
 /// A nonlinear mode of a structure with contacts, without excitation.
@@ -82,8 +84,8 @@ pub struct NonlinearMode {
 ///
 /// # Errors
 /// [`HarmonicError::InvalidInput`] for arguments that do not fit, or a node that does not move in the mode;
-/// [`HarmonicError::Structure`] for a structure whose modes cannot be computed; the other kinds where the
-/// mode was lost between one amplitude and the next, however small the steps.
+/// [`HarmonicError::Structure`] for a structure whose modes cannot be computed; the other kinds where
+/// there is no vibration of the first amplitude.
 pub fn nonlinear_mode(
     assembly: &Assembly,
     range: &ModeRange,
@@ -117,18 +119,27 @@ pub fn nonlinear_mode(
         self_excitation: start.damping_ratio,
         parameter: 0.0,
     };
-    let stopping = Stopping { tolerance: settings.tolerance, max_iterations: settings.max_iterations };
     let mut vibration = FreeVibration {
         system: &mut system,
         settings: *settings,
         newton: Newton::default(),
-        stopping,
+        stopping: settings.stopping(),
         node: range.node,
         reached: Vec::new(),
     };
     let first = Solution { x, at };
-    let points = amplitudes.iter().map(|a| vibration.reach(*a, &first)).collect::<Result<_, _>>()?;
-    Ok(NonlinearMode { angular_frequency: start.angular_frequency, points })
+    let mut mode = NonlinearMode { angular_frequency: start.angular_frequency, points: Vec::new(), lost: None };
+    for amplitude in amplitudes {
+        match vibration.reach(amplitude, &first) {
+            Ok(point) => mode.points.push(point),
+            Err(error) if !mode.points.is_empty() && error.is_of_the_step() => {
+                mode.lost = Some(error);
+                break;
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(mode)
 }
 
 impl ModeRange {

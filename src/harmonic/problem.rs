@@ -115,20 +115,27 @@ impl Newton {
         }
     }
 
-    /// Solves with the factors of the last Newton step: `right` has an entry per unknown and per free scalar,
-    /// of which those of the balance are relative to the size of its terms. Factors first where the start
-    /// was already the solution. False where that fails.
-    pub fn solve_linear(&mut self, system: &dyn PeriodicSystem, free: &[Scalar], right: &mut [f64]) -> bool {
-        if !self.factored && !self.factor(system, free) {
-            return false;
-        }
+    /// Makes sure that there are factors: of the last Newton step or, where the start was already the solution,
+    /// of the last evaluation. False where the matrix is singular.
+    pub fn prepare(&mut self, system: &dyn PeriodicSystem, free: &[Scalar]) -> bool {
+        self.factored || self.factor(system, free)
+    }
+
+    /// Factors the matrix of the last evaluation anew: a direction is then as good as the solution.
+    pub fn refactor(&mut self, system: &dyn PeriodicSystem, free: &[Scalar]) -> bool {
+        self.factor(system, free)
+    }
+
+    /// Solves with the factors there are: `right` has an entry per unknown, relative to the size of the
+    /// balance's terms, and one per condition. False where the result is not finite.
+    pub fn solve_linear(&self, right: &mut [f64]) -> bool {
         self.factors.solve(right);
         right.iter().all(|value| value.is_finite())
     }
 
-    /// Factors the matrix of the last evaluation anew.
-    pub fn refactor(&mut self, system: &dyn PeriodicSystem, free: &[Scalar]) -> bool {
-        self.factor(system, free)
+    /// Size of the terms of the balance at the last evaluation.
+    pub fn scale(&self) -> f64 {
+        self.scale
     }
 
     /// The longest sensible step along the direction found, then halves until the residual falls. Returns

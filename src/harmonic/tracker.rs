@@ -94,42 +94,6 @@ impl Tracker {
         Ok(())
     }
 
-    /// The response at `at`, from the system's own guess.
-    pub fn respond(
-        &mut self,
-        system: &mut dyn PeriodicSystem,
-        at: Operating,
-    ) -> Result<Solution, HarmonicError> {
-        let mut solution = Solution { x: vec![0.0; system.unknowns()], at };
-        system.forget();
-        system.guess(&at, &mut solution.x)?;
-        let error = match self.solve(system, &mut solution, &[], &mut []) {
-            Ok(()) => return Ok(solution),
-            Err(error) => error,
-        };
-        // From a level so small that the contacts hardly yield.
-        let mut reached = Solution { x: vec![0.0; system.unknowns()], at: Operating { level: 1e-3 * at.level, ..at } };
-        system.guess(&reached.at, &mut reached.x)?;
-        self.solve(system, &mut reached, &[], &mut [])?;
-        let mut factor: f64 = 1.5;
-        while reached.at.level != at.level {
-            let level = (factor * reached.at.level.abs()).min(at.level.abs()).copysign(at.level);
-            let ratio = level / reached.at.level;
-            let mut trial = reached.clone();
-            trial.x.iter_mut().for_each(|x| *x *= ratio);
-            trial.at.level = level;
-            if self.solve(system, &mut trial, &[], &mut []).is_ok() {
-                reached = trial;
-                factor = (factor * factor).min(2.0);
-            } else if factor < 1.001 {
-                return Err(error);
-            } else {
-                factor = factor.sqrt();
-            }
-        }
-        Ok(reached)
-    }
-
     /// What is sought near `start`, at whose level and parameter the system stands.
     pub fn locate(
         &mut self,
@@ -237,7 +201,7 @@ impl Tracker {
         let mut direction = vec![0.0; n + 1];
         direction[n] = 1.0;
         let solved = self.newton.refactor(system, &FREQUENCY)
-            && self.newton.solve_linear(system, &FREQUENCY, &mut direction);
+            && self.newton.solve_linear(&mut direction);
         if !solved {
             return Err(HarmonicError::NotConverged { residual: f64::NAN, iterations: 0 });
         }
@@ -352,8 +316,11 @@ pub(crate) fn describe(
 /// More harmonics for a point that has too few: half as many again, up to the most. `None` where there are
 /// the most already, or none are asked for.
 pub(crate) fn more_harmonics(point: &Point, settings: &CurveSettings) -> Option<usize> {
-    let more = (point.harmonics + point.harmonics / 2 + 2).min(settings.max_harmonics);
-    (!point.resolved && more > point.harmonics).then_some(more)
+    let now = point.harmonics;
+    let more = (now + now / 2 + 2).min(settings.max_harmonics);
+    // A set of odd harmonics cannot take on an even one: it would stay as it is.
+    let least = now + if now % 2 == 1 { 2 } else { 1 };
+    (!point.resolved && more >= least).then_some(more)
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -1,13 +1,13 @@
 //! Resonances followed over the excitation's level or over a parameter of the contacts.
 
-use super::assembly::{Assembly, AttachedContact, Body, CurveSettings};
-use super::condensed::{Condensed, Rebuild};
-use super::curve::Point;
-use super::problem::Stopping;
-use super::system::{Operating, PeriodicSystem};
 use super::HarmonicError;
+use super::assembly::{Assembly, CurveSettings};
+use super::curve::Point;
+use super::frequency_response::system_of;
+use super::parameter::{ContactAt, attached, made, varied_balance};
+use super::start::at_level;
+use super::system::{Operating, PeriodicSystem};
 use super::tracker::{Solution, Sought, Tracker, describe, more_harmonics};
-use crate::contact::{ContactLaw, LawError};
 
 /// Share of the way from one value to the next below which it is given up.
 pub(super) const LEAST_SHARE: f64 = 1e-5;
@@ -50,29 +50,16 @@ pub struct Tracked {
     pub point: Point,
 }
 
-/// A contact law that belongs to its holder, under its constant normal load.
-#[derive(Debug)]
-pub struct OwnedContact {
-    /// The law.
-    pub law: Box<dyn ContactLaw>,
-    /// Normal load (N).
-    pub normal_load: f64,
+/// A response followed over values of a level or a parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrackedCurve {
+    /// The responses at the values in their order, as far as they were reached.
+    pub points: Vec<Tracked>,
+    /// Why the rest is missing, if it is: no response was found, however small the step from the last one. A
+    /// resonance may end there (the phase of a node may cease to pass a quarter period, and a peak may
+    /// merge with its neighbour).
+    pub lost: Option<HarmonicError>,
 }
-
-impl OwnedContact {
-    /// A law under `normal_load` (N).
-    pub fn new(law: impl ContactLaw + 'static, normal_load: f64) -> Self {
-        Self { law: Box::new(law), normal_load }
-    }
-
-    pub(crate) fn attached(&self) -> AttachedContact<'_> {
-        AttachedContact { law: &*self.law, normal_load: self.normal_load }
-    }
-}
-
-/// A contact, by its number, at a value of a parameter: of friction, normal load, stiffness, or whatever it
-/// depends on. The kind of law is the same for all values.
-pub type ContactAt<'a> = dyn Fn(usize, f64) -> Result<OwnedContact, LawError> + 'a;
 
 /// Follows a response over the excitation's levels, in the order given.
 ///
@@ -94,7 +81,7 @@ pub type ContactAt<'a> = dyn Fn(usize, f64) -> Result<OwnedContact, LawError> + 
 /// let assembly = Assembly::new(Body::Linear(&structure), contacts);
 /// let tracking = Tracking { followed: Followed::Peak, node: 0, angular_frequency: 1.1 };
 /// let levels = [0.001, 1.0, 100.0];
-/// let peaks = track_levels(&assembly, &tracking, &levels, &CurveSettings::default())?;
+/// let peaks = track_levels(&assembly, &tracking, &levels, &CurveSettings::default())?.points;
 /// // From stuck, √1.44, to free.
 /// assert!((peaks[0].point.angular_frequency - 1.2).abs() < 0.01);
 /// assert!((peaks[2].point.angular_frequency - 1.0).abs() < 0.01);
@@ -102,18 +89,18 @@ pub type ContactAt<'a> = dyn Fn(usize, f64) -> Result<OwnedContact, LawError> + 
 /// ```
 ///
 /// # Errors
-/// [`HarmonicError::InvalidInput`] for arguments that do not fit; the other kinds where the response was lost
-/// between one value and the next, however small the steps.
+/// [`HarmonicError::InvalidInput`] for arguments that do not fit; the other kinds where there is no response
+/// at the first value.
 pub fn track_levels(
     assembly: &Assembly,
     tracking: &Tracking,
     levels: &[f64],
     settings: &CurveSettings,
-) -> Result<Vec<Tracked>, HarmonicError> {
+) -> Result<TrackedCurve, HarmonicError> {
     if levels.iter().any(|level| !(level.is_finite() && *level != 0.0)) {
         return Err(HarmonicError::InvalidInput("a level is zero or not finite"));
     }
-    let mut system = balance(assembly, settings)?;
+    let mut system = system_of(assembly, settings)?;
     let mut follower = Follower::new(assembly, tracking, settings, &mut *system)?;
     follower.over(levels, |at, value| at.level = value)
 }
@@ -140,13 +127,14 @@ pub fn track_levels(
 /// let contact = |_, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.44, friction)?, 1.0));
 /// let tracking = Tracking { followed: Followed::Phase, node: 0, angular_frequency: 1.1 };
 /// let settings = CurveSettings::default();
-/// let resonances = track_parameter(&assembly, &contact, 0.5, &tracking, &[0.1, 0.2, 0.3], &settings)?;
+/// let curve = track_parameter(&assembly, &contact, 0.5, &tracking, &[0.1, 0.2, 0.3], &settings)?;
+/// let resonances = curve.points;
 /// assert!(resonances[2].point.angular_frequency > resonances[0].point.angular_frequency);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// Those of [`track_levels`], and [`HarmonicError::Law`] where `contact` fails.
+/// Those of [`track_levels`], and [`HarmonicError::Law`] where `contact` fails at any value.
 pub fn track_parameter(
     assembly: &Assembly,
     contact: &ContactAt,
@@ -154,57 +142,19 @@ pub fn track_parameter(
     tracking: &Tracking,
     values: &[f64],
     settings: &CurveSettings,
-) -> Result<Vec<Tracked>, HarmonicError> {
+) -> Result<TrackedCurve, HarmonicError> {
     if !(level.is_finite() && level != 0.0) {
         return Err(HarmonicError::InvalidInput("the level is zero or not finite"));
     }
     if values.iter().any(|value| !value.is_finite()) {
         return Err(HarmonicError::InvalidInput("a value of the parameter is not finite"));
     }
-    let Some(first) = values.first() else { return Ok(Vec::new()) };
+    let Some(first) = values.first() else { return Ok(TrackedCurve { points: Vec::new(), lost: None }) };
     let owned = made(assembly, contact, *first)?;
-    let attached = Assembly { contacts: owned.iter().map(OwnedContact::attached).collect(), ..assembly.clone() };
+    let attached = attached(assembly, &owned);
     let mut system = varied_balance(&attached, contact, settings)?;
     let mut follower = Follower::new(assembly, tracking, settings, &mut *system)?;
     follower.over(values, |at, value| (at.level, at.parameter) = (level, value))
-}
-
-/// The contacts at a value of the parameter.
-fn made(assembly: &Assembly, contact: &ContactAt, value: f64) -> Result<Vec<OwnedContact>, LawError> {
-    (0..assembly.contacts.len()).map(|number| contact(number, value)).collect()
-}
-
-/// The balance of an assembly.
-fn balance<'a>(
-    assembly: &Assembly<'a>,
-    settings: &CurveSettings,
-) -> Result<Box<dyn PeriodicSystem + 'a>, HarmonicError> {
-    match assembly.body {
-        Body::Linear(_) => Ok(Box::new(Condensed::new(assembly, settings)?)),
-        Body::Beam(_) => Err(HarmonicError::InvalidInput("only a linear structure can be condensed")),
-    }
-}
-
-/// The balance of an assembly whose contacts depend on the parameter.
-fn varied_balance<'a>(
-    assembly: &Assembly<'a>,
-    contact: &'a ContactAt,
-    settings: &CurveSettings,
-) -> Result<Box<dyn PeriodicSystem + 'a>, HarmonicError> {
-    match assembly.body {
-        Body::Linear(_) => {
-            let mut system = Condensed::new(assembly, settings)?;
-            for number in 0..assembly.contacts.len() {
-                let rebuild: Rebuild<'a> = Box::new(move |value| {
-                    let OwnedContact { law, normal_load } = contact(number, value)?;
-                    Ok((law, normal_load))
-                });
-                system.vary(number, rebuild);
-            }
-            Ok(Box::new(system))
-        }
-        Body::Beam(_) => Err(HarmonicError::InvalidInput("only a linear structure can be condensed")),
-    }
 }
 
 /// Carries the response from value to value.
@@ -244,11 +194,10 @@ impl<'s> Follower<'s> {
                 Sought::Phase(tracking.node, excitation)
             }
         };
-        let stopping = Stopping { tolerance: settings.tolerance, max_iterations: settings.max_iterations };
         Ok(Self {
             system,
             settings: *settings,
-            tracker: Tracker::new(stopping),
+            tracker: Tracker::new(settings.stopping()),
             sought,
             node: tracking.node,
             angular_frequency: tracking.angular_frequency,
@@ -261,8 +210,18 @@ impl<'s> Follower<'s> {
         &mut self,
         values: &[f64],
         set: impl Fn(&mut Operating, f64),
-    ) -> Result<Vec<Tracked>, HarmonicError> {
-        values.iter().map(|value| self.reach(*value, &set)).collect()
+    ) -> Result<TrackedCurve, HarmonicError> {
+        let mut points = Vec::with_capacity(values.len());
+        for value in values {
+            match self.reach(*value, &set) {
+                Ok(point) => points.push(point),
+                Err(error) if !points.is_empty() && error.is_of_the_step() => {
+                    return Ok(TrackedCurve { points, lost: Some(error) });
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(TrackedCurve { points, lost: None })
     }
 
     /// The response at a value, on smaller and smaller steps from the last one.
@@ -294,7 +253,8 @@ impl<'s> Follower<'s> {
             None => {
                 let mut at = Operating::forced(self.angular_frequency, 0.0);
                 set(&mut at, value);
-                self.tracker.respond(self.system, at)?
+                let (x, at) = at_level(self.system, at, &self.settings)?;
+                Solution { x, at }
             }
         };
         let mut solution = self.tracker.locate(self.system, self.sought, start)?;

@@ -434,6 +434,20 @@ impl PeriodicSystem for Condensed<'_> {
         self.left_out(x, at, point, solve)
     }
 
+    fn resume(&self, point: &Point, x: &mut [f64]) -> bool {
+        if point.contacts.len() != self.contacts.len() {
+            return false;
+        }
+        for (contact, u) in point.contacts.iter().zip(x.chunks_exact_mut(self.set.len())) {
+            let known = &contact.displacement;
+            if known.len().is_multiple_of(2) {
+                return false;
+            }
+            HarmonicSet::full(known.len() / 2).convert(known, self.set, u);
+        }
+        true
+    }
+
     fn set_harmonics(
         &mut self,
         harmonics: usize,

@@ -2,6 +2,8 @@
 //!
 //! This is the seam between the balance equations and the way a contact is carried over a period.
 
+mod bundle;
+mod chain;
 mod ledger;
 pub(crate) mod map;
 mod motion;
@@ -9,6 +11,7 @@ mod piecewise;
 mod reference;
 pub(crate) mod relieved;
 pub(crate) mod sampled;
+mod smooth;
 mod turning;
 mod waves;
 
