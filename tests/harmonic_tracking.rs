@@ -5,8 +5,8 @@ mod two_masses;
 
 use stickslip::contact::{ContactLaw, CubicSpring, Jenkins};
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, CurveSettings, Followed, HarmonicError, OwnedContact, Tracked, TrackedCurve, Tracking,
-    track_levels, track_parameter,
+    Assembly, AttachedContact, Body, CurveSettings, Ending, Followed, HarmonicError, OwnedContact, Tracked,
+    TrackedCurve, Tracking, Varied, parameter_response, track_levels, track_parameter,
 };
 use stickslip::structure::LinearStructure;
 use two_masses::{single_mass, two_masses};
@@ -43,9 +43,8 @@ fn a_linear_oscillator_peaks_below_and_is_in_phase_resonance_at_its_natural_freq
     let assembly = assembly(&structure, &law);
     let levels = [0.01, 1.0, 50.0];
     let square: f64 = stiffness + contact;
-    let follow = |followed| {
-        whole(track_levels(&assembly, &tracking(followed, 0, 0.8), &levels, &settings(3)))
-    };
+    let follow =
+        |followed| whole(track_levels(&assembly, &tracking(followed, 0, 0.8), &levels, &settings(3)));
     for phase in follow(Followed::Phase) {
         assert!((phase.point.angular_frequency / square.sqrt() - 1.0).abs() < 1e-9);
         assert!((phase.receptance * damping * square.sqrt() - 1.0).abs() < 1e-9);
@@ -114,8 +113,7 @@ fn dissipation_at_a_fixed_frequency_is_largest_at_a_medium_friction() {
     let assembly = assembly(&structure, &law);
     let frequency = tracking(Followed::Frequency, 1, 0.54);
     let friction = [0.05, 0.06, 0.07];
-    let points =
-        whole(track_parameter(&assembly, &contacts, 0.4, &frequency, &friction, &settings(21)));
+    let points = whole(track_parameter(&assembly, &contacts, 0.4, &frequency, &friction, &settings(21)));
     for (point, lost) in points.iter().zip([0.2910, 0.2994, 0.2939]) {
         assert_eq!(point.point.angular_frequency, 0.54);
         assert!((point.point.dissipated_energy() - lost).abs() < 5.1e-5, "{}", point.value);
@@ -138,7 +136,6 @@ fn load_and_level_together_only_scale_the_response() {
         let by_level = whole(track_levels(&assembly, &tracking, &levels, &settings(9)));
         for (a, b) in by_load.iter().zip(&by_level) {
             let (left, right) = (a.point.angular_frequency, b.point.angular_frequency);
-            println!("{followed:?} {} {left} {right} {} {}", a.value, a.receptance, b.receptance);
             assert!((left / right - 1.0).abs() < 1e-6, "{followed:?} {}: {left} {right}", a.value);
             assert!((a.receptance / b.receptance - 1.0).abs() < 1e-8, "{} {}", a.receptance, b.receptance);
         }
@@ -163,11 +160,89 @@ fn duffing_peaks_are_followed_past_the_fold() {
 }
 
 #[test]
+fn parameter_sweeps_pass_turning_points_of_a_duffing_oscillator() {
+    // One harmonic at a fixed frequency and level: every amplitude below the largest belongs to two cubic
+    // stiffnesses, `¾ k₃ a² = ω² − k ± √(A²/a² − c² ω²)`.
+    let (damping, omega, level): (f64, f64, f64) = (0.05, 1.3, 0.2);
+    let structure = single_mass(1.0, damping);
+    let law = CubicSpring::new(0.0, 0.01).unwrap();
+    let contacts = |_: usize, cubic: f64| Ok(OwnedContact::new(CubicSpring::new(0.0, cubic)?, 1.0));
+    let assembly = assembly(&structure, &law);
+    let curve = parameter_response(&assembly, &contacts, omega, level, [0.01, 2.0], &settings(1)).unwrap();
+    assert_eq!(curve.ending, Ending::Complete);
+    let mut turned = 0;
+    for pair in curve.points.windows(2) {
+        let (a, cubic) = (pair[1].point.amplitude[0], pair[1].value);
+        let stiff = 1.0 + 0.75 * cubic * a * a - omega * omega;
+        let force = a * (stiff * stiff + (damping * omega).powi(2)).sqrt();
+        assert!((force / level - 1.0).abs() < 1e-8, "{cubic} {a}: {force}");
+        turned += usize::from(pair[1].value < pair[0].value);
+    }
+    let most = curve.points.iter().map(|varied| varied.point.amplitude[0]).fold(0.0, f64::max);
+    assert!(turned > 2, "the curve turns back between its two turning points");
+    assert!(most <= level / (damping * omega) * (1.0 + 1e-9) && most > 0.9 * level / (damping * omega));
+}
+
+#[test]
+fn a_parameter_sweep_and_single_values_agree() {
+    let structure = two_masses(0.1);
+    let law = Jenkins::new(0.2, 0.02).unwrap();
+    let contacts = |_: usize, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.2, friction)?, 1.0));
+    let assembly = assembly(&structure, &law);
+    let curve = parameter_response(&assembly, &contacts, 0.54, 0.4, [0.02, 0.12], &settings(9)).unwrap();
+    let last = curve.points.last().map(|varied| (varied.value, varied.point.dissipated_energy()));
+    assert_eq!(curve.ending, Ending::Complete, "{last:?}");
+    let picked: Vec<&Varied> = curve.points.iter().step_by(7).collect();
+    let values: Vec<f64> = picked.iter().map(|varied| varied.value).collect();
+    let frequency = tracking(Followed::Frequency, 1, 0.54);
+    let points = whole(track_parameter(&assembly, &contacts, 0.4, &frequency, &values, &settings(9)));
+    for (a, b) in picked.iter().zip(&points) {
+        assert!((a.point.amplitude[1] / b.amplitude - 1.0).abs() < 1e-8, "{}", a.value);
+        assert!((a.point.dissipated_energy() - b.point.dissipated_energy()).abs() < 1e-9);
+    }
+    assert!(picked.len() > 5);
+}
+
+#[test]
+fn harmonics_grow_until_a_tracked_peak_is_resolved() {
+    let structure = two_masses(0.1);
+    let law = Jenkins::new(0.2, 0.02).unwrap();
+    let assembly = assembly(&structure, &law);
+    let adaptive = CurveSettings {
+        harmonics: 3,
+        truncation: Some(1e-5),
+        max_harmonics: 101,
+        ..CurveSettings::default()
+    };
+    let tracking = tracking(Followed::Peak, 0, 0.5);
+    let peaks = whole(track_levels(&assembly, &tracking, &[0.4, 0.3], &adaptive));
+    assert!(peaks.iter().all(|peak| peak.point.resolved && peak.point.error_estimate <= 1e-5));
+    assert!((peaks[0].amplitude / 1.008048920 - 1.0).abs() < 1e-5, "{}", peaks[0].amplitude);
+    assert!(peaks[0].point.harmonics > 5);
+}
+
+#[test]
+fn a_resonance_that_ends_is_reported_as_lost() {
+    // Friction damps the first mass so much that its phase stops passing a quarter period near the first mode.
+    let structure = two_masses(0.1);
+    let law = Jenkins::new(0.2, 0.02).unwrap();
+    let levels = spaced(0.8, 0.02, 20);
+    let tracking = tracking(Followed::Phase, 0, 0.55);
+    let curve = track_levels(&assembly(&structure, &law), &tracking, &levels, &settings(9)).unwrap();
+    assert!(curve.lost.is_some() && curve.points.len() > 5 && curve.points.len() < 20);
+    for pair in curve.points.windows(2) {
+        let change = pair[1].point.angular_frequency / pair[0].point.angular_frequency - 1.0;
+        assert!(change.abs() < 0.15, "{change}");
+    }
+}
+
+#[test]
 fn what_cannot_be_followed_is_refused() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let assembly = assembly(&structure, &law);
-    let follow = |tracking: Tracking, levels: &[f64]| track_levels(&assembly, &tracking, levels, &settings(5));
+    let follow =
+        |tracking: Tracking, levels: &[f64]| track_levels(&assembly, &tracking, levels, &settings(5));
     let refused = [
         follow(tracking(Followed::Peak, 2, 0.5), &[0.4]),
         follow(tracking(Followed::Peak, 0, 0.0), &[0.4]),
@@ -181,5 +256,8 @@ fn what_cannot_be_followed_is_refused() {
     let frequency = tracking(Followed::Frequency, 0, 0.5);
     let result = track_parameter(&assembly, &contacts, 0.4, &frequency, &[0.02, -1.0], &settings(5));
     assert!(matches!(result, Err(HarmonicError::Law(_))), "{result:?}");
-    assert_eq!(follow(tracking(Followed::Peak, 0, 0.5), &[]), Ok(TrackedCurve { points: Vec::new(), lost: None }));
+    assert_eq!(
+        follow(tracking(Followed::Peak, 0, 0.5), &[]),
+        Ok(TrackedCurve { points: Vec::new(), lost: None })
+    );
 }

@@ -5,13 +5,13 @@
 //! solution for every amplitude, with the mode's frequency Ω, damping ratio ζ and shape, harmonics included.
 //! Where ζ is small and modes are apart, the resonances of the forced structure lie on it.
 
+use super::HarmonicError;
 use super::assembly::{Assembly, Body, CurveSettings};
 use super::condensed::Condensed;
 use super::condition::{HeldAmplitude, Phase};
 use super::curve::Point;
 use super::problem::{Condition, Newton, Stopping};
 use super::system::{Operating, PeriodicSystem, Scalar};
-use super::HarmonicError;
 use super::tracker::{Solution, describe, more_harmonics};
 use super::tracking::{LARGEST_CHANGE, LEAST_SHARE, between};
 use crate::contact::{ContactLaw, Inputs};
@@ -93,7 +93,9 @@ pub fn nonlinear_mode(
 ) -> Result<NonlinearMode, HarmonicError> {
     let amplitudes = range.checked()?;
     let Body::Linear(structure) = assembly.body else {
-        return Err(HarmonicError::InvalidInput("nonlinear modes are those of a linear structure with contacts"));
+        return Err(HarmonicError::InvalidInput(
+            "nonlinear modes are those of a linear structure with contacts",
+        ));
     };
     if assembly.contacts.is_empty() {
         return Err(HarmonicError::InvalidInput("a structure without contacts has linear modes"));
@@ -128,7 +130,8 @@ pub fn nonlinear_mode(
         reached: Vec::new(),
     };
     let first = Solution { x, at };
-    let mut mode = NonlinearMode { angular_frequency: start.angular_frequency, points: Vec::new(), lost: None };
+    let mut mode =
+        NonlinearMode { angular_frequency: start.angular_frequency, points: Vec::new(), lost: None };
     for amplitude in amplitudes {
         match vibration.reach(amplitude, &first) {
             Ok(point) => mode.points.push(point),
@@ -193,7 +196,9 @@ impl LinearStart {
             return Err(HarmonicError::InvalidInput("the structure has no such mode"));
         };
         if angular_frequency == 0.0 {
-            return Err(HarmonicError::InvalidInput("a body that is free to move has no vibration in this mode"));
+            return Err(HarmonicError::InvalidInput(
+                "a body that is free to move has no vibration in this mode",
+            ));
         }
         let shape = modes.shapes.column(range.mode);
         let of = |row: &Row| row.iter().map(|(i, factor)| factor * shape[*i]).sum::<f64>();

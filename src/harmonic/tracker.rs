@@ -161,8 +161,7 @@ impl Tracker {
             return Ok(place);
         }
         let mut solution = start;
-        let mut value =
-            Value { scalar: Scalar::AngularFrequency, value: solution.at.angular_frequency };
+        let mut value = Value { scalar: Scalar::AngularFrequency, value: solution.at.angular_frequency };
         self.solve(system, &mut solution, &FREQUENCY, &mut [&mut value])?;
         self.place(system, node, solution)
     }
@@ -200,8 +199,7 @@ impl Tracker {
         let n = solution.x.len();
         let mut direction = vec![0.0; n + 1];
         direction[n] = 1.0;
-        let solved = self.newton.refactor(system, &FREQUENCY)
-            && self.newton.solve_linear(&mut direction);
+        let solved = self.newton.refactor(system, &FREQUENCY) && self.newton.solve_linear(&mut direction);
         if !solved {
             return Err(HarmonicError::NotConverged { residual: f64::NAN, iterations: 0 });
         }

@@ -232,7 +232,12 @@ impl<'s> Follower<'s> {
             match self.step(next, set) {
                 Ok(point) if next == value => {
                     let amplitude = point.amplitude[self.node];
-                    return Ok(Tracked { value, amplitude, receptance: amplitude / point.level.abs(), point });
+                    return Ok(Tracked {
+                        value,
+                        amplitude,
+                        receptance: amplitude / point.level.abs(),
+                        point,
+                    });
                 }
                 Ok(_) => share = f64::min(2.0 * share, 1.0),
                 Err(error) => {
@@ -272,7 +277,10 @@ impl<'s> Follower<'s> {
         if let Some((_, last)) = self.reached.first() {
             let change = solution.at.angular_frequency / last.at.angular_frequency - 1.0;
             if change.abs() > LARGEST_CHANGE {
-                return Err(HarmonicError::NotConverged { residual: change.abs(), iterations: point.iterations });
+                return Err(HarmonicError::NotConverged {
+                    residual: change.abs(),
+                    iterations: point.iterations,
+                });
             }
         }
         self.reached.insert(0, (value, solution));
