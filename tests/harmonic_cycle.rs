@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::DMatrix;
-use stickslip::contact::{ContactLaw, Inputs, Jenkins, Response, SlipState, Slider};
+use stickslip::contact::{ContactLaw, Inputs, Jenkins, Response, Slider, SlipState};
 use stickslip::contact::{StateTangents, Tangents, Valanis};
 use stickslip::harmonic::fourier::value;
 use stickslip::harmonic::{ContactMapping, HarmonicSet, Method, contact_cycle};
@@ -75,13 +75,7 @@ impl ContactLaw for Sliders {
 }
 
 fn slider(stiffness: f64, play: (f64, f64), limits: (f64, f64)) -> Slider {
-    Slider {
-        stiffness,
-        play_below: play.0,
-        play_above: play.1,
-        lower_limit: limits.0,
-        upper_limit: limits.1,
-    }
+    Slider { stiffness, play_below: play.0, play_above: play.1, lower_limit: limits.0, upper_limit: limits.1 }
 }
 
 /// Every kind of slider, alone and together, with displacements that exercise it.
@@ -306,7 +300,10 @@ fn odd_set_equals_full_set_for_odd_motions() {
                 assert!(largest(even) < 1e-10 * size, "{name}");
             }
             let (a, b) = (a.summary(), b.summary());
-            assert!((a.dissipated_energy - b.dissipated_energy).abs() <= 1e-9 * b.dissipated_energy, "{name}");
+            assert!(
+                (a.dissipated_energy - b.dissipated_energy).abs() <= 1e-9 * b.dissipated_energy,
+                "{name}"
+            );
             assert!((a.equivalent_stiffness / b.equivalent_stiffness - 1.0).abs() < 1e-9, "{name}");
             assert_eq!(a.stick_fraction.is_some(), b.stick_fraction.is_some());
             if let (Some(a), Some(b)) = (a.stick_fraction, b.stick_fraction) {
@@ -361,7 +358,9 @@ fn valanis_loop(e0: f64, kappa: f64, lambda: f64, amplitude: f64) -> (f64, f64) 
     let rest = if y < 0.3 {
         let s = y * y;
         y * s / 3.0
-            * (1.0 - s * (0.4 - s * (17.0 / 105.0 - s * (62.0 / 945.0 - s * (1382.0 / 51975.0 - s * 0.0107668)))))
+            * (1.0
+                - s * (0.4
+                    - s * (17.0 / 105.0 - s * (62.0 / 945.0 - s * (1382.0 / 51975.0 - s * 0.0107668)))))
     } else {
         y - f64::tanh(y)
     };

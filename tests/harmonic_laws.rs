@@ -9,7 +9,7 @@ use harmonic_support::oscillator::{Oscillator, steady_period};
 use stickslip::contact::{Jenkins, Valanis};
 use stickslip::harmonic::fourier::value;
 use stickslip::harmonic::{
-    ContactOnBeam, HarmonicError, Resonance, Settings, backbone, forced_response, phase_resonance,
+    ContactOnBeam, HarmonicError, Method, Resonance, Settings, backbone, forced_response, phase_resonance,
     whole_periods,
 };
 use stickslip::structure::ModalBeam;
@@ -71,7 +71,7 @@ fn beam_without_contact_resonates_where_its_receptance_is_imaginary() {
             high = middle;
         }
     }
-    let settings = Settings { harmonics: 3, samples: 64, ..Settings::default() };
+    let settings = Settings { harmonics: 3, method: Method::Sampled { samples: 64 }, ..Settings::default() };
     let found = phase_resonance(&beam, None, 12.0, &settings, None).unwrap();
     assert!((found.angular_frequency / low - 1.0).abs() < 1e-10, "{}", found.angular_frequency / low - 1.0);
     let force = 12.0 / (low * low * receptance(&beam, low).1.abs());
@@ -81,7 +81,7 @@ fn beam_without_contact_resonates_where_its_receptance_is_imaginary() {
 #[test]
 fn forced_response_without_contact_is_the_receptance() {
     let beam = three_modes();
-    let settings = Settings { harmonics: 4, samples: 64, ..Settings::default() };
+    let settings = Settings { harmonics: 4, method: Method::Sampled { samples: 64 }, ..Settings::default() };
     let (period, force) = (0.021, [0.7, 1.0, -2.0, 0.0, 0.0, 0.5, 0.3]);
     let response = forced_response(&beam, None, period, &force, &settings, None).unwrap();
     let displacement = response.displacement(&beam.excitation_shape);
@@ -116,7 +116,7 @@ fn stuck_contact_is_a_spring_in_series_with_the_axial_one() {
     beam.axial_flexibility = 4e-8;
     let law = Jenkins::new(5e6, 1e6).unwrap();
     let contact = ContactOnBeam { law: &law, normal_load: LOAD };
-    let settings = Settings { harmonics: 3, samples: 64, ..Settings::default() };
+    let settings = Settings { harmonics: 3, method: Method::Sampled { samples: 64 }, ..Settings::default() };
     let found = phase_resonance(&beam, Some(contact), 10.0, &settings, None).unwrap();
     let stiffness = 5e6 / (1.0 + 4e-8 * 5e6);
     let natural = ((TAU * 50.0_f64).powi(2) + stiffness * 0.06 * 0.06).sqrt();
@@ -132,7 +132,8 @@ fn jenkins_oscillator_matches_its_exact_event_driven_solution() {
     let (stiffness, limit) = (4e6, 60.0);
     let law = Jenkins::new(stiffness, limit / LOAD).unwrap();
     let contact = ContactOnBeam { law: &law, normal_load: LOAD };
-    let settings = Settings { harmonics: 15, samples: 512, ..Settings::default() };
+    let settings =
+        Settings { harmonics: 15, method: Method::Sampled { samples: 512 }, ..Settings::default() };
     for (damping_ratio, frequency, force) in [(0.02, 52.0, 20.0), (0.05, 60.0, 40.0), (0.02, 57.0, 6.0)] {
         let beam = single_mode(damping_ratio);
         let exact = steady_period(&Oscillator {
@@ -159,7 +160,7 @@ fn resonance_at(amplitude: f64) -> (ModalBeam, Resonance) {
     let beam = three_modes();
     let law = valanis();
     let contact = ContactOnBeam { law: &law, normal_load: LOAD };
-    let settings = Settings { harmonics: 5, samples: 128, ..Settings::default() };
+    let settings = Settings { harmonics: 5, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     let found = phase_resonance(&beam, Some(contact), amplitude, &settings, None).unwrap();
     (beam, found)
 }
@@ -179,7 +180,7 @@ fn excitation_work_is_dissipated_in_contact_and_modes() {
 fn excitation_work_balances_with_several_harmonics() {
     let (beam, law) = (three_modes(), valanis());
     let contact = ContactOnBeam { law: &law, normal_load: LOAD };
-    let settings = Settings { harmonics: 7, samples: 128, ..Settings::default() };
+    let settings = Settings { harmonics: 7, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     let force = [0.0, 15.0, 4.0, 0.5, -0.4, 6.0, 8.0];
     let response = forced_response(&beam, Some(contact), 0.0195, &force, &settings, None).unwrap();
     let displacement = response.displacement(&beam.excitation_shape);
@@ -203,7 +204,7 @@ fn response_is_odd_without_shortening_and_not_with_it() {
     beam.shortening.fill(0.0);
     let law = valanis();
     let contact = ContactOnBeam { law: &law, normal_load: LOAD };
-    let settings = Settings { harmonics: 5, samples: 128, ..Settings::default() };
+    let settings = Settings { harmonics: 5, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     let without = phase_resonance(&beam, Some(contact), 30.0, &settings, None).unwrap();
     assert!(even(&without.coefficients) < 1e-9 * without.coefficients[2].abs());
 }
@@ -234,7 +235,7 @@ fn published_beam_softens_as_the_reference_does() {
     let beam = harmonic_support::published_beam(4, 24);
     let law = valanis();
     let contact = ContactOnBeam { law: &law, normal_load: LOAD };
-    let settings = Settings { harmonics: 5, samples: 128, ..Settings::default() };
+    let settings = Settings { harmonics: 5, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     // Falling and rising: the caller's order is kept, and does not matter.
     let amplitudes: Vec<f64> = reference.iter().rev().map(|r| r.0).collect();
     let found = backbone(&beam, Some(contact), &amplitudes, &settings, &[]).unwrap();
@@ -256,7 +257,7 @@ fn frequency_converges_with_the_square_of_the_sampling_step() {
     let law = valanis();
     let contact = ContactOnBeam { law: &law, normal_load: LOAD };
     let at = |samples: usize| {
-        let settings = Settings { harmonics: 5, samples, ..Settings::default() };
+        let settings = Settings { harmonics: 5, method: Method::Sampled { samples }, ..Settings::default() };
         phase_resonance(&beam, Some(contact), 20.0, &settings, None).unwrap().angular_frequency
     };
     let best = at(1024);
@@ -269,7 +270,7 @@ fn frequency_converges_with_the_square_of_the_sampling_step() {
 #[test]
 fn starts_do_not_change_the_answer() {
     let beam = three_modes();
-    let settings = Settings { harmonics: 5, samples: 128, ..Settings::default() };
+    let settings = Settings { harmonics: 5, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     let law = Jenkins::new(5e6, 0.8).unwrap();
     let contact = ContactOnBeam { law: &law, normal_load: LOAD };
     let amplitudes = [5.0, 35.0];
@@ -315,7 +316,13 @@ fn nonsense_is_refused() {
     };
     invalid(phase_resonance(&beam, None, 0.0, &settings, None));
     invalid(phase_resonance(&beam, None, f64::NAN, &settings, None));
-    invalid(phase_resonance(&beam, None, 1.0, &Settings { samples: 16, ..settings }, None));
+    invalid(phase_resonance(
+        &beam,
+        None,
+        1.0,
+        &Settings { method: Method::Sampled { samples: 16 }, ..settings },
+        None,
+    ));
     invalid(phase_resonance(&beam, None, 1.0, &Settings { harmonics: 0, ..settings }, None));
     invalid(phase_resonance(
         &ModalBeam { damping_ratio: vec![], ..beam.clone() },

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use stickslip::contact::Valanis;
-use stickslip::harmonic::{ContactOnBeam, HarmonicError, Settings, backbone};
+use stickslip::harmonic::{ContactOnBeam, HarmonicError, Method, Settings, backbone};
 use stickslip::identify::{Options, Parameter, Scale, fit};
 use stickslip::structure::ModalBeam;
 
@@ -20,7 +20,7 @@ fn valanis_parameters_are_recovered_from_exact_frequencies() {
         axial_flexibility: 1.5e-8,
         sensors: Vec::new(),
     };
-    let settings = Settings { harmonics: 3, samples: 64, ..Settings::default() };
+    let settings = Settings { harmonics: 3, method: Method::Sampled { samples: 64 }, ..Settings::default() };
     let amplitudes = [1.0, 12.0, 30.0, 70.0];
     let frequencies = |p: &[f64]| -> Result<Vec<f64>, HarmonicError> {
         let law = Valanis::new(p[0], p[1] / LOAD, p[2], 0.0)

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::predict::Prediction;
-use crate::harmonic::{self, ContactOnBeam, Resonance, Settings, fourier};
+use crate::harmonic::{self, ContactOnBeam, Method, Resonance, Settings, fourier};
 use crate::integrate::{self, BeamInputs, BeamIntegrator, Ramp, SensorReading};
 use crate::measure::{Channel, Record, Regime};
 use crate::model::{Beam, Contact};
@@ -11,7 +11,7 @@ use crate::structure::ModalBeam;
 
 /// Harmonics and samples at phase resonance: the frequencies of the frictional support are then within
 /// 7 mHz of those with 15 harmonics and 512 samples.
-const HELD: Settings = Settings { harmonics: 5, samples: 128, tolerance: 1e-9, max_iterations: 40 };
+const HELD: Settings = Settings { harmonics: 5, method: Method::Exact, tolerance: 1e-9, max_iterations: 40 };
 
 /// Tolerance of the integration from rest, far below the noise of any sensor.
 const FROM_REST: integrate::Settings = integrate::Settings { tolerance: 1e-6, step_limit: 1_000_000 };
@@ -27,7 +27,7 @@ const UNREPRESENTED: f64 = 0.1;
 fn forced_settings(beam: &ModalBeam, period: f64) -> Settings {
     let highest = beam.angular_frequency.last().copied().unwrap_or(0.0) * period / TAU;
     let harmonics = ((1.4 * highest).ceil() as usize).clamp(9, 60);
-    Settings { harmonics, samples: (8 * harmonics).next_power_of_two(), tolerance: 1e-8, max_iterations: 40 }
+    Settings { harmonics, method: Method::Exact, tolerance: 1e-8, max_iterations: 40 }
 }
 
 /// Predictions of the columns `frequency` (Hz) and `damping_ratio` of a backbone, or of every motion

@@ -1,78 +1,111 @@
-//! Harmonic balance of the beam's modal equations with the contact, without excitation.
+//! Harmonic balance of the modal beam, condensed to the displacement of its contact.
 //!
 //! With `w_i(t) = c_i − Σ G_ij q_j(t)` the displacement of the contact, `u = c·q − ½ qᵀG q`, has
 //! `∂u/∂q_i = w_i`, and the contact acts on mode `i` by `T w_i`. Displacements with harmonics `0..=H`
 //! give `u` harmonics `0..=2H`, and Galerkin projection of `T w_i` on `0..=H` sees `T`'s harmonics
 //! `0..=2H` only: the contact is therefore one map between signals of `4H + 1` coefficients, and
 //! everything else here is exact algebra on coefficients.
+//!
+//! Under a given `T(t)` the modal equations are linear, `A(T) q = level · f − P[T c]`, and are solved
+//! ([`ModalEquations`]). What remains are `4H + 1` equations whatever the number of modes,
+//!
+//! `r(u) = u − (c·q − ½ qᵀG q) = 0`, `∂r/∂u = 1 + W A⁻¹ B ∂T/∂u`,
+//!
+//! W being multiplication by `w_i` and B its adjoint, the projection of `T w_i`.
 
 use nalgebra::DMatrix;
 
-use super::cycle::sampled::{SampledCycle, transposed};
-use super::fourier::{coefficient_count, multiplication, work_per_cycle};
-use super::{ContactOnBeam, HarmonicError, Settings};
+use super::curve::Contacting;
+use super::cycle::map::ContactMap;
+use super::cycle::{Cycle, PeriodicContact};
+use super::fourier::{coefficient_count, multiplication, value, work_per_cycle};
+use super::modal::ModalEquations;
+use super::set::HarmonicSet;
+use super::system::{Observation, Operating, PeriodicSystem, Scalar};
+use super::{ContactOnBeam, HarmonicError, Method, Point, guess};
 use crate::structure::ModalBeam;
 
 /// Workspace for one beam, contact and set of harmonics.
+///
+/// Outputs are the beam's sensors and, last, the point of excitation.
 #[derive(Debug)]
 pub(crate) struct Balance<'a> {
     pub beam: &'a ModalBeam,
     pub contact: Option<ContactOnBeam<'a>>,
     /// Coefficients per mode, `2H + 1`.
     pub count: usize,
-    /// Coefficients of all modes.
-    pub unknowns: usize,
-    /// Residual of the equations without excitation (N/√kg), mode after mode.
-    pub residual: Vec<f64>,
-    /// Its derivative by the coefficients.
-    pub jacobian: DMatrix<f64>,
-    /// Its derivative by the angular frequency.
-    pub by_frequency: Vec<f64>,
-    /// Coefficients of `u` before the series spring (m), harmonics `0..=2H`.
+    /// Modal coefficients of the last evaluation, coefficient after coefficient.
+    pub q: Vec<f64>,
+    /// Coefficients of `c·q − ½ qᵀG q` (m), harmonics `0..=2H`, of the last evaluation.
     pub displacement: Vec<f64>,
-    cycle: SampledCycle,
+    waveform: Vec<f64>,
+    cycle: ContactMap,
+    equations: ModalEquations,
     harmonics: usize,
     wide: usize,
-    /// Coefficients of w_i.
+    /// Coefficients of the contact force (N), and of its change with Ω.
+    force: Vec<f64>,
+    right: Vec<f64>,
+    /// Coefficients of w_i, and multiplication by it.
     shape: Vec<f64>,
-    /// Multiplications by w_i side by side, `wide × unknowns`.
-    product: DMatrix<f64>,
-    by_coefficients: DMatrix<f64>,
-    force_product: Vec<f64>,
+    block: Vec<f64>,
+    /// W, `wide × unknowns of the modes`.
+    weights: DMatrix<f64>,
+    /// B, and A⁻¹ B.
+    adjoint: DMatrix<f64>,
+    moved: DMatrix<f64>,
+    /// W A⁻¹ B.
+    compliance: DMatrix<f64>,
+    residual: Vec<f64>,
+    jacobian: DMatrix<f64>,
+    by: [Vec<f64>; 4],
+    /// ∂q/∂scalar at fixed u.
+    modal_by: [Vec<f64>; 4],
 }
 
 impl<'a> Balance<'a> {
+    /// Excitation at level 1: `waveform`, coefficients `[a0, c1, s1, …]` (N); those beyond `harmonics` are
+    /// left out.
     pub fn new(
         beam: &'a ModalBeam,
         contact: Option<ContactOnBeam<'a>>,
-        settings: &Settings,
+        waveform: &[f64],
+        harmonics: usize,
+        method: Method,
     ) -> Result<Self, HarmonicError> {
-        settings.check()?;
         check_beam(beam)?;
         if let Some(contact) = &contact
             && !contact.normal_load.is_finite()
         {
             return Err(HarmonicError::InvalidInput("the normal load is not finite"));
         }
-        let harmonics = settings.harmonics;
         let (count, wide) = (coefficient_count(harmonics), coefficient_count(2 * harmonics));
-        let unknowns = count * beam.angular_frequency.len();
+        let size = count * beam.angular_frequency.len();
+        let mut kept = waveform.to_vec();
+        kept.resize(count, 0.0);
         Ok(Self {
             beam,
             contact,
             count,
-            unknowns,
-            residual: vec![0.0; unknowns],
-            jacobian: DMatrix::zeros(unknowns, unknowns),
-            by_frequency: vec![0.0; unknowns],
+            q: vec![0.0; size],
             displacement: vec![0.0; wide],
-            cycle: SampledCycle::new(2 * harmonics, settings.samples),
+            waveform: kept,
+            cycle: ContactMap::new(HarmonicSet::full(2 * harmonics), method),
+            equations: ModalEquations::new(beam, harmonics),
             harmonics,
             wide,
-            shape: vec![0.0; unknowns],
-            product: DMatrix::zeros(wide, unknowns),
-            by_coefficients: DMatrix::zeros(wide, unknowns),
-            force_product: vec![0.0; count * count],
+            force: vec![0.0; wide],
+            right: vec![0.0; size],
+            shape: vec![0.0; count],
+            block: vec![0.0; wide * count],
+            weights: DMatrix::zeros(wide, size),
+            adjoint: DMatrix::zeros(size, wide),
+            moved: DMatrix::zeros(size, wide),
+            compliance: DMatrix::zeros(wide, wide),
+            residual: vec![0.0; wide],
+            jacobian: DMatrix::identity(wide, wide),
+            by: std::array::from_fn(|_| vec![0.0; wide]),
+            modal_by: std::array::from_fn(|_| vec![0.0; size]),
         })
     }
 
@@ -83,155 +116,301 @@ impl<'a> Balance<'a> {
 
     /// Coefficients of the contact force (N), harmonics `0..=2H`, of the last evaluation.
     pub fn force(&self) -> &[f64] {
-        &self.cycle.force
+        &self.force
+    }
+
+    /// Coefficients `[a0, c1, s1, …]` of every mode, mode after mode, of the last evaluation.
+    pub fn modal_coefficients(&self) -> Vec<f64> {
+        let modes = self.modes();
+        (0..modes).flat_map(|i| self.q.iter().skip(i).step_by(modes).copied()).collect()
+    }
+
+    /// Writes the displacement of the contact that belongs to such coefficients.
+    pub fn displace(&mut self, modal_coefficients: &[f64], u: &mut [f64]) {
+        let (modes, count) = (self.modes(), self.count);
+        for (i, mode) in modal_coefficients.chunks_exact(count).enumerate() {
+            mode.iter().enumerate().for_each(|(k, value)| self.q[k * modes + i] = *value);
+        }
+        self.weigh();
+        u.copy_from_slice(&self.displacement);
     }
 
     /// Energy dissipated in the contact per cycle (J) at the last evaluation: the work of the force on
     /// the displacement before the series spring, which stores and returns its share.
     pub fn dissipated_energy(&self) -> f64 {
-        if self.contact.is_some() { work_per_cycle(&self.cycle.force, &self.displacement) } else { 0.0 }
+        work_per_cycle(&self.force, &self.displacement)
     }
 
-    /// Forgets the contact's last periodic state.
-    pub fn forget(&mut self) {
-        self.cycle.forget();
-    }
-
-    /// The contact alone, driven by `u` given by its coefficients (harmonics `0..=2H`): coefficients of
-    /// the force.
+    /// The contact alone, driven by `u` given by its coefficients (harmonics `0..=2H`).
     pub fn contact_force(&mut self, angular_frequency: f64, u: &[f64]) -> Result<&[f64], HarmonicError> {
-        if let Some(contact) = &self.contact {
-            self.cycle.evaluate(contact, self.beam.axial_flexibility, angular_frequency, u)?;
+        if let Some(ContactOnBeam { law, normal_load }) = self.contact {
+            let contact = PeriodicContact { law, normal_load, compliance: self.beam.axial_flexibility };
+            self.cycle.evaluate(&contact, angular_frequency, u)?;
+            self.force.copy_from_slice(self.cycle.force());
         }
-        Ok(&self.cycle.force)
+        Ok(&self.force)
     }
 
-    /// Coefficients of `u` (m) for modal coefficients `q`.
-    pub fn contact_displacement(&mut self, q: &[f64]) -> &[f64] {
-        let (modes, count, wide) = (self.modes(), self.count, self.wide);
-        for i in 0..modes {
-            let shape = &mut self.shape[i * count..(i + 1) * count];
-            shape.fill(0.0);
-            shape[0] = self.beam.contact_shape[i];
-            for j in 0..modes {
-                let g = self.beam.shortening[i * modes + j];
-                shape.iter_mut().zip(&q[j * count..(j + 1) * count]).for_each(|(s, q)| *s -= g * q);
-            }
-        }
+    /// Writes the displacement and W for the modal coefficients.
+    pub fn weigh(&mut self) {
+        let (modes, wide) = (self.modes(), self.wide);
         // u = ½ Σ (w_i + c_i) q_i.
         self.displacement.fill(0.0);
         for i in 0..modes {
-            let block = &mut self.product.as_mut_slice()[i * count * wide..(i + 1) * count * wide];
-            multiplication(&self.shape[i * count..(i + 1) * count], self.harmonics, wide, block);
-            for (k, column) in block.chunks_exact(wide).enumerate() {
-                let q = 0.5 * q[i * count + k];
+            self.shape.fill(0.0);
+            self.shape[0] = self.beam.contact_shape[i];
+            let row = &self.beam.shortening[i * modes..(i + 1) * modes];
+            for (s, q) in self.shape.iter_mut().zip(self.q.chunks_exact(modes)) {
+                *s -= row.iter().zip(q).map(|(g, q)| g * q).sum::<f64>();
+            }
+            multiplication(&self.shape, self.harmonics, wide, &mut self.block);
+            for (k, column) in self.block.chunks_exact(wide).enumerate() {
+                let place = k * modes + i;
+                self.weights.as_mut_slice()[place * wide..(place + 1) * wide].copy_from_slice(column);
+                let q = 0.5 * self.q[place];
                 self.displacement.iter_mut().zip(column).for_each(|(u, w)| *u += w * q);
                 self.displacement[k] += self.beam.contact_shape[i] * q;
             }
         }
-        &self.displacement
     }
 
-    /// Residual and Jacobian at the coefficients `q` and the fundamental `angular_frequency`.
-    /// Returns the size of the largest force in the balance, to judge the residual by.
-    pub fn evaluate(&mut self, q: &[f64], angular_frequency: f64) -> Result<f64, HarmonicError> {
-        self.contact_displacement(q);
-        self.jacobian.fill(0.0);
-        self.by_frequency.fill(0.0);
-        self.residual.fill(0.0);
-        let mut scale = 0.0_f64;
-        if let Some(contact) = &self.contact {
-            let compliance = self.beam.axial_flexibility;
-            self.cycle.evaluate(contact, compliance, angular_frequency, &self.displacement)?;
-            self.add_contact();
-            scale = self.residual.iter().fold(scale, |scale, r| scale.max(r.abs()));
+    /// `P[T w_i]` for the force `T` and the W of the last evaluation.
+    fn project(&self, force: &[f64], out: &mut [f64]) {
+        let modes = self.modes();
+        for (place, column) in self.weights.as_slice().chunks_exact(self.wide).enumerate() {
+            let sum: f64 = force.iter().zip(column).skip(1).map(|(t, w)| t * w).sum();
+            out[place] = (force[0] * column[0] + 0.5 * sum) / mean_square(place / modes);
         }
-        Ok(self.add_linear(q, angular_frequency).max(scale))
     }
 
-    /// Adds `T w_i` projected on the harmonics, and its derivatives.
-    fn add_contact(&mut self) {
-        let (modes, count, wide, unknowns) = (self.modes(), self.count, self.wide, self.unknowns);
-        // Mean squares of the basis functions: 1 for the bias, ½ for the rest. Projection on b_k is
-        // ⟨T w b_k⟩/⟨b_k²⟩, and ⟨T w b_k⟩ = Σ_m T_m ⟨b_m²⟩ W_mk.
-        let mean_square = |m: usize| if m.is_multiple_of(count) { 1.0 } else { 0.5 };
-        let weight = |m: usize| if m == 0 { 1.0 } else { 0.5 };
-        for (k, column) in self.product.as_slice().chunks_exact(wide).enumerate() {
-            let project = |signal: &[f64]| -> f64 {
-                let sum: f64 = signal.iter().zip(column).skip(1).map(|(t, w)| t * w).sum();
-                (signal[0] * column[0] + 0.5 * sum) / mean_square(k)
-            };
-            self.residual[k] = project(&self.cycle.force);
-            self.by_frequency[k] = project(&self.cycle.by_frequency);
+    /// q under the contact force of the last evaluation of the contact, and W.
+    fn respond(&mut self, at: &Operating) -> Result<(), HarmonicError> {
+        let (modes, beam) = (self.modes(), self.beam);
+        let singular = HarmonicError::InvalidInput("the modal equations are singular at this frequency");
+        if !self.equations.set(at, &self.force) {
+            return Err(singular);
         }
-        self.by_coefficients.gemm(1.0, &self.cycle.jacobian, &self.product, 0.0);
-        for column in self.by_coefficients.as_mut_slice().chunks_exact_mut(wide) {
-            column.iter_mut().enumerate().for_each(|(m, x)| *x *= weight(m));
+        for (k, right) in self.right.chunks_exact_mut(modes).enumerate() {
+            let (excitation, force) = (at.level * self.waveform[k], self.force[k]);
+            let shapes = beam.excitation_shape.iter().zip(&beam.contact_shape);
+            right.iter_mut().zip(shapes).for_each(|(r, (e, c))| *r = excitation * e - force * c);
         }
-        let left = transposed(self.product.as_slice(), wide, unknowns, wide);
-        self.jacobian.gemm(1.0, &left, &self.by_coefficients, 0.0);
-        for column in self.jacobian.as_mut_slice().chunks_exact_mut(unknowns) {
-            column.iter_mut().enumerate().for_each(|(k, x)| *x /= mean_square(k));
+        if !self.equations.solve(&self.right, &mut self.q) {
+            return Err(singular);
         }
-        // ∂w_i/∂q_j = −G_ij.
-        multiplication(&self.cycle.force, self.harmonics, count, &mut self.force_product);
-        for j in 0..modes {
-            for i in 0..modes {
-                let g = self.beam.shortening[i * modes + j];
-                if g == 0.0 {
-                    continue;
-                }
-                for k in 0..count {
-                    let source = &self.force_product[k * count..(k + 1) * count];
-                    let start = (j * count + k) * unknowns + i * count;
-                    let target = &mut self.jacobian.as_mut_slice()[start..start + count];
-                    target.iter_mut().zip(source).for_each(|(t, s)| *t -= g * s);
-                }
+        self.weigh();
+        Ok(())
+    }
+
+    /// W A⁻¹ B and ∂r/∂u.
+    fn differentiate(&mut self) {
+        let (wide, modes) = (self.wide, self.modes());
+        let size = self.q.len();
+        for (m, column) in self.adjoint.as_mut_slice().chunks_exact_mut(size).enumerate() {
+            let own = if m == 0 { 1.0 } else { 0.5 };
+            for (place, value) in column.iter_mut().enumerate() {
+                *value = own / mean_square(place / modes) * self.weights[(m, place)];
             }
         }
+        self.equations.solve_many(&self.adjoint, &mut self.moved);
+        self.compliance.gemm(1.0, &self.weights, &self.moved, 0.0);
+        self.jacobian.gemm(1.0, &self.compliance, self.cycle.jacobian(), 0.0);
+        (0..wide).for_each(|m| self.jacobian[(m, m)] += 1.0);
     }
 
-    /// Adds inertia, damping and stiffness of the modes; returns the largest elastic force.
-    fn add_linear(&mut self, q: &[f64], angular_frequency: f64) -> f64 {
-        let mut scale = 0.0_f64;
-        for i in 0..self.modes() {
-            let (natural, ratio) = (self.beam.angular_frequency[i], self.beam.damping_ratio[i]);
-            let (stiffness, start) = (natural * natural, i * self.count);
-            self.residual[start] += stiffness * q[start];
-            self.jacobian[(start, start)] += stiffness;
-            scale = scale.max((stiffness * q[start]).abs());
-            for h in 1..=self.harmonics {
-                let (c, s) = (start + 2 * h - 1, start + 2 * h);
-                let order = h as f64;
-                let dynamic = stiffness - (order * angular_frequency).powi(2);
-                let damping_rate = 2.0 * ratio * natural * order;
-                let damping = damping_rate * angular_frequency;
-                self.residual[c] += dynamic * q[c] + damping * q[s];
-                self.residual[s] += dynamic * q[s] - damping * q[c];
-                self.jacobian[(c, c)] += dynamic;
-                self.jacobian[(s, s)] += dynamic;
-                self.jacobian[(c, s)] += damping;
-                self.jacobian[(s, c)] -= damping;
-                let inertia_rate = -2.0 * order * order * angular_frequency;
-                self.by_frequency[c] += inertia_rate * q[c] + damping_rate * q[s];
-                self.by_frequency[s] += inertia_rate * q[s] - damping_rate * q[c];
-                scale = scale.max((stiffness * q[c]).abs()).max((stiffness * q[s]).abs());
+    /// ∂q/∂scalar and ∂r/∂scalar at fixed u.
+    fn differentiate_by(&mut self, scalar: Scalar) {
+        let (modes, index) = (self.modes(), scalar.index());
+        let mut right = std::mem::take(&mut self.right);
+        match scalar {
+            Scalar::AngularFrequency => {
+                self.equations.by_frequency(&self.q, &mut right);
+                if self.contact.is_some() && self.cycle.by_frequency().iter().any(|d| *d != 0.0) {
+                    let mut contact = std::mem::take(&mut self.modal_by[index]);
+                    self.project(self.cycle.by_frequency(), &mut contact);
+                    right.iter_mut().zip(&contact).for_each(|(r, c)| *r += c);
+                    self.modal_by[index] = contact;
+                }
+                right.iter_mut().for_each(|r| *r = -*r);
             }
+            Scalar::Level => {
+                for (k, right) in right.chunks_exact_mut(modes).enumerate() {
+                    let shapes = right.iter_mut().zip(&self.beam.excitation_shape);
+                    shapes.for_each(|(r, e)| *r = self.waveform[k] * e);
+                }
+            }
+            Scalar::SelfExcitation => {
+                self.equations.by_self_excitation(&self.q, &mut right);
+                right.iter_mut().for_each(|r| *r = -*r);
+            }
+            Scalar::Parameter => right.fill(0.0),
         }
-        scale
+        let moved = &mut self.modal_by[index];
+        if right.iter().all(|r| *r == 0.0) || !self.equations.solve(&right, moved) {
+            moved.fill(0.0);
+        }
+        self.right = right;
+        let by = &mut self.by[index];
+        by.fill(0.0);
+        for (column, q) in self.weights.as_slice().chunks_exact(self.wide).zip(&self.modal_by[index]) {
+            by.iter_mut().zip(column).for_each(|(b, w)| *b -= w * q);
+        }
+    }
+
+    /// φ of an output.
+    fn output_shape(&self, node: usize) -> &'a [f64] {
+        let beam: &'a ModalBeam = self.beam;
+        beam.sensors.get(node).map_or(&beam.excitation_shape, |sensor| &sensor.shape)
+    }
+
+    /// Coefficients of the displacement (m) where the modes have the values `shape`.
+    fn output(&self, shape: &[f64]) -> Vec<f64> {
+        let dot = |q: &[f64]| q.iter().zip(shape).map(|(q, phi)| q * phi).sum();
+        self.q.chunks_exact(self.modes()).map(dot).collect()
     }
 
     /// Energy the modal damping takes per cycle (J).
-    pub fn viscous_energy(&self, q: &[f64], angular_frequency: f64) -> f64 {
+    pub fn viscous_energy(&self, angular_frequency: f64) -> f64 {
+        let modes = self.modes();
         let mut sum = 0.0;
-        for i in 0..self.modes() {
+        for i in 0..modes {
             let damping = 2.0 * self.beam.damping_ratio[i] * self.beam.angular_frequency[i];
             for h in 1..=self.harmonics {
-                let (c, s) = (q[i * self.count + 2 * h - 1], q[i * self.count + 2 * h]);
+                let (c, s) = (self.q[(2 * h - 1) * modes + i], self.q[2 * h * modes + i]);
                 sum += damping * angular_frequency * (h * h) as f64 * (c * c + s * s);
             }
         }
         std::f64::consts::PI * sum
+    }
+}
+
+/// Mean square of the basis function with coefficient `k`: 1 for the bias, ½ for the rest.
+fn mean_square(k: usize) -> f64 {
+    if k == 0 { 1.0 } else { 0.5 }
+}
+
+impl PeriodicSystem for Balance<'_> {
+    fn unknowns(&self) -> usize {
+        self.wide
+    }
+
+    fn evaluate(&mut self, x: &[f64], at: &Operating, scalars: &[Scalar]) -> Result<f64, HarmonicError> {
+        self.contact_force(at.angular_frequency, x)?;
+        self.respond(at)?;
+        let mut scale = 0.0_f64;
+        for ((r, x), u) in self.residual.iter_mut().zip(x).zip(&self.displacement) {
+            *r = x - u;
+            scale = scale.max(x.abs()).max(u.abs());
+        }
+        if self.contact.is_some() {
+            self.differentiate();
+        }
+        scalars.iter().for_each(|scalar| self.differentiate_by(*scalar));
+        Ok(scale)
+    }
+
+    fn residual(&self) -> &[f64] {
+        &self.residual
+    }
+
+    fn jacobian(&self) -> &DMatrix<f64> {
+        &self.jacobian
+    }
+
+    fn by(&self, scalar: Scalar) -> &[f64] {
+        &self.by[scalar.index()]
+    }
+
+    fn observe(&mut self, node: usize, order: usize, out: &mut Observation) {
+        let (modes, wide) = (self.modes(), self.wide);
+        let shape = self.output_shape(node);
+        out.value = [0.0; 2];
+        out.by_scalars = [[0.0; 4]; 2];
+        for row in &mut out.by_unknowns {
+            row.clear();
+            row.resize(wide, 0.0);
+        }
+        let places = match order {
+            0 => 0..1,
+            _ if order <= self.harmonics => 2 * order - 1..2 * order + 1,
+            _ => return,
+        };
+        for (part, place) in places.enumerate() {
+            let span = place * modes..(place + 1) * modes;
+            let seen = |q: &[f64]| -> f64 { q.iter().zip(shape).map(|(q, phi)| q * phi).sum() };
+            out.value[part] = seen(&self.q[span.clone()]);
+            for (by, q) in out.by_scalars[part].iter_mut().zip(&self.modal_by) {
+                *by = seen(&q[span.clone()]);
+            }
+            if self.contact.is_none() {
+                continue;
+            }
+            // −φ A⁻¹ B ∂T/∂u.
+            let columns = self.moved.as_slice().chunks_exact(self.q.len());
+            let by_force: Vec<f64> = columns.map(|column| seen(&column[span.clone()])).collect();
+            let columns = self.cycle.jacobian().as_slice().chunks_exact(wide);
+            for (by, column) in out.by_unknowns[part].iter_mut().zip(columns) {
+                *by = -column.iter().zip(&by_force).map(|(k, s)| k * s).sum::<f64>();
+            }
+        }
+    }
+
+    fn forget(&mut self) {
+        self.cycle.forget();
+        self.equations.forget();
+    }
+
+    fn nodes(&self) -> usize {
+        self.beam.sensors.len() + 1
+    }
+
+    fn harmonics(&self) -> usize {
+        self.harmonics
+    }
+
+    fn guess(&mut self, at: &Operating, x: &mut [f64]) -> Result<(), HarmonicError> {
+        let excitation: Vec<f64> = self.waveform.iter().map(|f| at.level * f).collect();
+        guess::forced(self, at.angular_frequency, &excitation)?;
+        self.weigh();
+        x.copy_from_slice(&self.displacement);
+        Ok(())
+    }
+
+    fn describe(&mut self, x: &[f64], at: &Operating) -> Result<Point, HarmonicError> {
+        const GRID: usize = 16;
+        let nodes: Vec<Vec<f64>> =
+            (0..self.nodes()).map(|node| self.output(self.output_shape(node))).collect();
+        let points = GRID * self.harmonics;
+        let step = std::f64::consts::TAU / points as f64;
+        let amplitude =
+            |node: &Vec<f64>| (0..points).map(|k| value(node, step * k as f64).abs()).fold(0.0_f64, f64::max);
+        let contacts = match &self.contact {
+            None => Vec::new(),
+            Some(_) => {
+                let summary = self.cycle.summary();
+                vec![Contacting {
+                    dissipated_energy: summary.dissipated_energy,
+                    equivalent_stiffness: summary.equivalent_stiffness,
+                    stick_fraction: summary.stick_fraction,
+                    displacement: x.to_vec(),
+                    force: self.force.clone(),
+                }]
+            }
+        };
+        let driven = self.output(&self.beam.excitation_shape);
+        Ok(Point {
+            angular_frequency: at.angular_frequency,
+            level: at.level,
+            amplitude: nodes.iter().map(amplitude).collect(),
+            nodes,
+            contacts,
+            work: at.level * work_per_cycle(&self.waveform, &driven),
+            stable: None,
+            error_estimate: 0.0,
+            resolved: true,
+            harmonics: self.harmonics,
+            iterations: 0,
+        })
     }
 }
 
@@ -307,36 +486,64 @@ mod tests {
     }
 
     /// Largest difference between Jacobian and central differences, as share of the largest entry of
-    /// each column; the last column is the frequency's.
+    /// each column; the last columns are those of the scalars.
     fn jacobian_error(law: &dyn ContactLaw, size: f64) -> f64 {
+        const SCALARS: [Scalar; 3] = [Scalar::AngularFrequency, Scalar::Level, Scalar::SelfExcitation];
         let beam = beam();
-        let settings = Settings { harmonics: 3, samples: 64, ..Settings::default() };
         let contact = ContactOnBeam { law, normal_load: 100.0 };
-        let mut balance = Balance::new(&beam, Some(contact), &settings).unwrap();
-        let n = balance.unknowns;
+        let mut balance =
+            Balance::new(&beam, Some(contact), &[0.0, 30.0, 5.0], 3, Method::Sampled { samples: 64 })
+                .unwrap();
+        let n = balance.unknowns();
         let mut x: Vec<f64> = (0..n).map(|k| size * [0.1, 0.4, 1.0, -0.2, 0.1, 0.15, -0.05][k % 7]).collect();
-        x.push(310.0);
-        balance.evaluate(&x[..n], x[n]).unwrap();
+        let at = Operating { self_excitation: 0.004, ..Operating::forced(290.0, 1.2) };
+        balance.evaluate(&x, &at, &SCALARS).unwrap();
         // A second evaluation nearby starts from the first: its derivative must be just as good.
         x[2] *= 1.001;
-        balance.evaluate(&x[..n], x[n]).unwrap();
-        let (jacobian, by_frequency) = (balance.jacobian.clone(), balance.by_frequency.clone());
+        balance.evaluate(&x, &at, &SCALARS).unwrap();
+        let jacobian = balance.jacobian().clone();
+        let by = SCALARS.map(|scalar| balance.by(scalar).to_vec());
+        let mut seen = Observation::default();
+        balance.observe(0, 1, &mut seen);
         let mut worst = 0.0_f64;
-        for j in 0..=n {
-            let step = 1e-6 * if j == n { x[n] } else { size };
+        for j in 0..n + 3 {
+            let step = if j < n { 1e-6 * size } else { 1e-6 * [290.0, 1.2, 0.1][j - n] };
             let mut side = |sign: f64| {
-                let mut moved = x.clone();
-                moved[j] += sign * step;
+                let (mut moved, mut there) = (x.clone(), at);
+                if j < n {
+                    moved[j] += sign * step;
+                } else {
+                    there.set(SCALARS[j - n], there.get(SCALARS[j - n]) + sign * step);
+                }
                 balance.forget();
-                balance.evaluate(&moved[..n], moved[n]).unwrap();
-                balance.residual.clone()
+                balance.evaluate(&moved, &there, &[]).unwrap();
+                let mut rows = balance.residual().to_vec();
+                let mut there = Observation::default();
+                balance.observe(0, 1, &mut there);
+                rows.extend(there.value);
+                rows
             };
             let (up, down) = (side(1.0), side(-1.0));
-            let exact = |i: usize| if j == n { by_frequency[i] } else { jacobian[(i, j)] };
-            let largest = (0..n).fold(0.0_f64, |m, i| m.max(exact(i).abs()));
-            for i in 0..n {
-                let difference = (up[i] - down[i]) / (2.0 * step);
-                worst = worst.max((exact(i) - difference).abs() / largest);
+            let exact = |i: usize| match (i < n, j < n) {
+                (true, true) => jacobian[(i, j)],
+                (true, false) => by[j - n][i],
+                (false, true) => seen.by_unknowns[i - n][j],
+                (false, false) => seen.by_scalars[i - n][SCALARS[j - n].index()],
+            };
+            for rows in [0..n, n..n + 2] {
+                let largest = rows.clone().fold(0.0_f64, |m, i| m.max(exact(i).abs()));
+                for i in rows {
+                    let difference = (up[i] - down[i]) / (2.0 * step);
+                    let error = (exact(i) - difference).abs() / largest.max(1e-12);
+                    if error > worst {
+                        worst = error;
+                        println!(
+                            "{i} {j} {} {difference} {error} {}",
+                            exact(i),
+                            balance.equations.contraction()
+                        );
+                    }
+                }
             }
         }
         worst
@@ -362,9 +569,8 @@ mod tests {
     fn loop_of(law: &dyn ContactLaw, load: f64, amplitude: f64, samples: usize) -> f64 {
         let mut beam = beam();
         beam.axial_flexibility = 0.0;
-        let settings = Settings { harmonics: 2, samples, ..Settings::default() };
         let contact = ContactOnBeam { law, normal_load: load };
-        let mut balance = Balance::new(&beam, Some(contact), &settings).unwrap();
+        let mut balance = Balance::new(&beam, Some(contact), &[], 2, Method::Sampled { samples }).unwrap();
         balance.displacement[2] = amplitude;
         let u = balance.displacement.clone();
         balance.contact_force(300.0, &u).unwrap();

@@ -1,11 +1,11 @@
 //! Periodic response to a periodic excitation.
 
-use nalgebra::DMatrix;
-
 use super::balance::Balance;
+use super::follow::{Family, State, find};
 use super::fourier::{coefficient_count, time_derivative, value};
-use super::newton::{self, Effort, Equations};
-use super::{ContactOnBeam, HarmonicError, Settings, guess};
+use super::problem::{Effort, Newton, Stopping};
+use super::system::{Operating, PeriodicSystem};
+use super::{ContactOnBeam, HarmonicError, Settings};
 use crate::structure::ModalBeam;
 
 /// The periodic response to a periodic excitation.
@@ -81,105 +81,50 @@ pub fn forced_response(
             "the excitation has more harmonics than the response may have",
         ));
     }
-    let balance = Balance::new(beam, contact, settings)?;
-    let mut equations = Forced {
-        angular_frequency: std::f64::consts::TAU / period,
-        residual: vec![0.0; balance.unknowns],
-        balance,
-        excitation,
-        level: 1.0,
-    };
-    let unknowns = equations.balance.unknowns;
-    if let Some(start) = start.filter(|s| s.coefficients.len() == unknowns) {
-        let mut x = start.coefficients.clone();
-        if let Ok(effort) = equations.attempt(1.0, &mut x, settings) {
-            return Ok(equations.result(x, effort));
-        }
-    }
-    let mut x = guess::forced(&mut equations.balance, equations.angular_frequency, excitation)?;
-    match equations.attempt(1.0, &mut x, settings) {
-        Ok(effort) => Ok(equations.result(x, effort)),
-        Err(_) => equations.follow(settings),
-    }
+    settings.check()?;
+    let mut balance = Balance::new(beam, contact, excitation, settings.harmonics, settings.method)?;
+    let at = Operating::forced(std::f64::consts::TAU / period, 1.0);
+    let start = start.filter(|s| s.coefficients.len() == balance.q.len()).map(|start| {
+        let mut x = vec![0.0; balance.unknowns()];
+        balance.displace(&start.coefficients, &mut x);
+        State { x, at }
+    });
+    let mut family = Forced { angular_frequency: at.angular_frequency };
+    let (state, effort) = find(&mut family, &mut balance, 1.0, start, settings)?;
+    Ok(ForcedResponse {
+        angular_frequency: at.angular_frequency,
+        contact_displacement: state.x,
+        contact_force: balance.force().to_vec(),
+        dissipated_energy: balance.dissipated_energy(),
+        viscous_energy: balance.viscous_energy(at.angular_frequency),
+        coefficients: balance.modal_coefficients(),
+        iterations: effort.iterations,
+        residual: effort.residual,
+    })
 }
 
-struct Forced<'a> {
-    balance: Balance<'a>,
+/// Responses to a share of the excitation.
+struct Forced {
     angular_frequency: f64,
-    excitation: &'a [f64],
-    /// Share of the excitation applied.
-    level: f64,
-    residual: Vec<f64>,
 }
 
-impl Forced<'_> {
-    fn attempt(&mut self, level: f64, x: &mut [f64], settings: &Settings) -> Result<Effort, HarmonicError> {
-        self.level = level;
-        self.balance.forget();
-        newton::solve(self, x, settings)
+impl Family for Forced {
+    fn solve(
+        &mut self,
+        balance: &mut Balance,
+        newton: &mut Newton,
+        amount: f64,
+        state: &mut State,
+        stopping: &Stopping,
+    ) -> Result<Effort, HarmonicError> {
+        state.at = Operating::forced(self.angular_frequency, amount);
+        newton.solve(balance, &mut state.x, &mut state.at, &[], &mut [], stopping)
     }
 
-    /// Follows the solution from a small excitation up, with steps that halve on failure.
-    fn follow(&mut self, settings: &Settings) -> Result<ForcedResponse, HarmonicError> {
-        const SMALLEST_STEP: f64 = 1.001;
-        let mut level = 1e-3;
-        let weak: Vec<f64> = self.excitation.iter().map(|f| level * f).collect();
-        let mut x = guess::forced(&mut self.balance, self.angular_frequency, &weak)?;
-        let mut effort = self.attempt(level, &mut x, settings)?;
-        let mut step: f64 = 1.5;
-        while level < 1.0 {
-            let next = (level * step).min(1.0);
-            let mut trial: Vec<f64> = x.iter().map(|q| q * next / level).collect();
-            match self.attempt(next, &mut trial, settings) {
-                Ok(done) => {
-                    (x, level, effort) = (trial, next, done);
-                    step = step.powf(1.5).min(2.0);
-                }
-                Err(error) if step < SMALLEST_STEP => return Err(error),
-                Err(_) => step = step.sqrt(),
-            }
-        }
-        Ok(self.result(x, effort))
-    }
-
-    fn result(&self, x: Vec<f64>, effort: Effort) -> ForcedResponse {
-        ForcedResponse {
-            angular_frequency: self.angular_frequency,
-            contact_displacement: self.balance.displacement.clone(),
-            contact_force: self.balance.force().to_vec(),
-            dissipated_energy: self.balance.dissipated_energy(),
-            viscous_energy: self.balance.viscous_energy(&x, self.angular_frequency),
-            coefficients: x,
-            iterations: effort.iterations,
-            residual: effort.residual,
-        }
-    }
-}
-
-impl Equations for Forced<'_> {
-    fn evaluate(&mut self, x: &[f64]) -> Result<f64, HarmonicError> {
-        let mut scale = self.balance.evaluate(x, self.angular_frequency)?;
-        self.residual.copy_from_slice(&self.balance.residual);
-        for (i, shape) in self.balance.beam.excitation_shape.iter().enumerate() {
-            let start = i * self.balance.count;
-            for (r, f) in self.residual[start..].iter_mut().zip(self.excitation) {
-                let force = self.level * f * shape;
-                *r -= force;
-                scale = scale.max(force.abs());
-            }
-        }
-        Ok(scale)
-    }
-
-    fn residual(&self) -> &[f64] {
-        &self.residual
-    }
-
-    fn jacobian(&self) -> &DMatrix<f64> {
-        &self.balance.jacobian
-    }
-
-    fn longest_step(&self, _x: &[f64], _step: &[f64]) -> f64 {
-        1.0
+    fn guess(&mut self, balance: &mut Balance, amount: f64) -> Result<State, HarmonicError> {
+        let at = Operating::forced(self.angular_frequency, amount);
+        let mut x = vec![0.0; balance.unknowns()];
+        balance.guess(&at, &mut x)?;
+        Ok(State { x, at })
     }
 }

@@ -6,6 +6,7 @@ use nalgebra::{Complex, DMatrix, SymmetricEigen};
 use super::HarmonicError;
 use super::balance::Balance;
 use super::fourier::work_per_cycle;
+use super::system::PeriodicSystem;
 
 const ROUNDS: usize = 12;
 
@@ -16,14 +17,11 @@ struct Equivalent {
     damping: f64,
 }
 
-/// Start for phase resonance: coefficients, angular frequency, force amplitude.
-pub(crate) fn resonance(
-    balance: &mut Balance,
-    acceleration: f64,
-) -> Result<(Vec<f64>, f64, f64), HarmonicError> {
+/// Start for phase resonance, left in the balance's modal coefficients: angular frequency, force amplitude.
+pub(crate) fn resonance(balance: &mut Balance, acceleration: f64) -> Result<(f64, f64), HarmonicError> {
     let modes = balance.modes();
     let mut equivalent = Equivalent { stiffness: stuck_stiffness(balance)?, damping: 0.0 };
-    let mut q = vec![0.0; balance.unknowns];
+    balance.q.fill(0.0);
     let mut angular_frequency = 0.0;
     for _ in 0..ROUNDS {
         let (frequency, vector) = lowest_mode(balance, equivalent.stiffness);
@@ -35,36 +33,36 @@ pub(crate) fn resonance(
         angular_frequency = frequency;
         let amplitude = acceleration / (frequency * frequency * seen);
         for i in 0..modes {
-            q[i * balance.count + 2] = amplitude * vector[i];
+            balance.q[2 * modes + i] = amplitude * vector[i];
         }
         if settled {
             break;
         }
-        equivalent = averaged(equivalent, measure(balance, &q, frequency)?);
+        equivalent = averaged(equivalent, measure(balance, frequency)?);
     }
     let displacement = acceleration / (angular_frequency * angular_frequency);
-    let loss = balance.viscous_energy(&q, angular_frequency) + balance.dissipated_energy();
-    Ok((q, angular_frequency, loss / (std::f64::consts::PI * displacement)))
+    balance.weigh();
+    let loss = balance.viscous_energy(angular_frequency) + balance.dissipated_energy();
+    Ok((angular_frequency, loss / (std::f64::consts::PI * displacement)))
 }
 
-/// Start for a forced response.
+/// Start for a forced response, left in the balance's modal coefficients.
 pub(crate) fn forced(
     balance: &mut Balance,
     angular_frequency: f64,
     excitation: &[f64],
-) -> Result<Vec<f64>, HarmonicError> {
+) -> Result<(), HarmonicError> {
     let mut equivalent = Equivalent { stiffness: stuck_stiffness(balance)?, damping: 0.0 };
-    let mut q = vec![0.0; balance.unknowns];
     for _ in 0..ROUNDS {
-        linear_response(balance, angular_frequency, excitation, equivalent, &mut q);
-        let next = averaged(equivalent, measure(balance, &q, angular_frequency)?);
+        linear_response(balance, angular_frequency, excitation, equivalent);
+        let next = averaged(equivalent, measure(balance, angular_frequency)?);
         let settled = (next.stiffness - equivalent.stiffness).abs() <= 0.01 * equivalent.stiffness.abs();
         equivalent = next;
         if settled {
             break;
         }
     }
-    Ok(q)
+    Ok(())
 }
 
 /// Halfway between both, which tames the alternation of stiff-small and soft-large.
@@ -86,11 +84,12 @@ fn stuck_stiffness(balance: &mut Balance) -> Result<f64, HarmonicError> {
 }
 
 /// The spring and damper nearest to what the contact does under `q`.
-fn measure(balance: &mut Balance, q: &[f64], angular_frequency: f64) -> Result<Equivalent, HarmonicError> {
+fn measure(balance: &mut Balance, angular_frequency: f64) -> Result<Equivalent, HarmonicError> {
     if balance.contact.is_none() {
         return Ok(Equivalent { stiffness: 0.0, damping: 0.0 });
     }
-    let u = balance.contact_displacement(q).to_vec();
+    balance.weigh();
+    let u = balance.displacement.clone();
     balance.forget();
     let force = balance.contact_force(angular_frequency, &u)?;
     let work = work_per_cycle(force, &u);
@@ -123,15 +122,9 @@ fn lowest_mode(balance: &Balance, stiffness: f64) -> (f64, Vec<f64>) {
 
 /// Response of the beam with a spring and damper at the contact, harmonic by harmonic; the rank-one
 /// contact is taken into the diagonal receptance by the Sherman–Morrison formula.
-fn linear_response(
-    balance: &Balance,
-    angular_frequency: f64,
-    excitation: &[f64],
-    contact: Equivalent,
-    q: &mut [f64],
-) {
+fn linear_response(balance: &mut Balance, angular_frequency: f64, excitation: &[f64], contact: Equivalent) {
     let (beam, modes, count) = (balance.beam, balance.modes(), balance.count);
-    q.fill(0.0);
+    balance.q.fill(0.0);
     for h in 0..=count / 2 {
         let speed = h as f64 * angular_frequency;
         let force = match h {
@@ -155,10 +148,10 @@ fn linear_response(
             let x = receptance(i) * (force * beam.excitation_shape[i] - held * beam.contact_shape[i]);
             if x.re.is_finite() && x.im.is_finite() {
                 if h == 0 {
-                    q[i * count] = x.re;
+                    balance.q[i] = x.re;
                 } else {
-                    q[i * count + 2 * h - 1] = x.re;
-                    q[i * count + 2 * h] = -x.im;
+                    balance.q[(2 * h - 1) * modes + i] = x.re;
+                    balance.q[2 * h * modes + i] = -x.im;
                 }
             }
         }

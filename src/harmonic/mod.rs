@@ -18,18 +18,24 @@ mod cycle;
 mod elimination;
 mod extremum;
 mod factors;
+mod follow;
 mod forced;
 pub mod fourier;
 mod frequency_response;
 mod guess;
 mod implicit;
-mod newton;
+mod modal;
+mod modes;
+mod parameter;
 mod periods;
 mod problem;
 mod resonance;
 mod set;
+pub mod stability;
 mod start;
 mod system;
+mod tracker;
+mod tracking;
 mod transfer;
 
 pub use assembly::{Assembly, AttachedContact, Body, Control, CurveSettings};
@@ -37,11 +43,14 @@ pub use contact_cycle::{ContactCycle, ContactMapping, CycleSummary, contact_cycl
 pub use curve::{Contacting, Curve, Ending, Fold, Peak, Point};
 pub use forced::{ForcedResponse, forced_response};
 pub use frequency_response::{frequency_response, level_response, periodic_response};
+pub use modes::{ModePoint, ModeRange, NonlinearMode, nonlinear_mode};
+pub use parameter::{ContactAt, OwnedContact, Varied, VariedCurve, parameter_response};
 pub use periods::whole_periods;
 pub use resonance::{Resonance, backbone, phase_resonance};
 pub use set::HarmonicSet;
+pub use tracking::{Followed, Tracked, TrackedCurve, Tracking, track_levels, track_parameter};
 
-use crate::contact::ContactLaw;
+use crate::contact::{ContactLaw, LawError};
 use crate::structure::StructureError;
 
 /// A contact law under the constant normal load it has on the beam.
@@ -72,10 +81,9 @@ pub enum Method {
 pub struct Settings {
     /// Highest harmonic H of the displacements, at least 1.
     pub harmonics: usize,
-    /// Samples of a period in the contact, at least `8 H` and best a power of two. The contact meets
-    /// its turning points to the second order of the sampling step.
-    pub samples: usize,
-    /// Largest residual accepted, as share of the largest force in the balance.
+    /// How the contact is carried over a period. Its displacement has `2 H` harmonics.
+    pub method: Method,
+    /// Largest residual accepted, as share of the contact's displacement.
     pub tolerance: f64,
     /// Newton steps before a start is given up.
     pub max_iterations: usize,
@@ -83,15 +91,20 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { harmonics: 7, samples: 128, tolerance: 1e-9, max_iterations: 40 }
+        Self { harmonics: 7, method: Method::Exact, tolerance: 1e-9, max_iterations: 40 }
     }
 }
 
 impl Settings {
     fn check(&self) -> Result<(), HarmonicError> {
-        if self.harmonics == 0 || self.samples < 8 * self.harmonics {
+        if self.harmonics == 0 {
+            return Err(HarmonicError::InvalidInput("there must be a harmonic at least"));
+        }
+        if let Method::Sampled { samples } = self.method
+            && samples < 16 * self.harmonics
+        {
             return Err(HarmonicError::InvalidInput(
-                "fewer than one harmonic, or than 8 samples per harmonic",
+                "fewer than 16 samples per harmonic, 8 for each of the contact's displacement",
             ));
         }
         if !(self.tolerance > 0.0 && self.max_iterations > 0) {
@@ -110,9 +123,9 @@ pub enum HarmonicError {
     #[error("{0}")]
     InvalidInput(&'static str),
     /// Newton's method stopped short of the tolerance.
-    #[error("no balance after {iterations} steps: the residual is {residual:.1e} of the largest force")]
+    #[error("no balance after {iterations} steps: the residual is {residual:.1e} of the largest term")]
     NotConverged {
-        /// Largest residual as share of the largest force.
+        /// Largest residual as share of the largest term.
         residual: f64,
         /// Newton steps made.
         iterations: usize,
@@ -123,7 +136,17 @@ pub enum HarmonicError {
         /// Cycles marched.
         cycles: usize,
     },
+    /// A contact could not be made for a value of the parameter.
+    #[error(transparent)]
+    Law(#[from] LawError),
     /// The structure cannot be condensed to its contacts.
     #[error(transparent)]
     Structure(#[from] StructureError),
+}
+
+impl HarmonicError {
+    /// Whether a shorter step may succeed where this one failed.
+    fn is_of_the_step(&self) -> bool {
+        matches!(self, Self::NotConverged { .. } | Self::ContactNotPeriodic { .. })
+    }
 }

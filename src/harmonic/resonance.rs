@@ -1,9 +1,9 @@
 //! Phase resonance under response control, and backbones.
 
-use nalgebra::DMatrix;
-
 use super::balance::Balance;
-use super::newton::{self, Effort, Equations};
+use super::follow::{Family, State, find};
+use super::problem::{Condition, ConditionRow, Effort, Newton, Stopping};
+use super::system::{Observation, Operating, PeriodicSystem, Scalar};
 use super::{ContactOnBeam, HarmonicError, Settings, guess};
 use crate::structure::ModalBeam;
 
@@ -95,7 +95,7 @@ pub fn backbone(
 }
 
 struct Solver<'a> {
-    equations: PhaseResonance<'a>,
+    balance: Balance<'a>,
     settings: Settings,
 }
 
@@ -105,147 +105,94 @@ impl<'a> Solver<'a> {
         contact: Option<ContactOnBeam<'a>>,
         settings: &Settings,
     ) -> Result<Self, HarmonicError> {
-        let balance = Balance::new(beam, contact, settings)?;
-        let largest = beam.excitation_shape.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        if largest == 0.0 {
+        settings.check()?;
+        let balance = Balance::new(beam, contact, &[0.0, 1.0, 0.0], settings.harmonics, settings.method)?;
+        if beam.excitation_shape.iter().all(|phi| *phi == 0.0) {
             return Err(HarmonicError::InvalidInput("the excitation moves no mode"));
         }
-        let lowest = beam.angular_frequency.iter().copied().fold(f64::INFINITY, f64::min);
-        let size = balance.unknowns + 2;
-        let equations = PhaseResonance {
-            balance,
-            acceleration: 0.0,
-            condition_scale: lowest * lowest / largest,
-            residual: vec![0.0; size],
-            jacobian: DMatrix::zeros(size, size),
-        };
-        Ok(Self { equations, settings: *settings })
+        Ok(Self { balance, settings: *settings })
     }
 
     fn solve(&mut self, acceleration: f64, start: Option<&Resonance>) -> Result<Resonance, HarmonicError> {
         if !(acceleration > 0.0 && acceleration.is_finite()) {
             return Err(HarmonicError::InvalidInput("the acceleration amplitude must be positive"));
         }
-        let unknowns = self.equations.balance.unknowns;
-        if let Some(start) = start.filter(|s| s.coefficients.len() == unknowns) {
+        let balance = &mut self.balance;
+        let start = start.filter(|s| s.coefficients.len() == balance.q.len()).map(|start| {
             let ratio = acceleration / start.acceleration_amplitude;
-            let mut x: Vec<f64> = start.coefficients.iter().map(|q| ratio * q).collect();
-            x.extend([start.angular_frequency, ratio * start.force_amplitude]);
-            if let Ok(effort) = self.attempt(acceleration, &mut x) {
-                return Ok(self.result(&x, effort));
-            }
-        }
-        let mut x = self.guess(acceleration)?;
-        match self.attempt(acceleration, &mut x) {
-            Ok(effort) => Ok(self.result(&x, effort)),
-            Err(_) => self.follow(acceleration),
-        }
-    }
-
-    fn guess(&mut self, acceleration: f64) -> Result<Vec<f64>, HarmonicError> {
-        let (mut x, frequency, force) = guess::resonance(&mut self.equations.balance, acceleration)?;
-        x.extend([frequency, force]);
-        Ok(x)
-    }
-
-    fn attempt(&mut self, acceleration: f64, x: &mut [f64]) -> Result<Effort, HarmonicError> {
-        self.equations.acceleration = acceleration;
-        self.equations.balance.forget();
-        newton::solve(&mut self.equations, x, &self.settings)
-    }
-
-    /// Follows the solution from a small amplitude up, with steps that halve on failure.
-    fn follow(&mut self, acceleration: f64) -> Result<Resonance, HarmonicError> {
-        const SMALLEST_STEP: f64 = 1.002;
-        let mut amplitude = 1e-3 * acceleration;
-        let mut x = self.guess(amplitude)?;
-        let mut effort = self.attempt(amplitude, &mut x)?;
-        let mut step: f64 = 1.5;
-        while amplitude < acceleration {
-            let next = (amplitude * step).min(acceleration);
-            let mut trial = x.clone();
-            let ratio = next / amplitude;
-            let unknowns = self.equations.balance.unknowns;
-            trial[..unknowns].iter_mut().for_each(|q| *q *= ratio);
-            trial[unknowns + 1] *= ratio;
-            match self.attempt(next, &mut trial) {
-                Ok(done) => {
-                    (x, amplitude, effort) = (trial, next, done);
-                    step = step.powf(1.5).min(2.0);
-                }
-                Err(error) if step < SMALLEST_STEP => return Err(error),
-                Err(_) => step = step.sqrt(),
-            }
-        }
-        Ok(self.result(&x, effort))
-    }
-
-    fn result(&self, x: &[f64], effort: Effort) -> Resonance {
-        let balance = &self.equations.balance;
-        let (q, rest) = x.split_at(balance.unknowns);
-        Resonance {
-            angular_frequency: rest[0],
-            force_amplitude: rest[1],
-            acceleration_amplitude: self.equations.acceleration,
-            coefficients: q.to_vec(),
-            contact_displacement: balance.displacement.clone(),
+            let scaled: Vec<f64> = start.coefficients.iter().map(|q| ratio * q).collect();
+            let mut x = vec![0.0; balance.unknowns()];
+            balance.displace(&scaled, &mut x);
+            let at = Operating::forced(start.angular_frequency, ratio * start.force_amplitude);
+            State { x, at }
+        });
+        let (state, effort) = find(&mut PhaseResonance, balance, acceleration, start, &self.settings)?;
+        Ok(Resonance {
+            angular_frequency: state.at.angular_frequency,
+            force_amplitude: state.at.level,
+            acceleration_amplitude: acceleration,
+            coefficients: balance.modal_coefficients(),
+            contact_displacement: state.x,
             contact_force: balance.force().to_vec(),
             dissipated_energy: balance.dissipated_energy(),
-            viscous_energy: balance.viscous_energy(q, rest[0]),
+            viscous_energy: balance.viscous_energy(state.at.angular_frequency),
             iterations: effort.iterations,
             residual: effort.residual,
-        }
+        })
     }
 }
 
-/// Unknowns: coefficients, Ω, F. The last two equations hold the displacement's first harmonic at the
-/// excitation at `a/Ω² sin Ωt`, a quarter period behind the force.
-struct PhaseResonance<'a> {
-    balance: Balance<'a>,
+/// Responses at phase resonance: the displacement's first harmonic at the excitation is `a/Ω² sin Ωt`, a
+/// quarter period behind the force. Ω and F are free.
+struct PhaseResonance;
+
+impl Family for PhaseResonance {
+    fn solve(
+        &mut self,
+        balance: &mut Balance,
+        newton: &mut Newton,
+        amount: f64,
+        state: &mut State,
+        stopping: &Stopping,
+    ) -> Result<Effort, HarmonicError> {
+        let node = balance.nodes() - 1;
+        let mut cosine = InQuadrature { node, part: 0, acceleration: amount, seen: Observation::default() };
+        let mut sine = InQuadrature { node, part: 1, acceleration: amount, seen: Observation::default() };
+        let free = [Scalar::AngularFrequency, Scalar::Level];
+        newton.solve(balance, &mut state.x, &mut state.at, &free, &mut [&mut cosine, &mut sine], stopping)
+    }
+
+    fn guess(&mut self, balance: &mut Balance, amount: f64) -> Result<State, HarmonicError> {
+        let (frequency, force) = guess::resonance(balance, amount)?;
+        Ok(State { x: balance.displacement.clone(), at: Operating::forced(frequency, force) })
+    }
+}
+
+/// One part of `X₁ = a/Ω² sin Ωt`. Linear in the displacement, unlike amplitude and phase.
+struct InQuadrature {
+    node: usize,
+    /// 0 for the cosine, 1 for the sine.
+    part: usize,
     acceleration: f64,
-    /// Brings the two conditions to the size of the balance's forces.
-    condition_scale: f64,
-    residual: Vec<f64>,
-    jacobian: DMatrix<f64>,
+    seen: Observation,
 }
 
-impl Equations for PhaseResonance<'_> {
-    fn evaluate(&mut self, x: &[f64]) -> Result<f64, HarmonicError> {
-        let n = self.balance.unknowns;
-        let count = self.balance.count;
-        let (frequency, force) = (x[n], x[n + 1]);
-        let scale = self.balance.evaluate(&x[..n], frequency)?;
-        self.residual[..n].copy_from_slice(&self.balance.residual);
-        self.jacobian.fill(0.0);
-        self.jacobian.view_mut((0, 0), (n, n)).copy_from(&self.balance.jacobian);
-        let (mut cosine, mut sine) = (0.0, 0.0);
-        for (i, shape) in self.balance.beam.excitation_shape.iter().enumerate() {
-            let (c, s) = (i * count + 1, i * count + 2);
-            self.residual[c] -= force * shape;
-            self.jacobian[(c, n + 1)] = -shape;
-            cosine += shape * x[c];
-            sine += shape * x[s];
-            self.jacobian[(n, c)] = self.condition_scale * shape;
-            self.jacobian[(n + 1, s)] = self.condition_scale * shape;
-        }
-        self.jacobian.view_mut((0, n), (n, 1)).copy_from_slice(&self.balance.by_frequency);
-        let amplitude = self.acceleration / (frequency * frequency);
-        self.residual[n] = self.condition_scale * cosine;
-        self.residual[n + 1] = self.condition_scale * (sine - amplitude);
-        self.jacobian[(n + 1, n)] = self.condition_scale * 2.0 * amplitude / frequency;
-        Ok(scale)
-    }
-
-    fn residual(&self) -> &[f64] {
-        &self.residual
-    }
-
-    fn jacobian(&self) -> &DMatrix<f64> {
-        &self.jacobian
-    }
-
-    fn longest_step(&self, x: &[f64], step: &[f64]) -> f64 {
-        let n = self.balance.unknowns;
-        (0.2 * x[n] / step[n].abs()).min(1.0)
+impl Condition for InQuadrature {
+    fn evaluate(
+        &mut self,
+        system: &mut dyn PeriodicSystem,
+        _x: &[f64],
+        at: &Operating,
+        row: &mut ConditionRow,
+    ) -> f64 {
+        system.observe(self.node, 1, &mut self.seen);
+        let factor = at.angular_frequency * at.angular_frequency / self.acceleration;
+        let value = factor * self.seen.value[self.part];
+        let by_unknowns = row.by_unknowns.iter_mut().zip(&self.seen.by_unknowns[self.part]);
+        by_unknowns.for_each(|(r, d)| *r = factor * d);
+        let by_scalars = row.by_scalars.iter_mut().zip(self.seen.by_scalars[self.part]);
+        by_scalars.for_each(|(r, d)| *r = factor * d);
+        row.by_scalars[Scalar::AngularFrequency.index()] += 2.0 * value / at.angular_frequency;
+        value - self.part as f64
     }
 }

@@ -161,16 +161,12 @@ impl Chain {
         self.dissipated_energy = 0.0;
         let mut largest = 0.0_f64;
         for j in 0..self.points {
-            let mut inputs = Inputs {
-                displacement: path[j + 1].value,
-                velocity: 0.0,
-                normal_load: contact.normal_load,
-            };
+            let mut inputs =
+                Inputs { displacement: path[j + 1].value, velocity: 0.0, normal_load: contact.normal_load };
             let (before, after) = self.states.split_at_mut((j + 1) * n);
             let state = &before[j * n..];
             let guess = self.force[j + 1];
-            let response =
-                spring_step(contact, state, &mut inputs, guess, self.force_scale, &mut after[..n]);
+            let response = spring_step(contact, state, &mut inputs, guess, self.force_scale, &mut after[..n]);
             contact.law.state_tangents(state, inputs, &mut self.tangents);
             for (scale, x) in self.scale.iter_mut().zip(&after[..n]) {
                 *scale = scale.max(x.abs());
