@@ -73,13 +73,7 @@ impl ContactLaw for Sliders {
 }
 
 pub fn slider(stiffness: f64, play: (f64, f64), limits: (f64, f64)) -> Slider {
-    Slider {
-        stiffness,
-        play_below: play.0,
-        play_above: play.1,
-        lower_limit: limits.0,
-        upper_limit: limits.1,
-    }
+    Slider { stiffness, play_below: play.0, play_above: play.1, lower_limit: limits.0, upper_limit: limits.1 }
 }
 
 /// Every kind of slider, alone and together, with displacements that exercise it.
