@@ -64,9 +64,10 @@ fn duffing_turns_where_one_harmonic_turns_in_closed_form() {
             assert!(turning.abs() < 1e-6 * detuning * detuning, "{fold:?}: {turning}");
         }
         // The curve turns back between the folds.
-        let backwards = curve.points.windows(2).any(|pair| {
-            (pair[1].angular_frequency - pair[0].angular_frequency) * (to - from) < 0.0
-        });
+        let backwards = curve
+            .points
+            .windows(2)
+            .any(|pair| (pair[1].angular_frequency - pair[0].angular_frequency) * (to - from) < 0.0);
         assert!(backwards);
         // The same curve from the other side.
         for point in &curve.points {
@@ -86,10 +87,15 @@ fn a_stiff_jenkins_element_approaches_den_hartogs_coulomb_friction() {
     let amplitude = |stiffness: f64, harmonics: usize| {
         let law = Jenkins::new(stiffness, 0.3).unwrap();
         let control = Control::Level(1.0);
-        let point = periodic_response(&assembly(&structure, &[&law]), 0.8, &control, &settings(harmonics), None);
+        let point =
+            periodic_response(&assembly(&structure, &[&law]), 0.8, &control, &settings(harmonics), None);
         point.unwrap().amplitude[0]
     };
-    for k in [12.5,25.0, 50.0, 100.0, 200.0, 400.0] { for h in [51,101] { println!("{k} {h} {}", amplitude(k, h)-EXACT); } }
+    for k in [12.5, 25.0, 50.0, 100.0, 200.0, 400.0] {
+        for h in [51, 101] {
+            println!("{k} {h} {}", amplitude(k, h) - EXACT);
+        }
+    }
     let (soft, stiff) = (amplitude(200.0, 101), amplitude(400.0, 101));
     assert!((stiff - EXACT).abs() < 0.6 * (soft - EXACT).abs());
     // The error is proportional to the compliance.
@@ -104,9 +110,16 @@ fn contacts_side_by_side_are_one_contact() {
     let (a, b) = (Jenkins::new(0.2, 0.12).unwrap(), Jenkins::new(0.3, 0.18).unwrap());
     for omega in [0.6, 1.0, 1.3] {
         let control = Control::Level(0.5);
-        let one = periodic_response(&assembly(&single, &[&whole]), omega, &control, &settings(15), None).unwrap();
-        let two = periodic_response(&assembly(&double, &[&a, &b]), omega, &control, &settings(15), None).unwrap();
-        println!("{omega} {:e} {:e} {:e}", one.amplitude[0] / two.amplitude[0] - 1.0, one.dissipated_energy() - two.dissipated_energy(), one.error_estimate / two.error_estimate - 1.0);
+        let one =
+            periodic_response(&assembly(&single, &[&whole]), omega, &control, &settings(15), None).unwrap();
+        let two =
+            periodic_response(&assembly(&double, &[&a, &b]), omega, &control, &settings(15), None).unwrap();
+        println!(
+            "{omega} {:e} {:e} {:e}",
+            one.amplitude[0] / two.amplitude[0] - 1.0,
+            one.dissipated_energy() - two.dissipated_energy(),
+            one.error_estimate / two.error_estimate - 1.0
+        );
         assert!((one.amplitude[0] / two.amplitude[0] - 1.0).abs() < 1e-9, "{omega}");
         assert!((one.dissipated_energy() - two.dissipated_energy()).abs() < 1e-9, "{omega}");
         assert!((one.error_estimate / two.error_estimate - 1.0).abs() < 1e-3, "{omega}");
@@ -128,6 +141,7 @@ fn a_one_sided_stop_at_rest_makes_a_bias_and_a_bilinear_resonance() {
         assert!(point.dissipated_energy().abs() < 1e-6 * point.work, "a spring");
     }
     // Without a gap nothing has a size: twice the force, twice the response.
-    let response = |level| periodic_response(&assembly, 1.1, &Control::Level(level), &settings(12), None).unwrap();
+    let response =
+        |level| periodic_response(&assembly, 1.1, &Control::Level(level), &settings(12), None).unwrap();
     assert!((response(0.02).amplitude[0] / response(0.01).amplitude[0] - 2.0).abs() < 1e-8);
 }

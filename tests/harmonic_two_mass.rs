@@ -94,7 +94,12 @@ fn curve_has_the_peaks_of_the_exact_solution() {
 fn work_equals_dissipated_and_viscous_energy() {
     for point in curve(&settings(7)).points {
         let lost = point.dissipated_energy() + viscous_energy(&point);
-        assert!((point.work - lost).abs() < 1e-8 * point.work, "{}: {}", point.angular_frequency, point.work - lost);
+        assert!(
+            (point.work - lost).abs() < 1e-8 * point.work,
+            "{}: {}",
+            point.angular_frequency,
+            point.work - lost
+        );
     }
 }
 
