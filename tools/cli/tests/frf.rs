@@ -180,7 +180,7 @@ fn what_cannot_be_followed_is_refused() {
     ranged(&["--levels", "0.4,nan"], &["NaN"]);
     ranged(&["--harmonics", "0"], &["--harmonics 0"]);
     ranged(&["--tolerance", "-0.001"], &["--tolerance"]);
-    ranged(&["--unit", "rpm"], &["rpm"]);
+    refused(&["frf", "model.toml", "--from", "1", "--to", "2", "--unit", "rpm"], &["rpm", "rad/s"]);
     ranged(&["--excite", "n1"], &["n1", "did you mean `m1`"]);
 }
 
