@@ -143,6 +143,11 @@ pub trait ContactLaw: std::fmt::Debug + Send + Sync {
         true
     }
 
+    /// Whether stick is a state of its own; a law that slips however small the motion has none.
+    fn has_stick(&self) -> bool {
+        true
+    }
+
     /// Writes the law under the constant `normal_load` (N) as sliders side by side, whose forces add up, and
     /// returns true; or returns false where the law is not piecewise linear.
     fn sliders(&self, normal_load: f64, out: &mut Vec<Slider>) -> bool {

@@ -511,6 +511,10 @@ impl ContactLaw for Valanis {
         out.next_by_displacement[0] = end.by_travel;
     }
 
+    fn has_stick(&self) -> bool {
+        false
+    }
+
     fn limit(&self, normal_load: f64) -> f64 {
         if normal_load <= 0.0 { 0.0 } else { self.friction_coefficient * normal_load }
     }

@@ -7,16 +7,21 @@
 //!
 //! Coefficients are laid out `[a0, c1, s1, …, cH, sH]` per mode, mode after mode; see [`fourier`].
 
+mod assembly;
 mod balance;
+mod condensed;
 mod condition;
 mod contact_cycle;
+mod continuation;
 mod curve;
 mod cycle;
 mod elimination;
+mod extremum;
 mod factors;
 mod follow;
 mod forced;
 pub mod fourier;
+mod frequency_response;
 mod guess;
 mod implicit;
 mod modal;
@@ -24,11 +29,15 @@ mod periods;
 mod problem;
 mod resonance;
 mod set;
+mod start;
 mod system;
+mod transfer;
 
+pub use assembly::{Assembly, AttachedContact, Body, Control, CurveSettings};
 pub use contact_cycle::{ContactCycle, ContactMapping, CycleSummary, contact_cycle};
 pub use curve::{Contacting, Curve, Ending, Fold, Peak, Point};
 pub use forced::{ForcedResponse, forced_response};
+pub use frequency_response::{frequency_response, level_response, periodic_response};
 pub use periods::whole_periods;
 pub use resonance::{Resonance, backbone, phase_resonance};
 pub use set::HarmonicSet;

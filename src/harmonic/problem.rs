@@ -1,8 +1,8 @@
 //! Balance equations with conditions on top: Newton's method on unknowns and free scalars together.
 
+use super::HarmonicError;
 use super::factors::Factors;
 use super::system::{Operating, PeriodicSystem, Scalar};
-use super::HarmonicError;
 
 /// Gradient of a condition.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -115,20 +115,22 @@ impl Newton {
         }
     }
 
-    /// Solves with the factors of the last Newton step: `right` has an entry per unknown and per free scalar,
-    /// of which those of the balance are relative to the size of its terms. Factors first where the start
-    /// was already the solution. False where that fails.
-    pub fn solve_linear(&mut self, system: &dyn PeriodicSystem, free: &[Scalar], right: &mut [f64]) -> bool {
-        if !self.factored && !self.factor(system, free) {
-            return false;
-        }
+    /// Makes sure that there are factors: of the last Newton step or, where the start was already the solution,
+    /// of the last evaluation. False where the matrix is singular.
+    pub fn prepare(&mut self, system: &dyn PeriodicSystem, free: &[Scalar]) -> bool {
+        self.factored || self.factor(system, free)
+    }
+
+    /// Solves with the factors there are: `right` has an entry per unknown, relative to the size of the
+    /// balance's terms, and one per condition. False where the result is not finite.
+    pub fn solve_linear(&self, right: &mut [f64]) -> bool {
         self.factors.solve(right);
         right.iter().all(|value| value.is_finite())
     }
 
-    /// Factors the matrix of the last evaluation anew.
-    pub fn refactor(&mut self, system: &dyn PeriodicSystem, free: &[Scalar]) -> bool {
-        self.factor(system, free)
+    /// Size of the terms of the balance at the last evaluation.
+    pub fn scale(&self) -> f64 {
+        self.scale
     }
 
     /// The longest sensible step along the direction found, then halves until the residual falls. Returns
@@ -219,11 +221,7 @@ fn longest_share(at: &Operating, free: &[Scalar], step: &[f64]) -> f64 {
     let frequency = free.iter().position(|scalar| *scalar == Scalar::AngularFrequency);
     frequency.map_or(1.0, |k| {
         let fall = -step[k];
-        if fall > 0.5 * at.angular_frequency {
-            0.5 * at.angular_frequency / fall
-        } else {
-            1.0
-        }
+        if fall > 0.5 * at.angular_frequency { 0.5 * at.angular_frequency / fall } else { 1.0 }
     })
 }
 

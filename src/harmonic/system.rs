@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use super::curve::Point;
 use super::HarmonicError;
+use super::curve::Point;
 
 /// Numbers besides the Fourier coefficients on which the balance depends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -133,7 +133,7 @@ pub(crate) trait PeriodicSystem {
 
     /// Estimated error of the nodes' displacements from the harmonics left out, as share of the amplitude of
     /// the node it is largest at, at the solution `x`, `point` last evaluated. `solve` turns a residual into
-    /// `(∂residual/∂unknowns)⁻¹ residual`. 0 where the system has no estimate.
+    /// `(∂residual/∂unknowns)⁻¹ residual` in place. 0 where the system has no estimate.
     fn truncation_error(
         &mut self,
         x: &[f64],
@@ -154,6 +154,12 @@ pub(crate) trait PeriodicSystem {
     ) -> Result<bool, HarmonicError> {
         let _ = (harmonics, vectors);
         Ok(false)
+    }
+
+    /// Writes the unknowns of a known response; false where it does not tell them.
+    fn resume(&self, point: &Point, x: &mut [f64]) -> bool {
+        let _ = (point, x);
+        false
     }
 
     /// Whether a small disturbance of the solution last evaluated dies out; `None` where it cannot be told.

@@ -66,6 +66,7 @@ pub(super) struct Ledger {
     by_stiffness: Waves,
     by_constant: Waves,
     by_source: Vec<Waves>,
+    spare: Vec<Waves>,
     basis: Vec<f64>,
     pull: Vec<f64>,
     wide: Option<(HarmonicSet, Waves, DMatrix<f64>, Vec<f64>)>,
@@ -128,12 +129,14 @@ impl Ledger {
         }
     }
 
-    /// Integrates force and derivatives over the period, `share` of which was run through.
+    /// Integrates force and derivatives over the period, `share` of which was run through. The sources are
+    /// displacements at the turning points, or what depends on them by the rows of `by_points`.
     pub fn integrate(
         &mut self,
         set: HarmonicSet,
         share: f64,
         u: &[f64],
+        by_points: Option<&[f64]>,
         force: &mut [f64],
         jacobian: &mut DMatrix<f64>,
     ) {
@@ -146,12 +149,30 @@ impl Ledger {
             force.iter_mut().zip(column).for_each(|(f, k)| *f += k * u);
         }
         for source in 0..self.sources {
-            let by_source = &mut self.by_source[source];
-            by_source.integrate();
-            by_source.coefficients(set, share, &mut self.pull);
+            self.by_source[source].integrate();
+        }
+        if let Some(by_points) = by_points {
+            self.spread(by_points);
+        }
+        for source in 0..self.sources {
+            self.by_source[source].coefficients(set, share, &mut self.pull);
             self.waves.fill(self.changes[source].phase);
             self.waves.basis(set, &mut self.basis);
             subtract_product(jacobian, &self.pull, &self.basis);
+        }
+    }
+
+    /// Spreads what belongs to the sources over the turning points.
+    fn spread(&mut self, by_points: &[f64]) {
+        while self.spare.len() < self.sources {
+            self.spare.push(self.by_constant.clone());
+        }
+        std::mem::swap(&mut self.spare, &mut self.by_source);
+        for (point, target) in self.by_source[..self.sources].iter_mut().enumerate() {
+            target.clear();
+            for (source, waves) in self.spare[..self.sources].iter().enumerate() {
+                target.add(by_points[source * self.sources + point], waves);
+            }
         }
     }
 

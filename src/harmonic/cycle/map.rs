@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use super::piecewise::PiecewiseCycle;
 use super::reference::ReferenceCycle;
+use super::smooth::SmoothCycle;
 use super::{Cycle, CycleSummary, PeriodicContact};
 use crate::contact::Slider;
 use crate::harmonic::set::HarmonicSet;
@@ -21,6 +22,7 @@ pub(crate) struct ContactMap {
 #[derive(Debug)]
 enum Way {
     Piecewise(Box<PiecewiseCycle>),
+    Smooth(Box<SmoothCycle>),
     Reference(Box<ReferenceCycle>),
 }
 
@@ -41,15 +43,16 @@ impl ContactMap {
         }
         let piecewise = contact.law.sliders(contact.normal_load, &mut self.sliders);
         match (&self.way, piecewise) {
-            (Way::Piecewise(_), true) | (Way::Reference(_), false) => {}
+            (Way::Piecewise(_), true) | (Way::Smooth(_), false) => {}
             (_, true) => self.way = Way::Piecewise(Box::new(PiecewiseCycle::new(self.set))),
-            (_, false) => self.way = Way::Reference(Box::new(ReferenceCycle::new(self.set, 1024))),
+            (_, false) => self.way = Way::Smooth(Box::new(SmoothCycle::new(self.set))),
         }
     }
 
     fn cycle(&self) -> &dyn Cycle {
         match &self.way {
             Way::Piecewise(cycle) => cycle.as_ref(),
+            Way::Smooth(cycle) => cycle.as_ref(),
             Way::Reference(cycle) => cycle.as_ref(),
         }
     }
@@ -57,6 +60,7 @@ impl ContactMap {
     fn cycle_mut(&mut self) -> &mut dyn Cycle {
         match &mut self.way {
             Way::Piecewise(cycle) => cycle.as_mut(),
+            Way::Smooth(cycle) => cycle.as_mut(),
             Way::Reference(cycle) => cycle.as_mut(),
         }
     }

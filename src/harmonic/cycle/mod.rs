@@ -2,12 +2,15 @@
 //!
 //! This is the seam between the balance equations and the way a contact is carried over a period.
 
+mod bundle;
+mod chain;
 mod ledger;
 pub(crate) mod map;
 mod motion;
 mod piecewise;
 mod reference;
 pub(crate) mod sampled;
+mod smooth;
 mod turning;
 mod waves;
 

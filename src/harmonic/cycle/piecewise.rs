@@ -6,6 +6,7 @@
 
 use nalgebra::DMatrix;
 
+use super::bundle::{Books, Bundle};
 use super::ledger::{Ledger, Piece, Source};
 use super::motion::{Motion, Turning};
 use super::turning::turning_points;
@@ -15,7 +16,10 @@ use crate::harmonic::HarmonicError;
 use crate::harmonic::set::HarmonicSet;
 
 /// Rounds after which the state must repeat; one is enough for sliders on their own.
-const MAX_ROUNDS: usize = 20;
+pub(super) const MAX_ROUNDS: usize = 20;
+
+/// Halvings that leave nothing of an interval.
+const BISECTIONS: usize = 100;
 
 /// The contact map of laws that are sliders side by side.
 #[derive(Debug)]
@@ -30,6 +34,7 @@ pub(crate) struct PiecewiseCycle {
     turnings: Vec<Turning>,
     path: Path,
     ledger: Ledger,
+    bundle: Bundle,
     record: Record,
     compliance: f64,
 }
@@ -194,6 +199,7 @@ impl PiecewiseCycle {
             turnings: Vec::new(),
             path: Path::default(),
             ledger: Ledger::new(set),
+            bundle: Bundle::default(),
             record: Record::default(),
             compliance: 0.0,
         }
@@ -257,13 +263,24 @@ impl PiecewiseCycle {
     /// A contact at rest: the virgin contact loaded to the mean displacement. What slid on the way follows a
     /// change of the mean and resists all else.
     fn rest(&mut self) {
-        let mut bias_stiffness = 0.0;
-        let mut stiffness = 0.0;
-        let mut force = 0.0;
+        let (total, compliance) = (self.motion.bias(), self.compliance);
+        // T = F(u − a T) by bisection: F grows with the displacement.
+        let loaded = |force: f64| -> f64 {
+            self.sliders.iter().map(|slider| slider.step(0.0, total - compliance * force).0).sum()
+        };
+        let mut force = loaded(0.0);
+        if compliance > 0.0 {
+            let (mut low, mut high) = (force.min(0.0), force.max(0.0));
+            for _ in 0..BISECTIONS {
+                force = 0.5 * (low + high);
+                if loaded(force) > force { low = force } else { high = force }
+            }
+        }
+        let contact = total - compliance * force;
+        let (mut bias_stiffness, mut stiffness) = (0.0, 0.0);
         for slider in &self.sliders {
-            let (f, position) = slider.step(0.0, self.motion.bias());
-            force += f;
-            let stretch = self.motion.bias() - position;
+            let (_, position) = slider.step(0.0, contact);
+            let stretch = contact - position;
             if stretch >= slider.play_above || stretch <= slider.play_below {
                 stiffness += slider.stiffness;
                 bias_stiffness += if position == 0.0 { slider.stiffness } else { 0.0 };
@@ -271,10 +288,10 @@ impl PiecewiseCycle {
         }
         self.force.fill(0.0);
         self.jacobian.fill(0.0);
-        self.jacobian.fill_diagonal(stiffness / (1.0 + self.compliance * stiffness));
+        self.jacobian.fill_diagonal(stiffness / (1.0 + compliance * stiffness));
         if !self.set.is_odd() {
             self.force[0] = force;
-            self.jacobian[(0, 0)] = bias_stiffness / (1.0 + self.compliance * bias_stiffness);
+            self.jacobian[(0, 0)] = bias_stiffness / (1.0 + compliance * bias_stiffness);
         }
     }
 }
@@ -325,11 +342,19 @@ impl Cycle for PiecewiseCycle {
             return Ok(());
         }
         self.ledger.start(&self.path.points);
-        for i in 0..self.sliders.len() {
-            let reach = Reach::behind(&self.sliders[i], contact.compliance);
-            self.run(&reach);
+        let together = contact.compliance != 0.0 && self.sliders.len() > 1;
+        if together {
+            let Self { bundle, sliders, path, ledger, record, motion, .. } = self;
+            bundle.run(sliders, contact.compliance, path, &mut Books { ledger, record, motion });
+        } else {
+            for i in 0..self.sliders.len() {
+                let reach = Reach::behind(&self.sliders[i], contact.compliance);
+                self.run(&reach);
+            }
         }
-        self.ledger.integrate(self.set, self.path.share(), u, &mut self.force, &mut self.jacobian);
+        let contact_by_points = together.then_some(self.bundle.by_points.as_slice());
+        let (force, jacobian) = (&mut self.force, &mut self.jacobian);
+        self.ledger.integrate(self.set, self.path.share(), u, contact_by_points, force, jacobian);
         Ok(())
     }
 

@@ -22,6 +22,7 @@ pub(crate) struct ReferenceCycle {
     by_frequency: Vec<f64>,
     /// Displacement, force and slip state at the samples of the last evaluation.
     history: Vec<(f64, f64, SlipState)>,
+    has_stick: bool,
 }
 
 impl ReferenceCycle {
@@ -37,6 +38,7 @@ impl ReferenceCycle {
             jacobian: DMatrix::zeros(set.len(), set.len()),
             by_frequency: vec![0.0; set.len()],
             history: Vec::new(),
+            has_stick: true,
         }
     }
 
@@ -48,6 +50,7 @@ impl ReferenceCycle {
         contact.law.set_state(0.0, contact.normal_load, 0.0, &mut state);
         let derivative = crate::harmonic::fourier::time_derivative(&self.displacement, 1, angular_frequency);
         self.history.clear();
+        self.has_stick = contact.law.has_stick();
         for k in 0..2 * self.samples {
             let phase = step * (k % self.samples) as f64;
             let total = value(&self.displacement, phase);
@@ -120,7 +123,7 @@ impl Cycle for ReferenceCycle {
         CycleSummary {
             dissipated_energy: work_per_cycle(&self.inner.force, &self.displacement),
             equivalent_stiffness: (high.1 - low.1) / (high.0 - low.0),
-            stick_fraction: Some(stuck as f64 / self.history.len().max(1) as f64),
+            stick_fraction: self.has_stick.then(|| stuck as f64 / self.history.len().max(1) as f64),
         }
     }
 }

@@ -1,0 +1,454 @@
+//! Contacts that are smooth between reversals.
+//!
+//! The periodic states at the turning points come from [`Chain`]. Between two of them every force is one exact
+//! step from the turning point behind, so that the force's integrals are Gauss–Legendre sums over panels.
+//! A panel is halved until the force on it is resolved: near a reversal the unloading is steep.
+
+use nalgebra::DMatrix;
+
+use super::chain::{Chain, spring_step};
+use super::motion::{Motion, Turning};
+use super::piecewise::{Path, tip_stiffness};
+use super::turning::turning_points;
+use super::waves::{Waves, multiplication};
+use super::{Cycle, CycleSummary, PeriodicContact};
+use crate::contact::{Inputs, SlipState, StateTangents};
+use crate::harmonic::HarmonicError;
+use crate::harmonic::fourier::work_per_cycle;
+use crate::harmonic::set::HarmonicSet;
+
+/// Nodes of a panel.
+const NODES: usize = 16;
+/// Positive nodes and their weights of Gauss–Legendre quadrature with 16 nodes on [−1, 1].
+const RULE: [(f64, f64); NODES / 2] = [
+    (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
+    (0.281_603_550_779_258_9, 0.182_603_415_044_923_6),
+    (0.458_016_777_657_227_4, 0.169_156_519_395_002_54),
+    (0.617_876_244_402_643_7, 0.149_595_988_816_576_73),
+    (0.755_404_408_355_003, 0.124_628_971_255_533_87),
+    (0.865_631_202_387_831_7, 0.095_158_511_682_492_78),
+    (0.944_575_023_073_232_6, 0.062_253_523_938_647_89),
+    (0.989_400_934_991_649_9, 0.027_152_459_411_754_095),
+];
+/// Largest half-width of a panel in radians of the highest harmonic.
+const WIDEST: f64 = 7.0;
+/// Share of the largest force that the highest Legendre coefficients on a panel may have: the rule is exact
+/// up to the square of their order, so that the integral is far more accurate.
+const RESOLVED: f64 = 1e-10;
+/// Times a panel is halved at most.
+const MAX_HALVINGS: u32 = 14;
+
+/// What is known at a node.
+#[derive(Debug, Clone, Copy, Default)]
+struct Node {
+    phase: f64,
+    slope: f64,
+    force: f64,
+    stiffness: f64,
+    damping: f64,
+    stuck: bool,
+}
+
+/// The contact map of laws whose step between two reversals is exact.
+#[derive(Debug)]
+pub(crate) struct SmoothCycle {
+    set: HarmonicSet,
+    force: Vec<f64>,
+    jacobian: DMatrix<f64>,
+    by_frequency: Vec<f64>,
+    displacement: Vec<f64>,
+    motion: Motion,
+    turnings: Vec<Turning>,
+    /// One whole period.
+    path: Path,
+    share: f64,
+    chain: Chain,
+    rule: Rule,
+    nodes: [Node; NODES],
+    /// Derivatives of the force at the nodes by the state behind.
+    by_state: Vec<f64>,
+    next: Vec<f64>,
+    tangents: StateTangents,
+    sums: Sums,
+    matrix: DMatrix<f64>,
+    pull: Vec<f64>,
+    basis: Vec<f64>,
+    /// Phase, weighted force, and weight at all nodes; the weight is negative in stick.
+    history: Vec<(f64, f64, f64)>,
+    rated: bool,
+    compliance: f64,
+    has_stick: bool,
+}
+
+/// Integrals with the waves.
+#[derive(Debug)]
+struct Sums {
+    waves: Waves,
+    force: Waves,
+    stiffness: Waves,
+    damping: Waves,
+    by_frequency: Waves,
+    /// By the state behind, on the present leg.
+    by_state: Vec<Waves>,
+    by_source: Vec<Waves>,
+}
+
+/// Quadrature on a panel, and the test whether the panel is resolved.
+#[derive(Debug)]
+struct Rule {
+    nodes: [f64; NODES],
+    weights: [f64; NODES],
+    /// Rows that give the three highest Legendre coefficients of values at the nodes.
+    tail: [[f64; NODES]; 3],
+}
+
+impl Rule {
+    fn new() -> Self {
+        let mut rule = Self { nodes: [0.0; NODES], weights: [0.0; NODES], tail: [[0.0; NODES]; 3] };
+        for (i, (node, weight)) in RULE.iter().enumerate() {
+            let (left, right) = (NODES / 2 - 1 - i, NODES / 2 + i);
+            (rule.nodes[left], rule.nodes[right]) = (-node, *node);
+            (rule.weights[left], rule.weights[right]) = (*weight, *weight);
+        }
+        for i in 0..NODES {
+            let x = rule.nodes[i];
+            let (mut before, mut legendre) = (1.0, x);
+            for k in 1..NODES {
+                if k + 3 >= NODES {
+                    rule.tail[NODES - 1 - k][i] = (k as f64 + 0.5) * rule.weights[i] * legendre;
+                }
+                let k = k as f64;
+                (before, legendre) = (legendre, ((2.0 * k + 1.0) * x * legendre - k * before) / (k + 1.0));
+            }
+        }
+        rule
+    }
+
+    /// Size of the highest Legendre coefficients.
+    fn tail(&self, nodes: &[Node; NODES]) -> f64 {
+        let coefficient =
+            |row: &[f64; NODES]| row.iter().zip(nodes).map(|(r, node)| r * node.force).sum::<f64>().abs();
+        self.tail.iter().map(coefficient).sum()
+    }
+}
+
+impl SmoothCycle {
+    pub fn new(set: HarmonicSet) -> Self {
+        let (single, product) = (Waves::single(set), Waves::product(set, set));
+        let sums = Sums {
+            waves: Waves::either(&single, &product),
+            force: single.clone(),
+            stiffness: product.clone(),
+            damping: product,
+            by_frequency: single,
+            by_state: Vec::new(),
+            by_source: Vec::new(),
+        };
+        let size = set.len();
+        Self {
+            set,
+            force: vec![0.0; size],
+            jacobian: DMatrix::zeros(size, size),
+            by_frequency: vec![0.0; size],
+            displacement: vec![0.0; size],
+            motion: Motion::default(),
+            turnings: Vec::new(),
+            path: Path::default(),
+            share: 1.0,
+            chain: Chain::default(),
+            rule: Rule::new(),
+            nodes: [Node::default(); NODES],
+            by_state: Vec::new(),
+            next: Vec::new(),
+            tangents: StateTangents::default(),
+            sums,
+            matrix: DMatrix::zeros(size, size),
+            pull: vec![0.0; size],
+            basis: vec![0.0; size],
+            history: Vec::new(),
+            rated: false,
+            compliance: 0.0,
+            has_stick: false,
+        }
+    }
+
+    /// Integrates over the leg from point `leg`.
+    fn integrate_leg(&mut self, contact: &PeriodicContact, angular_frequency: f64, leg: usize) {
+        let (from, to) = (self.path.points[leg].phase, self.path.points[leg + 1].phase);
+        let width = to - from;
+        let panels = (0.5 * width * self.set.highest() as f64 / WIDEST).ceil().max(1.0);
+        for panel in 0..panels as usize {
+            let left = from + width * (panel as f64 / panels);
+            self.integrate_panel(contact, angular_frequency, leg, (left, left + width / panels), MAX_HALVINGS);
+        }
+    }
+
+    fn integrate_panel(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        leg: usize,
+        (left, right): (f64, f64),
+        halvings: u32,
+    ) {
+        self.visit(contact, angular_frequency, leg, left, right);
+        if halvings > 0 && self.rule.tail(&self.nodes) > RESOLVED * self.chain.force_scale {
+            let middle = 0.5 * (left + right);
+            self.integrate_panel(contact, angular_frequency, leg, (left, middle), halvings - 1);
+            self.integrate_panel(contact, angular_frequency, leg, (middle, right), halvings - 1);
+            return;
+        }
+        self.add(angular_frequency, 0.5 * (right - left));
+    }
+
+    /// Evaluates the law at the nodes of a panel.
+    fn visit(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        leg: usize,
+        left: f64,
+        right: f64,
+    ) {
+        let n = self.next.len();
+        let mut guess = self.chain.force[leg];
+        for (i, node) in self.nodes.iter_mut().enumerate() {
+            node.phase = 0.5 * ((left + right) + (right - left) * self.rule.nodes[i]);
+            let (displacement, slope) = self.motion.value_and_slope(node.phase);
+            node.slope = slope;
+            let mut inputs = Inputs {
+                displacement,
+                velocity: angular_frequency * slope,
+                normal_load: contact.normal_load,
+            };
+            let scale = self.chain.force_scale;
+            let state = self.chain.state(leg);
+            let response = spring_step(contact, state, &mut inputs, guess, scale, &mut self.next);
+            let softening = 1.0 / (1.0 + contact.compliance * response.tangents.displacement);
+            guess = response.force;
+            node.force = response.force;
+            node.stiffness = softening * response.tangents.displacement;
+            node.damping = softening * response.tangents.velocity;
+            node.stuck = response.slip_state == SlipState::Stick;
+            if n > 0 {
+                contact.law.state_tangents(self.chain.state(leg), inputs, &mut self.tangents);
+                let by_state = &mut self.by_state[i * n..(i + 1) * n];
+                for (to, from) in by_state.iter_mut().zip(&self.tangents.force_by_state) {
+                    *to = softening * from;
+                }
+            }
+        }
+    }
+
+    /// Adds a panel's nodes to the sums.
+    fn add(&mut self, angular_frequency: f64, half_width: f64) {
+        let n = self.next.len();
+        let sums = &mut self.sums;
+        for (i, node) in self.nodes.iter().enumerate() {
+            let weight = half_width * self.rule.weights[i];
+            sums.waves.fill(node.phase);
+            sums.force.add(weight * node.force, &sums.waves);
+            sums.stiffness.add(weight * node.stiffness, &sums.waves);
+            if node.damping != 0.0 {
+                self.rated = true;
+                sums.damping.add(weight * angular_frequency * node.damping, &sums.waves);
+                sums.by_frequency.add(weight * node.damping * node.slope, &sums.waves);
+            }
+            for (sum, by_state) in sums.by_state.iter_mut().zip(&self.by_state[i * n..(i + 1) * n]) {
+                if *by_state != 0.0 {
+                    sum.add(weight * by_state, &sums.waves);
+                }
+            }
+            let marked = if node.stuck { -weight } else { weight };
+            self.history.push((node.phase, weight * node.force, marked));
+        }
+    }
+
+    /// Hands a leg's derivatives by its state on to the turning points the state depends on.
+    fn hand_on(&mut self, leg: usize) {
+        let points = self.path.points.len() - 1;
+        for (component, sum) in self.sums.by_state.iter_mut().enumerate().take(self.next.len()) {
+            for (l, weight) in self.chain.by_points(leg, component).iter().enumerate() {
+                // The second half of an odd period mirrors the first.
+                let (index, sign) =
+                    if self.share < 1.0 && l >= points / 2 { (l - points / 2, -1.0) } else { (l, 1.0) };
+                if *weight != 0.0 {
+                    self.sums.by_source[index].add(sign * weight, sum);
+                }
+            }
+            sum.clear();
+        }
+    }
+
+    /// Coefficients and derivatives from the sums.
+    fn finish(&mut self) {
+        let (set, share) = (self.set, self.share);
+        self.sums.force.coefficients(set, share, &mut self.force);
+        multiplication(&self.sums.stiffness, set, set, share, &mut self.jacobian);
+        self.sums.by_frequency.coefficients(set, share, &mut self.by_frequency);
+        if self.rated {
+            multiplication(&self.sums.damping, set, set, share, &mut self.matrix);
+            add_by_slope(set, &self.matrix, &mut self.jacobian);
+        }
+        let sources = (self.path.points.len() - 1) / if share < 1.0 { 2 } else { 1 };
+        for source in 0..sources {
+            self.sums.by_source[source].coefficients(set, share, &mut self.pull);
+            self.sums.waves.fill(self.path.points[source].phase);
+            self.sums.waves.basis(set, &mut self.basis);
+            let size = self.pull.len();
+            for (column, b) in self.jacobian.as_mut_slice().chunks_exact_mut(size).zip(&self.basis) {
+                column.iter_mut().zip(&self.pull).for_each(|(m, p)| *m += p * b);
+            }
+        }
+    }
+
+    fn reset(&mut self, state_len: usize) {
+        let points = self.path.points.len().saturating_sub(1);
+        self.history.clear();
+        self.rated = false;
+        self.next.resize(state_len, 0.0);
+        self.by_state.resize(NODES * state_len, 0.0);
+        let sums = &mut self.sums;
+        while sums.by_state.len() < state_len {
+            sums.by_state.push(Waves::single(self.set));
+        }
+        while sums.by_source.len() < points {
+            sums.by_source.push(Waves::single(self.set));
+        }
+        for sum in [&mut sums.force, &mut sums.stiffness, &mut sums.damping, &mut sums.by_frequency] {
+            sum.clear();
+        }
+        sums.by_state.iter_mut().for_each(Waves::clear);
+        sums.by_source.iter_mut().for_each(Waves::clear);
+    }
+
+    /// A contact at rest: the virgin contact loaded to the mean displacement. A change of the mean loads it
+    /// further, all else unloads it.
+    fn rest(&mut self, contact: &PeriodicContact, angular_frequency: f64) {
+        let mut state = vec![0.0; self.next.len()];
+        contact.law.set_state(0.0, contact.normal_load, 0.0, &mut state);
+        let total =
+            Inputs { displacement: self.motion.bias(), velocity: 0.0, normal_load: contact.normal_load };
+        let mut inputs = total;
+        let loading = spring_step(contact, &state, &mut inputs, 0.0, 0.0, &mut self.next);
+        let loaded = self.next.clone();
+        let unloading = contact.law.step(&loaded, inputs, &mut self.next);
+        let soft = |stiffness: f64| 1.0 / (1.0 + contact.compliance * stiffness);
+        let (stiffness, damping) = (unloading.tangents.displacement, unloading.tangents.velocity);
+        self.force.fill(0.0);
+        self.by_frequency.fill(0.0);
+        self.jacobian.fill(0.0);
+        self.jacobian.fill_diagonal(stiffness * soft(stiffness));
+        if damping != 0.0 {
+            self.matrix.fill(0.0);
+            self.matrix.fill_diagonal(angular_frequency * damping * soft(stiffness));
+            add_by_slope(self.set, &self.matrix, &mut self.jacobian);
+        }
+        if !self.set.is_odd() {
+            self.force[0] = loading.force;
+            let stiffness = loading.tangents.displacement;
+            self.jacobian[(0, 0)] = stiffness * soft(stiffness);
+        }
+        self.chain.dissipated_energy = 0.0;
+        self.history.push((0.0, 0.0, if loading.slip_state == SlipState::Stick { -1.0 } else { 1.0 }));
+    }
+}
+
+/// Adds to `jacobian` the derivatives by the displacement of what `matrix` makes of its slope.
+fn add_by_slope(set: HarmonicSet, matrix: &DMatrix<f64>, jacobian: &mut DMatrix<f64>) {
+    for (order, place) in set.orders().filter(|(order, _)| *order > 0) {
+        // (c cos hθ + s sin hθ)' = h s cos hθ − h c sin hθ.
+        let h = order as f64;
+        for row in 0..matrix.nrows() {
+            jacobian[(row, place)] -= h * matrix[(row, place + 1)];
+            jacobian[(row, place + 1)] += h * matrix[(row, place)];
+        }
+    }
+}
+
+impl Cycle for SmoothCycle {
+    fn evaluate(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+    ) -> Result<(), HarmonicError> {
+        if !self.motion.set(self.set, u) {
+            return Err(HarmonicError::InvalidInput("a displacement that is not finite"));
+        }
+        self.displacement.copy_from_slice(u);
+        self.compliance = contact.compliance;
+        self.has_stick = contact.law.has_stick();
+        turning_points(&self.motion, &mut self.turnings);
+        self.path.set(&self.turnings, &self.motion, false);
+        self.share = if self.motion.is_odd() && contact.law.is_odd() { 0.5 } else { 1.0 };
+        self.reset(contact.law.state_len());
+        if self.path.points.is_empty() {
+            self.rest(contact, angular_frequency);
+            return Ok(());
+        }
+        self.chain.solve(contact, &self.path.points)?;
+        let legs = self.path.points.len() - 1;
+        for leg in 0..if self.share < 1.0 { legs / 2 } else { legs } {
+            self.integrate_leg(contact, angular_frequency, leg);
+            self.hand_on(leg);
+        }
+        self.finish();
+        Ok(())
+    }
+
+    fn force(&self) -> &[f64] {
+        &self.force
+    }
+
+    fn jacobian(&self) -> &DMatrix<f64> {
+        &self.jacobian
+    }
+
+    fn by_frequency(&self) -> &[f64] {
+        &self.by_frequency
+    }
+
+    fn forget(&mut self) {}
+
+    /// The nodes resolve harmonics up to about twice the highest of the cycle's own set.
+    fn force_on(&mut self, set: HarmonicSet, out: &mut [f64]) {
+        let half = self.share < 1.0;
+        if self.path.points.is_empty() || half && set.highest() == 0 {
+            self.set.convert(&self.force, set, out);
+            return;
+        }
+        let kept = if half { HarmonicSet::odd(set.highest()) } else { set };
+        let mut sum = Waves::single(kept);
+        let mut waves = sum.clone();
+        for (phase, force, _) in &self.history {
+            waves.fill(*phase);
+            sum.add(*force, &waves);
+        }
+        let mut force = vec![0.0; kept.len()];
+        sum.coefficients(kept, self.share, &mut force);
+        kept.convert(&force, set, out);
+    }
+
+    fn summary(&mut self) -> CycleSummary {
+        let (mut stuck, mut all) = (0.0, 0.0);
+        for (_, _, weight) in &self.history {
+            stuck += (-weight).max(0.0);
+            all += weight.abs();
+        }
+        let dissipated_energy = if self.rated {
+            let full = HarmonicSet::full(self.set.highest());
+            let (mut force, mut displacement) = (vec![0.0; full.len()], vec![0.0; full.len()]);
+            self.set.convert(&self.force, full, &mut force);
+            self.set.convert(&self.displacement, full, &mut displacement);
+            work_per_cycle(&force, &displacement)
+        } else {
+            self.chain.dissipated_energy
+        };
+        CycleSummary {
+            dissipated_energy,
+            equivalent_stiffness: tip_stiffness(&self.path, &self.chain.force, self.compliance),
+            stick_fraction: self.has_stick.then(|| stuck / all),
+        }
+    }
+}

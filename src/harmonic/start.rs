@@ -1,0 +1,168 @@
+//! The first solution of a curve, from nothing.
+
+use super::HarmonicError;
+use super::assembly::{Control, CurveSettings};
+use super::condition::HeldAmplitude;
+use super::continuation::{Advance, Path, Route, Verdict};
+use super::problem::{Condition, Stopping, solve};
+use super::system::{Observation, Operating, PeriodicSystem, Scalar};
+
+/// Level from which a response is followed up where Newton's method fails at once, as share of the wanted.
+const WEAK: f64 = 1e-3;
+
+impl CurveSettings {
+    pub(crate) fn stopping(&self) -> Stopping {
+        Stopping { tolerance: self.tolerance, max_iterations: self.max_iterations }
+    }
+}
+
+/// The condition that `control` puts beside the balance; the level is free then.
+pub(crate) fn condition(control: &Control) -> Option<HeldAmplitude> {
+    match *control {
+        Control::Level(_) => None,
+        Control::Held { node, order, derivative, amplitude } => {
+            Some(HeldAmplitude::new(node, order, derivative, amplitude))
+        }
+    }
+}
+
+pub(crate) fn check_control(control: &Control, nodes: usize, harmonics: usize) -> Result<(), HarmonicError> {
+    let refuse = |message| Err(HarmonicError::InvalidInput(message));
+    match *control {
+        Control::Level(level) if !level.is_finite() => refuse("the level is not finite"),
+        Control::Held { node, .. } if node >= nodes => refuse("there is no such node to hold"),
+        Control::Held { order, derivative, .. } if order == 0 || order > harmonics || derivative > 2 => {
+            refuse("only displacement, velocity or acceleration of a harmonic of the set can be held")
+        }
+        Control::Held { amplitude, .. } if !(amplitude > 0.0 && amplitude.is_finite()) => {
+            refuse("the amplitude held must be positive")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Solves at `angular_frequency` under `control`: by Newton's method from equivalent linearisation, and where
+/// that fails along the level from a weak excitation up.
+pub(crate) fn first(
+    system: &mut dyn PeriodicSystem,
+    angular_frequency: f64,
+    control: &Control,
+    settings: &CurveSettings,
+) -> Result<(Vec<f64>, Operating), HarmonicError> {
+    check_control(control, system.nodes(), system.harmonics())?;
+    match control {
+        Control::Level(level) => at_level(system, Operating::forced(angular_frequency, *level), settings),
+        Control::Held { .. } => held(system, angular_frequency, control, settings),
+    }
+}
+
+fn at_level(
+    system: &mut dyn PeriodicSystem,
+    at: Operating,
+    settings: &CurveSettings,
+) -> Result<(Vec<f64>, Operating), HarmonicError> {
+    let mut x = vec![0.0; system.unknowns()];
+    let mut here = at;
+    system.guess(&at, &mut x)?;
+    system.forget();
+    if solve(system, &mut x, &mut here, &[], &mut [], &settings.stopping()).is_ok() {
+        return Ok((x, here));
+    }
+    let mut path = up(system, at, WEAK * at.level, at.level, settings)?;
+    for _ in 0..settings.max_points {
+        match path.advance(&mut |_, _, _, _| Ok(Verdict::Keep(0.0)))? {
+            Advance::Going => {}
+            Advance::Arrived(super::Ending::Complete) => return Ok((path.present.x, path.present.at)),
+            _ => break,
+        }
+    }
+    Err(HarmonicError::NotConverged { residual: f64::INFINITY, iterations: settings.max_points })
+}
+
+/// A path along the level.
+fn up<'s>(
+    system: &'s mut dyn PeriodicSystem,
+    at: Operating,
+    from: f64,
+    to: f64,
+    settings: &CurveSettings,
+) -> Result<Path<'s>, HarmonicError> {
+    let weak = Operating { level: from, ..at };
+    let mut x = vec![0.0; system.unknowns()];
+    system.guess(&weak, &mut x)?;
+    let route =
+        Route { along: Scalar::Level, from, to, stopping: settings.stopping(), max_step: settings.max_step };
+    Path::new(system, route, &[], Vec::new(), x, weak)
+}
+
+fn held(
+    system: &mut dyn PeriodicSystem,
+    angular_frequency: f64,
+    control: &Control,
+    settings: &CurveSettings,
+) -> Result<(Vec<f64>, Operating), HarmonicError> {
+    const ROUNDS: usize = 30;
+    const EXPANSIONS: usize = 6;
+    let Control::Held { node, order, derivative, amplitude } = *control else {
+        return Err(HarmonicError::InvalidInput("nothing is held"));
+    };
+    let wanted = amplitude / (order as f64 * angular_frequency).powi(derivative as i32);
+    let mut x = vec![0.0; system.unknowns()];
+    let mut at = Operating::forced(angular_frequency, 1.0);
+    let mut seen = Observation::default();
+    let mut observed = |system: &mut dyn PeriodicSystem, x: &[f64], at: &Operating| {
+        system.evaluate(x, at, &[Scalar::Level])?;
+        system.observe(node, order, &mut seen);
+        Ok::<f64, HarmonicError>(seen.value[0].hypot(seen.value[1]))
+    };
+    for _ in 0..ROUNDS {
+        system.guess(&at, &mut x)?;
+        let found = observed(system, &x, &at)?;
+        if !(found > 0.0 && found.is_finite()) {
+            return Err(HarmonicError::InvalidInput("the excitation does not move what is held"));
+        }
+        // The level follows in proportion, tamed for responses that grow suddenly.
+        let factor = (wanted / found).clamp(1e-6, 1e6);
+        at.level *= if (0.5..2.0).contains(&factor) { factor.sqrt() } else { factor };
+        if (factor - 1.0).abs() < 0.02 {
+            break;
+        }
+    }
+    let mut condition = condition(control).ok_or(HarmonicError::InvalidInput("nothing is held"))?;
+    let guessed = at.level;
+    {
+        let mut all: [&mut dyn Condition; 1] = [&mut condition];
+        system.forget();
+        if solve(system, &mut x, &mut at, &[Scalar::Level], &mut all, &settings.stopping()).is_ok() {
+            return Ok((x, at));
+        }
+    }
+    let mut top = 4.0 * guessed;
+    for _ in 0..EXPANSIONS {
+        let start = Operating::forced(angular_frequency, guessed);
+        let mut path = up(system, start, WEAK * guessed, top, settings)?;
+        let mut solved = None;
+        for _ in 0..settings.max_points {
+            let advance = path.advance(&mut |_, _, _, _| Ok(Verdict::Keep(0.0)))?;
+            if advance == Advance::Stuck {
+                break;
+            }
+            let present = (path.present.x.clone(), path.present.at);
+            if observed(path.system, &present.0, &present.1)? >= wanted {
+                solved = Some(present);
+                break;
+            }
+            if advance != Advance::Going {
+                break;
+            }
+        }
+        drop(path);
+        if let Some((mut x, mut at)) = solved {
+            let mut all: [&mut dyn Condition; 1] = [&mut condition];
+            solve(system, &mut x, &mut at, &[Scalar::Level], &mut all, &settings.stopping())?;
+            return Ok((x, at));
+        }
+        top *= 4.0;
+    }
+    Err(HarmonicError::NotConverged { residual: f64::INFINITY, iterations: settings.max_points })
+}
