@@ -24,32 +24,30 @@ fn valanis() -> Valanis {
     Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, LOAD).unwrap()
 }
 
-/// Frequency (Hz) and acceleration per force (1/kg) where the least force holds `acceleration` (m/s²) at the
-/// exciter: the smallest force along the curve, refined by a parabola through its neighbours.
-fn peak_of_held_response(beam: &ModalBeam, acceleration: f64, harmonics: usize, around: f64) -> (f64, f64) {
+/// A held response: where the force is in quadrature with the displacement (Hz), acceleration per force there,
+/// and the largest acceleration per force along the curve (1/kg).
+fn held_response(beam: &ModalBeam, acceleration: f64, harmonics: usize, around: f64) -> (f64, f64, f64) {
     let law = valanis();
     let contacts = vec![AttachedContact { law: &law, normal_load: LOAD }];
     let assembly = Assembly::new(Body::Beam(beam), contacts);
     let node = beam.sensors.len();
     let control = Control::Held { node, order: 1, derivative: 2, amplitude: acceleration };
     let settings = CurveSettings { harmonics, max_step: 0.05, ..CurveSettings::default() };
-    let (from, to) = (TAU * (around - 0.3), TAU * (around + 0.3));
+    let (from, to) = (TAU * (around - 0.25), TAU * (around + 0.25));
     let curve = frequency_response(&assembly, from, to, &control, &settings, &mut |_| true).unwrap();
     assert_eq!(curve.ending, Ending::Complete);
     for point in &curve.points {
         let held = point.first_harmonic()[node] * point.angular_frequency.powi(2);
         assert!((held / acceleration - 1.0).abs() < 1e-8, "{held} m/s² at {}", point.angular_frequency);
     }
-    let points: Vec<(f64, f64)> = curve.points.iter().map(|p| (p.angular_frequency, p.level)).collect();
-    let least = (0..points.len()).min_by(|a, b| points[*a].1.total_cmp(&points[*b].1)).unwrap();
-    assert!(least > 0 && least + 1 < points.len(), "the peak lies at an end of {from} … {to} rad/s");
-    let [(x0, y0), (x1, y1), (x2, y2)] = [points[least - 1], points[least], points[least + 1]];
-    // Newton's divided differences.
-    let (first, second) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
-    let curvature = (second - first) / (x2 - x0);
-    let frequency = 0.5 * (x0 + x1) - 0.5 * first / curvature;
-    let force = y0 + (frequency - x0) * (first + curvature * (frequency - x1));
-    (frequency / TAU, acceleration / force)
+    let in_phase = |k: usize| curve.points[k].nodes[node][1] / curve.points[k].first_harmonic()[node];
+    let crossing = (1..curve.points.len()).find(|k| in_phase(k - 1) > 0.0 && in_phase(*k) <= 0.0).unwrap();
+    let (before, after) = (&curve.points[crossing - 1], &curve.points[crossing]);
+    let share = in_phase(crossing - 1) / (in_phase(crossing - 1) - in_phase(crossing));
+    let between = |a: f64, b: f64| a + share * (b - a);
+    let frequency = between(before.angular_frequency, after.angular_frequency) / TAU;
+    let least = curve.points.iter().map(|point| point.level).fold(f64::INFINITY, f64::min);
+    (frequency, acceleration / between(before.level, after.level), acceleration / least)
 }
 
 /// Acceleration held (m/s²), frequency (Hz), peak of acceleration over force (1/kg).
@@ -86,24 +84,29 @@ fn phase_resonance_at_held_acceleration_has_the_reference_frequencies_and_peaks(
         let found = backbone(&beam, Some(contact), &reference.map(|r| r.0), &settings, &[]).unwrap();
         for ((level, frequency, ratio), found) in reference.into_iter().zip(found) {
             let hertz = found.angular_frequency / TAU;
-            assert!((hertz - frequency).abs() < 1e-3, "{modes} modes, {level} m/s²: {hertz} Hz");
+            assert!((hertz - frequency).abs() < 5e-4, "{modes} modes, {level} m/s²: {hertz} Hz");
             let peak = level / found.force_amplitude;
             assert!((peak / ratio - 1.0).abs() < 1e-3, "{modes} modes, {level} m/s²: {peak} /kg");
         }
     }
 }
 
+/// Friction damps the first mode by 3 % at 10 m/s². Such a mode's largest acceleration per force lies beside
+/// its phase resonance, by the square of that (−0.06 Hz here), and is larger by as little: what the
+/// reference lists is the phase resonance.
 #[test]
-fn held_frequency_responses_peak_at_the_reference_frequencies() {
+fn held_frequency_responses_have_the_reference_resonances_and_peaks() {
     for (modes, harmonics, reference) in
         [(4, 5, FOUR_MODES_FIVE_HARMONICS), (6, 9, SIX_MODES_NINE_HARMONICS)]
     {
         let beam = published(modes, false);
         for (level, frequency, ratio) in reference {
-            let (hertz, peak) = peak_of_held_response(&beam, level, harmonics, frequency);
-            println!("{modes} modes, {level} m/s²: {hertz} Hz, {peak} /kg");
-            assert!((hertz - frequency).abs() < 0.01, "{modes} modes, {level} m/s²: {hertz} Hz");
-            assert!((peak / ratio - 1.0).abs() < 0.01, "{modes} modes, {level} m/s²: {peak} /kg");
+            let (hertz, at_quadrature, peak) = held_response(&beam, level, harmonics, frequency);
+            let case = format!("{modes} modes, {level} m/s²: {hertz} Hz, {at_quadrature} /kg, peak {peak} /kg");
+            println!("{case}");
+            assert!((hertz - frequency).abs() < 0.01, "{case}");
+            assert!((at_quadrature / ratio - 1.0).abs() < 0.01, "{case}");
+            assert!((peak / ratio - 1.0).abs() < 0.01, "{case}");
         }
     }
 }
@@ -127,13 +130,15 @@ fn static_correction_converges_where_pinned_modes_are_slow() {
         println!("{modes:2} modes: {plain:.4?} Hz, corrected {corrected:.4?} Hz");
     }
     let best = corrected[4];
+    let off = |found: [f64; 3], level: usize| (found[level] - best[level]).abs();
+    // In stick the end's flexibility is all that the truncated modes lack.
+    for (plain, corrected) in plain.iter().zip(&corrected) {
+        assert!(off(*corrected, 0) <= 0.01 * off(*plain, 0), "{plain:?} {corrected:?}");
+    }
+    // In slip their inertia and their own shortening count too.
     for level in 0..3 {
-        for k in 0..3 {
-            let (without, with) =
-                ((plain[k][level] - best[level]).abs(), (corrected[k][level] - best[level]).abs());
-            assert!(with < 0.2 * without, "level {level}, {} modes: {without} {with}", MODES[k]);
-        }
-        // Both ways lead to the same frequency.
-        assert!((plain[4][level] - best[level]).abs() < 0.4 * (plain[2][level] - best[level]).abs());
+        assert!(off(corrected[3], level) < 1e-3, "{corrected:?}");
+        assert!(off(corrected[3], level) < 0.2 * off(plain[3], level), "{plain:?} {corrected:?}");
+        assert!(off(plain[4], level) < 0.6 * off(plain[3], level), "both ways lead to the same: {plain:?}");
     }
 }
