@@ -4,14 +4,11 @@ mod oscillator_support;
 
 use oscillator_support::two_mass;
 use stickslip::contact::Jenkins;
-use stickslip::integrate::{
-    Excitation, LoadedContact, OscillatorFlow, PeriodicMotion, ShootingSettings, shoot,
-};
+use stickslip::integrate::{Excitation, LoadedContact, OscillatorFlow, PeriodicMotion, ShootingSettings, shoot};
 
 fn study(omega: f64, amplitude: f64) -> PeriodicMotion {
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let mut flow =
-        OscillatorFlow::new(&two_mass(), &[LoadedContact { law: &law, normal_load: 1.0 }]).unwrap();
+    let mut flow = OscillatorFlow::new(&two_mass(), &[LoadedContact { law: &law, normal_load: 1.0 }]).unwrap();
     shoot(&mut flow, &Excitation::cosine(omega, amplitude), None, &ShootingSettings::default()).unwrap()
 }
 

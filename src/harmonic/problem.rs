@@ -1,8 +1,8 @@
 //! Balance equations with conditions on top: Newton's method on unknowns and free scalars together.
 
-use super::HarmonicError;
 use super::factors::Factors;
 use super::system::{Operating, PeriodicSystem, Scalar};
+use super::HarmonicError;
 
 /// Gradient of a condition.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -219,7 +219,11 @@ fn longest_share(at: &Operating, free: &[Scalar], step: &[f64]) -> f64 {
     let frequency = free.iter().position(|scalar| *scalar == Scalar::AngularFrequency);
     frequency.map_or(1.0, |k| {
         let fall = -step[k];
-        if fall > 0.5 * at.angular_frequency { 0.5 * at.angular_frequency / fall } else { 1.0 }
+        if fall > 0.5 * at.angular_frequency {
+            0.5 * at.angular_frequency / fall
+        } else {
+            1.0
+        }
     })
 }
 

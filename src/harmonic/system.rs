@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use super::HarmonicError;
 use super::curve::Point;
+use super::HarmonicError;
 
 /// Numbers besides the Fourier coefficients on which the balance depends.
 #[derive(Debug, Clone, Copy, PartialEq)]
