@@ -139,8 +139,6 @@ fn schema_kind_and_law_are_refused_with_the_legal_ones() {
 
 #[test]
 fn what_this_version_does_not_do_is_said_to_be_unsupported() {
-    let text = replaced(CONTACT, "\"contact\"", "\"oscillator\"");
-    refused(&text, 2, "\"oscillator\"", &["not supported by this version"]);
     let (line, _, message) = refusal(&format!("{CONTACT}\n[[effect]]\nid = \"backlash\"\n"));
     assert_eq!(line, 15);
     assert!(message.contains("not supported by this version"), "{message}");

@@ -9,4 +9,4 @@ mod score;
 
 pub use compare::{Refit, RefitError, Watch, evaluate, refit};
 pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Stage};
-pub use predict::unused_columns;
+pub use predict::{NO_OSCILLATOR, unused_columns};

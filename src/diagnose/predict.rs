@@ -5,6 +5,9 @@ use super::{beam_record, contact_record, score};
 use crate::measure::{Channel, Record, Regime};
 use crate::model::{Model, Structure};
 
+/// What the comparison says of a kind of model that it does not take.
+pub const NO_OSCILLATOR: &str = "`compare` does not take kind = \"oscillator\" yet; `stickslip frf` does";
+
 /// A measured channel and what the model predicts of it, in its unit.
 pub(super) type Prediction<'r> = (&'r Channel, Vec<f64>);
 
@@ -24,6 +27,8 @@ fn roles(model: &Model, regime: Regime) -> Roles {
         (Structure::Beam(_), Regime::Backbone) => {
             Roles { inputs: &["amplitude"], compared: &["frequency", "damping_ratio"] }
         }
+        // Compared with nothing yet; see `predictions`.
+        (Structure::Oscillator(_), _) => Roles { inputs: &["time", "excitation"], compared: &[] },
         (Structure::Beam(_), _) => {
             Roles { inputs: &["time", "excitation"], compared: &["acceleration", "velocity", "displacement"] }
         }
@@ -48,6 +53,9 @@ pub fn unused_columns<'r>(model: &Model, record: &'r Record) -> Vec<&'r str> {
 
 /// One prediction per compared channel.
 fn predictions<'r>(model: &Model, record: &'r Record) -> Result<Vec<Prediction<'r>>, String> {
+    if let Structure::Oscillator(_) = &model.structure {
+        return Err(NO_OSCILLATOR.to_owned());
+    }
     let channels = compared(model, record);
     if channels.is_empty() {
         return Err("it has no column that the model predicts".into());
@@ -59,6 +67,7 @@ fn predictions<'r>(model: &Model, record: &'r Record) -> Result<Vec<Prediction<'
             Ok(channels.into_iter().map(|channel| (channel, force.clone())).collect())
         }
         (Structure::Prescribed, None) => Err("the model has no [contact]".into()),
+        (Structure::Oscillator(_), _) => Err(NO_OSCILLATOR.to_owned()),
         (Structure::Beam(beam), contact) => beam_record::predict(beam, contact.as_ref(), record, channels),
     }
 }

@@ -274,8 +274,11 @@ impl ModalEquations {
             for m in 0..columns {
                 let span = m * size..(m + 1) * size;
                 self.multiply_dynamic(&out.as_slice()[span.clone()], &mut many.as_mut_slice()[span.clone()]);
-                let coupled =
-                    nalgebra::DMatrixView::from_slice(&self.many_coupled.as_slice()[span.clone()], modes, count);
+                let coupled = nalgebra::DMatrixView::from_slice(
+                    &self.many_coupled.as_slice()[span.clone()],
+                    modes,
+                    count,
+                );
                 let mut into =
                     nalgebra::DMatrixViewMut::from_slice(&mut many.as_mut_slice()[span], modes, count);
                 into.gemm(-1.0, &coupled, &self.product, 1.0);

@@ -56,7 +56,8 @@ pub(crate) fn first(
     }
 }
 
-fn at_level(
+/// Solves at `at` as [`first`] does.
+pub(crate) fn at_level(
     system: &mut dyn PeriodicSystem,
     at: Operating,
     settings: &CurveSettings,

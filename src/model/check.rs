@@ -44,7 +44,7 @@ impl fmt::Display for ParameterError {
 impl std::error::Error for ParameterError {}
 
 impl Model {
-    /// Checks every rule: bounds, counts, positions on the beam, and that each free path means something.
+    /// Checks every rule: bounds, counts, positions on the beam, names and references of masses, and that each free path means something.
     ///
     /// # Errors
     /// The first rule that is broken.
@@ -63,6 +63,7 @@ impl Model {
                 return Err(ParameterError::new("contact", "a model of kind \"contact\" needs [contact]"));
             }
             (Structure::Beam(beam), _) => check_beam(beam)?,
+            (Structure::Oscillator(oscillator), contact) => oscillator.check(contact.is_some())?,
             (Structure::Prescribed, Some(_)) => {}
         }
         self.contact.as_ref().map_or(Ok(()), check_contact)

@@ -24,6 +24,7 @@
 //! [`Model::parse`] reports the first thing wrong with the byte range it stands at;
 //! [`Model::check`] holds the rules themselves, for models built or changed in code.
 
+mod assembled;
 mod check;
 mod free;
 mod law;
@@ -32,6 +33,7 @@ mod parameters;
 mod parse;
 mod write;
 
+pub use assembled::{Assembled, AssemblyError};
 pub use check::{ParameterError, SMALLEST_AND_LARGEST};
 pub use oscillator::{Anchor, GROUND, Mass, Oscillator, Spring};
 pub use parameters::ModelParameter;
@@ -61,6 +63,8 @@ pub enum Structure {
     Prescribed,
     /// `kind = "beam"`.
     Beam(Beam),
+    /// `kind = "oscillator"`.
+    Oscillator(Oscillator),
 }
 
 /// `[contact]`.

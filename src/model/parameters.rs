@@ -1,8 +1,8 @@
 //! Parameters by path, with the bounds and the scale for a fit.
 //!
 //! Paths follow the file: `contact.smoothness`, `beam.damping_ratio` (one for all modes) or
-//! `beam.damping_ratio.3` (the third mode's), `beam.point_mass.1.mass`, `support.offset`. Elements are
-//! counted from 1. Where the sensors sit is no parameter.
+//! `beam.damping_ratio.3` (the third mode's), `beam.point_mass.1.mass`, `support.offset`, `mass.1.mass`,
+//! `spring.2.stiffness`. Elements are counted from 1. Where the sensors sit is no parameter.
 
 use super::{Beam, Damping, Law, Model, ParameterError, Structure};
 use crate::document::suggestion;
@@ -35,12 +35,15 @@ pub(super) struct Value {
     pub(super) value: f64,
 }
 
+/// Path, quantity and place of a parameter.
+pub(super) type Slot<'a> = (String, &'static Quantity, &'a mut f64);
+
 impl Model {
     /// Every parameter, in the file's order.
     ///
     /// Free without `[fit] free` are the contact's parameters, the damping, and the support's
-    /// rotational stiffness and clamp stiffness where the model has them; geometry, material and masses
-    /// are not. The normal load is never free unless `[fit] free` names it literally
+    /// rotational stiffness and clamp stiffness where the model has them, and the springs and dampers of an
+    /// oscillator that are not zero; geometry, material and masses are not. The normal load is never free unless `[fit] free` names it literally
     /// (`contact.normal_load`): as long as the load is constant only its product with the coefficient
     /// of friction acts, and a fit of both has no unique answer.
     ///
@@ -117,46 +120,12 @@ impl Model {
     }
 
     /// The one list of parameters: path, quantity and place.
-    fn slots(&mut self) -> Vec<(String, &'static Quantity, &mut f64)> {
+    fn slots(&mut self) -> Vec<Slot<'_>> {
         let mut slots = Vec::new();
-        let mut add = |table: &str, quantity: &'static Quantity, slot| {
-            slots.push((format!("{table}.{}", quantity.name), quantity, slot));
-        };
-        if let Structure::Beam(beam) = &mut self.structure {
-            add("beam", &v::LENGTH, &mut beam.length);
-            add("beam", &v::WIDTH, &mut beam.width);
-            add("beam", &v::THICKNESS, &mut beam.thickness);
-            add("beam", &v::DENSITY, &mut beam.density);
-            add("beam", &v::YOUNGS_MODULUS, &mut beam.youngs_modulus);
-            let damping: Vec<(String, &'static Quantity, &mut f64)> = match &mut beam.damping {
-                Damping::Uniform(ratio) => vec![(String::new(), &v::DAMPING_RATIO, ratio)],
-                Damping::PerMode(ratios) => ratios
-                    .iter_mut()
-                    .enumerate()
-                    .map(|(index, ratio)| (format!(".{}", index + 1), &v::DAMPING_RATIO, ratio))
-                    .collect(),
-                Damping::Proportional { mass, stiffness } => vec![
-                    (String::new(), &v::MASS_DAMPING, mass),
-                    (String::new(), &v::STIFFNESS_DAMPING, stiffness),
-                ],
-            };
-            for (suffix, quantity, slot) in damping {
-                slots.push((format!("beam.{}{suffix}", quantity.name), quantity, slot));
-            }
-            let mut add = |table: &str, quantity: &'static Quantity, slot| {
-                slots.push((format!("{table}.{}", quantity.name), quantity, slot));
-            };
-            for (index, mass) in beam.point_masses.iter_mut().enumerate() {
-                let table = format!("beam.point_mass.{}", index + 1);
-                add(&table, &v::POSITION, &mut mass.position);
-                add(&table, &v::MASS, &mut mass.mass);
-            }
-            add("support", &v::OFFSET, &mut beam.offset);
-            add("support", &v::ROTATIONAL_STIFFNESS, &mut beam.rotational_stiffness);
-            if let Some(stiffness) = &mut beam.clamp_stiffness {
-                add("support", &v::CLAMP_STIFFNESS, stiffness);
-            }
-            add("excitation", &v::POSITION, &mut beam.excitation_position);
+        match &mut self.structure {
+            Structure::Prescribed => {}
+            Structure::Beam(beam) => beam_slots(beam, &mut slots),
+            Structure::Oscillator(oscillator) => oscillator.slots(&mut slots),
         }
         if let Some(contact) = &mut self.contact {
             let mut add = |quantity: &'static Quantity, slot| {
@@ -183,7 +152,7 @@ impl Model {
         };
         let (length, farthest) = match &self.structure {
             Structure::Beam(beam) => (beam.length, beam.farthest_position()),
-            Structure::Prescribed => (0.0, 0.0),
+            Structure::Prescribed | Structure::Oscillator(_) => (0.0, 0.0),
         };
         let (lower, upper, scale) = match quantity.name {
             "tangential_stiffness" => (f64::max(1.0, residual / 0.9), 1e12, Logarithmic),
@@ -197,6 +166,10 @@ impl Model {
             "rotational_stiffness" => (1e-3, 1e9, Logarithmic),
             "clamp_stiffness" => (1e-1, 1e12, Logarithmic),
             "normal_load" => (value / 1e3, value * 1e3, Logarithmic),
+            "stiffness" if value > 0.0 => (value / 1e3, value * 1e3, Logarithmic),
+            "stiffness" => (0.0, 1e6, Linear),
+            "damping" if value > 0.0 => (value / 1e3, value * 1e3, Logarithmic),
+            "damping" => (0.0, 1e3, Linear),
             "mass" => (value / 10.0, value * 10.0, Logarithmic),
             "position" => (0.0, length, Linear),
             "length" => (farthest.max(value / 2.0), value * 2.0, Logarithmic),
@@ -209,6 +182,46 @@ impl Model {
             if scale == Logarithmic && value <= 0.0 { (0.0, Linear) } else { (lower, scale) };
         (lower.min(value), upper.max(value), scale)
     }
+}
+
+/// Adds the beam's parameters to `slots`.
+fn beam_slots<'a>(beam: &'a mut Beam, slots: &mut Vec<Slot<'a>>) {
+    let mut add = |table: &str, quantity: &'static Quantity, slot| {
+        slots.push((format!("{table}.{}", quantity.name), quantity, slot));
+    };
+    add("beam", &v::LENGTH, &mut beam.length);
+    add("beam", &v::WIDTH, &mut beam.width);
+    add("beam", &v::THICKNESS, &mut beam.thickness);
+    add("beam", &v::DENSITY, &mut beam.density);
+    add("beam", &v::YOUNGS_MODULUS, &mut beam.youngs_modulus);
+    let damping: Vec<Slot<'_>> = match &mut beam.damping {
+        Damping::Uniform(ratio) => vec![(String::new(), &v::DAMPING_RATIO, ratio)],
+        Damping::PerMode(ratios) => ratios
+            .iter_mut()
+            .enumerate()
+            .map(|(index, ratio)| (format!(".{}", index + 1), &v::DAMPING_RATIO, ratio))
+            .collect(),
+        Damping::Proportional { mass, stiffness } => {
+            vec![(String::new(), &v::MASS_DAMPING, mass), (String::new(), &v::STIFFNESS_DAMPING, stiffness)]
+        }
+    };
+    for (suffix, quantity, slot) in damping {
+        slots.push((format!("beam.{}{suffix}", quantity.name), quantity, slot));
+    }
+    let mut add = |table: &str, quantity: &'static Quantity, slot| {
+        slots.push((format!("{table}.{}", quantity.name), quantity, slot));
+    };
+    for (index, mass) in beam.point_masses.iter_mut().enumerate() {
+        let table = format!("beam.point_mass.{}", index + 1);
+        add(&table, &v::POSITION, &mut mass.position);
+        add(&table, &v::MASS, &mut mass.mass);
+    }
+    add("support", &v::OFFSET, &mut beam.offset);
+    add("support", &v::ROTATIONAL_STIFFNESS, &mut beam.rotational_stiffness);
+    if let Some(stiffness) = &mut beam.clamp_stiffness {
+        add("support", &v::CLAMP_STIFFNESS, stiffness);
+    }
+    add("excitation", &v::POSITION, &mut beam.excitation_position);
 }
 
 impl Beam {

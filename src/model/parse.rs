@@ -1,10 +1,10 @@
 //! From the text of a `model.toml` to a [`Model`], every error with its bytes.
 
-use super::{Beam, Contact, Damping, Law, Model, ModelError, PointMass, SCHEMA, Structure};
+use super::{Beam, Contact, Damping, Law, Model, ModelError, PointMass, SCHEMA, Structure, oscillator};
 use crate::document::{Document, Numbers, Table, suggestion};
 use crate::vocabulary as v;
 
-const KINDS: [&str; 2] = ["contact", "beam"];
+const KINDS: [&str; 3] = ["contact", "beam", "oscillator"];
 const LAWS: [&str; 2] = ["jenkins", "valanis"];
 const COMMON_CONTACT_KEYS: [&str; 4] = ["law", "tangential_stiffness", "friction_coefficient", "normal_load"];
 const VALANIS_KEYS: [&str; 2] = ["smoothness", "residual_stiffness"];
@@ -37,18 +37,19 @@ impl Model {
         refuse_effects(&root)?;
         let structure = match kind.value {
             "contact" => {
-                refuse_beam_tables(&root)?;
+                refuse_foreign_tables(&root, kind.value)?;
                 root.allow(&["schema", "kind", "contact", "fit"])?;
                 Structure::Prescribed
             }
             "beam" => {
+                refuse_foreign_tables(&root, kind.value)?;
                 root.allow(&["schema", "kind", "beam", "support", "excitation", "sensor", "contact", "fit"])?;
                 Structure::Beam(beam(&root)?)
             }
             "oscillator" => {
-                return Err(kind
-                    .error("kind \"oscillator\" is not supported by this version")
-                    .with_help("supported kinds: `contact`, `beam`"));
+                refuse_foreign_tables(&root, kind.value)?;
+                root.allow(&["schema", "kind", "mass", "spring", "excitation", "contact", "fit"])?;
+                Structure::Oscillator(oscillator::parse(&root)?)
             }
             other => {
                 return Err(kind
@@ -56,7 +57,7 @@ impl Model {
                     .with_help(suggestion(other, &KINDS, "kinds")));
             }
         };
-        let contact = root.table("contact")?.map(|table| contact(&table)).transpose()?;
+        let contact = root.table("contact")?.map(|table| contact(&table, &structure)).transpose()?;
         let free = match root.table("fit")? {
             None => None,
             Some(fit) => {
@@ -101,17 +102,34 @@ fn refuse_effects(root: &Table<'_>) -> Result<(), ModelError> {
     }
 }
 
-fn refuse_beam_tables(root: &Table<'_>) -> Result<(), ModelError> {
+/// The tables that not every kind has, with the kinds that have them.
+const TABLES: [(&str, &[&str]); 6] = [
+    ("beam", &["beam"]),
+    ("support", &["beam"]),
+    ("sensor", &["beam"]),
+    ("excitation", &["beam", "oscillator"]),
+    ("mass", &["oscillator"]),
+    ("spring", &["oscillator"]),
+];
+
+fn refuse_foreign_tables(root: &Table<'_>, kind: &str) -> Result<(), ModelError> {
     for key in root.keys() {
-        if ["beam", "support", "excitation", "sensor"].contains(&key.value) {
-            let message = format!("[{}] does not belong to a model of kind \"contact\"", key.value);
-            return Err(key.error(message).with_help("it belongs to kind = \"beam\""));
+        let Some((_, owners)) = TABLES.iter().find(|(table, _)| *table == key.value) else { continue };
+        if !owners.contains(&kind) {
+            let message = format!("[{}] does not belong to a model of kind \"{kind}\"", key.value);
+            let owners = owners.iter().map(|owner| format!("kind = \"{owner}\"")).collect::<Vec<_>>();
+            return Err(key.error(message).with_help(format!("it belongs to {}", owners.join(" or "))));
         }
     }
     Ok(())
 }
 
-fn contact(table: &Table<'_>) -> Result<Contact, ModelError> {
+fn contact(table: &Table<'_>, structure: &Structure) -> Result<Contact, ModelError> {
+    // An oscillator's contact says where it is.
+    let mut keys = COMMON_CONTACT_KEYS.to_vec();
+    if let Structure::Oscillator(_) = structure {
+        keys.push("at");
+    }
     let law = table.required_string("law").map_err(|error| with_list(error, "laws", &LAWS))?;
     let law = match law.value {
         "jenkins" => {
@@ -119,11 +137,11 @@ fn contact(table: &Table<'_>) -> Result<Contact, ModelError> {
                 let message = format!("`{}` does not belong to law = \"jenkins\"", key.value);
                 return Err(key.error(message).with_help("it belongs to law = \"valanis\""));
             }
-            table.allow(&COMMON_CONTACT_KEYS)?;
+            table.allow(&keys)?;
             Law::Jenkins
         }
         "valanis" => {
-            table.allow(&[&COMMON_CONTACT_KEYS[..], &VALANIS_KEYS[..]].concat())?;
+            table.allow(&[&keys[..], &VALANIS_KEYS[..]].concat())?;
             Law::Valanis {
                 smoothness: table.quantity(&v::SMOOTHNESS)?,
                 residual_stiffness: table

@@ -17,9 +17,17 @@ impl Model {
                 line(&mut text, format_args!("kind = \"beam\""));
                 write_beam(&mut text, beam);
             }
+            Structure::Oscillator(oscillator) => {
+                line(&mut text, format_args!("kind = \"oscillator\""));
+                oscillator.write(&mut text);
+            }
         }
         if let Some(contact) = &self.contact {
-            write_contact(&mut text, contact);
+            let at = match &self.structure {
+                Structure::Oscillator(oscillator) => oscillator.contact_name(),
+                Structure::Prescribed | Structure::Beam(_) => None,
+            };
+            write_contact(&mut text, contact, at);
         }
         if let Some(free) = &self.free {
             let patterns: Vec<_> = free.iter().map(|pattern| quoted(pattern)).collect();
@@ -29,13 +37,13 @@ impl Model {
     }
 }
 
-fn line(text: &mut String, arguments: std::fmt::Arguments<'_>) {
+pub(super) fn line(text: &mut String, arguments: std::fmt::Arguments<'_>) {
     // Writing to a String cannot fail.
     let _ = writeln!(text, "{arguments}");
 }
 
 /// `name = value`, with the unit as a comment. `{:?}` gives the shortest digits that read back the same.
-fn write_quantity(text: &mut String, quantity: &Quantity, value: f64) {
+pub(super) fn write_quantity(text: &mut String, quantity: &Quantity, value: f64) {
     let assignment = format!("{} = {value:?}", quantity.name);
     match quantity.unit {
         "1" => line(text, format_args!("{assignment}")),
@@ -43,12 +51,15 @@ fn write_quantity(text: &mut String, quantity: &Quantity, value: f64) {
     }
 }
 
-fn quoted(string: &str) -> String {
+pub(super) fn quoted(string: &str) -> String {
     toml::Value::String(string.to_owned()).to_string()
 }
 
-fn write_contact(text: &mut String, contact: &Contact) {
+fn write_contact(text: &mut String, contact: &Contact, at: Option<&str>) {
     line(text, format_args!("\n[contact]"));
+    if let Some(mass) = at {
+        line(text, format_args!("at = {}", quoted(mass)));
+    }
     let law = match contact.law {
         Law::Jenkins => "jenkins",
         Law::Valanis { .. } => "valanis",

@@ -56,12 +56,17 @@ pub(crate) trait Behaviour: Debug + Send {
     ) -> Result<(), String>;
 }
 
+/// Oscillators are computed in the frequency domain only.
+const NO_OSCILLATOR: &str =
+    "an FMU does not take kind = \"oscillator\" yet; `stickslip frf` does, and a contact exports alone";
+
 /// The variable table of a model whose parameters have the rows `parameters`.
 fn describe(model: &Model, parameters: Vec<Variable>) -> Result<Description, String> {
     match (&model.structure, &model.contact) {
         (Structure::Prescribed, Some(contact)) => Ok(contact::describe(model, contact, parameters)),
         (Structure::Prescribed, None) => Err("a contact model needs a contact".to_owned()),
         (Structure::Beam(beam), contact) => Ok(beam::describe(model, beam, contact.as_ref(), parameters)),
+        (Structure::Oscillator(_), _) => Err(NO_OSCILLATOR.to_owned()),
     }
 }
 
@@ -71,5 +76,6 @@ fn behaviour(model: &Model) -> Result<Box<dyn Behaviour>, String> {
         (Structure::Prescribed, Some(contact)) => Ok(Box::new(contact::ContactBehaviour::new(contact)?)),
         (Structure::Prescribed, None) => Err("a contact model needs a contact".to_owned()),
         (Structure::Beam(beam), contact) => beam::behaviour(beam, contact.as_ref()),
+        (Structure::Oscillator(_), _) => Err(NO_OSCILLATOR.to_owned()),
     }
 }

@@ -23,6 +23,7 @@ pub(super) fn parameters(model: &Model) -> (Vec<String>, Vec<Variable>) {
                 variable.name = Cow::Owned(format!("mass:x={position}{suffix}"));
                 variable.description = Cow::Owned(format!("Mass fixed to the beam at x = {position} m"));
             }
+            (Some(_), Structure::Oscillator(_)) => variable.name = Cow::Owned(parameter.path.clone()),
             (Some(element), _) => {
                 variable.name = Cow::Owned(format!("{}:mode={element}", parameter.quantity.name));
                 variable.description = Cow::Owned(format!("Damping ratio of mode {element}"));

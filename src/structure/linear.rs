@@ -145,9 +145,9 @@ pub(super) fn dense(size: usize, entries: &Entries) -> DMatrix<f64> {
 
 /// Sums contributions to a matrix, place by place.
 #[derive(Debug, Default)]
-pub(super) struct Assembly(BTreeMap<(usize, usize), f64>);
+pub(super) struct Sum(BTreeMap<(usize, usize), f64>);
 
-impl Assembly {
+impl Sum {
     /// Adds `value` at one place.
     pub(super) fn add(&mut self, i: usize, j: usize, value: f64) {
         *self.0.entry((i, j)).or_default() += value;

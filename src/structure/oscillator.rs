@@ -1,7 +1,7 @@
 //! Masses and springs as a linear structure.
 
 use super::StructureError;
-use super::linear::{Assembly, LinearStructure, Output};
+use super::linear::{LinearStructure, Output, Sum};
 use crate::model::{Anchor, Oscillator, Spring};
 use crate::vocabulary as v;
 
@@ -17,7 +17,7 @@ impl Oscillator {
     /// [`StructureError::UnknownMass`] for a reference to a mass that is not there.
     pub fn structure(&self) -> Result<LinearStructure, StructureError> {
         self.check_for_assembly()?;
-        let (mut damping, mut stiffness) = (Assembly::default(), Assembly::default());
+        let (mut damping, mut stiffness) = (Sum::default(), Sum::default());
         for spring in &self.springs {
             couple(&mut damping, spring, spring.damping);
             couple(&mut stiffness, spring, spring.stiffness);
@@ -66,7 +66,7 @@ impl Oscillator {
 }
 
 /// Adds what a spring's end forces are per unit of displacement (or velocity) of its ends.
-fn couple(matrix: &mut Assembly, spring: &Spring, value: f64) {
+fn couple(matrix: &mut Sum, spring: &Spring, value: f64) {
     match spring.between {
         [Anchor::Ground, Anchor::Ground] => {}
         [Anchor::Ground, Anchor::Mass(i)] | [Anchor::Mass(i), Anchor::Ground] => matrix.add(i, i, value),

@@ -8,14 +8,14 @@
 //! - [`OscillatorIntegrator`]: any law, adaptive steps of order four to five;
 //! - [`RungeKutta`]: the classical scheme on the rate form of sliders, fixed steps.
 
-mod elements;
+pub(crate) mod elements;
 mod error;
 mod excitation;
 mod flow;
-
+mod implicit;
 mod passage;
-mod polynomial;
-
+pub(crate) mod polynomial;
+mod runge_kutta;
 mod shooting;
 pub(crate) mod system;
 
@@ -23,5 +23,8 @@ pub use elements::LoadedContact;
 pub use error::OscillatorError;
 pub use excitation::Excitation;
 pub use flow::{OscillatorFlow, OscillatorMotion};
+pub use implicit::{OscillatorIntegrator, OscillatorState};
 pub use passage::Passage;
+pub use runge_kutta::{RungeKutta, Transient};
+pub(crate) use shooting::multipliers;
 pub use shooting::{PeriodicMotion, ShootingSettings, shoot};

@@ -35,11 +35,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-fn dense(
-    entries: &Entries,
-    size: usize,
-    field: &'static str,
-) -> Result<DMatrix<f64>, OscillatorError> {
+fn dense(entries: &Entries, size: usize, field: &'static str) -> Result<DMatrix<f64>, OscillatorError> {
     let mut matrix = DMatrix::zeros(size, size);
     for &(i, j, value) in entries {
         if i >= size || j >= size || !value.is_finite() {
@@ -56,7 +52,8 @@ impl System {
         if n == 0 {
             return Err(OscillatorError::Structure { field: "size" });
         }
-        let factor = Cholesky::new(dense(&structure.mass, n, "mass")?).ok_or(OscillatorError::MassNotPositive)?;
+        let factor =
+            Cholesky::new(dense(&structure.mass, n, "mass")?).ok_or(OscillatorError::MassNotPositive)?;
         let lower = factor.l();
         let normalise = |entries, field| {
             let half = lower.solve_lower_triangular(&dense(entries, n, field)?);
@@ -82,8 +79,7 @@ impl System {
         };
         let contacts: Vec<Vec<f64>> =
             structure.contacts.iter().map(|r| row(r, "contacts")).collect::<Result<_, _>>()?;
-        let outputs =
-            structure.outputs.iter().map(|o| row(&o.row, "outputs")).collect::<Result<_, _>>()?;
+        let outputs = structure.outputs.iter().map(|o| row(&o.row, "outputs")).collect::<Result<_, _>>()?;
         Ok(Self {
             size: n,
             largest: (largest(&stiffness), largest(&damping)),
@@ -95,6 +91,12 @@ impl System {
             outputs,
             factor,
         })
+    }
+
+    /// The same structure, driven along the displacement of contact `i` against a force's sense: its
+    /// excitation is a contact force.
+    pub fn driven_by_contact(&self, i: usize) -> Self {
+        Self { excitation: self.contacts[i].iter().map(|b| -b).collect(), ..self.clone() }
     }
 
     /// Inner coordinates of a displacement or velocity `q`.
@@ -113,8 +115,11 @@ impl System {
     /// Longest step whose series converges to rounding, with the tangent stiffness `contact_stiffness`
     /// (N/m) at the contacts and an excitation no faster than `fastest` (rad/s).
     pub fn longest_step(&self, contact_stiffness: &[f64], fastest: f64) -> f64 {
-        let stiffness: f64 =
-            contact_stiffness.iter().zip(&self.contact_mobility).map(|(k, mobility)| k.abs() * mobility).sum();
+        let stiffness: f64 = contact_stiffness
+            .iter()
+            .zip(&self.contact_mobility)
+            .map(|(k, mobility)| k.abs() * mobility)
+            .sum();
         let rate = (self.largest.0 + stiffness).sqrt() + self.largest.1;
         STEP_ANGLE / rate.max(fastest)
     }
@@ -152,6 +157,18 @@ impl System {
             }
             let factor = h * h / ((j + 1) * (j + 2)) as f64;
             next.iter_mut().for_each(|next| *next *= factor);
+        }
+    }
+
+    /// Acceleration under the contact forces `contact` and the excitation `force` (N).
+    pub fn accelerate(&self, x: &[f64], v: &[f64], contact: &[f64], force: f64, out: &mut [f64]) {
+        let n = self.size;
+        for (i, out) in out.iter_mut().enumerate() {
+            let row = i * n..(i + 1) * n;
+            *out = self.excitation[i] * force
+                - dot(&self.damping[row.clone()], v)
+                - dot(&self.stiffness[row], x)
+                - self.contacts.iter().zip(contact).map(|(b, t)| b[i] * t).sum::<f64>();
         }
     }
 

@@ -33,7 +33,7 @@ const MOST_MODAL: usize = 300;
 
 /// Largest structure that is factorised as a dense matrix where the sparse way is at hand.
 #[cfg(feature = "sparse")]
-const MOST_DENSE: usize = 64;
+const MOST_DENSE: usize = 40;
 
 /// Compliances (m/N) of a linear structure at one pair of factors, and their derivatives.
 ///

@@ -235,6 +235,16 @@ fn a_mass_of_zero_is_refused_with_file_and_line() {
 }
 
 #[test]
+fn an_oscillator_is_refused_where_it_cannot_be_used_yet_and_the_message_says_where_it_can() {
+    let example = include_str!("../../../examples/friction-vibration/model.toml");
+    let oscillator = |folder: &Path| fs::write(folder.join("model.toml"), example).unwrap();
+    let hints = ["model.toml", "`compare` does not take kind = \"oscillator\" yet", "`stickslip frf` does"];
+    refused(oscillator, &COMPARE, &hints);
+    let hints = ["an FMU does not take kind = \"oscillator\" yet", "`stickslip frf` does"];
+    refused(oscillator, &["export", "model.toml", "-o", "X.fmu"], &hints);
+}
+
+#[test]
 fn a_truncated_fmu_is_refused_by_name() {
     let truncate = |folder: &Path| {
         assert!(stickslip(folder, &["export", "model.toml", "-o", "X.fmu"]).status.success());

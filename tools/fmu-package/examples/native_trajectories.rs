@@ -29,6 +29,7 @@ mod native {
     pub fn run(model: &Model) -> Table {
         match (&model.structure, &model.contact) {
             (Structure::Beam(beam), contact) => self::beam(beam, contact.as_ref()),
+            (Structure::Oscillator(_), _) => unreachable!("no standard FMU is an oscillator"),
             (Structure::Prescribed, contact) => self::contact(&contact.expect("a contact model")),
         }
     }

@@ -3,14 +3,15 @@
 use std::path::PathBuf;
 
 use stickslip::measure::{Channel, Dataset, Record, Regime};
-use stickslip::model::{Beam, Model, Structure};
+use stickslip::model::{Beam, Model, Oscillator, Structure};
 
 use crate::error::{Excerpt, InputError, Problem};
 
 /// Checks that every record has the columns that a comparison with `model` needs.
 ///
 /// A contact needs `displacement` and `force`; a beam needs `excitation` and at least one measured motion
-/// at a position on the beam (`acceleration:x=0.55`), or a backbone table.
+/// at a position on the beam (`acceleration:x=0.55`), or a backbone table; an oscillator needs `excitation` at
+/// the mass it acts on and the motion of at least one mass (`displacement:m2`), or a backbone table.
 ///
 /// # Errors
 /// The first record that lacks a column, has one that does not fit the model, or has a regime the model
@@ -20,6 +21,7 @@ pub fn check_columns(dataset: &Dataset, model: &Model) -> Result<(), InputError>
         let problem = match &model.structure {
             Structure::Prescribed => contact_problem(record),
             Structure::Beam(beam) => beam_problem(record, beam),
+            Structure::Oscillator(oscillator) => oscillator_problem(record, oscillator),
         };
         if let Some(problem) = problem {
             // The header is not at hand any more, but it is the first line.
@@ -62,15 +64,43 @@ fn beam_problem(record: &Record, beam: &Beam) -> Option<Problem> {
     if record.channel("excitation").is_none() {
         return missing("excitation [N]", "it drives a model of kind \"beam\"");
     }
-    let motions: Vec<&Channel> = ["acceleration", "velocity", "displacement"]
-        .iter()
-        .flat_map(|quantity| record.channels_of(quantity))
-        .collect();
+    let motions = motions(record);
     if motions.is_empty() {
         let reason = "a model of kind \"beam\" is compared with the motion measured at a position";
         return missing("acceleration:x=... [m/s^2]", reason);
     }
     motions.into_iter().find_map(|channel| unsuitable_motion(channel, beam))
+}
+
+/// The measured motions of a structure.
+fn motions(record: &Record) -> Vec<&Channel> {
+    let quantities = ["acceleration", "velocity", "displacement"];
+    quantities.iter().flat_map(|quantity| record.channels_of(quantity)).collect()
+}
+
+fn oscillator_problem(record: &Record, oscillator: &Oscillator) -> Option<Problem> {
+    if record.regime == Regime::Backbone {
+        return None; // its two columns were checked when it was read
+    }
+    let mut names = oscillator.masses.iter().map(|mass| mass.name.as_str());
+    let excitation = format!("excitation:{}", names.clone().nth(oscillator.excitation).unwrap_or_default());
+    if record.channel(&excitation).is_none() {
+        return missing(&format!("{excitation} [N]"), "it drives the model");
+    }
+    let motions = motions(record);
+    if motions.is_empty() {
+        let reason = "a model of kind \"oscillator\" is compared with the motion of a mass";
+        return missing("displacement:... [m]", reason);
+    }
+    let stray = motions.into_iter().find(|channel| {
+        let place = channel.name.split_once(':').map_or("", |(_, place)| place);
+        !names.clone().any(|name| name == place)
+    })?;
+    let reason = match names.by_ref().take(6).map(|name| format!("`:{name}`")).collect::<Vec<_>>() {
+        listed if names.next().is_some() => format!("the model's masses are {}, …", listed.join(", ")),
+        listed => format!("the model's masses are {}", listed.join(", ")),
+    };
+    Some(Problem::UnsuitableColumn { column: stray.name.clone(), reason })
 }
 
 fn unsuitable_motion(channel: &Channel, beam: &Beam) -> Option<Problem> {

@@ -221,7 +221,10 @@ fn datasets_must_have_what_the_model_needs() {
     let beam = "schema = \"stickslip.model/1\"\nkind = \"beam\"\n[beam]\nlength = 0.6\nwidth = 0.04\n\
                 thickness = 0.005\ndensity = 7850\nyoungs_modulus = 2e11\nmodes = 4\ndamping_ratio = 0.003\n\
                 [excitation]\nposition = 0.5\n";
-    let (contact, beam) = (model(MODEL).unwrap(), model(beam).unwrap());
+    let oscillator = "schema = \"stickslip.model/1\"\nkind = \"oscillator\"\n[[mass]]\nname = \"m1\"\nmass = 1\n\
+                      [[mass]]\nname = \"m2\"\nmass = 1\n[excitation]\nat = \"m2\"\n";
+    let (contact, beam, oscillator) =
+        (model(MODEL).unwrap(), model(beam).unwrap(), model(oscillator).unwrap());
     let check = |model, regime: &str, table: &str| {
         let dataset = DATASET.replace("steady", regime);
         let dataset = read_dataset(folder(dataset.as_bytes(), table.as_bytes()).path()).unwrap();
@@ -229,6 +232,8 @@ fn datasets_must_have_what_the_model_needs() {
     };
     assert_eq!(check(&contact, "steady", TABLE), Ok(()));
     assert_eq!(check(&beam, "steady", "time [s],excitation [N],acceleration:x=0.5 [g]\n0,1,1\n"), Ok(()));
+    let masses = "time [s],excitation:m2 [N],displacement:m1 [mm]\n0,1,1\n";
+    assert_eq!(check(&oscillator, "steady", masses), Ok(()));
     let backbone = "amplitude [g],frequency [Hz]\n1,50\n";
     assert_eq!(check(&beam, "backbone", backbone), Ok(()));
     for (model, regime, table, words) in [
@@ -245,6 +250,10 @@ fn datasets_must_have_what_the_model_needs() {
         (&beam, "steady", "time [s],excitation [N]\n0,1\n", "`acceleration:x=... [m/s^2]` is missing"),
         (&beam, "steady", "time [s],excitation [N],acceleration [g]\n0,1,1\n", "say where on the beam"),
         (&beam, "steady", "time [s],excitation [N],acceleration:x=0.7 [g]\n0,1,1\n", "from 0 to 0.6 m"),
+        (&oscillator, "steady", TABLE, "`excitation:m2 [N]` is missing"),
+        (&oscillator, "steady", "time [s],excitation:m2 [N]\n0,1\n", "`displacement:... [m]` is missing"),
+        (&oscillator, "steady", &masses.replace(":m1", ":m3"), "the model's masses are `:m1`, `:m2`"),
+        (&oscillator, "steady", &masses.replace(":m1", ""), "the model's masses are `:m1`, `:m2`"),
     ] {
         says(&check(model, regime, table).unwrap_err(), "r.csv", 1, &[words]);
     }

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use stickslip::diagnose::{Comparison, evaluate};
-use stickslip::model::Model;
+use stickslip::diagnose::{Comparison, NO_OSCILLATOR, evaluate};
+use stickslip::model::{Model, Structure};
 
 use super::{
     check_destinations, dataset_files, list, present, read_dataset, read_model, refitted, settings,
@@ -34,6 +34,9 @@ impl Compare {
     pub fn run(self) -> Result<(), Failure> {
         check_destinations(&self.files, &self.out)?;
         let model = read_model(&self.model)?;
+        if let Structure::Oscillator(_) = model.structure {
+            return Err(Failure::input(format!("{}: {NO_OSCILLATOR}", self.model.display())));
+        }
         let dataset = read_dataset(&self.dataset, &model)?;
         tell_unused(&model, &dataset);
         let baseline = evaluate("baseline", &model, &dataset);
