@@ -3,7 +3,8 @@
 use stickslip::harmonic::{Contacting, Curve, Ending, Fold, Peak, Point};
 use stickslip_report::Settings;
 use stickslip_report::responses::{
-    ContactLoop, FrequencyUnit, Held, ResponseCurve, Responses, responses_html, responses_json, responses_table,
+    ContactLoop, FrequencyUnit, Held, ResponseCurve, Responses, responses_html, responses_json,
+    responses_table,
 };
 
 const HOSTILE: &str = "</script><script>alert(1)</script>\u{1b}[31m";
@@ -35,7 +36,8 @@ fn curve(level: f64, ending: Ending) -> ResponseCurve {
     let points = (1..=100).map(|k| point(f64::from(k) * 0.02, level)).collect();
     let peaks = vec![Peak { node: 0, angular_frequency: 1.0, amplitude: 10.0 * level, level }];
     let folds = vec![Fold { angular_frequency: 1.2, level, amplitude: vec![2.0] }];
-    let loops = vec![ContactLoop { name: "at 1".into(), displacement: vec![-1.0, 1.0], force: vec![-1.0, 1.0] }];
+    let loops =
+        vec![ContactLoop { name: "at 1".into(), displacement: vec![-1.0, 1.0], force: vec![-1.0, 1.0] }];
     let curve = Curve { nodes: vec![HOSTILE.into()], points, peaks, folds, ending };
     ResponseCurve { level, curve, loops, failure: None, seconds: 0.01 }
 }
@@ -64,10 +66,19 @@ fn examples() -> Vec<Responses> {
     let held = Some(Held { node: HOSTILE.into(), derivative: 2 });
     vec![
         responses(vec![curve(1.0, Ending::Complete)]),
-        responses(vec![curve(1.0, Ending::Complete), curve(2.0, Ending::Stuck), curve(3.0, Ending::Interrupted)]),
+        responses(vec![
+            curve(1.0, Ending::Complete),
+            curve(2.0, Ending::Stuck),
+            curve(3.0, Ending::Interrupted),
+        ]),
         responses(vec![empty]),
         responses(vec![]),
-        Responses { held, tolerance: None, stability: false, ..responses(vec![curve(1.0, Ending::Returned)]) },
+        Responses {
+            held,
+            tolerance: None,
+            stability: false,
+            ..responses(vec![curve(1.0, Ending::Returned)])
+        },
     ]
 }
 
@@ -101,7 +112,11 @@ fn json_has_null_where_a_number_does_not_exist() {
 fn what_is_missing_is_said() {
     let table = |index: usize| responses_table(&examples()[index], 200, false);
     // Points 91 to 100 of the only curve: from 1.8 rad/s on.
-    assert!(table(0).contains("11 points of 100: the error estimate does not meet the tolerance"), "{}", table(0));
+    assert!(
+        table(0).contains("11 points of 100: the error estimate does not meet the tolerance"),
+        "{}",
+        table(0)
+    );
     assert!(table(1).contains("steps became too small") && table(1).contains("Interrupted: the curve at 3"));
     assert!(table(2).contains("no balance") && table(2).contains("No point"));
     assert!(table(4).contains("turned and left the range") && table(4).contains("held acceleration"));
