@@ -49,7 +49,8 @@ fn cold_steady_record(bencher: Bencher, (modes, harmonics): (usize, usize)) {
     let beam = published(modes);
     let law = Jenkins::new(7e6, 0.5).expect("a law");
     let contact = ContactOnBeam { law: &law, normal_load: LOAD };
-    let settings = Settings { harmonics, method: Method::Sampled { samples: 256 }, tolerance: 1e-8, max_iterations: 40 };
+    let settings =
+        Settings { harmonics, method: Method::Sampled { samples: 256 }, tolerance: 1e-8, max_iterations: 40 };
     let mut force = [0.0; 7];
     (force[1], force[5]) = (6.0, 10.0);
     bencher.bench(|| {

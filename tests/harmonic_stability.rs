@@ -53,7 +53,8 @@ fn mathieu(a: f64, q: f64) -> Multipliers {
 /// Characteristic values from tables (Abramowitz & Stegun, 20.4).
 #[test]
 fn mathieu_equation_changes_its_stability_at_its_characteristic_values() {
-    for (a, q) in [(1.859_108_072_514_363_4, 1.0), (-0.110_248_816_992_097_1, 1.0), (3.917_024_772_998_471_1, 1.0)]
+    for (a, q) in
+        [(1.859_108_072_514_363_4, 1.0), (-0.110_248_816_992_097_1, 1.0), (3.917_024_772_998_471, 1.0)]
     {
         let at = mathieu(a, q);
         assert!(at.fold_function().abs() < 1e-8, "a = {a}: {:?}", at.values);
@@ -76,7 +77,7 @@ fn duffing(lag: f64, x: &mut DVector<f64>) {
     let m = 2 * ORDERS.len();
     let basis = |k: usize, j: usize| {
         let angle = TAU * (k * ORDERS[j / 2] % SAMPLES) as f64 / SAMPLES as f64;
-        if j % 2 == 0 { angle.cos() } else { angle.sin() }
+        if j.is_multiple_of(2) { angle.cos() } else { angle.sin() }
     };
     for _ in 0..60 {
         let (mut residual, mut jacobian) = (DVector::zeros(m + 1), DMatrix::zeros(m + 1, m + 1));
@@ -231,9 +232,10 @@ fn valanis_near_one_has_the_multipliers_of_its_limit_jenkins() {
     for smoothness in [0.9, 0.95] {
         let valanis = Valanis::new(0.2, 0.02, smoothness, 0.0).unwrap();
         let found = floquet(&two_mass(), &[attached(&valanis)], &[&u], omega).unwrap();
-        let worst = expected.iter().filter(|m| m.norm() > 1e-3).map(|expected| {
-            found.values.iter().map(|m| (m - expected).norm()).fold(f64::INFINITY, f64::min)
-        });
+        let worst = expected
+            .iter()
+            .filter(|m| m.norm() > 1e-3)
+            .map(|expected| found.values.iter().map(|m| (m - expected).norm()).fold(f64::INFINITY, f64::min));
         errors.push(worst.fold(0.0, f64::max));
     }
     println!("{errors:?}");

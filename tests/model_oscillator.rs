@@ -269,7 +269,7 @@ fn oscillators() -> impl Strategy<Value = Model> {
                 .collect();
             let count = masses.len();
             let anchor = |i: usize| {
-                if i % (count + 1) == 0 { Anchor::Ground } else { Anchor::Mass(i % (count + 1) - 1) }
+                if i.is_multiple_of(count + 1) { Anchor::Ground } else { Anchor::Mass(i % (count + 1) - 1) }
             };
             let springs = springs
                 .into_iter()

@@ -121,7 +121,8 @@ fn harmonic_balance_finds_the_steady_state_of_a_long_run_in_time() {
     let beam = published(4, 0.02);
     let law = valanis();
     let contact = ContactOnBeam { law: &law, normal_load: LOAD };
-    let settings = Settings { harmonics: 15, method: Method::Sampled { samples: 512 }, ..Settings::default() };
+    let settings =
+        Settings { harmonics: 15, method: Method::Sampled { samples: 512 }, ..Settings::default() };
     let balance =
         forced_response(&beam, Some(contact), 1.0 / FREQUENCY, &[0.0, FORCE], &settings, None).unwrap();
 

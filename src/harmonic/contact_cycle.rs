@@ -128,9 +128,5 @@ pub fn contact_cycle(
 ) -> Result<ContactCycle, HarmonicError> {
     let mut map = ContactMapping::new(set, Method::Exact);
     map.evaluate(law, normal_load, 0.0, angular_frequency, coefficients)?;
-    Ok(ContactCycle {
-        force: map.force().to_vec(),
-        jacobian: map.jacobian().clone(),
-        summary: map.summary(),
-    })
+    Ok(ContactCycle { force: map.force().to_vec(), jacobian: map.jacobian().clone(), summary: map.summary() })
 }

@@ -18,11 +18,6 @@ impl Factors {
         &mut self.values
     }
 
-    /// Number of rows.
-    pub fn size(&self) -> usize {
-        self.size
-    }
-
     /// Factors the matrix in place; false where it is singular or not finite.
     pub fn factor(&mut self) -> bool {
         let n = self.size;

@@ -122,12 +122,7 @@ fn lowest_mode(balance: &Balance, stiffness: f64) -> (f64, Vec<f64>) {
 
 /// Response of the beam with a spring and damper at the contact, harmonic by harmonic; the rank-one
 /// contact is taken into the diagonal receptance by the Sherman–Morrison formula.
-fn linear_response(
-    balance: &mut Balance,
-    angular_frequency: f64,
-    excitation: &[f64],
-    contact: Equivalent,
-) {
+fn linear_response(balance: &mut Balance, angular_frequency: f64, excitation: &[f64], contact: Equivalent) {
     let (beam, modes, count) = (balance.beam, balance.modes(), balance.count);
     balance.q.fill(0.0);
     for h in 0..=count / 2 {

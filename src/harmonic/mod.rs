@@ -25,6 +25,8 @@ mod frequency_response;
 mod guess;
 mod implicit;
 mod modal;
+mod modes;
+mod parameter;
 mod periods;
 mod problem;
 mod resonance;
@@ -32,6 +34,8 @@ mod set;
 pub mod stability;
 mod start;
 mod system;
+mod tracker;
+mod tracking;
 mod transfer;
 
 pub use assembly::{Assembly, AttachedContact, Body, Control, CurveSettings};
@@ -39,11 +43,14 @@ pub use contact_cycle::{ContactCycle, ContactMapping, CycleSummary, contact_cycl
 pub use curve::{Contacting, Curve, Ending, Fold, Peak, Point};
 pub use forced::{ForcedResponse, forced_response};
 pub use frequency_response::{frequency_response, level_response, periodic_response};
+pub use modes::{ModePoint, ModeRange, NonlinearMode, nonlinear_mode};
+pub use parameter::{ContactAt, OwnedContact, Varied, VariedCurve, parameter_response};
 pub use periods::whole_periods;
 pub use resonance::{Resonance, backbone, phase_resonance};
 pub use set::HarmonicSet;
+pub use tracking::{Followed, Tracked, TrackedCurve, Tracking, track_levels, track_parameter};
 
-use crate::contact::ContactLaw;
+use crate::contact::{ContactLaw, LawError};
 use crate::structure::StructureError;
 
 /// A contact law under the constant normal load it has on the beam.
@@ -129,7 +136,17 @@ pub enum HarmonicError {
         /// Cycles marched.
         cycles: usize,
     },
+    /// A contact could not be made for a value of the parameter.
+    #[error(transparent)]
+    Law(#[from] LawError),
     /// The structure cannot be condensed to its contacts.
     #[error(transparent)]
     Structure(#[from] StructureError),
+}
+
+impl HarmonicError {
+    /// Whether a shorter step may succeed where this one failed.
+    fn is_of_the_step(&self) -> bool {
+        matches!(self, Self::NotConverged { .. } | Self::ContactNotPeriodic { .. })
+    }
 }

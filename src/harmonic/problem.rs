@@ -121,6 +121,11 @@ impl Newton {
         self.factored || self.factor(system, free)
     }
 
+    /// Factors the matrix of the last evaluation anew: a direction is then as good as the solution.
+    pub fn refactor(&mut self, system: &dyn PeriodicSystem, free: &[Scalar]) -> bool {
+        self.factor(system, free)
+    }
+
     /// Solves with the factors there are: `right` has an entry per unknown, relative to the size of the
     /// balance's terms, and one per condition. False where the result is not finite.
     pub fn solve_linear(&self, right: &mut [f64]) -> bool {

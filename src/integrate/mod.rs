@@ -49,7 +49,9 @@ pub use beam::{BeamIntegrator, BeamOutputs, SensorReading};
 pub use error::{BeamError, IntegrationError};
 pub use motion::BeamMotion;
 pub use oscillator::{Excitation, LoadedContact, OscillatorError, OscillatorFlow, OscillatorMotion, Passage};
-pub use oscillator::{OscillatorIntegrator, OscillatorState, PeriodicMotion, RungeKutta, ShootingSettings, Transient, shoot};
+pub use oscillator::{
+    OscillatorIntegrator, OscillatorState, PeriodicMotion, RungeKutta, ShootingSettings, Transient, shoot,
+};
 
 use crate::contact::ContactLaw;
 

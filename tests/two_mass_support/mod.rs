@@ -47,3 +47,14 @@ pub fn structure() -> LinearStructure {
 pub fn settings(harmonics: usize) -> CurveSettings {
     CurveSettings { harmonics, ..CurveSettings::default() }
 }
+
+/// Energy the dampers of both masses take per cycle (J).
+pub fn viscous_energy(point: &stickslip::harmonic::Point) -> f64 {
+    let mut sum = 0.0;
+    for node in &point.nodes {
+        for (k, pair) in node[1..].chunks_exact(2).enumerate() {
+            sum += ((k + 1) * (k + 1)) as f64 * (pair[0] * pair[0] + pair[1] * pair[1]);
+        }
+    }
+    std::f64::consts::PI * 0.1 * point.angular_frequency * sum
+}

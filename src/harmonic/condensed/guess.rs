@@ -22,6 +22,9 @@ impl Condensed<'_> {
     /// Response of the structure with the contacts linearised at the amplitude that results; starts from
     /// the contacts under a motion too small to slip.
     pub(super) fn linearised(&mut self, at: &Operating, x: &mut [f64]) -> Result<(), HarmonicError> {
+        if self.contacts.is_empty() {
+            return Ok(());
+        }
         self.at_contacts.evaluate(&mut self.receptance, at)?;
         self.at = *at;
         let free = vec![Equivalent { stiffness: 0.0, damping: 0.0 }; self.contacts.len()];

@@ -17,7 +17,7 @@ mod outcome;
 use nalgebra::DMatrix;
 
 use super::assembly::{Assembly, AttachedContact, Body, CurveSettings};
-use super::cycle::map::ContactMap;
+use super::cycle::relieved::RelievedMap;
 use super::cycle::{Cycle, PeriodicContact};
 use super::extremum::Extremum;
 use super::set::HarmonicSet;
@@ -47,9 +47,9 @@ struct Attached<'a> {
     law: Law<'a>,
     normal_load: f64,
     rebuild: Option<Rebuild<'a>>,
-    cycle: ContactMap,
+    cycle: RelievedMap,
     /// The same contact on twice the harmonics, to see what the set leaves out.
-    wide: Option<ContactMap>,
+    wide: Option<RelievedMap>,
     /// ∂force/∂parameter on the set.
     by_parameter: Vec<f64>,
 }
@@ -75,6 +75,8 @@ pub(crate) struct Condensed<'a> {
     contacts: Vec<Attached<'a>>,
     waveform: Vec<f64>,
     method: Method,
+    /// Damper (N s/m) that the structure has taken over from every contact.
+    relief: f64,
     odd: bool,
     set: HarmonicSet,
     wide: HarmonicSet,
@@ -140,7 +142,7 @@ impl<'a> Condensed<'a> {
             law: Law::Given(contact.law),
             normal_load: contact.normal_load,
             rebuild: None,
-            cycle: ContactMap::new(set, settings.method),
+            cycle: RelievedMap::new(set, settings.method, 0.0),
             wide: None,
             by_parameter: Vec::new(),
         };
@@ -149,6 +151,7 @@ impl<'a> Condensed<'a> {
             contacts: contacts.iter().map(attach).collect(),
             waveform: waveform.to_vec(),
             method: settings.method,
+            relief: 0.0,
             odd,
             set,
             wide: set,
@@ -179,6 +182,16 @@ impl<'a> Condensed<'a> {
         if let Some(attached) = self.contacts.get_mut(contact) {
             attached.rebuild = Some(rebuild);
             self.built = f64::NAN;
+        }
+    }
+
+    /// Takes a damper (N s/m) from every contact that the structure has been given there, so that compliances
+    /// are finite at free vibrations.
+    pub fn relieve(&mut self, damping: f64) {
+        self.relief = damping;
+        for contact in &mut self.contacts {
+            contact.cycle = RelievedMap::new(self.set, self.method, damping);
+            contact.wide = None;
         }
     }
 
@@ -449,7 +462,7 @@ impl PeriodicSystem for Condensed<'_> {
         }
         self.set = new;
         for contact in &mut self.contacts {
-            contact.cycle = ContactMap::new(new, self.method);
+            contact.cycle = RelievedMap::new(new, self.method, self.relief);
         }
         self.reserve();
         Ok(true)

@@ -3,7 +3,7 @@
 use super::{Condensed, compliance_derivative, contact_of, full_place, pair, span};
 use crate::harmonic::curve::Contacting;
 use crate::harmonic::cycle::Cycle;
-use crate::harmonic::cycle::map::ContactMap;
+use crate::harmonic::cycle::relieved::RelievedMap;
 use crate::harmonic::fourier::work_per_cycle;
 use crate::harmonic::set::HarmonicSet;
 use crate::harmonic::system::{Observation, Operating, Scalar};
@@ -78,7 +78,7 @@ impl Condensed<'_> {
             let mut displacement = vec![0.0; full.len()];
             set.convert(u, full, &mut displacement);
             let mut force = vec![0.0; full.len()];
-            set.convert(contact.cycle.force(), full, &mut force);
+            set.convert(contact.cycle.own_force(), full, &mut force);
             Contacting {
                 dissipated_energy: summary.dissipated_energy,
                 equivalent_stiffness: summary.equivalent_stiffness,
@@ -259,9 +259,9 @@ impl Condensed<'_> {
         self.scratch.kept.resize(p * width, 0.0);
         for (j, contact) in self.contacts.iter_mut().enumerate() {
             let attached = contact_of(&contact.law, contact.normal_load);
-            let method = self.method;
+            let (method, relief) = (self.method, self.relief);
             let set = self.wide;
-            let cycle = contact.wide.get_or_insert_with(|| ContactMap::new(set, method));
+            let cycle = contact.wide.get_or_insert_with(|| RelievedMap::new(set, method, relief));
             let u = &self.scratch.wide[j * wide..(j + 1) * wide];
             cycle.evaluate(&attached, at.angular_frequency, u)?;
             let into = &mut self.scratch.kept[j * width..(j + 1) * width];

@@ -9,6 +9,7 @@ pub(crate) mod map;
 mod motion;
 mod piecewise;
 mod reference;
+pub(crate) mod relieved;
 pub(crate) mod sampled;
 mod smooth;
 mod turning;

@@ -113,9 +113,8 @@ impl Motion {
 
     /// Displacement (m) and its derivative by the phase.
     pub fn value_and_slope(&self, phase: f64) -> (f64, f64) {
-        let (value, slope) = self.sum(phase, |order, [c, s], cos, sin| {
-            (c * cos + s * sin, order * (s * cos - c * sin))
-        });
+        let (value, slope) =
+            self.sum(phase, |order, [c, s], cos, sin| (c * cos + s * sin, order * (s * cos - c * sin)));
         (self.bias + value, slope)
     }
 

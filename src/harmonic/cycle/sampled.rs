@@ -28,6 +28,8 @@ const STEP_TOLERANCE: f64 = 1e-11;
 /// Change of force (share of the largest) below which the periodic state is finished to first order.
 const LINEAR_FINISH: f64 = 1e-6;
 const MAX_CYCLES: usize = 60;
+/// Up to this size the matrix product takes strided columns as slices, which end before the last of them.
+const SMALL_PRODUCT: usize = 5;
 
 /// Workspace and result of one evaluation.
 #[derive(Debug, Clone)]
@@ -457,7 +459,15 @@ impl SampledCycle {
         let projection = &self.basis.projection;
         let left = transposed(projection.as_slice(), samples, wide, samples);
         let right_factor = transposed(self.sensitivity.as_slice(), wide, samples, columns);
-        self.jacobian.gemm(1.0, &left, &right_factor, 0.0);
+        if wide > SMALL_PRODUCT {
+            self.jacobian.gemm(1.0, &left, &right_factor, 0.0);
+        } else {
+            for (m, column) in self.jacobian.as_mut_slice().chunks_exact_mut(wide).enumerate() {
+                for (value, function) in column.iter_mut().zip(projection.as_slice().chunks_exact(samples)) {
+                    *value = function.iter().enumerate().map(|(k, p)| p * self.sensitivity[(m, k)]).sum();
+                }
+            }
+        }
         for (m, value) in self.by_frequency.iter_mut().enumerate() {
             let column = &projection.as_slice()[m * samples..(m + 1) * samples];
             *value = column.iter().enumerate().map(|(k, p)| p * self.sensitivity[(wide, k)]).sum();

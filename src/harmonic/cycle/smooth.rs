@@ -179,7 +179,13 @@ impl SmoothCycle {
         let panels = (0.5 * width * self.set.highest() as f64 / WIDEST).ceil().max(1.0);
         for panel in 0..panels as usize {
             let left = from + width * (panel as f64 / panels);
-            self.integrate_panel(contact, angular_frequency, leg, (left, left + width / panels), MAX_HALVINGS);
+            self.integrate_panel(
+                contact,
+                angular_frequency,
+                leg,
+                (left, left + width / panels),
+                MAX_HALVINGS,
+            );
         }
     }
 

@@ -60,11 +60,7 @@ fn search(motion: &Motion, left: Probe, right: Probe, out: &mut Vec<Turning>) {
     let hidden = 0.5 * width * (slopes + width * curvature_bound);
     if monotonic || hidden <= ROUNDING * motion.amplitude() || width <= NARROWEST {
         if changes {
-            out.push(motion.turning_point(
-                (left.phase, left.slope),
-                (right.phase, right.slope),
-                left.rising,
-            ));
+            out.push(motion.turning_point((left.phase, left.slope), (right.phase, right.slope), left.rising));
         }
         return;
     }

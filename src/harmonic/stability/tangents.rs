@@ -117,7 +117,8 @@ fn on_grid(
         }
         let coupling = DMatrix::from_fn(count, count, |i, j| {
             let (step, row) = (&histories[i][k], &system.contacts[i]);
-            let answer = step.by_displacement * dot(row, &answers[j].0) + step.by_velocity * dot(row, &answers[j].1);
+            let answer =
+                step.by_displacement * dot(row, &answers[j].0) + step.by_velocity * dot(row, &answers[j].1);
             f64::from(u8::from(i == j)) - if k == 0 { 0.0 } else { answer }
         });
         let factors = coupling.lu();
@@ -180,8 +181,7 @@ fn history(
         velocity.push(angular_frequency * slope);
     }
     let loads = [contact.normal_load];
-    let period =
-        Period { displacement: &displacement[1..], velocity: &velocity[1..], normal_load: &loads };
+    let period = Period { displacement: &displacement[1..], velocity: &velocity[1..], normal_load: &loads };
     let mut state = vec![0.0; law.state_len()];
     law.set_state(0.0, contact.normal_load, 0.0, &mut state);
     PeriodicSolver::new()

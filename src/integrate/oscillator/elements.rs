@@ -104,8 +104,7 @@ impl Element {
     /// position beyond the limits follows.
     pub fn start(&self, position: f64, u: f64, velocity: f64) -> Memory {
         let (_, position) = self.slider.step(position, u);
-        let mut memory =
-            Memory { position, branch: Branch::Play, upper_edge: 0.0, lower_edge: 0.0 };
+        let mut memory = Memory { position, branch: Branch::Play, upper_edge: 0.0, lower_edge: 0.0 };
         let stretch = u - position;
         let branch = if stretch >= self.upper_reach() && velocity > 0.0 {
             Branch::SlipUp

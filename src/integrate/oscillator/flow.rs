@@ -437,7 +437,8 @@ fn first_event(
     guard = path.map(|c| -c);
     guard[0] += lower;
     consider(polynomial::first_rise(&mut guard), Event::Fall);
-    let slip = |(memory, element): (&Memory, &Element)| if element.contact == contact { memory.slip() } else { 0.0 };
+    let slip =
+        |(memory, element): (&Memory, &Element)| if element.contact == contact { memory.slip() } else { 0.0 };
     if let Some(sign) = motion.memory.iter().zip(elements).map(slip).find(|sign| *sign != 0.0) {
         guard = polynomial::derivative(u).map(|c| -sign * c);
         consider(polynomial::first_rise(&mut guard), Event::Turn);

@@ -68,19 +68,22 @@ impl OscillatorState {
     }
 }
 
+/// Displacement and velocity in inner coordinates.
+type Moved = (Vec<f64>, Vec<f64>);
+
 /// Answers of the structure at the nodes to contact forces `sᵏ`, `k = 1 … 4`, over a step of `h`.
 #[derive(Debug, Default)]
 struct Operators {
     h: f64,
     /// `[contact][power − 1][node]`: displacement, velocity.
-    answer: Vec<[[(Vec<f64>, Vec<f64>); 4]; 4]>,
+    answer: Vec<[[Moved; 4]; 4]>,
 }
 
 /// A step tried.
 #[derive(Debug, Default)]
 struct Trial {
     /// At the nodes, without the change of the contact forces.
-    free: [(Vec<f64>, Vec<f64>); 4],
+    free: [Moved; 4],
     /// Change of the forces at the middle and the end, contact by contact in pairs.
     change: Vec<f64>,
     /// Velocity of each contact at the nodes.
@@ -237,15 +240,17 @@ impl<'a> OscillatorIntegrator<'a> {
             let rounded = longest * 2f64.powf((wanted / longest).log2().floor());
             let (mut h, mut turned) = (whole.min(rounded), None);
             let mut tried = self.attempt(state, h, excitation);
-            if tried && self.trial.error <= 1.0 {
-                if let Some((shorter, contact)) = self.reversal(state, h, excitation) {
-                    (h, turned) = (shorter, Some(contact));
-                    tried = self.attempt(state, h, excitation);
-                }
+            if tried
+                && self.trial.error <= 1.0
+                && let Some((shorter, contact)) = self.reversal(state, h, excitation)
+            {
+                (h, turned) = (shorter, Some(contact));
+                tried = self.attempt(state, h, excitation);
             }
             let error = self.trial.error;
             if !(tried && error <= 1.0) {
-                let factor = if tried && error.is_finite() { (0.9 * error.powf(-0.2)).clamp(0.1, 0.5) } else { 0.25 };
+                let factor =
+                    if tried && error.is_finite() { (0.9 * error.powf(-0.2)).clamp(0.1, 0.5) } else { 0.25 };
                 wanted = factor * h;
                 if wanted < smallest {
                     return Err(OscillatorError::StepTooSmall { time: state.time, step: wanted });
@@ -402,7 +407,8 @@ impl<'a> OscillatorIntegrator<'a> {
             }
         }
         let h = self.operators.h;
-        let size = |x: &[f64], v: &[f64]| (2.0 * self.system.energy(x, v).abs() + dot(x, x) / (h * h) * 1e-4).sqrt();
+        let size =
+            |x: &[f64], v: &[f64]| (2.0 * self.system.energy(x, v).abs() + dot(x, x) / (h * h) * 1e-4).sqrt();
         let scale = size(&x, &v).max(size(&state.x, &state.v));
         let error = size(&by_x, &by_v);
         self.trial.error = if scale > 0.0 { error / (SHARE * self.tolerance * scale) } else { 0.0 };
@@ -453,7 +459,11 @@ impl<'a> OscillatorIntegrator<'a> {
     }
 
     /// The contact that reverses first between two nodes, the nodes, and the sign of its velocity before.
-    fn first_reversal(&self, state: &OscillatorState, except: Option<usize>) -> Option<(usize, f64, f64, f64)> {
+    fn first_reversal(
+        &self,
+        state: &OscillatorState,
+        except: Option<usize>,
+    ) -> Option<(usize, f64, f64, f64)> {
         let mut first: Option<(usize, f64, f64, f64)> = None;
         for (i, velocity) in self.trial.velocity.iter().enumerate() {
             if self.contacts[i].law.state_len() == 0 || except == Some(i) {

@@ -99,7 +99,9 @@ impl RungeKutta {
                 }
             }
             if !y.iter().all(|y| y.is_finite()) {
-                return Err(OscillatorError::Diverged { time: (period + 1) as f64 * TAU / angular_frequency });
+                return Err(OscillatorError::Diverged {
+                    time: (period + 1) as f64 * TAU / angular_frequency,
+                });
             }
             out.push(record);
         }

@@ -67,8 +67,14 @@ pub fn shoot(
         return Err(OscillatorError::Length { name: "start", expected, found });
     }
     motion.time = 0.0;
-    let mut shooting =
-        Shooting { flow, excitation, period: TAU / angular_frequency, settings, periods: 0, mismatch: f64::INFINITY };
+    let mut shooting = Shooting {
+        flow,
+        excitation,
+        period: TAU / angular_frequency,
+        settings,
+        periods: 0,
+        mismatch: f64::INFINITY,
+    };
     let mut marched = 8;
     loop {
         if let Some(found) = shooting.newton(motion.clone())? {
@@ -144,8 +150,7 @@ impl Shooting<'_> {
     fn mismatch(&self, cycle: &Cycle) -> f64 {
         let n = self.flow.system.size;
         let mut worst = 0.0_f64;
-        let contact_scale =
-            self.flow.system.contacts.iter().map(|b| dot(b, b).sqrt()).fold(0.0, f64::max);
+        let contact_scale = self.flow.system.contacts.iter().map(|b| dot(b, b).sqrt()).fold(0.0, f64::max);
         let size = |list: &[f64]| list.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         // At an instant of the cycle the displacement may be small: the velocity then sets the scale.
         let displacement = size(&cycle.end[..n]).max(size(&cycle.end[n..2 * n]) * self.period / TAU);
@@ -210,7 +215,8 @@ impl Shooting<'_> {
                     let (low, high) = cycle.passage.contact_range[element.contact];
                     let farthest = if high.abs() >= low.abs() { high } else { low };
                     let (_, position) = element.slider.step(0.0, farthest);
-                    moved = moved.max((numbers[2 * n + k] - position).abs() / (high - low).max(f64::MIN_POSITIVE));
+                    moved = moved
+                        .max((numbers[2 * n + k] - position).abs() / (high - low).max(f64::MIN_POSITIVE));
                     numbers[2 * n + k] = position;
                 }
             }

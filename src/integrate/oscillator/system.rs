@@ -35,11 +35,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-fn dense(
-    entries: &Entries,
-    size: usize,
-    field: &'static str,
-) -> Result<DMatrix<f64>, OscillatorError> {
+fn dense(entries: &Entries, size: usize, field: &'static str) -> Result<DMatrix<f64>, OscillatorError> {
     let mut matrix = DMatrix::zeros(size, size);
     for &(i, j, value) in entries {
         if i >= size || j >= size || !value.is_finite() {
@@ -56,7 +52,8 @@ impl System {
         if n == 0 {
             return Err(OscillatorError::Structure { field: "size" });
         }
-        let factor = Cholesky::new(dense(&structure.mass, n, "mass")?).ok_or(OscillatorError::MassNotPositive)?;
+        let factor =
+            Cholesky::new(dense(&structure.mass, n, "mass")?).ok_or(OscillatorError::MassNotPositive)?;
         let lower = factor.l();
         let normalise = |entries, field| {
             let half = lower.solve_lower_triangular(&dense(entries, n, field)?);
@@ -82,8 +79,7 @@ impl System {
         };
         let contacts: Vec<Vec<f64>> =
             structure.contacts.iter().map(|r| row(r, "contacts")).collect::<Result<_, _>>()?;
-        let outputs =
-            structure.outputs.iter().map(|o| row(&o.row, "outputs")).collect::<Result<_, _>>()?;
+        let outputs = structure.outputs.iter().map(|o| row(&o.row, "outputs")).collect::<Result<_, _>>()?;
         Ok(Self {
             size: n,
             largest: (largest(&stiffness), largest(&damping)),
@@ -119,8 +115,11 @@ impl System {
     /// Longest step whose series converges to rounding, with the tangent stiffness `contact_stiffness`
     /// (N/m) at the contacts and an excitation no faster than `fastest` (rad/s).
     pub fn longest_step(&self, contact_stiffness: &[f64], fastest: f64) -> f64 {
-        let stiffness: f64 =
-            contact_stiffness.iter().zip(&self.contact_mobility).map(|(k, mobility)| k.abs() * mobility).sum();
+        let stiffness: f64 = contact_stiffness
+            .iter()
+            .zip(&self.contact_mobility)
+            .map(|(k, mobility)| k.abs() * mobility)
+            .sum();
         let rate = (self.largest.0 + stiffness).sqrt() + self.largest.1;
         STEP_ANGLE / rate.max(fastest)
     }

@@ -1,6 +1,6 @@
 //! From solutions of `Z x = f` to compliances and their derivatives.
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::Complex;
 
 use super::{Compliance, Rows, Singular};
 use crate::structure::linear::{Entries, LinearStructure, Row};
@@ -21,6 +21,9 @@ pub(super) struct Place {
     damping: f64,
     mass: f64,
 }
+
+/// Which of the three matrices a place's value is taken from.
+type Part = fn(&Place) -> f64;
 
 impl Place {
     /// The entry of `K + damping · C + inertia · M`.
@@ -110,8 +113,8 @@ impl Condensation {
             for (p, row) in self.forces[..contacts].iter().chain(outputs).enumerate() {
                 out.value[(p, k)] = dot(row, column);
             }
-            let derivatives: [(&mut DMatrix<Complex<f64>>, fn(&Place) -> f64); 2] =
-                [(&mut out.by_damping, |place| place.damping), (&mut out.by_inertia, |place| place.mass)];
+            let parts: [Part; 2] = [|place| place.damping, |place| place.mass];
+            let derivatives = [&mut out.by_damping, &mut out.by_inertia].into_iter().zip(parts);
             for (derivative, part) in derivatives {
                 multiply(&self.matrices, part, column, &mut self.work);
                 // Z is symmetric: the contacts' rows of its inverse are their own solutions.
@@ -137,7 +140,7 @@ fn dot(row: &Row, column: &[Complex<f64>]) -> Complex<f64> {
 }
 
 /// One of the three matrices times a column.
-fn multiply(matrices: &Matrices, part: fn(&Place) -> f64, column: &[Complex<f64>], out: &mut [Complex<f64>]) {
+fn multiply(matrices: &Matrices, part: Part, column: &[Complex<f64>], out: &mut [Complex<f64>]) {
     out.fill(Complex::new(0.0, 0.0));
     for place in &matrices.places {
         out[place.row] += column[place.column] * part(place);

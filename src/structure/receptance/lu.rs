@@ -48,7 +48,7 @@ impl DenseFactors {
         let pivot = (k..n).fold(k, |best, i| if magnitude(i) > magnitude(best) { i } else { best });
         let rounding = 4.0 * n as f64 * f64::EPSILON * self.terms[pivot];
         // A pivot that is not a number is no pivot either.
-        if !(magnitude(pivot) > rounding * rounding) {
+        if magnitude(pivot).is_nan() || magnitude(pivot) <= rounding * rounding {
             return Err(Singular);
         }
         self.exchanged[k] = pivot;

@@ -27,6 +27,8 @@ enum Command {
     Demo(commands::demo::Demo),
     /// Compare a model with a dataset, refit it, and compare again
     Compare(commands::compare::Compare),
+    /// Follow the periodic response of a model to a harmonic force over frequency
+    Frf(commands::frf::Frf),
     /// Write one model as an FMU
     Export(commands::export::Export),
     /// Write the standard FMUs
@@ -74,6 +76,7 @@ fn main() -> ExitCode {
     let done = match cli.command.unwrap_or_else(|| Command::Demo(Default::default())) {
         Command::Demo(command) => command.run(),
         Command::Compare(command) => command.run(),
+        Command::Frf(command) => command.run(),
         Command::Export(command) => command.run(),
         Command::Fmu(command) => command.run(),
     };

@@ -34,7 +34,7 @@ fn engineering_exponent(value: f64) -> i32 {
 }
 
 /// `value` with `digits` significant digits and without trailing zeros.
-fn significant(value: f64, digits: i32) -> String {
+pub fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
@@ -43,6 +43,15 @@ fn significant(value: f64, digits: i32) -> String {
     let text = format!("{value:.decimals$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     minus(text)
+}
+
+/// `value` with `digits` significant digits, trailing zeros kept, so that a column lines up.
+pub fn fixed(value: f64, digits: i32) -> String {
+    if !value.is_finite() {
+        return ABSENT.to_owned();
+    }
+    let exponent = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
+    minus(&format!("{value:.*}", (digits - 1 - exponent).clamp(0, 17) as usize))
 }
 
 /// A typographic minus sign in place of the hyphen.
@@ -74,7 +83,7 @@ fn join(number: &str, unit: &str) -> String {
     if unit.is_empty() { number.to_owned() } else { format!("{number}\u{a0}{unit}") }
 }
 
-fn superscript(exponent: i32) -> String {
+pub fn superscript(exponent: i32) -> String {
     exponent
         .to_string()
         .chars()

@@ -3,12 +3,14 @@
 //! the same bytes, and nothing is read from or written to disk or network.
 
 mod decimate;
+pub mod document;
 mod figure;
 mod format;
 mod json;
 mod page;
 mod plots;
 mod records;
+pub mod responses;
 mod stages;
 mod summary;
 mod table;

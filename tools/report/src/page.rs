@@ -48,33 +48,59 @@ pub fn html(comparison: &Comparison, settings: &Settings) -> String {
         }
         (settings_section(settings))
     };
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta http-equiv="Content-Security-Policy" content=(POLICY);
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="referrer" content="no-referrer";
-                title { (name(&comparison.title)) }
-                style { (PreEscaped(include_str!("style.css"))) }
-            }
-            body {
-                header {
-                    h1 { (name(&comparison.title)) }
-                    p.verdict { (name(&summary.verdict)) }
-                    @for note in &summary.notes { p.warning { (name(note)) } }
-                    p.quiet { (name(&scope(comparison, &levels))) @if let Some(date) = &settings.date { " " (name(date)) } }
+    Shell {
+        title: &comparison.title,
+        verdict: &summary.verdict,
+        warnings: &summary.notes,
+        scope: &scope(comparison, &levels),
+        sections,
+        figures: &figures,
+    }
+    .page(settings)
+}
+
+/// What every page has around its sections.
+pub(crate) struct Shell<'a> {
+    pub title: &'a str,
+    pub verdict: &'a str,
+    pub warnings: &'a [String],
+    pub scope: &'a str,
+    pub sections: Markup,
+    pub figures: &'a Figures,
+}
+
+impl Shell<'_> {
+    /// The whole page.
+    pub fn page(self, settings: &Settings) -> String {
+        let Shell { title, verdict, warnings, scope, sections, figures } = self;
+        let page = html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta http-equiv="Content-Security-Policy" content=(POLICY);
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    meta name="referrer" content="no-referrer";
+                    title { (name(title)) }
+                    style { (PreEscaped(include_str!("style.css"))) }
                 }
-                noscript { p.warning { "The figures need JavaScript; the tables do not." } }
-                main { (sections) }
-                script type="application/json" id="figures" { (PreEscaped(figures.to_json())) }
-                (PreEscaped(plotly_js()))
-                script { (PreEscaped(include_str!("page.js"))) }
+                body {
+                    header {
+                        h1 { (name(title)) }
+                        p.verdict { (name(verdict)) }
+                        @for note in warnings { p.warning { (name(note)) } }
+                        p.quiet { (name(scope)) @if let Some(date) = &settings.date { " " (name(date)) } }
+                    }
+                    noscript { p.warning { "The figures need JavaScript; the tables do not." } }
+                    main { (sections) }
+                    script type="application/json" id="figures" { (PreEscaped(figures.to_json())) }
+                    (PreEscaped(plotly_js()))
+                    script { (PreEscaped(include_str!("page.js"))) }
+                }
             }
-        }
-    };
-    page.into_string()
+        };
+        page.into_string()
+    }
 }
 
 /// The `<script>` element with plotly.js. The crate hands it out together with MathJax, which no
@@ -241,7 +267,7 @@ fn failures(comparison: &Comparison, record: usize) -> Markup {
     }
 }
 
-fn figure_element(one: &Captioned, style: &str) -> Markup {
+pub(crate) fn figure_element(one: &Captioned, style: &str) -> Markup {
     html! {
         figure.half[one.half] {
             div.plot data-figure=(one.figure) style=(style) role="img" aria-label=(name(&one.caption)) {}
@@ -250,7 +276,7 @@ fn figure_element(one: &Captioned, style: &str) -> Markup {
     }
 }
 
-fn settings_section(settings: &Settings) -> Markup {
+pub(crate) fn settings_section(settings: &Settings) -> Markup {
     html! {
         section id="settings" {
             h2 { "How to repeat this" }

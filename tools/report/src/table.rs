@@ -6,8 +6,8 @@ use crate::format::{self, Scale, printable};
 use crate::plots::{error_name, prose};
 use crate::summary::{self, Levels, Summary};
 
-const BOLD: &str = "\u{1b}[1m";
-const RED: &str = "\u{1b}[31m";
+pub(crate) const BOLD: &str = "\u{1b}[1m";
+pub(crate) const RED: &str = "\u{1b}[31m";
 const BLUE: &str = "\u{1b}[34m";
 const YELLOW: &str = "\u{1b}[33m";
 const RESET: &str = "\u{1b}[0m";
@@ -19,10 +19,9 @@ const RESET: &str = "\u{1b}[0m";
 /// sequences are added, which take no columns; without it the text has none, and control characters
 /// in names never reach the terminal.
 pub fn terminal_table(comparison: &Comparison, width: usize, color: bool) -> String {
-    let width = width.max(40);
     let summary = summary::summarise(comparison);
     let levels = summary::levels(comparison);
-    let mut out = Text { text: String::new(), width, color };
+    let mut out = Text::new(width, color);
     out.paragraph(&comparison.title, BOLD);
     out.paragraph(&summary.verdict, "");
     for note in &summary.notes {
@@ -36,18 +35,27 @@ pub fn terminal_table(comparison: &Comparison, width: usize, color: bool) -> Str
         record_table(&mut out, comparison);
     }
     failures(&mut out, comparison);
-    out.text
+    out.finish()
 }
 
 /// Text under construction.
-struct Text {
+pub(crate) struct Text {
     text: String,
     width: usize,
     color: bool,
 }
 
 impl Text {
-    fn line(&mut self, line: &str) {
+    /// Lines will be at most `width` columns wide; at least 40 are used.
+    pub fn new(width: usize, color: bool) -> Self {
+        Self { text: String::new(), width: width.max(40), color }
+    }
+
+    pub fn finish(self) -> String {
+        self.text
+    }
+
+    pub fn line(&mut self, line: &str) {
         self.text.push_str(line.trim_end());
         self.text.push('\n');
     }
@@ -57,7 +65,7 @@ impl Text {
     }
 
     /// `text` broken at spaces; a longer word is broken where the line ends.
-    fn paragraph(&mut self, text: &str, paint: &str) {
+    pub fn paragraph(&mut self, text: &str, paint: &str) {
         let mut line = String::new();
         for word in printable(text).split(' ').filter(|word| !word.is_empty()) {
             if !line.is_empty() && columns(&line) + 1 + columns(word) > self.width {
@@ -80,7 +88,7 @@ impl Text {
 
     /// A table of right-aligned cells under a left column, broken into parts as wide as the terminal.
     /// `left` and every row of `cells` begin with the heading; the first `fixed` columns are repeated.
-    fn grid(&mut self, left: &[String], cells: &[Vec<String>], fixed: usize) {
+    pub fn grid(&mut self, left: &[String], cells: &[Vec<String>], fixed: usize) {
         let wide = |column: usize| cells.iter().map(|row| columns(&row[column])).max().unwrap_or(0) + 2;
         let count = cells.first().map_or(0, Vec::len);
         let repeated: usize = (0..fixed).map(wide).sum();

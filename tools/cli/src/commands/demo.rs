@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use stickslip::diagnose::{Comparison, Stage, evaluate};
+use stickslip_report::document::{document_html, document_json};
 
 use super::present;
 use crate::output::{Outputs, say};
@@ -36,29 +37,74 @@ const FILES: [(&str, &str); 8] = [
     ("valanis-residual.toml", example!("valanis-residual.toml")),
 ];
 
+/// The files of the study.
+const STUDY_FILES: [(&str, &str); 2] = [
+    ("README.md", include_str!("../../../../examples/friction-vibration/README.md")),
+    ("model.toml", super::study::MODEL),
+];
+
 /// Arguments of `stickslip demo`.
 #[derive(clap::Args)]
 pub struct Demo {
+    /// What is shown
+    #[arg(value_enum, default_value_t = Subject::FrictionalSupport)]
+    subject: Subject,
     /// Folder for the example's files, the report, the best model and its FMU; made if it is not there
     #[arg(long, value_name = "DIR", default_value = DEFAULT_FOLDER)]
     out: PathBuf,
+}
+
+/// What there is to be shown.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Subject {
+    /// A beam on a frictional support: five models against measured resonance frequencies
+    FrictionalSupport,
+    /// Two masses with a Jenkins element: every figure of a published study, computed, and what its text makes of them
+    FrictionVibration,
 }
 
 const DEFAULT_FOLDER: &str = "stickslip-demo";
 
 impl Default for Demo {
     fn default() -> Self {
-        Self { out: DEFAULT_FOLDER.into() }
+        Self { subject: Subject::FrictionalSupport, out: DEFAULT_FOLDER.into() }
     }
 }
 
 impl Demo {
-    /// Compares, reports, exports.
+    /// Shows what was asked for.
     pub fn run(self) -> Result<(), Failure> {
-        let example = self.out.join("frictional-support");
+        match self.subject {
+            Subject::FrictionalSupport => self.compare(),
+            Subject::FrictionVibration => self.study(),
+        }
+    }
+
+    /// The example's files in a folder of their own, and the page and the data of the study beside it.
+    fn study(self) -> Result<(), Failure> {
+        let example = self.example("friction-vibration", &STUDY_FILES)?;
+        let study = super::study::friction_vibration()?;
+        let settings = super::settings(&[&example.join("model.toml")])?;
+        let data = document_json(&study, super::study::SCHEMA);
+        let mut outputs = Outputs::default();
+        outputs.add(&self.out.join("friction-vibration.json"), format!("{data}\n"));
+        outputs.add(&self.out.join("friction-vibration.html"), document_html(&study, &settings));
+        say(&format!("{}\n{}\n\n", study.title, study.lead))?;
+        super::list(&outputs.write()?)
+    }
+
+    /// Makes the folder of an example and writes its files.
+    fn example(&self, name: &str, files: &[(&str, &str)]) -> Result<PathBuf, Failure> {
+        let example = self.out.join(name);
         std::fs::create_dir_all(&example)
             .map_err(|error| Failure::other(format!("cannot make {}: {error}", example.display())))?;
-        write_example(&example)?;
+        write_example(&example, files)?;
+        Ok(example)
+    }
+
+    /// Compares, reports, exports.
+    fn compare(self) -> Result<(), Failure> {
+        let example = self.example("frictional-support", &FILES)?;
 
         let dataset = stickslip_readers::read_dataset(&example).map_err(super::shown)?;
         say(&format!("{}\n\n", dataset.title.as_deref().unwrap_or_default()))?;
@@ -99,9 +145,9 @@ impl Demo {
 }
 
 /// Writes the example's files, but not over one that the user has changed.
-fn write_example(folder: &Path) -> Result<(), Failure> {
+fn write_example(folder: &Path, all: &[(&str, &str)]) -> Result<(), Failure> {
     let mut files = Outputs::default();
-    for (name, text) in FILES {
+    for &(name, text) in all {
         let path = folder.join(name);
         match std::fs::read(&path) {
             Ok(present) if present == text.as_bytes() => {}

@@ -4,6 +4,8 @@ pub mod compare;
 pub mod demo;
 pub mod export;
 pub mod fmu;
+pub mod frf;
+mod study;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

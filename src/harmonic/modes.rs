@@ -1,0 +1,340 @@
+//! Nonlinear modes: free vibrations whose losses an artificial negative damping makes good.
+//!
+//! The extended periodic motion concept (M. Krack, *Nonlinear modal analysis of nonconservative systems*,
+//! Computers and Structures 154 (2015) 59–71): `M q̈ + (C − 2 ζ Ω M) q̇ + K q + Σ Bᵀ T = 0` has a periodic
+//! solution for every amplitude, with the mode's frequency Ω, damping ratio ζ and shape, harmonics included.
+//! Where ζ is small and modes are apart, the resonances of the forced structure lie on it.
+
+use super::HarmonicError;
+use super::assembly::{Assembly, Body, CurveSettings};
+use super::condensed::Condensed;
+use super::condition::{HeldAmplitude, Phase};
+use super::curve::Point;
+use super::problem::{Condition, Newton, Stopping};
+use super::system::{Operating, PeriodicSystem, Scalar};
+use super::tracker::{Solution, describe, more_harmonics};
+use super::tracking::{LARGEST_CHANGE, LEAST_SHARE, between};
+use crate::contact::{ContactLaw, Inputs};
+use crate::structure::{LinearStructure, Row};
+
+const FREE: [Scalar; 2] = [Scalar::AngularFrequency, Scalar::SelfExcitation];
+
+/// Which mode, over which amplitudes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModeRange {
+    /// The mode, counted from 0 by the frequencies of the structure with its contacts as they are at rest
+    /// (a friction contact sticks).
+    pub mode: usize,
+    /// The node whose first harmonic is the mode's amplitude. It must move in the mode.
+    pub node: usize,
+    /// Smallest and largest amplitude (m), both above zero, in either order: the first is where it starts.
+    pub amplitudes: [f64; 2],
+    /// Number of amplitudes, evenly spaced by ratio, ends included.
+    pub points: usize,
+}
+
+/// A mode at one amplitude.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModePoint {
+    /// Amplitude of the node's first harmonic (m).
+    pub amplitude: f64,
+    /// Ω (rad/s).
+    pub angular_frequency: f64,
+    /// ζ (1): of all losses, those of the structure and of the contacts.
+    pub damping_ratio: f64,
+    /// Energy that the contacts take per cycle (J).
+    pub dissipated_energy: f64,
+    /// The vibration, whose coefficients at the nodes are the mode's shape; the excitation's level is zero.
+    pub point: Point,
+}
+
+/// A mode over its amplitudes: backbone, damping, shapes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NonlinearMode {
+    /// Ω of the undamped structure with its contacts as they are at rest (rad/s).
+    pub angular_frequency: f64,
+    /// The points in the order of [`ModeRange::amplitudes`], as far as they were reached.
+    pub points: Vec<ModePoint>,
+    /// Why the rest is missing, if it is: no vibration was found, however small the step from the last one.
+    pub lost: Option<HarmonicError>,
+}
+
+/// A nonlinear mode of a structure with contacts, without excitation.
+///
+/// ```
+/// use stickslip::contact::CubicSpring;
+/// use stickslip::harmonic::{AttachedContact, Assembly, Body, CurveSettings, ModeRange, nonlinear_mode};
+/// use stickslip::model::{Anchor, Mass, Oscillator, Spring};
+/// let structure = Oscillator {
+///     masses: vec![Mass { name: "m1".into(), mass: 1.0 }],
+///     springs: vec![Spring { between: [Anchor::Ground, Anchor::Mass(0)], stiffness: 1.0, damping: 0.02 }],
+///     contact: Some(0),
+///     excitation: 0,
+/// }
+/// .structure()?;
+/// let law = CubicSpring::new(0.0, 1.0)?;
+/// let contacts = vec![AttachedContact { law: &law, normal_load: 0.0 }];
+/// let assembly = Assembly::new(Body::Linear(&structure), contacts);
+/// let range = ModeRange { mode: 0, node: 0, amplitudes: [0.01, 1.0], points: 20 };
+/// let mode = nonlinear_mode(&assembly, &range, &CurveSettings::default())?;
+/// assert!((mode.points[0].angular_frequency - 1.0).abs() < 1e-4);
+/// assert!(mode.points[19].angular_frequency > 1.3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`HarmonicError::InvalidInput`] for arguments that do not fit, or a node that does not move in the mode;
+/// [`HarmonicError::Structure`] for a structure whose modes cannot be computed; the other kinds where
+/// there is no vibration of the first amplitude.
+pub fn nonlinear_mode(
+    assembly: &Assembly,
+    range: &ModeRange,
+    settings: &CurveSettings,
+) -> Result<NonlinearMode, HarmonicError> {
+    let amplitudes = range.checked()?;
+    let Body::Linear(structure) = assembly.body else {
+        return Err(HarmonicError::InvalidInput(
+            "nonlinear modes are those of a linear structure with contacts",
+        ));
+    };
+    if assembly.contacts.is_empty() {
+        return Err(HarmonicError::InvalidInput("a structure without contacts has linear modes"));
+    }
+    let laws = assembly.contacts.iter().map(|contact| tangent_stiffness(contact.law, contact.normal_load));
+    let start = LinearStart::new(structure, laws, range)?;
+    // Free vibrations are poles of the structure's compliance where the contacts carry little; a damper moved
+    // from the contacts to the structure, more than any friction damps, keeps the poles away.
+    let relief = start.angular_frequency / start.contact_share;
+    let damped = with_dampers(structure, relief);
+    let mut system = Condensed::new(&Assembly { body: Body::Linear(&damped), ..assembly.clone() }, settings)?;
+    system.relieve(relief);
+    let mut x = vec![0.0; system.unknowns()];
+    let set = system.set();
+    for (u, share) in x.chunks_exact_mut(set.len()).zip(&start.contacts) {
+        if let Some(place) = set.place(1) {
+            u[place] = share * amplitudes[0];
+        }
+    }
+    let at = Operating {
+        angular_frequency: start.angular_frequency,
+        level: 0.0,
+        self_excitation: start.damping_ratio,
+        parameter: 0.0,
+    };
+    let mut vibration = FreeVibration {
+        system: &mut system,
+        settings: *settings,
+        newton: Newton::default(),
+        stopping: settings.stopping(),
+        node: range.node,
+        reached: Vec::new(),
+    };
+    let first = Solution { x, at };
+    let mut mode =
+        NonlinearMode { angular_frequency: start.angular_frequency, points: Vec::new(), lost: None };
+    for amplitude in amplitudes {
+        match vibration.reach(amplitude, &first) {
+            Ok(point) => mode.points.push(point),
+            Err(error) if !mode.points.is_empty() && error.is_of_the_step() => {
+                mode.lost = Some(error);
+                break;
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(mode)
+}
+
+impl ModeRange {
+    /// The amplitudes.
+    fn checked(&self) -> Result<Vec<f64>, HarmonicError> {
+        if !self.amplitudes.iter().all(|a| *a > 0.0 && a.is_finite()) {
+            return Err(HarmonicError::InvalidInput("a mode's amplitudes must be positive"));
+        }
+        if self.points == 0 {
+            return Err(HarmonicError::InvalidInput("a mode needs at least one amplitude"));
+        }
+        let [first, last] = self.amplitudes;
+        let spaces = (self.points - 1).max(1) as f64;
+        let amplitude = |k: usize| match k {
+            0 => first,
+            k if k + 1 == self.points => last,
+            k => first * (last / first).powf(k as f64 / spaces),
+        };
+        Ok((0..self.points).map(amplitude).collect())
+    }
+}
+
+/// The mode of the structure with its contacts linearised at rest.
+struct LinearStart {
+    angular_frequency: f64,
+    damping_ratio: f64,
+    /// Displacement of each contact where that of the node is 1.
+    contacts: Vec<f64>,
+    /// Sum of the squares of the contacts' displacements in the mode of unit modal mass (1/kg).
+    contact_share: f64,
+}
+
+impl LinearStart {
+    fn new(
+        structure: &LinearStructure,
+        stiffness: impl Iterator<Item = f64>,
+        range: &ModeRange,
+    ) -> Result<Self, HarmonicError> {
+        const STILL: f64 = 1e-9;
+        let Some(output) = structure.outputs.get(range.node) else {
+            return Err(HarmonicError::InvalidInput("the structure has no such node"));
+        };
+        let mut stuck = structure.clone();
+        for (row, stiffness) in structure.contacts.iter().zip(stiffness) {
+            for (i, left) in row {
+                stuck.stiffness.extend(row.iter().map(|(j, right)| (*i, *j, left * stiffness * right)));
+            }
+        }
+        let modes = stuck.natural_modes()?;
+        let Some(angular_frequency) = modes.angular_frequency.get(range.mode).copied() else {
+            return Err(HarmonicError::InvalidInput("the structure has no such mode"));
+        };
+        if angular_frequency == 0.0 {
+            return Err(HarmonicError::InvalidInput(
+                "a body that is free to move has no vibration in this mode",
+            ));
+        }
+        let shape = modes.shapes.column(range.mode);
+        let of = |row: &Row| row.iter().map(|(i, factor)| factor * shape[*i]).sum::<f64>();
+        let node = of(&output.row);
+        if node.abs() <= STILL * shape.amax() {
+            return Err(HarmonicError::InvalidInput("the node does not move in this mode"));
+        }
+        let contact_share: f64 = structure.contacts.iter().map(|row| of(row).powi(2)).sum();
+        if contact_share.sqrt() <= STILL * shape.amax() {
+            return Err(HarmonicError::InvalidInput("no contact moves in this mode: it is linear"));
+        }
+        let rate: f64 = structure.damping.iter().map(|(i, j, c)| shape[*i] * c * shape[*j]).sum();
+        Ok(Self {
+            angular_frequency,
+            damping_ratio: 0.5 * rate / angular_frequency,
+            contacts: structure.contacts.iter().map(|row| of(row) / node).collect(),
+            contact_share,
+        })
+    }
+}
+
+/// The structure with a damper (N s/m) along every contact's displacement.
+fn with_dampers(structure: &LinearStructure, damping: f64) -> LinearStructure {
+    let mut damped = structure.clone();
+    let entries = &mut damped.damping;
+    for row in &structure.contacts {
+        for (i, left) in row {
+            for (j, right) in row {
+                let value = left * damping * right;
+                match entries.binary_search_by_key(&(*i, *j), |(i, j, _)| (*i, *j)) {
+                    Ok(place) => entries[place].2 += value,
+                    Err(place) => entries.insert(place, (*i, *j, value)),
+                }
+            }
+        }
+    }
+    damped
+}
+
+/// Slope (N/m) of the force of a contact at rest that remembers nothing.
+fn tangent_stiffness(law: &dyn ContactLaw, normal_load: f64) -> f64 {
+    let (mut state, mut next) = (vec![0.0; law.state_len()], vec![0.0; law.state_len()]);
+    law.set_state(0.0, normal_load, 0.0, &mut state);
+    let inputs = Inputs { displacement: 0.0, velocity: 0.0, normal_load };
+    law.step(&state, inputs, &mut next).tangents.displacement
+}
+
+/// Carries a free vibration from amplitude to amplitude.
+struct FreeVibration<'s> {
+    system: &'s mut (dyn PeriodicSystem + 's),
+    settings: CurveSettings,
+    newton: Newton,
+    stopping: Stopping,
+    node: usize,
+    /// The last two amplitudes with their vibrations, the later one first.
+    reached: Vec<(f64, Solution)>,
+}
+
+impl FreeVibration<'_> {
+    /// The mode at an amplitude, on smaller and smaller steps from the last one.
+    fn reach(&mut self, amplitude: f64, first: &Solution) -> Result<ModePoint, HarmonicError> {
+        let mut share = 1.0;
+        loop {
+            let next = self.reached.first().map_or(amplitude, |(from, _)| between(*from, amplitude, share));
+            let start = self.predicted(next).unwrap_or_else(|| first.clone());
+            match self.step(next, start) {
+                Ok(point) if next == amplitude => {
+                    return Ok(ModePoint {
+                        amplitude,
+                        angular_frequency: point.angular_frequency,
+                        damping_ratio: self.reached[0].1.at.self_excitation,
+                        dissipated_energy: point.dissipated_energy(),
+                        point,
+                    });
+                }
+                Ok(_) => share = f64::min(2.0 * share, 1.0),
+                Err(error) => {
+                    share *= 0.5;
+                    if self.reached.is_empty() || share < LEAST_SHARE || !error.is_of_the_step() {
+                        return Err(error);
+                    }
+                    self.system.forget();
+                }
+            }
+        }
+    }
+
+    /// The vibration of one amplitude, with as many harmonics as it takes.
+    fn step(&mut self, amplitude: f64, start: Solution) -> Result<Point, HarmonicError> {
+        let mut solution = start;
+        loop {
+            let mut held = HeldAmplitude::new(self.node, 1, 0, amplitude);
+            let mut phase = Phase::behind(self.node, 1, [1.0, 0.0], 0.0);
+            let Solution { x, at } = &mut solution;
+            let conditions: &mut [&mut dyn Condition] = &mut [&mut held, &mut phase];
+            let effort = self.newton.solve(self.system, x, at, &FREE, conditions, &self.stopping)?;
+            let mut point = describe(self.system, &solution, &self.settings)?;
+            point.iterations = effort.iterations;
+            if let Some(harmonics) = more_harmonics(&point, &self.settings) {
+                let mut vectors: Vec<&mut Vec<f64>> = vec![&mut solution.x];
+                vectors.extend(self.reached.iter_mut().map(|(_, reached)| &mut reached.x));
+                if self.system.set_harmonics(harmonics, &mut vectors)? {
+                    continue;
+                }
+            }
+            if let Some((_, last)) = self.reached.first() {
+                let change = solution.at.angular_frequency / last.at.angular_frequency - 1.0;
+                if change.abs() > LARGEST_CHANGE {
+                    let iterations = effort.iterations;
+                    return Err(HarmonicError::NotConverged { residual: change.abs(), iterations });
+                }
+            }
+            self.reached.insert(0, (amplitude, solution));
+            self.reached.truncate(2);
+            return Ok(point);
+        }
+    }
+
+    /// The vibration at an amplitude: shape, frequency and damping on straight lines over its logarithm.
+    fn predicted(&self, amplitude: f64) -> Option<Solution> {
+        let (last_amplitude, last) = self.reached.first()?;
+        let ratio = amplitude / last_amplitude;
+        let mut start = last.clone();
+        start.x.iter_mut().for_each(|x| *x *= ratio);
+        if let Some((before_amplitude, before)) = self.reached.get(1)
+            && before_amplitude != last_amplitude
+        {
+            let ahead = ratio.ln() / (last_amplitude / before_amplitude).ln();
+            let ahead = ahead.clamp(-1.0, 2.0);
+            let scale = amplitude / before_amplitude;
+            start.x.iter_mut().zip(&before.x).for_each(|(x, b)| *x += ahead * (*x - scale * b));
+            let line = |last: f64, before: f64| last + ahead * (last - before);
+            start.at.angular_frequency = line(last.at.angular_frequency, before.at.angular_frequency)
+                .clamp(0.9 * last.at.angular_frequency, 1.1 * last.at.angular_frequency);
+            start.at.self_excitation = line(last.at.self_excitation, before.at.self_excitation);
+        }
+        Some(start)
+    }
+}

@@ -1,0 +1,206 @@
+//! `stickslip frf`
+
+mod held;
+pub mod loops;
+mod request;
+mod setup;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use indicatif::ProgressBar;
+use stickslip::harmonic::{Assembly, Curve, Ending, HarmonicError, frequency_response};
+use stickslip_report::responses::{
+    FrequencyUnit, Held, ResponseCurve, Responses, responses_html, responses_json, responses_table,
+};
+
+use self::request::Request;
+use self::setup::Setup;
+use super::{check_destinations, list, read_model, settings};
+use crate::output::{Outputs, say};
+use crate::{Failure, ResultFiles, progress};
+
+/// Arguments of `stickslip frf`.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  stickslip frf model.toml --from 0.2 --to 2 --unit rad/s --force 0.4 --report frf.html
+  stickslip frf model.toml --from 0.2 --to 2 --unit rad/s --levels 0.05,0.1,0.4 --json frf.json
+  stickslip frf beam.toml --from 45 --to 60 --hold acceleration:x=0.55=70
+  stickslip frf beam.toml --from 45 --to 60 --hold acceleration:x=0.55 --levels 10,30,70
+
+Exit codes: 0 done; 1 a curve ended before its end (what was found is written); 2 bad input (nothing is
+written); 130 interrupted by Ctrl-C (what was found is written).")]
+pub struct Frf {
+    /// The model file (an oscillator or a beam), or an FMU that carries one
+    model: PathBuf,
+    /// First frequency (in --unit)
+    #[arg(long, value_name = "FREQUENCY", allow_negative_numbers = true)]
+    from: f64,
+    /// Last frequency (in --unit)
+    #[arg(long, value_name = "FREQUENCY", allow_negative_numbers = true)]
+    to: f64,
+    /// Unit of --from, --to and of what is shown; JSON has both
+    #[arg(long, value_enum, default_value_t = Unit::Hertz)]
+    unit: Unit,
+    /// Amplitude of the harmonic force (N), 1 N if nothing else is said
+    #[arg(long, value_name = "N", conflicts_with_all = ["hold", "levels"], allow_negative_numbers = true)]
+    force: Option<f64>,
+    /// Several amplitudes, a curve for each: of the force (N), or of what --hold names (SI)
+    #[arg(long, value_name = "A,B,...", value_delimiter = ',', allow_negative_numbers = true)]
+    levels: Vec<f64>,
+    /// Hold the first harmonic of a response instead of the force: displacement (m), velocity (m/s) or
+    /// acceleration (m/s²) of a mass or of a sensor, as acceleration:x=0.55=70 or displacement:m1=1e-3
+    #[arg(long, value_name = "QUANTITY:NODE[=AMPLITUDE]")]
+    hold: Option<String>,
+    /// Mass that the force acts on; the model's excitation if not given (oscillators only)
+    #[arg(long, value_name = "MASS")]
+    excite: Option<String>,
+    /// Harmonics of the response; with --tolerance the number to begin with
+    #[arg(long, value_name = "H", default_value_t = 21)]
+    harmonics: usize,
+    /// Add harmonics until the estimated truncation error of the displacements is below this share of the
+    /// amplitude; otherwise the number of harmonics stays what it is
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+    /// Do not tell stable from unstable points
+    #[arg(long)]
+    no_stability: bool,
+    #[command(flatten)]
+    files: ResultFiles,
+}
+
+/// Units of frequency.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Unit {
+    #[value(name = "Hz")]
+    Hertz,
+    #[value(name = "rad/s")]
+    RadiansPerSecond,
+}
+
+impl From<Unit> for FrequencyUnit {
+    fn from(unit: Unit) -> Self {
+        match unit {
+            Unit::Hertz => FrequencyUnit::Hertz,
+            Unit::RadiansPerSecond => FrequencyUnit::RadiansPerSecond,
+        }
+    }
+}
+
+impl Frf {
+    /// Follows the curves.
+    pub fn run(self) -> Result<(), Failure> {
+        check_destinations(&self.files, None)?;
+        let model = read_model(&self.model)?;
+        let setup = Setup::new(&model, self.excite.as_deref())?;
+        let request = Request::new(&self, setup.nodes())?;
+        let assembly = setup.assembly();
+        let started = Instant::now();
+        let curves = follow_all(&assembly, &request)?;
+        let responses = Responses {
+            title: format!("Response of {}", self.model.display()),
+            unit: request.unit,
+            range: request.range,
+            held: request
+                .hold
+                .as_ref()
+                .map(|hold| Held { node: setup.nodes()[hold.node].clone(), derivative: hold.derivative }),
+            harmonics: self.harmonics,
+            tolerance: self.tolerance,
+            stability: !self.no_stability,
+            curves,
+            seconds: started.elapsed().as_secs_f64(),
+        };
+        self.present(&responses)?;
+        if progress::interrupted() {
+            eprintln!("note: interrupted; these are the results so far");
+        } else if !responses.complete() {
+            return Err(Failure::other("a curve ended before its end; what was found is shown"));
+        }
+        Ok(())
+    }
+
+    fn present(&self, responses: &Responses) -> Result<(), Failure> {
+        use std::io::IsTerminal as _;
+        say(&responses_table(responses, 80, std::io::stdout().is_terminal()))?;
+        let settings = settings(&[Path::new(&self.model)])?;
+        let mut outputs = Outputs::default();
+        if let Some(path) = &self.files.json {
+            outputs.add(path, format!("{:#}\n", responses_json(responses, &settings)));
+        }
+        if let Some(path) = &self.files.report {
+            outputs.add(path, responses_html(responses, &settings));
+        }
+        list(&outputs.write()?)
+    }
+}
+
+/// One curve after the other, until all are done or Ctrl-C.
+fn follow_all(assembly: &Assembly, request: &Request) -> Result<Vec<ResponseCurve>, Failure> {
+    let bar = progress::spinner("frf");
+    let mut curves = Vec::new();
+    for (index, &level) in request.levels.iter().enumerate() {
+        if progress::interrupted() {
+            break;
+        }
+        let which = match request.levels.len() {
+            1 => String::new(),
+            count => format!("curve {} of {count}, ", index + 1),
+        };
+        curves.push(follow(assembly, request, level, &which, &bar)?);
+    }
+    bar.finish_and_clear();
+    Ok(curves)
+}
+
+fn follow(
+    assembly: &Assembly,
+    request: &Request,
+    level: f64,
+    which: &str,
+    bar: &ProgressBar,
+) -> Result<ResponseCurve, Failure> {
+    let started = Instant::now();
+    let control = request.control(level);
+    let mut count = 0_usize;
+    let mut shown: Option<Instant> = None;
+    let found = frequency_response(
+        assembly,
+        request.range.0,
+        request.range.1,
+        &control,
+        &request.settings,
+        &mut |point| {
+            count += 1;
+            // Points come by the ten thousand a second; a terminal need not follow.
+            if shown.is_none_or(|last| last.elapsed().as_millis() > 50) {
+                shown = Some(Instant::now());
+                let place = request.unit.shown(point.angular_frequency);
+                bar.set_message(format!("{which}{count} points, at {place}"));
+            }
+            !progress::interrupted()
+        },
+    );
+    let (mut curve, failure) = match found {
+        Ok(curve) => (curve, None),
+        Err(HarmonicError::InvalidInput(reason)) => return Err(Failure::input(reason)),
+        Err(error) => (empty(request), Some(error.to_string())),
+    };
+    if let Some(hold) = request.hold {
+        curve.peaks = held::resonances(assembly, request, hold, &control, &curve);
+    }
+    let loops = loops::at_peaks(assembly, request, &control, level, &curve);
+    Ok(ResponseCurve { level, curve, loops, failure, seconds: started.elapsed().as_secs_f64() })
+}
+
+/// A curve of which not even the first point was found.
+fn empty(request: &Request) -> Curve {
+    Curve {
+        nodes: request.nodes.clone(),
+        points: Vec::new(),
+        peaks: Vec::new(),
+        folds: Vec::new(),
+        ending: Ending::Stuck,
+    }
+}

@@ -1,0 +1,260 @@
+//! Response curves as a user asks for them, and what the program says when the input is wrong.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+const MODEL: &str = include_str!("../../../examples/friction-vibration/model.toml");
+
+fn stickslip(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_stickslip")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+/// A folder with the two masses as `model.toml` and the beam as `beam.toml`.
+fn example() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("model.toml"), MODEL).unwrap();
+    let beam = include_str!("../../../examples/frictional-support/published.toml");
+    fs::write(folder.path().join("beam.toml"), beam).unwrap();
+    folder
+}
+
+fn read(folder: &TempDir, file: &str) -> Value {
+    serde_json::from_slice(&fs::read(folder.path().join(file)).unwrap()).unwrap()
+}
+
+/// Runs `frf` on the two masses from 0.2 to 2 rad/s and reads its JSON.
+fn response(more: &[&str]) -> (TempDir, Output, Value) {
+    let folder = example();
+    let mut arguments = vec!["frf", "model.toml", "--from", "0.2", "--to", "2.0", "--unit", "rad/s"];
+    arguments.extend(more);
+    arguments.extend(["--json", "frf.json"]);
+    let output = stickslip(folder.path(), &arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let json = read(&folder, "frf.json");
+    (folder, output, json)
+}
+
+fn close(found: &Value, expected: f64, tolerance: f64) {
+    let found = found.as_f64().unwrap();
+    assert!((found / expected - 1.0).abs() < tolerance, "{found} instead of {expected}");
+}
+
+#[test]
+fn the_peaks_are_those_of_an_exact_time_integration() {
+    let (folder, output, json) = response(&["--force", "0.4", "--report", "frf.html"]);
+    assert_eq!(json["schema"], "stickslip.frf/1");
+    // Event-driven time integration of an independent program.
+    let expected = [
+        ("m1", 0.527394, 1.008048920),
+        ("m1", 1.305808, 2.550916521),
+        ("m2", 0.540850, 2.227637379),
+        ("m2", 1.300160, 1.065182030),
+    ];
+    let mut peaks = json["peaks"].as_array().unwrap().clone();
+    peaks.sort_by_key(|peak| peak["node"].as_str().unwrap().to_owned());
+    // Below 0.3 rad/s the third harmonic meets the first resonance and makes small peaks of its own.
+    peaks.retain(|peak| peak["omega"].as_f64().unwrap() > 0.3);
+    assert_eq!(peaks.len(), expected.len(), "{peaks:?}");
+    for (node, omega, amplitude) in expected {
+        let near = |peak: &&Value| {
+            peak["node"] == node && (peak["omega"].as_f64().unwrap() / omega - 1.0).abs() < 0.01
+        };
+        let peak = peaks.iter().find(near).unwrap();
+        close(&peak["omega"], omega, 1e-5);
+        close(&peak["amplitude"], amplitude, 1e-6);
+        close(&peak["frequency_hz"], omega / std::f64::consts::TAU, 1e-5);
+        assert_eq!(peak["level"], 0.4);
+    }
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(said.contains("0.5408") && said.contains("rad/s") && said.contains("wrote frf.json"), "{said}");
+    let page = fs::read_to_string(folder.path().join("frf.html")).unwrap();
+    assert_eq!(page.matches("plotly.js v3").count(), 1);
+    assert!(page.contains("Loops at the peaks") && page.contains("Truncation error"));
+}
+
+#[test]
+fn every_point_keeps_the_balance_of_energy() {
+    let (_folder, _, json) = response(&["--force", "0.4"]);
+    let points = json["points"].as_array().unwrap();
+    assert!(points.len() > 100);
+    for point in points {
+        let number = |key: &str| point[key].as_f64().unwrap();
+        let (omega, dissipated) = (number("omega"), number("dissipated"));
+        assert!((0.2..=2.0 + 1e-9).contains(&omega));
+        assert!(dissipated >= 0.0 && dissipated <= number("work") * (1.0 + 1e-9), "{point}");
+        let stiffness = number("equivalent_stiffness");
+        assert!(stiffness > 0.0 && stiffness <= 0.2 * (1.0 + 1e-9));
+        // The closed form of the loop, with the amplitude found. Stuck throughout above 1.6249 rad/s.
+        let slip = point["amplitude"]["m2"].as_f64().unwrap() - 0.02 / 0.2;
+        assert!((dissipated - 4.0 * 0.02 * slip.max(0.0)).abs() < 1e-9, "{point}");
+        assert_eq!(omega > 1.6249217, dissipated == 0.0, "{omega}");
+        assert_eq!(point["level"], 0.4);
+        assert_ne!(point["stable"], false);
+        assert!((0.0..=1.0).contains(&number("stick_fraction")));
+        assert!(number("error_estimate") >= 0.0);
+        assert!(point["harmonic1"]["m1"].as_f64().unwrap() > 0.0);
+    }
+    assert_eq!(json["complete"], true);
+}
+
+#[test]
+fn several_levels_give_a_curve_each() {
+    let (_folder, _, json) = response(&["--levels", "0.002,0.4", "--no-stability", "--harmonics", "9"]);
+    assert_eq!(json["curves"].as_array().unwrap().len(), 2);
+    assert_eq!(json["settings"]["levels"], serde_json::json!([0.002, 0.4]));
+    let points = json["points"].as_array().unwrap();
+    assert!(points.iter().all(|point| point["stable"].is_null()));
+    assert!(
+        points.iter().any(|point| point["level"] == 0.002)
+            && points.iter().any(|point| point["level"] == 0.4)
+    );
+    // At the small force the contact sticks: a linear resonance, near the natural frequency of the stuck system.
+    let stuck =
+        json["peaks"].as_array().unwrap().iter().find(|peak| peak["level"] == 0.002 && peak["node"] == "m2");
+    let stuck = stuck.unwrap();
+    close(&stuck["omega"], 0.6780026, 0.01);
+}
+
+#[test]
+fn a_held_response_is_held_and_its_force_found() {
+    let (_folder, _, json) = response(&["--hold", "displacement:m2=1.0"]);
+    assert_eq!(json["settings"]["held"], "displacement:m2");
+    for point in json["points"].as_array().unwrap() {
+        close(&point["harmonic1"]["m2"], 1.0, 1e-8);
+        assert_eq!(point["held"], 1.0);
+        assert!(point["level"].as_f64().unwrap() > 0.0);
+    }
+}
+
+#[test]
+fn hertz_are_the_default_unit() {
+    let folder = example();
+    let arguments = ["frf", "model.toml", "--from", "0.07", "--to", "0.1", "--force=0.4", "--json", "f.json"];
+    assert!(stickslip(folder.path(), &arguments).status.success());
+    let json = read(&folder, "f.json");
+    let first = &json["points"][0];
+    close(&first["frequency_hz"], 0.07, 1e-9);
+    close(&first["omega"], 0.07 * std::f64::consts::TAU, 1e-9);
+}
+
+fn entries(folder: &Path) -> Vec<PathBuf> {
+    let mut all: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    all.sort();
+    all
+}
+
+/// Exit code 2, one message that holds every one of `hints`, no file written.
+fn refused(arguments: &[&str], hints: &[&str]) {
+    let folder = example();
+    let before = entries(folder.path());
+    let arguments = [arguments, &["--json", "c.json", "--report", "r.html"]].concat();
+    let output = stickslip(folder.path(), &arguments);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+    assert_eq!(message.matches("error: ").count(), 1, "{message}");
+    for hint in hints {
+        assert!(message.contains(hint), "no `{hint}` in\n{message}");
+    }
+    assert_eq!(entries(folder.path()), before, "something was written");
+}
+
+#[test]
+fn what_cannot_be_followed_is_refused() {
+    let two = ["frf", "model.toml", "--unit", "rad/s"];
+    let with = |more: &[&'static str], hints: &[&str]| refused(&[&two[..], more].concat(), hints);
+    let range = ["--from", "0.2", "--to", "2"];
+    let ranged = |more: &[&'static str], hints: &[&str]| with(&[&range[..], more].concat(), hints);
+    with(&["--from", "2", "--to", "0.2"], &["--from 2", "below --to 0.2"]);
+    with(&["--from", "1", "--to", "1"], &["below"]);
+    with(&["--from", "-1", "--to", "1"], &["positive"]);
+    with(&["--from", "0.2", "--to", "inf"], &["positive"]);
+    with(&["--from", "0.2"], &["--to"]);
+    ranged(&["--force", "-0.4"], &["-0.4", "positive"]);
+    ranged(&["--force", "0.4", "--hold", "displacement:m1=1"], &["--force", "--hold"]);
+    ranged(&["--force", "0.4", "--levels", "1,2"], &["--force", "--levels"]);
+    ranged(&["--levels", "0.4,0"], &["level of 0"]);
+    ranged(&["--levels", "0.4,nan"], &["NaN"]);
+    ranged(&["--harmonics", "0"], &["--harmonics 0"]);
+    ranged(&["--tolerance", "-0.001"], &["--tolerance"]);
+    refused(&["frf", "model.toml", "--from", "1", "--to", "2", "--unit", "rpm"], &["rpm", "rad/s"]);
+    ranged(&["--excite", "n1"], &["n1", "did you mean `m1`"]);
+}
+
+#[test]
+fn what_cannot_be_held_is_refused() {
+    let held = |hold: &str, more: &[&str], hints: &[&str]| {
+        let all = ["frf", "model.toml", "--from", "0.05", "--to", "0.2", "--hold", hold];
+        refused(&[&all[..], more].concat(), hints);
+    };
+    held("displacement:m3=1", &[], &["no node `m3`", "m1", "m2"]);
+    held("displacment:m1=1", &[], &["did you mean `displacement`"]);
+    held("displacement:m1=-1", &[], &["-1", "positive"]);
+    held("displacement:m1=big", &[], &["big"]);
+    held("displacement:m1", &[], &["no amplitude"]);
+    held("displacement:m1=1", &["--levels", "1,2"], &["give one of them"]);
+    held("m1=1", &[], &["write it as"]);
+    refused(
+        &["frf", "beam.toml", "--from", "45", "--to", "60", "--hold", "acceleration:x=0.54=70"],
+        &["did you mean `x=0.55`"],
+    );
+}
+
+#[test]
+fn models_and_destinations_that_cannot_be_used_are_refused() {
+    refused(&["frf", "missing.toml", "--from", "1", "--to", "2"], &["missing.toml"]);
+    let folder = example();
+    let contact = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+                   tangential_stiffness = 1.0\nfriction_coefficient = 0.5\nnormal_load = 1.0\n";
+    fs::write(folder.path().join("contact.toml"), contact).unwrap();
+    let output = stickslip(folder.path(), &["frf", "contact.toml", "--from", "1", "--to", "2"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("oscillator"));
+    let nowhere = ["frf", "model.toml", "--from", "0.1", "--to", "0.2", "--json", "nowhere/f.json"];
+    let output = stickslip(folder.path(), &nowhere);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("nowhere"));
+}
+
+#[test]
+fn the_study_agrees_with_time_integration_and_names_the_statements_that_fail() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = stickslip(folder.path(), &["demo", "friction-vibration", "--out", "results"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let results = folder.path().join("results");
+    let json: Value =
+        serde_json::from_slice(&fs::read(results.join("friction-vibration.json")).unwrap()).unwrap();
+    assert_eq!(json["schema"], "stickslip.study/1");
+    let sections = json["sections"].as_array().unwrap();
+    let section = |id: &str| sections.iter().find(|section| section["id"] == id).unwrap();
+    // Harmonic balance against time integration, at every row.
+    for row in section("response")["tables"][0]["rows"].as_array().unwrap() {
+        assert!(row[6].as_f64().unwrap() < 2e-6, "{row}");
+    }
+    // Reference values of an independent program: minima and maximum of the equivalent stiffness, end of slip.
+    let extremes = &section("stiffness")["tables"][0]["rows"];
+    for (row, (omega, value)) in
+        [(0.54085, 0.008978), (1.010, 0.04958), (1.3002, 0.018776), (1.62492169, 0.2)].iter().enumerate()
+    {
+        close(&extremes[row][1], *omega, 1e-4);
+        close(&extremes[row][2], *value, 1e-4);
+    }
+    let failing = section("statements")["tables"][0].to_string();
+    for number in ["0.01739 N", "0.062 N for y", "0.2994", "0.460"] {
+        assert!(failing.contains(number), "no {number} in {failing}");
+    }
+    for number in ["4", "5", "6", "7", "8", "9", "10", "12", "13", "14"] {
+        let figures = sections.iter().flat_map(|section| section["figures"].as_array().unwrap());
+        let mut captions = figures.map(|figure| figure["caption"].as_str().unwrap().to_owned());
+        let found = captions.any(|caption| {
+            caption.starts_with(&format!("Figure {number}.")) || caption.starts_with("Figures 4 and 5.")
+        });
+        assert!(found, "no figure {number}");
+    }
+    let page = fs::read_to_string(results.join("friction-vibration.html")).unwrap();
+    assert!(page.contains("not supported") && page.matches("plotly.js v3").count() == 1);
+    assert!(results.join("friction-vibration/model.toml").is_file());
+}

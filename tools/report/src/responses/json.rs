@@ -1,0 +1,128 @@
+//! Response curves as JSON.
+
+use serde_json::{Map, Value, json};
+use stickslip::harmonic::{Curve, Ending, Point};
+
+use super::{Held, ResponseCurve, Responses, ending};
+use crate::Settings;
+
+/// The curves, schema `stickslip.frf/1`.
+///
+/// ```json
+/// {"schema": "stickslip.frf/1", "seconds": 0.03, "complete": true,
+///  "settings": {"from": 0.2, "to": 2.0, "unit": "rad/s", "harmonics": 21, "tolerance": 1e-6, "stability": true,
+///    "held": null, "levels": [0.4], "command": "...", "version": "...", "files": [{"name": "...", "sha256": "..."}]},
+///  "nodes": ["m1", "m2"],
+///  "curves": [{"level": 0.4, "held": null, "points": 160, "ending": "complete", "failure": null, "seconds": 0.03}],
+///  "points": [{"curve": 0, "omega": 0.5, "frequency_hz": 0.0796, "level": 0.4, "held": null,
+///    "amplitude": {"m1": 0.93}, "harmonic1": {"m1": 0.93}, "dissipated": 0.134, "work": 0.766,
+///    "equivalent_stiffness": 0.0112, "stick_fraction": 0.05, "stable": true, "error_estimate": 1e-7,
+///    "resolved": true, "harmonics": 21}],
+///  "peaks": [{"curve": 0, "node": "m1", "omega": 0.527, "frequency_hz": 0.0839, "amplitude": 1.008, "level": 0.4}],
+///  "folds": [{"curve": 0, "omega": 1.2, "frequency_hz": 0.19, "level": 0.4, "amplitude": {"m1": 1.0}}]}
+/// ```
+///
+/// SI units; `omega` in rad/s. `amplitude` is the largest magnitude of the displacement over a period,
+/// `harmonic1` the amplitude of its first harmonic. `level` is the force (N), `held` the held amplitude.
+/// With a held response, `peaks` are the peaks of response over force. `equivalent_stiffness` and
+/// `stick_fraction` are those of the only contact; with several they are `null` here and in `contacts`.
+/// Numbers that do not exist are `null`.
+pub fn responses_json(responses: &Responses, settings: &Settings) -> Value {
+    let files: Vec<Value> =
+        settings.files.iter().map(|file| json!({ "name": file.name, "sha256": file.sha256 })).collect();
+    let (from, to) = responses.range;
+    json!({
+        "schema": "stickslip.frf/1",
+        "title": responses.title,
+        "seconds": responses.seconds,
+        "complete": responses.complete(),
+        "warnings": responses.warnings().iter().map(|text| text.replace('\u{a0}', " ")).collect::<Vec<_>>(),
+        "settings": {
+            "from": responses.unit.of(from), "to": responses.unit.of(to), "unit": responses.unit.name(),
+            "harmonics": responses.harmonics, "tolerance": responses.tolerance, "stability": responses.stability,
+            "held": responses.held.as_ref().map(Held::name),
+            "levels": responses.curves.iter().map(|one| one.level).collect::<Vec<_>>(),
+            "command": settings.command, "version": settings.version, "files": files,
+        },
+        "nodes": responses.nodes(),
+        "curves": responses.curves.iter().map(|one| curve(responses, one)).collect::<Vec<_>>(),
+        "points": every(responses, |index, one| {
+            one.curve.points.iter().map(|at| point(responses, index, one, at)).collect()
+        }),
+        "peaks": every(responses, |index, one| peaks(index, &one.curve)),
+        "folds": every(responses, |index, one| folds(index, &one.curve)),
+    })
+}
+
+fn every(responses: &Responses, of: impl Fn(usize, &ResponseCurve) -> Vec<Value>) -> Vec<Value> {
+    responses.curves.iter().enumerate().flat_map(|(index, one)| of(index, one)).collect()
+}
+
+/// The level where that is an amplitude held.
+fn held(responses: &Responses, one: &ResponseCurve) -> Option<f64> {
+    responses.held.as_ref().map(|_| one.level)
+}
+
+fn curve(responses: &Responses, one: &ResponseCurve) -> Value {
+    json!({
+        "level": responses.held.is_none().then_some(one.level), "held": held(responses, one),
+        "points": one.curve.points.len(), "ending": ending(one), "failure": one.failure,
+        "complete": one.curve.ending == Ending::Complete && one.failure.is_none(), "seconds": one.seconds,
+    })
+}
+
+fn point(responses: &Responses, index: usize, one: &ResponseCurve, point: &Point) -> Value {
+    let by_node = |values: &[f64]| -> Map<String, Value> {
+        one.curve.nodes.iter().cloned().zip(values.iter().map(|value| json!(value))).collect()
+    };
+    let only = match &point.contacts[..] {
+        [only] => Some(only),
+        _ => None,
+    };
+    let mut value = json!({
+        "curve": index, "omega": point.angular_frequency,
+        "frequency_hz": point.angular_frequency / std::f64::consts::TAU,
+        "level": point.level, "held": held(responses, one),
+        "amplitude": by_node(&point.amplitude), "harmonic1": by_node(&point.first_harmonic()),
+        "dissipated": point.dissipated_energy(), "work": point.work,
+        "equivalent_stiffness": only.map(|contact| contact.equivalent_stiffness),
+        "stick_fraction": only.and_then(|contact| contact.stick_fraction),
+        "stable": point.stable, "error_estimate": point.error_estimate, "resolved": point.resolved,
+        "harmonics": point.harmonics,
+    });
+    if point.contacts.len() > 1 {
+        let contact = |contact: &stickslip::harmonic::Contacting| {
+            json!({
+                "dissipated": contact.dissipated_energy, "equivalent_stiffness": contact.equivalent_stiffness,
+                "stick_fraction": contact.stick_fraction,
+            })
+        };
+        value["contacts"] = point.contacts.iter().map(contact).collect();
+    }
+    value
+}
+
+fn peaks(index: usize, curve: &Curve) -> Vec<Value> {
+    let peak = |peak: &stickslip::harmonic::Peak| {
+        json!({
+            "curve": index, "node": curve.nodes.get(peak.node), "omega": peak.angular_frequency,
+            "frequency_hz": peak.angular_frequency / std::f64::consts::TAU,
+            "amplitude": peak.amplitude, "level": peak.level,
+        })
+    };
+    curve.peaks.iter().map(peak).collect()
+}
+
+/// Where the curve turns back.
+fn folds(index: usize, curve: &Curve) -> Vec<Value> {
+    let fold = |fold: &stickslip::harmonic::Fold| {
+        let amplitude: Map<String, Value> =
+            curve.nodes.iter().cloned().zip(fold.amplitude.iter().map(|value| json!(value))).collect();
+        json!({
+            "curve": index, "omega": fold.angular_frequency,
+            "frequency_hz": fold.angular_frequency / std::f64::consts::TAU,
+            "level": fold.level, "amplitude": amplitude,
+        })
+    };
+    curve.folds.iter().map(fold).collect()
+}

@@ -1,0 +1,286 @@
+//! Response curves for people and programs: page, terminal table, JSON.
+
+mod figures;
+mod json;
+mod page;
+mod terminal;
+
+pub use json::responses_json;
+pub use page::responses_html;
+pub use terminal::responses_table;
+
+use stickslip::harmonic::{Curve, Ending, Peak, Point};
+
+use crate::format;
+
+/// Curves of one model, each at its own level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Responses {
+    /// What responds.
+    pub title: String,
+    /// The unit that people read frequencies in.
+    pub unit: FrequencyUnit,
+    /// Beginning and end of the range asked for (rad/s).
+    pub range: (f64, f64),
+    /// What is held along a curve; `None` where the force is.
+    pub held: Option<Held>,
+    /// Harmonics at least.
+    pub harmonics: usize,
+    /// Error estimate asked for; `None` where the harmonics do not adapt to it.
+    pub tolerance: Option<f64>,
+    /// Whether stability was asked for.
+    pub stability: bool,
+    /// The curves.
+    pub curves: Vec<ResponseCurve>,
+    /// Time that all took (s).
+    pub seconds: f64,
+}
+
+/// A response that is held along a curve: the first harmonic of a node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Held {
+    /// Name of the node.
+    pub node: String,
+    /// 0 displacement, 1 velocity, 2 acceleration.
+    pub derivative: usize,
+}
+
+impl Held {
+    /// Its quantity.
+    pub fn quantity(&self) -> &'static str {
+        ["displacement", "velocity", "acceleration"][self.derivative.min(2)]
+    }
+
+    /// Its SI unit.
+    pub fn unit(&self) -> &'static str {
+        ["m", "m/s", "m/s^2"][self.derivative.min(2)]
+    }
+
+    /// As a user writes it: `acceleration:x=0.55`.
+    pub fn name(&self) -> String {
+        format!("{}:{}", self.quantity(), self.node)
+    }
+}
+
+/// The curve at one level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResponseCurve {
+    /// The force (N), or the held amplitude (SI).
+    pub level: f64,
+    /// The points found.
+    pub curve: Curve,
+    /// Loops of the contacts at the peaks.
+    pub loops: Vec<ContactLoop>,
+    /// Why the curve ends before its end, where that is not an interruption.
+    pub failure: Option<String>,
+    /// Time it took (s).
+    pub seconds: f64,
+}
+
+/// One period of a contact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactLoop {
+    /// Where on the curve, for the legend.
+    pub name: String,
+    /// Displacement of the contact (m), closed.
+    pub displacement: Vec<f64>,
+    /// Restoring force (N), as many.
+    pub force: Vec<f64>,
+}
+
+/// The unit of frequency at the user's side.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum FrequencyUnit {
+    /// Hz.
+    #[default]
+    Hertz,
+    /// rad/s.
+    RadiansPerSecond,
+}
+
+impl FrequencyUnit {
+    /// As it is written.
+    pub fn name(self) -> &'static str {
+        match self {
+            FrequencyUnit::Hertz => "Hz",
+            FrequencyUnit::RadiansPerSecond => "rad/s",
+        }
+    }
+
+    /// An angular frequency (rad/s) in this unit.
+    pub fn of(self, angular_frequency: f64) -> f64 {
+        match self {
+            FrequencyUnit::Hertz => angular_frequency / std::f64::consts::TAU,
+            FrequencyUnit::RadiansPerSecond => angular_frequency,
+        }
+    }
+
+    /// A value in this unit as angular frequency (rad/s).
+    pub fn to_angular(self, value: f64) -> f64 {
+        match self {
+            FrequencyUnit::Hertz => value * std::f64::consts::TAU,
+            FrequencyUnit::RadiansPerSecond => value,
+        }
+    }
+
+    /// An angular frequency (rad/s) with the unit, to six digits.
+    pub fn shown(self, angular_frequency: f64) -> String {
+        format!("{}\u{a0}{}", format::significant(self.of(angular_frequency), 6), self.name())
+    }
+}
+
+impl Responses {
+    /// Whether every curve came to its end.
+    pub fn complete(&self) -> bool {
+        self.curves.iter().all(|one| one.failure.is_none() && one.curve.ending == Ending::Complete)
+    }
+
+    fn points(&self) -> impl Iterator<Item = &Point> {
+        self.curves.iter().flat_map(|one| &one.curve.points)
+    }
+
+    fn point_count(&self) -> usize {
+        self.points().count()
+    }
+
+    /// The level of a curve with its unit.
+    fn level(&self, one: &ResponseCurve) -> String {
+        format::engineering(one.level, self.held.as_ref().map_or("N", Held::unit))
+    }
+
+    /// Names of the nodes.
+    fn nodes(&self) -> &[String] {
+        self.curves.first().map_or(&[], |one| &one.curve.nodes)
+    }
+
+    /// Place of the held node.
+    fn held_node(&self) -> Option<usize> {
+        let held = self.held.as_ref()?;
+        self.nodes().iter().position(|node| *node == held.node)
+    }
+
+    /// The result in a sentence.
+    fn lead(&self) -> String {
+        let peak = |one: &ResponseCurve| {
+            let of_node = |peak: &&Peak| self.held_node().is_none_or(|node| peak.node == node);
+            let size = |peak: &Peak| if self.held.is_some() { -peak.level } else { peak.amplitude };
+            let peaks = one.curve.peaks.iter().filter(of_node);
+            peaks.max_by(|a, b| size(a).total_cmp(&size(b))).copied()
+        };
+        let found: Vec<(&ResponseCurve, Peak)> =
+            self.curves.iter().filter_map(|one| peak(one).map(|peak| (one, peak))).collect();
+        let at = |(one, peak): &(&ResponseCurve, Peak)| {
+            format!("{} at {}", self.unit.shown(peak.angular_frequency), self.level(one))
+        };
+        match &found[..] {
+            [] if self.point_count() == 0 => "No point of the curves was found.".to_owned(),
+            [] => "There is no peak between the ends of the range.".to_owned(),
+            [only] if self.held.is_some() => {
+                let force = format::engineering(only.1.level, "N");
+                format!("The least force, {force}, holds {} at {}.", self.held_name(), at(only))
+            }
+            [only] => format!(
+                "The largest peak is that of {}: {} at {} under {}.",
+                self.nodes().get(only.1.node).map_or("", String::as_str),
+                format::engineering(only.1.amplitude, "m"),
+                self.unit.shown(only.1.angular_frequency),
+                self.level(only.0)
+            ),
+            [first, .., last] => {
+                let what = if self.held.is_some() { "resonance" } else { "largest peak" };
+                format!("The {what} goes from {} to {}.", at(first), at(last))
+            }
+        }
+    }
+
+    fn held_name(&self) -> String {
+        self.held.as_ref().map_or_else(String::new, Held::name)
+    }
+
+    /// What must not be overlooked.
+    fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        for one in &self.curves {
+            let reached = one.curve.points.last().map_or_else(
+                || "before its first point".to_owned(),
+                |point| format!("at {}", self.unit.shown(point.angular_frequency)),
+            );
+            let (level, end) = (self.level(one), self.unit.shown(self.range.1));
+            match (&one.failure, one.curve.ending) {
+                (Some(reason), _) => {
+                    warnings.push(format!("The curve at {level} ends {reached}, short of {end}: {reason}."));
+                }
+                (None, Ending::Stuck) => warnings.push(format!(
+                    "The curve at {level} ends {reached}, short of {end}: its steps became too small or too many."
+                )),
+                (None, Ending::Returned) => warnings.push(format!(
+                    "The curve at {level} turned and left the range at {}, where it had come in: {end} is not \
+                     reached this way.",
+                    self.unit.shown(self.range.0)
+                )),
+                (None, Ending::Interrupted) => {
+                    warnings.push(format!("Interrupted: the curve at {level} ends {reached}, short of {end}."));
+                }
+                (None, Ending::Complete) => {}
+            }
+        }
+        let unresolved = self.points().filter(|point| !point.resolved).count();
+        if unresolved > 0 {
+            let tolerance = self
+                .tolerance
+                .map_or(String::new(), |value| format!(" {}", crate::document::scientific(value)));
+            warnings.push(format!(
+                "{} of {}: the error estimate does not meet the tolerance{tolerance}. More harmonics (--harmonics) \
+                 may resolve {}.",
+                format::count(unresolved, "point"),
+                self.point_count(),
+                if unresolved == 1 { "it" } else { "them" }
+            ));
+        }
+        warnings
+    }
+
+    /// What was computed and how well.
+    fn scope(&self) -> String {
+        let kind = self.held.as_ref().map_or_else(
+            || format!("{} of force", format::count(self.curves.len(), "level")),
+            |held| format!("{} of held {}", format::count(self.curves.len(), "level"), held.name()),
+        );
+        let stability = if !self.stability {
+            "Stability was not asked for".to_owned()
+        } else {
+            let unstable = self.points().filter(|point| point.stable == Some(false)).count();
+            let unknown = self.points().filter(|point| point.stable.is_none()).count();
+            match (unstable, unknown) {
+                (0, 0) => "All points are stable".to_owned(),
+                (0, unknown) => format!("No point is known to be unstable; of {unknown} it cannot be told"),
+                (1, 0) => "1 point is unstable".to_owned(),
+                (many, 0) => format!("{many} points are unstable"),
+                (many, unknown) => format!("{many} unstable; of {unknown} it cannot be told"),
+            }
+        };
+        format!(
+            "{kind}, {} to {}: {} in {}. Largest estimate of the truncation error: {}. {stability}.",
+            format::significant(self.unit.of(self.range.0), 6),
+            self.unit.shown(self.range.1),
+            format::count(self.point_count(), "point"),
+            format::engineering(self.seconds, "s"),
+            crate::document::scientific(worst_estimate(self.points())),
+        )
+    }
+}
+
+/// The largest error estimate; NaN where there is none.
+fn worst_estimate<'a>(points: impl Iterator<Item = &'a Point>) -> f64 {
+    points.map(|point| point.error_estimate).fold(f64::NAN, f64::max)
+}
+
+/// How a curve ended, in a word.
+fn ending(one: &ResponseCurve) -> &'static str {
+    match (one.failure.is_some(), one.curve.ending) {
+        (true, _) | (_, Ending::Stuck) => "stuck",
+        (_, Ending::Returned) => "returned",
+        (_, Ending::Interrupted) => "interrupted",
+        (_, Ending::Complete) => "complete",
+    }
+}

@@ -1,0 +1,85 @@
+//! Response curves as text for a terminal.
+
+use super::{Responses, ending, worst_estimate};
+use crate::document::scientific;
+use crate::format;
+use crate::table::{BOLD, RED, Text};
+
+/// Peaks shown at most; the files hold all.
+const PEAKS: usize = 40;
+
+/// Result, warnings, peaks and how well each curve was found, in lines of at most `width` columns (at
+/// least 40 are used). With `color`, ANSI sequences are added.
+pub fn responses_table(responses: &Responses, width: usize, color: bool) -> String {
+    let mut out = Text::new(width, color);
+    out.paragraph(&responses.title, BOLD);
+    out.paragraph(&responses.lead(), "");
+    for warning in responses.warnings() {
+        out.paragraph(&warning, RED);
+    }
+    out.paragraph(&responses.scope(), "");
+    peaks(&mut out, responses);
+    curves(&mut out, responses);
+    out.finish()
+}
+
+fn peaks(out: &mut Text, responses: &Responses) {
+    let all: Vec<_> =
+        responses.curves.iter().flat_map(|one| one.curve.peaks.iter().map(move |peak| (one, peak))).collect();
+    if all.is_empty() {
+        return;
+    }
+    out.line("");
+    let heading = match &responses.held {
+        Some(held) => format!("Peaks of {} over force", held.name()),
+        None => "Peaks".to_owned(),
+    };
+    out.paragraph(&heading, BOLD);
+    let mut left = vec!["node".to_owned()];
+    let level = if responses.held.is_some() { "held" } else { "force" };
+    let mut first = vec![format!("frequency ({})", responses.unit.name()), "amplitude".into(), level.into()];
+    if responses.held.is_some() {
+        first.push("force".into());
+    }
+    let mut cells = vec![first];
+    for (one, peak) in all.iter().take(PEAKS) {
+        left.push(format::printable(one.curve.nodes.get(peak.node).map_or("", String::as_str)));
+        let mut row = vec![
+            format::fixed(responses.unit.of(peak.angular_frequency), 7),
+            format::engineering(peak.amplitude, "m"),
+            responses.level(one),
+        ];
+        if responses.held.is_some() {
+            row.push(format::engineering(peak.level, "N"));
+        }
+        cells.push(row);
+    }
+    out.grid(&left, &cells, 0);
+    if all.len() > PEAKS {
+        out.paragraph(&format!("and {} more", all.len() - PEAKS), "");
+    }
+}
+
+fn curves(out: &mut Text, responses: &Responses) {
+    out.line("");
+    out.paragraph("Curves", BOLD);
+    let mut left = vec![if responses.held.is_some() { "held".to_owned() } else { "force".to_owned() }];
+    let heading = ["points", "error estimate", "unresolved", "unstable", "ended"];
+    let mut cells = vec![heading.map(str::to_owned).to_vec()];
+    for one in &responses.curves {
+        let count = |which: fn(&stickslip::harmonic::Point) -> bool| {
+            one.curve.points.iter().filter(|point| which(point)).count().to_string()
+        };
+        left.push(responses.level(one));
+        let unstable =
+            if responses.stability { count(|p| p.stable == Some(false)) } else { format::ABSENT.into() };
+        cells.push(vec![
+            one.curve.points.len().to_string(),
+            scientific(worst_estimate(one.curve.points.iter())),
+            count(|point| !point.resolved),
+            unstable,
+            ending(one).to_owned(),
+        ]);
+    }
+    out.grid(&left, &cells, 0);
+}
