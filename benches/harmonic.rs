@@ -19,7 +19,11 @@ const HARMONICS: usize = 21;
 
 fn main() {
     let series = |sizes: &[usize], measure: &dyn Fn(usize) -> Measured| {
-        sizes.iter().map(|size| (*size, measure(*size))).collect::<Vec<_>>()
+        let measured = |size: &usize| {
+            eprint!(" {size}");
+            (*size, measure(*size))
+        };
+        sizes.iter().map(measured).collect::<Vec<_>>()
     };
     let results = Results {
         two_masses: two_masses(&jenkins(), HARMONICS),
@@ -72,7 +76,8 @@ fn follow(
     let response = || frequency_response(assembly, range.0, range.1, control, settings, &mut |_| true);
     response()?;
     let (curve, seconds) = fastest(|| response().expect("a curve as before"));
-    assert_eq!(curve.ending, Ending::Complete);
+    let reached = curve.points.last().map(|point| point.angular_frequency);
+    assert_eq!(curve.ending, Ending::Complete, "the curve ends at {reached:?} rad/s");
     Ok(Measured { points: curve.points.len(), seconds, preparation: 0.0 })
 }
 
