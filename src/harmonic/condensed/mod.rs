@@ -493,3 +493,6 @@ fn compliance_derivative(scalar: Scalar) -> Option<Of> {
         Scalar::Level | Scalar::Parameter => None,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -208,7 +208,7 @@ impl Condensed<'_> {
                 });
                 let none = (&self.excitation[span.clone()], 0.0);
                 let moved = Self::displace(&self.everywhere, k, row, Of::Value, none, changes);
-                sum += moved[0].hypot(moved[1]);
+                sum += (moved[0] * moved[0] + moved[1] * moved[1]).sqrt();
             }
             if *amplitude > 0.0 {
                 worst = worst.max(sum / amplitude);
@@ -248,7 +248,7 @@ impl Condensed<'_> {
             }
             for (node, sum) in self.scratch.sums.iter_mut().enumerate() {
                 let [c, s] = moved(p + node);
-                *sum += c.hypot(s);
+                *sum += (c * c + s * s).sqrt();
             }
         }
     }
