@@ -100,7 +100,7 @@ impl Waves {
     /// `[cos, sin]` of an order that is present.
     #[inline(always)]
     pub fn of(&self, order: usize) -> [f64; 2] {
-        if order % 2 == 0 { self.even[order / 2] } else { self.odd[order / 2] }
+        if order.is_multiple_of(2) { self.even[order / 2] } else { self.odd[order / 2] }
     }
 
     /// Coefficients on `set` of the signal whose integrals with the waves these are, `share` of a
