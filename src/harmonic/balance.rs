@@ -524,7 +524,8 @@ mod tests {
         let beam = beam();
         let contact = ContactOnBeam { law, normal_load: 100.0 };
         let mut balance =
-            Balance::new(&beam, Some(contact), &[0.0, 30.0, 5.0], 3, Method::Sampled { samples: 64 }).unwrap();
+            Balance::new(&beam, Some(contact), &[0.0, 30.0, 5.0], 3, Method::Sampled { samples: 64 })
+                .unwrap();
         balance.equations.derivative_error = 1e-10;
         let n = balance.unknowns();
         let mut x: Vec<f64> = (0..n).map(|k| size * [0.1, 0.4, 1.0, -0.2, 0.1, 0.15, -0.05][k % 7]).collect();
@@ -598,8 +599,7 @@ mod tests {
         let mut beam = beam();
         beam.axial_flexibility = 0.0;
         let contact = ContactOnBeam { law, normal_load: load };
-        let mut balance =
-            Balance::new(&beam, Some(contact), &[], 2, Method::Sampled { samples }).unwrap();
+        let mut balance = Balance::new(&beam, Some(contact), &[], 2, Method::Sampled { samples }).unwrap();
         balance.displacement[2] = amplitude;
         let u = balance.displacement.clone();
         balance.contact_force(300.0, &u).unwrap();

@@ -116,10 +116,10 @@ pub(crate) fn system_of<'a>(
     match assembly.body {
         Body::Linear(_) => Ok(Box::new(Condensed::new(assembly, settings)?)),
         Body::Beam(beam) => {
-            let contact = assembly.contacts.first().map(|contact| ContactOnBeam {
-                law: contact.law,
-                normal_load: contact.normal_load,
-            });
+            let contact = assembly
+                .contacts
+                .first()
+                .map(|contact| ContactOnBeam { law: contact.law, normal_load: contact.normal_load });
             let (waveform, harmonics) = (&assembly.waveform, settings.harmonics);
             Ok(Box::new(Balance::new(beam, contact, waveform, harmonics, settings.method)?))
         }
