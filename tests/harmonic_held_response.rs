@@ -32,8 +32,8 @@ fn held_response(beam: &ModalBeam, acceleration: f64, harmonics: usize, around: 
     let assembly = Assembly::new(Body::Beam(beam), contacts);
     let node = beam.sensors.len();
     let control = Control::Held { node, order: 1, derivative: 2, amplitude: acceleration };
-    let settings = CurveSettings { harmonics, max_step: 0.05, ..CurveSettings::default() };
-    let (from, to) = (TAU * (around - 0.25), TAU * (around + 0.25));
+    let settings = CurveSettings { harmonics, max_step: 0.1, ..CurveSettings::default() };
+    let (from, to) = (TAU * (around - 0.15), TAU * (around + 0.15));
     let curve = frequency_response(&assembly, from, to, &control, &settings, &mut |_| true).unwrap();
     assert_eq!(curve.ending, Ending::Complete);
     for point in &curve.points {
