@@ -346,7 +346,7 @@ impl<'s> Recorder<'s> {
         }
         self.grown = false;
         if self.settings.stability {
-            point.stable = system.stable(&location.x, &location.at);
+            point.stable = system.stable(&point);
         }
         point.iterations = location.iterations;
         self.pending = Some(point);
