@@ -4,7 +4,10 @@ use std::f64::consts::TAU;
 
 use divan::Bencher;
 use stickslip::contact::{Jenkins, Valanis};
-use stickslip::harmonic::{ContactOnBeam, Method, Settings, backbone, forced_response, phase_resonance};
+use stickslip::harmonic::{
+    Assembly, AttachedContact, Body, ContactOnBeam, Control, CurveSettings, Method, Settings, backbone,
+    forced_response, frequency_response, phase_resonance,
+};
 use stickslip::model::{Beam, Damping, Model, Structure};
 use stickslip::structure::ModalBeam;
 
@@ -49,11 +52,32 @@ fn cold_steady_record(bencher: Bencher, (modes, harmonics): (usize, usize)) {
     let beam = published(modes);
     let law = Jenkins::new(7e6, 0.5).expect("a law");
     let contact = ContactOnBeam { law: &law, normal_load: LOAD };
-    let settings =
-        Settings { harmonics, method: Method::Sampled { samples: 256 }, tolerance: 1e-8, max_iterations: 40 };
+    let settings = Settings { harmonics, method: Method::Exact, tolerance: 1e-8, max_iterations: 40 };
     let mut force = [0.0; 7];
     (force[1], force[5]) = (6.0, 10.0);
     bencher.bench(|| {
         forced_response(&beam, Some(contact), TAU / (TAU * 51.0), &force, &settings, None).expect("converged")
     });
+}
+
+/// A response over 48 … 56 Hz, 6 modes and 9 harmonics; the number of points is printed.
+#[divan::bench(args = ["held at 30 m/s²", "at 8 N"])]
+fn frequency_response_6_modes_9_harmonics(bencher: Bencher, control: &str) {
+    let (beam, law) = (published(6), valanis());
+    let contacts = vec![AttachedContact { law: &law, normal_load: LOAD }];
+    let assembly = Assembly::new(Body::Beam(&beam), contacts);
+    let node = beam.sensors.len();
+    let control = match control {
+        "at 8 N" => Control::Level(8.0),
+        _ => Control::Held { node, order: 1, derivative: 2, amplitude: 30.0 },
+    };
+    let settings = CurveSettings { harmonics: 9, tolerance: 1e-9, ..CurveSettings::default() };
+    let run = || {
+        frequency_response(&assembly, TAU * 48.0, TAU * 56.0, &control, &settings, &mut |_| true)
+            .expect("a curve")
+    };
+    let curve = run();
+    let steps: usize = curve.points.iter().map(|point| point.iterations).sum();
+    eprintln!("{control:?}: {} points, {steps} Newton steps, {:?}", curve.points.len(), curve.ending);
+    bencher.bench(run);
 }

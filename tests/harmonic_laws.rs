@@ -261,7 +261,7 @@ fn frequency_converges_with_the_square_of_the_sampling_step() {
         phase_resonance(&beam, Some(contact), 20.0, &settings, None).unwrap().angular_frequency
     };
     let best = at(1024);
-    let (coarse, fine) = ((at(64) - best).abs(), (at(256) - best).abs());
+    let (coarse, fine) = ((at(128) - best).abs(), (at(512) - best).abs());
     assert!(fine < coarse / 8.0, "{coarse} {fine}");
     // In hertz: what a measured resonance frequency cannot resolve.
     assert!(fine / TAU < 1e-3, "{fine} rad/s");

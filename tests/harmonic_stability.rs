@@ -54,7 +54,7 @@ fn mathieu(a: f64, q: f64) -> Multipliers {
 #[test]
 fn mathieu_equation_changes_its_stability_at_its_characteristic_values() {
     for (a, q) in
-        [(1.859_108_072_514_363_4, 1.0), (-0.110_248_816_992_097_1, 1.0), (3.917_024_772_998_471_1, 1.0)]
+        [(1.859_108_072_514_363_4, 1.0), (-0.110_248_816_992_097_1, 1.0), (3.917_024_772_998_471, 1.0)]
     {
         let at = mathieu(a, q);
         assert!(at.fold_function().abs() < 1e-8, "a = {a}: {:?}", at.values);
@@ -77,7 +77,7 @@ fn duffing(lag: f64, x: &mut DVector<f64>) {
     let m = 2 * ORDERS.len();
     let basis = |k: usize, j: usize| {
         let angle = TAU * (k * ORDERS[j / 2] % SAMPLES) as f64 / SAMPLES as f64;
-        if j % 2 == 0 { angle.cos() } else { angle.sin() }
+        if j.is_multiple_of(2) { angle.cos() } else { angle.sin() }
     };
     for _ in 0..60 {
         let (mut residual, mut jacobian) = (DVector::zeros(m + 1), DMatrix::zeros(m + 1, m + 1));

@@ -1,6 +1,7 @@
 //! Response curves over frequency and level, and single responses.
 
 use super::assembly::{Assembly, Body, Control, CurveSettings};
+use super::balance::Balance;
 use super::condensed::Condensed;
 use super::continuation::{Advance, Location, Path, Route, Verdict};
 use super::curve::{Curve, Ending, Fold, Peak, Point};
@@ -8,7 +9,7 @@ use super::extremum::{Extremum, value_at};
 use super::problem::{Condition, Newton, solve};
 use super::start::{check_control, condition, first};
 use super::system::{Operating, PeriodicSystem, Scalar};
-use super::{HarmonicError, fourier::dot};
+use super::{ContactOnBeam, HarmonicError, fourier::dot};
 
 /// Change of a node's motion, beyond the straight line, that one step may bring (share of its size).
 const BEND: f64 = 0.03;
@@ -114,7 +115,14 @@ pub(crate) fn system_of<'a>(
     settings.check()?;
     match assembly.body {
         Body::Linear(_) => Ok(Box::new(Condensed::new(assembly, settings)?)),
-        Body::Beam(_) => Err(HarmonicError::InvalidInput("curves of a beam need its balance equations")),
+        Body::Beam(beam) => {
+            let contact = assembly
+                .contacts
+                .first()
+                .map(|contact| ContactOnBeam { law: contact.law, normal_load: contact.normal_load });
+            let (waveform, harmonics) = (&assembly.waveform, settings.harmonics);
+            Ok(Box::new(Balance::new(beam, contact, waveform, harmonics, settings.method)?))
+        }
     }
 }
 
@@ -122,7 +130,10 @@ pub(crate) fn system_of<'a>(
 pub(crate) fn node_names(assembly: &Assembly) -> Vec<String> {
     match assembly.body {
         Body::Linear(structure) => structure.outputs.iter().map(|output| output.name.clone()).collect(),
-        Body::Beam(beam) => beam.sensors.iter().map(|sensor| format!("x={}", sensor.position)).collect(),
+        Body::Beam(beam) => {
+            let sensors = beam.sensors.iter().map(|sensor| format!("x={}", sensor.position));
+            sensors.chain(["excitation".into()]).collect()
+        }
     }
 }
 
@@ -335,7 +346,7 @@ impl<'s> Recorder<'s> {
         }
         self.grown = false;
         if self.settings.stability {
-            point.stable = system.stable(&location.x, &location.at);
+            point.stable = system.stable(&point);
         }
         point.iterations = location.iterations;
         self.pending = Some(point);

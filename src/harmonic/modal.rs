@@ -46,6 +46,8 @@ pub(crate) struct ModalEquations {
     factors: Factors,
     /// Share of the error that a round leaves.
     contraction: f64,
+    /// Error accepted of [`Self::solve_many`], as share.
+    pub derivative_error: f64,
     coupled: DMatrix<f64>,
     residual: DVector<f64>,
     many: DMatrix<f64>,
@@ -75,16 +77,13 @@ impl ModalEquations {
             inverse: DMatrix::zeros(0, 0),
             factors: Factors::default(),
             contraction: 0.0,
+            derivative_error: DERIVATIVE_ERROR,
             coupled: DMatrix::zeros(modes, count),
             residual: DVector::zeros(modes * count),
             many: DMatrix::zeros(0, 0),
             many_coupled: DMatrix::zeros(0, 0),
             low: DMatrix::zeros(0, 0),
         }
-    }
-
-    pub fn contraction(&self) -> f64 {
-        self.contraction
     }
 
     /// Makes the number of rounds depend on the next arguments alone.
@@ -257,7 +256,7 @@ impl ModalEquations {
         self.add_preconditioned(right.as_slice(), out.as_mut_slice(), columns);
         let mut error = self.contraction;
         let mut rounds = 0;
-        while error > DERIVATIVE_ERROR && rounds < ROUNDS {
+        while error > self.derivative_error && rounds < ROUNDS {
             if self.many.shape() != right.shape() {
                 self.many = right.clone();
                 self.many_coupled = right.clone();

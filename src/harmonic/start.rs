@@ -134,7 +134,9 @@ fn held(
     {
         let mut all: [&mut dyn Condition; 1] = [&mut condition];
         system.forget();
-        if solve(system, &mut x, &mut at, &[Scalar::Level], &mut all, &settings.stopping()).is_ok() {
+        let solved = solve(system, &mut x, &mut at, &[Scalar::Level], &mut all, &settings.stopping());
+        // A negative level is the excitation half a period later: a solution, but not the one meant.
+        if solved.is_ok() && at.level > 0.0 {
             return Ok((x, at));
         }
     }

@@ -162,9 +162,10 @@ pub(crate) trait PeriodicSystem {
         false
     }
 
-    /// Whether a small disturbance of the solution last evaluated dies out; `None` where it cannot be told.
-    fn stable(&mut self, x: &[f64], at: &Operating) -> Option<bool> {
-        let _ = (x, at);
+    /// Whether a small disturbance of `point`, the solution last evaluated, dies out; `None` where it cannot be
+    /// told.
+    fn stable(&mut self, point: &Point) -> Option<bool> {
+        let _ = point;
         None
     }
 }

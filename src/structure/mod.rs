@@ -32,7 +32,8 @@ pub struct ModalBeam {
     pub excitation_shape: Vec<f64>,
     /// Gᵢⱼ = ∫ φᵢ' φⱼ' dx (1/(kg m)), row-major, symmetric.
     pub shortening: Vec<f64>,
-    /// L/(E A) (m/N).
+    /// Flexibility in series with the contact (m/N): L/(E A), with the static correction also
+    /// r² times the rotational compliance that the modes lack.
     pub axial_flexibility: f64,
     /// Sensors.
     pub sensors: Vec<Sensor>,

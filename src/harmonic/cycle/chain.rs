@@ -13,10 +13,14 @@ use crate::harmonic::implicit::Implicit;
 
 /// Where a pivot of `1 − monodromy` (scaled) counts as zero: the memory does not fade.
 const UNFADING: f64 = 1e-9;
-/// Share of the largest force left as error of the implicit step through the series spring.
-const STEP_TOLERANCE: f64 = 1e-13;
+/// Share of the largest force left as error of the implicit step through the series spring: rounding, since a
+/// slowly fading memory magnifies it.
+const STEP_TOLERANCE: f64 = 1e-15;
 /// Change of force (share of the largest) below which the state is periodic.
 const PERIODIC: f64 = 1e-13;
+/// The same where rounding, which a slowly fading memory magnifies, stops the progress: a Newton step this small
+/// leaves its square.
+const LINEAR_FINISH: f64 = 1e-5;
 const MAX_CYCLES: usize = 60;
 
 /// States at the turning points, with their derivatives.
@@ -63,7 +67,7 @@ pub(super) fn spring_step(
         inputs.displacement = total - contact.compliance * implicit.force;
         let response = contact.law.step(state, *inputs, next);
         let gradient = 1.0 + contact.compliance * response.tangents.displacement;
-        let tolerance = STEP_TOLERANCE * scale.max(response.force.abs());
+        let tolerance = STEP_TOLERANCE * gradient * scale.max(response.force.abs());
         if implicit.accept(response.force, gradient, contact.compliance, tolerance) {
             return response;
         }
@@ -116,7 +120,8 @@ impl Chain {
                 return Ok(());
             }
             let change = self.close();
-            if change <= PERIODIC * self.force_scale {
+            let stalled = change <= LINEAR_FINISH * self.force_scale && change >= 0.25 * last_change;
+            if change <= PERIODIC * self.force_scale || stalled {
                 self.correct(true);
                 self.march(contact, path);
                 return Ok(());

@@ -243,7 +243,7 @@ fn antiderivative(waves: &mut Waves, phase: f64) {
 }
 
 /// `matrix −= left · rightᵀ`.
-pub(super) fn subtract_product(matrix: &mut DMatrix<f64>, left: &[f64], right: &[f64]) {
+fn subtract_product(matrix: &mut DMatrix<f64>, left: &[f64], right: &[f64]) {
     for (column, r) in matrix.as_mut_slice().chunks_exact_mut(left.len()).zip(right) {
         column.iter_mut().zip(left).for_each(|(m, l)| *m -= l * r);
     }

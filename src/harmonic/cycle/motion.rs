@@ -137,6 +137,7 @@ impl Motion {
         let (mut low, mut high) = (from.phase, to.phase);
         // Exact for a single harmonic.
         let mut phase = low + (high - low) * (1.0 - 2.0 * share).acos() * std::f64::consts::FRAC_1_PI;
+        let mut last = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS {
             let (value, slope) = self.value_and_slope(phase);
             if (value < target) == rising {
@@ -145,7 +146,7 @@ impl Motion {
                 high = phase;
             }
             let newton = phase - (value - target) / slope;
-            let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
+            let next = safe(newton, low, high, (value - target).abs(), &mut last);
             let step = (next - phase).abs();
             phase = next;
             // Near a turning point the step must be small against the distance to it.
@@ -162,6 +163,7 @@ impl Motion {
         let weight = low.1.abs() + high.1.abs();
         let share = if weight > 0.0 { low.1.abs() / weight } else { 0.5 };
         let mut phase = left + share * (right - left);
+        let mut last = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS {
             let (slope, curvature) = self.slope_and_curvature(phase);
             if (slope > 0.0) == rising {
@@ -170,7 +172,7 @@ impl Motion {
                 right = phase;
             }
             let newton = phase - slope / curvature;
-            let next = if newton >= left && newton <= right { newton } else { 0.5 * (left + right) };
+            let next = safe(newton, left, right, slope.abs(), &mut last);
             let step = (next - phase).abs();
             phase = next;
             if step <= LAST_STEP {
@@ -179,4 +181,11 @@ impl Motion {
         }
         Turning { phase, value: self.value_and_slope(phase).0 }
     }
+}
+
+/// Newton's step if it stays within the bracket and the defect has halved since the last one; else the middle.
+fn safe(newton: f64, low: f64, high: f64, defect: f64, last: &mut f64) -> f64 {
+    let falls = defect <= 0.5 * *last;
+    *last = defect;
+    if newton >= low && newton <= high && falls { newton } else { 0.5 * (low + high) }
 }

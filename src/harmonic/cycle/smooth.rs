@@ -34,7 +34,7 @@ const RULE: [(f64, f64); NODES / 2] = [
 const WIDEST: f64 = 7.0;
 /// Share of the largest force that the highest Legendre coefficients on a panel may have: the rule is exact
 /// up to the square of their order, so that the integral is far more accurate.
-const RESOLVED: f64 = 1e-10;
+const RESOLVED: f64 = 1e-6;
 /// Times a panel is halved at most.
 const MAX_HALVINGS: u32 = 14;
 
@@ -67,6 +67,8 @@ pub(crate) struct SmoothCycle {
     nodes: [Node; NODES],
     /// Derivatives of the force at the nodes by the state behind.
     by_state: Vec<f64>,
+    /// Whether a component of the state behind depends on the motion.
+    depends: Vec<bool>,
     next: Vec<f64>,
     tangents: StateTangents,
     sums: Sums,
@@ -159,6 +161,7 @@ impl SmoothCycle {
             rule: Rule::new(),
             nodes: [Node::default(); NODES],
             by_state: Vec::new(),
+            depends: Vec::new(),
             next: Vec::new(),
             tangents: StateTangents::default(),
             sums,
@@ -175,6 +178,9 @@ impl SmoothCycle {
     /// Integrates over the leg from point `leg`.
     fn integrate_leg(&mut self, contact: &PeriodicContact, angular_frequency: f64, leg: usize) {
         let (from, to) = (self.path.points[leg].phase, self.path.points[leg + 1].phase);
+        for (component, depends) in self.depends.iter_mut().enumerate() {
+            *depends = self.chain.by_points(leg, component).iter().any(|d| *d != 0.0);
+        }
         let width = to - from;
         let panels = (0.5 * width * self.set.highest() as f64 / WIDEST).ceil().max(1.0);
         for panel in 0..panels as usize {
@@ -260,8 +266,9 @@ impl SmoothCycle {
                 sums.damping.add(weight * angular_frequency * node.damping, &sums.waves);
                 sums.by_frequency.add(weight * node.damping * node.slope, &sums.waves);
             }
-            for (sum, by_state) in sums.by_state.iter_mut().zip(&self.by_state[i * n..(i + 1) * n]) {
-                if *by_state != 0.0 {
+            let by_state = self.by_state[i * n..(i + 1) * n].iter().zip(&self.depends);
+            for (sum, (by_state, depends)) in sums.by_state.iter_mut().zip(by_state) {
+                if *depends && *by_state != 0.0 {
                     sum.add(weight * by_state, &sums.waves);
                 }
             }
@@ -314,6 +321,7 @@ impl SmoothCycle {
         self.rated = false;
         self.next.resize(state_len, 0.0);
         self.by_state.resize(NODES * state_len, 0.0);
+        self.depends.resize(state_len, false);
         let sums = &mut self.sums;
         while sums.by_state.len() < state_len {
             sums.by_state.push(Waves::single(self.set));

@@ -68,19 +68,22 @@ impl OscillatorState {
     }
 }
 
+/// Displacement and velocity in inner coordinates.
+type Moved = (Vec<f64>, Vec<f64>);
+
 /// Answers of the structure at the nodes to contact forces `sᵏ`, `k = 1 … 4`, over a step of `h`.
 #[derive(Debug, Default)]
 struct Operators {
     h: f64,
     /// `[contact][power − 1][node]`: displacement, velocity.
-    answer: Vec<[[(Vec<f64>, Vec<f64>); 4]; 4]>,
+    answer: Vec<[[Moved; 4]; 4]>,
 }
 
 /// A step tried.
 #[derive(Debug, Default)]
 struct Trial {
     /// At the nodes, without the change of the contact forces.
-    free: [(Vec<f64>, Vec<f64>); 4],
+    free: [Moved; 4],
     /// Change of the forces at the middle and the end, contact by contact in pairs.
     change: Vec<f64>,
     /// Velocity of each contact at the nodes.
@@ -237,11 +240,12 @@ impl<'a> OscillatorIntegrator<'a> {
             let rounded = longest * 2f64.powf((wanted / longest).log2().floor());
             let (mut h, mut turned) = (whole.min(rounded), None);
             let mut tried = self.attempt(state, h, excitation);
-            if tried && self.trial.error <= 1.0 {
-                if let Some((shorter, contact)) = self.reversal(state, h, excitation) {
-                    (h, turned) = (shorter, Some(contact));
-                    tried = self.attempt(state, h, excitation);
-                }
+            if tried
+                && self.trial.error <= 1.0
+                && let Some((shorter, contact)) = self.reversal(state, h, excitation)
+            {
+                (h, turned) = (shorter, Some(contact));
+                tried = self.attempt(state, h, excitation);
             }
             let error = self.trial.error;
             if !(tried && error <= 1.0) {

@@ -117,11 +117,11 @@ fn isolate(
         return visit(root, last);
     }
     let (mut left, mut right) = (*b, *b);
-    for k in 1..=DEGREE {
+    for (k, left) in left.iter_mut().enumerate().skip(1) {
         for i in 0..=DEGREE - k {
             right[i] = 0.5 * (right[i] + right[i + 1]);
         }
-        left[k] = right[0];
+        *left = right[0];
     }
     let middle = 0.5 * (low + high);
     isolate(&left, low, middle, c, sign, visit) && isolate(&right, middle, high, c, sign, visit)

@@ -32,6 +32,21 @@ pub const MOST_MODES: usize = 40;
 impl ModalBeam {
     /// Reduces a beam to its first `beam.modes` modes.
     ///
+    /// With `beam.static_correction` the truncated modes follow the contact force without inertia: the
+    /// rotation of the pinned end that they lack (see [`tip_rotational_compliance`]) yields in series with
+    /// the contact, like the axial flexibility. Their share falls with one over the number of modes only.
+    /// The published beam at phase resonance (Hz, five harmonics), without and with the correction:
+    ///
+    /// | modes | stuck, 0.5 m/s² | | 20 m/s² | | 70 m/s² | |
+    /// |---|---|---|---|---|---|---|
+    /// | 4 | 54.0443 | 53.7470 | 51.6363 | 51.6802 | 49.4133 | 49.4282 |
+    /// | 6 | 53.9535 | 53.7468 | 51.6201 | 51.6513 | 49.4138 | 49.4243 |
+    /// | 10 | 53.8903 | 53.7467 | 51.6181 | 51.6399 | 49.4152 | 49.4226 |
+    /// | 20 | 53.8168 | 53.7467 | 51.6334 | 51.6439 | 49.4197 | 49.4233 |
+    /// | 40 | 53.7809 | 53.7467 | 51.6385 | 51.6436 | 49.4215 | 49.4233 |
+    ///
+    /// In slip the inertia of the truncated modes counts too, which no static correction has.
+    ///
     /// Exact up to rounding; positions may coincide with one another and with the ends. Without sensors
     /// the point masses are the sensors.
     ///
@@ -57,8 +72,11 @@ impl ModalBeam {
         check_mechanics(beam)?;
         check_attachments(beam)?;
         check_damping(&beam.damping, beam.modes)?;
-        let axial_flexibility = beam.length / (beam.youngs_modulus * beam.width * beam.thickness);
         let modes = BeamModes::new(beam, beam.modes)?;
+        let mut axial_flexibility = beam.length / (beam.youngs_modulus * beam.width * beam.thickness);
+        if beam.static_correction {
+            axial_flexibility += beam.offset * beam.offset * residual_compliance(beam, &modes)?;
+        }
         let shape_at =
             |x| (0..beam.modes).filter_map(|mode| modes.displacement(mode, x)).collect::<Vec<f64>>();
         let sensor = |position| Sensor { position, shape: shape_at(position) };
@@ -121,6 +139,13 @@ pub fn tip_rotational_compliance(beam: &Beam) -> Result<f64, StructureError> {
     let spring = beam.rotational_stiffness * scales.rotational_flexibility;
     let (slope, curvature) = divide(beam, &scales).arrive(0.0).slope_and_curvature_without_deflection();
     Ok(scales.rotational_flexibility / (curvature / slope + spring))
+}
+
+/// What the modes lack of [`tip_rotational_compliance`] (rad/(N m)); rounding may not make it negative.
+fn residual_compliance(beam: &Beam, modes: &BeamModes) -> Result<f64, StructureError> {
+    let kept: f64 =
+        modes.tip_slopes().zip(modes.angular_frequency()).map(|(slope, omega)| (slope / omega).powi(2)).sum();
+    Ok((tip_rotational_compliance(beam)? - kept).max(0.0))
 }
 
 fn damping_ratios(damping: &Damping, angular_frequency: &[f64]) -> Vec<f64> {

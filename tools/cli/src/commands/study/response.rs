@@ -4,7 +4,7 @@ use stickslip::harmonic::{CurveSettings, Point};
 use stickslip_report::document::{Axis, Block, Cell, Line, Plot, Scaling, Section, Stroke};
 
 use super::draw::{frequency, hysteresis, over_frequency, plot, table};
-use super::system::{FORCE, RANGE, System, X, Y, fine, linear};
+use super::system::{ABOVE_SUPERHARMONICS, FORCE, RANGE, System, X, Y, fine, linear};
 use super::time_domain::{self, Motion};
 use crate::Failure;
 
@@ -78,7 +78,10 @@ pub fn response_section(system: &System) -> Result<(Section, f64), Failure> {
         deviation = f64::max(deviation, compared(system, &mut rows, format!("ω = {frequency}"), frequency)?);
     }
     for (node, name) in names.iter().enumerate() {
-        let peaks = curve.peaks.iter().filter(|peak| peak.node == node);
+        let peaks = curve
+            .peaks
+            .iter()
+            .filter(|peak| peak.node == node && peak.angular_frequency > ABOVE_SUPERHARMONICS);
         for (order, peak) in ["first", "second"].iter().zip(peaks) {
             let name = format!("{order} peak of {name}");
             deviation = f64::max(deviation, compared(system, &mut rows, name, peak.angular_frequency)?);

@@ -16,6 +16,8 @@ pub const MODEL: &str = include_str!("../../../../../examples/friction-vibration
 pub const FORCE: f64 = 0.4;
 /// Where the first resonance lies, whatever the force, the friction (rad/s).
 pub const FIRST_RESONANCE: (f64, f64) = (0.48, 0.72);
+/// Below this (rad/s) the third harmonic meets the first resonance and makes small peaks of its own.
+pub const ABOVE_SUPERHARMONICS: f64 = 0.3;
 /// The range of the figures (rad/s).
 pub const RANGE: (f64, f64) = (0.2, 2.0);
 /// Places of the masses: x is the displacement of the first, y of the second, which rubs.
