@@ -285,6 +285,7 @@ proptest! {
         prop_assert!(dissipated >= 0.0);
         let size = largest(map.force().iter().copied()) * largest(u.iter().copied());
         let error = dissipated - work(set, map.force(), &u);
-        prop_assert!(error.abs() <= 1e-9 * size, "{error:e} of {size:e}");
+        // Memory that a period fades by less than 1e-9 counts as unfading.
+        prop_assert!(error.abs() <= 1e-8 * size, "{error:e} of {size:e}");
     }
 }
