@@ -1,7 +1,7 @@
 //! Time of a point of a response curve: the two masses with a Jenkins element, the beam with a frictional
 //! support, and how it grows with harmonics, sliders and degrees of freedom.
 //!
-//! `cargo bench --features sparse --bench harmonic` prints a table, with `-- --json` what
+//! `cargo bench -p stickslip --features sparse --bench harmonic` prints a table, with `-- --json` what
 //! `benches/harmonic_balance.py` reads. Everything runs on one core. A curve is followed as often as fits
 //! into a second, at least three times; the fastest counts, since other load can only slow.
 
@@ -19,7 +19,11 @@ const HARMONICS: usize = 21;
 
 fn main() {
     let series = |sizes: &[usize], measure: &dyn Fn(usize) -> Measured| {
-        sizes.iter().map(|size| (*size, measure(*size))).collect::<Vec<_>>()
+        let measured = |size: &usize| {
+            eprint!(" {size}");
+            (*size, measure(*size))
+        };
+        sizes.iter().map(measured).collect::<Vec<_>>()
     };
     let results = Results {
         two_masses: two_masses(&jenkins(), HARMONICS),
@@ -72,7 +76,8 @@ fn follow(
     let response = || frequency_response(assembly, range.0, range.1, control, settings, &mut |_| true);
     response()?;
     let (curve, seconds) = fastest(|| response().expect("a curve as before"));
-    assert_eq!(curve.ending, Ending::Complete);
+    let reached = curve.points.last().map(|point| point.angular_frequency);
+    assert_eq!(curve.ending, Ending::Complete, "the curve ends at {reached:?} rad/s");
     Ok(Measured { points: curve.points.len(), seconds, preparation: 0.0 })
 }
 

@@ -30,7 +30,7 @@ fn jet(coefficients: &[f64], phase: f64) -> [f64; 3] {
     sums
 }
 
-/// The functions' values at a phase weighted with coefficients, as [`jet`] has it.
+/// Value of the signal `[a0, c1, s1, …]` at a phase (rad), by one evaluation of sine and cosine.
 pub(crate) fn value_at(coefficients: &[f64], phase: f64) -> f64 {
     jet(coefficients, phase)[0]
 }
@@ -67,7 +67,7 @@ impl Extremum {
         }
         // Between samples the signal is higher by no more than ½ |x''| (step/2)².
         let pairs = coefficients.get(1..).unwrap_or(&[]).chunks_exact(2).enumerate();
-        let curvature: f64 = pairs.map(|(k, p)| ((k + 1) * (k + 1)) as f64 * p[0].hypot(p[1])).sum();
+        let curvature: f64 = pairs.map(|(k, p)| ((k + 1) * (k + 1)) as f64 * (p[0].abs() + p[1].abs())).sum();
         let floor = best - 0.125 * curvature * step * step;
         let mut found = (0.0, 0.0);
         for k in 0..n {
@@ -85,6 +85,13 @@ impl Extremum {
             found = (k as f64 * step, best);
         }
         found
+    }
+
+    /// Phase where the signal has its known largest `magnitude`; near `guess`, if it is there.
+    pub fn phase_of(&mut self, coefficients: &[f64], magnitude: f64, guess: f64) -> f64 {
+        const REACH: f64 = 0.2;
+        let (phase, found) = climb(coefficients, guess, REACH);
+        if (found - magnitude).abs() <= 1e-12 * magnitude { phase } else { self.of(coefficients).0 }
     }
 
     /// Values on the grid: harmonics even and odd in half a period share the sums.
@@ -158,5 +165,10 @@ mod tests {
         assert!((magnitude - 5.0).abs() < 1e-14);
         assert!((phase.tan() - 4.0 / 3.0).abs() < 1e-8);
         assert_eq!(Extremum::default().of(&[-2.0]).1, 2.0);
+        // A guess leads there from near and from afar, to one of the two.
+        for guess in [0.9, 2.4, 5.0] {
+            let phase = Extremum::default().phase_of(&[0.0, 3.0, 4.0], 5.0, guess);
+            assert!((phase.tan() - 4.0 / 3.0).abs() < 1e-8, "{guess}");
+        }
     }
 }

@@ -285,6 +285,8 @@ struct Trace {
 struct Recorder<'s> {
     settings: &'s CurveSettings,
     extremum: Extremum,
+    /// Where each node was largest at the last point (rad).
+    phases: Vec<f64>,
     pending: Option<Point>,
     last_nodes: Vec<Vec<f64>>,
     now: Trace,
@@ -299,6 +301,7 @@ impl<'s> Recorder<'s> {
         Self {
             settings,
             extremum: Extremum::default(),
+            phases: Vec::new(),
             pending: None,
             last_nodes: Vec::new(),
             now: Trace::default(),
@@ -327,8 +330,11 @@ impl<'s> Recorder<'s> {
                 return Ok(Verdict::TooFar);
             }
             self.now.slopes.clear();
-            for (node, along) in point.nodes.iter().zip(&self.now.along) {
-                self.now.slopes.push(slope(&mut self.extremum, node, along));
+            self.phases.resize(point.nodes.len(), 0.0);
+            let nodes = point.nodes.iter().zip(&point.amplitude).zip(&self.now.along);
+            for (((node, amplitude), along), phase) in nodes.zip(&mut self.phases) {
+                *phase = self.extremum.phase_of(node, *amplitude, *phase);
+                self.now.slopes.push(slope(node, along, *phase));
             }
         }
         point.error_estimate = self.truncation_error(system, newton, location, free, &point)?;
@@ -340,7 +346,7 @@ impl<'s> Recorder<'s> {
         }
         self.grown = false;
         if self.settings.stability {
-            point.stable = system.stable(&location.x, &location.at);
+            point.stable = system.stable(&point);
         }
         point.iterations = location.iterations;
         self.pending = Some(point);
@@ -450,7 +456,8 @@ impl<'s> Recorder<'s> {
                     let Ok(point) = system.describe(&location.x, &location.at) else { return f64::NAN };
                     along.resize_with(point.nodes.len(), Vec::new);
                     system.nodes_along(&location.unknowns, &location.scalars, &mut along);
-                    slope(&mut extremum, &point.nodes[node], &along[node])
+                    let (phase, _) = extremum.of(&point.nodes[node]);
+                    slope(&point.nodes[node], &along[node], phase)
                 };
                 if let Some(found) = path.locate((before, now), &mut test)
                     && let Some(point) = describe(path, &found)
@@ -483,9 +490,8 @@ fn describe(path: &mut Path, location: &Location) -> Option<Point> {
     path.system.describe(&location.x, &location.at).ok()
 }
 
-/// Derivative of the largest magnitude of a signal whose coefficients change by `along`: the phase of
-/// the maximum need not be followed.
-fn slope(extremum: &mut Extremum, node: &[f64], along: &[f64]) -> f64 {
-    let (phase, _) = extremum.of(node);
+/// Derivative of the largest magnitude of a signal, which it has at `phase`, where its coefficients change by
+/// `along`: the slope in time vanishes there, so that the phase need not be followed.
+fn slope(node: &[f64], along: &[f64], phase: f64) -> f64 {
     value_at(node, phase).signum() * value_at(along, phase)
 }

@@ -119,14 +119,14 @@ pub(crate) trait PeriodicSystem {
         for (node, coefficients) in out.iter_mut().enumerate() {
             coefficients.clear();
             coefficients.resize(2 * self.harmonics() + 1, 0.0);
-            for place in 0..coefficients.len() {
+            for (place, coefficient) in coefficients.iter_mut().enumerate() {
                 let (order, part) = (place.div_ceil(2), usize::from(place > 0 && place % 2 == 0));
                 if part == 0 {
                     self.observe(node, order, &mut seen);
                 }
                 let along: f64 = seen.by_unknowns[part].iter().zip(unknowns).map(|(a, b)| a * b).sum();
                 let rest: f64 = seen.by_scalars[part].iter().zip(scalars).map(|(a, b)| a * b).sum();
-                coefficients[place] = along + rest;
+                *coefficient = along + rest;
             }
         }
     }
@@ -162,9 +162,10 @@ pub(crate) trait PeriodicSystem {
         false
     }
 
-    /// Whether a small disturbance of the solution last evaluated dies out; `None` where it cannot be told.
-    fn stable(&mut self, x: &[f64], at: &Operating) -> Option<bool> {
-        let _ = (x, at);
+    /// Whether a small disturbance of `point`, the solution last evaluated, dies out; `None` where it cannot be
+    /// told.
+    fn stable(&mut self, point: &Point) -> Option<bool> {
+        let _ = point;
         None
     }
 }

@@ -306,7 +306,7 @@ pub(crate) fn describe(
     })?;
     point.resolved = settings.truncation.is_none_or(|tolerance| point.error_estimate <= tolerance);
     if settings.stability {
-        point.stable = system.stable(x, at);
+        point.stable = system.stable(&point);
     }
     Ok(point)
 }

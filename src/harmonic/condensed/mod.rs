@@ -71,6 +71,7 @@ impl Attached<'_> {
 
 /// The balance of one structure with its contacts.
 pub(crate) struct Condensed<'a> {
+    structure: &'a LinearStructure,
     receptance: Receptance,
     contacts: Vec<Attached<'a>>,
     waveform: Vec<f64>,
@@ -127,7 +128,7 @@ impl<'a> Condensed<'a> {
     }
 
     fn with_set(
-        structure: &LinearStructure,
+        structure: &'a LinearStructure,
         contacts: &[AttachedContact<'a>],
         waveform: &[f64],
         odd: bool,
@@ -148,6 +149,7 @@ impl<'a> Condensed<'a> {
         };
         let none = || Transfer::new(&receptance, Rows::Contacts, std::iter::empty());
         let mut system = Self {
+            structure,
             contacts: contacts.iter().map(attach).collect(),
             waveform: waveform.to_vec(),
             method: settings.method,
@@ -434,6 +436,10 @@ impl PeriodicSystem for Condensed<'_> {
         self.left_out(x, at, point, solve)
     }
 
+    fn stable(&mut self, point: &Point) -> Option<bool> {
+        self.lasts(point)
+    }
+
     fn resume(&self, point: &Point, x: &mut [f64]) -> bool {
         if point.contacts.len() != self.contacts.len() {
             return false;
@@ -493,3 +499,6 @@ fn compliance_derivative(scalar: Scalar) -> Option<Of> {
         Scalar::Level | Scalar::Parameter => None,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,13 +2,15 @@
 
 use super::{Condensed, compliance_derivative, contact_of, full_place, pair, span};
 use crate::harmonic::curve::Contacting;
-use crate::harmonic::cycle::Cycle;
 use crate::harmonic::cycle::relieved::RelievedMap;
+use crate::harmonic::cycle::{Cycle, PeriodicContact};
 use crate::harmonic::fourier::work_per_cycle;
 use crate::harmonic::set::HarmonicSet;
+use crate::harmonic::stability::is_stable;
 use crate::harmonic::system::{Observation, Operating, Scalar};
 use crate::harmonic::transfer::{Of, add_product};
 use crate::harmonic::{HarmonicError, Point};
+use crate::integrate::LoadedContact;
 
 impl Condensed<'_> {
     /// One harmonic of an output with all its derivatives.
@@ -100,6 +102,24 @@ impl Condensed<'_> {
             harmonics: set.highest(),
             iterations: 0,
         })
+    }
+
+    /// Whether the response lasts. A free vibration sustained by its artificial damping is no response.
+    pub(super) fn lasts(&self, point: &Point) -> Option<bool> {
+        if self.relief != 0.0 {
+            return None;
+        }
+        let contacts: Vec<LoadedContact> = self
+            .contacts
+            .iter()
+            .map(|contact| {
+                let PeriodicContact { law, normal_load, .. } = contact_of(&contact.law, contact.normal_load);
+                LoadedContact { law, normal_load }
+            })
+            .collect();
+        let displacement: Vec<&[f64]> =
+            point.contacts.iter().map(|contact| contact.displacement.as_slice()).collect();
+        is_stable(self.structure, &contacts, &displacement, point.angular_frequency)
     }
 
     /// Derivatives of the outputs' coefficients along a direction.
@@ -208,7 +228,7 @@ impl Condensed<'_> {
                 });
                 let none = (&self.excitation[span.clone()], 0.0);
                 let moved = Self::displace(&self.everywhere, k, row, Of::Value, none, changes);
-                sum += moved[0].hypot(moved[1]);
+                sum += (moved[0] * moved[0] + moved[1] * moved[1]).sqrt();
             }
             if *amplitude > 0.0 {
                 worst = worst.max(sum / amplitude);
@@ -248,7 +268,7 @@ impl Condensed<'_> {
             }
             for (node, sum) in self.scratch.sums.iter_mut().enumerate() {
                 let [c, s] = moved(p + node);
-                *sum += c.hypot(s);
+                *sum += (c * c + s * s).sqrt();
             }
         }
     }
