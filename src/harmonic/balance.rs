@@ -228,11 +228,12 @@ impl<'a> Balance<'a> {
     fn differentiate(&mut self) {
         let (wide, modes) = (self.wide, self.modes());
         let size = self.q.len();
-        for (m, column) in self.adjoint.as_mut_slice().chunks_exact_mut(size).enumerate() {
-            let own = if m == 0 { 1.0 } else { 0.5 };
-            for (place, value) in column.iter_mut().enumerate() {
-                *value = own / mean_square(place / modes) * self.weights[(m, place)];
-            }
+        let adjoint = self.adjoint.as_mut_slice();
+        for (place, column) in self.weights.as_slice().chunks_exact(wide).enumerate() {
+            let scale = 0.5 / mean_square(place / modes);
+            let row = adjoint.iter_mut().skip(place).step_by(size);
+            row.zip(column).for_each(|(to, weight)| *to = scale * weight);
+            adjoint[place] *= 2.0;
         }
         self.equations.solve_many(&self.adjoint, &mut self.moved);
         self.compliance.gemm(1.0, &self.weights, &self.moved, 0.0);
