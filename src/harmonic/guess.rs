@@ -32,9 +32,8 @@ pub(crate) fn resonance(balance: &mut Balance, acceleration: f64) -> Result<(f64
         let settled = (frequency - angular_frequency).abs() < 1e-5 * frequency;
         angular_frequency = frequency;
         let amplitude = acceleration / (frequency * frequency * seen);
-        for i in 0..modes {
-            balance.q[2 * modes + i] = amplitude * vector[i];
-        }
+        let sines = &mut balance.q[2 * modes..3 * modes];
+        sines.iter_mut().zip(&vector).for_each(|(q, shape)| *q = amplitude * shape);
         if settled {
             break;
         }
