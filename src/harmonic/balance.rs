@@ -7,9 +7,11 @@
 //! everything else here is exact algebra on coefficients.
 //!
 //! Under a given `T(t)` the modal equations are linear, `A(T) q = level · f − P[T c]`, and are solved
-//! ([`ModalEquations`]). What remains are `4H + 1` equations whatever the number of modes,
+//! ([`ModalEquations`]). The flexibility `a` in series with the contact yields by `a T`, and the unknown is the
+//! displacement v that is left for the contact itself, so that a step of the law needs no iteration. What
+//! remains are `4H + 1` equations whatever the number of modes,
 //!
-//! `r(u) = u − (c·q − ½ qᵀG q) = 0`, `∂r/∂u = 1 + W A⁻¹ B ∂T/∂u`,
+//! `r(v) = v + a T(v) − (c·q − ½ qᵀG q) = 0`, `∂r/∂v = 1 + (a + W A⁻¹ B) ∂T/∂v`,
 //!
 //! W being multiplication by `w_i` and B its adjoint, the projection of `T w_i`.
 
@@ -56,7 +58,7 @@ pub(crate) struct Balance<'a> {
     /// B, and A⁻¹ B.
     adjoint: DMatrix<f64>,
     moved: DMatrix<f64>,
-    /// W A⁻¹ B.
+    /// a + W A⁻¹ B.
     compliance: DMatrix<f64>,
     residual: Vec<f64>,
     jacobian: DMatrix<f64>,
@@ -128,14 +130,25 @@ impl<'a> Balance<'a> {
         (0..modes).flat_map(|i| self.q.iter().skip(i).step_by(modes).copied()).collect()
     }
 
-    /// Writes the displacement of the contact that belongs to such coefficients.
-    pub fn displace(&mut self, modal_coefficients: &[f64], u: &mut [f64]) {
+    /// The unknowns that belong to such coefficients and a contact force.
+    pub fn unknowns_of(&mut self, modal_coefficients: &[f64], force: &[f64]) -> Vec<f64> {
         let (modes, count) = (self.modes(), self.count);
         for (i, mode) in modal_coefficients.chunks_exact(count).enumerate() {
             mode.iter().enumerate().for_each(|(k, value)| self.q[k * modes + i] = *value);
         }
         self.weigh();
-        u.copy_from_slice(&self.displacement);
+        self.relieved(force)
+    }
+
+    /// The displacement left for the contact under a force on it, once the series spring has yielded.
+    fn relieved(&self, force: &[f64]) -> Vec<f64> {
+        let series = self.beam.axial_flexibility;
+        self.displacement.iter().zip(force).map(|(u, force)| u - series * force).collect()
+    }
+
+    /// The unknowns of the displacement and the contact force last evaluated.
+    pub fn start(&self) -> Vec<f64> {
+        self.relieved(&self.force)
     }
 
     /// Energy dissipated in the contact per cycle (J) at the last evaluation: the work of the force on
@@ -144,10 +157,16 @@ impl<'a> Balance<'a> {
         work_per_cycle(&self.force, &self.displacement)
     }
 
-    /// The contact alone, driven by `u` given by its coefficients (harmonics `0..=2H`).
-    pub fn contact_force(&mut self, angular_frequency: f64, u: &[f64]) -> Result<&[f64], HarmonicError> {
+    /// The contact alone, driven by `u` given by its coefficients (harmonics `0..=2H`), behind a spring of
+    /// the compliance `series` (m/N).
+    pub fn contact_force(
+        &mut self,
+        angular_frequency: f64,
+        u: &[f64],
+        series: f64,
+    ) -> Result<&[f64], HarmonicError> {
         if let Some(ContactOnBeam { law, normal_load }) = self.contact {
-            let contact = PeriodicContact { law, normal_load, compliance: self.beam.axial_flexibility };
+            let contact = PeriodicContact { law, normal_load, compliance: series };
             self.cycle.evaluate(&contact, angular_frequency, u)?;
             self.force.copy_from_slice(self.cycle.force());
         }
@@ -205,18 +224,20 @@ impl<'a> Balance<'a> {
         Ok(())
     }
 
-    /// W A⁻¹ B and ∂r/∂u.
+    /// a + W A⁻¹ B and ∂r/∂v.
     fn differentiate(&mut self) {
         let (wide, modes) = (self.wide, self.modes());
         let size = self.q.len();
-        for (m, column) in self.adjoint.as_mut_slice().chunks_exact_mut(size).enumerate() {
-            let own = if m == 0 { 1.0 } else { 0.5 };
-            for (place, value) in column.iter_mut().enumerate() {
-                *value = own / mean_square(place / modes) * self.weights[(m, place)];
-            }
+        let adjoint = self.adjoint.as_mut_slice();
+        for (place, column) in self.weights.as_slice().chunks_exact(wide).enumerate() {
+            let scale = 0.5 / mean_square(place / modes);
+            let row = adjoint.iter_mut().skip(place).step_by(size);
+            row.zip(column).for_each(|(to, weight)| *to = scale * weight);
+            adjoint[place] *= 2.0;
         }
         self.equations.solve_many(&self.adjoint, &mut self.moved);
         self.compliance.gemm(1.0, &self.weights, &self.moved, 0.0);
+        (0..wide).for_each(|m| self.compliance[(m, m)] += self.beam.axial_flexibility);
         self.jacobian.gemm(1.0, &self.compliance, self.cycle.jacobian(), 0.0);
         (0..wide).for_each(|m| self.jacobian[(m, m)] += 1.0);
     }
@@ -258,6 +279,10 @@ impl<'a> Balance<'a> {
         for (column, q) in self.weights.as_slice().chunks_exact(self.wide).zip(&self.modal_by[index]) {
             by.iter_mut().zip(column).for_each(|(b, w)| *b -= w * q);
         }
+        if scalar == Scalar::AngularFrequency && self.contact.is_some() {
+            let series = self.beam.axial_flexibility;
+            by.iter_mut().zip(self.cycle.by_frequency()).for_each(|(b, rate)| *b += series * rate);
+        }
     }
 
     /// φ of an output.
@@ -298,11 +323,12 @@ impl PeriodicSystem for Balance<'_> {
     }
 
     fn evaluate(&mut self, x: &[f64], at: &Operating, scalars: &[Scalar]) -> Result<f64, HarmonicError> {
-        self.contact_force(at.angular_frequency, x)?;
+        self.contact_force(at.angular_frequency, x, 0.0)?;
         self.respond(at)?;
+        let series = self.beam.axial_flexibility;
         let mut scale = 0.0_f64;
-        for ((r, x), u) in self.residual.iter_mut().zip(x).zip(&self.displacement) {
-            *r = x - u;
+        for (((r, x), u), force) in self.residual.iter_mut().zip(x).zip(&self.displacement).zip(&self.force) {
+            *r = x + series * force - u;
             scale = scale.max(x.abs()).max(u.abs());
         }
         if self.contact.is_some() {
@@ -375,7 +401,7 @@ impl PeriodicSystem for Balance<'_> {
         let excitation: Vec<f64> = self.waveform.iter().map(|f| at.level * f).collect();
         guess::forced(self, at.angular_frequency, &excitation)?;
         self.weigh();
-        x.copy_from_slice(&self.displacement);
+        x.copy_from_slice(&self.start());
         Ok(())
     }
 
@@ -602,7 +628,7 @@ mod tests {
         let mut balance = Balance::new(&beam, Some(contact), &[], 2, Method::Sampled { samples }).unwrap();
         balance.displacement[2] = amplitude;
         let u = balance.displacement.clone();
-        balance.contact_force(300.0, &u).unwrap();
+        balance.contact_force(300.0, &u, 0.0).unwrap();
         balance.dissipated_energy()
     }
 

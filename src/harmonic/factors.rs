@@ -66,6 +66,10 @@ impl Factors {
         for k in 0..n {
             let (head, tail) = right.split_at_mut(k + 1);
             let weight = head[k];
+            // Columns of an identity start with zeros.
+            if weight == 0.0 {
+                continue;
+            }
             let column = &self.values[k * n + k + 1..(k + 1) * n];
             tail.iter_mut().zip(column).for_each(|(t, f)| *t -= weight * f);
         }

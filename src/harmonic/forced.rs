@@ -85,15 +85,14 @@ pub fn forced_response(
     let mut balance = Balance::new(beam, contact, excitation, settings.harmonics, settings.method)?;
     let at = Operating::forced(std::f64::consts::TAU / period, 1.0);
     let start = start.filter(|s| s.coefficients.len() == balance.q.len()).map(|start| {
-        let mut x = vec![0.0; balance.unknowns()];
-        balance.displace(&start.coefficients, &mut x);
+        let x = balance.unknowns_of(&start.coefficients, &start.contact_force);
         State { x, at }
     });
     let mut family = Forced { angular_frequency: at.angular_frequency };
-    let (state, effort) = find(&mut family, &mut balance, 1.0, start, settings)?;
+    let (_, effort) = find(&mut family, &mut balance, 1.0, start, settings)?;
     Ok(ForcedResponse {
         angular_frequency: at.angular_frequency,
-        contact_displacement: state.x,
+        contact_displacement: balance.displacement.clone(),
         contact_force: balance.force().to_vec(),
         dissipated_energy: balance.dissipated_energy(),
         viscous_energy: balance.viscous_energy(at.angular_frequency),

@@ -32,9 +32,8 @@ pub(crate) fn resonance(balance: &mut Balance, acceleration: f64) -> Result<(f64
         let settled = (frequency - angular_frequency).abs() < 1e-5 * frequency;
         angular_frequency = frequency;
         let amplitude = acceleration / (frequency * frequency * seen);
-        for i in 0..modes {
-            balance.q[2 * modes + i] = amplitude * vector[i];
-        }
+        let sines = &mut balance.q[2 * modes..3 * modes];
+        sines.iter_mut().zip(&vector).for_each(|(q, shape)| *q = amplitude * shape);
         if settled {
             break;
         }
@@ -78,7 +77,7 @@ fn stuck_stiffness(balance: &mut Balance) -> Result<f64, HarmonicError> {
     let mut u = vec![0.0; balance.displacement.len()];
     u[2] = 1e-10;
     balance.forget();
-    let stiffness = balance.contact_force(1.0, &u)?[2] / u[2];
+    let stiffness = balance.contact_force(1.0, &u, balance.beam.axial_flexibility)?[2] / u[2];
     balance.forget();
     Ok(stiffness.max(0.0))
 }
@@ -91,7 +90,7 @@ fn measure(balance: &mut Balance, angular_frequency: f64) -> Result<Equivalent, 
     balance.weigh();
     let u = balance.displacement.clone();
     balance.forget();
-    let force = balance.contact_force(angular_frequency, &u)?;
+    let force = balance.contact_force(angular_frequency, &u, balance.beam.axial_flexibility)?;
     let work = work_per_cycle(force, &u);
     let (mut along, mut squares, mut rates) = (0.0, 0.0, 0.0);
     for m in 1..u.len() {

@@ -121,8 +121,8 @@ impl<'a> Solver<'a> {
         let start = start.filter(|s| s.coefficients.len() == balance.q.len()).map(|start| {
             let ratio = acceleration / start.acceleration_amplitude;
             let scaled: Vec<f64> = start.coefficients.iter().map(|q| ratio * q).collect();
-            let mut x = vec![0.0; balance.unknowns()];
-            balance.displace(&scaled, &mut x);
+            let force: Vec<f64> = start.contact_force.iter().map(|force| ratio * force).collect();
+            let x = balance.unknowns_of(&scaled, &force);
             let at = Operating::forced(start.angular_frequency, ratio * start.force_amplitude);
             State { x, at }
         });
@@ -132,7 +132,7 @@ impl<'a> Solver<'a> {
             force_amplitude: state.at.level,
             acceleration_amplitude: acceleration,
             coefficients: balance.modal_coefficients(),
-            contact_displacement: state.x,
+            contact_displacement: balance.displacement.clone(),
             contact_force: balance.force().to_vec(),
             dissipated_energy: balance.dissipated_energy(),
             viscous_energy: balance.viscous_energy(state.at.angular_frequency),
@@ -164,7 +164,7 @@ impl Family for PhaseResonance {
 
     fn guess(&mut self, balance: &mut Balance, amount: f64) -> Result<State, HarmonicError> {
         let (frequency, force) = guess::resonance(balance, amount)?;
-        Ok(State { x: balance.displacement.clone(), at: Operating::forced(frequency, force) })
+        Ok(State { x: balance.start(), at: Operating::forced(frequency, force) })
     }
 }
 
