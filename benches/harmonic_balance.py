@@ -24,7 +24,7 @@ import venv
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
-TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve()
 ENVIRONMENT = TARGET / "harmonic-balance"
 RECORD = TARGET / "harmonic-balance.json"
 REQUIREMENTS = HERE / "requirements.txt"
@@ -91,13 +91,16 @@ def measure(arguments):
     own_choice = {key: value for key, value in os.environ.items() if key not in THREAD_VARIABLES}
     # Compiled before anything is timed.
     subprocess.run([*CARGO, "--no-run"], cwd=ROOT, check=True)
-    script = [sys.executable, __file__, "--measure-pyharm"]
+    script = [sys.executable, HERE / "harmonic_balance.py", "--measure-pyharm"]
     for name in ("harmonics", "samples", "step"):
         script += [f"--{name}", str(getattr(arguments, name))]
     record = {"machine": machine()}
     for name, environment in (("pyharm", one_thread), ("pyharm_own_threads", own_choice)):
         print(f"running {name} …", file=sys.stderr)
-        output = subprocess.run(script, env=environment, check=True, stdout=subprocess.PIPE, text=True).stdout
+        # pyHarm leaves a file in the directory where it is run.
+        output = subprocess.run(
+            script, cwd=ENVIRONMENT, env=environment, check=True, stdout=subprocess.PIPE, text=True
+        ).stdout
         record[name] = json.loads(output.splitlines()[-1])
     print("running stickslip …", file=sys.stderr)
     output = subprocess.run(
@@ -271,6 +274,9 @@ itself its linear algebra starts a thread per core, which costs more than it gai
 ## How the cost grows
 
 ![Time of a point against harmonics, sliders and degrees of freedom](harmonic-balance.svg)
+
+Structures of up to 300 degrees of freedom are prepared once as sums over all their modes; above that the dynamic
+stiffness is factorised, sparse, at every harmonic of every step.
 
 {growth(ours)}
 """
