@@ -97,10 +97,7 @@ def measure(arguments):
     record = {"machine": machine()}
     for name, environment in (("pyharm", one_thread), ("pyharm_own_threads", own_choice)):
         print(f"running {name} …", file=sys.stderr)
-        # pyHarm leaves a file in the directory where it is run.
-        output = subprocess.run(
-            script, cwd=ENVIRONMENT, env=environment, check=True, stdout=subprocess.PIPE, text=True
-        ).stdout
+        output = subprocess.run(script, env=environment, check=True, stdout=subprocess.PIPE, text=True).stdout
         record[name] = json.loads(output.splitlines()[-1])
     print("running stickslip …", file=sys.stderr)
     output = subprocess.run(
@@ -172,6 +169,7 @@ def measure_pyharm(arguments):
     import logging
 
     logging.disable(logging.INFO)
+    os.chdir(ENVIRONMENT)  # pyHarm leaves a file where it runs
     from importlib.metadata import version
 
     from pyHarm.Maestro import Maestro
