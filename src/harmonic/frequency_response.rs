@@ -325,6 +325,7 @@ impl<'s> Recorder<'s> {
         if direction {
             self.now.along.resize_with(point.nodes.len(), Vec::new);
             system.nodes_along(&location.unknowns, &location.scalars, &mut self.now.along);
+            self.now.rate = free.first().map_or(0.0, |along| location.scalars[along.index()]);
             bend = self.bend(&point);
             if bend > 1.0 {
                 return Ok(Verdict::TooFar);
@@ -431,8 +432,6 @@ impl<'s> Recorder<'s> {
 
     /// Locates peaks and folds between the last two points.
     fn locate(&mut self, path: &mut Path, curve: &mut Curve) {
-        let present = path.present.clone();
-        self.now.rate = path.rate(&present);
         if self.before.rate * self.now.rate < 0.0 {
             let ends = (self.before.rate, self.now.rate);
             let along = path.along();
