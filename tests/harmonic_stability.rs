@@ -63,6 +63,21 @@ fn multipliers_do_not_depend_on_where_the_period_begins() {
     }
 }
 
+#[test]
+fn a_contact_that_sticks_beside_a_smooth_one_is_a_spring() {
+    let (hardening, stuck) = (CubicSpring::new(0.5, 0.1).unwrap(), Jenkins::new(0.5, 100.0).unwrap());
+    let linear = CubicSpring::new(0.0, 0.1).unwrap();
+    let displacement: &[f64] = &[0.0, 0.3, 0.1];
+    let alone = floquet(&single(1.0, 0.1, 1.0, 1), &[attached(&hardening)], &[displacement], 0.9).unwrap();
+    let contacts = [attached(&linear), attached(&stuck)];
+    let beside = floquet(&single(1.0, 0.1, 1.0, 2), &contacts, &[displacement; 2], 0.9).unwrap();
+    assert!(alone.stable() && beside.stable(), "{:?}", beside.values);
+    for multiplier in &alone.values {
+        let nearest = beside.values.iter().map(|m| (m - multiplier).norm()).fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1e-8, "{multiplier} not among {:?}", beside.values);
+    }
+}
+
 /// `ÿ + (a − 2q cos 2t) y = 0` as a cubic spring along `u = A sin t`.
 fn mathieu(a: f64, q: f64) -> Multipliers {
     let law = CubicSpring::new(0.0, 4.0 * q / 3.0).unwrap();

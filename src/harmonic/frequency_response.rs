@@ -113,6 +113,7 @@ pub(crate) fn system_of<'a>(
 ) -> Result<Box<dyn PeriodicSystem + 'a>, HarmonicError> {
     assembly.check()?;
     settings.check()?;
+    assembly.check_excitation(settings)?;
     match assembly.body {
         Body::Linear(_) => Ok(Box::new(Condensed::new(assembly, settings)?)),
         Body::Beam(beam) => {

@@ -177,6 +177,7 @@ pub(super) fn varied_balance<'a>(
     least: f64,
     settings: &CurveSettings,
 ) -> Result<Box<dyn PeriodicSystem + 'a>, HarmonicError> {
+    assembly.check_excitation(settings)?;
     match assembly.body {
         Body::Linear(_) => {
             let mut system = Condensed::new(assembly, settings)?;
