@@ -2,8 +2,8 @@
 
 use stickslip::contact::{ContactLaw, CubicSpring, Jenkins, Unilateral};
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, Control, Curve, CurveSettings, Ending, frequency_response,
-    periodic_response,
+    Assembly, AttachedContact, Body, Control, Curve, CurveSettings, Ending, HarmonicError, Method,
+    frequency_response, periodic_response,
 };
 use stickslip::structure::{LinearStructure, Output};
 
@@ -136,4 +136,29 @@ fn a_one_sided_stop_at_rest_makes_a_bias_and_a_bilinear_resonance() {
     let response =
         |level| periodic_response(&assembly, 1.1, &Control::Level(level), &settings(12), None).unwrap();
     assert!((response(0.02).amplitude[0] / response(0.01).amplitude[0] - 2.0).abs() < 1e-8);
+}
+
+#[test]
+fn a_sampled_contact_needs_no_more_samples_for_its_error_than_for_its_response() {
+    let structure = oscillator(1.0, 0.1, 1);
+    let law = Jenkins::new(0.5, 0.2).unwrap();
+    let assembly = assembly(&structure, &[&law]);
+    let respond = |method| {
+        let settings = CurveSettings { method, ..settings(9) };
+        periodic_response(&assembly, 1.1, &Control::Level(0.3), &settings, None).unwrap()
+    };
+    let (exact, sampled) = (respond(Method::Exact), respond(Method::Sampled { samples: 72 }));
+    assert!((sampled.amplitude[0] / exact.amplitude[0] - 1.0).abs() < 1e-2);
+    assert!(sampled.error_estimate.is_finite());
+}
+
+#[test]
+fn an_excitation_beyond_the_harmonics_of_the_response_is_refused() {
+    let structure = oscillator(1.0, 0.1, 0);
+    let mut assembly = assembly(&structure, &[]);
+    assembly.waveform = vec![0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5];
+    let respond =
+        |harmonics| periodic_response(&assembly, 0.3, &Control::Level(1.0), &settings(harmonics), None);
+    assert!(matches!(respond(2), Err(HarmonicError::InvalidInput(_))));
+    assert!(respond(3).is_ok());
 }

@@ -209,3 +209,22 @@ fn modes_that_are_not_there_are_refused() {
         assert!(matches!(result, Err(HarmonicError::InvalidInput(_))), "{range:?}");
     }
 }
+
+#[test]
+fn harmonics_grow_until_a_mode_is_resolved() {
+    let structure = two_masses(0.1);
+    let law = Jenkins::new(0.2, 0.02).unwrap();
+    let assembly =
+        Assembly::new(Body::Linear(&structure), vec![AttachedContact { law: &law, normal_load: 1.0 }]);
+    let range = ModeRange { mode: 0, node: 1, amplitudes: [0.05, 2.0], points: 5 };
+    let settings =
+        CurveSettings { harmonics: 1, truncation: Some(1e-3), max_harmonics: 51, ..CurveSettings::default() };
+    let found = nonlinear_mode(&assembly, &range, &settings).unwrap();
+    let exact = mode(&structure, &law, &range, 51);
+    assert_eq!(found.points.len(), 5);
+    for (point, exact) in found.points.iter().zip(&exact.points) {
+        assert!(point.point.resolved && point.point.harmonics < 51, "{}", point.point.error_estimate);
+        assert!((point.angular_frequency / exact.angular_frequency - 1.0).abs() < 1e-3);
+    }
+    assert!(found.points.iter().any(|point| point.point.harmonics > 1));
+}

@@ -44,6 +44,40 @@ fn a_linear_system_has_the_multipliers_of_its_eigenvalues() {
     assert!(found.stable());
 }
 
+#[test]
+fn multipliers_do_not_depend_on_where_the_period_begins() {
+    let structure = single(1.0, 0.1, 1.0, 1);
+    let law = Jenkins::new(0.4, 0.1).unwrap();
+    let multipliers = |shift: f64| {
+        let displacement = [0.0, shift.cos(), shift.sin()];
+        floquet(&structure, &[attached(&law)], &[&displacement], 0.8).unwrap()
+    };
+    let reference = multipliers(0.7).values;
+    // With a turning point at phase zero, to the last digit and nearly, and at its opposite.
+    for shift in [0.0, 1e-16, -1e-16, 1e-12, 0.5 * TAU, 2.0] {
+        let found = multipliers(shift).values;
+        for expected in &reference {
+            let nearest = found.iter().map(|m| (m - expected).norm()).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-9, "{shift}: {expected} not among {found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_contact_that_sticks_beside_a_smooth_one_is_a_spring() {
+    let (hardening, stuck) = (CubicSpring::new(0.5, 0.1).unwrap(), Jenkins::new(0.5, 100.0).unwrap());
+    let linear = CubicSpring::new(0.0, 0.1).unwrap();
+    let displacement: &[f64] = &[0.0, 0.3, 0.1];
+    let alone = floquet(&single(1.0, 0.1, 1.0, 1), &[attached(&hardening)], &[displacement], 0.9).unwrap();
+    let contacts = [attached(&linear), attached(&stuck)];
+    let beside = floquet(&single(1.0, 0.1, 1.0, 2), &contacts, &[displacement; 2], 0.9).unwrap();
+    assert!(alone.stable() && beside.stable(), "{:?}", beside.values);
+    for multiplier in &alone.values {
+        let nearest = beside.values.iter().map(|m| (m - multiplier).norm()).fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1e-8, "{multiplier} not among {:?}", beside.values);
+    }
+}
+
 /// `ÿ + (a − 2q cos 2t) y = 0` as a cubic spring along `u = A sin t`.
 fn mathieu(a: f64, q: f64) -> Multipliers {
     let law = CubicSpring::new(0.0, 4.0 * q / 3.0).unwrap();

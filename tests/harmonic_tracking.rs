@@ -3,7 +3,7 @@
 
 mod two_masses;
 
-use stickslip::contact::{ContactLaw, CubicSpring, Jenkins};
+use stickslip::contact::{ContactLaw, CubicSpring, Jenkins, Unilateral};
 use stickslip::harmonic::{
     Assembly, AttachedContact, Body, CurveSettings, Ending, Followed, HarmonicError, OwnedContact, Tracked,
     TrackedCurve, Tracking, Varied, parameter_response, track_levels, track_parameter,
@@ -260,4 +260,41 @@ fn what_cannot_be_followed_is_refused() {
         follow(tracking(Followed::Peak, 0, 0.5), &[]),
         Ok(TrackedCurve { points: Vec::new(), lost: None })
     );
+}
+
+#[test]
+fn a_parameter_sweep_passes_the_corner_where_the_contact_sticks_for_good() {
+    let structure = two_masses(0.1);
+    let law = Jenkins::new(0.2, 0.02).unwrap();
+    let contacts = |_: usize, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.2, friction)?, 1.0));
+    let assembly = assembly(&structure, &law);
+    for (harmonics, most) in [(1, 0.5), (3, 1.0), (9, 0.3), (9, 2.0), (21, 0.5)] {
+        let ends = [0.02, most];
+        let curve = parameter_response(&assembly, &contacts, 0.54, 0.4, ends, &settings(harmonics)).unwrap();
+        let last = curve.points.last().unwrap();
+        assert_eq!(curve.ending, Ending::Complete, "{harmonics} {most}: ends at {}", last.value);
+        // Stuck for good, the contact is a spring; the limit it then needs is where it began to stick.
+        let stuck = last.point.amplitude[1];
+        let away = |varied: &&Varied| (varied.value / (0.2 * stuck) - 1.0).abs() > 1e-7;
+        for varied in curve.points.iter().filter(away) {
+            let slips = varied.value < 0.2 * stuck;
+            assert_eq!(varied.point.dissipated_energy() > 0.0, slips, "{} {stuck}", varied.value);
+        }
+    }
+}
+
+#[test]
+fn a_contact_that_loses_its_symmetry_on_the_way_is_refused() {
+    let structure = single_mass(1.0, 0.1);
+    let law = CubicSpring::new(0.1, 0.0).unwrap();
+    let assembly = assembly(&structure, &law);
+    let contacts = |_: usize, stiffness: f64| {
+        Ok(if stiffness < 0.5 {
+            OwnedContact::new(CubicSpring::new(stiffness, 0.0)?, 1.0)
+        } else {
+            OwnedContact::new(Unilateral::new(stiffness, 0.0)?, 1.0)
+        })
+    };
+    let curve = parameter_response(&assembly, &contacts, 0.8, 0.4, [0.1, 1.0], &settings(5));
+    assert!(matches!(curve, Err(HarmonicError::InvalidInput(_))), "{curve:?}");
 }

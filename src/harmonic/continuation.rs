@@ -11,6 +11,7 @@ use super::condition::ArcLength;
 use super::curve::Ending;
 use super::problem::{Condition, Newton, Stopping};
 use super::system::{Operating, PeriodicSystem, Scalar};
+use crate::structure::StructureError;
 
 /// Steps below this are given up (the range has length 1).
 const SMALLEST_STEP: f64 = 1e-8;
@@ -265,7 +266,12 @@ impl<'s> Path<'s> {
             };
             match outcome.and_then(|arrived| self.settle(arrived, judge)) {
                 Ok(Some(advance)) => return Ok(advance),
-                // A failure of the model is not one of the step.
+                // A failure of the model is not one of the step; a frequency at which there is no compliance is
+                // stepped over.
+                Err(HarmonicError::Structure(StructureError::UndampedResonance { .. })) => {
+                    self.step *= 0.5;
+                    self.system.forget();
+                }
                 Err(error @ (HarmonicError::InvalidInput(_) | HarmonicError::Structure(_))) => {
                     return Err(error);
                 }
@@ -329,7 +335,9 @@ impl<'s> Path<'s> {
         let correction = self.unit.distance(&self.next, &predicted_x, &predicted.1);
         self.right = predicted_x;
         solved?;
-        if correction > LARGEST_CORRECTION * self.step {
+        // Beyond a corner the curve may run almost within the plane, a long way from the prediction.
+        let corner = if self.step < CORNER_STEP { CORNER_STEP } else { 0.0 };
+        if correction > corner.max(LARGEST_CORRECTION * self.step) {
             return Err(HarmonicError::NotConverged {
                 residual: correction,
                 iterations: self.next.iterations,
@@ -526,11 +534,6 @@ impl<'s> Path<'s> {
     /// The scalar continued.
     pub fn along(&self) -> Scalar {
         self.route.along
-    }
-
-    /// Size of the scalar continued per unit of arc length at the present point, with its sign.
-    pub fn rate(&self, location: &Location) -> f64 {
-        location.scalars[self.route.along.index()]
     }
 }
 

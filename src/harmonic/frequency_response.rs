@@ -113,6 +113,7 @@ pub(crate) fn system_of<'a>(
 ) -> Result<Box<dyn PeriodicSystem + 'a>, HarmonicError> {
     assembly.check()?;
     settings.check()?;
+    assembly.check_excitation(settings)?;
     match assembly.body {
         Body::Linear(_) => Ok(Box::new(Condensed::new(assembly, settings)?)),
         Body::Beam(beam) => {
@@ -325,6 +326,7 @@ impl<'s> Recorder<'s> {
         if direction {
             self.now.along.resize_with(point.nodes.len(), Vec::new);
             system.nodes_along(&location.unknowns, &location.scalars, &mut self.now.along);
+            self.now.rate = free.first().map_or(0.0, |along| location.scalars[along.index()]);
             bend = self.bend(&point);
             if bend > 1.0 {
                 return Ok(Verdict::TooFar);
@@ -431,8 +433,6 @@ impl<'s> Recorder<'s> {
 
     /// Locates peaks and folds between the last two points.
     fn locate(&mut self, path: &mut Path, curve: &mut Curve) {
-        let present = path.present.clone();
-        self.now.rate = path.rate(&present);
         if self.before.rate * self.now.rate < 0.0 {
             let ends = (self.before.rate, self.now.rate);
             let along = path.along();

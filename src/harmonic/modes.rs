@@ -12,7 +12,7 @@ use super::condition::{HeldAmplitude, Phase};
 use super::curve::Point;
 use super::problem::{Condition, Newton, Stopping};
 use super::system::{Operating, PeriodicSystem, Scalar};
-use super::tracker::{Solution, describe, more_harmonics};
+use super::tracker::{Solution, describe_by, more_harmonics};
 use super::tracking::{LARGEST_CHANGE, LEAST_SHARE, between};
 use crate::contact::{ContactLaw, Inputs};
 use crate::structure::{LinearStructure, Row};
@@ -295,7 +295,7 @@ impl FreeVibration<'_> {
             let Solution { x, at } = &mut solution;
             let conditions: &mut [&mut dyn Condition] = &mut [&mut held, &mut phase];
             let effort = self.newton.solve(self.system, x, at, &FREE, conditions, &self.stopping)?;
-            let mut point = describe(self.system, &solution, &self.settings)?;
+            let mut point = self.describe(&solution)?;
             point.iterations = effort.iterations;
             if let Some(harmonics) = more_harmonics(&point, &self.settings) {
                 let mut vectors: Vec<&mut Vec<f64>> = vec![&mut solution.x];
@@ -315,6 +315,25 @@ impl FreeVibration<'_> {
             self.reached.truncate(2);
             return Ok(point);
         }
+    }
+
+    /// The vibration just found. A free vibration may begin at any phase, so that the balance alone does not tell
+    /// how it answers to harmonics left out: frequency, damping, amplitude and phase take part.
+    fn describe(&mut self, solution: &Solution) -> Result<Point, HarmonicError> {
+        let prepared = self.newton.prepare(self.system, &FREE);
+        let newton = &self.newton;
+        let mut right = Vec::new();
+        describe_by(self.system, solution, &self.settings, &mut |change| {
+            let unknowns = change.len();
+            right.clear();
+            right.extend(change.iter().map(|r| r / newton.scale()));
+            right.resize(unknowns + FREE.len(), 0.0);
+            if prepared && newton.solve_linear(&mut right) {
+                change.copy_from_slice(&right[..unknowns]);
+            } else {
+                change.fill(f64::INFINITY);
+            }
+        })
     }
 
     /// The vibration at an amplitude: shape, frequency and damping on straight lines over its logarithm.

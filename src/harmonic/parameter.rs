@@ -101,7 +101,9 @@ pub fn parameter_response(
     }
     let owned = made(assembly, contact, from)?;
     let attached = attached(assembly, &owned);
-    let mut system = varied_balance(&attached, contact, settings)?;
+    // Across zero the parameter's own size is no measure of what a small change of it is.
+    let least = if from * to > 0.0 { 0.0 } else { 1e-3 * from.abs().max(to.abs()) };
+    let mut system = varied_balance(&attached, contact, least, settings)?;
     let at = Operating { parameter: from, ..Operating::forced(angular_frequency, level) };
     let (x, at) = at_level(&mut *system, at, settings)?;
     let route = Route {
@@ -167,12 +169,15 @@ pub(super) fn attached<'a>(assembly: &Assembly<'a>, contacts: &'a [OwnedContact]
     Assembly { contacts: contacts.iter().map(attach).collect(), ..assembly.clone() }
 }
 
-/// The balance of an assembly whose contacts depend on the parameter.
+/// The balance of an assembly whose contacts depend on the parameter; differences take it for no smaller than
+/// `least`.
 pub(super) fn varied_balance<'a>(
     assembly: &Assembly<'a>,
     contact: &'a ContactAt,
+    least: f64,
     settings: &CurveSettings,
 ) -> Result<Box<dyn PeriodicSystem + 'a>, HarmonicError> {
+    assembly.check_excitation(settings)?;
     match assembly.body {
         Body::Linear(_) => {
             let mut system = Condensed::new(assembly, settings)?;
@@ -181,7 +186,7 @@ pub(super) fn varied_balance<'a>(
                     let OwnedContact { law, normal_load } = contact(number, value)?;
                     Ok((law, normal_load))
                 });
-                system.vary(number, rebuild);
+                system.vary(number, least, rebuild);
             }
             Ok(Box::new(system))
         }

@@ -14,6 +14,7 @@ const FREQUENCY: [Scalar; 1] = [Scalar::AngularFrequency];
 const MOST_STEPS: usize = 2000;
 /// Longest and shortest step uphill, in units of the unknowns' norm and of the frequency.
 const LONGEST_STEP: f64 = 0.2;
+const FIRST_STEP: f64 = 0.02;
 const SHORTEST_STEP: f64 = 1e-9;
 /// Least cosine between the directions at the ends of a step: a longer step may pass a peak unseen.
 const LEAST_COSINE: f64 = 0.8;
@@ -123,7 +124,7 @@ impl Tracker {
         let mut here = self.first_place(system, node, start)?;
         let mut step = match &self.last {
             Some((_, fall)) => (1.5 * here.rise.abs() / fall).clamp(100.0 * AT_PEAK, LONGEST_STEP),
-            None => 0.02,
+            None => FIRST_STEP,
         };
         if here.rise < 0.0 {
             here.direction.iter_mut().for_each(|d| *d = -*d);
@@ -140,7 +141,14 @@ impl Tracker {
                     step = (2.0 * step).min(LONGEST_STEP);
                 }
                 Err(error) if step < SHORTEST_STEP => return Err(error),
-                Ok(next) if step < SHORTEST_STEP => return self.refine(system, node, here, next),
+                // A corner of the curve, where a contact begins to slip: the peak is there or beyond.
+                Ok(next) if step < SHORTEST_STEP => {
+                    if next.rise <= 0.0 {
+                        return self.refine(system, node, here, next);
+                    }
+                    here = next;
+                    step = FIRST_STEP;
+                }
                 _ => step *= 0.25,
             }
         }
@@ -224,8 +232,11 @@ impl Tracker {
         let (unknowns, frequency) = direction.split_at(direction.len() - 1);
         self.along.resize_with(system.nodes(), Vec::new);
         system.nodes_along(unknowns, &[frequency[0], 0.0, 0.0, 0.0], &mut self.along);
+        if amplitude == 0.0 {
+            return Err(HarmonicError::InvalidInput("the node does not move: it has no peak"));
+        }
         let sign = value_at(coefficients, phase).signum();
-        Ok(if amplitude > 0.0 { sign * value_at(&self.along[node], phase) / amplitude } else { 0.0 })
+        Ok(sign * value_at(&self.along[node], phase) / amplitude)
     }
 
     /// The peak between a place on the way up and one on the way down.
@@ -291,19 +302,29 @@ pub(crate) fn describe(
     solution: &Solution,
     settings: &CurveSettings,
 ) -> Result<Point, HarmonicError> {
-    let Solution { x, at } = solution;
-    let mut point = system.describe(x, at)?;
     let mut factors = Factors::default();
-    factors.reset(x.len()).copy_from_slice(system.jacobian().as_slice());
+    factors.reset(solution.x.len()).copy_from_slice(system.jacobian().as_slice());
     // At a turning point the estimate is infinite, and rightly so.
     let factored = factors.factor();
-    point.error_estimate = system.truncation_error(x, at, &point, &mut |right| {
+    describe_by(system, solution, settings, &mut |right| {
         if factored {
             factors.solve(right);
         } else {
             right.fill(f64::INFINITY);
         }
-    })?;
+    })
+}
+
+/// As [`describe`], where `solve` tells the change of the unknowns that a residual asks for.
+pub(crate) fn describe_by(
+    system: &mut dyn PeriodicSystem,
+    solution: &Solution,
+    settings: &CurveSettings,
+    solve: &mut dyn FnMut(&mut [f64]),
+) -> Result<Point, HarmonicError> {
+    let Solution { x, at } = solution;
+    let mut point = system.describe(x, at)?;
+    point.error_estimate = system.truncation_error(x, at, &point, solve)?;
     point.resolved = settings.truncation.is_none_or(|tolerance| point.error_estimate <= tolerance);
     if settings.stability {
         point.stable = system.stable(&point);

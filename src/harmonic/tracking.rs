@@ -152,7 +152,7 @@ pub fn track_parameter(
     let Some(first) = values.first() else { return Ok(TrackedCurve { points: Vec::new(), lost: None }) };
     let owned = made(assembly, contact, *first)?;
     let attached = attached(assembly, &owned);
-    let mut system = varied_balance(&attached, contact, settings)?;
+    let mut system = varied_balance(&attached, contact, 0.0, settings)?;
     let mut follower = Follower::new(assembly, tracking, settings, &mut *system)?;
     follower.over(values, |at, value| (at.level, at.parameter) = (level, value))
 }

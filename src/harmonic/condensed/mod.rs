@@ -47,6 +47,10 @@ struct Attached<'a> {
     law: Law<'a>,
     normal_load: f64,
     rebuild: Option<Rebuild<'a>>,
+    /// Least size of the parameter, by which steps of it are measured.
+    least: f64,
+    /// Whether the harmonics kept ask for an odd law.
+    odd: bool,
     cycle: RelievedMap,
     /// The same contact on twice the harmonics, to see what the set leaves out.
     wide: Option<RelievedMap>,
@@ -63,9 +67,58 @@ impl Attached<'_> {
     fn build(&mut self, parameter: f64) -> Result<(), HarmonicError> {
         if let Some(rebuild) = &mut self.rebuild {
             let (law, normal_load) = rebuild(parameter)?;
+            if self.odd && !law.is_odd() {
+                return Err(HarmonicError::InvalidInput(
+                    "the contact loses its symmetry with the parameter: all harmonics are needed",
+                ));
+            }
             (self.law, self.normal_load) = (Law::Built(law), normal_load);
         }
         Ok(())
+    }
+
+    /// The contact at `parameter` under `u`, and how its force changes with the parameter.
+    ///
+    /// Forces have kinks where a contact begins to slip, which a response reaches just there. A difference across
+    /// one is no derivative of either side, so the step shrinks until none is in sight.
+    fn vary(
+        &mut self,
+        angular_frequency: f64,
+        u: &[f64],
+        parameter: f64,
+        sample: &mut Vec<f64>,
+    ) -> Result<(), HarmonicError> {
+        const LONGEST: f64 = 1e-5;
+        const SHORTEST: f64 = 1e-9;
+        /// Second difference over first that is a kink's, and what rounding makes of the force.
+        const KINK: f64 = 1e-3;
+        const ROUNDING: f64 = 1e-13;
+        let size = parameter.abs().max(self.least);
+        let size = if size > 0.0 { size } else { 1.0 };
+        let mut step = LONGEST * size;
+        loop {
+            self.build(parameter + step)?;
+            self.evaluate(angular_frequency, u)?;
+            self.by_parameter.copy_from_slice(self.cycle.force());
+            self.build(parameter - step)?;
+            self.evaluate(angular_frequency, u)?;
+            sample.clear();
+            sample.extend_from_slice(self.cycle.force());
+            self.build(parameter)?;
+            self.evaluate(angular_frequency, u)?;
+            let (mut change, mut bend, mut largest) = (0.0_f64, 0.0_f64, 0.0_f64);
+            let sides = self.by_parameter.iter_mut().zip(&*sample).zip(self.cycle.force());
+            for ((above, below), here) in sides {
+                change = change.max((*above - below).abs());
+                bend = bend.max((*above - 2.0 * here + below).abs());
+                largest = largest.max(here.abs());
+                *above = (*above - below) / (2.0 * step);
+            }
+            if bend <= KINK * change + ROUNDING * largest || step <= SHORTEST * size {
+                return Ok(());
+            }
+            step *= 0.1;
+        }
     }
 }
 
@@ -143,6 +196,8 @@ impl<'a> Condensed<'a> {
             law: Law::Given(contact.law),
             normal_load: contact.normal_load,
             rebuild: None,
+            least: 0.0,
+            odd,
             cycle: RelievedMap::new(set, settings.method, 0.0),
             wide: None,
             by_parameter: Vec::new(),
@@ -179,10 +234,10 @@ impl<'a> Condensed<'a> {
     }
 
     /// Contact `contact` depends on [`Scalar::Parameter`] in the way `rebuild` says; the harmonics kept stay
-    /// those of the law given.
-    pub fn vary(&mut self, contact: usize, rebuild: Rebuild<'a>) {
+    /// those of the law given. Differences take the parameter for no smaller than `least`.
+    pub fn vary(&mut self, contact: usize, least: f64, rebuild: Rebuild<'a>) {
         if let Some(attached) = self.contacts.get_mut(contact) {
-            attached.rebuild = Some(rebuild);
+            (attached.rebuild, attached.least) = (Some(rebuild), least);
             self.built = f64::NAN;
         }
     }
@@ -232,24 +287,17 @@ impl<'a> Condensed<'a> {
     }
 
     fn carry(&mut self, x: &[f64], at: &Operating, scalars: &[Scalar]) -> Result<(), HarmonicError> {
-        const RELATIVE_STEP: f64 = 1e-5;
         let width = self.set.len();
         let varied = scalars.contains(&Scalar::Parameter);
+        // After a failure halfway the laws belong to different values.
+        let built = std::mem::replace(&mut self.built, f64::NAN);
         for (contact, u) in self.contacts.iter_mut().zip(x.chunks_exact(width)) {
-            if contact.rebuild.is_some() {
-                if varied {
-                    let step = RELATIVE_STEP * if at.parameter == 0.0 { 1.0 } else { at.parameter.abs() };
-                    contact.build(at.parameter + step)?;
-                    contact.evaluate(at.angular_frequency, u)?;
-                    contact.by_parameter.copy_from_slice(contact.cycle.force());
-                    contact.build(at.parameter - step)?;
-                    contact.evaluate(at.angular_frequency, u)?;
-                    let below = contact.by_parameter.iter_mut().zip(contact.cycle.force());
-                    below.for_each(|(d, force)| *d = (*d - force) / (2.0 * step));
-                }
-                if varied || self.built != at.parameter {
-                    contact.build(at.parameter)?;
-                }
+            if varied && contact.rebuild.is_some() {
+                contact.vary(at.angular_frequency, u, at.parameter, &mut self.scratch.along)?;
+                continue;
+            }
+            if built != at.parameter {
+                contact.build(at.parameter)?;
             }
             contact.evaluate(at.angular_frequency, u)?;
         }
@@ -467,8 +515,9 @@ impl PeriodicSystem for Condensed<'_> {
             **vector = carried;
         }
         self.set = new;
+        let method = method_on(self.method, new);
         for contact in &mut self.contacts {
-            contact.cycle = RelievedMap::new(new, self.method, self.relief);
+            contact.cycle = RelievedMap::new(new, method, self.relief);
         }
         self.reserve();
         Ok(true)
@@ -477,6 +526,14 @@ impl PeriodicSystem for Condensed<'_> {
 
 fn set_of(odd: bool, harmonics: usize) -> HarmonicSet {
     if odd { HarmonicSet::odd(harmonics) } else { HarmonicSet::full(harmonics) }
+}
+
+/// The method, with no fewer samples than `set` takes.
+fn method_on(method: Method, set: HarmonicSet) -> Method {
+    match method {
+        Method::Exact => method,
+        Method::Sampled { samples } => Method::Sampled { samples: samples.max(8 * set.highest()) },
+    }
 }
 
 fn span(order: usize, place: usize) -> std::ops::Range<usize> {

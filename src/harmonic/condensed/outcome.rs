@@ -1,6 +1,6 @@
 //! What a solution means for the whole structure, and how far off it may be.
 
-use super::{Condensed, compliance_derivative, contact_of, full_place, pair, span};
+use super::{Condensed, compliance_derivative, contact_of, full_place, method_on, pair, span};
 use crate::harmonic::curve::Contacting;
 use crate::harmonic::cycle::relieved::RelievedMap;
 use crate::harmonic::cycle::{Cycle, PeriodicContact};
@@ -279,8 +279,8 @@ impl Condensed<'_> {
         self.scratch.kept.resize(p * width, 0.0);
         for (j, contact) in self.contacts.iter_mut().enumerate() {
             let attached = contact_of(&contact.law, contact.normal_load);
-            let (method, relief) = (self.method, self.relief);
             let set = self.wide;
+            let (method, relief) = (method_on(self.method, set), self.relief);
             let cycle = contact.wide.get_or_insert_with(|| RelievedMap::new(set, method, relief));
             let u = &self.scratch.wide[j * wide..(j + 1) * wide];
             cycle.evaluate(&attached, at.angular_frequency, u)?;

@@ -56,6 +56,7 @@ fn derivatives_equal_central_differences() {
         };
         system.vary(
             1,
+            0.0,
             Box::new(move |p| {
                 limit(p).map_err(|_: crate::contact::LawError| HarmonicError::InvalidInput("no such law"))
             }),

@@ -10,6 +10,9 @@ use crate::integrate::oscillator::elements::{Branch, Element, Memory, elements};
 use crate::integrate::oscillator::system::{System, dot};
 use crate::integrate::{LoadedContact, OscillatorError};
 
+/// Phases (rad) closer than this are the same: rounding of a few periods.
+const SAME_PHASE: f64 = 1e-14;
+
 /// One contact along its periodic displacement.
 struct Path<'a> {
     contact: usize,
@@ -107,7 +110,8 @@ impl<'a> Path<'a> {
         self.run(start, 2.0 * TAU, &mut None);
     }
 
-    /// Carries the contact from one phase to another and notes what changes.
+    /// Carries the contact from one phase to another and notes what changes. A turning point at the end belongs
+    /// to it, one at the start does not: phase zero comes round again at the end of the period.
     fn run(&mut self, from: f64, to: f64, changes: &mut Option<&mut Vec<Change>>) {
         let mut phase = from;
         let mut turn = from / TAU;
@@ -116,7 +120,7 @@ impl<'a> Path<'a> {
             let period = turn.floor();
             let next = self.turns.iter().enumerate().find_map(|(k, t)| {
                 let at = t + period * TAU;
-                (at > phase + 1e-14).then_some((k, at))
+                (at > phase + SAME_PHASE).then_some((k, at))
             });
             let Some((k, at)) = next else {
                 turn = period + 1.0;
@@ -130,12 +134,15 @@ impl<'a> Path<'a> {
                 }
                 continue;
             };
-            if at >= to {
+            if at > to + SAME_PHASE {
                 self.stretch(phase, to, changes);
                 return;
             }
             self.stretch(phase, at, changes);
             self.turn(k, at, changes);
+            if at >= to - SAME_PHASE {
+                return;
+            }
             phase = at;
         }
     }

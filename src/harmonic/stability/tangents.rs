@@ -59,11 +59,22 @@ pub(super) fn monodromy(
         rows.push(row);
         if change <= SETTLED || (level + 1 == LEVELS && change <= ACCEPTED) {
             let mut last = rows.pop().unwrap_or_default();
-            return last.pop().ok_or(OscillatorError::Diverged { time: 0.0 });
+            let map = last.pop().ok_or(OscillatorError::Diverged { time: 0.0 })?;
+            return Ok(without_conserved(&map, 2 * system.size));
         }
         grid = halved(&grid);
     }
     Err(OscillatorError::NotPeriodic { iterations: LEVELS, mismatch: change })
+}
+
+/// The map without the memory, from row `first` on, that a period leaves exactly as it was: what a stuck slider
+/// remembers is neutral and no disturbance of the motion.
+fn without_conserved(map: &DMatrix<f64>, first: usize) -> DMatrix<f64> {
+    const EXACT: f64 = 1e-12;
+    let unit = |i: usize, j: usize| f64::from(u8::from(i == j));
+    let conserved = |i: usize| (0..map.ncols()).all(|j| (map[(i, j)] - unit(i, j)).abs() <= EXACT);
+    let kept: Vec<usize> = (0..map.nrows()).filter(|i| *i < first || !conserved(*i)).collect();
+    map.select_rows(&kept).select_columns(&kept)
 }
 
 fn halved(grid: &[f64]) -> Vec<f64> {

@@ -75,7 +75,7 @@ impl Excitation {
         }
     }
 
-    /// Force at `time` (s).
+    /// Force at `time` (s); zero without any values.
     pub fn value(&self, time: f64) -> f64 {
         let mut series = [0.0; DEGREE + 1];
         self.expand(time, 0.0, &mut series);
@@ -87,8 +87,9 @@ impl Excitation {
         *out = [0.0; DEGREE + 1];
         match self {
             Self::Periodic { angular_frequency, level, coefficients } => {
-                out[0] = level * coefficients[0];
-                for (order, pair) in coefficients[1..].chunks(2).enumerate() {
+                let Some((bias, pairs)) = coefficients.split_first() else { return };
+                out[0] = level * bias;
+                for (order, pair) in pairs.chunks(2).enumerate() {
                     let omega = (order + 1) as f64 * angular_frequency;
                     let (c, s) = (level * pair[0], level * pair.get(1).copied().unwrap_or(0.0));
                     if c == 0.0 && s == 0.0 {
@@ -105,8 +106,8 @@ impl Excitation {
             }
             Self::Sampled { interval, values } => {
                 let index = segment(time, *interval);
-                let Some(end) = values.get(index + 1) else {
-                    out[0] = values[values.len() - 1];
+                let Some(end) = values.get(index.saturating_add(1)) else {
+                    out[0] = values.last().copied().unwrap_or(0.0);
                     return;
                 };
                 let slope = (end - values[index]) / interval;
