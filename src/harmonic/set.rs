@@ -43,9 +43,14 @@ impl HarmonicSet {
 
     /// The harmonics, ascending, each with the place of its first coefficient (its cosine's, or the bias).
     pub fn orders(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let set = *self;
-        let (first, step) = if set.odd { (1, 2) } else { (0, 1) };
-        (first..=set.highest).step_by(step).filter_map(move |h| set.place(h).map(|place| (h, place)))
+        let odd = self.odd;
+        let count = if odd { self.highest.div_ceil(2) } else { self.highest + 1 };
+        // Counted, without a search for the places: this runs in the innermost loops.
+        (0..count).map(move |k| match (odd, k) {
+            (true, _) => (2 * k + 1, 2 * k),
+            (false, 0) => (0, 0),
+            (false, _) => (k, 2 * k - 1),
+        })
     }
 
     /// Place of the cosine of harmonic `order` (of the bias for 0); its sine follows.

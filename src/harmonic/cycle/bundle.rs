@@ -3,6 +3,9 @@
 //! In the contact's own displacement `v = u − a T` the force is `K v + C` between the ends of the sliders'
 //! pieces, so that `u = v + a (K v + C)` leads from one end to the next. The sliders' positions follow `v` at the
 //! turning points, whose derivatives depend on each other through the spring and are solved for together.
+//!
+//! Sliders with unequal limits can remember their first loading for ever, for it happened against other forces
+//! behind the spring. Of turning points of equal magnitude the first in phase is then loaded to.
 
 use super::ledger::{Ledger, Piece, Source};
 use super::motion::Motion;

@@ -15,7 +15,7 @@ use crate::harmonic::implicit::Implicit;
 const UNFADING: f64 = 1e-9;
 /// Share of the largest force left as error of the implicit step through the series spring: rounding, since a
 /// slowly fading memory magnifies it.
-const STEP_TOLERANCE: f64 = 1e-15;
+pub(super) const STEP_TOLERANCE: f64 = 1e-15;
 /// Change of force (share of the largest) below which the state is periodic.
 const PERIODIC: f64 = 1e-13;
 /// The same where rounding, which a slowly fading memory magnifies, stops the progress: a Newton step this small
@@ -51,7 +51,8 @@ pub(super) struct Chain {
 }
 
 /// A step of the law through the series spring, from `state` to `inputs.displacement` of both together;
-/// `guess` is the force to start from (N). Writes the next state and leaves the contact's own displacement in
+/// `guess` is the force to start from (N), `tolerance` the error left, as share of the force and of `scale` (N).
+/// Writes the next state and leaves the contact's own displacement in
 /// `inputs`.
 pub(super) fn spring_step(
     contact: &PeriodicContact,
@@ -59,6 +60,7 @@ pub(super) fn spring_step(
     inputs: &mut Inputs,
     guess: f64,
     scale: f64,
+    tolerance: f64,
     next: &mut [f64],
 ) -> Response {
     let total = inputs.displacement;
@@ -67,7 +69,7 @@ pub(super) fn spring_step(
         inputs.displacement = total - contact.compliance * implicit.force;
         let response = contact.law.step(state, *inputs, next);
         let gradient = 1.0 + contact.compliance * response.tangents.displacement;
-        let tolerance = STEP_TOLERANCE * gradient * scale.max(response.force.abs());
+        let tolerance = tolerance * gradient * scale.max(response.force.abs());
         if implicit.accept(response.force, gradient, contact.compliance, tolerance) {
             return response;
         }
@@ -143,7 +145,8 @@ impl Chain {
         contact.law.set_state(0.0, contact.normal_load, 0.0, &mut self.virgin);
         self.force_scale = 0.0;
         let mut inputs = Inputs { displacement, velocity: 0.0, normal_load: contact.normal_load };
-        let response = spring_step(contact, &self.virgin, &mut inputs, 0.0, 0.0, &mut self.next);
+        let response =
+            spring_step(contact, &self.virgin, &mut inputs, 0.0, 0.0, STEP_TOLERANCE, &mut self.next);
         self.states[..self.n].copy_from_slice(&self.next);
         self.force_scale = response.force.abs();
         contact.law.state_tangents(&self.virgin, inputs, &mut self.tangents);
@@ -170,8 +173,9 @@ impl Chain {
                 Inputs { displacement: path[j + 1].value, velocity: 0.0, normal_load: contact.normal_load };
             let (before, after) = self.states.split_at_mut((j + 1) * n);
             let state = &before[j * n..];
-            let guess = self.force[j + 1];
-            let response = spring_step(contact, state, &mut inputs, guess, self.force_scale, &mut after[..n]);
+            let (guess, scale) = (self.force[j + 1], self.force_scale);
+            let response =
+                spring_step(contact, state, &mut inputs, guess, scale, STEP_TOLERANCE, &mut after[..n]);
             contact.law.state_tangents(state, inputs, &mut self.tangents);
             for (scale, x) in self.scale.iter_mut().zip(&after[..n]) {
                 *scale = scale.max(x.abs());

@@ -6,7 +6,7 @@
 
 use nalgebra::DMatrix;
 
-use super::chain::{Chain, spring_step};
+use super::chain::{Chain, STEP_TOLERANCE, spring_step};
 use super::motion::{Motion, Turning};
 use super::piecewise::{Path, tip_stiffness};
 use super::turning::turning_points;
@@ -35,6 +35,8 @@ const WIDEST: f64 = 7.0;
 /// Share of the largest force that the highest Legendre coefficients on a panel may have: the rule is exact
 /// up to the square of their order, so that the integral is far more accurate.
 const RESOLVED: f64 = 1e-6;
+/// Error of the step through the series spring at a node, as share of the force.
+const NODE_TOLERANCE: f64 = 1e-12;
 /// Times a panel is halved at most.
 const MAX_HALVINGS: u32 = 14;
 
@@ -223,7 +225,8 @@ impl SmoothCycle {
         right: f64,
     ) {
         let n = self.next.len();
-        let mut guess = self.chain.force[leg];
+        // Force, stiffness and displacement at the node before, to start the next one from.
+        let mut before = (self.chain.force[leg], 0.0, 0.0);
         for (i, node) in self.nodes.iter_mut().enumerate() {
             node.phase = 0.5 * ((left + right) + (right - left) * self.rule.nodes[i]);
             let (displacement, slope) = self.motion.value_and_slope(node.phase);
@@ -233,13 +236,14 @@ impl SmoothCycle {
                 velocity: angular_frequency * slope,
                 normal_load: contact.normal_load,
             };
-            let scale = self.chain.force_scale;
-            let state = self.chain.state(leg);
-            let response = spring_step(contact, state, &mut inputs, guess, scale, &mut self.next);
+            let (scale, state) = (self.chain.force_scale, self.chain.state(leg));
+            let guess = before.0 + before.1 * (displacement - before.2);
+            let response =
+                spring_step(contact, state, &mut inputs, guess, scale, NODE_TOLERANCE, &mut self.next);
             let softening = 1.0 / (1.0 + contact.compliance * response.tangents.displacement);
-            guess = response.force;
             node.force = response.force;
             node.stiffness = softening * response.tangents.displacement;
+            before = (node.force, node.stiffness, displacement);
             node.damping = softening * response.tangents.velocity;
             node.stuck = response.slip_state == SlipState::Stick;
             if n > 0 {
@@ -344,7 +348,7 @@ impl SmoothCycle {
         let total =
             Inputs { displacement: self.motion.bias(), velocity: 0.0, normal_load: contact.normal_load };
         let mut inputs = total;
-        let loading = spring_step(contact, &state, &mut inputs, 0.0, 0.0, &mut self.next);
+        let loading = spring_step(contact, &state, &mut inputs, 0.0, 0.0, STEP_TOLERANCE, &mut self.next);
         let loaded = self.next.clone();
         let unloading = contact.law.step(&loaded, inputs, &mut self.next);
         let soft = |stiffness: f64| 1.0 / (1.0 + contact.compliance * stiffness);

@@ -259,7 +259,7 @@ fn transients(system: &System) -> Result<[Statement; 2], Failure> {
     let rest = time_domain::from_rest(system, FORCE, first, PERIODS[3])?;
     let energy = |periods: usize| 100.0 * (rest[periods - 1].dissipated / balance.dissipated_energy() - 1.0);
     let loops = (balance.dissipated_energy() / limit.dissipated - 1.0).abs();
-    let early = [2, 3, 4, 5, 6].map(|periods| energy(periods));
+    let early = [2, 3, 4, 5, 6].map(&energy);
     let energies = format!(
         "Against the periodic state the deviation of harmonic balance is {}. From rest, at ω = {first} rad/s, the \
          loop’s energy is off by {} after 2, 3, 4, 5 and 6 periods and by {} after {}.",
