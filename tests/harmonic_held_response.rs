@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 
 use stickslip::contact::Valanis;
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, ContactOnBeam, Control, CurveSettings, Ending, Settings, backbone,
-    frequency_response,
+    Assembly, AttachedContact, Body, ContactOnBeam, Control, CurveSettings, Ending, Method, Settings,
+    backbone, frequency_response, phase_resonance,
 };
 use stickslip::model::{Beam, Damping, Model, Structure};
 use stickslip::structure::ModalBeam;
@@ -108,6 +108,34 @@ fn held_frequency_responses_have_the_reference_resonances_and_peaks() {
             assert!((peak / ratio - 1.0).abs() < 0.01, "{case}");
         }
     }
+}
+
+/// Frequency (Hz) at phase resonance of the four-mode beam at 20 m/s².
+fn resonance_at_20(settings: Settings) -> f64 {
+    let law = valanis();
+    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let found = phase_resonance(&published(4, false), Some(contact), 20.0, &settings, None).unwrap();
+    found.angular_frequency / TAU
+}
+
+#[test]
+fn the_sampled_contact_converges_to_the_exact_one_with_the_square_of_its_step() {
+    let exact = resonance_at_20(Settings { harmonics: 5, ..Settings::default() });
+    let off = |samples| {
+        let method = Method::Sampled { samples };
+        (resonance_at_20(Settings { harmonics: 5, method, ..Settings::default() }) - exact).abs()
+    };
+    let (coarse, fine) = (off(128), off(512));
+    println!("sampled contact: {coarse} Hz at 128 samples, {fine} Hz at 512");
+    assert!(coarse < 0.01 && fine < coarse / 10.0, "{coarse} {fine}");
+}
+
+#[test]
+fn five_harmonics_are_enough_for_the_resonance() {
+    let [five, fifteen] =
+        [5, 15].map(|harmonics| resonance_at_20(Settings { harmonics, ..Settings::default() }));
+    println!("5 harmonics: {five} Hz, 15: {fifteen} Hz");
+    assert!((five - fifteen).abs() < 1e-4, "{five} {fifteen}");
 }
 
 /// Frequencies (Hz) at phase resonance.

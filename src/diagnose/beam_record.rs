@@ -9,8 +9,8 @@ use crate::measure::{Channel, Record, Regime};
 use crate::model::{Beam, Contact};
 use crate::structure::ModalBeam;
 
-/// Harmonics and samples at phase resonance: the frequencies of the frictional support are then within
-/// 7 mHz of those with 15 harmonics and 512 samples.
+/// Harmonics at phase resonance: the frequencies of the frictional support are then within 0.1 mHz of those
+/// with 15.
 const HELD: Settings = Settings { harmonics: 5, method: Method::Exact, tolerance: 1e-9, max_iterations: 40 };
 
 /// Tolerance of the integration from rest, far below the noise of any sensor.

@@ -37,7 +37,7 @@ pub(crate) fn resonance(balance: &mut Balance, acceleration: f64) -> Result<(f64
         if settled {
             break;
         }
-        equivalent = averaged(equivalent, measure(balance, frequency)?);
+        equivalent = averaged(equivalent, measure(balance, frequency, equivalent)?);
     }
     let displacement = acceleration / (angular_frequency * angular_frequency);
     balance.weigh();
@@ -54,7 +54,7 @@ pub(crate) fn forced(
     let mut equivalent = Equivalent { stiffness: stuck_stiffness(balance)?, damping: 0.0 };
     for _ in 0..ROUNDS {
         linear_response(balance, angular_frequency, excitation, equivalent);
-        let next = averaged(equivalent, measure(balance, angular_frequency)?);
+        let next = averaged(equivalent, measure(balance, angular_frequency, equivalent)?);
         let settled = (next.stiffness - equivalent.stiffness).abs() <= 0.01 * equivalent.stiffness.abs();
         equivalent = next;
         if settled {
@@ -83,14 +83,23 @@ fn stuck_stiffness(balance: &mut Balance) -> Result<f64, HarmonicError> {
 }
 
 /// The spring and damper nearest to what the contact does under `q`.
-fn measure(balance: &mut Balance, angular_frequency: f64) -> Result<Equivalent, HarmonicError> {
+///
+/// Behind the series spring the contact keeps the share `1 − a k` of the displacement, with the stiffness k
+/// of the round `before`: no iteration through that spring, since the rounds settle it too.
+fn measure(
+    balance: &mut Balance,
+    angular_frequency: f64,
+    before: Equivalent,
+) -> Result<Equivalent, HarmonicError> {
     if balance.contact.is_none() {
         return Ok(Equivalent { stiffness: 0.0, damping: 0.0 });
     }
     balance.weigh();
     let u = balance.displacement.clone();
     balance.forget();
-    let force = balance.contact_force(angular_frequency, &u, balance.beam.axial_flexibility)?;
+    let share = (1.0 - balance.beam.axial_flexibility * before.stiffness).clamp(0.0, 1.0);
+    let kept: Vec<f64> = u.iter().map(|u| share * u).collect();
+    let force = balance.contact_force(angular_frequency, &kept, 0.0)?;
     let work = work_per_cycle(force, &u);
     let (mut along, mut squares, mut rates) = (0.0, 0.0, 0.0);
     for m in 1..u.len() {

@@ -1,9 +1,10 @@
-//! Harmonic balance: periodic responses of a modal beam with a contact at its end.
+//! Harmonic balance: periodic responses of structures with contacts.
 //!
-//! Displacements are sums of harmonics `0..=H`, bias and even harmonics included (the end of a bending
-//! beam moves inwards twice per cycle). The contact is integrated over a sampled period (`cycle`), the
-//! balance is exact algebra on Fourier coefficients (`balance`), and Newton's method with a line search
-//! solves it; where that fails, the solution is followed from small amplitudes.
+//! Displacements are sums of harmonics, bias and even harmonics included where symmetry does not exclude
+//! them (the end of a bending beam moves inwards twice per cycle). A contact is one map from the
+//! coefficients of its displacement to those of its force (`cycle`). Linear structures (`condensed`) and
+//! the modal beam (`balance`) are condensed to the displacements of their contacts; Newton's method with
+//! conditions on top (`problem`) solves what remains, and arc length continues it (`continuation`).
 //!
 //! Coefficients are laid out `[a0, c1, s1, …, cH, sH]` per mode, mode after mode; see [`fourier`].
 

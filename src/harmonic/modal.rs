@@ -25,7 +25,7 @@ const FINISHED: f64 = 1e-12;
 /// Change above which the ratio of two changes tells the contraction.
 const TELLING: f64 = 1e-8;
 /// Error of the derivatives that Newton's method does not notice.
-const DERIVATIVE_ERROR: f64 = 0.01;
+const DERIVATIVE_ERROR: f64 = 1e-3;
 
 /// Workspace of the solution.
 #[derive(Debug)]
