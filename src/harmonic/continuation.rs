@@ -17,6 +17,8 @@ use crate::structure::StructureError;
 const SMALLEST_STEP: f64 = 1e-8;
 /// Steps this small may turn by up to a right angle: a corner of the curve.
 const CORNER_STEP: f64 = 1e-4;
+/// Steps this small are taken however much what is watched turns.
+const SHARPEST_BEND: f64 = 1e-6;
 const LARGEST_STEP: f64 = 0.3;
 const FIRST_STEP: f64 = 5e-3;
 /// Angles between successive tangents: aimed at, and the largest accepted (rad).
@@ -60,10 +62,9 @@ pub(crate) struct Route {
 /// Judgement of a point that Newton's method found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Verdict {
-    /// Kept. What the caller watches turned by this share of what is tolerable, in second order of the step.
+    /// Good. What the caller watches turned by this share of what is tolerable, in second order of the step:
+    /// above 1 the step was too long, unless it is as short as steps at corners.
     Keep(f64),
-    /// The step was too long.
-    TooFar,
     /// To be solved again with so many harmonics.
     Harmonics(usize),
 }
@@ -390,9 +391,8 @@ impl<'s> Path<'s> {
         }
         let bend = loop {
             match judge(self.system, &mut self.newton, &self.next, &self.free)? {
-                Verdict::Keep(bend) => break bend,
-                Verdict::TooFar if self.step > CORNER_STEP => return Ok(None),
-                Verdict::TooFar => break 1.0,
+                Verdict::Keep(bend) if bend > 1.0 && self.step > SHARPEST_BEND => return Ok(None),
+                Verdict::Keep(bend) => break bend.min(1.0),
                 Verdict::Harmonics(harmonics) => self.change_harmonics(harmonics, arrived.is_some())?,
             }
         };

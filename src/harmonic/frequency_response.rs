@@ -328,9 +328,6 @@ impl<'s> Recorder<'s> {
             system.nodes_along(&location.unknowns, &location.scalars, &mut self.now.along);
             self.now.rate = free.first().map_or(0.0, |along| location.scalars[along.index()]);
             bend = self.bend(&point);
-            if bend > 1.0 {
-                return Ok(Verdict::TooFar);
-            }
             self.now.slopes.clear();
             self.phases.resize(point.nodes.len(), 0.0);
             let nodes = point.nodes.iter().zip(&point.amplitude).zip(&self.now.along);
