@@ -5,6 +5,10 @@
 //! present one; the step follows the number of corrections and the angle between tangents. A point is refused
 //! where the tangent turns too far or the correction is long compared with the step: a neighbouring branch
 //! is not taken for the present one.
+//!
+//! Contacts give the curve corners, where stick or a minor loop begins or ends. The determinant of the equations
+//! with the tangent below them keeps its sign along a piecewise smooth curve (Eaves 1976, Allgower &
+//! Georg 2003): it tells which way the curve leaves a corner, even by more than a right angle.
 
 use super::HarmonicError;
 use super::condition::ArcLength;
@@ -19,6 +23,9 @@ const SMALLEST_STEP: f64 = 1e-8;
 const CORNER_STEP: f64 = 1e-4;
 /// Steps this small are taken however much what is watched turns.
 const SHARPEST_BEND: f64 = 1e-6;
+/// How far beyond a corner the equations are looked at, and the first step from there.
+const BEYOND_CORNER: f64 = 1e-6;
+const STEP_FROM_CORNER: f64 = 1e-5;
 const LARGEST_STEP: f64 = 0.3;
 const FIRST_STEP: f64 = 5e-3;
 /// Angles between successive tangents: aimed at, and the largest accepted (rad).
@@ -99,6 +106,10 @@ pub(crate) struct Path<'s> {
     unit: Unit,
     step: f64,
     last_step: f64,
+    /// Sign of the determinant at the present point.
+    orientation: f64,
+    /// Set between crossing a corner and leaving it.
+    at_corner: bool,
     /// The point before the present one.
     pub previous: Location,
     /// The present point.
@@ -139,6 +150,8 @@ impl<'s> Path<'s> {
             unit: Unit { unknowns: 1.0, scalars: [1.0; 4], largest: 0.0 },
             step: FIRST_STEP,
             last_step: 0.0,
+            orientation: 0.0,
+            at_corner: false,
             previous: location.clone(),
             next: location.clone(),
             present: location,
@@ -165,6 +178,7 @@ impl<'s> Path<'s> {
         self.arc.scalars = [0.0; 4];
         self.arc.scalars[self.route.along.index()] = if range == 0.0 { 1.0 } else { 1.0 / range };
         self.find_direction(true)?;
+        self.orientation = self.newton.orientation();
         std::mem::swap(&mut self.present, &mut self.next);
         self.measure();
         let unit = self.unit;
@@ -256,7 +270,7 @@ impl<'s> Path<'s> {
         let rate = (self.present.scalars[along] * self.unit.scalars[along]).abs();
         self.step = self.step.min(LARGEST_STEP).min(self.route.max_step / rate.max(1e-12));
         loop {
-            if self.step < SMALLEST_STEP {
+            if self.step < SMALLEST_STEP && (self.at_corner || !self.cross_corner()) {
                 return Ok(Advance::Stuck);
             }
             self.set_plane();
@@ -282,6 +296,26 @@ impl<'s> Path<'s> {
                 }
             }
         }
+    }
+
+    /// Turns the direction at the present point, which lies at a corner, into that of the curve beyond. False
+    /// where the equations beyond say nothing.
+    fn cross_corner(&mut self) -> bool {
+        self.set_plane();
+        self.predict(BEYOND_CORNER, false);
+        self.system.forget();
+        if self.find_direction(true).is_err() {
+            return false;
+        }
+        let orientation = self.newton.orientation();
+        let unit = self.unit;
+        unit.normalise(&mut self.next);
+        let sign = orientation * self.orientation;
+        self.present.unknowns.clear();
+        self.present.unknowns.extend(self.next.unknowns.iter().map(|d| sign * d));
+        self.present.scalars = self.next.scalars.map(|d| sign * d);
+        (self.last_step, self.step, self.at_corner) = (0.0, STEP_FROM_CORNER, true);
+        true
     }
 
     /// The plane through the present point at a right angle to the curve.
@@ -385,7 +419,8 @@ impl<'s> Path<'s> {
         unit.normalise(&mut self.next);
         let cosine = unit.product(&self.present, &self.next).clamp(-1.0, 1.0);
         let angle = cosine.acos();
-        let corner = self.step < CORNER_STEP && cosine > 0.0;
+        let orientation = self.newton.orientation();
+        let corner = self.step < CORNER_STEP && cosine > 0.0 && orientation == self.orientation;
         if angle.is_nan() || (angle > LARGEST_ANGLE && !corner) {
             return Ok(None);
         }
@@ -398,6 +433,9 @@ impl<'s> Path<'s> {
         };
         // The way covered, which the predictor needs; the end of the range cuts it short.
         self.last_step = unit.distance(&self.next, &self.present.x, &self.present.at);
+        self.at_corner &= self.last_step < BEYOND_CORNER;
+        // Of the determinant in the end: with other harmonics it may have another sign.
+        self.orientation = self.newton.orientation();
         std::mem::swap(&mut self.previous, &mut self.present);
         std::mem::swap(&mut self.present, &mut self.next);
         self.next.clone_from(&self.present);

@@ -57,6 +57,14 @@ impl Factors {
         true
     }
 
+    /// Sign of the determinant of what was factored last.
+    pub fn orientation(&self) -> f64 {
+        let n = self.size;
+        let swaps = self.pivots.iter().enumerate().filter(|(k, pivot)| *k != **pivot).count();
+        let negative = (0..n).filter(|k| self.values[k * n + k] < 0.0).count();
+        if (swaps + negative).is_multiple_of(2) { 1.0 } else { -1.0 }
+    }
+
     /// Replaces `right` by `A⁻¹ right`.
     pub fn solve(&self, right: &mut [f64]) {
         let n = self.size;
@@ -98,6 +106,21 @@ mod tests {
         for (i, right) in [1.0, -2.0, 3.0, 0.5].iter().enumerate() {
             let product: f64 = (0..4).map(|j| matrix[4 * j + i] * x[j]).sum();
             assert!((product - right).abs() < 1e-14, "{i}: {product}");
+        }
+    }
+
+    #[test]
+    fn orientation_is_the_sign_of_the_determinant() {
+        for (matrix, sign) in [
+            ([2.0, 1.0, 1.0, 3.0], 1.0),
+            ([1.0, 3.0, 2.0, 1.0], -1.0),
+            ([0.0, 1.0, -1.0, 0.0], 1.0),
+            ([-1.0, 0.0, 0.0, 2.0], -1.0),
+        ] {
+            let mut factors = Factors::default();
+            factors.reset(2).copy_from_slice(&matrix);
+            assert!(factors.factor());
+            assert_eq!(factors.orientation(), sign, "{matrix:?}");
         }
     }
 

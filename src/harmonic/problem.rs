@@ -143,6 +143,11 @@ impl Newton {
         right.iter().all(|value| value.is_finite())
     }
 
+    /// Sign of the determinant of the matrix factored last.
+    pub fn orientation(&self) -> f64 {
+        self.factors.orientation()
+    }
+
     /// Size of the terms of the balance at the last evaluation.
     pub fn scale(&self) -> f64 {
         self.scale

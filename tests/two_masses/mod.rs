@@ -19,6 +19,7 @@ pub fn single_mass(stiffness: f64, damping: f64) -> LinearStructure {
 
 /// Two masses of 1 kg on springs of 1 and 0.5 N/m, each with a damper to the ground; excited at the first,
 /// in contact at the second. Undamped and without the contact: 0.5411961 and 1.3065630 rad/s.
+#[allow(dead_code)] // each test file uses its part
 pub fn two_masses(damping: f64) -> LinearStructure {
     let (first, second) = (Anchor::Mass(0), Anchor::Mass(1));
     let springs = vec![

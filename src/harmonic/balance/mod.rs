@@ -15,17 +15,21 @@
 //!
 //! W being multiplication by `w_i` and B its adjoint, the projection of `T w_i`.
 
+#[cfg(test)]
+mod tests;
+mod truncation;
+
 use nalgebra::DMatrix;
 
-use super::curve::Contacting;
-use super::cycle::map::ContactMap;
-use super::cycle::{Cycle, PeriodicContact};
-use super::extremum::Extremum;
-use super::fourier::{coefficient_count, multiplication, work_per_cycle};
-use super::modal::ModalEquations;
-use super::set::HarmonicSet;
-use super::system::{Observation, Operating, PeriodicSystem, Scalar};
-use super::{ContactOnBeam, HarmonicError, Method, Point, guess};
+use crate::harmonic::curve::Contacting;
+use crate::harmonic::cycle::map::ContactMap;
+use crate::harmonic::cycle::{Cycle, PeriodicContact};
+use crate::harmonic::extremum::Extremum;
+use crate::harmonic::fourier::{coefficient_count, multiplication, work_per_cycle};
+use crate::harmonic::modal::ModalEquations;
+use crate::harmonic::set::HarmonicSet;
+use crate::harmonic::system::{Observation, Operating, PeriodicSystem, Scalar};
+use crate::harmonic::{ContactOnBeam, HarmonicError, Method, Point, guess};
 use crate::structure::ModalBeam;
 
 /// Workspace for one beam, contact and set of harmonics.
@@ -439,6 +443,16 @@ impl PeriodicSystem for Balance<'_> {
         })
     }
 
+    fn truncation_error(
+        &mut self,
+        _x: &[f64],
+        at: &Operating,
+        point: &Point,
+        solve: &mut dyn FnMut(&mut [f64]),
+    ) -> Result<f64, HarmonicError> {
+        Ok(self.left_out(at, point, solve))
+    }
+
     fn describe(&mut self, x: &[f64], at: &Operating) -> Result<Point, HarmonicError> {
         let nodes: Vec<Vec<f64>> =
             (0..self.nodes()).map(|node| self.output(self.output_shape(node))).collect();
@@ -492,163 +506,4 @@ fn check_beam(beam: &ModalBeam) -> Result<(), HarmonicError> {
         ));
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::contact::{
-        ContactLaw, Inputs, Jenkins, Response, SlipState, StateTangents, Tangents, Valanis,
-    };
-
-    fn beam() -> ModalBeam {
-        ModalBeam {
-            angular_frequency: vec![300.0, 900.0],
-            damping_ratio: vec![0.01, 0.02],
-            contact_shape: vec![-0.06, 0.115],
-            excitation_shape: vec![0.35, -0.7],
-            shortening: vec![32.0, -4.0, -4.0, 110.0],
-            axial_flexibility: 2e-8,
-            sensors: Vec::new(),
-        }
-    }
-
-    /// A rate-dependent law without memory: a spring and a damper.
-    #[derive(Debug)]
-    struct Damper(f64, f64);
-
-    impl ContactLaw for Damper {
-        fn state_len(&self) -> usize {
-            0
-        }
-
-        fn set_state(&self, _: f64, _: f64, _: f64, _: &mut [f64]) {}
-
-        fn step(&self, _: &[f64], inputs: Inputs, _: &mut [f64]) -> Response {
-            let tangents = Tangents { displacement: self.0, velocity: self.1, normal_load: 0.0 };
-            Response {
-                force: self.0 * inputs.displacement + self.1 * inputs.velocity,
-                tangents,
-                dissipated_energy: 0.0,
-                slip_state: SlipState::Stick,
-            }
-        }
-
-        fn state_tangents(&self, _: &[f64], _: Inputs, out: &mut StateTangents) {
-            out.reset(0);
-        }
-
-        fn limit(&self, _: f64) -> f64 {
-            f64::INFINITY
-        }
-    }
-
-    /// Largest difference between Jacobian and central differences, as share of the largest entry of
-    /// each column; the last columns are those of the scalars.
-    fn jacobian_error(law: &dyn ContactLaw, size: f64) -> f64 {
-        const SCALARS: [Scalar; 3] = [Scalar::AngularFrequency, Scalar::Level, Scalar::SelfExcitation];
-        let beam = beam();
-        let contact = ContactOnBeam { law, normal_load: 100.0 };
-        let mut balance =
-            Balance::new(&beam, Some(contact), &[0.0, 30.0, 5.0], 3, Method::Sampled { samples: 64 })
-                .unwrap();
-        balance.equations.derivative_error = 1e-10;
-        let n = balance.unknowns();
-        let mut x: Vec<f64> = (0..n).map(|k| size * [0.1, 0.4, 1.0, -0.2, 0.1, 0.15, -0.05][k % 7]).collect();
-        let at = Operating { self_excitation: 0.004, ..Operating::forced(290.0, 1.2) };
-        balance.evaluate(&x, &at, &SCALARS).unwrap();
-        // A second evaluation nearby starts from the first: its derivative must be just as good.
-        x[2] *= 1.001;
-        balance.evaluate(&x, &at, &SCALARS).unwrap();
-        let jacobian = balance.jacobian().clone();
-        let by = SCALARS.map(|scalar| balance.by(scalar).to_vec());
-        let mut seen = Observation::default();
-        balance.observe(0, 1, &mut seen);
-        let seen_size = seen.by_unknowns.iter().flatten().fold(0.0_f64, |m, d| m.max(d.abs()));
-        let mut worst = 0.0_f64;
-        for j in 0..n + 3 {
-            let step = if j < n { 1e-6 * size } else { 1e-6 * [290.0, 1.2, 0.1][j - n] };
-            let mut side = |sign: f64| {
-                let (mut moved, mut there) = (x.clone(), at);
-                if j < n {
-                    moved[j] += sign * step;
-                } else {
-                    there.set(SCALARS[j - n], there.get(SCALARS[j - n]) + sign * step);
-                }
-                balance.forget();
-                balance.evaluate(&moved, &there, &[]).unwrap();
-                let mut rows = balance.residual().to_vec();
-                let mut there = Observation::default();
-                balance.observe(0, 1, &mut there);
-                rows.extend(there.value);
-                rows
-            };
-            let (up, down) = (side(1.0), side(-1.0));
-            let exact = |i: usize| match (i < n, j < n) {
-                (true, true) => jacobian[(i, j)],
-                (true, false) => by[j - n][i],
-                (false, true) => seen.by_unknowns[i - n][j],
-                (false, false) => seen.by_scalars[i - n][SCALARS[j - n].index()],
-            };
-            for rows in [0..n, n..n + 2] {
-                // What an output does not depend on is as small as rounding makes it.
-                let of_outputs = if rows.start == n && j < n { 1e-3 * seen_size } else { 0.0 };
-                let largest = rows.clone().fold(of_outputs, |m, i| m.max(exact(i).abs()));
-                for i in rows {
-                    let difference = (up[i] - down[i]) / (2.0 * step);
-                    let error = (exact(i) - difference).abs() / largest.max(1e-12);
-                    worst = worst.max(error);
-                }
-            }
-        }
-        worst
-    }
-
-    #[test]
-    fn jacobian_equals_central_differences() {
-        let cases: [(&dyn ContactLaw, f64); 6] = [
-            (&Valanis::new(5e6, 0.9, 0.3, 0.0).unwrap(), 3e-5),
-            (&Valanis::new(5e6, 0.9, 0.3, 0.0).unwrap(), 5e-4),
-            (&Valanis::new(5e6, 0.9, 0.7, 4e5).unwrap(), 5e-4),
-            (&Jenkins::new(5e6, 0.9).unwrap(), 1e-5),
-            (&Jenkins::new(5e6, 0.9).unwrap(), 5e-4),
-            (&Damper(3e6, 2e3), 3e-4),
-        ];
-        for (law, size) in cases {
-            let error = jacobian_error(law, size);
-            assert!(error < 3e-6, "{law:?} at {size}: {error}");
-        }
-    }
-
-    /// Dissipation of the contact alone under `u = U sin θ`.
-    fn loop_of(law: &dyn ContactLaw, load: f64, amplitude: f64, samples: usize) -> f64 {
-        let mut beam = beam();
-        beam.axial_flexibility = 0.0;
-        let contact = ContactOnBeam { law, normal_load: load };
-        let mut balance = Balance::new(&beam, Some(contact), &[], 2, Method::Sampled { samples }).unwrap();
-        balance.displacement[2] = amplitude;
-        let u = balance.displacement.clone();
-        balance.contact_force(300.0, &u, 0.0).unwrap();
-        balance.dissipated_energy()
-    }
-
-    #[test]
-    fn jenkins_loop_area_equals_4_limit_times_slip() {
-        let law = Jenkins::new(5e6, 0.9).unwrap();
-        let exact = 4.0 * 90.0 * (6e-5 - 90.0 / 5e6);
-        let error = |samples: usize| (loop_of(&law, 100.0, 6e-5, samples) / exact - 1.0).abs();
-        assert!(error(128) < 2e-3 && error(1024) < 3e-5, "{} {}", error(128), error(1024));
-        assert!(loop_of(&law, 100.0, 1e-5, 128).abs() < 1e-18, "a stuck contact dissipates nothing");
-    }
-
-    #[test]
-    fn valanis_periodic_loops_have_the_reference_areas() {
-        // Published parameters; areas from an independent solution. At 1 µm marching alone would need
-        // twenty cycles.
-        let law = Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, 147.15).unwrap();
-        for (amplitude, area) in [(1e-6, 6.40993067e-7), (1e-5, 5.82422872e-4), (5e-5, 1.39860743e-2)] {
-            let found = loop_of(&law, 147.15, amplitude, 1024);
-            assert!((found / area - 1.0).abs() < 2e-4, "{amplitude}: {found}");
-        }
-    }
 }
