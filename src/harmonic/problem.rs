@@ -28,6 +28,8 @@ pub(crate) trait Condition {
 
 /// A residual this many times the tolerance is accepted where it does not fall any more.
 const STALLED: f64 = 1e3;
+/// … after a step that changes the unknowns by this share at most.
+const SMALL_STEP: f64 = 1e-6;
 
 /// When a solution is good enough, and when it is given up.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,7 +117,9 @@ impl Newton {
                 Some(smaller) => smaller,
                 // The compliances of a large structure are only as good as its condition allows: there
                 // the residual stops falling before it meets the tolerance.
-                None if residual <= STALLED * stopping.tolerance => {
+                None if residual <= STALLED * stopping.tolerance
+                    && length(&self.step[..x.len()]) <= SMALL_STEP * length(x) =>
+                {
                     self.evaluate(system, x, at, free, conditions)?;
                     return Ok(Effort { iterations, residual });
                 }

@@ -137,7 +137,7 @@ impl Tracker {
                     if next.rise <= 0.0 {
                         return self.refine(system, node, here, next);
                     }
-                    here = next;
+                    here = self.grown(next);
                     step = (2.0 * step).min(LONGEST_STEP);
                 }
                 Err(error) if step < SHORTEST_STEP => return Err(error),
@@ -146,13 +146,27 @@ impl Tracker {
                     if next.rise <= 0.0 {
                         return self.refine(system, node, here, next);
                     }
-                    here = next;
+                    here = self.grown(next);
                     step = FIRST_STEP;
                 }
                 _ => step *= 0.25,
             }
         }
         Err(HarmonicError::InvalidInput("the amplitude grows on and on: no peak near the start"))
+    }
+
+    /// The same place, measured by its own size once that is more than twice the one steps go by.
+    fn grown(&mut self, mut place: Place) -> Place {
+        let size = length(&place.solution.x);
+        if size > 2.0 * self.sizes.0 {
+            let n = place.solution.x.len();
+            place.direction[..n].iter_mut().for_each(|d| *d *= self.sizes.0 / size);
+            self.sizes.0 = size;
+            let length = length(&place.direction);
+            place.direction.iter_mut().for_each(|d| *d /= length);
+            place.rise /= length;
+        }
+        place
     }
 
     /// The place at the start's frequency or, across a known direction of the curve, near it.
