@@ -91,7 +91,7 @@ impl From<Unit> for FrequencyUnit {
 impl Frf {
     /// Follows the curves.
     pub fn run(self) -> Result<(), Failure> {
-        check_destinations(&self.files, None)?;
+        check_destinations(&self.files, None, &[&self.model])?;
         let model = read_model(&self.model)?;
         let setup = Setup::new(&model, self.excite.as_deref())?;
         let request = Request::new(&self, setup.nodes())?;
