@@ -187,11 +187,14 @@ fn follow(
         Err(HarmonicError::InvalidInput(reason)) => return Err(Failure::input(reason)),
         Err(error) => (empty(request), Some(error.to_string())),
     };
+    let mut phase_resonances = Vec::new();
     if let Some(hold) = request.hold {
+        phase_resonances = held::phase_resonances(assembly, request, hold, &control, &curve);
         curve.peaks = held::resonances(assembly, request, hold, &control, &curve);
     }
     let loops = loops::at_peaks(assembly, request, &control, level, &curve);
-    Ok(ResponseCurve { level, curve, loops, failure, seconds: started.elapsed().as_secs_f64() })
+    let seconds = started.elapsed().as_secs_f64();
+    Ok(ResponseCurve { level, curve, phase_resonances, loops, failure, seconds })
 }
 
 /// A curve of which not even the first point was found.
