@@ -103,7 +103,7 @@ fn every_point_keeps_the_balance_of_energy() {
 
 #[test]
 fn several_levels_give_a_curve_each() {
-    let (_folder, _, json) = response(&["--levels", "0.002,0.4", "--no-stability", "--harmonics", "9"]);
+    let (_folder, _, json) = response(&["--levels", "0.002, 0.4", "--no-stability", "--harmonics", "9"]);
     assert_eq!(json["curves"].as_array().unwrap().len(), 2);
     assert_eq!(json["settings"]["levels"], serde_json::json!([0.002, 0.4]));
     let points = json["points"].as_array().unwrap();
@@ -222,6 +222,7 @@ fn what_cannot_be_followed_is_refused() {
     ranged(&["--force", "0.4", "--levels", "1,2"], &["--force", "--levels"]);
     ranged(&["--levels", "0.4,0"], &["level of 0"]);
     ranged(&["--levels", "0.4,nan"], &["NaN"]);
+    ranged(&["--levels", "0.4, many"], &["many", "not a number"]);
     ranged(&["--harmonics", "0"], &["--harmonics 0"]);
     ranged(&["--tolerance", "-0.001"], &["--tolerance"]);
     refused(&["frf", "model.toml", "--from", "1", "--to", "2", "--unit", "rpm"], &["rpm", "rad/s"]);

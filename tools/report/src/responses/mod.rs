@@ -264,9 +264,10 @@ impl Responses {
             );
             let (level, end) = (self.level(one), self.unit.shown(self.range.1));
             match (&one.failure, one.curve.ending) {
-                (Some(reason), _) => {
-                    warnings.push(format!("The curve at {level} ends {reached}, short of {end}: {reason}."));
-                }
+                (Some(reason), _) => warnings.push(format!(
+                    "The curve at {level} ends {reached}, short of {end}: {reason}. Another --from, farther from \
+                     a resonance, another level, or fewer --harmonics may give it a start."
+                )),
                 (None, Ending::Stuck) => warnings.push(format!(
                     "The curve at {level} ends {reached}, short of {end}: its steps became too small or too many."
                 )),

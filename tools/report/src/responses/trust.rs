@@ -113,7 +113,10 @@ impl Responses {
         }
         let them = if unresolved == 1 { "it" } else { "them" };
         text.push_str(&match self.tolerance {
-            Some(_) => format!(" More harmonics (--harmonics) may resolve {them}."),
+            Some(_) => format!(
+                " With --tolerance there are 101 harmonics at most: more (--harmonics above that), or a larger \
+                 tolerance, may resolve {them}."
+            ),
             None => format!(
                 " More harmonics (--harmonics, or --tolerance, which adds them where they are needed) may \
                  resolve {them}."
