@@ -79,6 +79,10 @@ impl<'a> Assembly<'a> {
     }
 }
 
+/// Largest estimated truncation error of a point that counts as resolved where [`CurveSettings::truncation`]
+/// asks for none: 1 % of the amplitude.
+pub const UNRESOLVED: f64 = 0.01;
+
 /// Discretisation, stopping rule and step control of response curves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurveSettings {

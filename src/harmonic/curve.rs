@@ -35,7 +35,8 @@ pub struct Point {
     /// Estimated error of the displacements from the harmonics left out, as share of the amplitude of
     /// the node it is largest at.
     pub error_estimate: f64,
-    /// Whether `error_estimate` meets the tolerance asked for.
+    /// Whether `error_estimate` meets the tolerance asked for, or [`UNRESOLVED`](super::UNRESOLVED) where
+    /// none is. An unknown error (NaN) is not resolved.
     pub resolved: bool,
     /// Highest harmonic of the unknowns.
     pub harmonics: usize,

@@ -1,6 +1,6 @@
 //! Response curves over frequency and level, and single responses.
 
-use super::assembly::{Assembly, Body, Control, CurveSettings};
+use super::assembly::{Assembly, Body, Control, CurveSettings, UNRESOLVED};
 use super::balance::Balance;
 use super::condensed::Condensed;
 use super::continuation::{Advance, Location, Path, Route, Verdict};
@@ -337,11 +337,11 @@ impl<'s> Recorder<'s> {
             }
         }
         point.error_estimate = self.truncation_error(system, newton, location, free, &point)?;
-        if let Some(tolerance) = self.settings.truncation {
-            point.resolved = point.error_estimate <= tolerance;
-            if let Some(harmonics) = self.harmonics(&point, tolerance) {
-                return Ok(Verdict::Harmonics(harmonics));
-            }
+        point.resolved = point.error_estimate <= self.settings.truncation.unwrap_or(UNRESOLVED);
+        if let Some(tolerance) = self.settings.truncation
+            && let Some(harmonics) = self.harmonics(&point, tolerance)
+        {
+            return Ok(Verdict::Harmonics(harmonics));
         }
         self.grown = false;
         if self.settings.stability {

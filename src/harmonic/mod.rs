@@ -39,7 +39,7 @@ mod tracker;
 mod tracking;
 mod transfer;
 
-pub use assembly::{Assembly, AttachedContact, Body, Control, CurveSettings};
+pub use assembly::{Assembly, AttachedContact, Body, Control, CurveSettings, UNRESOLVED};
 pub use contact_cycle::{ContactCycle, ContactMapping, CycleSummary, contact_cycle};
 pub use curve::{Contacting, Curve, Ending, Fold, Peak, Point};
 pub use forced::{ForcedResponse, forced_response};

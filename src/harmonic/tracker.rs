@@ -1,7 +1,7 @@
 //! Locates resonances of a balance: by phase, or where a node's amplitude is largest over frequency.
 
 use super::HarmonicError;
-use super::assembly::CurveSettings;
+use super::assembly::{CurveSettings, UNRESOLVED};
 use super::condition::{ArcLength, Phase, Value};
 use super::curve::Point;
 use super::extremum::{Extremum, value_at};
@@ -339,7 +339,7 @@ pub(crate) fn describe_by(
     let Solution { x, at } = solution;
     let mut point = system.describe(x, at)?;
     point.error_estimate = system.truncation_error(x, at, &point, solve)?;
-    point.resolved = settings.truncation.is_none_or(|tolerance| point.error_estimate <= tolerance);
+    point.resolved = point.error_estimate <= settings.truncation.unwrap_or(UNRESOLVED);
     if settings.stability {
         point.stable = system.stable(&point);
     }
@@ -353,7 +353,9 @@ pub(crate) fn more_harmonics(point: &Point, settings: &CurveSettings) -> Option<
     let more = (now + now / 2 + 2).min(settings.max_harmonics);
     // A set of odd harmonics cannot take on an even one: it would stay as it is.
     let least = now + if now % 2 == 1 { 2 } else { 1 };
-    (!point.resolved && more >= least).then_some(more)
+    // An unknown error gives no reason for more.
+    let asked = settings.truncation.is_some_and(|tolerance| point.error_estimate > tolerance);
+    (asked && more >= least).then_some(more)
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -12,12 +12,16 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Refuses, before any work is done, destinations that could not be written in the end, or of which one
-    /// would replace another.
-    pub fn check<'p>(paths: impl IntoIterator<Item = &'p PathBuf>) -> Result<(), Failure> {
+    /// Refuses, before any work is done, destinations that could not be written in the end, of which one
+    /// would replace another, or that would replace one of the `inputs`.
+    pub fn check<'p>(
+        paths: impl IntoIterator<Item = &'p PathBuf>,
+        inputs: &[impl AsRef<Path>],
+    ) -> Result<(), Failure> {
         let mut places = Vec::new();
         for path in paths {
             Self::check_one(path)?;
+            Self::check_inputs(path, inputs)?;
             // The folder is there, so it has one true name.
             let place = (folder_of(path).canonicalize().ok(), path.file_name());
             if places.contains(&place) {
@@ -33,6 +37,7 @@ impl Outputs {
         if path.is_dir() {
             return Err(Failure::input(format!("{} is a folder; name a file in it", path.display())));
         }
+        check_regular(path)?;
         if !folder.is_dir() {
             return Err(Failure::input(format!(
                 "cannot write {}: there is no folder {}",
@@ -43,6 +48,21 @@ impl Outputs {
         Ok(())
     }
 
+    /// Links and other spellings of an input are that input.
+    fn check_inputs(path: &Path, inputs: &[impl AsRef<Path>]) -> Result<(), Failure> {
+        // Where there is no file yet, there is no input.
+        let Ok(place) = path.canonicalize() else { return Ok(()) };
+        let same = |input: &&Path| input.canonicalize().is_ok_and(|input| input == place);
+        match inputs.iter().map(AsRef::as_ref).find(same) {
+            Some(input) => Err(Failure::input(format!(
+                "{} would replace the input {}; name another file",
+                path.display(),
+                input.display()
+            ))),
+            None => Ok(()),
+        }
+    }
+
     /// Adds a file.
     pub fn add(&mut self, path: &Path, bytes: impl Into<Vec<u8>>) {
         self.files.push((path.to_owned(), bytes.into()));
@@ -51,6 +71,7 @@ impl Outputs {
     /// Writes every file to a temporary neighbour first and renames them only when all are complete.
     /// Returns the paths.
     pub fn write(self) -> Result<Vec<PathBuf>, Failure> {
+        self.files.iter().try_for_each(|(path, _)| check_regular(path))?;
         let mut ready = Vec::new();
         for (path, bytes) in &self.files {
             let failed =
@@ -98,6 +119,19 @@ impl PermissionsIfUnix for tempfile::Builder<'_, '_> {
             self.permissions(std::fs::Permissions::from_mode(0o666));
         }
         self
+    }
+}
+
+/// A device or a pipe would be replaced by a file.
+fn check_regular(path: &Path) -> Result<(), Failure> {
+    match path.metadata() {
+        Ok(present) if !present.is_file() => {
+            let what = path.display();
+            Err(Failure::input(format!(
+                "{what} is not a regular file (a device or a pipe?); it is left alone"
+            )))
+        }
+        _ => Ok(()),
     }
 }
 

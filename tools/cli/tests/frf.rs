@@ -103,7 +103,7 @@ fn every_point_keeps_the_balance_of_energy() {
 
 #[test]
 fn several_levels_give_a_curve_each() {
-    let (_folder, _, json) = response(&["--levels", "0.002,0.4", "--no-stability", "--harmonics", "9"]);
+    let (_folder, _, json) = response(&["--levels", "0.002, 0.4", "--no-stability", "--harmonics", "9"]);
     assert_eq!(json["curves"].as_array().unwrap().len(), 2);
     assert_eq!(json["settings"]["levels"], serde_json::json!([0.002, 0.4]));
     let points = json["points"].as_array().unwrap();
@@ -128,6 +128,50 @@ fn a_held_response_is_held_and_its_force_found() {
         assert_eq!(point["held"], 1.0);
         assert!(point["level"].as_f64().unwrap() > 0.0);
     }
+}
+
+#[test]
+fn the_phase_is_that_of_the_work() {
+    let (_folder, _, json) = response(&["--force", "0.4"]);
+    for point in json["points"].as_array().unwrap() {
+        let phase = point["phase1"]["m1"].as_f64().unwrap();
+        // Only what lags takes work, and that is all the work there is: π F A sin(−φ).
+        let amplitude = point["harmonic1"]["m1"].as_f64().unwrap();
+        close(&point["work"], -std::f64::consts::PI * 0.4 * amplitude * phase.sin(), 1e-8);
+    }
+}
+
+#[test]
+fn at_a_phase_resonance_the_force_alone_gives_the_held_response_a_quarter_period_behind() {
+    let (_folder, output, json) = response(&["--hold", "displacement:m1=1.0", "--report", "frf.html"]);
+    assert!(String::from_utf8_lossy(&output.stdout).contains("least force"), "said nothing");
+    let all = json["phase_resonances"].as_array().unwrap();
+    assert!(!all.is_empty());
+    for found in all {
+        assert_eq!(found["interpolated"], false);
+        let number = |key: &str| found[key].as_f64().unwrap();
+        let (from, to) = (number("omega").to_string(), (1.001 * number("omega")).to_string());
+        let folder = example();
+        let level = number("level").to_string();
+        let run = ["frf", "model.toml", "--unit", "rad/s", "--from", &from, "--to", &to, "--force", &level];
+        let output = stickslip(folder.path(), &[&run[..], &["--json", "f.json"]].concat());
+        assert!(output.status.success());
+        let at = &read(&folder, "f.json")["points"][0];
+        close(&at["harmonic1"]["m1"], 1.0, 1e-7);
+        close(&at["phase1"]["m1"], -std::f64::consts::FRAC_PI_2, 1e-7);
+    }
+}
+
+#[test]
+fn without_a_tolerance_errors_above_one_per_cent_are_told() {
+    let (_folder, output, json) = response(&["--force", "0.1", "--harmonics", "1"]);
+    let points = json["points"].as_array().unwrap();
+    let unresolved = points.iter().filter(|point| point["resolved"] == false).count();
+    let above = points.iter().filter(|point| point["error_estimate"].as_f64().is_none_or(|e| e > 0.01));
+    assert_eq!(unresolved, above.count());
+    assert!(unresolved > 0);
+    let said = String::from_utf8_lossy(&output.stdout).replace('\n', " ");
+    assert!(said.contains(&format!("of {}: the error estimate is above 0.01", points.len())), "{said}");
 }
 
 #[test]
@@ -178,6 +222,7 @@ fn what_cannot_be_followed_is_refused() {
     ranged(&["--force", "0.4", "--levels", "1,2"], &["--force", "--levels"]);
     ranged(&["--levels", "0.4,0"], &["level of 0"]);
     ranged(&["--levels", "0.4,nan"], &["NaN"]);
+    ranged(&["--levels", "0.4, many"], &["many", "not a number"]);
     ranged(&["--harmonics", "0"], &["--harmonics 0"]);
     ranged(&["--tolerance", "-0.001"], &["--tolerance"]);
     refused(&["frf", "model.toml", "--from", "1", "--to", "2", "--unit", "rpm"], &["rpm", "rad/s"]);

@@ -392,3 +392,66 @@ fn measured_friction_damper_is_compared_where_its_data_are_present() {
     assert!(error("refitted") < 0.5 * error("baseline"), "{} {}", error("baseline"), error("refitted"));
     assert_eq!(json["stages"][1]["records"].as_array().unwrap().len(), 10);
 }
+
+/// Exit code 2, one message that holds every one of `hints`, and every file as it was.
+fn refused_and_untouched(folder: &Path, arguments: &[&str], hints: &[&str]) {
+    let files = ["model.toml", "data/dataset.toml", "data/loop.csv"];
+    let contents = || files.map(|file| fs::read(folder.join(file)).unwrap());
+    let before = (entries(folder), contents());
+    let output = stickslip(folder, arguments);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+    for hint in hints {
+        assert!(message.contains(hint), "no `{hint}` in\n{message}");
+    }
+    assert_eq!((entries(folder), contents()), before, "{arguments:?} changed something");
+}
+
+#[test]
+fn no_result_replaces_what_it_was_made_from() {
+    let folder = example();
+    let refused = |arguments: &[&str], hints: &[&str]| refused_and_untouched(folder.path(), arguments, hints);
+    let replaced = "would replace the input";
+    let compare = ["compare", "model.toml", "data"];
+    let with = |more: &[&str], hints: &[&str]| refused(&[&compare[..], more].concat(), hints);
+    with(&["--json", "model.toml"], &["model.toml", replaced]);
+    with(&["--report", "./data/../model.toml"], &["data/../model.toml", replaced, "model.toml;"]);
+    with(&["--json", "data/dataset.toml"], &["data/dataset.toml", replaced]);
+    with(&["--report", "data/loop.csv"], &["data/loop.csv", replaced]);
+    with(&["--out", "data/loop.csv"], &["data/loop.csv", replaced]);
+    refused(&["export", "model.toml", "--out", "x.fmu", "--json", "model.toml"], &["model.toml", replaced]);
+    let frf = ["frf", "model.toml", "--from", "1", "--to", "2", "--report", "model.toml"];
+    refused(&frf, &["model.toml", replaced]);
+    assert!(stickslip(folder.path(), &["export", "model.toml", "--out", "x.fmu"]).status.success());
+    let fmu = fs::read(folder.path().join("x.fmu")).unwrap();
+    refused(&["export", "x.fmu", "--out", "x.fmu"], &["x.fmu", replaced]);
+    assert_eq!(fs::read(folder.path().join("x.fmu")).unwrap(), fmu);
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_and_links_to_an_input_are_left_alone() {
+    use std::os::unix::fs::{FileTypeExt as _, symlink};
+    let folder = example();
+    let made = Command::new("mkfifo").arg(folder.path().join("pipe")).status();
+    symlink("model.toml", folder.path().join("link.toml")).unwrap();
+    let refused = |arguments: &[&str], hints: &[&str]| refused_and_untouched(folder.path(), arguments, hints);
+    let replaced = "would replace the input";
+    refused(
+        &["compare", "model.toml", "data", "--json", "link.toml"],
+        &["link.toml", replaced, "model.toml"],
+    );
+    refused(
+        &["compare", "link.toml", "data", "--json", "model.toml"],
+        &["link.toml", replaced, "model.toml"],
+    );
+    assert!(made.is_ok_and(|status| status.success()), "no pipe to try with");
+    for command in [
+        &["compare", "model.toml", "data", "--report", "pipe"][..],
+        &["frf", "model.toml", "--from", "1", "--to", "2", "--json", "pipe"],
+        &["export", "model.toml", "--out", "x.fmu", "--json", "pipe"],
+    ] {
+        refused(command, &["pipe is not a regular file"]);
+        assert!(fs::metadata(folder.path().join("pipe")).unwrap().file_type().is_fifo());
+    }
+}

@@ -93,7 +93,8 @@ impl Text {
         let count = cells.first().map_or(0, Vec::len);
         let repeated: usize = (0..fixed).map(wide).sum();
         let left_width = left.iter().map(|cell| columns(cell)).max().unwrap_or(0);
-        let left_width = left_width.min(self.width.saturating_sub(repeated + 12).max(10));
+        let widest = (fixed..count).map(wide).max().unwrap_or(0).max(12);
+        let left_width = left_width.min(self.width.saturating_sub(repeated + widest).max(10));
         let mut start = fixed;
         while start < count {
             let mut end = start;

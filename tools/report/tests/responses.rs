@@ -39,7 +39,7 @@ fn curve(level: f64, ending: Ending) -> ResponseCurve {
     let loops =
         vec![ContactLoop { name: "at 1".into(), displacement: vec![-1.0, 1.0], force: vec![-1.0, 1.0] }];
     let curve = Curve { nodes: vec![HOSTILE.into()], points, peaks, folds, ending };
-    ResponseCurve { level, curve, loops, failure: None, seconds: 0.01 }
+    ResponseCurve { level, curve, phase_resonances: Vec::new(), loops, failure: None, seconds: 0.01 }
 }
 
 fn responses(curves: Vec<ResponseCurve>) -> Responses {
@@ -122,4 +122,74 @@ fn what_is_missing_is_said() {
     assert!(table(4).contains("turned and left the range") && table(4).contains("held acceleration"));
     let json = responses_json(&examples()[4], &Settings::default());
     assert_eq!((json["complete"].as_bool(), json["points"][0]["held"].as_f64()), (Some(false), Some(1.0)));
+}
+
+/// A copy of the plain example with every point changed.
+fn changed(change: impl Fn(&mut Point)) -> Responses {
+    let mut example = examples().swap_remove(0);
+    example.curves[0].curve.points.iter_mut().for_each(change);
+    example
+}
+
+#[test]
+fn an_unknown_error_is_neither_nothing_nor_resolved() {
+    let example = changed(|point| (point.error_estimate, point.resolved) = (f64::NAN, false));
+    let json = responses_json(&example, &Settings::default());
+    for at in [&json["points"][0], &json["peaks"][0]] {
+        assert!(at["error_estimate"].is_null() && at["resolved"].is_null(), "{at}");
+    }
+    let table = responses_table(&example, 200, false);
+    assert!(table.contains("The truncation error is unknown") && table.contains("unknown  "), "{table}");
+    assert!(!table.contains("does not meet") && !table.contains("Largest estimate"), "{table}");
+    let page = responses_html(&example, &Settings::default());
+    assert!(page.contains("the truncation error is unknown") && !page.contains("Largest estimate"));
+}
+
+#[test]
+fn errors_above_one_per_cent_are_told_and_their_peaks_marked() {
+    let mut example = changed(|point| {
+        point.error_estimate = if point.angular_frequency < 1.1 { 1.8 } else { 1e-3 };
+        point.resolved = point.error_estimate <= stickslip::harmonic::UNRESOLVED;
+    });
+    example.tolerance = None;
+    let table = responses_table(&example, 200, false);
+    assert!(table.contains("54 points of 100: the error estimate is above 0.01"), "{table}");
+    assert!(table.contains("Among them 1 peak of 1.") && table.contains("1.8 !"), "{table}");
+    assert!(responses_html(&example, &Settings::default()).contains("1.8, unresolved"));
+    let json = responses_json(&example, &Settings::default());
+    assert_eq!(
+        (json["peaks"][0]["resolved"].as_bool(), json["peaks"][0]["error_estimate"].as_f64()),
+        (Some(false), Some(1.8))
+    );
+}
+
+#[test]
+fn stability_is_claimed_only_where_it_is_known() {
+    let none = responses_table(&examples()[2], 200, false);
+    assert!(!none.contains("stable."), "{none}");
+    let untold = responses_table(&changed(|point| point.stable = None), 200, false);
+    assert!(untold.contains("stability cannot be told.") && untold.contains("?"), "{untold}");
+    let some = responses_table(&examples()[0], 200, false);
+    assert!(some.contains("15 unstable; of 26 it cannot be told"), "{some}");
+}
+
+#[test]
+fn a_curve_that_ended_early_has_no_peak_only_as_far_as_it_came() {
+    let mut example = responses(vec![curve(1.0, Ending::Stuck)]);
+    example.curves[0].curve.peaks.clear();
+    example.curves[0].curve.points.truncate(20);
+    let table = responses_table(&example, 200, false);
+    assert!(table.contains("no peak up to 0.4\u{a0}rad/s, where the curve ended"), "{table}");
+    assert!(!responses_html(&example, &Settings::default()).contains("between the ends of the range"));
+}
+
+#[test]
+fn phases_are_negative_where_the_displacement_lags() {
+    // The displacement sin Ωt is a quarter period behind cos Ωt; −cos Ωt half a period.
+    for (node, phase) in [([0.0, 0.0, 2.0], -0.5), ([0.0, -2.0, 0.0], 1.0), ([0.0, 1.0, -1.0], 0.25)] {
+        let example = changed(|point| point.nodes = vec![node.to_vec()]);
+        let json = responses_json(&example, &Settings::default());
+        let found = json["points"][0]["phase1"][HOSTILE].as_f64().unwrap();
+        assert!((found - phase * std::f64::consts::PI).abs() < 1e-15, "{found}");
+    }
 }

@@ -6,8 +6,8 @@ use stickslip::diagnose::{Comparison, NO_OSCILLATOR, evaluate};
 use stickslip::model::{Model, Structure};
 
 use super::{
-    check_destinations, dataset_files, list, present, read_dataset, read_model, refitted, settings,
-    tell_unused,
+    check_destinations, dataset_file, dataset_files, list, present, read_dataset, read_model, refitted,
+    settings, tell_unused,
 };
 use crate::output::Outputs;
 use crate::{Failure, ResultFiles};
@@ -32,12 +32,15 @@ pub struct Compare {
 impl Compare {
     /// Compares.
     pub fn run(self) -> Result<(), Failure> {
-        check_destinations(&self.files, &self.out)?;
+        check_destinations(&self.files, &self.out, &[self.model.clone(), dataset_file(&self.dataset)])?;
         let model = read_model(&self.model)?;
         if let Structure::Oscillator(_) = model.structure {
             return Err(Failure::input(format!("{}: {NO_OSCILLATOR}", self.model.display())));
         }
         let dataset = read_dataset(&self.dataset, &model)?;
+        let mut read = vec![self.model.clone()];
+        read.extend(dataset_files(&self.dataset, &dataset));
+        check_destinations(&self.files, &self.out, &read)?;
         tell_unused(&model, &dataset);
         let baseline = evaluate("baseline", &model, &dataset);
         let mut stages = vec![baseline];
@@ -51,8 +54,6 @@ impl Compare {
             }
         }
         let title = dataset.title.clone().unwrap_or_else(|| self.dataset.display().to_string());
-        let mut read = vec![self.model.clone()];
-        read.extend(dataset_files(&self.dataset, &dataset));
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         let comparison = Comparison { title, records: dataset.records, stages };
         present(&comparison, &settings, &self.files, &mut outputs)?;

@@ -24,7 +24,7 @@ pub struct Export {
 impl Export {
     /// Writes the FMU; with `--json` its variables as data, with `--report` its documentation page.
     pub fn run(self) -> Result<(), Failure> {
-        check_destinations(&self.files, [&self.out])?;
+        check_destinations(&self.files, [&self.out], &[&self.model])?;
         let text = read_model(&self.model)?.to_toml();
         let name = model_identifier(&self.out)?;
         let failed = |error: stickslip_fmu_package::Error| Failure::input(format!("{error}"));

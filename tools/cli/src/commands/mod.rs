@@ -93,9 +93,14 @@ fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// The dataset's own file.
+fn dataset_file(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join("dataset.toml") } else { path.to_owned() }
+}
+
 /// The dataset's own file and the tables it lists.
 fn dataset_files(path: &Path, dataset: &Dataset) -> Vec<PathBuf> {
-    let file = if path.is_dir() { path.join("dataset.toml") } else { path.to_owned() };
+    let file = dataset_file(path);
     let folder = file.parent().unwrap_or(Path::new("")).to_owned();
     std::iter::once(file).chain(dataset.records.iter().map(|record| folder.join(&record.name))).collect()
 }
@@ -159,10 +164,11 @@ fn watched<T>(what: &str, work: impl FnOnce(Watch) -> T) -> T {
     done
 }
 
-/// Refuses destinations that could not be written, before any work.
+/// Refuses destinations that could not be written or would replace one of the `inputs`, before any work.
 fn check_destinations<'p>(
     files: &'p ResultFiles,
     other: impl IntoIterator<Item = &'p PathBuf>,
+    inputs: &[impl AsRef<Path>],
 ) -> Result<(), Failure> {
-    Outputs::check(files.json.iter().chain(&files.report).chain(other))
+    Outputs::check(files.json.iter().chain(&files.report).chain(other), inputs)
 }

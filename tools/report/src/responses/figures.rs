@@ -2,7 +2,7 @@
 
 use stickslip::harmonic::{Contacting, Point};
 
-use super::{ResponseCurve, Responses};
+use super::{ResponseCurve, Responses, trust};
 use crate::document::{Axis, Line, Panel, Plot, Scaling, Stroke, palette};
 
 /// Nodes that have figures of their own; the files hold all.
@@ -121,7 +121,8 @@ pub fn errors(responses: &Responses) -> Vec<Plot> {
     if plot.panels[0].lines.iter().all(|line| line.y.iter().all(|value| !value.is_finite())) {
         return Vec::new();
     }
-    let unresolved: Vec<&Point> = responses.points().filter(|point| !point.resolved).collect();
+    let unresolved: Vec<&Point> =
+        responses.points().filter(|point| trust::error(point) == trust::Error::Unresolved).collect();
     if !unresolved.is_empty() {
         plot.panels[0].lines.push(Line {
             name: "unresolved".into(),
@@ -130,15 +131,13 @@ pub fn errors(responses: &Responses) -> Vec<Plot> {
             stroke: Stroke::points("#D55E00", "x"),
         });
     }
-    if let Some(tolerance) = responses.tolerance {
-        let (from, to) = (responses.unit.of(responses.range.0), responses.unit.of(responses.range.1));
-        plot.panels[0].lines.push(Line {
-            name: "tolerance".into(),
-            x: vec![from, to],
-            y: vec![tolerance; 2],
-            stroke: Stroke { dash: "dot", width: 1.25, ..Stroke::solid("#5a6572") },
-        });
-    }
+    let (from, to) = (responses.unit.of(responses.range.0), responses.unit.of(responses.range.1));
+    plot.panels[0].lines.push(Line {
+        name: if responses.tolerance.is_some() { "tolerance".into() } else { "limit of the resolved".into() },
+        x: vec![from, to],
+        y: vec![responses.limit(); 2],
+        stroke: Stroke { dash: "dot", width: 1.25, ..Stroke::solid("#5a6572") },
+    });
     vec![plot]
 }
 
@@ -274,7 +273,14 @@ mod tests {
             folds: Vec::new(),
             ending: Ending::Complete,
         };
-        let one = ResponseCurve { level: 1.0, curve, loops: Vec::new(), failure: None, seconds: 0.0 };
+        let one = ResponseCurve {
+            level: 1.0,
+            curve,
+            phase_resonances: Vec::new(),
+            loops: Vec::new(),
+            failure: None,
+            seconds: 0.0,
+        };
         let responses = Responses {
             title: String::new(),
             unit: super::super::FrequencyUnit::RadiansPerSecond,

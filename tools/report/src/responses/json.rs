@@ -1,9 +1,11 @@
 //! Response curves as JSON.
 
+use std::f64::consts::PI;
+
 use serde_json::{Map, Value, json};
 use stickslip::harmonic::{Curve, Ending, Point};
 
-use super::{Held, ResponseCurve, Responses, ending};
+use super::{Held, PhaseResonance, ResponseCurve, Responses, ending, trust};
 use crate::Settings;
 
 /// The curves, schema `stickslip.frf/1`.
@@ -15,16 +17,22 @@ use crate::Settings;
 ///  "nodes": ["m1", "m2"],
 ///  "curves": [{"level": 0.4, "held": null, "points": 160, "ending": "complete", "failure": null, "seconds": 0.03}],
 ///  "points": [{"curve": 0, "omega": 0.5, "frequency_hz": 0.0796, "level": 0.4, "held": null,
-///    "amplitude": {"m1": 0.93}, "harmonic1": {"m1": 0.93}, "dissipated": 0.134, "work": 0.766,
+///    "amplitude": {"m1": 0.93}, "harmonic1": {"m1": 0.93}, "phase1": {"m1": -0.3}, "dissipated": 0.134, "work": 0.766,
 ///    "equivalent_stiffness": 0.0112, "stick_fraction": 0.05, "stable": true, "error_estimate": 1e-7,
 ///    "resolved": true, "harmonics": 21}],
-///  "peaks": [{"curve": 0, "node": "m1", "omega": 0.527, "frequency_hz": 0.0839, "amplitude": 1.008, "level": 0.4}],
+///  "peaks": [{"curve": 0, "node": "m1", "omega": 0.527, "frequency_hz": 0.0839, "amplitude": 1.008, "level": 0.4,
+///    "error_estimate": 1e-7, "resolved": true}],
+///  "phase_resonances": [{"curve": 0, "node": "m1", "omega": 0.52, "frequency_hz": 0.0828, "level": 0.4,
+///    "interpolated": false}],
 ///  "folds": [{"curve": 0, "omega": 1.2, "frequency_hz": 0.19, "level": 0.4, "amplitude": {"m1": 1.0}}]}
 /// ```
 ///
 /// SI units; `omega` in rad/s. `amplitude` is the largest magnitude of the displacement over a period,
-/// `harmonic1` the amplitude of its first harmonic. `level` is the force (N), `held` the held amplitude.
-/// With a held response, `peaks` are the peaks of response over force. `equivalent_stiffness` and
+/// `harmonic1` the amplitude of its first harmonic and `phase1` the phase of that against the force (rad, in
+/// (−π, π], negative where it lags). `error_estimate` and `resolved` of a peak are those of the nearest point;
+/// both are `null` where the error is unknown. `level` is the force (N), `held` the held amplitude.
+/// With a held response, `peaks` are the peaks of response over force, where the least force holds it, and
+/// `phase_resonances` where the held displacement is a quarter period behind the force; otherwise there are none. `equivalent_stiffness` and
 /// `stick_fraction` are those of the only contact; with several they are `null` here and in `contacts`.
 /// Numbers that do not exist are `null`.
 pub fn responses_json(responses: &Responses, settings: &Settings) -> Value {
@@ -49,7 +57,8 @@ pub fn responses_json(responses: &Responses, settings: &Settings) -> Value {
         "points": every(responses, |index, one| {
             one.curve.points.iter().map(|at| point(responses, index, one, at)).collect()
         }),
-        "peaks": every(responses, |index, one| peaks(index, &one.curve)),
+        "peaks": every(responses, peaks),
+        "phase_resonances": every(responses, phase_resonances),
         "folds": every(responses, |index, one| folds(index, &one.curve)),
     })
 }
@@ -84,10 +93,11 @@ fn point(responses: &Responses, index: usize, one: &ResponseCurve, point: &Point
         "frequency_hz": point.angular_frequency / std::f64::consts::TAU,
         "level": point.level, "held": held(responses, one),
         "amplitude": by_node(&point.amplitude), "harmonic1": by_node(&point.first_harmonic()),
+        "phase1": by_node(&phases(point)),
         "dissipated": point.dissipated_energy(), "work": point.work,
         "equivalent_stiffness": only.map(|contact| contact.equivalent_stiffness),
         "stick_fraction": only.and_then(|contact| contact.stick_fraction),
-        "stable": point.stable, "error_estimate": point.error_estimate, "resolved": point.resolved,
+        "stable": point.stable, "error_estimate": point.error_estimate, "resolved": resolved(point),
         "harmonics": point.harmonics,
     });
     if point.contacts.len() > 1 {
@@ -102,12 +112,49 @@ fn point(responses: &Responses, index: usize, one: &ResponseCurve, point: &Point
     value
 }
 
-fn peaks(index: usize, curve: &Curve) -> Vec<Value> {
+/// Nothing where the error is unknown.
+fn resolved(point: &Point) -> Option<bool> {
+    match trust::error(point) {
+        trust::Error::Resolved => Some(true),
+        trust::Error::Unresolved => Some(false),
+        trust::Error::Unknown => None,
+    }
+}
+
+/// Phase of each node's first harmonic relative to the force (rad), in (−π, π]; NaN where it does not move.
+fn phases(point: &Point) -> Vec<f64> {
+    let sign = if point.level < 0.0 { -1.0 } else { 1.0 };
+    let phase = |node: &Vec<f64>| match node[..] {
+        [_, cosine, sine, ..] if cosine != 0.0 || sine != 0.0 => {
+            let phase = (-sign * sine).atan2(sign * cosine);
+            if phase <= -PI { PI } else { phase }
+        }
+        _ => f64::NAN,
+    };
+    point.nodes.iter().map(phase).collect()
+}
+
+/// Where the held displacement is a quarter period behind the force.
+fn phase_resonances(index: usize, one: &ResponseCurve) -> Vec<Value> {
+    let resonance = |at: &PhaseResonance| {
+        json!({
+            "curve": index, "node": one.curve.nodes.get(at.node), "omega": at.angular_frequency,
+            "frequency_hz": at.angular_frequency / std::f64::consts::TAU, "level": at.level,
+            "interpolated": at.interpolated,
+        })
+    };
+    one.phase_resonances.iter().map(resonance).collect()
+}
+
+fn peaks(index: usize, one: &ResponseCurve) -> Vec<Value> {
+    let curve = &one.curve;
     let peak = |peak: &stickslip::harmonic::Peak| {
+        let point = trust::nearest(one, peak);
         json!({
             "curve": index, "node": curve.nodes.get(peak.node), "omega": peak.angular_frequency,
             "frequency_hz": peak.angular_frequency / std::f64::consts::TAU,
             "amplitude": peak.amplitude, "level": peak.level,
+            "error_estimate": point.map(|point| point.error_estimate), "resolved": point.and_then(resolved),
         })
     };
     curve.peaks.iter().map(peak).collect()

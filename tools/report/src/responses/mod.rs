@@ -4,6 +4,7 @@ mod figures;
 mod json;
 mod page;
 mod terminal;
+mod trust;
 
 pub use json::responses_json;
 pub use page::responses_html;
@@ -69,12 +70,27 @@ pub struct ResponseCurve {
     pub level: f64,
     /// The points found.
     pub curve: Curve,
+    /// Where a held displacement is a quarter period behind the force; empty where the force is held.
+    pub phase_resonances: Vec<PhaseResonance>,
     /// Loops of the contacts at the peaks.
     pub loops: Vec<ContactLoop>,
     /// Why the curve ends before its end, where that is not an interruption.
     pub failure: Option<String>,
     /// Time it took (s).
     pub seconds: f64,
+}
+
+/// A response whose displacement is a quarter period behind the force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PhaseResonance {
+    /// Which node.
+    pub node: usize,
+    /// Ω (rad/s).
+    pub angular_frequency: f64,
+    /// Force (N).
+    pub level: f64,
+    /// Whether it was only interpolated between two points, rather than solved for.
+    pub interpolated: bool,
 }
 
 /// One period of a contact.
@@ -174,7 +190,7 @@ impl Responses {
         };
         match &found[..] {
             [] if self.point_count() == 0 => "No point of the curves was found.".to_owned(),
-            [] => "There is no peak between the ends of the range.".to_owned(),
+            [] => self.no_peak(),
             [only] if self.held.is_some() => {
                 let force = format::engineering(only.1.level, "N");
                 format!("The least force, {force}, holds {} at {}.", self.held_name(), at(only))
@@ -193,6 +209,47 @@ impl Responses {
         }
     }
 
+    /// That there is no peak, and how far that was seen.
+    fn no_peak(&self) -> String {
+        let whole = |one: &ResponseCurve| one.failure.is_none() && one.curve.ending == Ending::Complete;
+        let reached = |one: &ResponseCurve| {
+            one.curve.points.iter().map(|point| point.angular_frequency).fold(f64::NAN, f64::max)
+        };
+        let ended = self.curves.iter().filter(|one| !whole(one)).map(reached).fold(f64::NAN, f64::min);
+        if ended.is_nan() {
+            return "There is no peak between the ends of the range.".to_owned();
+        }
+        let curve = if self.curves.len() == 1 { "the curve" } else { "a curve" };
+        format!("There is no peak up to {}, where {curve} ended.", self.unit.shown(ended))
+    }
+
+    /// What a peak of a held response is, and where its phase resonance lies.
+    fn held_note(&self) -> Option<String> {
+        self.held.as_ref()?;
+        let mut text = "A peak is where the least force holds the response. Where damping is heavy, phase \
+                        resonance, with the displacement a quarter period behind the force, lies elsewhere"
+            .to_owned();
+        let mut found = Vec::new();
+        for one in &self.curves {
+            for at in &one.phase_resonances {
+                let how = if at.interpolated { " (interpolated)" } else { "" };
+                let force = format::engineering(at.level, "N");
+                let place = self.unit.shown(at.angular_frequency);
+                found.push(format!("{place} with {force} at {}{how}", self.level(one)));
+            }
+        }
+        const MOST: usize = 10;
+        let more = found.len().saturating_sub(MOST);
+        found.truncate(MOST);
+        if found.is_empty() {
+            text.push_str("; there is none on what was found.");
+        } else {
+            text.push_str(&format!(": {}", found.join("; ")));
+            text.push_str(&if more > 0 { format!("; and {more} more.") } else { ".".to_owned() });
+        }
+        Some(text)
+    }
+
     fn held_name(&self) -> String {
         self.held.as_ref().map_or_else(String::new, Held::name)
     }
@@ -207,9 +264,10 @@ impl Responses {
             );
             let (level, end) = (self.level(one), self.unit.shown(self.range.1));
             match (&one.failure, one.curve.ending) {
-                (Some(reason), _) => {
-                    warnings.push(format!("The curve at {level} ends {reached}, short of {end}: {reason}."));
-                }
+                (Some(reason), _) => warnings.push(format!(
+                    "The curve at {level} ends {reached}, short of {end}: {reason}. Another --from, farther from \
+                     a resonance, another level, or fewer --harmonics may give it a start."
+                )),
                 (None, Ending::Stuck) => warnings.push(format!(
                     "The curve at {level} ends {reached}, short of {end}: its steps became too small or too many."
                 )),
@@ -224,19 +282,7 @@ impl Responses {
                 (None, Ending::Complete) => {}
             }
         }
-        let unresolved = self.points().filter(|point| !point.resolved).count();
-        if unresolved > 0 {
-            let tolerance = self
-                .tolerance
-                .map_or(String::new(), |value| format!(" {}", crate::document::scientific(value)));
-            warnings.push(format!(
-                "{} of {}: the error estimate does not meet the tolerance{tolerance}. More harmonics (--harmonics) \
-                 may resolve {}.",
-                format::count(unresolved, "point"),
-                self.point_count(),
-                if unresolved == 1 { "it" } else { "them" }
-            ));
-        }
+        warnings.extend(self.unresolved_warning());
         warnings
     }
 
@@ -246,33 +292,16 @@ impl Responses {
             || format!("{} of force", format::count(self.curves.len(), "level")),
             |held| format!("{} of held {}", format::count(self.curves.len(), "level"), held.name()),
         );
-        let stability = if !self.stability {
-            "Stability was not asked for".to_owned()
-        } else {
-            let unstable = self.points().filter(|point| point.stable == Some(false)).count();
-            let unknown = self.points().filter(|point| point.stable.is_none()).count();
-            match (unstable, unknown) {
-                (0, 0) => "All points are stable".to_owned(),
-                (0, unknown) => format!("No point is known to be unstable; of {unknown} it cannot be told"),
-                (1, 0) => "1 point is unstable".to_owned(),
-                (many, 0) => format!("{many} points are unstable"),
-                (many, unknown) => format!("{many} unstable; of {unknown} it cannot be told"),
-            }
-        };
         format!(
-            "{kind}, {} to {}: {} in {}. Largest estimate of the truncation error: {}. {stability}.",
+            "{kind}, {} to {}: {} in {}.{}{}",
             format::significant(self.unit.of(self.range.0), 6),
             self.unit.shown(self.range.1),
             format::count(self.point_count(), "point"),
             format::engineering(self.seconds, "s"),
-            crate::document::scientific(worst_estimate(self.points())),
+            self.error_sentence(),
+            self.stability_sentence(),
         )
     }
-}
-
-/// The largest error estimate; NaN where there is none.
-fn worst_estimate<'a>(points: impl Iterator<Item = &'a Point>) -> f64 {
-    points.map(|point| point.error_estimate).fold(f64::NAN, f64::max)
 }
 
 /// How a curve ended, in a word.

@@ -1,6 +1,6 @@
 //! The page of response curves.
 
-use super::{Responses, ending, figures, worst_estimate};
+use super::{Responses, ending, figures, trust};
 use crate::document::{Block, Cell, Document, Section, Table, document_html};
 use crate::{Settings, format};
 
@@ -13,7 +13,14 @@ fn document(responses: &Responses) -> Document {
     let mut sections = vec![Section {
         id: "peaks".into(),
         title: if responses.held.is_some() { "Resonances".into() } else { "Peaks".into() },
-        blocks: [Some(peak_table(responses)), fold_table(responses)].into_iter().flatten().collect(),
+        blocks: [
+            Some(peak_table(responses)),
+            responses.held_note().filter(|_| responses.point_count() > 0).map(Block::Note),
+            fold_table(responses),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
     }];
     let mut section = |id: &str, title: &str, blocks: Vec<Block>| {
         let some = blocks.iter().any(|block| !matches!(block, Block::Plots(plots) if plots.is_empty()));
@@ -59,6 +66,7 @@ fn peak_table(responses: &Responses) -> Block {
         heading
             .extend(["Force".to_owned(), format!("Response over force ({}/N)", format::unit(held.unit()))]);
     }
+    heading.push("Error estimate".to_owned());
     let mut rows = Vec::new();
     for one in &responses.curves {
         for peak in &one.curve.peaks {
@@ -72,11 +80,16 @@ fn peak_table(responses: &Responses) -> Block {
                 row.push(Cell::text(format::engineering(peak.level, "N")));
                 row.push(Cell::Number(one.level / peak.level, 3));
             }
+            let estimate = trust::at_peak(one, peak);
+            row.push(match trust::is_unresolved(one, peak) {
+                true => Cell::Marked(format!("{estimate}, unresolved")),
+                false => Cell::text(estimate),
+            });
             rows.push(row);
         }
     }
     if rows.is_empty() {
-        return Block::Note("No peak lies between the ends of the range.".into());
+        return Block::Note(responses.no_peak());
     }
     Block::Table(Table { label: "Peaks".into(), heading, rows })
 }
@@ -111,9 +124,10 @@ fn curve_table(responses: &Responses) -> Block {
             (Some(low), _) => low.to_string(),
             _ => format::ABSENT.to_owned(),
         };
-        let unstable = match responses.stability {
-            true => Cell::Count(points.iter().filter(|point| point.stable == Some(false)).count()),
-            false => Cell::text("not asked for"),
+        let unstable = match (responses.stability, points.is_empty()) {
+            (true, false) => Cell::text(trust::unstable(points)),
+            (true, true) => Cell::text(format::ABSENT),
+            (false, _) => Cell::text("not asked for"),
         };
         let ended = match ending(one) {
             "complete" => Cell::text("complete"),
@@ -123,8 +137,11 @@ fn curve_table(responses: &Responses) -> Block {
             Cell::text(responses.level(one)),
             Cell::Count(points.len()),
             Cell::text(span),
-            Cell::Scientific(worst_estimate(points.iter())),
-            Cell::Count(points.iter().filter(|point| !point.resolved).count()),
+            Cell::text(match points.is_empty() {
+                true => format::ABSENT.to_owned(),
+                false => trust::shown(trust::worst(points.iter())),
+            }),
+            Cell::text(trust::unresolved(points)),
             unstable,
             ended,
         ]
@@ -137,8 +154,17 @@ fn curve_table(responses: &Responses) -> Block {
 }
 
 fn error_note(responses: &Responses) -> Block {
+    if trust::count(responses.points()).1 == responses.point_count() {
+        return Block::Note("For this kind of structure the truncation error is unknown.".into());
+    }
     let tolerance = responses.tolerance.map_or_else(
-        || format!("Every point has {} harmonics.", responses.harmonics),
+        || {
+            format!(
+                "Every point has {} harmonics. A point whose estimate is above {} counts as unresolved.",
+                responses.harmonics,
+                crate::document::scientific(responses.limit())
+            )
+        },
         |tolerance| {
             format!(
                 "Harmonics are added until the estimate is below {}; a point where that does not come about \

@@ -1,7 +1,6 @@
 //! Response curves as text for a terminal.
 
-use super::{Responses, ending, worst_estimate};
-use crate::document::scientific;
+use super::{Responses, ending, trust};
 use crate::format;
 use crate::table::{BOLD, RED, Text};
 
@@ -19,6 +18,9 @@ pub fn responses_table(responses: &Responses, width: usize, color: bool) -> Stri
     }
     out.paragraph(&responses.scope(), "");
     peaks(&mut out, responses);
+    if let Some(note) = responses.held_note().filter(|_| responses.point_count() > 0) {
+        out.paragraph(&note, "");
+    }
     curves(&mut out, responses);
     out.finish()
 }
@@ -41,6 +43,7 @@ fn peaks(out: &mut Text, responses: &Responses) {
     if responses.held.is_some() {
         first.push("force".into());
     }
+    first.push("error".into());
     let mut cells = vec![first];
     for (one, peak) in all.iter().take(PEAKS) {
         left.push(format::printable(one.curve.nodes.get(peak.node).map_or("", String::as_str)));
@@ -52,11 +55,16 @@ fn peaks(out: &mut Text, responses: &Responses) {
         if responses.held.is_some() {
             row.push(format::engineering(peak.level, "N"));
         }
+        let mark = if trust::is_unresolved(one, peak) { " !" } else { "" };
+        row.push(trust::at_peak(one, peak) + mark);
         cells.push(row);
     }
     out.grid(&left, &cells, 0);
     if all.len() > PEAKS {
         out.paragraph(&format!("and {} more", all.len() - PEAKS), "");
+    }
+    if all.iter().any(|(one, peak)| trust::is_unresolved(one, peak)) {
+        out.paragraph("! unresolved: too few harmonics to rely on this peak", "");
     }
 }
 
@@ -67,16 +75,17 @@ fn curves(out: &mut Text, responses: &Responses) {
     let heading = ["points", "error estimate", "unresolved", "unstable", "ended"];
     let mut cells = vec![heading.map(str::to_owned).to_vec()];
     for one in &responses.curves {
-        let count = |which: fn(&stickslip::harmonic::Point) -> bool| {
-            one.curve.points.iter().filter(|point| which(point)).count().to_string()
-        };
+        let points = &one.curve.points;
         left.push(responses.level(one));
-        let unstable =
-            if responses.stability { count(|p| p.stable == Some(false)) } else { format::ABSENT.into() };
+        let unstable = if responses.stability && !points.is_empty() {
+            trust::unstable(points)
+        } else {
+            format::ABSENT.into()
+        };
         cells.push(vec![
-            one.curve.points.len().to_string(),
-            scientific(worst_estimate(one.curve.points.iter())),
-            count(|point| !point.resolved),
+            points.len().to_string(),
+            if points.is_empty() { format::ABSENT.into() } else { trust::shown(trust::worst(points.iter())) },
+            trust::unresolved(points),
             unstable,
             ending(one).to_owned(),
         ]);

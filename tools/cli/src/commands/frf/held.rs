@@ -2,6 +2,8 @@
 
 use stickslip::harmonic::{Assembly, Control, Curve, Peak, Point, periodic_response};
 
+use stickslip_report::responses::PhaseResonance;
+
 use super::Request;
 use super::request::Hold;
 
@@ -53,4 +55,74 @@ fn located(assembly: &Assembly, request: &Request, control: &Control, points: &[
     let best = if left.level < right.level { left } else { right };
     // Another branch may lie closer to the start: what the curve has is then the answer.
     (best.level <= points[1].level * (1.0 + 1e-9)).then_some(best)
+}
+
+/// Where the displacement of the held node is a quarter period behind the force along `curve`.
+pub fn phase_resonances(
+    assembly: &Assembly,
+    request: &Request,
+    hold: Hold,
+    control: &Control,
+    curve: &Curve,
+) -> Vec<PhaseResonance> {
+    let crossing = |ends: &[Point]| {
+        let (before, after) = (in_phase(&ends[0], hold.node)?, in_phase(&ends[1], hold.node)?);
+        if before == 0.0 || before.signum() == after.signum() {
+            return None;
+        }
+        let refined = quarter_behind(assembly, request, hold, control, [&ends[0], &ends[1]]);
+        let share = before / (before - after);
+        let between = |of: fn(&Point) -> f64| of(&ends[0]) + share * (of(&ends[1]) - of(&ends[0]));
+        Some(PhaseResonance {
+            node: hold.node,
+            angular_frequency: refined
+                .as_ref()
+                .map_or_else(|| between(|point| point.angular_frequency), |point| point.angular_frequency),
+            level: refined.as_ref().map_or_else(|| between(|point| point.level), |point| point.level),
+            interpolated: refined.is_none(),
+        })
+    };
+    curve.points.windows(2).filter_map(crossing).collect()
+}
+
+/// Cosine of the phase of a node's first harmonic against the force; `None` where the displacement is ahead.
+fn in_phase(point: &Point, node: usize) -> Option<f64> {
+    let (cosine, sine) = match point.nodes.get(node).map(Vec::as_slice) {
+        Some(&[_, cosine, sine, ..]) if point.level >= 0.0 => (cosine, sine),
+        Some(&[_, cosine, sine, ..]) => (-cosine, -sine),
+        _ => return None,
+    };
+    (sine > 0.0).then(|| cosine / cosine.hypot(sine))
+}
+
+/// The phase resonance between two points, by false position with the weights of Anderson & Björck (1973);
+/// `None` where another branch gets in between.
+fn quarter_behind(
+    assembly: &Assembly,
+    request: &Request,
+    hold: Hold,
+    control: &Control,
+    ends: [&Point; 2],
+) -> Option<Point> {
+    const EXACT: f64 = 1e-10;
+    const STEPS: usize = 40;
+    let value = |point: &Point| Some((point.angular_frequency, in_phase(point, hold.node)?));
+    let (mut kept, mut last) = (value(ends[0])?, value(ends[1])?);
+    let mut near = ends[1].clone();
+    for _ in 0..STEPS {
+        let frequency = last.0 - last.1 * (last.0 - kept.0) / (last.1 - kept.1);
+        near = periodic_response(assembly, frequency, control, &request.settings, Some(&near)).ok()?;
+        let new = value(&near)?;
+        if new.1.abs() < EXACT {
+            return Some(near);
+        }
+        if new.1.signum() == last.1.signum() {
+            let weight = 1.0 - new.1 / last.1;
+            kept.1 *= if weight > 0.0 { weight } else { 0.5 };
+        } else {
+            kept = last;
+        }
+        last = new;
+    }
+    None
 }

@@ -47,7 +47,7 @@ pub struct Frf {
     #[arg(long, value_name = "N", conflicts_with_all = ["hold", "levels"], allow_negative_numbers = true)]
     force: Option<f64>,
     /// Several amplitudes, a curve for each: of the force (N), or of what --hold names (SI)
-    #[arg(long, value_name = "A,B,...", value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_name = "A,B,...", value_delimiter = ',', value_parser = level, allow_negative_numbers = true)]
     levels: Vec<f64>,
     /// Hold the first harmonic of a response instead of the force: displacement (m), velocity (m/s) or
     /// acceleration (m/s²) of a mass or of a sensor, as acceleration:x=0.55=70 or displacement:m1=1e-3
@@ -60,7 +60,8 @@ pub struct Frf {
     #[arg(long, value_name = "H", default_value_t = 21)]
     harmonics: usize,
     /// Add harmonics until the estimated truncation error of the displacements is below this share of the
-    /// amplitude; otherwise the number of harmonics stays what it is
+    /// amplitude, up to 101 harmonics or --harmonics if that is more. Without it the number of harmonics
+    /// stays what it is, and points above 0.01 count as unresolved
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Do not tell stable from unstable points
@@ -68,6 +69,11 @@ pub struct Frf {
     no_stability: bool,
     #[command(flatten)]
     files: ResultFiles,
+}
+
+/// A level of a list, which may have spaces about it.
+fn level(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| "not a number".to_owned())
 }
 
 /// Units of frequency.
@@ -91,7 +97,7 @@ impl From<Unit> for FrequencyUnit {
 impl Frf {
     /// Follows the curves.
     pub fn run(self) -> Result<(), Failure> {
-        check_destinations(&self.files, None)?;
+        check_destinations(&self.files, None, &[&self.model])?;
         let model = read_model(&self.model)?;
         let setup = Setup::new(&model, self.excite.as_deref())?;
         let request = Request::new(&self, setup.nodes())?;
@@ -187,11 +193,14 @@ fn follow(
         Err(HarmonicError::InvalidInput(reason)) => return Err(Failure::input(reason)),
         Err(error) => (empty(request), Some(error.to_string())),
     };
+    let mut phase_resonances = Vec::new();
     if let Some(hold) = request.hold {
+        phase_resonances = held::phase_resonances(assembly, request, hold, &control, &curve);
         curve.peaks = held::resonances(assembly, request, hold, &control, &curve);
     }
     let loops = loops::at_peaks(assembly, request, &control, level, &curve);
-    Ok(ResponseCurve { level, curve, loops, failure, seconds: started.elapsed().as_secs_f64() })
+    let seconds = started.elapsed().as_secs_f64();
+    Ok(ResponseCurve { level, curve, phase_resonances, loops, failure, seconds })
 }
 
 /// A curve of which not even the first point was found.
