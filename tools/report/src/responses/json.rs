@@ -32,7 +32,7 @@ use crate::Settings;
 /// (−π, π], negative where it lags). `error_estimate` and `resolved` of a peak are those of the nearest point;
 /// both are `null` where the error is unknown. `level` is the force (N), `held` the held amplitude.
 /// With a held response, `peaks` are the peaks of response over force, where the least force holds it, and
-/// `phase_resonances` where the held displacement is a quarter period behind the force; otherwise there are none. `equivalent_stiffness` and
+/// `phase_resonances` where the held displacement falls to a quarter period behind the force; otherwise there are none. `equivalent_stiffness` and
 /// `stick_fraction` are those of the only contact; with several they are `null` here and in `contacts`.
 /// Numbers that do not exist are `null`.
 pub fn responses_json(responses: &Responses, settings: &Settings) -> Value {

@@ -57,7 +57,7 @@ fn located(assembly: &Assembly, request: &Request, control: &Control, points: &[
     (best.level <= points[1].level * (1.0 + 1e-9)).then_some(best)
 }
 
-/// Where the displacement of the held node is a quarter period behind the force along `curve`.
+/// Where the displacement of the held node falls to a quarter period behind the force along `curve`.
 pub fn phase_resonances(
     assembly: &Assembly,
     request: &Request,
@@ -67,7 +67,8 @@ pub fn phase_resonances(
 ) -> Vec<PhaseResonance> {
     let crossing = |ends: &[Point]| {
         let (before, after) = (in_phase(&ends[0], hold.node)?, in_phase(&ends[1], hold.node)?);
-        if before == 0.0 || before.signum() == after.signum() {
+        // Where the phase comes back, there is an antiresonance.
+        if !(before > 0.0 && after <= 0.0) {
             return None;
         }
         let refined = quarter_behind(assembly, request, hold, control, [&ends[0], &ends[1]]);
