@@ -15,6 +15,7 @@ use super::condition::ArcLength;
 use super::curve::Ending;
 use super::problem::{Condition, Newton, Stopping};
 use super::system::{Operating, PeriodicSystem, Scalar};
+use super::unit::Unit;
 use crate::structure::StructureError;
 
 /// Steps below this are given up (the range has length 1).
@@ -116,14 +117,6 @@ pub(crate) struct Path<'s> {
     pub present: Location,
     next: Location,
     right: Vec<f64>,
-}
-
-/// Inverse sizes that make arc length dimensionless.
-#[derive(Debug, Clone, Copy)]
-struct Unit {
-    unknowns: f64,
-    scalars: [f64; 4],
-    largest: f64,
 }
 
 impl<'s> Path<'s> {
@@ -572,29 +565,6 @@ impl<'s> Path<'s> {
     /// The scalar continued.
     pub fn along(&self) -> Scalar {
         self.route.along
-    }
-}
-
-impl Unit {
-    fn product(&self, a: &Location, b: &Location) -> f64 {
-        let unknowns: f64 = a.unknowns.iter().zip(&b.unknowns).map(|(a, b)| a * b).sum();
-        let scalars: f64 = (0..4).map(|k| a.scalars[k] * b.scalars[k] * self.scalars[k].powi(2)).sum();
-        unknowns * self.unknowns * self.unknowns + scalars
-    }
-
-    fn normalise(&self, location: &mut Location) {
-        let size = self.product(location, location).sqrt();
-        if size > 0.0 {
-            location.unknowns.iter_mut().for_each(|d| *d /= size);
-            location.scalars.iter_mut().for_each(|d| *d /= size);
-        }
-    }
-
-    fn distance(&self, location: &Location, x: &[f64], at: &Operating) -> f64 {
-        let unknowns: f64 = location.x.iter().zip(x).map(|(a, b)| (a - b).powi(2)).sum();
-        let (a, b) = (location.at.scalars(), at.scalars());
-        let scalars: f64 = (0..4).map(|k| ((a[k] - b[k]) * self.scalars[k]).powi(2)).sum();
-        (unknowns * self.unknowns * self.unknowns + scalars).sqrt()
     }
 }
 

@@ -38,6 +38,7 @@ mod system;
 mod tracker;
 mod tracking;
 mod transfer;
+mod unit;
 
 pub use assembly::{Assembly, AttachedContact, Body, Control, CurveSettings, UNRESOLVED};
 pub use contact_cycle::{ContactCycle, ContactMapping, CycleSummary, contact_cycle};
