@@ -38,6 +38,8 @@ pub use check::{ParameterError, SMALLEST_AND_LARGEST};
 pub use oscillator::{Anchor, GROUND, Mass, Oscillator, Spring};
 pub use parameters::ModelParameter;
 
+use crate::effects::{AppliedEffect, Changes, Kind};
+
 /// What is wrong with a model file, and where.
 pub type ModelError = crate::document::DocumentError;
 
@@ -51,9 +53,31 @@ pub struct Model {
     pub structure: Structure,
     /// The contact; a beam may have none (then its support may be a rotational spring).
     pub contact: Option<Contact>,
+    /// `[[effect]]`: effects added, in order.
+    pub effects: Vec<AppliedEffect>,
     /// Paths a fit may change, as written in `[fit] free`, where `*` stands for any characters;
     /// defaults when absent. [`Model::parameters`] says what they come to.
     pub free: Option<Vec<String>>,
+}
+
+impl Model {
+    /// What the model's effects change together.
+    pub fn changes(&self) -> Changes {
+        let mut changes = Changes::default();
+        for effect in &self.effects {
+            effect.apply(&mut changes);
+        }
+        changes
+    }
+
+    /// The kind of the model, without its numbers.
+    pub fn kind(&self) -> Kind {
+        match self.structure {
+            Structure::Prescribed => Kind::Contact,
+            Structure::Beam(_) => Kind::Beam,
+            Structure::Oscillator(_) => Kind::Oscillator,
+        }
+    }
 }
 
 /// `kind` of the model.

@@ -66,7 +66,7 @@ impl Model {
                     .map(|patterns| patterns.into_iter().map(|pattern| pattern.value.to_owned()).collect())
             }
         };
-        let model = Model { structure, contact, free };
+        let model = Model { structure, contact, effects: Vec::new(), free };
         model.check().map_err(|error| ModelError {
             span: root.locate(&error.path),
             message: error.message,
