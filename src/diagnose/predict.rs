@@ -62,13 +62,13 @@ fn predictions<'r>(model: &Model, record: &'r Record) -> Result<Vec<Prediction<'
     }
     match (&model.structure, &model.contact) {
         (Structure::Prescribed, Some(contact)) => {
-            let law = contact.law().map_err(|error| error.to_string())?;
+            let law = model.law().map_err(|error| error.to_string())?.ok_or("the model has no [contact]")?;
             let force = contact_record::predict(law.as_ref(), contact.normal_load, record)?;
             Ok(channels.into_iter().map(|channel| (channel, force.clone())).collect())
         }
         (Structure::Prescribed, None) => Err("the model has no [contact]".into()),
         (Structure::Oscillator(_), _) => Err(NO_OSCILLATOR.to_owned()),
-        (Structure::Beam(beam), contact) => beam_record::predict(beam, contact.as_ref(), record, channels),
+        (Structure::Beam(beam), _) => beam_record::predict(model, beam, record, channels),
     }
 }
 
