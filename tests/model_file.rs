@@ -290,7 +290,12 @@ fn model() -> impl Strategy<Value = Model> {
         let bare = bare && structure != Structure::Prescribed;
         let patterns =
             |patterns: Vec<&str>| patterns.into_iter().filter(|_| !bare).map(str::to_owned).collect();
-        Model { structure, contact: (!bare).then_some(contact), effects: Vec::new(), free: free.map(patterns) }
+        Model {
+            structure,
+            contact: (!bare).then_some(contact),
+            effects: Vec::new(),
+            free: free.map(patterns),
+        }
     })
 }
 
