@@ -75,6 +75,20 @@ impl Balance {
         }
     }
 
+    /// One step of every law to the inputs that `inputs` gives it.
+    pub fn settle(
+        &mut self,
+        laws: &[Box<dyn ContactLaw>],
+        memory: &mut [f64],
+        inputs: impl Fn(usize) -> Inputs,
+    ) {
+        for (i, law) in laws.iter().enumerate() {
+            let place = self.offsets[i]..self.offsets[i + 1];
+            self.responses[i] = law.step(&memory[place.clone()], inputs(i), &mut self.next[place]);
+        }
+        memory.copy_from_slice(&self.next);
+    }
+
     /// Finds the forces at the end of a step of `h` (s) and puts forces, rates and memories in the place of those at
     /// its start.
     pub fn find(

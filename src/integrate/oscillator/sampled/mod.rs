@@ -205,6 +205,22 @@ impl SampledIntegrator {
         });
     }
 
+    /// Moves the contacts at once to where the structure of `state` now stands, after it was changed by hand.
+    pub fn settle(&mut self, state: &mut [f64], loads: &[f64]) {
+        let (n, contacts) = (self.plant.size, self.laws.len());
+        let (motion, rest) = state.split_at_mut(2 * n);
+        let (dynamic, memory) = rest.split_at_mut(2 * contacts);
+        self.balance.settle(&self.laws, memory, |i| {
+            let along = |from: usize| self.rows[i].iter().map(|(j, b)| b * motion[from + j]).sum::<f64>();
+            Inputs { displacement: along(0), velocity: along(n), normal_load: loads[i] }
+        });
+        for (i, response) in self.balance.responses.iter().enumerate() {
+            let velocity: f64 = self.rows[i].iter().map(|(j, b)| b * motion[n + j]).sum();
+            dynamic[i] = response.force;
+            dynamic[contacts + i] = response.tangents.displacement * velocity;
+        }
+    }
+
     /// One step of `state` under one drive per row and the normal loads `loads` (N) reached at its end. False where
     /// the forces find no balance or the motion leaves all bounds: the state is then lost.
     pub fn step(&mut self, state: &mut [f64], drives: &[Drive], loads: &[f64]) -> bool {
