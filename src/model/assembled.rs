@@ -24,9 +24,11 @@ impl Assembled {
         own.chain(self.added.iter().map(|law| (law.as_ref(), 0.0)))
     }
 
-    /// The laws in the order of the structure's contacts.
-    pub fn into_laws(self) -> Vec<Box<dyn ContactLaw>> {
-        self.law.into_iter().chain(self.added).collect()
+    /// The laws in the order of the structure's contacts, each with its normal load (N), for a holder of its own.
+    pub fn into_loaded(self) -> Vec<(Box<dyn ContactLaw>, f64)> {
+        let normal_load = self.normal_load;
+        let own = self.law.into_iter().map(|law| (law, normal_load));
+        own.chain(self.added.into_iter().map(|law| (law, 0.0))).collect()
     }
 }
 

@@ -49,9 +49,13 @@ impl<'i> Run<'i> {
         let size = assembled.structure.size;
         let structure = assembled.structure.clone();
         let rows: Vec<_> = inputs.drives.iter().map(|drive| vec![(drive.mass, 1.0)]).collect();
-        let integrator =
-            SampledIntegrator::new(&structure, assembled.into_laws(), &rows, inputs.step / substeps as f64)
-                .map_err(|error| error.to_string())?;
+        let integrator = SampledIntegrator::new(
+            &structure,
+            assembled.into_loaded().into_iter().map(|(law, _)| law).collect(),
+            &rows,
+            inputs.step / substeps as f64,
+        )
+        .map_err(|error| error.to_string())?;
         Ok(Self {
             inputs,
             integrator,
