@@ -5,6 +5,7 @@ mod compare;
 mod comparison;
 mod contact_record;
 mod diagnosis;
+mod oscillator_record;
 mod predict;
 mod score;
 mod simulation;
@@ -15,4 +16,4 @@ pub use diagnosis::{
     Candidate, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group, Noise,
     NoiseSource, Step, Untried, Verdict,
 };
-pub use predict::{NO_OSCILLATOR, unused_columns};
+pub use predict::unused_columns;

@@ -84,6 +84,15 @@ pub enum StructureError {
         /// Number of masses.
         count: usize,
     },
+    /// An effect sits at a mass that the oscillator does not have.
+    #[error("there is no mass \"{place}\" on the oscillator")]
+    NoSuchMass {
+        /// The place as written.
+        place: String,
+    },
+    /// Something is hung at the contact of a structure that has none.
+    #[error("a mass hangs at the contact, and the model has no contact")]
+    NothingToHangAt,
     /// The mass matrix is not positive definite: something moves without inertia, and has no modes.
     #[error("the mass matrix is not positive definite: something moves without inertia")]
     NoInertia,
