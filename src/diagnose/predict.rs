@@ -68,7 +68,7 @@ fn predictions<'r>(model: &Model, record: &'r Record) -> Result<Vec<Prediction<'
         }
         (Structure::Prescribed, None) => Err("the model has no [contact]".into()),
         (Structure::Oscillator(_), _) => Err(NO_OSCILLATOR.to_owned()),
-        (Structure::Beam(beam), contact) => beam_record::predict(beam, contact.as_ref(), record, channels),
+        (Structure::Beam(_), _) => beam_record::predict(model, record, channels),
     }
 }
 
