@@ -76,7 +76,7 @@ fn predictions<'r>(model: &Model, record: &'r Record) -> Result<Vec<Prediction<'
             simulation.predict(model, &start, &mut values)?;
             Ok(channels.into_iter().zip(values.chunks_exact(record.len()).map(<[f64]>::to_vec)).collect())
         }
-        (Structure::Beam(beam), _) => beam_record::predict(model, beam, record, channels),
+        (Structure::Beam(_), _) => beam_record::predict(model, record, channels),
     }
 }
 
