@@ -1,6 +1,6 @@
 //! From the model to what the solver wants.
 
-use stickslip::contact::{ContactLaw, LawError};
+use stickslip::contact::ContactLaw;
 use stickslip::document::suggestion;
 use stickslip::harmonic::{Assembly, AttachedContact, Body};
 use stickslip::model::{Model, Structure};
