@@ -5,8 +5,13 @@ mod compare;
 mod comparison;
 mod contact_record;
 mod diagnosis;
+mod motion;
+mod periods;
 mod predict;
+mod prehistory;
 mod score;
+mod sensors;
+mod shown;
 mod simulation;
 
 pub use compare::{Refit, RefitError, Watch, evaluate, refit};

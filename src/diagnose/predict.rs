@@ -1,7 +1,8 @@
 //! What a model predicts of a record, whatever the model's kind and the record's regime.
 
 use super::comparison::RecordResult;
-use super::{beam_record, contact_record, score};
+use super::score;
+use super::shown::Shown;
 use crate::measure::{Channel, Record, Regime};
 use crate::model::{Model, Structure};
 
@@ -21,9 +22,10 @@ struct Roles {
 
 fn roles(model: &Model, regime: Regime) -> Roles {
     match (&model.structure, regime) {
-        (Structure::Prescribed, _) => {
-            Roles { inputs: &["time", "displacement", "velocity"], compared: &["force"] }
-        }
+        (Structure::Prescribed, _) => Roles {
+            inputs: &["time", "displacement", "velocity", "normal_load", "normal_displacement"],
+            compared: &["force"],
+        },
         (Structure::Beam(_), Regime::Backbone) => {
             Roles { inputs: &["amplitude"], compared: &["frequency", "damping_ratio"] }
         }
@@ -51,25 +53,21 @@ pub fn unused_columns<'r>(model: &Model, record: &'r Record) -> Vec<&'r str> {
     unused.map(|channel| channel.name.as_str()).collect()
 }
 
-/// One prediction per compared channel.
+/// One prediction per compared channel, as the sensors show it. The start of the record is fitted to it.
 fn predictions<'r>(model: &Model, record: &'r Record) -> Result<Vec<Prediction<'r>>, String> {
-    if let Structure::Oscillator(_) = &model.structure {
-        return Err(NO_OSCILLATOR.to_owned());
-    }
-    let channels = compared(model, record);
-    if channels.is_empty() {
-        return Err("it has no column that the model predicts".into());
-    }
-    match (&model.structure, &model.contact) {
-        (Structure::Prescribed, Some(contact)) => {
-            let law = contact.law().map_err(|error| error.to_string())?;
-            let force = contact_record::predict(law.as_ref(), contact.normal_load, record)?;
-            Ok(channels.into_iter().map(|channel| (channel, force.clone())).collect())
-        }
-        (Structure::Prescribed, None) => Err("the model has no [contact]".into()),
-        (Structure::Oscillator(_), _) => Err(NO_OSCILLATOR.to_owned()),
-        (Structure::Beam(beam), contact) => beam_record::predict(beam, contact.as_ref(), record, channels),
-    }
+    let mut shown = Shown::new(model, record)?;
+    let nuisances = shown.settle(model)?;
+    let mut values = Vec::new();
+    shown.predict(model, &nuisances, &mut values)?;
+    let mut rest = values.as_slice();
+    Ok(compared(model, record)
+        .into_iter()
+        .map(|channel| {
+            let (here, after) = rest.split_at(channel.values.len().min(rest.len()));
+            rest = after;
+            (channel, here.to_vec())
+        })
+        .collect())
 }
 
 /// Predicts and scores; a failure is kept as text, for the other records still count.
