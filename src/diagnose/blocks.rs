@@ -38,6 +38,25 @@ pub(super) fn length<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> usize {
     (2 * lag).max(SHORTEST).min(longest.max(SHORTEST))
 }
 
+/// How many samples in a row of `residuals` count as one: the sum of their correlation until it dies away.
+pub(super) fn correlation<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> f64 {
+    let series: Vec<&[f64]> = residuals.collect();
+    let longest = series.iter().map(|one| one.len()).min().unwrap_or(0) / FEWEST;
+    let product = |lag: usize| -> f64 {
+        series.iter().map(|one| one.iter().zip(one.get(lag..).unwrap_or(&[])).map(|(a, b)| a * b).sum::<f64>()).sum()
+    };
+    let power = product(0);
+    let mut sum = 1.0;
+    for lag in 1..longest {
+        let share = if power > 0.0 { product(lag) / power } else { 0.0 };
+        if share < 0.05 {
+            break;
+        }
+        sum += 2.0 * share;
+    }
+    sum
+}
+
 /// `range` cut into blocks of about `length`.
 pub(super) fn within(range: Range<usize>, length: usize) -> impl Iterator<Item = Range<usize>> {
     let count = (range.len() / length.max(1)).max(1);

@@ -65,15 +65,12 @@ impl<'r> ContactRecord<'r> {
         let count = self.displacement.values.len();
         self.load.clear();
         if let (true, Some(normal)) = (contact.normal_stiffness > 0.0, &self.normal_displacement) {
-            self.load.extend(normal.values.iter().zip(&normal.rates).map(|(d, rate)| {
-                let elastic = contact.normal_load
-                    + contact.normal_stiffness * d
-                    + joint.normal_cubic_stiffness * d.powi(3);
-                (elastic * (1.0 + joint.impact_damping * rate)).max(0.0)
-            }));
-        } else if let (Some(gain), Some(measured)) = (joint.load_gain, &self.measured_load) {
-            let from_mean = measured.values.iter().map(|load| contact.normal_load + gain * (load - contact.normal_load));
-            self.load.extend(from_mean);
+            let reaction = |(approach, rate): (&f64, &f64)| {
+                joint.normal_reaction(contact.normal_load, contact.normal_stiffness, *approach, *rate)
+            };
+            self.load.extend(normal.values.iter().zip(&normal.rates).map(reaction));
+        } else if let Some(measured) = &self.measured_load {
+            self.load.extend(measured.values.iter().map(|load| joint.normal_load(contact.normal_load, Some(*load))));
         } else {
             self.load.resize(count, contact.normal_load);
         }
@@ -99,7 +96,7 @@ impl<'r> ContactRecord<'r> {
     }
 
     /// Puts the state before the first sample into `states[0]`.
-    fn start(&mut self, model: &Model, law: &dyn ContactLaw, nuisances: &[f64]) -> Result<(), String> {
+    fn start(&mut self, law: &dyn ContactLaw, nuisances: &[f64]) -> Result<(), String> {
         let [mut state, mut next] = std::mem::take(&mut self.states);
         state.clear();
         state.resize(law.state_len(), 0.0);
@@ -117,7 +114,7 @@ impl<'r> ContactRecord<'r> {
             }
             (Regime::UnknownInitialState, [value]) => {
                 let inputs = |index| self.inputs(index);
-                self.prehistory.start(model, law, &inputs, *value, &mut state, &mut next)?;
+                self.prehistory.start(law, &inputs, *value, &mut state, &mut next);
             }
             _ => law.set_state(0.0, first.normal_load, 0.0, &mut state),
         }
@@ -126,8 +123,8 @@ impl<'r> ContactRecord<'r> {
     }
 
     /// Mean square error of the force over the samples that tell the start, as a function of the nuisance.
-    fn misfit(&mut self, model: &Model, law: &dyn ContactLaw, measured: &Measured, value: f64) -> f64 {
-        if self.start(model, law, &[value]).is_err() {
+    fn misfit(&mut self, law: &dyn ContactLaw, measured: &Measured, value: f64) -> f64 {
+        if self.start(law, &[value]).is_err() {
             return f64::INFINITY;
         }
         let mut sum = 0.0;
@@ -140,8 +137,7 @@ impl<'r> ContactRecord<'r> {
 
 /// The contact's law with all the model's effects.
 fn law_of(model: &Model) -> Result<Box<dyn ContactLaw>, String> {
-    let contact = model.contact.as_ref().ok_or("the model has no [contact]")?;
-    contact.law().map_err(|error| error.to_string())
+    model.law().map_err(|error| error.to_string())?.ok_or_else(|| "the model has no [contact]".to_owned())
 }
 
 /// The beginning of the measured force, and how its sensor shows it.
@@ -176,8 +172,8 @@ impl Simulation for ContactRecord<'_> {
         let mut best = (f64::INFINITY, self.prehistory.clone(), 0.0);
         for kind in Prehistory::KINDS {
             self.prehistory.choose(kind, law.as_ref(), self.load[0]);
-            let value = self.prehistory.clone().search(&mut |value| self.misfit(model, law.as_ref(), &measured, value));
-            let cost = self.misfit(model, law.as_ref(), &measured, value);
+            let value = self.prehistory.clone().search(&mut |value| self.misfit(law.as_ref(), &measured, value));
+            let cost = self.misfit(law.as_ref(), &measured, value);
             if cost < best.0 {
                 best = (cost, self.prehistory.clone(), value);
             }
@@ -190,7 +186,7 @@ impl Simulation for ContactRecord<'_> {
     fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
         let law = law_of(model)?;
         self.update_load(model)?;
-        self.start(model, law.as_ref(), nuisances)?;
+        self.start(law.as_ref(), nuisances)?;
         let count = self.displacement.values.len();
         out.clear();
         out.reserve(count * self.channels.len());

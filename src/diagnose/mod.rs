@@ -6,8 +6,15 @@ mod blocks;
 mod candidates;
 mod compare;
 mod comparison;
+mod confound;
 mod contact_record;
+mod detectable;
 mod diagnosis;
+mod engine;
+mod explain;
+mod features;
+mod findings;
+mod inputs;
 mod magnitudes;
 mod motion;
 mod noise;
@@ -16,11 +23,13 @@ mod predict;
 mod prehistory;
 mod score;
 mod sensors;
-mod shown;
 mod select;
+mod sensitivity;
+mod shown;
 mod simulation;
 mod split;
 mod trial;
+mod verdict;
 
 pub use compare::{Refit, RefitError, Watch, evaluate, refit};
 pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Stage};
@@ -28,4 +37,5 @@ pub use diagnosis::{
     Candidate, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group, Noise,
     NoiseSource, Step, Untried, Verdict,
 };
+pub use engine::{Added, DiagnoseError, DiagnoseOptions, DiagnoseWatch, add, diagnose};
 pub use predict::{NO_OSCILLATOR, unused_columns};

@@ -37,9 +37,17 @@ fn roles(model: &Model, regime: Regime) -> Roles {
     }
 }
 
-/// The channels of `record` that a model of this structure predicts.
+/// The channels of `record` that a model of this structure predicts. A contact's normal load is one where the
+/// model has a normal stiffness and the approach was measured.
 pub(super) fn compared<'r>(model: &Model, record: &'r Record) -> Vec<&'r Channel> {
-    roles(model, record.regime).compared.iter().flat_map(|quantity| record.channels_of(quantity)).collect()
+    let roles = roles(model, record.regime);
+    let mut channels: Vec<&Channel> =
+        roles.compared.iter().flat_map(|quantity| record.channels_of(quantity)).collect();
+    let elastic = model.contact.is_some_and(|contact| contact.normal_stiffness > 0.0);
+    if model.structure == Structure::Prescribed && elastic && record.channel("normal_displacement").is_some() {
+        channels.extend(record.channel("normal_load"));
+    }
+    channels
 }
 
 /// Names of the columns of `record` that a comparison with `model` leaves aside: neither do they drive the

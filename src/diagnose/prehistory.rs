@@ -7,7 +7,6 @@
 
 use crate::contact::{ContactLaw, Inputs};
 use crate::identify::{Parameter, Scale};
-use crate::model::Model;
 
 /// The story before a record, with what it needs to know of the motion.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,13 +98,12 @@ impl Prehistory {
     /// Puts the state before the first sample into `state`; `next` is room of the same length.
     pub fn start(
         &self,
-        model: &Model,
         law: &dyn ContactLaw,
         inputs: &impl Fn(usize) -> Inputs,
         value: f64,
         state: &mut [f64],
         next: &mut [f64],
-    ) -> Result<(), String> {
+    ) {
         let first = inputs(0);
         match self.kind {
             Kind::Virgin => {
@@ -118,10 +116,9 @@ impl Prehistory {
                     law.step(state, inputs(index), next);
                     state.copy_from_slice(next);
                 }
-                let _ = model;
+                law.restart(state);
             }
         }
-        Ok(())
     }
 }
 

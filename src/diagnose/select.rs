@@ -101,7 +101,7 @@ impl Search<'_, '_> {
     }
 
     /// `model` with the candidates of `set`, refitted from all their starts.
-    fn added(&self, model: &Model, set: &[Candidate]) -> Result<State, String> {
+    pub fn added(&self, model: &Model, set: &[Candidate]) -> Result<State, String> {
         let ranges: Vec<_> =
             set.iter().map(|candidate| candidate.ranges(self.scales, self.bench.dataset)).collect();
         let starts: Vec<usize> = ranges.iter().map(|range| range.first().map_or(1, |r| r.starts.len())).collect();

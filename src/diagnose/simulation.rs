@@ -44,7 +44,7 @@ impl Simulation for BeamRecord<'_> {
     fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
         let Structure::Beam(beam) = &model.structure else { return Err("not a beam".into()) };
         out.clear();
-        for (_, values) in beam_record::predict(beam, model.contact.as_ref(), self.record, self.channels.clone())? {
+        for (_, values) in beam_record::predict(model, beam, self.record, self.channels.clone())? {
             out.extend(values);
         }
         Ok(())

@@ -47,6 +47,24 @@ impl Parts {
     }
 }
 
+/// Why `dataset` so split cannot carry an answer, if it cannot.
+pub(super) fn too_little(dataset: &Dataset, parts: &Parts) -> Option<String> {
+    let count = dataset.records.len();
+    if count < FEWEST_RECORDS {
+        return Some(format!(
+            "{count} record{} cannot be split into records to fit, to choose by and to confirm with; three are \
+             needed, and levels that differ",
+            if count == 1 { "" } else { "s" }
+        ));
+    }
+    for (part, use_for) in [(&parts.fit, "fit"), (&parts.select, "select"), (&parts.untouched, "confirm")] {
+        if part.is_empty() {
+            return Some(format!("no record is left to {use_for}; leave out the marks or mark one so"));
+        }
+    }
+    None
+}
+
 /// Where a record stands among the others: each coordinate about one across the dataset.
 type Place = [f64; 3];
 

@@ -251,6 +251,39 @@ impl<'a, 'd> Joint<'a, 'd> {
     }
 }
 
+/// Products of the weighted changes along every unknown of `model` (those of the records' starts among them), then
+/// of the whole change to each of `probes`; and where the probes begin.
+pub(super) fn products(
+    bench: &Bench,
+    model: &Model,
+    unknowns: &[Unknown],
+    records: &[usize],
+    probes: &[Model],
+) -> Result<(DMatrix<f64>, usize), String> {
+    let mut joint = Joint::new(bench, model, unknowns, records)?;
+    let base = joint.coordinates().count();
+    let start = vec![0.0; base];
+    let here = joint.model(&start)?;
+    let mut moved = joint.moved(&start)?;
+    moved.extend(probes.iter().map(|probe| (probe.clone(), 1.0)));
+    joint.records.par_iter_mut().try_for_each(|slot| slot.linearise(&here, &moved, &start))?;
+    joint.simulations += joint.records.len() * (1 + moved.len());
+    let (shared, total) = (joint.shared.len(), base + probes.len());
+    let mut sums = DMatrix::zeros(total, total);
+    for slot in &joint.records {
+        let place = |k: usize| match k {
+            k if k < shared => k,
+            k if k < shared + probes.len() => base + k - shared,
+            k => slot.offset + k - shared - probes.len(),
+        };
+        let columns: Vec<(usize, &[f64])> =
+            slot.derivatives.iter().enumerate().map(|(k, column)| (place(k), column.as_slice())).collect();
+        slot.add_curvature(&columns, &bench.lanes[slot.index].weights, &mut sums);
+    }
+    bench.count(joint.simulations);
+    Ok((sums, base))
+}
+
 /// The value of every unknown put into a copy of `base`.
 pub(super) fn set(base: &Model, unknowns: &[Unknown], values: impl Iterator<Item = f64>) -> Result<Model, String> {
     let mut model = base.clone();

@@ -10,7 +10,7 @@ mod least_squares;
 mod problem;
 mod uncertainty;
 
-pub(crate) use gauss_newton::{End, Limits, SumOfSquares, Sums, minimise};
+pub(crate) use gauss_newton::{Limits, SumOfSquares, Sums, minimise};
 pub use least_squares::fit;
 pub(crate) use problem::Coordinate;
 pub use uncertainty::{Interval, Uncertainty, student_quantile};
