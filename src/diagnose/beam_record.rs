@@ -3,7 +3,6 @@
 use std::f64::consts::TAU;
 
 use super::beam_steady::SteadyRecord;
-use super::predict::Prediction;
 use super::simulation::{Direction, Simulation};
 use crate::contact::ContactLaw;
 use crate::harmonic::steady::Driven;
@@ -161,24 +160,6 @@ impl Simulation for BeamSimulation<'_> {
         }
         Ok(())
     }
-}
-
-/// One prediction per channel.
-pub(super) fn predict<'r>(
-    model: &Model,
-    record: &'r Record,
-    channels: Vec<&'r Channel>,
-) -> Result<Vec<Prediction<'r>>, String> {
-    let mut simulation = BeamSimulation::new(model, record, channels)?;
-    let mut all = Vec::new();
-    simulation.predict(model, &[], &mut all)?;
-    let mut rest = all.as_slice();
-    let split = simulation.channels.iter().map(|channel| {
-        let (values, after) = rest.split_at(channel.values.len().min(rest.len()));
-        rest = after;
-        (*channel, values.to_vec())
-    });
-    Ok(split.collect())
 }
 
 fn position(channel: &Channel) -> Result<f64, String> {

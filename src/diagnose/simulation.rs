@@ -1,9 +1,29 @@
 //! Predicting one record again and again, with changing models: what a fit of many parameters needs from a
 //! simulator, whatever the kind of model.
 
+use super::beam_record::BeamSimulation;
+use super::contact_record::ContactRecord;
+use super::oscillator_record::OscillatorRecord;
+use super::predict;
 use crate::identify;
-use crate::measure::Channel;
-use crate::model::Model;
+use crate::measure::{Channel, Record};
+use crate::model::{Model, Structure};
+
+/// The simulation of `record` for models of the kind of `model`.
+///
+/// # Errors
+/// What the record lacks, for a reader of the comparison.
+pub(super) fn of<'r>(model: &Model, record: &'r Record) -> Result<Box<dyn Simulation + 'r>, String> {
+    let channels = predict::compared(model, record);
+    if channels.is_empty() {
+        return Err("it has no column that the model predicts".into());
+    }
+    Ok(match &model.structure {
+        Structure::Prescribed => Box::new(ContactRecord::new(record, channels)?),
+        Structure::Beam(_) => Box::new(BeamSimulation::new(model, record, channels)?),
+        Structure::Oscillator(_) => Box::new(OscillatorRecord::new(model, record, channels)?),
+    })
+}
 
 /// The predictions of one record. It keeps what does not change from one prediction to the next (the
 /// excitation's harmonics, velocities, room for the state) and the last solution to start from.
