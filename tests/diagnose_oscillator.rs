@@ -161,7 +161,7 @@ fn records_of_every_regime_in_time_are_predicted_far_below_any_noise() {
         (Regime::UnknownInitialState, 80..84),
     ] {
         let errors = errors(sampled(regime, periods));
-        println!("{regime:?} {errors:.1e?}");
+        println!("{regime:?} {errors:?}");
         assert_eq!(errors.len(), 3);
         assert!(errors.iter().all(|error| *error < 5e-4), "{regime:?}: {errors:?}");
     }
