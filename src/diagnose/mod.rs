@@ -1,6 +1,7 @@
 //! Model against measurement: predict every record, score the prediction, refit, compare again.
 
 mod beam_record;
+mod beam_steady;
 mod compare;
 mod comparison;
 mod contact_record;

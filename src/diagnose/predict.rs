@@ -64,7 +64,7 @@ fn predictions<'r>(model: &Model, record: &'r Record) -> Result<Vec<Prediction<'
     }
     match (&model.structure, &model.contact) {
         (Structure::Prescribed, Some(contact)) => {
-            let law = contact.law().map_err(|error| error.to_string())?;
+            let law = model.law().map_err(|error| error.to_string())?.ok_or("the model has no [contact]")?;
             let force = contact_record::predict(law.as_ref(), contact.normal_load, record)?;
             Ok(channels.into_iter().map(|channel| (channel, force.clone())).collect())
         }
@@ -76,7 +76,7 @@ fn predictions<'r>(model: &Model, record: &'r Record) -> Result<Vec<Prediction<'
             simulation.predict(model, &start, &mut values)?;
             Ok(channels.into_iter().zip(values.chunks_exact(record.len()).map(<[f64]>::to_vec)).collect())
         }
-        (Structure::Beam(beam), contact) => beam_record::predict(beam, contact.as_ref(), record, channels),
+        (Structure::Beam(_), _) => beam_record::predict(model, record, channels),
     }
 }
 

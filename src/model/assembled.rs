@@ -82,7 +82,7 @@ impl Model {
         if self.contact.is_none() {
             structure.contacts.clear();
         }
-        let law = self.contact.as_ref().map(|contact| contact.law()).transpose()?;
+        let law = self.law()?;
         let mut added: Vec<Box<dyn ContactLaw>> = Vec::new();
         if let Structure::Oscillator(_) = self.structure {
             if changes.cubic_stiffness != 0.0 {

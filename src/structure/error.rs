@@ -28,6 +28,12 @@ pub enum StructureError {
         /// Length of the beam (m).
         length: f64,
     },
+    /// An effect sits at a place that a beam does not have.
+    #[error("`{place}` is no place on a beam: write `x=` and the distance from the clamp in metres")]
+    NotOnTheBeam {
+        /// The place as written.
+        place: String,
+    },
     /// The number of modes is zero or beyond what the beam theory is good for.
     #[error("{modes} modes asked for, between 1 and {most} are possible")]
     ModeCount {

@@ -1,6 +1,6 @@
 //! From the model to what the solver wants.
 
-use stickslip::contact::{ContactLaw, LawError};
+use stickslip::contact::ContactLaw;
 use stickslip::document::suggestion;
 use stickslip::harmonic::{Assembly, AttachedContact, Body};
 use stickslip::model::{Model, Structure};
@@ -56,9 +56,8 @@ impl Setup {
                 }
                 let modal = ModalBeam::new(beam).map_err(failed)?;
                 let nodes = modal.sensors.iter().map(|sensor| format!("x={}", sensor.position)).collect();
-                let contact = model.contact.as_ref().map(|contact| Ok((contact.law()?, contact.normal_load)));
-                let contact =
-                    contact.transpose().map_err(|error: LawError| Failure::input(error.to_string()))?;
+                let law = model.law().map_err(|error| Failure::input(error.to_string()))?;
+                let contact = law.zip(model.contact.map(|contact| contact.normal_load));
                 (OwnedBody::Beam(Box::new(modal)), contact.into_iter().collect(), nodes)
             }
         };
