@@ -3,9 +3,11 @@
 
 use std::path::PathBuf;
 
+use stickslip::contact::Jenkins;
 use stickslip::diagnose::evaluate;
 use stickslip::effects::{AppliedEffect, find};
 use stickslip::identify::{self, Options, Parameter, Scale};
+use stickslip::integrate::{Excitation, LoadedContact, OscillatorFlow};
 use stickslip::measure::{Channel, ChannelName, Dataset, Record, Regime};
 use stickslip::model::Model;
 
@@ -106,6 +108,77 @@ fn fitted(model: &Model, dataset: &Dataset, effect: Option<(&str, f64, f64)>) ->
     let options = Options { max_iterations: 12, tolerance: 1e-6, ..Options::default() };
     let fit = identify::fit(residual, count, &parameters, &options).unwrap();
     (with(&fit.parameters), fit.parameters.last().copied().unwrap())
+}
+
+const TWO_MASSES: &str = include_str!("../examples/friction-vibration/model.toml");
+const OMEGA: f64 = 0.5;
+const SAMPLES_OF_A_PERIOD: usize = 200;
+
+/// What the exact flow of the two masses under `0.4 cos Ωt` shows between two periods, sampled.
+fn sampled(regime: Regime, periods: std::ops::Range<usize>) -> Record {
+    let model = Model::parse(TWO_MASSES).unwrap();
+    let contact = model.contact.unwrap();
+    let law = Jenkins::new(contact.tangential_stiffness, contact.friction_coefficient).unwrap();
+    let contacts = [LoadedContact { law: &law, normal_load: contact.normal_load }];
+    let mut flow = OscillatorFlow::new(&model.assembled().unwrap().structure, &contacts).unwrap();
+    let excitation = Excitation::cosine(OMEGA, 0.4);
+    let step = std::f64::consts::TAU / OMEGA / SAMPLES_OF_A_PERIOD as f64;
+    let mut motion = flow.rest();
+    let mut columns: [Vec<f64>; 5] = Default::default();
+    for index in 0..periods.end * SAMPLES_OF_A_PERIOD {
+        if index >= periods.start * SAMPLES_OF_A_PERIOD {
+            let (x, v) = (flow.displacement(&motion), flow.velocity(&motion));
+            let force = excitation.value(motion.time());
+            let acceleration = force - 0.1 * v[0] - x[0] - 0.5 * (x[0] - x[1]);
+            for (column, value) in columns.iter_mut().zip([motion.time(), force, x[1], v[0], acceleration]) {
+                column.push(value);
+            }
+        }
+        flow.advance(&mut motion, step, &excitation).unwrap();
+    }
+    let names = ["time", "excitation:m1", "displacement:m2", "velocity:m1", "acceleration:m1"];
+    let channels = names.into_iter().zip(columns).map(|(name, values)| {
+        let unit = ChannelName::parse(name).unwrap().quantity.unit;
+        Channel { name: name.into(), unit, values, noise: None }
+    });
+    Record { name: "sampled".into(), regime, use_for: None, channels: channels.collect() }
+}
+
+/// Errors of the channels, as shares of their standard deviations.
+fn errors(record: Record) -> Vec<f64> {
+    let dataset = Dataset { title: None, records: vec![record] };
+    let stage = evaluate("", &Model::parse(TWO_MASSES).unwrap(), &dataset);
+    assert_eq!(stage.records[0].failure, None);
+    stage.records[0].channels.iter().map(|channel| channel.error).collect()
+}
+
+#[test]
+fn records_of_every_regime_in_time_are_predicted_far_below_any_noise() {
+    for (regime, periods) in [
+        (Regime::FromRest, 0..6),
+        (Regime::Steady, 80..82),
+        (Regime::UnknownInitialState, 2..6),
+        (Regime::UnknownInitialState, 80..84),
+    ] {
+        let errors = errors(sampled(regime, periods));
+        println!("{regime:?} {errors:?}");
+        assert_eq!(errors.len(), 3);
+        assert!(errors.iter().all(|error| *error < 5e-4), "{regime:?}: {errors:?}");
+    }
+}
+
+#[test]
+fn a_backbone_table_and_a_stray_mass_are_refused_with_a_reason() {
+    let model = Model::parse(TWO_MASSES).unwrap();
+    let failure = |record: Record| {
+        let dataset = Dataset { title: None, records: vec![record] };
+        evaluate("", &model, &dataset).records[0].failure.clone().unwrap()
+    };
+    let mut record = sampled(Regime::FromRest, 0..1);
+    record.channels[1].name = "excitation:m7".into();
+    assert!(failure(record.clone()).contains("excitation:m7"));
+    record.channels.remove(1);
+    assert!(failure(record).contains("excitation"));
 }
 
 #[test]

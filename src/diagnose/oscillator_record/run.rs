@@ -74,11 +74,6 @@ impl<'i> Run<'i> {
         self.accelerations.len()
     }
 
-    /// Whether the model has a contact of its own.
-    pub fn has_contact(&self) -> bool {
-        self.contact
-    }
-
     /// Normal load (N) a share `along` of the way from sample `index` to the next.
     fn load(&self, index: usize, along: f64) -> f64 {
         let (constant, gain) = self.load;
