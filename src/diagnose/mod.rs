@@ -13,7 +13,7 @@ mod simulation;
 pub use compare::{Refit, RefitError, Watch, evaluate, refit};
 pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Stage};
 pub use diagnosis::{
-    Candidate, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group, Noise, NoiseSource, Step,
-    Untried, Verdict,
+    Candidate, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group, Noise,
+    NoiseSource, Step, Untried, Verdict,
 };
 pub use predict::{NO_OSCILLATOR, unused_columns};

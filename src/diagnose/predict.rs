@@ -62,7 +62,7 @@ fn predictions<'r>(model: &Model, record: &'r Record) -> Result<Vec<Prediction<'
     }
     match (&model.structure, &model.contact) {
         (Structure::Prescribed, Some(contact)) => {
-            let law = contact.law().map_err(|error| error.to_string())?;
+            let law = model.law().map_err(|error| error.to_string())?.ok_or("the model has no [contact]")?;
             let force = contact_record::predict(law.as_ref(), contact.normal_load, record)?;
             Ok(channels.into_iter().map(|channel| (channel, force.clone())).collect())
         }
