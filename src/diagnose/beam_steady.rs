@@ -17,6 +17,8 @@ const UNREPRESENTED: f64 = 0.1;
 const BEYOND_HIGHEST_MODE: f64 = 1.15;
 /// Fewest and most harmonics.
 const HARMONICS: (usize, usize) = (9, 60);
+/// Most harmonics shown, as multiple of those balanced.
+const MOST_SENSED: usize = 2;
 /// Harmonics of the contact beyond those of the modes: the products with the shortening, which moves slowly.
 const CONTACT_BEYOND: usize = 4;
 /// Residual as share of the largest displacement: far below the noise of any sensor.
@@ -45,7 +47,10 @@ impl SteadyRecord {
         let harmonics = beyond.clamp(HARMONICS.0, HARMONICS.1);
         let coefficients = excitation(force, periods, harmonics)?;
         let orders = channels.iter().map(|channel| order(channel)).collect();
-        let count = coefficient_count(harmonics);
+        // A sampled record shows harmonics below half its samples per period.
+        let shown = (force.len().div_ceil(2 * periods)).saturating_sub(1);
+        let sensed_harmonics = shown.clamp(harmonics, MOST_SENSED * harmonics);
+        let count = coefficient_count(sensed_harmonics);
         // Phase 0 of the Fourier coefficients is the first sample.
         let waves = DMatrix::from_fn(time.len(), count, |sample, place| {
             let phase = place.div_ceil(2) as f64 * angular_frequency * (time[sample] - time[0]);
@@ -56,15 +61,21 @@ impl SteadyRecord {
             }
         });
         let contact_harmonics = (harmonics + CONTACT_BEYOND).min(2 * harmonics);
-        let forcing =
-            Forcing { angular_frequency, coefficients, harmonics, contact_harmonics, tolerance: TOLERANCE };
+        let forcing = Forcing {
+            angular_frequency,
+            coefficients,
+            harmonics,
+            contact_harmonics,
+            sensed_harmonics,
+            tolerance: TOLERANCE,
+        };
         Ok(Self { forcing, waves, orders, start: None })
     }
 
     /// Predictions of all channels, one after the other.
     pub fn predict(&self, model: &Attached, out: &mut Vec<f64>) -> Result<(), String> {
         let solved = self.forcing.solve(model.driven(), &[], self.start.as_ref());
-        let sensors = solved.map_err(|error| error.to_string())?.sensors();
+        let sensors = solved.map_err(|error| error.to_string())?.sensors(&self.forcing);
         self.motion(&sensors, out);
         Ok(())
     }
@@ -81,7 +92,7 @@ impl SteadyRecord {
         let others: Vec<Driven> = neighbours.iter().map(Attached::driven).collect();
         let text = |error: crate::harmonic::HarmonicError| error.to_string();
         let mut solved = self.forcing.solve(model.driven(), &others, self.start.as_ref()).map_err(text)?;
-        self.motion(&solved.sensors(), predictions);
+        self.motion(&solved.sensors(&self.forcing), predictions);
         differences.resize_with(others.len(), Vec::new);
         for (other, difference) in others.iter().zip(differences) {
             let change = solved.change(&self.forcing, *other).map_err(text)?;

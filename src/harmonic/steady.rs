@@ -39,6 +39,9 @@ pub(crate) struct Forcing {
     pub harmonics: usize,
     /// Highest harmonic of the contact, from that of the modes to twice that.
     pub contact_harmonics: usize,
+    /// Highest harmonic of the sensors' motion, at least that of the modes: above that the modes follow the contact's
+    /// force without acting on it.
+    pub sensed_harmonics: usize,
     /// Largest residual accepted, as share of the largest displacement among the unknowns.
     pub tolerance: f64,
 }
@@ -82,7 +85,8 @@ impl Forcing {
         neighbours: &[Driven],
         start: Option<&Start>,
     ) -> Result<Steady<'a>, HarmonicError> {
-        let signals = neighbours.iter().fold(Signals::of(driven.beam), |all, next| all.or(Signals::of(next.beam)));
+        let signals =
+            neighbours.iter().fold(Signals::of(driven.beam), |all, next| all.or(Signals::of(next.beam)));
         let mut balance = self.balance(driven, signals)?;
         let at = Operating::forced(self.angular_frequency, 1.0);
         if let Some(start) = start.filter(|start| start.signals == signals) {
@@ -145,8 +149,8 @@ impl Forcing {
 
 impl Steady<'_> {
     /// Displacement coefficients (m) of every sensor, one after the other.
-    pub fn sensors(&self) -> Vec<f64> {
-        self.balance.beam.sensors.iter().flat_map(|sensor| self.balance.output(&sensor.shape)).collect()
+    pub fn sensors(&mut self, forcing: &Forcing) -> Vec<f64> {
+        sensed(&mut self.balance, &self.at, forcing)
     }
 
     /// The solution as a start for others.
@@ -157,24 +161,20 @@ impl Steady<'_> {
     }
 
     /// Change of [`Steady::sensors`] to first order when the beam and its contact become `neighbour`, one of those
-    /// the response was solved for.
+    /// the response was solved for and very near to it.
     pub fn change(&mut self, forcing: &Forcing, neighbour: Driven) -> Result<Vec<f64>, HarmonicError> {
         self.linearise()?;
         let mut other = forcing.balance(neighbour, self.balance.signals())?;
         other.forget();
         other.balance(&self.unknowns, &self.at)?;
         let residuals = other.residual().iter().zip(self.balance.residual());
-        let mut step: Vec<f64> = residuals.map(|(moved, here)| here - moved).collect();
-        self.factors.solve(&mut step);
-        let mut nodes = vec![Vec::new(); self.balance.nodes()];
-        self.balance.nodes_along(&step, &[0.0; 4], &mut nodes);
-        let mut change = Vec::new();
-        let sensors = self.balance.beam.sensors.iter().zip(&neighbour.beam.sensors);
-        for ((here, there), along) in sensors.zip(&nodes) {
-            let (before, after) = (self.balance.output(&here.shape), other.output(&there.shape));
-            change.extend(before.iter().zip(&after).zip(along).map(|((before, after), along)| after - before + along));
-        }
-        Ok(change)
+        let mut moved: Vec<f64> = residuals.map(|(there, here)| here - there).collect();
+        self.factors.solve(&mut moved);
+        moved.iter_mut().zip(&self.unknowns).for_each(|(step, x)| *step += x);
+        other.balance(&moved, &self.at)?;
+        let before = self.sensors(forcing);
+        let after = sensed(&mut other, &self.at, forcing);
+        Ok(after.iter().zip(&before).map(|(after, before)| after - before).collect())
     }
 
     /// Makes derivatives and factors those at the solution.
@@ -185,6 +185,16 @@ impl Steady<'_> {
         self.balance.evaluate(&self.unknowns, &self.at, &[])?;
         self.factors.reset(self.unknowns.len()).copy_from_slice(self.balance.jacobian().as_slice());
         self.current = self.factors.factor();
-        if self.current { Ok(()) } else { Err(HarmonicError::InvalidInput("the balance is singular at the solution")) }
+        if self.current {
+            Ok(())
+        } else {
+            Err(HarmonicError::InvalidInput("the balance is singular at the solution"))
+        }
     }
+}
+
+/// Displacement coefficients (m) of every sensor at the last evaluation.
+fn sensed(balance: &mut Balance, at: &Operating, forcing: &Forcing) -> Vec<f64> {
+    let beyond = balance.beyond(at, forcing.sensed_harmonics);
+    balance.beam.sensors.iter().flat_map(|sensor| balance.output_with(&sensor.shape, &beyond)).collect()
 }
