@@ -8,6 +8,7 @@
 pub mod contact;
 pub mod diagnose;
 pub mod document;
+pub mod effects;
 pub mod harmonic;
 pub mod identify;
 pub mod integrate;

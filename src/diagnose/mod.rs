@@ -1,12 +1,20 @@
 //! Model against measurement: predict every record, score the prediction, refit, compare again.
 
 mod beam_record;
+mod beam_steady;
 mod compare;
 mod comparison;
 mod contact_record;
+mod diagnosis;
+mod oscillator_record;
 mod predict;
 mod score;
+mod simulation;
 
 pub use compare::{Refit, RefitError, Watch, evaluate, refit};
 pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Stage};
-pub use predict::{NO_OSCILLATOR, unused_columns};
+pub use diagnosis::{
+    Candidate, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group, Noise,
+    NoiseSource, Step, Untried, Verdict,
+};
+pub use predict::unused_columns;

@@ -1,12 +1,11 @@
 //! What a model predicts of a record, whatever the model's kind and the record's regime.
 
 use super::comparison::RecordResult;
+use super::oscillator_record::OscillatorRecord;
+use super::simulation::Simulation as _;
 use super::{beam_record, contact_record, score};
 use crate::measure::{Channel, Record, Regime};
 use crate::model::{Model, Structure};
-
-/// What the comparison says of a kind of model that it does not take.
-pub const NO_OSCILLATOR: &str = "`compare` does not take kind = \"oscillator\" yet; `stickslip frf` does";
 
 /// A measured channel and what the model predicts of it, in its unit.
 pub(super) type Prediction<'r> = (&'r Channel, Vec<f64>);
@@ -27,8 +26,14 @@ fn roles(model: &Model, regime: Regime) -> Roles {
         (Structure::Beam(_), Regime::Backbone) => {
             Roles { inputs: &["amplitude"], compared: &["frequency", "damping_ratio"] }
         }
-        // Compared with nothing yet; see `predictions`.
-        (Structure::Oscillator(_), _) => Roles { inputs: &["time", "excitation"], compared: &[] },
+        (Structure::Oscillator(_), _) => Roles {
+            inputs: if model.changes().joint.load_gain.is_some() {
+                &["time", "excitation", "normal_load"]
+            } else {
+                &["time", "excitation"]
+            },
+            compared: &["acceleration", "velocity", "displacement"],
+        },
         (Structure::Beam(_), _) => {
             Roles { inputs: &["time", "excitation"], compared: &["acceleration", "velocity", "displacement"] }
         }
@@ -53,22 +58,25 @@ pub fn unused_columns<'r>(model: &Model, record: &'r Record) -> Vec<&'r str> {
 
 /// One prediction per compared channel.
 fn predictions<'r>(model: &Model, record: &'r Record) -> Result<Vec<Prediction<'r>>, String> {
-    if let Structure::Oscillator(_) = &model.structure {
-        return Err(NO_OSCILLATOR.to_owned());
-    }
     let channels = compared(model, record);
     if channels.is_empty() {
         return Err("it has no column that the model predicts".into());
     }
     match (&model.structure, &model.contact) {
         (Structure::Prescribed, Some(contact)) => {
-            let law = contact.law().map_err(|error| error.to_string())?;
+            let law = model.law().map_err(|error| error.to_string())?.ok_or("the model has no [contact]")?;
             let force = contact_record::predict(law.as_ref(), contact.normal_load, record)?;
             Ok(channels.into_iter().map(|channel| (channel, force.clone())).collect())
         }
         (Structure::Prescribed, None) => Err("the model has no [contact]".into()),
-        (Structure::Oscillator(_), _) => Err(NO_OSCILLATOR.to_owned()),
-        (Structure::Beam(beam), contact) => beam_record::predict(beam, contact.as_ref(), record, channels),
+        (Structure::Oscillator(_), _) => {
+            let mut simulation = OscillatorRecord::new(model, record, channels.clone())?;
+            let start: Vec<f64> = simulation.nuisances(model)?.iter().map(|found| found.start).collect();
+            let mut values = Vec::new();
+            simulation.predict(model, &start, &mut values)?;
+            Ok(channels.into_iter().zip(values.chunks_exact(record.len()).map(<[f64]>::to_vec)).collect())
+        }
+        (Structure::Beam(_), _) => beam_record::predict(model, record, channels),
     }
 }
 

@@ -26,6 +26,7 @@
 
 mod assembled;
 mod check;
+mod effects;
 mod free;
 mod law;
 mod oscillator;
@@ -37,6 +38,8 @@ pub use assembled::{Assembled, AssemblyError};
 pub use check::{ParameterError, SMALLEST_AND_LARGEST};
 pub use oscillator::{Anchor, GROUND, Mass, Oscillator, Spring};
 pub use parameters::ModelParameter;
+
+use crate::effects::{AppliedEffect, Changes, Kind};
 
 /// What is wrong with a model file, and where.
 pub type ModelError = crate::document::DocumentError;
@@ -51,9 +54,31 @@ pub struct Model {
     pub structure: Structure,
     /// The contact; a beam may have none (then its support may be a rotational spring).
     pub contact: Option<Contact>,
+    /// `[[effect]]`: effects added, in order.
+    pub effects: Vec<AppliedEffect>,
     /// Paths a fit may change, as written in `[fit] free`, where `*` stands for any characters;
     /// defaults when absent. [`Model::parameters`] says what they come to.
     pub free: Option<Vec<String>>,
+}
+
+impl Model {
+    /// What the model's effects change together.
+    pub fn changes(&self) -> Changes {
+        let mut changes = Changes::default();
+        for effect in &self.effects {
+            effect.apply(&mut changes);
+        }
+        changes
+    }
+
+    /// The kind of the model, without its numbers.
+    pub fn kind(&self) -> Kind {
+        match self.structure {
+            Structure::Prescribed => Kind::Contact,
+            Structure::Beam(_) => Kind::Beam,
+            Structure::Oscillator(_) => Kind::Oscillator,
+        }
+    }
 }
 
 /// `kind` of the model.
@@ -78,6 +103,8 @@ pub struct Contact {
     pub friction_coefficient: f64,
     /// Constant normal load (N).
     pub normal_load: f64,
+    /// Normal stiffness (N/m), by which a measured normal displacement changes the load; 0 when absent.
+    pub normal_stiffness: f64,
 }
 
 /// The contact laws a model file can name.
@@ -92,6 +119,24 @@ pub enum Law {
         /// e_t (N/m), slope left in macro-slip, below the tangential stiffness.
         residual_stiffness: f64,
     },
+    /// Segalman's four-parameter Iwan element.
+    Iwan {
+        /// χ in (−1, 0]: small loops dissipate with the power χ + 3 of the amplitude.
+        exponent: f64,
+        /// β ≥ 0: stiffness of the sliders that yield last, all at once, over that of all others.
+        ratio: f64,
+    },
+}
+
+impl Law {
+    /// The name in model files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Jenkins => "jenkins",
+            Self::Valanis { .. } => "valanis",
+            Self::Iwan { .. } => "iwan",
+        }
+    }
 }
 
 /// `[beam]` with its masses, support and excitation. Clamped at x = 0, pinned at x = length.

@@ -28,7 +28,7 @@ impl Balance<'_> {
         let displaced = |shape: &[f64], modes: &[Complex<f64>]| -> Complex<f64> {
             shape.iter().zip(modes).map(|(phi, q)| q * phi).sum()
         };
-        let mut change = vec![0.0; self.wide];
+        let mut change = vec![0.0; self.unknowns()];
         for (order, modes) in beyond.iter().filter(|(order, _)| 2 * order < self.wide) {
             let moved = displaced(&self.beam.contact_shape, modes);
             (change[2 * order - 1], change[2 * order]) = (moved.re, -moved.im);

@@ -1,0 +1,251 @@
+//! The result of a diagnosis, as data for tables, JSON and reports.
+
+use super::comparison::Comparison;
+use crate::measure::Use;
+use crate::model::Model;
+
+/// What was found, what it rests on, and what to do next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Diagnosis {
+    /// The answer.
+    pub verdict: Verdict,
+    /// Why, in sentences for an engineer, the most important first.
+    pub reasons: Vec<String>,
+    /// Ids of the effects found, in the order they were added. Empty unless the verdict is
+    /// [`Verdict::EffectFound`]; of a group, each member stands in [`Diagnosis::groups`] instead.
+    pub effects: Vec<&'static str>,
+    /// Ids of effects that lower the error without explaining the data: named as surrogates, not as findings.
+    pub surrogates: Vec<&'static str>,
+    /// Sets of effects that these data cannot tell apart.
+    pub groups: Vec<Group>,
+    /// The fall of the error.
+    pub error: Errors,
+    /// Mean square of the residual over that of the noise on the untouched records, if the noise is known.
+    pub chi_square: Option<f64>,
+    /// The steps of the selection, in order: what each added effect gained.
+    pub steps: Vec<Step>,
+    /// Every candidate of the first round, best first.
+    pub candidates: Vec<Candidate>,
+    /// The rounds after the first: candidates beside the effects already added, best first.
+    pub rounds: Vec<Vec<Candidate>>,
+    /// Effects of the catalogue that were not tried, and why.
+    pub untried: Vec<Untried>,
+    /// Correlation of pairs of candidates' sensitivities, the base parameters projected off.
+    pub confounding: Vec<Confounding>,
+    /// The smallest size of each effect that would have been seen.
+    pub detectable: Vec<Detectable>,
+    /// What was seen of the effects found, and what else could cause it.
+    pub evidence: Vec<Evidence>,
+    /// The experiment that would decide what these data leave open.
+    pub next_experiment: Option<String>,
+    /// What each record was used for, in the order of the dataset.
+    pub split: Vec<Use>,
+    /// Standard deviations of the noise, per record and compared channel.
+    pub noise: Vec<Noise>,
+    /// Baseline, refitted, and one stage per added effect, with all predictions.
+    pub comparison: Comparison,
+    /// The model of the last stage.
+    pub model: Model,
+    /// Refits made, and simulations of a whole dataset in them.
+    pub cost: Cost,
+}
+
+/// The answer of a diagnosis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// The refitted model reaches the noise.
+    NothingMissing,
+    /// Effects that bring the model to the noise, or close enough that the rest is small.
+    EffectFound,
+    /// More than one effect would do, and these data cannot tell which.
+    NotDistinguishable,
+    /// The model fails and nothing in the catalogue mends it.
+    Unexplained,
+    /// The data cannot carry an answer.
+    InsufficientData,
+}
+
+impl Verdict {
+    /// As in JSON.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::NothingMissing => "nothing-missing",
+            Self::EffectFound => "effect-found",
+            Self::NotDistinguishable => "not-distinguishable",
+            Self::Unexplained => "unexplained",
+            Self::InsufficientData => "insufficient-data",
+        }
+    }
+
+    /// The exit code of `stickslip diagnose`.
+    pub fn exit_code(self) -> u8 {
+        match self {
+            Self::NothingMissing => 0,
+            Self::EffectFound => 10,
+            Self::NotDistinguishable => 11,
+            Self::Unexplained => 12,
+            Self::InsufficientData => 13,
+        }
+    }
+}
+
+/// Effects that these data cannot tell apart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Group {
+    /// Their ids, best first.
+    pub effects: Vec<&'static str>,
+    /// Why they cannot be told apart.
+    pub reason: String,
+    /// The experiment that would.
+    pub experiment: String,
+}
+
+/// Root-mean-square errors over all measured channels, each normalised by its own standard deviation in the
+/// record (1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Errors {
+    /// The model as given, all records.
+    pub baseline: f64,
+    /// Refitted, nothing added, all records.
+    pub refitted: f64,
+    /// With the effects added, all records.
+    pub last: f64,
+    /// With the effects added, the records that nothing was fitted to or chosen by; NaN when there are none.
+    pub untouched: f64,
+    /// Refitted without effects, the same records.
+    pub untouched_refitted: f64,
+    /// What the noise alone would leave, all records; `None` where it is unknown.
+    pub noise_floor: Option<f64>,
+    /// The same over the untouched records.
+    pub untouched_noise_floor: Option<f64>,
+}
+
+/// A step of the selection.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Step {
+    /// Ids of what was added: one effect, or a pair at once.
+    pub added: Vec<&'static str>,
+    /// Error after it on the records for selecting (1).
+    pub error: f64,
+    /// The mean gain of the blocks of the selecting records over its standard error (1).
+    pub gain_z: f64,
+    /// Share of the squared error removed (1).
+    pub gain_share: f64,
+    /// Whether it was dropped again at the end because the others do as well without.
+    pub dropped: bool,
+}
+
+/// A candidate of one round, refitted jointly with the model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// Its id; for a pair both.
+    pub effects: Vec<&'static str>,
+    /// Where it sits, if somewhere.
+    pub location: Option<String>,
+    /// Error on the records for selecting (1); NaN when it could not be fitted.
+    pub error: f64,
+    /// The mean gain of the blocks over its standard error (1).
+    pub gain_z: f64,
+    /// Share of the squared error removed (1).
+    pub gain_share: f64,
+    /// Its parameters.
+    pub parameters: Vec<Estimate>,
+    /// Simulations of the fitted records spent on its refit.
+    pub evaluations: usize,
+    /// Why it could not be fitted.
+    pub failure: Option<String>,
+}
+
+/// A fitted number with its 95 % interval.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// `half_gap`; in a candidate the name, elsewhere the path.
+    pub name: String,
+    /// Value in `unit`.
+    pub value: f64,
+    /// Lower end; `None` where the data do not determine it.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+    /// SI unit, `1` for a plain number.
+    pub unit: &'static str,
+}
+
+/// An effect that was not tried.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Untried {
+    /// Its id.
+    pub effect: &'static str,
+    /// Why.
+    pub reason: String,
+}
+
+/// How alike two candidates are to these data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Confounding {
+    /// Their ids.
+    pub effects: [&'static str; 2],
+    /// Correlation of their sensitivities, in [−1, 1].
+    pub correlation: f64,
+}
+
+/// The smallest size of an effect that would have been seen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Detectable {
+    /// The effect's id.
+    pub effect: &'static str,
+    /// Name of its first parameter.
+    pub parameter: &'static str,
+    /// Size in `unit`; `None` where these data would never show it.
+    pub value: Option<f64>,
+    /// SI unit.
+    pub unit: &'static str,
+}
+
+/// What points to an effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evidence {
+    /// The effect's id.
+    pub effect: &'static str,
+    /// What was seen, in which view.
+    pub seen: String,
+    /// What else could cause the same.
+    pub otherwise: Option<String>,
+}
+
+/// The noise of a channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Noise {
+    /// Index of the record in the dataset.
+    pub record: usize,
+    /// Name of the channel.
+    pub channel: String,
+    /// Standard deviation in the channel's unit; `None` where it is unknown.
+    pub deviation: Option<f64>,
+    /// How it is known.
+    pub source: NoiseSource,
+}
+
+/// How the noise of a channel is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoiseSource {
+    /// The dataset says it.
+    Stated,
+    /// The difference of repeated periods.
+    Periods,
+    /// Another record of the same motion.
+    Repeats,
+    /// From other records or channels of the dataset in which it could be measured.
+    Carried,
+    /// It is not known.
+    Unknown,
+}
+
+/// What the diagnosis cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Cost {
+    /// Refits.
+    pub refits: usize,
+    /// Simulations of one record.
+    pub simulations: usize,
+}

@@ -1,0 +1,61 @@
+//! Predicting one record again and again, with changing models: what a fit of many parameters needs from a
+//! simulator, whatever the kind of model.
+
+use crate::identify;
+use crate::measure::Channel;
+use crate::model::Model;
+
+/// The predictions of one record. It keeps what does not change from one prediction to the next (the
+/// excitation's harmonics, velocities, room for the state) and the last solution to start from.
+///
+/// Predictions must not depend on which predictions were asked for before, beyond the tolerance of the solver
+/// and in the same order with the same bits: only [`Simulation::linearise`] may move the starting point that later predictions
+/// use.
+pub(super) trait Simulation: Send {
+    /// The channels predicted, in the order of all predictions.
+    fn channels(&self) -> &[&Channel];
+
+    /// What the record leaves unknown besides the model's parameters: the state of the contact at its start.
+    /// The starts are found by a search over the first part of the record under `model`. Empty where nothing
+    /// is unknown. How many there are depends on the record alone.
+    fn nuisances(&mut self, model: &Model) -> Result<Vec<identify::Parameter>, String>;
+
+    /// Writes the predictions of all channels, one after the other, `Σ len` numbers, in the channels' units.
+    fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String>;
+
+    /// Writes the predictions at `model` and their derivatives along each of `directions`, and keeps the
+    /// solution as the start of the predictions to come. Differences by default; a solver that has exact
+    /// derivatives gives those.
+    ///
+    /// `derivatives[j]` is `(prediction(directions[j]) − prediction) / directions[j].step`, of the length of
+    /// the predictions.
+    fn linearise(
+        &mut self,
+        model: &Model,
+        nuisances: &[f64],
+        directions: &[Direction],
+        predictions: &mut Vec<f64>,
+        derivatives: &mut Vec<Vec<f64>>,
+    ) -> Result<(), String> {
+        self.predict(model, nuisances, predictions)?;
+        derivatives.resize_with(directions.len(), Vec::new);
+        for (direction, derivative) in directions.iter().zip(derivatives) {
+            self.predict(&direction.model, &direction.nuisances, derivative)?;
+            for (moved, base) in derivative.iter_mut().zip(&*predictions) {
+                *moved = (*moved - base) / direction.step;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A small step in one parameter or nuisance.
+#[derive(Debug, Clone)]
+pub(super) struct Direction {
+    /// The model after the step.
+    pub model: Model,
+    /// The nuisances after the step.
+    pub nuisances: Vec<f64>,
+    /// Length of the step, in whatever coordinate the caller differentiates by.
+    pub step: f64,
+}

@@ -1,0 +1,38 @@
+//! An effect with its numbers, as a model carries it.
+
+use super::{Changes, Effect, Location, PlaceKind};
+use crate::vocabulary::{self as v, Quantity};
+
+/// `[[effect]]` of a model file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AppliedEffect {
+    /// Which.
+    pub effect: &'static Effect,
+    /// Where, if it sits somewhere.
+    pub location: Option<Location>,
+    /// One value per parameter of the effect, in its unit.
+    pub values: Vec<f64>,
+}
+
+impl AppliedEffect {
+    /// Name, unit and bounds of the parameter at `index`: a bias has the unit of its channel.
+    pub fn quantity(&self, index: usize) -> &'static Quantity {
+        let quantity = self.effect.parameters[index].quantity;
+        if self.effect.place != PlaceKind::Channel || quantity.name != v::BIAS.name {
+            return quantity;
+        }
+        let channel = self.location.as_ref().map(ToString::to_string).unwrap_or_default();
+        match channel.split(':').next().unwrap_or_default() {
+            "force" | "excitation" | "contact_force" | "normal_load" => &v::BIAS_FORCE,
+            "displacement" | "normal_displacement" => &v::BIAS_DISPLACEMENT,
+            "velocity" => &v::BIAS_VELOCITY,
+            "acceleration" => &v::BIAS_ACCELERATION,
+            _ => quantity,
+        }
+    }
+
+    /// Adds what it changes to `changes`.
+    pub fn apply(&self, changes: &mut Changes) {
+        (self.effect.apply)(&self.values, self.location.as_ref(), changes);
+    }
+}

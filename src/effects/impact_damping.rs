@@ -1,0 +1,29 @@
+//! Damping of impacts (Hunt & Crossley 1975).
+
+use super::{Effect, EffectParameter, Kind, Needs, PlaceKind, both_signs};
+use crate::vocabulary as v;
+
+pub(super) const EFFECT: Effect = Effect {
+    id: "impact_damping",
+    title: "Impact damping",
+    summary: "Hunt and Crossley's factor 1 + λ δ̇ on the normal load",
+    explanation: "Closing surfaces push harder than parting ones at the same distance: energy is lost in every impact. \
+          Load against normal displacement makes a loop that closes at zero load, as a damper's would not.",
+    confirmation: "Tap the contact closed at several speeds: the coefficient of restitution falls in proportion to the \
+          speed.",
+    parameters: &[EffectParameter {
+        quantity: &v::IMPACT_DAMPING,
+        range: |scales| both_signs(3.0 / scales.normal_velocity, 0.05),
+    }],
+    place: PlaceKind::Nowhere,
+    kinds: &[Kind::Contact],
+    needs: Needs::NormalMotion,
+    apply: |values, _, changes| changes.joint.impact_damping = values[0],
+    signature: |seen| {
+        seen.normal_residual_by_velocity.filter(|correlation| correlation.abs() > 0.2).map(|correlation| {
+            format!(
+                "the residual of the normal load follows the normal velocity (correlation {correlation:.2})"
+            )
+        })
+    },
+};

@@ -1,0 +1,66 @@
+//! Where an effect sits.
+
+use std::fmt;
+
+use crate::measure::{ChannelName, Place};
+
+/// Where an effect sits: `at = "m2"`, `at = "x=0.55"`, `channel = "force"`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Location {
+    /// A mass of an oscillator.
+    Mass(String),
+    /// A position on a beam (m from the clamp).
+    Position(f64),
+    /// A measured channel, by its name in the canonical spelling of [`ChannelName`].
+    Channel(String),
+}
+
+/// The text is not a place.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is not a place: write a mass's name, `x=0.55` on a beam, or the name of a channel")]
+pub struct LocationError(pub String);
+
+impl Location {
+    /// Reads what follows `at =`: a mass's name, or `x=` and a position in metres.
+    ///
+    /// # Errors
+    /// Empty text, or `x=` without a finite number.
+    pub fn parse_at(text: &str) -> Result<Self, LocationError> {
+        let refused = || LocationError(text.to_owned());
+        match text.trim().strip_prefix("x=") {
+            Some(number) => {
+                let position: f64 = number.trim().parse().map_err(|_| refused())?;
+                if position.is_finite() { Ok(Self::Position(position)) } else { Err(refused()) }
+            }
+            None if text.trim().is_empty() => Err(refused()),
+            None => Ok(Self::Mass(text.trim().to_owned())),
+        }
+    }
+
+    /// Reads what follows `channel =`.
+    ///
+    /// # Errors
+    /// A name that no column can have.
+    pub fn parse_channel(text: &str) -> Result<Self, LocationError> {
+        let name = ChannelName::parse(text).map_err(|_| LocationError(text.to_owned()))?;
+        Ok(Self::Channel(name.to_string()))
+    }
+
+    /// The place a channel was measured at, as a place on the structure.
+    pub fn of_channel(name: &ChannelName) -> Option<Self> {
+        match &name.place {
+            Place::Unnamed => None,
+            Place::Mass(mass) => Some(Self::Mass(mass.clone())),
+            Place::Position(position) => Some(Self::Position(*position)),
+        }
+    }
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Mass(name) | Self::Channel(name) => formatter.write_str(name),
+            Self::Position(position) => write!(formatter, "x={position}"),
+        }
+    }
+}

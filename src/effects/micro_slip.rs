@@ -1,0 +1,29 @@
+//! Gradual slip below the limit (Iwan 1966: distributed yield instead of one slider).
+
+use super::{ALL_KINDS, Effect, EffectParameter, Needs, PlaceKind, from_zero};
+use crate::vocabulary as v;
+
+pub(super) const EFFECT: Effect = Effect {
+    id: "micro_slip",
+    title: "Micro-slip",
+    summary: "Slip sets in gradually: the yield displacements of many sliders spread over (1 ± spread) times their \
+          mean",
+    explanation: "Asperities and the uneven pressure over a contact do not give way at one instant: the edge slips \
+          first, the middle last. The force bends over from stick to slip instead of breaking off at a corner, \
+          and a little energy is lost even at amplitudes far below the limit. One slider cannot show either.",
+    confirmation: "Load the joint slowly to half of its friction limit and back: with micro-slip the small loop has an \
+          area that grows with the third power of the amplitude; one slider gives a straight line.",
+    parameters: &[EffectParameter { quantity: &v::SPREAD, range: |_| from_zero(1.0, &[0.5, 0.95]) }],
+    place: PlaceKind::Nowhere,
+    kinds: ALL_KINDS,
+    needs: Needs::Nothing,
+    apply: |values, _, changes| changes.joint.spread = values[0],
+    signature: |seen| {
+        seen.corner_share.filter(|share| *share > 0.15).map(|share| {
+            format!(
+                "the loop bends over gradually: its slope falls over {:.0} % of the stroke in stick",
+                100.0 * share
+            )
+        })
+    },
+};

@@ -1,0 +1,27 @@
+//! Cubic stiffness in the normal direction.
+
+use super::{Effect, EffectParameter, Kind, Needs, PlaceKind, both_signs};
+use crate::vocabulary as v;
+
+pub(super) const EFFECT: Effect = Effect {
+    id: "normal_hardening",
+    title: "Hardening in the normal direction",
+    summary: "The normal load grows with k3 δ³ beyond the linear normal stiffness",
+    explanation: "Rough or curved surfaces stiffen as they are pressed together: more asperities touch (Hertz, \
+          Greenwood and Williamson). The measured load against normal displacement bends upwards in \
+          compression.",
+    confirmation: "Press the contact quasi-statically and plot load against approach.",
+    parameters: &[EffectParameter {
+        quantity: &v::NORMAL_CUBIC_STIFFNESS,
+        range: |scales| both_signs(10.0 * scales.normal_load / scales.normal_displacement.powi(3), 0.02),
+    }],
+    place: PlaceKind::Nowhere,
+    kinds: &[Kind::Contact],
+    needs: Needs::NormalMotion,
+    apply: |values, _, changes| changes.joint.normal_cubic_stiffness = values[0],
+    signature: |seen| {
+        seen.normal_residual_by_cube.filter(|correlation| correlation.abs() > 0.2).map(|correlation| {
+            format!("the residual of the normal load follows the cube of the normal displacement (correlation {correlation:.2})")
+        })
+    },
+};

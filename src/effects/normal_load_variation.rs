@@ -1,0 +1,29 @@
+//! The limit follows the normal load, with lift-off and re-contact.
+
+use super::{ALL_KINDS, Effect, EffectParameter, Needs, PlaceKind, Range, Scale};
+use crate::vocabulary as v;
+
+pub(super) const EFFECT: Effect = Effect {
+    id: "normal_load_variation",
+    title: "Varying normal load",
+    summary: "The friction limit follows the measured normal load N0 + gain (N(t) − N0), with lift-off at zero and \
+          below",
+    explanation: "Vibration, thermal growth or a second direction of motion changes the pressure on the contact while \
+          it slides. The limit rises and falls with it, and where the load vanishes the bodies part: the force \
+          is zero and nothing is remembered when they touch again.",
+    confirmation: "Hold the load by a soft spring or a dead weight, or plot the loop's height against the measured \
+          load: with this effect it is a straight line through zero.",
+    parameters: &[EffectParameter {
+        quantity: &v::LOAD_GAIN,
+        range: |_| Range { lower: -3.0, upper: 3.0, scale: Scale::Linear, starts: vec![1.0] },
+    }],
+    place: PlaceKind::Nowhere,
+    kinds: ALL_KINDS,
+    needs: Needs::VaryingNormalLoad,
+    apply: |values, _, changes| changes.joint.load_gain = Some(values[0]),
+    signature: |seen| {
+        seen.height_by_load.filter(|correlation| correlation.abs() > 0.3).map(|correlation| {
+            format!("the force in slip follows the measured normal load (correlation {correlation:.2})")
+        })
+    },
+};

@@ -1,0 +1,29 @@
+//! Drag of the surrounding medium.
+
+use super::{Effect, EffectParameter, Kind, Needs, PlaceKind, both_signs};
+use crate::vocabulary as v;
+
+pub(super) const EFFECT: Effect = Effect {
+    id: "quadratic_damping",
+    title: "Quadratic damping",
+    summary: "Drag on the structure: q |v| v",
+    explanation: "Air or liquid that is pushed aside resists with the square of the speed. Its damping ratio grows in \
+          proportion to the amplitude, where friction's falls.",
+    confirmation: "Free decay at large amplitude, or two levels at one resonance: the damping ratio is proportional to \
+          the amplitude. Change the medium (vacuum, a cover plate).",
+    parameters: &[EffectParameter {
+        quantity: &v::QUADRATIC_DAMPING,
+        range: |scales| both_signs(3.0 * scales.structure_force / scales.structure_velocity.powi(2), 0.05),
+    }],
+    place: PlaceKind::Nowhere,
+    kinds: &[Kind::Oscillator, Kind::Beam],
+    needs: Needs::Nothing,
+    apply: |values, _, changes| changes.structure.quadratic_damping = values[0],
+    signature: |seen| {
+        seen.damping_exponent.filter(|exponent| (0.5..1.5).contains(exponent)).map(|exponent| {
+            format!(
+                "the damping the model lacks grows with amplitude to the power {exponent:.1}; drag gives 1"
+            )
+        })
+    },
+};

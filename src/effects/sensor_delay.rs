@@ -1,0 +1,29 @@
+//! A channel that is late.
+
+use super::{ALL_KINDS, Effect, EffectParameter, Needs, PlaceKind, both_signs};
+use crate::vocabulary as v;
+
+pub(super) const EFFECT: Effect = Effect {
+    id: "sensor_delay",
+    title: "Sensor delay",
+    summary: "A channel shows the motion late: y(t − τ)",
+    explanation: "Filters, a slow amplifier or channels that are not sampled together shift one signal against the \
+          others. A delay makes straight lines into ellipses, whose area grows with the frequency, and looks \
+          like damping, positive or negative.",
+    confirmation: "Feed one signal to all channels, or swap two of them: the delay stays with the channel.",
+    parameters: &[EffectParameter {
+        quantity: &v::DELAY,
+        range: |scales| both_signs((20.0 * scales.sample_step).min(0.1 / scales.frequency), 0.05),
+    }],
+    place: PlaceKind::Channel,
+    kinds: ALL_KINDS,
+    needs: Needs::Nothing,
+    apply: |values, channel, changes| changes.sensor(channel).delay = values[0],
+    signature: |seen| {
+        seen.residual_by_rate.filter(|correlation| correlation.abs() > 0.2).map(|correlation| {
+            format!(
+                "the residual follows the rate of change of the channel itself (correlation {correlation:.2})"
+            )
+        })
+    },
+};

@@ -1,0 +1,34 @@
+//! A cubic spring in the contact.
+
+use super::{ALL_KINDS, Effect, EffectParameter, Needs, PlaceKind, both_signs};
+use crate::vocabulary as v;
+
+pub(super) const EFFECT: Effect = Effect {
+    id: "stiffening",
+    title: "Stiffening contact",
+    summary: "A cubic spring beside the contact: k3 u³",
+    explanation: "Surfaces that conform, a rubber layer or a membrane stiffen as they deform. The ends of the loop \
+          point up (or down, for softening), and the more so the larger the amplitude; the middle does not \
+          change.",
+    confirmation: "Compare the slope near the ends of the stroke at two amplitudes: it grows with the square of the \
+          amplitude.",
+    parameters: &[EffectParameter {
+        quantity: &v::CUBIC_STIFFNESS,
+        range: |scales| {
+            both_signs(
+                10.0 * (scales.limit / scales.displacement + 0.1 * scales.stiffness)
+                    / scales.displacement.powi(2),
+                0.03,
+            )
+        },
+    }],
+    place: PlaceKind::Nowhere,
+    kinds: ALL_KINDS,
+    needs: Needs::Nothing,
+    apply: |values, _, changes| changes.joint.cubic_stiffness = values[0],
+    signature: |seen| {
+        seen.residual_by_cube.filter(|correlation| correlation.abs() > 0.2).map(|correlation| {
+            format!("the residual force follows the cube of the displacement (correlation {correlation:.2})")
+        })
+    },
+};

@@ -1,0 +1,43 @@
+//! A limit that falls with the sliding speed (Stribeck 1902).
+
+use super::{ALL_KINDS, Effect, EffectParameter, Needs, PlaceKind, Range, Scale, magnitudes};
+use crate::vocabulary as v;
+
+pub(super) const EFFECT: Effect = Effect {
+    id: "velocity_weakening",
+    title: "Velocity weakening",
+    summary: "The limit falls with speed: limit · (1 + δ exp(−|u̇|/v_s))",
+    explanation: "Stribeck's effect: at rest the surfaces bond and the limit is higher than in motion. It shows as \
+          peaks of the force beside the reversals and as lower plateaus in faster records, and it is what \
+          makes joints squeal: falling friction feeds energy into the structure.",
+    confirmation: "Slide at constant speeds over two decades at one load and plot friction against speed; or compare a \
+          slow with a fast loop of one amplitude.",
+    parameters: &[
+        EffectParameter {
+            quantity: &v::WEAKENING,
+            range: |_| Range { lower: -0.9, upper: 3.0, scale: Scale::Linear, starts: vec![0.3, 0.3, -0.2] },
+        },
+        EffectParameter {
+            quantity: &v::WEAKENING_VELOCITY,
+            range: |scales| {
+                magnitudes(
+                    1e-4 * scales.velocity,
+                    3.0 * scales.velocity,
+                    &[0.3 * scales.velocity, 0.03 * scales.velocity, 0.1 * scales.velocity],
+                )
+            },
+        },
+    ],
+    place: PlaceKind::Nowhere,
+    kinds: ALL_KINDS,
+    needs: Needs::Nothing,
+    apply: |values, _, changes| changes.joint.weakening = Some((values[0], values[1])),
+    signature: |seen| {
+        seen.height_by_speed.filter(|change| change.abs() > 0.02).map(|change| {
+            format!(
+                "the loop's height changes by {:.0} % from the slowest to the fastest motion",
+                100.0 * change
+            )
+        })
+    },
+};

@@ -1,0 +1,31 @@
+//! A limit that changes with the slip distance.
+
+use super::{ALL_KINDS, Effect, EffectParameter, Needs, PlaceKind, both_signs};
+use crate::vocabulary as v;
+
+pub(super) const EFFECT: Effect = Effect {
+    id: "wear",
+    title: "Wear",
+    summary: "The limit changes with the distance slipped: limit · (1 + w s)",
+    explanation: "Sliding polishes or roughens the surfaces, removes a coating, or makes debris. The limit drifts with \
+          the distance travelled in slip, not with time: cycle after cycle the loop's height grows or shrinks, \
+          and stands still while the contact sticks.",
+    confirmation: "Run many cycles at one amplitude and plot the loop's height against the distance slipped; then stop \
+          for a while: wear stays, a temperature effect comes back.",
+    parameters: &[EffectParameter {
+        quantity: &v::RATE,
+        range: |scales| both_signs(3.0 / scales.travel, 0.05),
+    }],
+    place: PlaceKind::Nowhere,
+    kinds: ALL_KINDS,
+    needs: Needs::Transient,
+    apply: |values, _, changes| changes.joint.wear = values[0],
+    signature: |seen| {
+        seen.height_per_slip.filter(|rate| rate.abs() > 0.0).map(|rate| {
+            format!(
+                "the loop's height changes from cycle to cycle, by {:.1} % per millimetre of slip",
+                0.1 * rate
+            )
+        })
+    },
+};
