@@ -485,3 +485,63 @@ impl Rig for Beam {
         false
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Complex, DMatrix, DVector};
+
+    use super::*;
+
+    fn rig(level: f64) -> Beam {
+        let mut rig = Beam::draw(&[], 1.0, &mut Random::new(3)).unwrap();
+        rig.damping_ratio = 0.04; // the start dies away in few periods
+        rig.records.truncate(1);
+        rig.records[0].size = level;
+        rig
+    }
+
+    /// First harmonic of the acceleration at the excitation.
+    fn first_harmonic(rig: &Beam) -> Complex<f64> {
+        let record = &rig.respond()[0];
+        let values = &record.columns[2].values;
+        let turn = |index: usize| {
+            Complex::from_polar(2.0 / values.len() as f64, -TAU * index as f64 / SAMPLES as f64)
+        };
+        values.iter().enumerate().map(|(index, value)| turn(index) * *value).sum()
+    }
+
+    /// Receptance times the excitation, with a spring at the contact.
+    fn linear(rig: &Beam, stiffness: f64) -> Complex<f64> {
+        let modes = Modes::of(&rig.geometry, MODES);
+        let w = TAU * rig.records[0].frequency;
+        let slopes = modes.slopes_at_pin();
+        let matrix = DMatrix::from_fn(MODES, MODES, |i, j| {
+            let own = modes.angular_frequencies[i];
+            let diagonal = Complex::new(own * own - w * w, 2.0 * rig.damping_ratio * own * w);
+            let coupling = Complex::from(stiffness * OFFSET * OFFSET * slopes[i] * slopes[j]);
+            if i == j { diagonal + coupling } else { coupling }
+        });
+        let shape = modes.deflections(EXCITATION);
+        let force = Complex::from_polar(rig.records[0].size, rig.records[0].phase);
+        let load = DVector::from_iterator(MODES, shape.iter().map(|value| force * *value));
+        let answer = matrix.lu().solve(&load).unwrap();
+        shape.iter().zip(answer.iter()).map(|(value, q)| q * (-w * w * value)).sum()
+    }
+
+    #[test]
+    fn in_stick_the_steady_state_is_that_of_a_spring_in_series_with_the_beam() {
+        let rig = rig(0.01);
+        let axial = rig.geometry.axial_stiffness();
+        let stiffness = rig.joint.stiffness * axial / (rig.joint.stiffness + axial);
+        let (found, exact) = (first_harmonic(&rig), linear(&rig, stiffness));
+        assert!((found - exact).norm() < 1e-4 * exact.norm(), "{found} {exact}");
+    }
+
+    #[test]
+    fn without_friction_the_pin_turns_freely() {
+        let mut rig = rig(0.01);
+        rig.joint.friction_coefficient = 0.0;
+        let (found, exact) = (first_harmonic(&rig), linear(&rig, 0.0));
+        assert!((found - exact).norm() < 1e-4 * exact.norm(), "{found} {exact}");
+    }
+}

@@ -334,3 +334,114 @@ fn bisect(mut high: f64, mut low: f64, function: impl Fn(f64) -> f64) -> f64 {
     }
     0.5 * (low + high)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    const LOAD: f64 = 100.0;
+
+    /// ∮ T du over the third period of a sine, and the largest force in it.
+    fn cycle(joint: &Joint, amplitude: f64) -> (f64, f64) {
+        let mut contact = Contact::at_rest(joint, 0.0);
+        let (mut area, mut largest, mut before) = (0.0, 0.0_f64, (0.0, 0.0));
+        let count = 40_000;
+        for index in 1..=3 * count {
+            let displacement = amplitude * (TAU * index as f64 / count as f64).sin();
+            let force = contact.advance(displacement, LOAD, 1.0 / count as f64, 0.0);
+            if index > 2 * count {
+                area += 0.5 * (force + before.1) * (displacement - before.0);
+                largest = largest.max(force);
+            }
+            before = (displacement, force);
+        }
+        (area, largest)
+    }
+
+    fn jenkins() -> Joint {
+        Joint::jenkins(5e6, 0.5)
+    }
+
+    fn assert_close(found: f64, expected: f64, share: f64) {
+        assert!((found / expected - 1.0).abs() < share, "{found} instead of {expected}");
+    }
+
+    #[test]
+    fn jenkins_loop_area_equals_4_limit_times_slip() {
+        // μN = 50 N, yield at 10 µm.
+        let (area, largest) = cycle(&jenkins(), 4e-5);
+        assert_close(area, 4.0 * 50.0 * (4e-5 - 1e-5), 1e-6);
+        assert_close(largest, 50.0, 1e-12);
+    }
+
+    #[test]
+    fn play_takes_its_width_from_the_slip() {
+        let joint = Joint { half_gap: 4e-6, ..jenkins() };
+        assert_close(cycle(&joint, 4e-5).0, 4.0 * 50.0 * (4e-5 - 1e-5 - 4e-6), 1e-6);
+        let (area, largest) = cycle(&joint, 3.9e-6);
+        assert!(area.abs() < 1e-15 && largest.abs() < 1e-9, "{area} {largest}");
+    }
+
+    #[test]
+    fn spread_sliders_lose_the_iwan_integral_of_their_yields() {
+        // Yields x uniform in x̄(1 ± s): D = ∫ 4 k x (U − x) over the sliders that slip.
+        let joint = Joint { spread: 0.8, ..jenkins() };
+        let (low, high, reach) = (2e-6, 18e-6, 1.2e-5_f64);
+        let density = joint.stiffness / (high - low);
+        let integral = |x: f64| 4.0 * density * (reach * x * x / 2.0 - x.powi(3) / 3.0);
+        assert_close(cycle(&joint, reach).0, integral(reach) - integral(low), 5e-3);
+        assert_close(cycle(&joint, 1e-4).1, 50.0, 1e-9);
+    }
+
+    #[test]
+    fn springs_lose_nothing_and_a_damper_pi_c_omega_u_squared() {
+        let beside = Joint {
+            residual_stiffness: 1e5,
+            cubic_stiffness: 1e14,
+            damping: 7.0,
+            ..Joint::jenkins(5e6, 0.0)
+        };
+        let expected = 7.0 * TAU / 2.0 * TAU * (4e-5_f64).powi(2);
+        assert_close(cycle(&beside, 4e-5).0, expected, 1e-4);
+    }
+
+    #[test]
+    fn a_compliance_in_series_is_a_spring_in_series() {
+        let joint = jenkins();
+        let mut contact = Contact::at_rest(&joint, 1e-7);
+        assert_close(contact.advance(5e-6, LOAD, 1e-5, 0.0), 5e-6 / (1.0 / 5e6 + 1e-7), 1e-9);
+        assert_close(contact.advance(1e-3, LOAD, 1e-5, 0.0), 50.0, 1e-9);
+        // From slip back: the same spring in series.
+        let change = 50.0 - contact.advance(1e-3 - 2e-6, LOAD, 1e-5, 0.0);
+        assert_close(change, 2e-6 / (1.0 / 5e6 + 1e-7), 1e-6);
+    }
+
+    #[test]
+    fn a_lifted_contact_remembers_no_force() {
+        let joint = jenkins();
+        let mut contact = Contact::at_rest(&joint, 0.0);
+        contact.advance(3e-5, LOAD, 1e-3, 0.0);
+        assert_eq!(contact.advance(4e-5, -1.0, 1e-3, 0.0), 0.0);
+        assert_eq!(contact.advance(4e-5, LOAD, 1e-3, 0.0), 0.0);
+    }
+
+    #[test]
+    fn the_limit_follows_direction_distance_and_speed() {
+        let steady = |joint: Joint, direction: f64| {
+            let mut contact = Contact::at_rest(&joint, 0.0);
+            (1..=1000)
+                .map(|i| contact.advance(direction * 1e-6 * f64::from(i), LOAD, 1e-3, 0.0))
+                .last()
+                .unwrap()
+        };
+        let asymmetric = Joint { asymmetry: 0.2, ..jenkins() };
+        assert_close(steady(asymmetric.clone(), 1.0), 60.0, 1e-9);
+        assert_close(steady(asymmetric, -1.0), -40.0, 1e-9);
+        // 1 mm at 1 mm/s, of which all but the yield is slip.
+        assert_close(steady(Joint { wear: 300.0, ..jenkins() }, 1.0), 50.0 * (1.0 + 300.0 * 0.99e-3), 1e-3);
+        let weak = Joint { weakening: Some((0.5, 1e-3)), ..jenkins() };
+        assert_close(steady(weak, 1.0), 50.0 * (1.0 + 0.5 * (-1.0_f64).exp()), 1e-9);
+    }
+}

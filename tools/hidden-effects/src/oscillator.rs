@@ -181,7 +181,7 @@ impl Oscillator {
                 Hidden::new(id, &[("cubic_stiffness", self.cubic_stiffness)])
             }
             "quadratic_damping" => {
-                self.quadratic_damping = strength * random.between(2.0, 4.0);
+                self.quadratic_damping = strength * random.between(3.0, 6.0);
                 Hidden::new(id, &[("quadratic_damping", self.quadratic_damping)])
             }
             "added_mass" => {
@@ -195,7 +195,7 @@ impl Oscillator {
                 Hidden::new(id, &[("mass", hung), ("hanging_frequency", frequency)])
             }
             "sensor_delay" => {
-                let delay = strength * random.between(5e-4, 1e-3);
+                let delay = strength * random.between(6e-4, 1.2e-3);
                 self.fault = fault(delay, 1.0, 0.0);
                 Hidden::at(id, channel, &[("delay", delay)])
             }
@@ -372,5 +372,63 @@ impl Rig for Oscillator {
 
     fn tells_noise(&self) -> bool {
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sine of 1 N at `frequency`, from which the transient of a well damped system has gone.
+    fn amplitudes(rig: &Oscillator, frequency: f64) -> [f64; 2] {
+        let excitation = Excitation { lines: vec![[1.0, frequency, 0.0]], phases: [0.0; 2] };
+        rig.displacements(&excitation, 4000).map(|fine| {
+            let last = &fine.values[fine.values.len() * 9 / 10..];
+            last.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()))
+        })
+    }
+
+    fn bare(friction_coefficient: f64) -> Oscillator {
+        let joint = Joint::jenkins(7000.0, friction_coefficient);
+        Oscillator::new([1.2, 1.4], [35e3, 16e3], [150.0, 60.0], joint, 30.0)
+    }
+
+    #[test]
+    fn without_a_limit_the_response_is_the_receptance() {
+        let frequency = 17.0;
+        for (rig, contact_stiffness) in [(bare(0.0), 0.0), (bare(10.0), 7000.0)] {
+            let w = TAU * frequency;
+            // [a b; b d] x = [1; 0], complex numbers as pairs.
+            let a = (35e3 + 16e3 - w * w * 1.2, w * 210.0);
+            let b = (-16e3, -w * 60.0);
+            let d = (16e3 + contact_stiffness - w * w * 1.4, w * 60.0);
+            let times = |p: (f64, f64), q: (f64, f64)| (p.0 * q.0 - p.1 * q.1, p.0 * q.1 + p.1 * q.0);
+            let (ad, bb) = (times(a, d), times(b, b));
+            let determinant = (ad.0 - bb.0).hypot(ad.1 - bb.1);
+            let exact = [d.0.hypot(d.1) / determinant, b.0.hypot(b.1) / determinant];
+            for (found, exact) in amplitudes(&rig, frequency).into_iter().zip(exact) {
+                assert!((found / exact - 1.0).abs() < 1e-3, "{found} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_hung_resonator_holds_its_mass_at_its_frequency() {
+        // The absorber: where it is hung nothing moves at its own frequency once the start has died away.
+        let mut rig = bare(0.0);
+        rig.hanging = Some((0.5, 17.0));
+        let held = amplitudes(&rig, 17.0)[1];
+        assert!(held < 0.02 * amplitudes(&bare(0.0), 17.0)[1], "{held}");
+    }
+
+    #[test]
+    fn an_added_mass_is_a_mass() {
+        let mut added = bare(0.4);
+        added.added = [0.1, 0.2];
+        let mut heavy = bare(0.4);
+        heavy.masses = [1.3, 1.6];
+        for (a, b) in amplitudes(&added, 15.0).into_iter().zip(amplitudes(&heavy, 15.0)) {
+            assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+        }
     }
 }

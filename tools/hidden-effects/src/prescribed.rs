@@ -118,7 +118,7 @@ impl Prescribed {
             }
             "normal_hardening" | "impact_damping" => self.press(id, strength, random),
             "sensor_delay" => {
-                let delay = strength * random.between(0.002, 0.004);
+                let delay = strength * random.between(0.004, 0.007);
                 self.fault = Some(Fault { channel: force(), delay, gain: 1.0, bias: 0.0 });
                 Hidden::at(id, force(), &[("delay", delay)])
             }

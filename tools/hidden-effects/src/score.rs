@@ -130,7 +130,8 @@ pub fn score(truth: &Truth, diagnosis: &Diagnosis) -> Score {
     let (mut covered, mut told) = (0, 0);
     for (effect, name, [low, high]) in &diagnosis.intervals {
         let value = truth.parameters.get(effect).and_then(|parameters| parameters.get(name));
-        if let Some(value) = value.filter(|_| found && diagnosis.effects.contains(effect)) {
+        let named = found && diagnosis.effects.contains(effect) && truth.effects.contains(effect);
+        if let Some(value) = value.filter(|_| named) {
             told += 1;
             covered += usize::from((low..=high).contains(&value));
         }
