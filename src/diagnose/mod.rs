@@ -5,6 +5,7 @@ mod compare;
 mod comparison;
 mod contact_record;
 mod diagnosis;
+mod engine;
 mod predict;
 mod score;
 mod simulation;
@@ -15,4 +16,5 @@ pub use diagnosis::{
     Candidate, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group, Noise, NoiseSource, Step,
     Untried, Verdict,
 };
+pub use engine::{Added, DiagnoseError, DiagnoseOptions, DiagnoseWatch, add, diagnose};
 pub use predict::{NO_OSCILLATOR, unused_columns};

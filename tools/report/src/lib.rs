@@ -2,7 +2,9 @@
 //! terminal, and JSON. Everything here is a pure function of its arguments: the same comparison gives
 //! the same bytes, and nothing is read from or written to disk or network.
 
+mod catalogue;
 mod decimate;
+pub mod diagnosis;
 pub mod document;
 mod figure;
 mod format;
@@ -15,6 +17,7 @@ mod stages;
 mod summary;
 mod table;
 
+pub use catalogue::{catalogue_table, effect_table};
 pub use json::json;
 pub use page::html;
 pub use table::terminal_table;
