@@ -6,16 +6,17 @@ mod catalogue;
 mod decimate;
 pub mod diagnosis;
 pub mod document;
+mod explorer;
 mod figure;
 mod format;
 mod json;
 mod page;
 mod plots;
-mod records;
 pub mod responses;
 mod stages;
 mod summary;
 mod table;
+mod tables;
 
 pub use catalogue::{catalogue_table, effect_table};
 pub use json::json;
