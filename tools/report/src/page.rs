@@ -40,6 +40,7 @@ pub fn html(comparison: &Comparison, settings: &Settings) -> String {
     };
     Shell {
         title: &comparison.title,
+        badge: None,
         verdict: &summary.verdict,
         warnings: &summary.notes,
         scope: &scope(comparison, &levels),
@@ -52,6 +53,8 @@ pub fn html(comparison: &Comparison, settings: &Settings) -> String {
 /// What every page has around its sections.
 pub(crate) struct Shell<'a> {
     pub title: &'a str,
+    /// The verdict in a word or two, and the class that colours it.
+    pub badge: Option<(&'a str, &'a str)>,
     pub verdict: &'a str,
     pub warnings: &'a [String],
     pub scope: &'a str,
@@ -62,7 +65,7 @@ pub(crate) struct Shell<'a> {
 impl Shell<'_> {
     /// The whole page.
     pub fn page(self, settings: &Settings) -> String {
-        let Shell { title, verdict, warnings, scope, sections, figures } = self;
+        let Shell { title, badge, verdict, warnings, scope, sections, figures } = self;
         let page = html! {
             (DOCTYPE)
             html lang="en" {
@@ -77,6 +80,7 @@ impl Shell<'_> {
                 body {
                     header {
                         h1 { (name(title)) }
+                        @if let Some((text, class)) = badge { p { span class=(format!("badge {class}")) { (text) } } }
                         p.verdict { (name(verdict)) }
                         @for note in warnings { p.warning { (name(note)) } }
                         p.quiet { (name(scope)) @if let Some(date) = &settings.date { " " (name(date)) } }

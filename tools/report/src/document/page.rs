@@ -22,6 +22,7 @@ pub fn document_html(document: &Document, settings: &Settings) -> String {
     };
     Shell {
         title: &document.title,
+        badge: None,
         verdict: &document.lead,
         warnings: &document.warnings,
         scope: &document.scope,
