@@ -48,6 +48,8 @@ vocabulary! {
     FRICTION_COEFFICIENT = "friction_coefficient" ["1"] Some(0.0), None, true, 0.5, "Coefficient of friction; the friction limit is its product with the normal load";
     SMOOTHNESS = "smoothness" ["1"] Some(0.0), Some(1.0), true, 0.5, "Kappa of the Valanis law, from 0 (included: most gradual slip) to 1 (excluded: would be Jenkins)";
     RESIDUAL_STIFFNESS = "residual_stiffness" ["N/m"] Some(0.0), None, false, 1e5, "Slope left in macro-slip (e_t of the Valanis law), below the tangential stiffness";
+    EXPONENT = "exponent" ["1"] Some(-1.0), None, true, 0.5, "Chi of the four-parameter Iwan law, above -1 and at most 0: the energy lost in small loops grows with the power chi + 3 of the amplitude";
+    RATIO = "ratio" ["1"] Some(0.0), None, false, 1.0, "Beta of the four-parameter Iwan law: stiffness of the sliders that yield last, all at once, over that of all others";
     // Beam: parameters.
     LENGTH = "length" ["m"] Some(0.0), None, true, 1.0, "Length of the beam from clamp to pin";
     WIDTH = "width" ["m"] Some(0.0), None, true, 0.05, "Width of the beam";
@@ -73,6 +75,7 @@ vocabulary! {
     WEAKENING = "weakening" ["1"] Some(-1.0), None, true, 0.3, "Excess of the friction limit at rest over that at high velocity, as a share of the latter";
     WEAKENING_VELOCITY = "weakening_velocity" ["m/s"] Some(0.0), None, true, 1e-3, "Relative velocity at which the excess of the friction limit has fallen to 1/e";
     RATE = "rate" ["1/m"] None, None, false, 1.0, "Relative change of the friction limit per metre of slip";
+    CONTACT_DAMPING = "damping" ["N.s/m"] None, None, false, 1.0, "Damping of the damper beside the contact";
     HALF_GAP = "half_gap" ["m"] Some(0.0), None, false, 1e-5, "Half of the play in series with the contact";
     CUBIC_STIFFNESS = "cubic_stiffness" ["N/m^3"] None, None, false, 1e12, "Cubic stiffness: force over the third power of the displacement";
     ASYMMETRY = "asymmetry" ["1"] Some(-1.0), Some(1.0), true, 0.1, "Excess of the friction limit against positive slip, and lack against negative, as a share of their mean";

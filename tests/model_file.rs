@@ -138,13 +138,6 @@ fn schema_kind_and_law_are_refused_with_the_legal_ones() {
 }
 
 #[test]
-fn what_this_version_does_not_do_is_said_to_be_unsupported() {
-    let (line, _, message) = refusal(&format!("{CONTACT}\n[[effect]]\nid = \"backlash\"\n"));
-    assert_eq!(line, 15);
-    assert!(message.contains("not supported by this version"), "{message}");
-}
-
-#[test]
 fn a_missing_key_is_reported_at_its_table_with_its_unit() {
     refused(&replaced(CONTACT, "normal_load = 147.15", ""), 4, "[contact]", &["`normal_load`", "[N]"]);
     refused(&replaced(BEAM, "offset = 0.006", ""), 21, "[support]", &["`offset`", "[m]"]);
@@ -236,6 +229,7 @@ fn contact() -> impl Strategy<Value = Contact> {
         tangential_stiffness: stiffness,
         friction_coefficient: coefficient,
         normal_load: load,
+        normal_stiffness: 0.0,
     })
 }
 
@@ -290,7 +284,12 @@ fn model() -> impl Strategy<Value = Model> {
         let bare = bare && structure != Structure::Prescribed;
         let patterns =
             |patterns: Vec<&str>| patterns.into_iter().filter(|_| !bare).map(str::to_owned).collect();
-        Model { structure, contact: (!bare).then_some(contact), effects: Vec::new(), free: free.map(patterns) }
+        Model {
+            structure,
+            contact: (!bare).then_some(contact),
+            effects: Vec::new(),
+            free: free.map(patterns),
+        }
     })
 }
 

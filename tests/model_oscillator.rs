@@ -292,6 +292,7 @@ fn oscillators() -> impl Strategy<Value = Model> {
                     tangential_stiffness: stiffness,
                     friction_coefficient: 0.5,
                     normal_load: 3.0,
+                    normal_stiffness: 0.0,
                 }),
                 effects: Vec::new(),
                 free: None,

@@ -245,6 +245,16 @@ impl Element {
         super::Response { force, tangents, dissipated_energy, slip_state }
     }
 
+    /// [`super::ContactLaw::advance`] of such a law.
+    pub fn advance(&self, state: &mut [f64], inputs: Inputs) -> f64 {
+        let start = Start { slider: state[0], displacement: state[1], normal_load: state[2] };
+        let step = self.evaluate(start, inputs);
+        state[0] = self.slider(&step, start, inputs);
+        state[1] = inputs.displacement;
+        state[2] = inputs.normal_load;
+        step.force
+    }
+
     /// [`super::ContactLaw::set_state`] of such a law.
     pub fn set_state(&self, displacement: f64, normal_load: f64, force: f64, state: &mut [f64]) {
         state[0] = self.slider_carrying(displacement, cut_to(force, self.limit(normal_load)));

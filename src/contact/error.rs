@@ -75,6 +75,14 @@ pub enum LawError {
         /// What is allowed.
         bounds: Bounds,
     },
+    /// The law and the parameter do not go together.
+    #[error("{law} law slips gradually by itself and takes no {parameter}")]
+    Combination {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// Whose law, in the genitive.
+        law: &'static str,
+    },
 }
 
 /// The unit as it follows a number; a plain number's `1` is left out.

@@ -97,6 +97,10 @@ impl ContactLaw for Jenkins {
         self.element.step(state, inputs, next)
     }
 
+    fn advance(&self, state: &mut [f64], inputs: Inputs) -> f64 {
+        self.element.advance(state, inputs)
+    }
+
     fn state_tangents(&self, state: &[f64], inputs: Inputs, out: &mut StateTangents) {
         self.element.state_tangents(state, inputs, out);
     }

@@ -16,6 +16,7 @@ mod endochronic;
 mod error;
 mod iwan;
 mod jenkins;
+mod joint;
 mod parallel;
 mod periodic;
 mod slider;
@@ -27,6 +28,7 @@ pub use cubic::CubicSpring;
 pub use error::{Bounds, LawError};
 pub use iwan::{Iwan, IwanSpacing};
 pub use jenkins::Jenkins;
+pub use joint::{Joint, JointBase, MICRO_SLIDERS};
 pub use parallel::ParallelSliders;
 pub use periodic::{Period, PeriodicError, PeriodicInfo, PeriodicSolver, periodic_state};
 pub use slider::Slider;
@@ -128,6 +130,28 @@ pub trait ContactLaw: std::fmt::Debug + Send + Sync {
 
     /// One step from `state` to `inputs`; writes the next state. Allocates nothing.
     fn step(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> Response;
+
+    /// As [`ContactLaw::step`], in place and for the force (N) alone: for whole records walked many times.
+    fn advance(&self, state: &mut [f64], inputs: Inputs) -> f64 {
+        let mut few = [0.0; 64];
+        let n = state.len();
+        let mut many = Vec::new();
+        let next = match few.get_mut(..n) {
+            Some(next) => next,
+            None => {
+                many.resize(n, 0.0);
+                &mut many
+            }
+        };
+        let force = self.step(state, inputs, next).force;
+        state.copy_from_slice(next);
+        force
+    }
+
+    /// Starts a record in `state`: what counts from its start, the distance slipped, goes back to zero.
+    fn restart(&self, state: &mut [f64]) {
+        let _ = state;
+    }
 
     /// Derivatives of [`ContactLaw::step`] with respect to the previous state, at the same arguments.
     /// `out`'s vectors are resized on first use and only overwritten after.

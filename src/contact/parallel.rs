@@ -88,8 +88,13 @@ impl ParallelSliders {
 
     /// Energy (J) kept in the springs in `state`.
     pub fn stored_energy(&self, state: &[f64]) -> f64 {
-        let springs = self.elements.iter().zip(&state[SHARED..]);
-        springs.map(|(element, slider)| element.stored_energy(*slider, state[0])).sum()
+        self.stored_energy_at(state[0], &state[SHARED..])
+    }
+
+    /// Energy (J) kept in the springs at `displacement` (m) with their ends at `sliders` (m).
+    pub(super) fn stored_energy_at(&self, displacement: f64, sliders: &[f64]) -> f64 {
+        let springs = self.elements.iter().zip(sliders);
+        springs.map(|(element, slider)| element.stored_energy(*slider, displacement)).sum()
     }
 
     /// Displacement (m) at which the loading curve of the virgin contact reaches `force` (N, within ±limit):

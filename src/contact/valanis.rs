@@ -234,6 +234,20 @@ impl Valanis {
         self.tangential_stiffness * (self.hysteretic_stiffness / r) / self.limit(normal_load)
     }
 
+    /// Slope of the virgin curve of the hysteretic part, p = e0 − e_t (N/m).
+    pub(super) fn hysteretic_stiffness(&self) -> f64 {
+        self.hysteretic_stiffness
+    }
+
+    /// The law with limits `1 ± asymmetry` times its own.
+    pub(super) fn with_asymmetry(self, asymmetry: f64) -> Result<Self, LawError> {
+        if asymmetry == 0.0 {
+            Ok(self)
+        } else {
+            Err(LawError::Combination { parameter: "asymmetry", law: "Valanis'" })
+        }
+    }
+
     /// Energy (J) kept in `state`: the hysteretic part's and the residual spring's.
     pub fn stored_energy(&self, state: &[f64]) -> f64 {
         let stretch = state[1] - state[3];

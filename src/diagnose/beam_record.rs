@@ -6,7 +6,7 @@ use super::predict::Prediction;
 use crate::harmonic::{self, ContactOnBeam, Method, Resonance, Settings, fourier};
 use crate::integrate::{self, BeamInputs, BeamIntegrator, Ramp, SensorReading};
 use crate::measure::{Channel, Record, Regime};
-use crate::model::{Beam, Contact};
+use crate::model::{Beam, Model};
 use crate::structure::ModalBeam;
 
 /// Harmonics at phase resonance: the frequencies of the frictional support are then within 0.1 mHz of those
@@ -33,8 +33,8 @@ fn forced_settings(beam: &ModalBeam, period: f64) -> Settings {
 /// Predictions of the columns `frequency` (Hz) and `damping_ratio` of a backbone, or of every motion
 /// measured at a position (`acceleration:x=…`, `velocity:x=…`, `displacement:x=…`) of a record in time.
 pub(super) fn predict<'r>(
+    model: &Model,
     beam: &Beam,
-    contact: Option<&Contact>,
     record: &Record,
     channels: Vec<&'r Channel>,
 ) -> Result<Vec<Prediction<'r>>, String> {
@@ -44,10 +44,10 @@ pub(super) fn predict<'r>(
         _ => channels.iter().map(|channel| position(channel)).collect::<Result<_, _>>()?,
     };
     let modal = ModalBeam::new(&Beam { sensors, ..beam.clone() }).map_err(|error| error.to_string())?;
-    let law = contact.map(Contact::law).transpose().map_err(|error| error.to_string())?;
+    let law = model.law().map_err(|error| error.to_string())?;
     let on_beam = law
         .as_deref()
-        .zip(contact)
+        .zip(model.contact)
         .map(|(law, contact)| ContactOnBeam { law, normal_load: contact.normal_load });
     match record.regime {
         Regime::Backbone => backbone(&modal, on_beam, record, channels),

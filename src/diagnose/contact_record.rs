@@ -1,123 +1,201 @@
 //! A contact driven along a measured displacement.
 
-use crate::contact::{ContactLaw, Inputs, periodic_state};
-use crate::measure::{Record, Regime};
+use super::motion::Motion;
+use super::prehistory::Prehistory;
+use super::sensors;
+use super::simulation::Simulation;
+use crate::contact::{ContactLaw, Inputs, Period, PeriodicSolver};
+use crate::identify;
+use crate::measure::{Channel, Record, Regime};
+use crate::model::Model;
 
-/// Share of a record by which an unknown initial force is judged: long enough to see it, and no longer,
-/// since a contact that slips forgets it.
-const INITIAL_SHARE: f64 = 0.25;
-/// Candidates for the initial force before the refinement: the error has several minima in it when the
-/// record starts with small loops.
-const INITIAL_CANDIDATES: usize = 17;
-/// Golden-section steps after that; each shrinks the bracket by 0.618.
-const INITIAL_REFINEMENTS: usize = 24;
+/// Predictions of a record of a bare contact: the force, and the normal load where the model has a normal
+/// stiffness.
+pub(super) struct ContactRecord<'r> {
+    channels: Vec<&'r Channel>,
+    regime: Regime,
+    displacement: Motion,
+    /// The measured normal load (N), smoothed.
+    measured_load: Option<Motion>,
+    normal_displacement: Option<Motion>,
+    prehistory: Prehistory,
+    solver: PeriodicSolver,
+    /// Normal load (N) at every sample, under the model predicted last.
+    load: Vec<f64>,
+    states: [Vec<f64>; 2],
+}
 
-/// The contact force (N) that `law` predicts at every sample of `record`, under a constant `normal_load` (N).
-pub(super) fn predict(law: &dyn ContactLaw, normal_load: f64, record: &Record) -> Result<Vec<f64>, String> {
-    let displacement = &record.channel("displacement").ok_or("there is no `displacement` column")?.values;
-    let velocity = match record.channel("velocity") {
-        Some(channel) => channel.values.clone(),
-        None => {
-            differentiate(&record.channel("time").ok_or("there is no `time` column")?.values, displacement)
-        }
-    };
-    let path = Path { law, normal_load, displacement, velocity: &velocity };
-    let mut start = vec![0.0; law.state_len()];
-    match record.regime {
-        Regime::FromRest => law.set_state(0.0, normal_load, 0.0, &mut start),
-        Regime::Steady => {
-            law.set_state(displacement[0], normal_load, 0.0, &mut start);
-            let load = vec![normal_load; displacement.len()];
-            periodic_state(law, displacement, &load, &mut start).map_err(|error| error.to_string())?;
-        }
-        Regime::UnknownInitialState => {
-            let measured = &record.channel("force").ok_or("there is no `force` column")?.values;
-            let force = path.initial_force(measured);
-            law.set_state(displacement[0], normal_load, force, &mut start);
-        }
-        Regime::Backbone => {
+impl<'r> ContactRecord<'r> {
+    /// Of `record`, predicting `channels`.
+    pub fn new(record: &'r Record, channels: Vec<&'r Channel>) -> Result<Self, String> {
+        if record.regime == Regime::Backbone {
             return Err("a backbone table belongs to a beam or an oscillator, not to a bare contact".into());
         }
+        let column = |name: &str| record.channel(name).map(|channel| channel.values.as_slice());
+        let values = column("displacement").ok_or("there is no `displacement` column")?;
+        let motion = |values: &[f64]| match (record.sample_step(), record.time()) {
+            (Some(step), _) => Ok(Motion::even(values, step)),
+            (None, Some(time)) => Ok(Motion::uneven(values, time)),
+            (None, None) => Err("there is no `time` column"),
+        };
+        let displacement = match column("velocity") {
+            Some(rates) => Motion { values: values.to_vec(), rates: rates.to_vec() },
+            None => motion(values)?,
+        };
+        let measured_load = column("normal_load").map(motion).transpose()?;
+        let normal_displacement = column("normal_displacement").map(motion).transpose()?;
+        let prehistory = Prehistory::new(&displacement.values);
+        Ok(Self {
+            channels,
+            regime: record.regime,
+            displacement,
+            measured_load,
+            normal_displacement,
+            prehistory,
+            solver: PeriodicSolver::new(),
+            load: Vec::new(),
+            states: Default::default(),
+        })
     }
-    Ok(path.forces(&start, displacement.len()))
-}
 
-struct Path<'a> {
-    law: &'a dyn ContactLaw,
-    normal_load: f64,
-    displacement: &'a [f64],
-    velocity: &'a [f64],
-}
-
-impl Path<'_> {
-    fn forces(&self, start: &[f64], samples: usize) -> Vec<f64> {
-        let mut forces = Vec::with_capacity(samples);
-        self.walk(start, samples, |_, force| forces.push(force));
-        forces
-    }
-
-    fn walk(&self, start: &[f64], samples: usize, mut visit: impl FnMut(usize, f64)) {
-        let mut state = start.to_vec();
-        let mut next = start.to_vec();
-        for index in 0..samples {
-            let inputs = Inputs {
-                displacement: self.displacement[index],
-                velocity: self.velocity[index],
-                normal_load: self.normal_load,
+    /// The normal load at every sample.
+    fn update_load(&mut self, model: &Model) -> Result<(), String> {
+        let contact = model.contact.as_ref().ok_or("the model has no [contact]")?;
+        let joint = model.changes().joint;
+        let count = self.displacement.values.len();
+        self.load.clear();
+        if let (true, Some(normal)) = (contact.normal_stiffness > 0.0, &self.normal_displacement) {
+            let reaction = |(approach, rate): (&f64, &f64)| {
+                joint.normal_reaction(contact.normal_load, contact.normal_stiffness, *approach, *rate)
             };
-            visit(index, self.law.step(&state, inputs, &mut next).force);
+            self.load.extend(normal.values.iter().zip(&normal.rates).map(reaction));
+        } else if let Some(measured) = &self.measured_load {
+            self.load.extend(measured.values.iter().map(|load| joint.normal_load(contact.normal_load, Some(*load))));
+        } else {
+            self.load.resize(count, contact.normal_load);
+        }
+        Ok(())
+    }
+
+    fn inputs(&self, index: usize) -> Inputs {
+        Inputs {
+            displacement: self.displacement.values[index],
+            velocity: self.displacement.rates[index],
+            normal_load: self.load[index],
+        }
+    }
+
+    /// Steps through the samples `0..end` from `states[0]`, which is left behind.
+    fn walk(&mut self, law: &dyn ContactLaw, end: usize, mut visit: impl FnMut(usize, f64)) {
+        let [mut state, mut next] = std::mem::take(&mut self.states);
+        for index in 0..end {
+            visit(index, law.step(&state, self.inputs(index), &mut next).force);
             std::mem::swap(&mut state, &mut next);
         }
+        self.states = [state, next];
     }
 
-    /// The force at the first sample that fits the beginning of the record best: a nuisance of the
-    /// record, not a parameter of the model.
-    fn initial_force(&self, measured: &[f64]) -> f64 {
-        let samples = ((measured.len() as f64 * INITIAL_SHARE) as usize).max(2).min(measured.len());
-        let mut start = vec![0.0; self.law.state_len()];
-        let mut misfit = |force: f64| {
-            self.law.set_state(self.displacement[0], self.normal_load, force, &mut start);
-            let mut sum = 0.0;
-            self.walk(&start, samples, |index, force| sum += (force - measured[index]).powi(2));
-            sum
-        };
-        let limit = self.law.limit(self.normal_load);
-        let spacing = 2.0 * limit / (INITIAL_CANDIDATES - 1) as f64;
-        let best = (0..INITIAL_CANDIDATES)
-            .map(|index| -limit + spacing * index as f64)
-            .map(|force| (misfit(force), force))
-            .min_by(|left, right| left.0.total_cmp(&right.0))
-            .map_or(0.0, |(_, force)| force);
-        golden_section((best - spacing).max(-limit), (best + spacing).min(limit), &mut misfit)
-    }
-}
-
-fn golden_section(mut low: f64, mut high: f64, cost: &mut impl FnMut(f64) -> f64) -> f64 {
-    let ratio = (5.0_f64.sqrt() - 1.0) / 2.0;
-    let mut inner = [high - ratio * (high - low), low + ratio * (high - low)];
-    let mut costs = [cost(inner[0]), cost(inner[1])];
-    for _ in 0..INITIAL_REFINEMENTS {
-        if costs[0] <= costs[1] {
-            high = inner[1];
-            inner = [high - ratio * (high - low), inner[0]];
-            costs = [cost(inner[0]), costs[0]];
-        } else {
-            low = inner[0];
-            inner = [inner[1], low + ratio * (high - low)];
-            costs = [costs[1], cost(inner[1])];
+    /// Puts the state before the first sample into `states[0]`.
+    fn start(&mut self, law: &dyn ContactLaw, nuisances: &[f64]) -> Result<(), String> {
+        let [mut state, mut next] = std::mem::take(&mut self.states);
+        state.clear();
+        state.resize(law.state_len(), 0.0);
+        next.clone_from(&state);
+        let first = self.inputs(0);
+        match (self.regime, nuisances) {
+            (Regime::Steady, _) => {
+                law.set_state(first.displacement, first.normal_load, 0.0, &mut state);
+                let period = Period {
+                    displacement: &self.displacement.values,
+                    velocity: &self.displacement.rates,
+                    normal_load: &self.load,
+                };
+                self.solver.solve(law, &period, &mut state).map_err(|error| error.to_string())?;
+            }
+            (Regime::UnknownInitialState, [value]) => {
+                let inputs = |index| self.inputs(index);
+                self.prehistory.start(law, &inputs, *value, &mut state, &mut next);
+            }
+            _ => law.set_state(0.0, first.normal_load, 0.0, &mut state),
         }
+        self.states = [state, next];
+        Ok(())
     }
-    if costs[0] <= costs[1] { inner[0] } else { inner[1] }
+
+    /// Mean square error of the force over the samples that tell the start, as a function of the nuisance.
+    fn misfit(&mut self, law: &dyn ContactLaw, measured: &Measured, value: f64) -> f64 {
+        if self.start(law, &[value]).is_err() {
+            return f64::INFINITY;
+        }
+        let mut sum = 0.0;
+        self.walk(law, measured.samples, |index, force| {
+            sum += (measured.gain * force + measured.bias - measured.values[index]).powi(2);
+        });
+        if sum.is_finite() { sum } else { f64::INFINITY }
+    }
 }
 
-/// Central differences of `values` over `time`, one-sided at the ends.
-fn differentiate(time: &[f64], values: &[f64]) -> Vec<f64> {
-    let last = time.len() - 1;
-    (0..=last)
-        .map(|index| {
-            let (before, after) = (index.saturating_sub(1), (index + 1).min(last));
-            let span = time[after] - time[before];
-            if span > 0.0 { (values[after] - values[before]) / span } else { 0.0 }
-        })
-        .collect()
+/// The contact's law with all the model's effects.
+fn law_of(model: &Model) -> Result<Box<dyn ContactLaw>, String> {
+    model.law().map_err(|error| error.to_string())?.ok_or_else(|| "the model has no [contact]".to_owned())
+}
+
+/// The beginning of the measured force, and how its sensor shows it.
+struct Measured<'r> {
+    values: &'r [f64],
+    samples: usize,
+    gain: f64,
+    bias: f64,
+}
+
+impl Simulation for ContactRecord<'_> {
+    fn channels(&self) -> &[&Channel] {
+        &self.channels
+    }
+
+    fn nuisances(&mut self, model: &Model) -> Result<Vec<identify::Parameter>, String> {
+        if self.regime != Regime::UnknownInitialState {
+            return Ok(Vec::new());
+        }
+        let law = law_of(model)?;
+        self.update_load(model)?;
+        let force = self.channels.iter().copied().find(|channel| channel.quantity() == "force");
+        let Some(force) = force else { return Ok(vec![self.prehistory.parameter(0.0)]) };
+        let fault = sensors::fault(model, force);
+        let measured = Measured {
+            values: &force.values,
+            samples: self.prehistory.telling(force.values.len()),
+            gain: fault.as_ref().map_or(1.0, |fault| fault.gain),
+            bias: fault.as_ref().map_or(0.0, |fault| fault.bias),
+        };
+        // The search belongs to the prehistory, which has to be changed while the record is walked.
+        let mut best = (f64::INFINITY, self.prehistory.clone(), 0.0);
+        for kind in Prehistory::KINDS {
+            self.prehistory.choose(kind, law.as_ref(), self.load[0]);
+            let value = self.prehistory.clone().search(&mut |value| self.misfit(law.as_ref(), &measured, value));
+            let cost = self.misfit(law.as_ref(), &measured, value);
+            if cost < best.0 {
+                best = (cost, self.prehistory.clone(), value);
+            }
+        }
+        let (_, prehistory, value) = best;
+        self.prehistory = prehistory;
+        Ok(vec![self.prehistory.parameter(value)])
+    }
+
+    fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
+        let law = law_of(model)?;
+        self.update_load(model)?;
+        self.start(law.as_ref(), nuisances)?;
+        let count = self.displacement.values.len();
+        out.clear();
+        out.reserve(count * self.channels.len());
+        for channel in 0..self.channels.len() {
+            match self.channels[channel].quantity() {
+                "normal_load" => out.extend_from_slice(&self.load),
+                _ => self.walk(law.as_ref(), count, |_, force| out.push(force)),
+            }
+        }
+        Ok(())
+    }
 }

@@ -1,11 +1,21 @@
-//! Stand-in with the signatures of the diagnosis, so that commands and reports can be built beside it.
+//! The diagnosis from beginning to end: split, noise, rounds of refits, one look at the untouched records.
 
-use super::{
-    Cost, Diagnosis, Errors, Noise, NoiseSource, RefitError, Stage, Verdict, Watch, evaluate, refit,
-};
-use crate::effects::{AppliedEffect, CATALOGUE, Effect, Location, Scales};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::bench::{Bench, Scored, mean_square};
+use super::candidates::{self, Candidate};
+use super::compare::RefitError;
+use super::comparison::{Comparison, Stage};
+use super::diagnosis::{Cost, Diagnosis, Errors, Verdict};
+use super::findings::{Findings, Outcome};
+use super::noise;
+use super::select::{Search, State};
+use super::split::{self, Parts};
+use super::trial::{self, Effort, Fitted};
+use super::{evaluate, inputs, magnitudes, verdict};
+use crate::effects::{Effect, Location};
 use crate::identify::InterruptHook;
-use crate::measure::{Dataset, Use};
+use crate::measure::Dataset;
 use crate::model::Model;
 
 /// What a diagnosis tries.
@@ -52,10 +62,14 @@ pub struct Added {
     pub stages: Vec<Stage>,
 }
 
-/// Diagnoses nothing: refits and says so.
+/// Finds which physical effect `model` lacks to predict `dataset`.
+///
+/// The records are split in three. Every effect of the catalogue is added to the full simulator and refitted
+/// together with all else on the first part, and chosen by the second; the third is read once, at the end,
+/// and decides whether the data are explained.
 ///
 /// # Errors
-/// [`DiagnoseError`].
+/// [`DiagnoseError`]: an unknown effect, a model without a free parameter, records that cannot be predicted.
 pub fn diagnose(
     model: &Model,
     dataset: &Dataset,
@@ -66,63 +80,83 @@ pub fn diagnose(
         crate::effects::find(id).ok_or_else(|| DiagnoseError::UnknownEffect(id.clone()))?;
     }
     let baseline = evaluate("as given", model, dataset);
-    let told = |done| {
-        if let Some(tell) = watch.progress {
-            tell("refitting", done, 1);
-        }
+    let (mut bench, scales) = prepared(model, dataset, watch.interrupt)?;
+    let parts = split::split(dataset, |record| noise::driver(record).map(|c| c.values.clone()).unwrap_or_default());
+    let measured = noise::measure(&bench.lanes);
+    let meter = Meter { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(1) };
+    meter.tell("refitting the model as it is");
+    if let Some(reason) = split::too_little(dataset, &parts) {
+        return Ok(verdict::insufficient(model, dataset, baseline, measured, &parts, reason));
+    }
+    let given = model.effects.len();
+    let told = |what: &str| meter.tell(what);
+    let first = {
+        let unknowns = candidates::unknowns(model, given, &scales, dataset);
+        trial::fit(&bench, model, &unknowns, &parts.fit, Effort::Full).map_err(|reason| unpredictable(dataset, reason))?
     };
-    told(0);
-    let done = refit("refitted", model, dataset, Watch { progress: None, interrupt: watch.interrupt })?;
-    told(1);
-    let (first, last) = (baseline.error, done.stage.error);
-    Ok(Diagnosis {
-        verdict: Verdict::InsufficientData,
-        reasons: vec!["nothing was tried".to_owned()],
-        effects: vec![],
-        surrogates: vec![],
-        groups: vec![],
-        error: Errors {
-            baseline: first,
-            refitted: last,
-            last,
-            untouched: f64::NAN,
-            untouched_refitted: f64::NAN,
-            noise_floor: None,
-            untouched_noise_floor: None,
-        },
-        chi_square: None,
-        steps: vec![],
-        candidates: vec![],
-        rounds: vec![],
-        untried: CATALOGUE
-            .iter()
-            .map(|effect| super::Untried { effect: effect.id, reason: "nothing was tried".to_owned() })
-            .collect(),
-        confounding: vec![],
-        detectable: vec![],
-        evidence: vec![],
-        next_experiment: None,
-        split: vec![Use::Fit; dataset.records.len()],
-        noise: vec![Noise {
-            record: 0,
-            channel: "force".to_owned(),
-            deviation: None,
-            source: NoiseSource::Unknown,
-        }],
-        comparison: super::Comparison {
-            title: dataset.title.clone().unwrap_or_default(),
-            records: dataset.records.clone(),
-            stages: vec![baseline, done.stage],
-        },
-        model: done.model,
-        cost: Cost { refits: 1, simulations: 1 },
-    })
+    let through = inputs::through(&first.model, &bench);
+    let known = noise::weigh(&mut bench.lanes, &measured, &through);
+    let search = Search { bench: &bench, parts: &parts, scales: &scales, given, told: &told };
+    let base = search.state(&first.model).map_err(|reason| unpredictable(dataset, reason))?;
+    let (mut tried, untried) = candidates::of(model, &bench);
+    if let Some(only) = &options.effects {
+        tried.retain(|candidate| only.iter().any(|id| id == candidate.effect.id));
+    }
+    meter.expect(1 + tried.len());
+    let findings = Findings::search(&search, base, &tried, options.max_effects, known, &meter);
+    let outcome = conclude(&search, model, findings, known)?;
+    Ok(verdict::of(&search, verdict::Material { model, dataset, baseline, measured, known, tried, untried, outcome }))
 }
 
-/// Adds an effect at its first start value and refits.
+/// The bench and the magnitudes, or why the model cannot be refitted to the dataset.
+fn prepared<'d>(
+    model: &Model,
+    dataset: &'d Dataset,
+    interrupt: Option<InterruptHook<'d>>,
+) -> Result<(Bench<'d>, crate::effects::Scales), DiagnoseError> {
+    if !model.parameters().iter().any(|parameter| parameter.free) {
+        return Err(RefitError::NothingFree.into());
+    }
+    let bench = Bench::new(model, dataset, interrupt)
+        .map_err(|(record, reason)| RefitError::Unpredictable { record, reason })?;
+    Ok((bench, magnitudes::of(model, dataset)))
+}
+
+fn unpredictable(dataset: &Dataset, reason: String) -> DiagnoseError {
+    let record = dataset.records.first().map(|record| record.name.clone()).unwrap_or_default();
+    RefitError::Unpredictable { record, reason }.into()
+}
+
+/// The last fits, to all records that were seen, and the one look at those that were not.
+fn conclude(search: &Search, model: &Model, findings: Findings, known: bool) -> Result<Outcome, DiagnoseError> {
+    let bench = search.bench;
+    let seen = search.parts.seen();
+    let refit = |model: &Model| -> Result<Fitted, DiagnoseError> {
+        trial::fit(bench, model, &search.unknowns(model), &seen, Effort::Full)
+            .map_err(|reason| unpredictable(bench.dataset, reason))
+    };
+    let mut fits = vec![refit(&findings.base.fitted.model)?];
+    for step in &findings.steps {
+        fits.push(refit(&step.state.fitted.model)?);
+    }
+    if findings.dropped() {
+        fits.push(refit(&findings.last().fitted.model)?);
+    }
+    let score = |model: &Model| -> Vec<Scored> {
+        bench.score(model, &search.parts.untouched).unwrap_or_default()
+    };
+    let before = score(&fits[0].model);
+    let after = score(&fits[fits.len() - 1].model);
+    let chi_square = (known && !after.is_empty()).then(|| mean_square(&after));
+    let _ = model;
+    Ok(Outcome { findings, fits, before, after, chi_square })
+}
+
+/// Adds `effect` at `location` to `model` from all its starts, refits all together to the records that a fit
+/// may see, and evaluates before and after.
 ///
 /// # Errors
-/// [`DiagnoseError`].
+/// As [`diagnose`].
 pub fn add(
     model: &Model,
     effect: &'static Effect,
@@ -131,9 +165,102 @@ pub fn add(
     watch: DiagnoseWatch,
 ) -> Result<Added, DiagnoseError> {
     let before = evaluate("as given", model, dataset);
-    let values = effect.parameters.iter().map(|p| (p.range)(&Scales::default()).starts[0]).collect();
-    let mut with = model.clone();
-    with.effects.push(AppliedEffect { effect, location, values });
-    let done = refit("with it", &with, dataset, Watch { progress: None, interrupt: watch.interrupt })?;
-    Ok(Added { model: done.model, stages: vec![before, done.stage] })
+    let (bench, scales) = prepared(model, dataset, watch.interrupt)?;
+    let records = &dataset.records;
+    let marked = |mark| (0..records.len()).filter(|index| records[*index].use_for == mark).collect::<Vec<_>>();
+    let fit = match marked(Some(crate::measure::Use::Fit)) {
+        fit if fit.is_empty() => marked(None),
+        fit => fit,
+    };
+    if fit.is_empty() {
+        return Err(RefitError::NothingToFit.into());
+    }
+    let meter = Meter { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(2) };
+    let told = |what: &str| meter.tell(what);
+    let parts = Parts { fit, ..Parts::default() };
+    let search = Search { bench: &bench, parts: &parts, scales: &scales, given: model.effects.len(), told: &told };
+    let failed = |reason| unpredictable(dataset, reason);
+    let base: State = search.state(model).map_err(failed)?;
+    meter.tell("refitted");
+    let candidate = Candidate { effect, location };
+    let with = search.added(&base.fitted.model, &[candidate]).map_err(failed)?;
+    meter.tell(effect.id);
+    let mut stages = vec![before];
+    for (name, fitted, start) in [("refitted", &base.fitted, model), (effect.id, &with.fitted, &base.fitted.model)] {
+        stages.push(stage(name, fitted, start, dataset));
+    }
+    Ok(Added { model: with.fitted.model, stages })
+}
+
+/// The evaluation of a fitted model, its parameters marked with where they started.
+pub(super) fn stage(name: &str, fitted: &Fitted, start: &Model, dataset: &Dataset) -> Stage {
+    let mut stage = evaluate(name, &fitted.model, dataset);
+    stage.evaluations = fitted.simulations;
+    for parameter in &mut stage.parameters {
+        let changed = fitted.estimates.iter().any(|estimate| estimate.name == parameter.path);
+        parameter.fitted_from = if changed { start.get(&parameter.path) } else { None };
+    }
+    stage
+}
+
+/// Counts what is done of what is expected.
+pub(super) struct Meter<'a> {
+    watch: DiagnoseWatch<'a>,
+    done: AtomicUsize,
+    of: AtomicUsize,
+}
+
+impl Meter<'_> {
+    fn tell(&self, what: &str) {
+        let done = self.done.fetch_add(1, Ordering::Relaxed);
+        if let Some(progress) = self.watch.progress {
+            progress(what, done, self.of.load(Ordering::Relaxed).max(done));
+        }
+    }
+
+    /// Raises what is expected.
+    pub fn expect(&self, more: usize) {
+        self.of.fetch_add(more, Ordering::Relaxed);
+    }
+}
+
+/// The comparison of all stages.
+pub(super) fn comparison(dataset: &Dataset, stages: Vec<Stage>) -> Comparison {
+    Comparison { title: dataset.title.clone().unwrap_or_default(), records: dataset.records.clone(), stages }
+}
+
+/// Errors of the last models and of those before, by the parts.
+pub(super) fn errors(search: &Search, outcome: &Outcome, stages: &[Stage], known: bool) -> Errors {
+    let bench = search.bench;
+    let floor = |records: &[usize]| {
+        let channels = records.iter().flat_map(|record| {
+            let lane = &bench.lanes[*record];
+            lane.channels.iter().map(|(_, range)| lane.scales[range.start] / lane.weights[range.start])
+        });
+        let (sum, count) = channels.fold((0.0, 0), |(sum, count), share| (sum + share * share, count + 1));
+        (known && count > 0).then(|| (sum / f64::from(count)).sqrt())
+    };
+    let error = |index: usize| stages.get(index).map_or(f64::NAN, |stage| stage.error);
+    Errors {
+        baseline: error(0),
+        refitted: error(1),
+        last: stages.last().map_or(f64::NAN, |stage| stage.error),
+        untouched: bench.normalised_error(&outcome.after),
+        untouched_refitted: bench.normalised_error(&outcome.before),
+        noise_floor: floor(&search.parts.all()),
+        untouched_noise_floor: floor(&search.parts.untouched),
+    }
+}
+
+/// What was spent.
+pub(super) fn cost(bench: &Bench) -> Cost {
+    let (refits, simulations) = bench.spent();
+    Cost { refits, simulations }
+}
+
+impl Verdict {
+    /// Whether the model of the last stage stands for what was found.
+    pub fn stands(self) -> bool {
+        matches!(self, Self::NothingMissing | Self::EffectFound)
+    }
 }

@@ -1,20 +1,41 @@
 //! Model against measurement: predict every record, score the prediction, refit, compare again.
 
 mod beam_record;
+mod bench;
+mod blocks;
+mod candidates;
 mod compare;
 mod comparison;
+mod confound;
 mod contact_record;
+mod detectable;
 mod diagnosis;
 mod engine;
+mod explain;
+mod features;
+mod findings;
+mod inputs;
+mod magnitudes;
+mod motion;
+mod noise;
+mod periods;
 mod predict;
+mod prehistory;
 mod score;
+mod sensors;
+mod select;
+mod sensitivity;
+mod shown;
 mod simulation;
+mod split;
+mod trial;
+mod verdict;
 
 pub use compare::{Refit, RefitError, Watch, evaluate, refit};
 pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Stage};
 pub use diagnosis::{
-    Candidate, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group, Noise, NoiseSource, Step,
-    Untried, Verdict,
+    Candidate, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group, Noise,
+    NoiseSource, Step, Untried, Verdict,
 };
 pub use engine::{Added, DiagnoseError, DiagnoseOptions, DiagnoseWatch, add, diagnose};
 pub use predict::{NO_OSCILLATOR, unused_columns};

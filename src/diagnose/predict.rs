@@ -1,7 +1,8 @@
 //! What a model predicts of a record, whatever the model's kind and the record's regime.
 
 use super::comparison::RecordResult;
-use super::{beam_record, contact_record, score};
+use super::score;
+use super::shown::Shown;
 use crate::measure::{Channel, Record, Regime};
 use crate::model::{Model, Structure};
 
@@ -21,9 +22,10 @@ struct Roles {
 
 fn roles(model: &Model, regime: Regime) -> Roles {
     match (&model.structure, regime) {
-        (Structure::Prescribed, _) => {
-            Roles { inputs: &["time", "displacement", "velocity"], compared: &["force"] }
-        }
+        (Structure::Prescribed, _) => Roles {
+            inputs: &["time", "displacement", "velocity", "normal_load", "normal_displacement"],
+            compared: &["force"],
+        },
         (Structure::Beam(_), Regime::Backbone) => {
             Roles { inputs: &["amplitude"], compared: &["frequency", "damping_ratio"] }
         }
@@ -35,9 +37,17 @@ fn roles(model: &Model, regime: Regime) -> Roles {
     }
 }
 
-/// The channels of `record` that a model of this structure predicts.
+/// The channels of `record` that a model of this structure predicts. A contact's normal load is one where the
+/// model has a normal stiffness and the approach was measured.
 pub(super) fn compared<'r>(model: &Model, record: &'r Record) -> Vec<&'r Channel> {
-    roles(model, record.regime).compared.iter().flat_map(|quantity| record.channels_of(quantity)).collect()
+    let roles = roles(model, record.regime);
+    let mut channels: Vec<&Channel> =
+        roles.compared.iter().flat_map(|quantity| record.channels_of(quantity)).collect();
+    let elastic = model.contact.is_some_and(|contact| contact.normal_stiffness > 0.0);
+    if model.structure == Structure::Prescribed && elastic && record.channel("normal_displacement").is_some() {
+        channels.extend(record.channel("normal_load"));
+    }
+    channels
 }
 
 /// Names of the columns of `record` that a comparison with `model` leaves aside: neither do they drive the
@@ -51,25 +61,21 @@ pub fn unused_columns<'r>(model: &Model, record: &'r Record) -> Vec<&'r str> {
     unused.map(|channel| channel.name.as_str()).collect()
 }
 
-/// One prediction per compared channel.
+/// One prediction per compared channel, as the sensors show it. The start of the record is fitted to it.
 fn predictions<'r>(model: &Model, record: &'r Record) -> Result<Vec<Prediction<'r>>, String> {
-    if let Structure::Oscillator(_) = &model.structure {
-        return Err(NO_OSCILLATOR.to_owned());
-    }
-    let channels = compared(model, record);
-    if channels.is_empty() {
-        return Err("it has no column that the model predicts".into());
-    }
-    match (&model.structure, &model.contact) {
-        (Structure::Prescribed, Some(contact)) => {
-            let law = contact.law().map_err(|error| error.to_string())?;
-            let force = contact_record::predict(law.as_ref(), contact.normal_load, record)?;
-            Ok(channels.into_iter().map(|channel| (channel, force.clone())).collect())
-        }
-        (Structure::Prescribed, None) => Err("the model has no [contact]".into()),
-        (Structure::Oscillator(_), _) => Err(NO_OSCILLATOR.to_owned()),
-        (Structure::Beam(beam), contact) => beam_record::predict(beam, contact.as_ref(), record, channels),
-    }
+    let mut shown = Shown::new(model, record)?;
+    let nuisances = shown.settle(model)?;
+    let mut values = Vec::new();
+    shown.predict(model, &nuisances, &mut values)?;
+    let mut rest = values.as_slice();
+    Ok(compared(model, record)
+        .into_iter()
+        .map(|channel| {
+            let (here, after) = rest.split_at(channel.values.len().min(rest.len()));
+            rest = after;
+            (channel, here.to_vec())
+        })
+        .collect())
 }
 
 /// Predicts and scores; a failure is kept as text, for the other records still count.

@@ -97,6 +97,26 @@ impl Changes {
 }
 
 impl JointChanges {
+    /// Normal load (N) on a contact of the constant load `constant` (N), under which `measured` (N) was measured
+    /// where a normal load was: the share of the measured change that reaches the contact is
+    /// [`JointChanges::load_gain`], none where that is `None`. At zero or below the contact is apart.
+    pub fn normal_load(&self, constant: f64, measured: Option<f64>) -> f64 {
+        match (self.load_gain, measured) {
+            (Some(gain), Some(measured)) => constant + gain * (measured - constant),
+            _ => constant,
+        }
+    }
+
+    /// Normal load (N), never below zero, of a contact that is pressed together by `displacement` (m) at the
+    /// rate `velocity` (m/s): `(N₀ + k δ + k3 δ³)(1 + λ δ̇)`, with the load N₀ (N) at rest and the normal
+    /// stiffness k (N/m).
+    pub fn normal_reaction(&self, constant: f64, stiffness: f64, displacement: f64, velocity: f64) -> f64 {
+        let elastic = constant
+            + stiffness * displacement
+            + self.normal_cubic_stiffness * displacement * displacement * displacement;
+        (elastic.max(0.0) * (1.0 + self.impact_damping * velocity)).max(0.0)
+    }
+
     /// Whether the law stays as it is, whatever happens to the normal load.
     pub fn is_none(&self) -> bool {
         let law = Self { load_gain: None, normal_cubic_stiffness: 0.0, impact_damping: 0.0, ..*self };

@@ -13,7 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
     confirmation: "Repeat one amplitude at two or three frequencies: the difference of the forces at zero displacement \
           grows in proportion to the frequency.",
     parameters: &[EffectParameter {
-        quantity: &v::DAMPING,
+        quantity: &v::CONTACT_DAMPING,
         range: |scales| both_signs(3.0 * scales.limit / scales.velocity, 0.03),
     }],
     place: PlaceKind::Nowhere,

@@ -118,6 +118,17 @@ pub enum Kind {
     Beam,
 }
 
+impl Kind {
+    /// The name in model files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Contact => "contact",
+            Self::Oscillator => "oscillator",
+            Self::Beam => "beam",
+        }
+    }
+}
+
 /// All kinds.
 pub const ALL_KINDS: &[Kind] = &[Kind::Contact, Kind::Oscillator, Kind::Beam];
 

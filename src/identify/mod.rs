@@ -5,11 +5,14 @@
 //! An evaluation that fails (a solver did not converge, a law refused a parameter) is a rejected step,
 //! not the end of the fit. `least_squares` is the one file that knows the optimisation crate.
 
+mod gauss_newton;
 mod least_squares;
 mod problem;
 mod uncertainty;
 
+pub(crate) use gauss_newton::{Limits, SumOfSquares, Sums, minimise};
 pub use least_squares::fit;
+pub(crate) use problem::Coordinate;
 pub use uncertainty::{Interval, Uncertainty, student_quantile};
 
 /// In which measure a parameter is stepped and its interval is symmetric.

@@ -9,7 +9,7 @@ use super::{Difference, FitError, Options, Parameter, Scale};
 
 /// One parameter's coordinate `y`, zero at the parameter's start and about one across its range.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Coordinate {
+pub(crate) struct Coordinate {
     scale: Scale,
     start: f64,
     unit: f64,

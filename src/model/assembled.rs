@@ -63,7 +63,7 @@ impl Model {
         if self.contact.is_none() {
             structure.contacts.clear();
         }
-        let law = self.contact.as_ref().map(|contact| contact.law()).transpose()?;
+        let law = self.law()?;
         Ok(Assembled { structure, law, normal_load: self.contact.map_or(0.0, |contact| contact.normal_load) })
     }
 }

@@ -66,6 +66,7 @@ impl Model {
             (Structure::Oscillator(oscillator), contact) => oscillator.check(contact.is_some())?,
             (Structure::Prescribed, Some(_)) => {}
         }
+        super::effects::check(self)?;
         self.contact.as_ref().map_or(Ok(()), check_contact)
     }
 }
@@ -116,6 +117,13 @@ fn check_contact(contact: &Contact) -> Result<(), ParameterError> {
         );
         return Err(ParameterError::new("contact.residual_stiffness", message)
             .with_help("the slope left in macro-slip cannot exceed the slope in stick"));
+    }
+    if let Law::Iwan { exponent, .. } = contact.law
+        && exponent > 0.0
+    {
+        let message = format!("`exponent` must be above -1 and at most 0, not {exponent}");
+        return Err(ParameterError::new("contact.exponent", message)
+            .with_help("above 0 the weakest sliders would be the rarest"));
     }
     Ok(())
 }

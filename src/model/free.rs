@@ -18,6 +18,7 @@ fn free_by_default(path: &str, value: f64) -> bool {
     let spring = path == "support.rotational_stiffness" || matches("spring.*", path);
     let spring_present = spring && value > 0.0;
     frees("contact.*", path)
+        || frees("effect.*", path)
         || frees("beam.*damping*", path)
         || path == "support.clamp_stiffness"
         || spring_present

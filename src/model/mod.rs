@@ -26,6 +26,7 @@
 
 mod assembled;
 mod check;
+mod effects;
 mod free;
 mod law;
 mod oscillator;
@@ -102,6 +103,8 @@ pub struct Contact {
     pub friction_coefficient: f64,
     /// Constant normal load (N).
     pub normal_load: f64,
+    /// Normal stiffness (N/m), by which a measured normal displacement changes the load; 0 when absent.
+    pub normal_stiffness: f64,
 }
 
 /// The contact laws a model file can name.
@@ -116,6 +119,24 @@ pub enum Law {
         /// e_t (N/m), slope left in macro-slip, below the tangential stiffness.
         residual_stiffness: f64,
     },
+    /// Segalman's four-parameter Iwan element.
+    Iwan {
+        /// χ in (−1, 0]: small loops dissipate with the power χ + 3 of the amplitude.
+        exponent: f64,
+        /// β ≥ 0: stiffness of the sliders that yield last, all at once, over that of all others.
+        ratio: f64,
+    },
+}
+
+impl Law {
+    /// The name in model files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Jenkins => "jenkins",
+            Self::Valanis { .. } => "valanis",
+            Self::Iwan { .. } => "iwan",
+        }
+    }
 }
 
 /// `[beam]` with its masses, support and excitation. Clamped at x = 0, pinned at x = length.

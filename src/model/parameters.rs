@@ -2,7 +2,7 @@
 //!
 //! Paths follow the file: `contact.smoothness`, `beam.damping_ratio` (one for all modes) or
 //! `beam.damping_ratio.3` (the third mode's), `beam.point_mass.1.mass`, `support.offset`, `mass.1.mass`,
-//! `spring.2.stiffness`. Elements are counted from 1. Where the sensors sit is no parameter.
+//! `spring.2.stiffness`, `effect.1.half_gap`. Elements are counted from 1. Where the sensors sit is no parameter.
 
 use super::{Beam, Damping, Law, Model, ParameterError, Structure};
 use crate::document::suggestion;
@@ -41,7 +41,7 @@ pub(super) type Slot<'a> = (String, &'static Quantity, &'a mut f64);
 impl Model {
     /// Every parameter, in the file's order.
     ///
-    /// Free without `[fit] free` are the contact's parameters, the damping, and the support's
+    /// Free without `[fit] free` are the contact's parameters, those of the effects, the damping, and the support's
     /// rotational stiffness and clamp stiffness where the model has them, and the springs and dampers of an
     /// oscillator that are not zero; geometry, material and masses are not. The normal load is never free unless `[fit] free` names it literally
     /// (`contact.normal_load`): as long as the load is constant only its product with the coefficient
@@ -55,7 +55,13 @@ impl Model {
         self.values()
             .into_iter()
             .map(|Value { path, quantity, value }| {
-                let (lower, upper, scale) = self.fit_range(quantity, value);
+                let of_effect = path.starts_with("effect.");
+                let (lower, upper, scale) = if of_effect {
+                    super::effects::fit_range(quantity, value)
+                } else {
+                    self.fit_range(quantity, value)
+                };
+                let (lower, upper) = (lower.min(value), upper.max(value));
                 let free = super::free::is_free(self, &path, value);
                 ModelParameter { path, quantity, value, lower, upper, scale, free }
             })
@@ -134,11 +140,22 @@ impl Model {
             add(&v::TANGENTIAL_STIFFNESS, &mut contact.tangential_stiffness);
             add(&v::FRICTION_COEFFICIENT, &mut contact.friction_coefficient);
             add(&v::NORMAL_LOAD, &mut contact.normal_load);
-            if let Law::Valanis { smoothness, residual_stiffness } = &mut contact.law {
-                add(&v::SMOOTHNESS, smoothness);
-                add(&v::RESIDUAL_STIFFNESS, residual_stiffness);
+            match &mut contact.law {
+                Law::Jenkins => {}
+                Law::Valanis { smoothness, residual_stiffness } => {
+                    add(&v::SMOOTHNESS, smoothness);
+                    add(&v::RESIDUAL_STIFFNESS, residual_stiffness);
+                }
+                Law::Iwan { exponent, ratio } => {
+                    add(&v::EXPONENT, exponent);
+                    add(&v::RATIO, ratio);
+                }
+            }
+            if contact.normal_stiffness != 0.0 {
+                add(&v::NORMAL_STIFFNESS, &mut contact.normal_stiffness);
             }
         }
+        super::effects::slots(&mut self.effects, &mut slots);
         slots
     }
 
@@ -159,6 +176,8 @@ impl Model {
             // Far beyond any coefficient: with an unknown load it stands for the whole friction limit.
             "friction_coefficient" => (1e-4, 1e4, Logarithmic),
             "smoothness" => (0.0, 0.98, Linear),
+            "exponent" => (-0.95, 0.0, Linear),
+            "ratio" => (0.0, 100.0, Linear),
             "residual_stiffness" => (0.0, 0.9 * tangential, Linear),
             "damping_ratio" => (1e-6, 0.5, Logarithmic),
             "mass_damping" => (1e-6, 1e4, Logarithmic),

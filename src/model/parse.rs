@@ -1,13 +1,17 @@
 //! From the text of a `model.toml` to a [`Model`], every error with its bytes.
 
-use super::{Beam, Contact, Damping, Law, Model, ModelError, PointMass, SCHEMA, Structure, oscillator};
+use super::{
+    Beam, Contact, Damping, Law, Model, ModelError, PointMass, SCHEMA, Structure, effects, oscillator,
+};
 use crate::document::{Document, Numbers, Table, suggestion};
 use crate::vocabulary as v;
 
 const KINDS: [&str; 3] = ["contact", "beam", "oscillator"];
-const LAWS: [&str; 2] = ["jenkins", "valanis"];
-const COMMON_CONTACT_KEYS: [&str; 4] = ["law", "tangential_stiffness", "friction_coefficient", "normal_load"];
+const LAWS: [&str; 3] = ["jenkins", "valanis", "iwan"];
+const COMMON_CONTACT_KEYS: [&str; 5] =
+    ["law", "tangential_stiffness", "friction_coefficient", "normal_load", "normal_stiffness"];
 const VALANIS_KEYS: [&str; 2] = ["smoothness", "residual_stiffness"];
+const IWAN_KEYS: [&str; 2] = ["exponent", "ratio"];
 const BEAM_KEYS: [&str; 11] = [
     "length",
     "width",
@@ -34,21 +38,21 @@ impl Model {
         let root = document.root();
         check_schema(&root)?;
         let kind = root.required_string("kind").map_err(|error| with_list(error, "kinds", &KINDS))?;
-        refuse_effects(&root)?;
         let structure = match kind.value {
             "contact" => {
                 refuse_foreign_tables(&root, kind.value)?;
-                root.allow(&["schema", "kind", "contact", "fit"])?;
+                root.allow(&["schema", "kind", "contact", "effect", "fit"])?;
                 Structure::Prescribed
             }
             "beam" => {
                 refuse_foreign_tables(&root, kind.value)?;
-                root.allow(&["schema", "kind", "beam", "support", "excitation", "sensor", "contact", "fit"])?;
+                let keys = ["beam", "support", "excitation", "sensor", "contact", "effect", "fit"];
+                root.allow(&[&["schema", "kind"][..], &keys[..]].concat())?;
                 Structure::Beam(beam(&root)?)
             }
             "oscillator" => {
                 refuse_foreign_tables(&root, kind.value)?;
-                root.allow(&["schema", "kind", "mass", "spring", "excitation", "contact", "fit"])?;
+                root.allow(&["schema", "kind", "mass", "spring", "excitation", "contact", "effect", "fit"])?;
                 Structure::Oscillator(oscillator::parse(&root)?)
             }
             other => {
@@ -66,7 +70,8 @@ impl Model {
                     .map(|patterns| patterns.into_iter().map(|pattern| pattern.value.to_owned()).collect())
             }
         };
-        let model = Model { structure, contact, effects: Vec::new(), free };
+        let mut model = Model { structure, contact, effects: Vec::new(), free };
+        model.effects = effects::parse(&root, model.kind())?;
         model.check().map_err(|error| ModelError {
             span: root.locate(&error.path),
             message: error.message,
@@ -89,17 +94,6 @@ fn check_schema(root: &Table<'_>) -> Result<(), ModelError> {
     }
     let message = format!("schema \"{}\" is not one this version reads", schema.value);
     Err(schema.error(message).with_help(first_line()))
-}
-
-fn refuse_effects(root: &Table<'_>) -> Result<(), ModelError> {
-    match root.span_of("effect") {
-        None => Ok(()),
-        Some(array) => {
-            // The array's own span runs over everything between its first and last header.
-            let span = root.locate("effect.1").unwrap_or(array);
-            Err(ModelError::new("[[effect]] is not supported by this version", Some(span)))
-        }
-    }
 }
 
 /// The tables that not every kind has, with the kinds that have them.
@@ -133,14 +127,17 @@ fn contact(table: &Table<'_>, structure: &Structure) -> Result<Contact, ModelErr
     let law = table.required_string("law").map_err(|error| with_list(error, "laws", &LAWS))?;
     let law = match law.value {
         "jenkins" => {
-            if let Some(key) = table.keys().into_iter().find(|key| VALANIS_KEYS.contains(&key.value)) {
-                let message = format!("`{}` does not belong to law = \"jenkins\"", key.value);
-                return Err(key.error(message).with_help("it belongs to law = \"valanis\""));
-            }
+            refuse_keys_of_other_laws(table, law.value)?;
             table.allow(&keys)?;
             Law::Jenkins
         }
+        "iwan" => {
+            refuse_keys_of_other_laws(table, law.value)?;
+            table.allow(&[&keys[..], &IWAN_KEYS[..]].concat())?;
+            Law::Iwan { exponent: table.quantity(&v::EXPONENT)?, ratio: table.quantity(&v::RATIO)? }
+        }
         "valanis" => {
+            refuse_keys_of_other_laws(table, law.value)?;
             table.allow(&[&keys[..], &VALANIS_KEYS[..]].concat())?;
             Law::Valanis {
                 smoothness: table.quantity(&v::SMOOTHNESS)?,
@@ -160,7 +157,21 @@ fn contact(table: &Table<'_>, structure: &Structure) -> Result<Contact, ModelErr
         tangential_stiffness: table.quantity(&v::TANGENTIAL_STIFFNESS)?,
         friction_coefficient: table.quantity(&v::FRICTION_COEFFICIENT)?,
         normal_load: table.quantity(&v::NORMAL_LOAD)?,
+        normal_stiffness: table.number(v::NORMAL_STIFFNESS.name)?.map_or(0.0, |stiffness| stiffness.value),
     })
+}
+
+/// The keys that only one law has say so at any other.
+fn refuse_keys_of_other_laws(table: &Table<'_>, law: &str) -> Result<(), ModelError> {
+    let owners = [("valanis", VALANIS_KEYS), ("iwan", IWAN_KEYS)];
+    for key in table.keys() {
+        let owner = owners.iter().find(|(owner, keys)| *owner != law && keys.contains(&key.value));
+        if let Some((owner, _)) = owner {
+            let message = format!("`{}` does not belong to law = \"{law}\"", key.value);
+            return Err(key.error(message).with_help(format!("it belongs to law = \"{owner}\"")));
+        }
+    }
+    Ok(())
 }
 
 fn beam(root: &Table<'_>) -> Result<Beam, ModelError> {

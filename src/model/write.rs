@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Beam, Contact, Damping, Law, Model, SCHEMA, Structure};
+use super::{Beam, Contact, Damping, Law, Model, SCHEMA, Structure, effects};
 use crate::vocabulary::{self as v, Quantity};
 
 impl Model {
@@ -29,6 +29,7 @@ impl Model {
             };
             write_contact(&mut text, contact, at);
         }
+        effects::write(&mut text, &self.effects);
         if let Some(free) = &self.free {
             let patterns: Vec<_> = free.iter().map(|pattern| quoted(pattern)).collect();
             line(&mut text, format_args!("\n[fit]\nfree = [{}]", patterns.join(", ")));
@@ -60,17 +61,23 @@ fn write_contact(text: &mut String, contact: &Contact, at: Option<&str>) {
     if let Some(mass) = at {
         line(text, format_args!("at = {}", quoted(mass)));
     }
-    let law = match contact.law {
-        Law::Jenkins => "jenkins",
-        Law::Valanis { .. } => "valanis",
-    };
-    line(text, format_args!("law = \"{law}\""));
+    line(text, format_args!("law = \"{}\"", contact.law.name()));
     write_quantity(text, &v::TANGENTIAL_STIFFNESS, contact.tangential_stiffness);
     write_quantity(text, &v::FRICTION_COEFFICIENT, contact.friction_coefficient);
     write_quantity(text, &v::NORMAL_LOAD, contact.normal_load);
-    if let Law::Valanis { smoothness, residual_stiffness } = contact.law {
-        write_quantity(text, &v::SMOOTHNESS, smoothness);
-        write_quantity(text, &v::RESIDUAL_STIFFNESS, residual_stiffness);
+    match contact.law {
+        Law::Jenkins => {}
+        Law::Valanis { smoothness, residual_stiffness } => {
+            write_quantity(text, &v::SMOOTHNESS, smoothness);
+            write_quantity(text, &v::RESIDUAL_STIFFNESS, residual_stiffness);
+        }
+        Law::Iwan { exponent, ratio } => {
+            write_quantity(text, &v::EXPONENT, exponent);
+            write_quantity(text, &v::RATIO, ratio);
+        }
+    }
+    if contact.normal_stiffness != 0.0 {
+        write_quantity(text, &v::NORMAL_STIFFNESS, contact.normal_stiffness);
     }
 }
 

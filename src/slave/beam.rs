@@ -111,11 +111,11 @@ fn sensor_positions(beam: &Beam) -> Vec<f64> {
 }
 
 /// The physics of a beam.
-pub(super) fn behaviour(beam: &Beam, contact: Option<&Contact>) -> Result<Box<dyn Behaviour>, String> {
+pub(super) fn behaviour(beam: &Beam, model: &Model) -> Result<Box<dyn Behaviour>, String> {
     let beam = Beam { sensors: sensor_positions(beam), ..beam.clone() };
     let modal = ModalBeam::new(&beam).map_err(|error| error.to_string())?;
     let mut integrator = BeamIntegrator::new(&modal).map_err(|error| error.to_string())?;
-    let law = contact.map(Contact::law).transpose().map_err(|error| error.to_string())?;
+    let law = model.law().map_err(|error| error.to_string())?;
     let motion = integrator.rest(law.as_deref().map(|law| (law, 0.0)));
     let outputs = integrator.new_outputs();
     Ok(Box::new(BeamBehaviour { integrator, law, motion, outputs, row: Vec::new() }))

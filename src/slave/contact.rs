@@ -20,6 +20,7 @@ pub(super) fn describe(model: &Model, contact: &Contact, parameters: Vec<Variabl
     let (name, summary) = match contact.law {
         Law::Jenkins => ("JenkinsContact", "Friction contact: Jenkins' element"),
         Law::Valanis { .. } => ("ValanisContact", "Friction contact: Valanis' law"),
+        Law::Iwan { .. } => ("IwanContact", "Friction contact: the four-parameter Iwan element"),
     };
     let on = [(DISPLACEMENT, DependencyKind::Dependent), (NORMAL_LOAD, DependencyKind::Dependent)];
     let initially =
@@ -45,8 +46,9 @@ pub(super) struct ContactBehaviour {
 }
 
 impl ContactBehaviour {
-    pub(super) fn new(contact: &Contact) -> Result<Self, String> {
-        let law = contact.law().map_err(|error| error.to_string())?;
+    pub(super) fn new(model: &Model) -> Result<Self, String> {
+        let law = model.law().map_err(|error| error.to_string())?;
+        let law = law.ok_or("a contact model needs a contact")?;
         let next = vec![0.0; law.state_len()];
         Ok(Self { law, next })
     }

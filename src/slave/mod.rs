@@ -73,9 +73,8 @@ fn describe(model: &Model, parameters: Vec<Variable>) -> Result<Description, Str
 /// The physics of a model.
 fn behaviour(model: &Model) -> Result<Box<dyn Behaviour>, String> {
     match (&model.structure, &model.contact) {
-        (Structure::Prescribed, Some(contact)) => Ok(Box::new(contact::ContactBehaviour::new(contact)?)),
-        (Structure::Prescribed, None) => Err("a contact model needs a contact".to_owned()),
-        (Structure::Beam(beam), contact) => beam::behaviour(beam, contact.as_ref()),
+        (Structure::Prescribed, _) => Ok(Box::new(contact::ContactBehaviour::new(model)?)),
+        (Structure::Beam(beam), _) => beam::behaviour(beam, model),
         (Structure::Oscillator(_), _) => Err(NO_OSCILLATOR.to_owned()),
     }
 }

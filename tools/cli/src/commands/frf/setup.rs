@@ -56,11 +56,9 @@ impl Setup {
             }
         };
         let contact = model
-            .contact
-            .as_ref()
-            .map(|contact| contact.law().map(|law| (law, contact.normal_load)))
-            .transpose()
-            .map_err(|error| Failure::input(error.to_string()))?;
+            .law()
+            .map_err(|error| Failure::input(error.to_string()))?
+            .zip(model.contact.map(|contact| contact.normal_load));
         Ok(Self { body, contact, nodes })
     }
 

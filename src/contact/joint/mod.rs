@@ -1,0 +1,460 @@
+//! A contact with the physical effects that act in it.
+
+mod base;
+mod sliders;
+mod tangents;
+
+use super::error::{Bounds, LawError, checked};
+use super::{
+    ContactLaw, Inputs, Iwan, Jenkins, ParallelSliders, Response, Slider, SlipState, StateTangents, Valanis,
+};
+use crate::effects::JointChanges;
+use crate::vocabulary::{self as v, Quantity};
+use base::{Base, Look};
+use sliders::Sliders;
+use std::ops::Bound;
+
+/// A base law with the changes that effects make of it.
+///
+/// ```text
+///          play ±g        ┌── base law, limit · m ──┐
+///   u ──────]  [──── w ───┼── spring e_t w + k3 w³ ─┼─── ground
+///                         └── damper c v ───────────┘
+/// ```
+///
+/// # Law
+/// With the displacement w behind the play, the velocity v and the distance slipped s,
+/// `T = T_base(w; limit · m) + e_t w + k3 w³ + c v`, and the factor of the limit is
+/// `m = (1 + δ exp(−|v|/v_s)) (1 + w s) (1 ± a)`, at least zero.
+///
+/// **Play.** `w = u − x` with `−g ≤ x ≤ g`: the force is above zero only at `x = g`, below only at `x = −g`,
+/// and zero in between, where w rests. The damper acts while the play is closed, and never pulls the play open
+/// ends together: with play the force keeps the sign of the spring and friction force behind it.
+///
+/// **Micro-slip.** On Jenkins' element the spread σ puts [`MICRO_SLIDERS`] equal springs in its place, whose
+/// yield displacements are spread evenly over `(1 ± σ) μN/k`; stiffness and limit of the whole stay.
+/// Between an even distribution and so many sliders the force differs by at most `σ μN/(4 n²)` on the loading
+/// curve and twice that after a reversal: 0.06 % and 0.13 % of the limit.
+///
+/// **Asymmetry.** The limit is `(1 + a)` times as large against positive slip and `(1 − a)` against negative. A
+/// reversal is elastic: each direction only has its own limit to reach.
+///
+/// **Wear.** s is the mean distance the sliders have slipped since the state was set or
+/// [`ContactLaw::restart`]ed; of Valanis' law it is the displacement less the elastic part of the force.
+///
+/// **Separation.** At `N ≤ 0` friction is zero and remembers nothing. Spring and damper stand beside the
+/// contact and go on acting.
+///
+/// Displacement and load run linearly within a step, and the step of the sliders is exact under a constant factor
+/// m, and with wear where the motion slips one way.
+///
+/// # State
+/// `[side, s, T_d]` and the state of the base law: which end of the play carries force (−1, 0, 1; zero without
+/// play), distance slipped (m), damper force (N).
+///
+/// # Parameters
+/// Those of the base, and [`JointChanges`], of which what concerns the normal load is left to the caller
+/// ([`JointChanges::normal_load`]). Springs are unstressed at displacement zero.
+///
+/// # Limits of validity
+/// A step must not contain a reversal. The play closes without impact. A softening spring (k3 < 0) must not outweigh
+/// the rest within the play's crossing. With c < 0 or k3 < 0 the law is not passive.
+///
+/// # Reference
+/// Play and stop operators in series and parallel: Visintin (1994), *Differential Models of Hysteresis*,
+/// Springer, ch. III. Limit against velocity: Armstrong-Hélouvry, Dupont, Canudas de Wit (1994), Automatica 30,
+/// 1083–1138. Distributed sliders: Iwan (1966), J. Appl. Mech. 33, 893–900.
+///
+/// ```
+/// use stickslip::contact::{ContactLaw, Inputs, Jenkins, Joint, JointBase};
+/// use stickslip::effects::JointChanges;
+/// let changes = JointChanges { half_gap: 10e-6, residual_stiffness: 1e5, ..JointChanges::default() };
+/// let law = Joint::new(JointBase::Jenkins(Jenkins::new(2e6, 0.5)?), changes)?;
+/// let mut state = vec![0.0; law.state_len()];
+/// law.set_state(0.0, 100.0, 0.0, &mut state);
+/// let mut force = |displacement| law.advance(&mut state, Inputs { displacement, velocity: 0.0, normal_load: 100.0 });
+/// assert_eq!(force(8e-6), 0.0);
+/// assert!((force(110e-6) - (50.0 + 10.0)).abs() < 1e-9);
+/// # Ok::<(), stickslip::contact::LawError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    base: Base,
+    changes: JointChanges,
+    /// Energy is neither made by the damper nor by anything else.
+    passive_damper: bool,
+}
+
+/// The law that a [`Joint`] changes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum JointBase {
+    /// One slider, or with a spread many.
+    Jenkins(Jenkins),
+    /// Valanis' law, which has its own gradual slip and takes no spread.
+    Valanis(Valanis),
+    /// Iwan's distribution, which takes no spread either.
+    Iwan(Iwan),
+}
+
+/// Number of sliders that stand for an even distribution of yield displacements.
+pub const MICRO_SLIDERS: usize = 20;
+
+// What comes before the state of the base law.
+const SIDE: usize = 0;
+const SLIP: usize = 1;
+const DAMPER: usize = 2;
+const BASE: usize = 3;
+
+/// More rounds than any motion needs; the bound only stops a NaN.
+const ROUNDS: usize = 60;
+
+/// Where a step ends behind the play.
+#[derive(Clone, Copy)]
+struct End {
+    /// w (m).
+    displacement: f64,
+    /// m N (N).
+    load: f64,
+    /// s (m).
+    slip: f64,
+    /// Which end of the play carries force; zero without play as well.
+    side: f64,
+    /// Whether w follows u.
+    follows: bool,
+}
+
+impl Joint {
+    /// `base` with `changes`.
+    ///
+    /// # Errors
+    /// [`LawError::OutOfBounds`] where a change is not finite or outside its bounds (0 ≤ σ ≤ 1, −1 < a < 1, −1 < δ,
+    /// 0 < v_s, 0 ≤ e_t, 0 ≤ g), [`LawError::Combination`] for a spread on a law that slips gradually by itself.
+    pub fn new(base: JointBase, changes: JointChanges) -> Result<Self, LawError> {
+        check(&changes)?;
+        let spread = changes.spread;
+        let refused = |law| Err(LawError::Combination { parameter: v::SPREAD.name, law });
+        let base = match base {
+            JointBase::Jenkins(law) => {
+                Base::Sliders(Sliders::new(spread_out(&law, spread)?, changes.asymmetry))
+            }
+            JointBase::Iwan(_) if spread > 0.0 => return refused("Iwan's"),
+            JointBase::Iwan(law) => {
+                Base::Sliders(Sliders::new(law.sliders_alone().clone(), changes.asymmetry))
+            }
+            JointBase::Valanis(_) if spread > 0.0 => return refused("Valanis'"),
+            JointBase::Valanis(law) => Base::Valanis(law.with_asymmetry(changes.asymmetry)?),
+        };
+        Ok(Self { base, changes, passive_damper: changes.damping >= 0.0 })
+    }
+
+    /// What is changed.
+    pub fn changes(&self) -> &JointChanges {
+        &self.changes
+    }
+
+    /// Energy (J) kept in the springs in `state`.
+    pub fn stored_energy(&self, state: &[f64]) -> f64 {
+        let w = self.base.before(&state[BASE..]).0;
+        let JointChanges { residual_stiffness, cubic_stiffness, .. } = self.changes;
+        self.base.stored_energy(&state[BASE..])
+            + 0.5 * residual_stiffness * w * w
+            + 0.25 * cubic_stiffness * (w * w) * (w * w)
+    }
+
+    /// Distance slipped (m) in `state`, since it was set or restarted.
+    pub fn slip_distance(&self, state: &[f64]) -> f64 {
+        state[SLIP]
+    }
+
+    /// Whether there is a spring beside the law.
+    fn has_spring(&self) -> bool {
+        self.changes.residual_stiffness != 0.0 || self.changes.cubic_stiffness != 0.0
+    }
+
+    /// Force (N) of the springs beside the law, and slope (N/m).
+    #[inline]
+    fn spring(&self, w: f64) -> (f64, f64) {
+        let (linear, cubic) = (self.changes.residual_stiffness, self.changes.cubic_stiffness * w * w);
+        ((linear + cubic) * w, linear + 3.0 * cubic)
+    }
+
+    /// Factor of the limit at a velocity (m/s), and its derivative (s/m).
+    #[inline]
+    fn speed_factor(&self, velocity: f64) -> (f64, f64) {
+        match self.changes.weakening {
+            None => (1.0, 0.0),
+            Some((excess, scale)) => {
+                let excess = excess * (-velocity.abs() / scale).exp();
+                let sign = if velocity == 0.0 { 0.0 } else { velocity.signum() };
+                (1.0 + excess, -sign * excess / scale)
+            }
+        }
+    }
+
+    /// Factor of the limit after the distance `slip` (m), and its derivative (1/m).
+    #[inline]
+    fn wear_factor(&self, slip: f64) -> (f64, f64) {
+        let factor = 1.0 + self.changes.wear * slip;
+        if factor < 0.0 { (0.0, 0.0) } else { (factor, self.changes.wear) }
+    }
+
+    /// Where the step from `state` to `inputs` ends.
+    #[inline]
+    fn end(&self, state: &[f64], inputs: Inputs) -> End {
+        let unworn = inputs.normal_load * self.speed_factor(inputs.velocity).0;
+        if self.changes.half_gap == 0.0 && self.changes.wear == 0.0 {
+            let (displacement, slip) = (inputs.displacement, state[SLIP]);
+            return End { displacement, load: unworn, slip, side: 0.0, follows: true };
+        }
+        let load = unworn * self.wear_factor(state[SLIP]).0;
+        let mut end = self.behind_play(state, inputs.displacement, load);
+        if self.changes.wear != 0.0 && inputs.normal_load > 0.0 {
+            // The limit at the end of the step follows from the distance slipped in it, and the other way.
+            for _ in 0..ROUNDS {
+                let before = end.slip;
+                let path = self.base.path(&state[BASE..], end.displacement, end.load);
+                let (factor, by_slip) = self.wear_factor(end.slip);
+                let error = end.slip - state[SLIP] - path.length;
+                let slip = end.slip - error / (1.0 - path.by_load * unworn * by_slip);
+                let load = if slip == before { unworn * factor } else { unworn * self.wear_factor(slip).0 };
+                end = End { slip, ..self.behind_play(state, inputs.displacement, load) };
+                if !((slip - before).abs() > 1e-14 * slip.abs()) {
+                    break;
+                }
+            }
+        }
+        end
+    }
+
+    /// Where the end of the law behind the play goes under the load `load` (N).
+    fn behind_play(&self, state: &[f64], displacement: f64, load: f64) -> End {
+        let (gap, slip) = (self.changes.half_gap, state[SLIP]);
+        let end = |displacement, side| End { displacement, load, slip, side, follows: side != 0.0 };
+        if gap == 0.0 {
+            return End { follows: true, ..end(displacement, 0.0) };
+        }
+        let (w, load_before) = self.base.before(&state[BASE..]);
+        let (low, high) = (displacement - gap, displacement + gap);
+        let alone = !self.has_spring();
+        if alone && load <= 0.0 {
+            // Apart: the play lies evenly on both sides.
+            return End { follows: true, ..end(displacement, 0.0) };
+        }
+        if state[SIDE] == 0.0 && low <= w && w <= high && load_before > 0.0 && (alone || load == load_before)
+        {
+            return end(w, 0.0);
+        }
+        // Force and slope behind the play.
+        let force = |w: f64| {
+            let ((base, base_slope), (spring, slope)) =
+                (self.base.force(&state[BASE..], w, load), self.spring(w));
+            (base + spring, base_slope + slope)
+        };
+        let upper_first = state[SIDE] > 0.0 || (state[SIDE] == 0.0 && w < low);
+        if upper_first && force(low).0 >= 0.0 {
+            return end(low, 1.0);
+        }
+        if force(high).0 <= 0.0 {
+            return end(high, -1.0);
+        }
+        if !upper_first && force(low).0 >= 0.0 {
+            return end(low, 1.0);
+        }
+        end(root(force, w, (low, high)), 0.0)
+    }
+
+    /// Damper force (N) at an end at which springs and friction carry `force` (N), and whether it is the damper
+    /// that gives it: with play it cannot pull.
+    #[inline]
+    fn damper(&self, end: &End, force: f64, velocity: f64) -> (f64, bool) {
+        if self.changes.damping == 0.0 || !end.follows {
+            return (0.0, false);
+        }
+        let damper = self.changes.damping * velocity;
+        if end.side != 0.0 && (force + damper) * end.side < 0.0 { (-force, false) } else { (damper, true) }
+    }
+
+    fn store(state: &mut [f64], end: &End, damper: f64) {
+        state[SIDE] = end.side;
+        state[SLIP] = end.slip;
+        state[DAMPER] = damper;
+    }
+
+    fn slip_state(inputs: Inputs, end: &End, look: &Look) -> SlipState {
+        if inputs.normal_load <= 0.0 {
+            SlipState::Separated
+        } else if look.slips && (end.follows || look.path.length > 0.0) {
+            SlipState::Slip
+        } else {
+            SlipState::Stick
+        }
+    }
+
+    /// Energy (J) the damper takes in a step.
+    fn damper_energy(&self, before: f64, after: f64, travel: f64) -> f64 {
+        let energy = 0.5 * (before + after) * travel;
+        // Velocities that do not belong to the displacements must not make energy.
+        if self.passive_damper && energy < 0.0 { 0.0 } else { energy }
+    }
+}
+
+impl ContactLaw for Joint {
+    fn state_len(&self) -> usize {
+        BASE + self.base.state_len()
+    }
+
+    /// See [`ContactLaw::set_state`]; the springs beside the law carry what they do at `displacement`, the law the rest.
+    fn set_state(&self, displacement: f64, normal_load: f64, force: f64, state: &mut [f64]) {
+        let load = normal_load * self.speed_factor(0.0).0;
+        state[..BASE].fill(0.0);
+        let missing = force - self.spring(displacement).0;
+        let carried = self.base.set_state(displacement, load, missing, &mut state[BASE..]);
+        // Force or springs beyond the limit have taken up the play.
+        let loaded = if force == 0.0 { carried - missing } else { force };
+        if self.changes.half_gap > 0.0 && loaded != 0.0 {
+            let side = loaded.signum();
+            let w = displacement - side * self.changes.half_gap;
+            self.base.set_state(w, load, force - self.spring(w).0, &mut state[BASE..]);
+            state[SIDE] = side;
+        }
+    }
+
+    fn step(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> Response {
+        let end = self.end(state, inputs);
+        let look = self.base.look(&state[BASE..], end.displacement, end.load);
+        next.copy_from_slice(state);
+        self.base.advance(&mut next[BASE..], end.displacement, end.load);
+        let (spring, _) = self.spring(end.displacement);
+        let (damper, _) = self.damper(&end, look.force + spring, inputs.velocity);
+        Self::store(next, &end, damper);
+        let travel = end.displacement - self.base.before(&state[BASE..]).0;
+        let force = if end.follows { look.force + spring + damper } else { 0.0 };
+        Response {
+            force,
+            tangents: self.tangents(inputs, &end, &look),
+            dissipated_energy: look.dissipated_energy + self.damper_energy(state[DAMPER], damper, travel),
+            slip_state: Self::slip_state(inputs, &end, &look),
+        }
+    }
+
+    fn advance(&self, state: &mut [f64], inputs: Inputs) -> f64 {
+        let end = self.end(state, inputs);
+        let force = self.base.advance(&mut state[BASE..], end.displacement, end.load)
+            + self.spring(end.displacement).0;
+        let (damper, _) = self.damper(&end, force, inputs.velocity);
+        Self::store(state, &end, damper);
+        if end.follows { force + damper } else { 0.0 }
+    }
+
+    fn restart(&self, state: &mut [f64]) {
+        let worn = self.wear_factor(state[SLIP]).0;
+        if worn > 0.0 {
+            self.base.scale_load(&mut state[BASE..], 1.0 / worn);
+        }
+        state[SLIP] = 0.0;
+    }
+
+    fn state_tangents(&self, state: &[f64], inputs: Inputs, out: &mut StateTangents) {
+        self.write_state_tangents(state, inputs, out);
+    }
+
+    fn limit(&self, normal_load: f64) -> f64 {
+        let weakening = self.changes.weakening.map_or(0.0, |(excess, _)| excess.max(0.0));
+        self.base.limit(normal_load) * (1.0 + weakening)
+    }
+
+    fn is_odd(&self) -> bool {
+        self.changes.asymmetry == 0.0
+    }
+
+    fn has_stick(&self) -> bool {
+        matches!(self.base, Base::Sliders(_))
+    }
+
+    fn sliders(&self, normal_load: f64, out: &mut Vec<Slider>) -> bool {
+        out.clear();
+        let JointChanges { residual_stiffness, half_gap, .. } = self.changes;
+        let plain = JointChanges {
+            spread: self.changes.spread,
+            asymmetry: self.changes.asymmetry,
+            load_gain: self.changes.load_gain,
+            normal_cubic_stiffness: self.changes.normal_cubic_stiffness,
+            impact_damping: self.changes.impact_damping,
+            residual_stiffness,
+            half_gap,
+            ..JointChanges::default()
+        };
+        let Base::Sliders(sliders) = &self.base else { return false };
+        // Many springs behind one play are no springs with a play each.
+        let together = half_gap > 0.0 && (sliders.len() > 1 || residual_stiffness != 0.0);
+        if plain != self.changes || together {
+            return false;
+        }
+        if normal_load > 0.0 {
+            sliders.pieces(normal_load, half_gap, out);
+        }
+        if residual_stiffness != 0.0 {
+            out.push(Slider::linear(residual_stiffness));
+        }
+        true
+    }
+}
+
+/// `law` as sliders of equal stiffness whose yield displacements are spread evenly over `1 ± spread` times its own.
+fn spread_out(law: &Jenkins, spread: f64) -> Result<ParallelSliders, LawError> {
+    let count = if spread == 0.0 { 1 } else { MICRO_SLIDERS };
+    let share = 1.0 / count as f64;
+    let slider = |index: usize| {
+        let place = (2 * index + 1) as f64 * share - 1.0;
+        (law.tangential_stiffness() * share, law.friction_coefficient() * share * (1.0 + spread * place))
+    };
+    ParallelSliders::new(&(0..count).map(slider).collect::<Vec<_>>())
+}
+
+/// The zero of an increasing `force`, which is below zero at the lower end and above at the upper: Newton's
+/// steps from `start`, halving where they leave the bracket.
+fn root(force: impl Fn(f64) -> (f64, f64), start: f64, (mut low, mut high): (f64, f64)) -> f64 {
+    let mut at = start.max(low).min(high);
+    for _ in 0..ROUNDS {
+        let (value, slope) = force(at);
+        if value == 0.0 {
+            break;
+        }
+        if value < 0.0 {
+            low = at
+        } else {
+            high = at
+        }
+        let newton = at - value / slope;
+        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        if next == at || !(high - low > f64::EPSILON * at.abs()) {
+            break;
+        }
+        at = next;
+    }
+    at
+}
+
+fn check(changes: &JointChanges) -> Result<(), LawError> {
+    let legal = |quantity: &Quantity, value| {
+        let end = |end: Option<f64>| match end {
+            None => Bound::Unbounded,
+            Some(end) if quantity.open => Bound::Excluded(end),
+            Some(end) => Bound::Included(end),
+        };
+        let bounds = Bounds { lower: end(quantity.min), upper: end(quantity.max) };
+        checked(quantity.name, quantity.unit, value, bounds).map(|_| ())
+    };
+    legal(&v::SPREAD, changes.spread)?;
+    legal(&v::RESIDUAL_STIFFNESS, changes.residual_stiffness)?;
+    legal(&v::CONTACT_DAMPING, changes.damping)?;
+    legal(&v::CUBIC_STIFFNESS, changes.cubic_stiffness)?;
+    legal(&v::RATE, changes.wear)?;
+    legal(&v::ASYMMETRY, changes.asymmetry)?;
+    legal(&v::HALF_GAP, changes.half_gap)?;
+    if let Some((excess, scale)) = changes.weakening {
+        legal(&v::WEAKENING, excess)?;
+        legal(&v::WEAKENING_VELOCITY, scale)?;
+    }
+    Ok(())
+}

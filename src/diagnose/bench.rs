@@ -1,0 +1,154 @@
+//! The measurements laid out for fits and scores: every channel's samples with their weights.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use super::shown::Shown;
+use super::{predict, score};
+use crate::identify::InterruptHook;
+use crate::measure::{Dataset, Record};
+use crate::model::Model;
+
+/// A dataset with weights, and counters of what is spent on it.
+pub(super) struct Bench<'d> {
+    pub dataset: &'d Dataset,
+    /// Per record, in the order of the dataset.
+    pub lanes: Vec<Lane<'d>>,
+    simulations: AtomicUsize,
+    refits: AtomicUsize,
+    interrupt: Option<InterruptHook<'d>>,
+}
+
+/// One record's compared channels, one after the other.
+pub(super) struct Lane<'d> {
+    pub record: &'d Record,
+    /// Measured values.
+    pub measured: Vec<f64>,
+    /// One over the standard deviation that residuals are measured by: the noise where it is known, the channel's own where not;
+    /// zero where a sample is not to be seen.
+    pub weights: Vec<f64>,
+    /// One over the channel's standard deviation, per sample.
+    pub scales: Vec<f64>,
+    /// Samples of each channel, by name.
+    pub channels: Vec<(&'d str, std::ops::Range<usize>)>,
+}
+
+/// A model's predictions of one record, its start fitted to it.
+#[derive(Debug, Clone)]
+pub(super) struct Scored {
+    /// Index of the record.
+    pub record: usize,
+    /// All channels, one after the other.
+    pub predictions: Vec<f64>,
+    /// (prediction − measurement) · weight.
+    pub residuals: Vec<f64>,
+}
+
+impl<'d> Bench<'d> {
+    /// Of `dataset`, for models of the kind of `model`, weighted by the channels' standard deviations.
+    ///
+    /// # Errors
+    /// Name of a record and why no model of this kind can predict it.
+    pub fn new(model: &Model, dataset: &'d Dataset, interrupt: Option<InterruptHook<'d>>) -> Result<Self, (String, String)> {
+        let lanes = dataset
+            .records
+            .iter()
+            .map(|record| lane(model, record).map_err(|reason| (record.name.clone(), reason)))
+            .collect::<Result<_, _>>()?;
+        Ok(Self { dataset, lanes, simulations: AtomicUsize::new(0), refits: AtomicUsize::new(0), interrupt })
+    }
+
+    /// Whether the caller wants the end.
+    pub fn interrupted(&self) -> bool {
+        self.interrupt.is_some_and(|interrupt| interrupt())
+    }
+
+    /// Counts simulations of single records.
+    pub fn count(&self, simulations: usize) {
+        self.simulations.fetch_add(simulations, Ordering::Relaxed);
+    }
+
+    /// Counts a refit.
+    pub fn count_refit(&self) {
+        self.refits.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Refits so far, and simulations of single records.
+    pub fn spent(&self) -> (usize, usize) {
+        (self.refits.load(Ordering::Relaxed), self.simulations.load(Ordering::Relaxed))
+    }
+
+    /// Predictions of `records` under `model`, each record's start fitted to the record itself.
+    pub fn score(&self, model: &Model, records: &[usize]) -> Result<Vec<Scored>, String> {
+        records.par_iter().map(|&record| self.score_one(model, record)).collect()
+    }
+
+    fn score_one(&self, model: &Model, record: usize) -> Result<Scored, String> {
+        let lane = &self.lanes[record];
+        let mut shown = Shown::new(model, lane.record)?;
+        let nuisances = shown.nuisances(model)?;
+        let settled = if nuisances.is_empty() {
+            Vec::new()
+        } else {
+            shown.settle_from(model, &nuisances, &lane.measured, &lane.weights)
+        };
+        let mut predictions = Vec::new();
+        shown.predict(model, &settled, &mut predictions)?;
+        self.count(1 + 4 * settled.len());
+        let residuals = lane.residuals(&predictions);
+        if residuals.iter().all(|r| r.is_finite()) {
+            Ok(Scored { record, predictions, residuals })
+        } else {
+            Err(format!("the prediction of `{}` is not finite", lane.record.name))
+        }
+    }
+
+    /// Root mean square over all channels of `scored`, each normalised by its own standard deviation.
+    pub fn normalised_error(&self, scored: &[Scored]) -> f64 {
+        let (mut sum, mut channels) = (0.0, 0);
+        for one in scored {
+            let lane = &self.lanes[one.record];
+            for (_, range) in &lane.channels {
+                let square = |i: usize| ((one.predictions[i] - lane.measured[i]) * lane.scales[i]).powi(2);
+                sum += range.clone().map(square).sum::<f64>() / range.len() as f64;
+                channels += 1;
+            }
+        }
+        (sum / channels as f64).sqrt()
+    }
+}
+
+/// Mean square of the weighted residuals: chi-square per sample where the weights are those of the noise.
+pub(super) fn mean_square(scored: &[Scored]) -> f64 {
+    let count: usize = scored.iter().map(|one| one.residuals.len()).sum();
+    scored.iter().flat_map(|one| &one.residuals).map(|r| r * r).sum::<f64>() / count.max(1) as f64
+}
+
+fn lane<'d>(model: &Model, record: &'d Record) -> Result<Lane<'d>, String> {
+    // Building a simulation says what the record lacks.
+    Shown::new(model, record)?;
+    let mut lane =
+        Lane { record, measured: Vec::new(), weights: Vec::new(), scales: Vec::new(), channels: Vec::new() };
+    for channel in predict::compared(model, record) {
+        let start = lane.measured.len();
+        lane.measured.extend_from_slice(&channel.values);
+        let scale = 1.0 / score::deviation(channel)?;
+        lane.scales.resize(lane.measured.len(), scale);
+        lane.channels.push((&channel.name, start..lane.measured.len()));
+    }
+    lane.weights.clone_from(&lane.scales);
+    Ok(lane)
+}
+
+impl Lane<'_> {
+    /// (prediction − measurement) · weight.
+    pub fn residuals(&self, predictions: &[f64]) -> Vec<f64> {
+        predictions
+            .iter()
+            .zip(&self.measured)
+            .zip(&self.weights)
+            .map(|((value, measured), weight)| (value - measured) * weight)
+            .collect()
+    }
+}

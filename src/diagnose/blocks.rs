@@ -1,0 +1,119 @@
+//! Scores block by block: what one model gains over another on records that neither was fitted to, with its
+//! doubt. Blocks are longer than the residual's correlation, so that they count as independent.
+
+use std::ops::Range;
+
+use super::bench::{Bench, Scored};
+
+/// Correlation below which samples count as independent.
+const INDEPENDENT: f64 = 0.2;
+/// Shortest block (samples).
+const SHORTEST: usize = 8;
+/// Fewest blocks that a channel of a record is cut into, where it is long enough.
+const FEWEST: usize = 10;
+
+/// What one model gains over another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Gain {
+    /// Mean gain of the blocks over its standard error.
+    pub z: f64,
+    /// Share of the squared error removed.
+    pub share: f64,
+}
+
+/// Length of blocks (samples) for `residuals`, one slice per record: twice the lag at which their correlation
+/// has died away.
+pub(super) fn length<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> usize {
+    let series: Vec<&[f64]> = residuals.collect();
+    let shortest = series.iter().map(|one| one.len()).min().unwrap_or(0);
+    let longest = (shortest / FEWEST).max(1);
+    let product = |lag: usize| -> f64 {
+        series.iter().map(|one| one.iter().zip(one.get(lag..).unwrap_or(&[])).map(|(a, b)| a * b).sum::<f64>()).sum()
+    };
+    let power = product(0);
+    let mut lag = 1;
+    while lag < longest && product(lag) > INDEPENDENT * power {
+        lag += 1 + lag / 8;
+    }
+    (2 * lag).max(SHORTEST).min(longest.max(SHORTEST))
+}
+
+/// How many samples in a row of `residuals` count as one: the sum of their correlation until it dies away.
+pub(super) fn correlation<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> f64 {
+    let series: Vec<&[f64]> = residuals.collect();
+    let longest = series.iter().map(|one| one.len()).min().unwrap_or(0) / FEWEST;
+    let product = |lag: usize| -> f64 {
+        series.iter().map(|one| one.iter().zip(one.get(lag..).unwrap_or(&[])).map(|(a, b)| a * b).sum::<f64>()).sum()
+    };
+    let power = product(0);
+    let mut sum = 1.0;
+    for lag in 1..longest {
+        let share = if power > 0.0 { product(lag) / power } else { 0.0 };
+        if share < 0.05 {
+            break;
+        }
+        sum += 2.0 * share;
+    }
+    sum
+}
+
+/// `range` cut into blocks of about `length`.
+pub(super) fn within(range: Range<usize>, length: usize) -> impl Iterator<Item = Range<usize>> {
+    let count = (range.len() / length.max(1)).max(1);
+    let total = range.len();
+    (0..count).map(move |k| range.start + k * total / count..range.start + (k + 1) * total / count)
+}
+
+/// What `with` gains over `without`; both are scores of the same records in the same order.
+pub(super) fn gain(bench: &Bench, without: &[Scored], with: &[Scored]) -> Gain {
+    let length = length(without.iter().map(|one| one.residuals.as_slice()));
+    let square = |residuals: &[f64], block: &Range<usize>| residuals[block.clone()].iter().map(|r| r * r).sum::<f64>();
+    let (mut gains, mut before) = (Vec::new(), 0.0);
+    for (old, new) in without.iter().zip(with) {
+        for (_, range) in &bench.lanes[old.record].channels {
+            for block in within(range.clone(), length) {
+                let (old, new) = (square(&old.residuals, &block), square(&new.residuals, &block));
+                before += old;
+                gains.push(old - new);
+            }
+        }
+    }
+    let total: f64 = gains.iter().sum();
+    let share = if before > 0.0 { total / before } else { 0.0 };
+    Gain { z: z_of(&gains), share }
+}
+
+/// Mean of independent numbers over its standard error; zero for fewer than two.
+fn z_of(values: &[f64]) -> f64 {
+    let count = values.len() as f64;
+    if count < 2.0 {
+        return 0.0;
+    }
+    let mean = values.iter().sum::<f64>() / count;
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    if variance > 0.0 { mean / (variance / count).sqrt() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_are_longer_than_the_correlation() {
+        // A square wave of 40 samples is correlated over about ten.
+        let slow: Vec<f64> = (0..2000).map(|i| if (i / 20) % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        let chosen = length([slow.as_slice()].into_iter());
+        assert!((12..40).contains(&chosen), "{chosen}");
+        let quick: Vec<f64> = (0..2000).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        assert_eq!(length([quick.as_slice()].into_iter()), SHORTEST);
+    }
+
+    #[test]
+    fn blocks_cover_a_range_once() {
+        for (range, size) in [(0..100, 7), (5..6, 10), (3..40, 37), (0..10, 1)] {
+            let blocks: Vec<_> = within(range.clone(), size).collect();
+            assert_eq!((blocks[0].start, blocks[blocks.len() - 1].end), (range.start, range.end));
+            assert!(blocks.windows(2).all(|pair| pair[0].end == pair[1].start));
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! The smallest size of an effect that these data would have shown.
+
+use super::candidates::Candidate;
+use super::diagnosis::Detectable;
+use super::select::{PASSING_SHARE, PASSING_Z};
+
+/// What a change is seen against.
+pub(super) struct Noise {
+    /// Samples of the fitted records.
+    pub samples: usize,
+    /// Mean square of the weighted residuals.
+    pub chi_square: f64,
+    /// Samples in a row that count as one.
+    pub correlation: f64,
+}
+
+/// How many times a change of this square sum (of weighted residuals) must be taken to pass: its
+/// estimate must lie three standard errors off zero and it must make three percent of the squared error.
+pub(super) fn multiple(square: f64, noise: &Noise) -> f64 {
+    let error = (noise.chi_square * noise.correlation / square).sqrt();
+    let share = (PASSING_SHARE * noise.samples as f64 * noise.chi_square / square).sqrt();
+    (PASSING_Z * error).max(share)
+}
+
+/// Notes the size for the effect, the smallest where it can sit at several places.
+pub(super) fn smaller(found: &mut Vec<Detectable>, candidate: &Candidate, size: Option<f64>) {
+    let parameter = candidate.effect.parameters[0].quantity;
+    match found.iter_mut().find(|known| known.effect == candidate.effect.id) {
+        Some(known) => {
+            known.value = match (known.value, size) {
+                (Some(a), Some(b)) => Some(a.min(b)),
+                (a, b) => a.or(b),
+            }
+        }
+        None => found.push(Detectable {
+            effect: candidate.effect.id,
+            parameter: parameter.name,
+            value: size,
+            unit: parameter.unit,
+        }),
+    }
+}

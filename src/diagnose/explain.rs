@@ -1,0 +1,136 @@
+//! The verdict in an engineer's words.
+
+use super::confound;
+use super::diagnosis::{Errors, Evidence, Group, Verdict};
+use super::findings::{ADEQUATE, Outcome, UNEXPLAINED};
+use super::select::Search;
+use super::sensitivity::Sensitivities;
+use super::verdict::thresholds;
+use super::features;
+use crate::effects;
+use crate::model::Model;
+
+/// What is told of.
+pub(super) struct Told<'a, 'b, 'd> {
+    pub search: &'a Search<'b, 'd>,
+    pub model: &'a Model,
+    pub outcome: &'a Outcome,
+    pub error: &'a Errors,
+    pub known: bool,
+    pub groups: &'a [Group],
+    pub verdict: Verdict,
+}
+
+fn percent(share: f64) -> String {
+    let share = 100.0 * share;
+    if share >= 10.0 { format!("{share:.0} %") } else { format!("{share:.2} %") }
+}
+
+/// Why, the most important first.
+pub(super) fn reasons(told: &Told) -> Vec<String> {
+    let Told { outcome, error, known, .. } = told;
+    let findings = &outcome.findings;
+    let mut reasons = Vec::new();
+    let chosen = findings.base.chi_square();
+    match (told.verdict, outcome.chi_square) {
+        (Verdict::NothingMissing, Some(chi_square)) => reasons.push(format!(
+            "the refitted model leaves {chi_square:.2} times the noise's mean square on records that nothing was \
+             fitted to, and no effect of the catalogue gains {} on the selecting records",
+            thresholds()
+        )),
+        (Verdict::Unexplained, Some(chi_square)) => reasons.push(format!(
+            "{chi_square:.1} times the noise's mean square remain on records that nothing was fitted to; above \
+             {UNEXPLAINED} a model does not explain its data, and names found on the way are surrogates"
+        )),
+        (Verdict::Unexplained, None) => reasons.push(format!(
+            "the refitted model leaves {} of the measured channels' variation, nothing in the catalogue lowers that \
+             beyond doubt, and how much of it is noise is not known",
+            percent(error.refitted)
+        )),
+        _ => {}
+    }
+    for step in &findings.steps {
+        let names: Vec<&str> = step.candidates.iter().map(|candidate| candidate.effect.title).collect();
+        let fate = if step.dropped { "; dropped again at the end, the others do as well without" } else { "" };
+        reasons.push(format!(
+            "{} removes {} of the squared error of the selecting records, {:.0} standard errors above nothing{fate}",
+            names.join(" with "),
+            percent(step.gain.share),
+            step.gain.z
+        ));
+    }
+    if !findings.effects().is_empty() {
+        reasons.push(format!(
+            "on the untouched records the error falls from {} to {} of the channels' own variation",
+            percent(error.untouched_refitted),
+            percent(error.untouched)
+        ));
+    }
+    match outcome.chi_square {
+        Some(chi_square) if told.verdict == Verdict::EffectFound && chi_square > ADEQUATE => reasons.push(format!(
+            "a small part remains unexplained: {chi_square:.2} times the noise's mean square"
+        )),
+        Some(chi_square) if told.verdict == Verdict::EffectFound => {
+            reasons.push(format!("what remains is noise: {chi_square:.2} times its mean square"));
+        }
+        None if told.verdict == Verdict::EffectFound => reasons.push(format!(
+            "the noise is not known, since no motion was repeated: how much of the remaining {} is noise and how much \
+             is still unexplained these records cannot say",
+            percent(error.untouched)
+        )),
+        _ => {}
+    }
+    reasons.extend(told.groups.iter().map(|group| group.reason.clone()));
+    if *known && told.verdict == Verdict::NothingMissing && chosen > ADEQUATE {
+        reasons.push(format!("on the selecting records {chosen:.2} times the noise's mean square remain"));
+    }
+    if findings.interrupted {
+        reasons.push("the search was interrupted: what was not tried may do better".to_owned());
+    }
+    reasons
+}
+
+/// What was seen of the effects, and what else could cause the same.
+pub(super) fn evidence(told: &Told, ids: &[&'static str], sensitivities: &Sensitivities) -> Vec<Evidence> {
+    let features = features::of(told.search, &told.outcome.findings.base);
+    let mut named: Vec<&'static str> = ids.to_vec();
+    for group in told.groups {
+        named.extend(group.effects.iter().filter(|id| !ids.contains(*id)));
+    }
+    named
+        .into_iter()
+        .filter_map(|id| {
+            let seen = (effects::find(id)?.signature)(&features)?;
+            let alike: Vec<&str> = sensitivities
+                .confounding
+                .iter()
+                .filter(|pair| pair.effects.contains(&id) && pair.correlation.abs() > confound::ALIKE)
+                .filter_map(|pair| pair.effects.into_iter().find(|other| *other != id))
+                .filter_map(|other| effects::find(other).map(|effect| effect.title))
+                .collect();
+            let otherwise = (!alike.is_empty()).then(|| format!("{} would look much the same", alike.join(", ")));
+            Some(Evidence { effect: id, seen, otherwise })
+        })
+        .collect()
+}
+
+/// The experiment that would decide what is left open.
+pub(super) fn next_experiment(told: &Told, _: &Sensitivities) -> Option<String> {
+    match told.verdict {
+        Verdict::NotDistinguishable => told.groups.first().map(|group| group.experiment.clone()),
+        Verdict::EffectFound if !told.known => Some(
+            "Repeat one record, or run it over several periods: only then is it known how much of what remains is \
+             noise"
+                .to_owned(),
+        ),
+        Verdict::Unexplained if !told.known => Some(
+            "Repeat one record, or run it over several periods: the difference of the repeats is the noise".to_owned(),
+        ),
+        Verdict::Unexplained => Some(
+            "Look at the residual of the refitted model against displacement, velocity, normal load and time, and \
+             repeat the record in which it is largest at half and at twice its speed"
+                .to_owned(),
+        ),
+        _ => None,
+    }
+}

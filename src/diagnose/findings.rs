@@ -1,0 +1,177 @@
+//! The rounds of the selection, and what came of them.
+
+use super::bench::Scored;
+use super::blocks::{self, Gain};
+use super::candidates::Candidate;
+use super::engine::Meter;
+use super::select::{PASSING_SHARE, PASSING_Z, Search, State, Trial};
+use super::trial::Fitted;
+
+/// Mean square of the weighted residuals below which a model is adequate.
+pub(super) const ADEQUATE: f64 = 1.15;
+/// The same above which it leaves the data unexplained.
+pub(super) const UNEXPLAINED: f64 = 1.5;
+/// Singles from which pairs are made.
+const PAIRED: usize = 6;
+
+/// Something that was added.
+#[derive(Debug, Clone)]
+pub(super) struct Added {
+    pub candidates: Vec<Candidate>,
+    pub state: State,
+    pub gain: Gain,
+    pub error: f64,
+    pub dropped: bool,
+    /// Others that these data cannot tell from it.
+    pub tied: Vec<Candidate>,
+}
+
+/// All rounds.
+pub(super) struct Findings {
+    /// The model refitted, nothing added.
+    pub base: State,
+    /// What was added, in order.
+    pub steps: Vec<Added>,
+    /// Every round, best first.
+    pub rounds: Vec<Vec<Trial>>,
+    /// After the backward drop, where anything was dropped.
+    pub shortened: Option<State>,
+    pub interrupted: bool,
+}
+
+/// The end of the search, on all records seen, and the untouched ones.
+pub(super) struct Outcome {
+    pub findings: Findings,
+    /// The base, and one per step; one more where something was dropped.
+    pub fits: Vec<Fitted>,
+    /// Untouched records under the first and the last of them.
+    pub before: Vec<Scored>,
+    pub after: Vec<Scored>,
+    /// Mean square of the weighted residuals on the untouched records, where the noise is known.
+    pub chi_square: Option<f64>,
+}
+
+impl Findings {
+    /// Adds what gains most until the model is adequate or nothing passes.
+    pub fn search(
+        search: &Search,
+        base: State,
+        tried: &[Candidate],
+        most: usize,
+        known: bool,
+        meter: &Meter,
+    ) -> Self {
+        let mut findings =
+            Self { base, steps: Vec::new(), rounds: Vec::new(), shortened: None, interrupted: false };
+        while findings.effects().len() < most {
+            let present = findings.last().clone();
+            let adequate = known && present.chi_square() < ADEQUATE;
+            // The first round is made in any case: its candidates are part of the answer.
+            if adequate && !findings.rounds.is_empty() {
+                break;
+            }
+            let left: Vec<Vec<Candidate>> =
+                tried.iter().filter(|c| !findings.effects().contains(c)).map(|c| vec![c.clone()]).collect();
+            if !findings.rounds.is_empty() {
+                meter.expect(left.len());
+            }
+            let round = search.round(&present, &left);
+            findings.interrupted |= search.bench.interrupted();
+            let step = if adequate { None } else { findings.best_of(search, &round) };
+            findings.rounds.push(round);
+            let Some(step) = step else { break };
+            findings.steps.push(step);
+            if findings.interrupted {
+                break;
+            }
+        }
+        findings.try_pairs(search, most, known, meter);
+        findings.drop_backward(search);
+        findings
+    }
+
+    fn best_of(&self, search: &Search, round: &[Trial]) -> Option<Added> {
+        let best = round.iter().find(|trial| trial.passes())?;
+        let state = best.state.as_ref().ok()?.clone();
+        let tied = search.tied(round).into_iter().filter(|trial| trial.candidates != best.candidates);
+        let tied = tied.filter_map(|trial| trial.candidates.first().cloned()).collect();
+        let error = search.bench.normalised_error(&state.scored);
+        Some(Added { candidates: best.candidates.clone(), state, gain: best.gain, error, dropped: false, tied })
+    }
+
+    /// Where single effects do not reach the noise: two at once, from the best singles of the first round.
+    fn try_pairs(&mut self, search: &Search, most: usize, known: bool, meter: &Meter) {
+        let poor = !known || self.last().chi_square() > UNEXPLAINED;
+        let stuck = if known { poor && self.steps.len() < 2 } else { self.steps.is_empty() };
+        if !(poor && stuck) || most < 2 || self.interrupted {
+            return;
+        }
+        let Some(first) = self.rounds.first() else { return };
+        let best: Vec<Candidate> =
+            first.iter().filter(|t| t.state.is_ok()).take(PAIRED).filter_map(|t| t.candidates.first().cloned()).collect();
+        let pairs: Vec<Vec<Candidate>> = (0..best.len())
+            .flat_map(|b| (0..b).map(move |a| (a, b)))
+            .map(|(a, b)| vec![best[a].clone(), best[b].clone()])
+            .filter(|pair| pair[0].effect != pair[1].effect)
+            .collect();
+        meter.expect(pairs.len());
+        let round = search.round(&self.base, &pairs);
+        self.interrupted |= search.bench.interrupted();
+        if let Some(step) = self.best_of(search, &round) {
+            let over_last = blocks::gain(search.bench, &self.last().scored, &step.state.scored);
+            if over_last.z > PASSING_Z && over_last.share > PASSING_SHARE {
+                self.steps = vec![step];
+            }
+        }
+        self.rounds.push(round);
+    }
+
+    /// Drops effects without which the others do as well.
+    fn drop_backward(&mut self, search: &Search) {
+        if self.effects().len() < 2 {
+            return;
+        }
+        let given = search.given;
+        let mut kept = self.effects();
+        let mut present = self.last().clone();
+        loop {
+            let mut dropped = None;
+            for index in 0..kept.len() {
+                if kept.len() < 2 || search.bench.interrupted() {
+                    break;
+                }
+                let mut model = present.fitted.model.clone();
+                model.effects.remove(given + index);
+                let Ok(without) = search.state(&model) else { continue };
+                let gain = blocks::gain(search.bench, &without.scored, &present.scored);
+                if gain.z < PASSING_Z || gain.share < PASSING_SHARE {
+                    dropped = Some((index, without));
+                    break;
+                }
+            }
+            let Some((index, without)) = dropped else { break };
+            let candidate = kept.remove(index);
+            if let Some(step) = self.steps.iter_mut().find(|step| step.candidates.contains(&candidate)) {
+                step.dropped = true;
+            }
+            present = without;
+            self.shortened = Some(present.clone());
+        }
+    }
+
+    /// The effects added and not dropped, in the order of the model.
+    pub fn effects(&self) -> Vec<Candidate> {
+        self.steps.iter().filter(|step| !step.dropped).flat_map(|step| step.candidates.clone()).collect()
+    }
+
+    /// The model that the search ended with.
+    pub fn last(&self) -> &State {
+        let added = self.steps.last().map(|step| &step.state);
+        self.shortened.as_ref().or(added).unwrap_or(&self.base)
+    }
+
+    /// Whether the last model is none of the steps'.
+    pub fn dropped(&self) -> bool {
+        self.shortened.is_some()
+    }
+}

@@ -1,0 +1,69 @@
+//! The noise of what drives a model acts through it: the displacement's through the stiffness in stick, the
+//! excitation's through the structure. How much it makes of the predictions is found by adding as much again.
+
+use rayon::prelude::*;
+
+use super::bench::Bench;
+use super::motion::white_noise;
+use super::{predict, shown::Shown};
+use crate::measure::{Channel, Record};
+use crate::model::Model;
+
+/// Standard deviation of what the inputs' noise makes of each compared channel of each record, under `model`.
+pub(super) fn through(model: &Model, bench: &Bench) -> Vec<Vec<f64>> {
+    bench.lanes.par_iter().enumerate().map(|(index, lane)| one(model, lane.record, index).unwrap_or_default()).collect()
+}
+
+fn one(model: &Model, record: &Record, index: usize) -> Result<Vec<f64>, String> {
+    let compared: Vec<&str> = predict::compared(model, record).iter().map(|channel| channel.name.as_str()).collect();
+    let mut shaken = record.clone();
+    let mut random = Random(index as u64);
+    for channel in &mut shaken.channels {
+        let driving = !compared.contains(&channel.name.as_str()) && channel.name != "time";
+        let noise = if driving { input_noise(channel) } else { 0.0 };
+        if noise > 0.0 {
+            channel.values.iter_mut().for_each(|value| *value += noise * random.normal());
+        }
+    }
+    let mut values = [Vec::new(), Vec::new()];
+    for (record, values) in [record, &shaken].into_iter().zip(&mut values) {
+        let mut shown = Shown::new(model, record)?;
+        let nuisances = shown.settle(model)?;
+        shown.predict(model, &nuisances, values)?;
+    }
+    let [plain, shaken] = values;
+    let mut start = 0;
+    Ok(predict::compared(model, record)
+        .iter()
+        .map(|channel| {
+            let range = start..start + channel.values.len();
+            start = range.end;
+            let square: f64 = range.clone().map(|i| (shaken[i] - plain[i]).powi(2)).sum();
+            (square / range.len() as f64).sqrt()
+        })
+        .collect())
+}
+
+/// Noise of a driving channel: what the dataset states, or its white part.
+fn input_noise(channel: &Channel) -> f64 {
+    channel.noise.unwrap_or_else(|| white_noise(&channel.values))
+}
+
+/// Numbers that look random and are the same in every run (Vigna's splitmix64).
+struct Random(u64);
+
+impl Random {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut x = self.0;
+        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Box and Muller's normal variable.
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+}

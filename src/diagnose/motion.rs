@@ -1,0 +1,177 @@
+//! Smooth motions from noisy samples: what drives a simulation must not bring the sensor's noise with it.
+//!
+//! Local cubics (Savitzky & Golay 1964) whose width is the largest that the noise hides: wherever smoothing
+//! would change the samples by more than their own noise it is not done. Samples without noise stay as they
+//! are.
+
+/// Half-widths tried (samples), widest last.
+const HALF_WIDTHS: [usize; 6] = [1, 2, 4, 8, 16, 32];
+/// Excess of the mean square change over that of removed noise at which a width is too wide.
+const EXCESS: f64 = 1.1;
+
+/// A measured motion and its rate.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Motion {
+    /// Values with the noise reduced.
+    pub values: Vec<f64>,
+    /// Time derivative (unit/s).
+    pub rates: Vec<f64>,
+}
+
+/// Standard deviation of white noise on smooth `values`, from fourth differences and their median, so that
+/// single corners do not count. Coloured noise is underestimated.
+pub(super) fn white_noise(values: &[f64]) -> f64 {
+    let mut differences: Vec<f64> = values
+        .windows(5)
+        .map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs())
+        .collect();
+    if differences.is_empty() {
+        return 0.0;
+    }
+    let middle = differences.len() / 2;
+    let (_, median, _) = differences.select_nth_unstable_by(middle, f64::total_cmp);
+    // The median of a normal variable's magnitude is 0.6745 σ; the weights' squares add to 70.
+    *median / 0.674_489_75 / 70.0_f64.sqrt()
+}
+
+impl Motion {
+    /// From evenly spaced samples every `step` seconds.
+    pub fn even(values: &[f64], step: f64) -> Self {
+        let half = half_width(values);
+        let smoothed = if half > 1 { values_smoothed(values, half) } else { values.to_vec() };
+        Self { values: smoothed, rates: rates(values, half, step) }
+    }
+
+    /// From samples at any times: as they are, with central differences.
+    pub fn uneven(values: &[f64], time: &[f64]) -> Self {
+        let last = values.len().saturating_sub(1);
+        let rate = |index: usize| {
+            let (before, after) = (index.saturating_sub(1), (index + 1).min(last));
+            let span = time[after] - time[before];
+            if span > 0.0 { (values[after] - values[before]) / span } else { 0.0 }
+        };
+        Self { values: values.to_vec(), rates: (0..values.len()).map(rate).collect() }
+    }
+}
+
+/// The widest window that the noise hides.
+fn half_width(values: &[f64]) -> usize {
+    let noise = white_noise(values);
+    let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let mut chosen = HALF_WIDTHS[0];
+    if noise <= 1e-12 * largest {
+        return chosen;
+    }
+    for half in HALF_WIDTHS.into_iter().skip(1) {
+        if values.len() < 4 * half {
+            break;
+        }
+        let smoothed = values_smoothed(values, half);
+        let inner = half..values.len() - half;
+        let change = inner.clone().map(|i| (values[i] - smoothed[i]).powi(2)).sum::<f64>() / inner.len() as f64;
+        // A smoothed value keeps a share of its own sample's noise, and loses the rest.
+        let (s0, s2, s4, _) = moments(half);
+        let removed = noise * noise * (1.0 - s4 / (s0 * s4 - s2 * s2));
+        if change > EXCESS * EXCESS * removed {
+            break;
+        }
+        chosen = half;
+    }
+    chosen
+}
+
+/// Sums of the even powers of −half..=half.
+fn moments(half: usize) -> (f64, f64, f64, f64) {
+    let sum = |power: i32| 2.0 * (1..=half).map(|k| (k as f64).powi(power)).sum::<f64>();
+    (1.0 + sum(0), sum(2), sum(4), sum(6))
+}
+
+fn values_smoothed(values: &[f64], half: usize) -> Vec<f64> {
+    (0..values.len())
+        .map(|index| {
+            // Narrower towards the ends, where there is nothing on one side.
+            let half = half.min(index).min(values.len() - 1 - index);
+            if half < 2 {
+                return values[index];
+            }
+            let (s0, s2, s4, _) = moments(half);
+            let (mut sum, mut squares) = (values[index], 0.0);
+            for k in 1..=half {
+                let pair = values[index + k] + values[index - k];
+                sum += pair;
+                squares += (k * k) as f64 * pair;
+            }
+            (s4 * sum - s2 * squares) / (s0 * s4 - s2 * s2)
+        })
+        .collect()
+}
+
+fn rates(values: &[f64], half: usize, step: f64) -> Vec<f64> {
+    let last = values.len().saturating_sub(1);
+    (0..values.len())
+        .map(|index| {
+            let half = half.min(index).min(last - index);
+            if half < 2 {
+                let (before, after) = (index.saturating_sub(1), (index + 1).min(last));
+                return (values[after] - values[before]) / (step * (after - before).max(1) as f64);
+            }
+            let (_, s2, s4, s6) = moments(half);
+            let (mut first, mut third) = (0.0, 0.0);
+            for k in 1..=half {
+                let pair = values[index + k] - values[index - k];
+                first += k as f64 * pair;
+                third += (k as f64).powi(3) * pair;
+            }
+            (s6 * first - s4 * third) / (s2 * s6 - s4 * s4) / step
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn noise(index: usize) -> f64 {
+        // Sum of uniform numbers from a hash: near enough to a normal variable of deviation one.
+        let hash = |salt: u64| {
+            let mut x = (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ salt.wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            (x ^ (x >> 31)) as f64 / u64::MAX as f64
+        };
+        (1..=12).map(hash).sum::<f64>() - 6.0
+    }
+
+    #[test]
+    fn a_cubic_is_its_own_smoothing_and_keeps_its_rate() {
+        let cubic = |x: f64| 1.0 + 2.0 * x - 0.3 * x * x + 0.01 * x * x * x;
+        let values: Vec<f64> = (0..40).map(|i| cubic(i as f64 * 0.5)).collect();
+        let smoothed = values_smoothed(&values, 4);
+        let rates = rates(&values, 4, 0.5);
+        for i in 4..36 {
+            let x = i as f64 * 0.5;
+            assert!((smoothed[i] - values[i]).abs() < 1e-10);
+            assert!((rates[i] - (2.0 - 0.6 * x + 0.03 * x * x)).abs() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn noise_is_measured_on_a_sine_and_taken_off() {
+        let clean = |i: usize| (TAU * i as f64 / 400.0).sin();
+        let noisy: Vec<f64> = (0..1200).map(|i| clean(i) + 0.01 * noise(i)).collect();
+        assert!((white_noise(&noisy) / 0.01 - 1.0).abs() < 0.1);
+        let motion = Motion::even(&noisy, 1.0);
+        let rms = |values: &mut dyn Iterator<Item = f64>| (values.map(|x| x * x).sum::<f64>() / 1200.0).sqrt();
+        assert!(rms(&mut (0..1200).map(|i| motion.values[i] - clean(i))) < 0.005);
+        let rate = |i: usize| TAU / 400.0 * (TAU * i as f64 / 400.0).cos();
+        let plain = rms(&mut (1..1199).map(|i| 0.5 * (noisy[i + 1] - noisy[i - 1]) - rate(i)));
+        assert!(rms(&mut (40..1160).map(|i| motion.rates[i] - rate(i))) < 0.05 * plain);
+    }
+
+    #[test]
+    fn corners_without_noise_stay() {
+        let triangle: Vec<f64> = (0..200).map(|i| (i % 40_i32 - 20).abs() as f64).collect();
+        assert_eq!(Motion::even(&triangle, 1.0).values, triangle);
+    }
+}

@@ -1,0 +1,193 @@
+//! What is known of the noise: stated, seen in repeated periods, in repeated records, or carried over from
+//! where it was seen. Where none of these speaks it stays unknown.
+
+use super::bench::Lane;
+use super::diagnosis::{Noise, NoiseSource};
+use super::motion::white_noise;
+use super::{periods, score};
+use crate::measure::{Channel, Record};
+
+/// The channel that drives a record: the displacement of a contact, the first excitation of a structure.
+pub(super) fn driver(record: &Record) -> Option<&Channel> {
+    let named = |name: &str| record.channels.iter().find(|channel| channel.quantity() == name);
+    named("excitation").or_else(|| named("displacement")).or_else(|| named("amplitude"))
+}
+
+/// Noise of every compared channel of every record, in the order of `lanes`.
+pub(super) fn measure(lanes: &[Lane]) -> Vec<Noise> {
+    let mut found = Vec::new();
+    for (record, lane) in lanes.iter().enumerate() {
+        for (name, range) in &lane.channels {
+            let stated = lane.record.channel(name).and_then(|channel| channel.noise).filter(|noise| *noise > 0.0);
+            let (deviation, source) = match stated {
+                Some(noise) => (Some(noise), NoiseSource::Stated),
+                None => seen(lanes, record, name, &lane.measured[range.clone()]),
+            };
+            found.push(Noise { record, channel: (*name).to_owned(), deviation, source });
+        }
+    }
+    carry_over(lanes, &mut found);
+    found
+}
+
+/// From the record itself, or from another of the same motion.
+fn seen(lanes: &[Lane], record: usize, name: &str, values: &[f64]) -> (Option<f64>, NoiseSource) {
+    let Some(drive) = driver(lanes[record].record) else { return (None, NoiseSource::Unknown) };
+    if let Some(period) = periods::period(&drive.values)
+        && let Some(deviation) = from_periods(values, period)
+    {
+        return (Some(deviation), NoiseSource::Periods);
+    }
+    let repeats = lanes.iter().enumerate().filter(|(other, lane)| {
+        *other != record
+            && lane.record.regime == lanes[record].record.regime
+            && driver(lane.record).is_some_and(|other| same(&other.values, &drive.values))
+    });
+    let differences: Vec<f64> = repeats
+        .filter_map(|(_, lane)| lane.record.channel(name))
+        .map(|other| {
+            let square: f64 = other.values.iter().zip(values).map(|(a, b)| (a - b).powi(2)).sum();
+            square / (2.0 * values.len() as f64)
+        })
+        .collect();
+    if differences.is_empty() {
+        return (None, NoiseSource::Unknown);
+    }
+    let mean = differences.iter().sum::<f64>() / differences.len() as f64;
+    (Some(mean.sqrt()).filter(|deviation| *deviation > 0.0), NoiseSource::Repeats)
+}
+
+/// Two drives are one when they differ by less than this share of their size.
+const SAME: f64 = 0.01;
+
+fn same(a: &[f64], b: &[f64]) -> bool {
+    let square = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
+    a.len() == b.len()
+        && square(&mut a.iter().zip(b).map(|(a, b)| a - b)) < SAME * SAME * square(&mut a.iter().copied())
+}
+
+/// The standard deviation between periods of `period` samples. A drift that is linear over three periods
+/// (wear) is taken off where it shows.
+fn from_periods(values: &[f64], period: f64) -> Option<f64> {
+    let count = values.len() as f64;
+    let whole = period.floor();
+    let part = period - whole;
+    let lag = whole as usize;
+    // The value a period earlier lies between two samples, whose noise is averaged.
+    let earlier = |index: usize, periods: usize| -> f64 {
+        let back = periods as f64 * period;
+        let (whole, part) = (back.floor() as usize, back - back.floor());
+        let near = values[index - whole];
+        if part > 1e-9 && index > whole { (1.0 - part) * near + part * values[index - whole - 1] } else { near }
+    };
+    let kept = |part: f64| (1.0 - part).powi(2) + part * part;
+    if count < 1.5 * period || lag == 0 {
+        return None;
+    }
+    let first = lag + 1;
+    let square: f64 = (first..values.len()).map(|i| (values[i] - earlier(i, 1)).powi(2)).sum();
+    let once = square / (values.len() - first) as f64 / (1.0 + kept(part));
+    let second = (2.0 * period).ceil() as usize + 1;
+    let thrice = if values.len() > second + lag / 2 {
+        let square: f64 =
+            (second..values.len()).map(|i| (values[i] - 2.0 * earlier(i, 1) + earlier(i, 2)).powi(2)).sum();
+        let part_2 = 2.0 * period - (2.0 * period).floor();
+        Some(square / (values.len() - second) as f64 / (1.0 + 4.0 * kept(part) + kept(part_2)))
+    } else {
+        None
+    };
+    let variance = match thrice {
+        Some(thrice) if thrice < 0.8 * once => thrice,
+        _ => once,
+    };
+    (variance > 0.0 && variance.is_finite()).then(|| variance.sqrt())
+}
+
+/// What the noise of a channel is proportional to from record to record.
+const LAWS: [fn(&[f64]) -> f64; 3] = [|_| 1.0, root_mean_square, white_noise];
+
+fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+/// Spread of the logarithm below which a law is taken to hold exactly, and single records' deviations from it
+/// for their own uncertainty.
+const EXACT: f64 = 0.1;
+
+/// Gives channels without a noise that of the same quantity elsewhere, by the law that holds best where the
+/// noise was seen: one size, one share of the channel's root mean square, or one share of its high
+/// frequencies. Where the law holds to within the doubt of the single estimates these are replaced by it.
+fn carry_over(lanes: &[Lane], found: &mut [Noise]) {
+    let values = |noise: &Noise| {
+        let lane = &lanes[noise.record];
+        let range = lane.channels.iter().find(|(name, _)| *name == noise.channel).map(|(_, range)| range.clone());
+        &lane.measured[range.unwrap_or(0..0)]
+    };
+    let mut names: Vec<String> = found.iter().map(|noise| noise.channel.clone()).collect();
+    names.sort();
+    names.dedup();
+    for name in names {
+        let measured: Vec<(f64, [f64; 3])> = found
+            .iter()
+            .filter(|noise| noise.channel == name)
+            .filter_map(|noise| Some((noise.deviation?, LAWS.map(|law| law(values(noise))))))
+            .collect();
+        if measured.is_empty() {
+            continue;
+        }
+        let fits = (0..LAWS.len()).map(|law| {
+            let logarithms: Vec<f64> = measured.iter().map(|(noise, sizes)| (noise / sizes[law]).ln()).collect();
+            let mean = logarithms.iter().sum::<f64>() / logarithms.len() as f64;
+            let variance = logarithms.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / logarithms.len() as f64;
+            (law, mean, variance.sqrt())
+        });
+        let Some((law, mean, spread)) =
+            fits.filter(|fit| fit.1.is_finite()).min_by(|a, b| a.2.total_cmp(&b.2))
+        else {
+            continue;
+        };
+        for noise in found.iter_mut().filter(|noise| noise.channel == name) {
+            let carried = mean.exp() * LAWS[law](values(noise));
+            let usable = carried.is_finite() && carried > 0.0;
+            match noise.source {
+                NoiseSource::Unknown if usable => {
+                    (noise.deviation, noise.source) = (Some(carried), NoiseSource::Carried);
+                }
+                NoiseSource::Periods | NoiseSource::Repeats if usable && spread < EXACT => {
+                    noise.deviation = Some(carried);
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+/// Puts the noise into the weights of `lanes`, with the share that the noise of the inputs makes of the
+/// predictions (`through`, per record and channel, in the channel's unit), if all of it is known. Returns
+/// whether it is.
+pub(super) fn weigh(lanes: &mut [Lane], found: &[Noise], through: &[Vec<f64>]) -> bool {
+    let known = found.iter().all(|noise| noise.deviation.is_some());
+    if !known {
+        return false;
+    }
+    let mut noises = found.iter();
+    for (lane, through) in lanes.iter_mut().zip(through) {
+        for (k, (_, range)) in lane.channels.iter().enumerate() {
+            let own = noises.next().and_then(|noise| noise.deviation).unwrap_or(1.0);
+            let carried = through.get(k).copied().unwrap_or(0.0);
+            let weight = 1.0 / own.hypot(carried);
+            lane.weights[range.clone()].fill(weight);
+        }
+    }
+    true
+}
+
+/// The standard deviation a channel's error is measured by, in the channel's unit.
+pub(super) fn floor_of(lane: &Lane, range: std::ops::Range<usize>) -> f64 {
+    1.0 / lane.weights[range.start]
+}
+
+/// Whether a channel varies at all, so that it can be compared.
+pub(super) fn varies(channel: &Channel) -> bool {
+    score::deviation(channel).is_ok()
+}

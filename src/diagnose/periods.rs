@@ -1,0 +1,61 @@
+//! The period of a record's driving motion.
+
+/// Mean square of `x(t + L) − x(t)` over twice the variance, below which the motion repeats.
+const REPEATS: f64 = 1e-3;
+
+/// The period of `values` in samples, not always whole; `None` when the record does not repeat over at least
+/// the last half of a second period.
+pub(super) fn period(values: &[f64]) -> Option<f64> {
+    let count = values.len();
+    let mean = values.iter().sum::<f64>() / count.max(1) as f64;
+    let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count.max(1) as f64;
+    if count < 16 || variance <= 0.0 || !variance.is_finite() {
+        return None;
+    }
+    let longest = count * 2 / 3;
+    let misfit = |lag: usize| -> f64 {
+        let pairs = count - lag;
+        let sum: f64 = values[lag..].iter().zip(values).map(|(later, x)| (later - x).powi(2)).sum();
+        sum / pairs as f64 / (2.0 * variance)
+    };
+    // The first valley that is deep enough, once the motion has moved away from itself.
+    let mut lag = 1;
+    let mut left = false;
+    let mut here = misfit(1);
+    while lag < longest {
+        let next = misfit(lag + 1);
+        left |= here > 0.2;
+        if left && here < REPEATS && next >= here {
+            let before = misfit(lag - 1);
+            let curvature = before - 2.0 * here + next;
+            let offset = if curvature > 0.0 { 0.5 * (before - next) / curvature } else { 0.0 };
+            return Some(lag as f64 + offset.clamp(-0.5, 0.5));
+        }
+        lag += 1;
+        here = next;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::period;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn a_period_is_found_between_samples() {
+        for exact in [40.0, 57.3, 399.6, 400.0] {
+            let values: Vec<f64> =
+                (0..1200).map(|i| { let t = TAU * i as f64 / exact; t.sin() + 0.4 * (3.0 * t).cos() }).collect();
+            let found = period(&values).unwrap();
+            assert!((found - exact).abs() < 0.05, "{exact}: {found}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_repeat_has_no_period() {
+        let ramp: Vec<f64> = (0..1200).map(|i| (i as f64 / 400.0).min(2.0) * (TAU * i as f64 / 400.0).sin()).collect();
+        assert_eq!(period(&ramp), None);
+        assert_eq!(period(&[1.0; 100]), None);
+    }
+}

@@ -1,0 +1,156 @@
+//! Forward selection with a backward drop: each candidate in the full simulator, fitted jointly with all else
+//! on the fitted records, judged on the selecting ones.
+
+use rayon::prelude::*;
+
+use super::bench::{Bench, Scored, mean_square};
+use super::blocks::{self, Gain};
+use super::candidates::{self, Candidate};
+use super::split::Parts;
+use super::trial::{self, Effort, Fitted, Unknown};
+use crate::effects::Scales;
+use crate::model::Model;
+
+/// Gain over its standard error above which a candidate passes.
+pub(super) const PASSING_Z: f64 = 3.0;
+/// Share of the squared error that it must remove.
+pub(super) const PASSING_SHARE: f64 = 0.03;
+/// Two candidates whose difference is below this many standard errors are tied.
+const TIED_Z: f64 = 1.0;
+
+/// What all rounds have in common.
+pub(super) struct Search<'a, 'd> {
+    pub bench: &'a Bench<'d>,
+    pub parts: &'a Parts,
+    pub scales: &'a Scales,
+    /// Effects that the model came with.
+    pub given: usize,
+    /// Called after every candidate.
+    pub told: &'a (dyn Fn(&str) + Sync),
+}
+
+/// A model fitted to the fitted records, with its predictions of the selecting ones.
+#[derive(Debug, Clone)]
+pub(super) struct State {
+    pub fitted: Fitted,
+    pub scored: Vec<Scored>,
+}
+
+/// A candidate (or a pair) after its refit.
+#[derive(Debug, Clone)]
+pub(super) struct Trial {
+    pub candidates: Vec<Candidate>,
+    pub state: Result<State, String>,
+    /// Over the model without it, on the selecting records.
+    pub gain: Gain,
+}
+
+impl Trial {
+    /// Whether its gain is beyond doubt and worth having.
+    pub fn passes(&self) -> bool {
+        self.state.is_ok() && self.gain.z > PASSING_Z && self.gain.share > PASSING_SHARE
+    }
+
+    /// ids, in order.
+    pub fn ids(&self) -> Vec<&'static str> {
+        self.candidates.iter().map(|candidate| candidate.effect.id).collect()
+    }
+}
+
+impl State {
+    /// Mean square of the weighted residuals on the selecting records.
+    pub fn chi_square(&self) -> f64 {
+        mean_square(&self.scored)
+    }
+}
+
+impl Search<'_, '_> {
+    /// The model's unknowns.
+    pub fn unknowns(&self, model: &Model) -> Vec<Unknown> {
+        candidates::unknowns(model, self.given, self.scales, self.bench.dataset)
+    }
+
+    /// Refits `model` and scores it.
+    pub fn state(&self, model: &Model) -> Result<State, String> {
+        let fitted = trial::fit(self.bench, model, &self.unknowns(model), &self.parts.fit, Effort::Full)?;
+        let scored = self.bench.score(&fitted.model, &self.parts.select)?;
+        Ok(State { fitted, scored })
+    }
+
+    /// Tries every set of `sets` beside what `base` has, best first.
+    pub fn round(&self, base: &State, sets: &[Vec<Candidate>]) -> Vec<Trial> {
+        let mut trials: Vec<Trial> = sets
+            .par_iter()
+            .map(|set| {
+                let state = self.added(&base.fitted.model, set);
+                let gain = match &state {
+                    Ok(state) => blocks::gain(self.bench, &base.scored, &state.scored),
+                    Err(_) => Gain { z: 0.0, share: 0.0 },
+                };
+                let trial = Trial { candidates: set.clone(), state, gain };
+                (self.told)(&trial.ids().join(" + "));
+                trial
+            })
+            .collect();
+        trials.sort_by(|a, b| {
+            let key = |trial: &Trial| (trial.state.is_err(), -trial.gain.share);
+            let (left, right) = (key(a), key(b));
+            left.0.cmp(&right.0).then(left.1.total_cmp(&right.1))
+        });
+        trials
+    }
+
+    /// `model` with the candidates of `set`, refitted from all their starts.
+    pub fn added(&self, model: &Model, set: &[Candidate]) -> Result<State, String> {
+        let ranges: Vec<_> =
+            set.iter().map(|candidate| candidate.ranges(self.scales, self.bench.dataset)).collect();
+        let starts: Vec<usize> = ranges.iter().map(|range| range.first().map_or(1, |r| r.starts.len())).collect();
+        let combinations: usize = starts.iter().product();
+        let with = |mut number: usize| {
+            let mut with = model.clone();
+            for ((candidate, ranges), count) in set.iter().zip(&ranges).zip(&starts) {
+                with.effects.push(candidate.applied(ranges, number % count));
+                number /= count;
+            }
+            with
+        };
+        let (fit, bench) = (&self.parts.fit, self.bench);
+        let best = if combinations == 1 {
+            with(0)
+        } else {
+            let screened: Vec<Result<Fitted, String>> = (0..combinations)
+                .into_par_iter()
+                .map(|number| {
+                    let with = with(number);
+                    trial::fit(bench, &with, &self.unknowns(&with), fit, Effort::Screen)
+                })
+                .collect();
+            let mut best: Option<Fitted> = None;
+            let mut failure = None;
+            for outcome in screened {
+                match outcome {
+                    Ok(fitted) if best.as_ref().is_none_or(|best| fitted.cost < best.cost) => best = Some(fitted),
+                    Ok(_) => {}
+                    Err(reason) => failure = Some(reason),
+                }
+            }
+            best.ok_or_else(|| failure.unwrap_or_default())?.model
+        };
+        self.state(&best)
+    }
+
+    /// The trials of `round` (best first) that are as good as the best to within a standard error.
+    pub fn tied<'t>(&self, round: &'t [Trial]) -> Vec<&'t Trial> {
+        let Some((best, Ok(winner))) = round.first().map(|best| (best, best.state.as_ref())) else {
+            return Vec::new();
+        };
+        let mut tied = vec![best];
+        for other in &round[1..] {
+            let Ok(state) = &other.state else { continue };
+            if other.passes() && blocks::gain(self.bench, &state.scored, &winner.scored).z < TIED_Z {
+                tied.push(other);
+            }
+        }
+        tied
+    }
+}

@@ -1,0 +1,141 @@
+//! What small amounts of effects would change in the data that the model's own parameters cannot: the part of
+//! their sensitivities that is orthogonal to those of the base parameters and of the records' starts.
+
+use nalgebra::DMatrix;
+
+use super::bench::Bench;
+use super::candidates::Candidate;
+use super::confound;
+use super::detectable;
+use super::diagnosis::{Confounding, Detectable};
+use super::select::Search;
+use super::trial;
+use crate::effects::Range;
+use crate::model::Model;
+
+/// Share of a sensitivity that must be left when the base parameters have taken theirs; below, these data
+/// cannot show the effect, whatever its size.
+const VISIBLE: f64 = 1e-6;
+
+/// A small amount of an effect.
+struct Probe {
+    candidate: Candidate,
+    /// The first parameter's value that the probe stands for.
+    size: f64,
+    /// Value of the first parameter at which there is no effect.
+    neutral: f64,
+    /// Whether the effect shrinks as the parameter grows.
+    inverse: bool,
+}
+
+/// What the sensitivities say.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Sensitivities {
+    pub confounding: Vec<Confounding>,
+    pub detectable: Vec<Detectable>,
+    /// Ids of effects that these data cannot show.
+    pub invisible: Vec<&'static str>,
+}
+
+/// Around `model`, over the fitted records. `chi_square` is the mean square of the weighted residuals there,
+/// `correlation` how many samples in a row count as one.
+pub(super) fn around(
+    search: &Search,
+    model: &Model,
+    candidates: &[Candidate],
+    chi_square: f64,
+    correlation: f64,
+) -> Result<Sensitivities, String> {
+    let bench: &Bench = search.bench;
+    let mut probes = Vec::new();
+    let mut models = Vec::new();
+    for candidate in candidates {
+        let ranges = candidate.ranges(search.scales, bench.dataset);
+        let (values, probe) = probe(candidate, &ranges);
+        let mut with = model.clone();
+        let mut applied = candidate.applied(&ranges, 0);
+        applied.values = values;
+        with.effects.push(applied);
+        // Effects that a law does not take cannot be probed either.
+        if with.check().is_ok() {
+            probes.push(probe);
+            models.push(with);
+        }
+    }
+    let unknowns = search.unknowns(model);
+    let Gram { sizes, projected, samples } = gram(bench, model, &unknowns, &search.parts.fit, &models)?;
+    let mut found = Sensitivities::default();
+    let noise = detectable::Noise { samples, chi_square, correlation };
+    for (k, probe) in probes.iter().enumerate() {
+        let visible = sizes[k] > 0.0 && projected[(k, k)] > VISIBLE * sizes[k];
+        let id = probe.candidate.effect.id;
+        if !visible && !found.invisible.contains(&id) {
+            found.invisible.push(id);
+        }
+        let multiple = visible.then(|| detectable::multiple(projected[(k, k)], &noise));
+        let size = multiple.map(|multiple| {
+            if probe.inverse { probe.size / multiple } else { (probe.size - probe.neutral).abs() * multiple }
+        });
+        detectable::smaller(&mut found.detectable, &probe.candidate, size);
+    }
+    for a in 0..probes.len() {
+        for b in 0..a {
+            let product = (projected[(a, a)] * projected[(b, b)]).sqrt();
+            let seen = |k: usize| projected[(k, k)] > VISIBLE * sizes[k];
+            if seen(a) && seen(b) {
+                let ids = [probes[b].candidate.effect.id, probes[a].candidate.effect.id];
+                confound::note(&mut found.confounding, ids, (projected[(a, b)] / product).clamp(-1.0, 1.0));
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// A tenth of the first start, where zero means none; the start itself elsewhere.
+fn probe(candidate: &Candidate, ranges: &[Range]) -> (Vec<f64>, Probe) {
+    let mut values: Vec<f64> = ranges.iter().map(|range| range.starts[0]).collect();
+    let id = candidate.effect.id;
+    let neutral = if id == "sensor_gain" { 1.0 } else { 0.0 };
+    let inverse = id == "support_compliance";
+    if !inverse {
+        values[0] = neutral + 0.1 * (values[0] - neutral);
+        values[0] = values[0].clamp(ranges[0].lower, ranges[0].upper);
+    }
+    let probe = Probe { candidate: candidate.clone(), size: values[0], neutral, inverse };
+    (values, probe)
+}
+
+/// Squares and products of the probes' changes.
+struct Gram {
+    /// Square of each, as it is.
+    sizes: Vec<f64>,
+    /// Products of what is left beside the base.
+    projected: DMatrix<f64>,
+    samples: usize,
+}
+
+fn gram(
+    bench: &Bench,
+    model: &Model,
+    unknowns: &[trial::Unknown],
+    records: &[usize],
+    probes: &[Model],
+) -> Result<Gram, String> {
+    let (all, base) = trial::products(bench, model, unknowns, records, probes)?;
+    let total = all.nrows();
+    let sizes: Vec<f64> = (base..total).map(|k| all[(k, k)]).collect();
+    // Columns of length one; those that change nothing stay out.
+    let kept: Vec<usize> = (0..base).filter(|k| all[(*k, *k)] > 0.0).collect();
+    let length = |k: usize| all[(k, k)].sqrt();
+    let own = DMatrix::from_fn(kept.len(), kept.len(), |a, b| {
+        all[(kept[a], kept[b])] / (length(kept[a]) * length(kept[b])) + if a == b { 1e-10 } else { 0.0 }
+    });
+    let cross = DMatrix::from_fn(kept.len(), total - base, |a, k| all[(kept[a], base + k)] / length(kept[a]));
+    let taken = match own.cholesky() {
+        Some(factor) => cross.transpose() * factor.solve(&cross),
+        None => DMatrix::zeros(total - base, total - base),
+    };
+    let projected = DMatrix::from_fn(total - base, total - base, |a, b| all[(base + a, base + b)] - taken[(a, b)]);
+    let samples = records.iter().map(|record| bench.lanes[*record].measured.len()).sum();
+    Ok(Gram { sizes, projected, samples })
+}

@@ -1,0 +1,213 @@
+//! Which records are fitted, which choose, and which are read once at the end.
+
+use crate::measure::{Dataset, Record, Use};
+
+/// Fewest records that can be split by record.
+pub(super) const FEWEST_RECORDS: usize = 3;
+
+/// The records by use.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Parts {
+    /// Parameters are fitted to these.
+    pub fit: Vec<usize>,
+    /// Models are chosen by these.
+    pub select: Vec<usize>,
+    /// Read once.
+    pub untouched: Vec<usize>,
+}
+
+impl Parts {
+    /// The use of each of `count` records.
+    pub fn uses(&self, count: usize) -> Vec<Use> {
+        (0..count)
+            .map(|index| {
+                if self.untouched.contains(&index) {
+                    Use::Confirm
+                } else if self.select.contains(&index) {
+                    Use::Select
+                } else {
+                    Use::Fit
+                }
+            })
+            .collect()
+    }
+
+    /// The records seen before the end, in order.
+    pub fn seen(&self) -> Vec<usize> {
+        let mut seen = [self.fit.clone(), self.select.clone()].concat();
+        seen.sort_unstable();
+        seen
+    }
+
+    /// All records, in order.
+    pub fn all(&self) -> Vec<usize> {
+        let mut all = [self.seen(), self.untouched.clone()].concat();
+        all.sort_unstable();
+        all
+    }
+}
+
+/// Why `dataset` so split cannot carry an answer, if it cannot.
+pub(super) fn too_little(dataset: &Dataset, parts: &Parts) -> Option<String> {
+    let count = dataset.records.len();
+    if count < FEWEST_RECORDS {
+        return Some(format!(
+            "{count} record{} cannot be split into records to fit, to choose by and to confirm with; three are \
+             needed, and levels that differ",
+            if count == 1 { "" } else { "s" }
+        ));
+    }
+    for (part, use_for) in [(&parts.fit, "fit"), (&parts.select, "select"), (&parts.untouched, "confirm")] {
+        if part.is_empty() {
+            return Some(format!("no record is left to {use_for}; leave out the marks or mark one so"));
+        }
+    }
+    None
+}
+
+/// Where a record stands among the others: each coordinate about one across the dataset.
+type Place = [f64; 3];
+
+/// By the records' marks where any has one: a record without a mark is then fitted. Otherwise half are
+/// fitted: the largest motion, the smallest, then always the one farthest from those already taken in level,
+/// speed and regime; the others are dealt out in the order of regime and level.
+pub(super) fn split(dataset: &Dataset, driver: impl Fn(&Record) -> Vec<f64>) -> Parts {
+    let records = &dataset.records;
+    if records.iter().any(|record| record.use_for.is_some_and(|use_for| use_for != Use::Fit)) {
+        let of = |use_for: Use| {
+            let marked = |index: &usize| records[*index].use_for.unwrap_or(Use::Fit) == use_for;
+            (0..records.len()).filter(marked).collect()
+        };
+        return Parts { fit: of(Use::Fit), select: of(Use::Select), untouched: of(Use::Confirm) };
+    }
+    let places = places(records, driver);
+    let fitted = records.len().div_ceil(2).min(records.len().saturating_sub(2)).max(1);
+    let fit = spread(&places, fitted);
+    let mut rest: Vec<usize> = (0..records.len()).filter(|index| !fit.contains(index)).collect();
+    rest.sort_by(|a, b| {
+        let key = |index: &usize| (places[*index][2], places[*index][0]);
+        let (left, right) = (key(a), key(b));
+        left.0.total_cmp(&right.0).then(left.1.total_cmp(&right.1)).then(a.cmp(b))
+    });
+    let mut parts = Parts { fit, ..Parts::default() };
+    parts.fit.sort_unstable();
+    for (position, index) in rest.into_iter().enumerate() {
+        if position % 2 == 0 { parts.select.push(index) } else { parts.untouched.push(index) }
+    }
+    parts.select.sort_unstable();
+    parts.untouched.sort_unstable();
+    parts
+}
+
+/// Level, speed and regime of every record.
+fn places(records: &[Record], driver: impl Fn(&Record) -> Vec<f64>) -> Vec<Place> {
+    let raw: Vec<Place> = records
+        .iter()
+        .map(|record| {
+            let values = driver(record);
+            let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+            let level = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64;
+            let change = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>()
+                / values.len().max(1) as f64;
+            let step = record.sample_step().unwrap_or(1.0);
+            let logarithm = |square: f64| if square > 0.0 { 0.5 * square.ln() } else { 0.0 };
+            [logarithm(level), logarithm(change) - step.ln(), f64::from(record.regime as u8)]
+        })
+        .collect();
+    let mut places = raw.clone();
+    for k in 0..3 {
+        let low = raw.iter().map(|place| place[k]).fold(f64::INFINITY, f64::min);
+        let high = raw.iter().map(|place| place[k]).fold(f64::NEG_INFINITY, f64::max);
+        let range = if high - low > 1e-9 { high - low } else { 1.0 };
+        for place in &mut places {
+            place[k] = (place[k] - low) / range;
+        }
+    }
+    places
+}
+
+/// `count` of the places, spread out.
+fn spread(places: &[Place], count: usize) -> Vec<usize> {
+    let by_level = |sign: f64| {
+        (0..places.len()).max_by(|a, b| (sign * places[*a][0]).total_cmp(&(sign * places[*b][0])).then(b.cmp(a)))
+    };
+    let mut taken: Vec<usize> = by_level(1.0).into_iter().collect();
+    if count > 1
+        && let Some(lowest) = by_level(-1.0).filter(|lowest| !taken.contains(lowest))
+    {
+        taken.push(lowest);
+    }
+    let distance = |a: usize, b: usize| -> f64 {
+        // A regime is a smaller difference than a level or a speed.
+        let weights = [1.0, 1.0, 0.5];
+        (0..3).map(|k| (weights[k] * (places[a][k] - places[b][k])).powi(2)).sum()
+    };
+    while taken.len() < count {
+        let nearest = |index: usize| taken.iter().map(|t| distance(index, *t)).fold(f64::INFINITY, f64::min);
+        let next = (0..places.len())
+            .filter(|index| !taken.contains(index))
+            .max_by(|a, b| nearest(*a).total_cmp(&nearest(*b)).then(b.cmp(a)));
+        match next {
+            Some(next) => taken.push(next),
+            None => break,
+        }
+    }
+    taken
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::{Channel, Regime};
+
+    fn record(level: f64, regime: Regime, step: f64) -> Record {
+        let channel = |name: &str, values: Vec<f64>| Channel { name: name.into(), unit: "m", values, noise: None };
+        let wave = (0..100).map(|i| level * (0.2 * f64::from(i)).sin()).collect();
+        let time = (0..100).map(|i| step * f64::from(i)).collect();
+        Record {
+            name: "r".into(),
+            regime,
+            use_for: None,
+            channels: vec![channel("time", time), channel("displacement", wave)],
+        }
+    }
+
+    fn driver(record: &Record) -> Vec<f64> {
+        record.channel("displacement").unwrap().values.clone()
+    }
+
+    #[test]
+    fn every_record_has_one_use_and_the_extremes_are_fitted() {
+        for count in 3..12 {
+            let records = (0..count).map(|i| record(1.0 + i as f64, Regime::Steady, 0.1)).collect();
+            let dataset = Dataset { title: None, records };
+            let parts = split(&dataset, driver);
+            assert_eq!(parts.all(), (0..count).collect::<Vec<_>>());
+            assert!(parts.fit.contains(&(count - 1)) && !parts.select.is_empty() && !parts.untouched.is_empty());
+            assert!(parts.fit.len() == 1 || parts.fit.contains(&0), "{parts:?}");
+        }
+    }
+
+    #[test]
+    fn every_part_sees_both_regimes_where_there_are_enough() {
+        let records = [1.0, 2.0, 4.0, 8.0]
+            .iter()
+            .flat_map(|level| [record(*level, Regime::FromRest, 0.1), record(1.1 * level, Regime::Steady, 0.1)])
+            .collect();
+        let dataset = Dataset { title: None, records };
+        let parts = split(&dataset, driver);
+        for part in [&parts.fit, &parts.select, &parts.untouched] {
+            let steady = part.iter().filter(|i| dataset.records[**i].regime == Regime::Steady).count();
+            assert!(steady > 0 && steady < part.len(), "{parts:?}");
+        }
+    }
+
+    #[test]
+    fn marks_are_obeyed() {
+        let mut records: Vec<Record> = (0..4).map(|i| record(1.0 + f64::from(i), Regime::Steady, 0.1)).collect();
+        records[3].use_for = Some(Use::Confirm);
+        records[1].use_for = Some(Use::Select);
+        let parts = split(&Dataset { title: None, records }, driver);
+        assert_eq!(parts, Parts { fit: vec![0, 2], select: vec![1], untouched: vec![3] });
+    }
+}

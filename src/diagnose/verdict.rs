@@ -1,0 +1,262 @@
+//! The answer: which of the five verdicts the findings bear, and the report of it.
+
+use super::bench::{Bench, mean_square};
+use super::candidates::{Candidate as Tried, effect_of};
+use super::comparison::Stage;
+use super::diagnosis::{
+    Candidate, Cost, Diagnosis, Errors, Estimate, Group, Noise, Step, Untried, Verdict,
+};
+use super::engine::{comparison, cost, errors, stage};
+use super::explain::{self, Told};
+use super::findings::{ADEQUATE, Added, Outcome, UNEXPLAINED};
+use super::select::{PASSING_SHARE, PASSING_Z, Search, Trial};
+use super::sensitivity::{self, Sensitivities};
+use super::split::Parts;
+use super::{blocks, confound};
+use crate::measure::Dataset;
+use crate::model::Model;
+
+/// What a verdict is made of.
+pub(super) struct Material<'a> {
+    pub model: &'a Model,
+    pub dataset: &'a Dataset,
+    pub baseline: Stage,
+    pub measured: Vec<Noise>,
+    /// Whether all noise is known.
+    pub known: bool,
+    pub tried: Vec<Tried>,
+    pub untried: Vec<Untried>,
+    pub outcome: Outcome,
+}
+
+/// The whole diagnosis.
+pub(super) fn of(search: &Search, material: Material) -> Diagnosis {
+    let Material { model, dataset, baseline, measured, known, tried, mut untried, outcome } = material;
+    let found = outcome.findings.effects();
+    let stages = stages(model, dataset, baseline, &outcome);
+    let last = &outcome.fits[outcome.fits.len() - 1];
+    let error = errors(search, &outcome, &stages, known);
+    let sensitivities = sensitivities(search, &outcome, &tried);
+    for id in &sensitivities.invisible {
+        untried.push(Untried {
+            effect: id,
+            reason: "it cannot be seen in these data: the model's own parameters and the records' unknown starts do \
+                     the same"
+                .to_owned(),
+        });
+    }
+    let groups = groups(&outcome);
+    let verdict = judge(&outcome, known, &groups);
+    let ids: Vec<&'static str> = found.iter().map(|candidate| candidate.effect.id).collect();
+    let told = Told { search, model, outcome: &outcome, error: &error, known, groups: &groups, verdict };
+    let (effects, surrogates) = match verdict {
+        Verdict::EffectFound => (ids.clone(), Vec::new()),
+        Verdict::Unexplained => (Vec::new(), surrogates(&outcome)),
+        _ => (Vec::new(), Vec::new()),
+    };
+    Diagnosis {
+        verdict,
+        reasons: explain::reasons(&told),
+        evidence: explain::evidence(&told, &ids, &sensitivities),
+        next_experiment: explain::next_experiment(&told, &sensitivities),
+        effects,
+        surrogates,
+        groups: if verdict == Verdict::NotDistinguishable { groups } else { Vec::new() },
+        error,
+        chi_square: outcome.chi_square,
+        steps: outcome.findings.steps.iter().map(step).collect(),
+        candidates: outcome.findings.rounds.first().map_or_else(Vec::new, |round| reported(search.bench, round, search.given)),
+        rounds: outcome.findings.rounds.iter().skip(1).map(|round| reported(search.bench, round, search.given)).collect(),
+        untried,
+        confounding: sensitivities.confounding.clone(),
+        detectable: sensitivities.detectable,
+        split: search.parts.uses(dataset.records.len()),
+        noise: measured,
+        comparison: comparison(dataset, stages),
+        model: last.model.clone(),
+        cost: cost(search.bench),
+    }
+}
+
+/// As given, refitted, and one per step that was kept.
+fn stages(model: &Model, dataset: &Dataset, baseline: Stage, outcome: &Outcome) -> Vec<Stage> {
+    let mut stages = vec![baseline];
+    let mut before = model;
+    let findings = &outcome.findings;
+    let names = std::iter::once("refitted".to_owned())
+        .chain(findings.steps.iter().map(|step| format!("+ {}", names(step))))
+        .chain(findings.dropped().then(|| "what is needed of it".to_owned()));
+    for (name, fitted) in names.zip(&outcome.fits) {
+        stages.push(stage(&name, fitted, before, dataset));
+        before = &fitted.model;
+    }
+    stages
+}
+
+fn names(step: &Added) -> String {
+    let names: Vec<&str> = step.candidates.iter().map(|candidate| candidate.effect.title).collect();
+    names.join(" + ")
+}
+
+fn step(added: &Added) -> Step {
+    Step {
+        added: added.candidates.iter().map(|candidate| candidate.effect.id).collect(),
+        error: added.error,
+        gain_z: added.gain.z,
+        gain_share: added.gain.share,
+        dropped: added.dropped,
+    }
+}
+
+/// Effects that lower the error without explaining it: those added, else the best that gained beyond doubt.
+fn surrogates(outcome: &Outcome) -> Vec<&'static str> {
+    let mut ids: Vec<&'static str> =
+        outcome.findings.effects().iter().map(|candidate| candidate.effect.id).collect();
+    let passing = outcome.findings.rounds.first().into_iter().flatten().filter(|trial| trial.passes());
+    for trial in passing.take(3) {
+        for id in trial.ids() {
+            if !ids.contains(&id) {
+                ids.push(id);
+            }
+        }
+    }
+    ids
+}
+
+/// Ties among the effects that were kept.
+fn groups(outcome: &Outcome) -> Vec<Group> {
+    let mut groups = Vec::new();
+    for step in outcome.findings.steps.iter().filter(|step| !step.dropped) {
+        let mut ids: Vec<&'static str> = step.candidates.iter().map(|candidate| candidate.effect.id).collect();
+        let own = ids.len();
+        for other in &step.tied {
+            if !ids.contains(&other.effect.id) {
+                ids.push(other.effect.id);
+            }
+        }
+        if ids.len() > own {
+            groups.push(confound::group(ids));
+        }
+    }
+    groups
+}
+
+fn judge(outcome: &Outcome, known: bool, groups: &[Group]) -> Verdict {
+    let none = outcome.findings.effects().is_empty();
+    let untouched = outcome.chi_square.unwrap_or(f64::NAN);
+    let selecting = if known { outcome.findings.last().chi_square() } else { f64::NAN };
+    if known && (untouched > UNEXPLAINED || selecting > UNEXPLAINED) {
+        return Verdict::Unexplained;
+    }
+    if none {
+        // A model whose error nothing lowers is not thereby right: without the noise nobody knows.
+        return if known { Verdict::NothingMissing } else { Verdict::Unexplained };
+    }
+    if !groups.is_empty() {
+        return Verdict::NotDistinguishable;
+    }
+    // An effect must also gain on the records that nothing was chosen by.
+    let _ = ADEQUATE;
+    Verdict::EffectFound
+}
+
+/// The sensitivities around the model that the search ended with.
+fn sensitivities(search: &Search, outcome: &Outcome, tried: &[Tried]) -> Sensitivities {
+    let last = outcome.findings.last();
+    let present = outcome.findings.effects();
+    let left: Vec<Tried> = tried.iter().filter(|candidate| !present.contains(candidate)).cloned().collect();
+    let correlation = blocks::correlation(last.scored.iter().map(|one| one.residuals.as_slice()));
+    sensitivity::around(search, &last.fitted.model, &left, mean_square(&last.scored), correlation).unwrap_or_default()
+}
+
+/// A round for the report.
+fn reported(bench: &Bench, round: &[Trial], given: usize) -> Vec<Candidate> {
+    round
+        .iter()
+        .map(|trial| {
+            let (error, parameters, evaluations) = match &trial.state {
+                Ok(state) => (
+                    bench.normalised_error(&state.scored),
+                    own_parameters(trial, &state.fitted.estimates, &state.fitted.model, given),
+                    state.fitted.simulations,
+                ),
+                Err(_) => (f64::NAN, Vec::new(), 0),
+            };
+            Candidate {
+                effects: trial.ids(),
+                location: trial.candidates.iter().find_map(|c| c.location.as_ref().map(ToString::to_string)),
+                error,
+                gain_z: trial.gain.z,
+                gain_share: trial.gain.share,
+                parameters,
+                evaluations,
+                failure: trial.state.as_ref().err().cloned(),
+            }
+        })
+        .collect()
+}
+
+/// The parameters of a trial's own effects, by their names alone.
+fn own_parameters(trial: &Trial, estimates: &[Estimate], model: &Model, given: usize) -> Vec<Estimate> {
+    let first = model.effects.len().saturating_sub(trial.candidates.len()).max(given);
+    estimates
+        .iter()
+        .filter(|estimate| effect_of(&estimate.name, model).is_some_and(|(index, _)| index >= first))
+        .map(|estimate| {
+            let name = estimate.name.rsplit('.').next().unwrap_or_default().to_owned();
+            Estimate { name, ..estimate.clone() }
+        })
+        .collect()
+}
+
+/// A diagnosis that could not be made.
+pub(super) fn insufficient(
+    model: &Model,
+    dataset: &Dataset,
+    baseline: Stage,
+    measured: Vec<Noise>,
+    parts: &Parts,
+    reason: String,
+) -> Diagnosis {
+    let error = baseline.error;
+    Diagnosis {
+        verdict: Verdict::InsufficientData,
+        reasons: vec![reason],
+        effects: Vec::new(),
+        surrogates: Vec::new(),
+        groups: Vec::new(),
+        error: Errors {
+            baseline: error,
+            refitted: error,
+            last: error,
+            untouched: f64::NAN,
+            untouched_refitted: f64::NAN,
+            noise_floor: None,
+            untouched_noise_floor: None,
+        },
+        chi_square: None,
+        steps: Vec::new(),
+        candidates: Vec::new(),
+        rounds: Vec::new(),
+        untried: crate::effects::CATALOGUE
+            .iter()
+            .map(|effect| Untried { effect: effect.id, reason: "too little data to try it on".to_owned() })
+            .collect(),
+        confounding: Vec::new(),
+        detectable: Vec::new(),
+        evidence: Vec::new(),
+        next_experiment: Some(
+            "Record at least three levels, each twice, some of them from rest and over two periods or more".to_owned(),
+        ),
+        split: parts.uses(dataset.records.len()),
+        noise: measured,
+        comparison: comparison(dataset, vec![baseline]),
+        model: model.clone(),
+        cost: Cost::default(),
+    }
+}
+
+/// The thresholds in words, for the reasons.
+pub(super) fn thresholds() -> String {
+    format!("z > {PASSING_Z} and more than {:.0} % of the squared error", 100.0 * PASSING_SHARE)
+}

@@ -1,0 +1,223 @@
+//! `[[effect]]`: effects added to a model.
+//!
+//! ```toml
+//! [[effect]]
+//! id = "added_mass"
+//! at = "x=0.55"                 # a mass's name on an oscillator
+//! mass = 0.012                  # kg
+//!
+//! [[effect]]
+//! id = "sensor_gain"
+//! channel = "acceleration:x=0.55"
+//! gain = 1.07
+//! ```
+
+use super::parameters::Slot;
+use super::write::{line, quoted, write_quantity};
+use super::{Law, Model, ModelError, ParameterError, Structure};
+use crate::document::{Table, suggestion};
+use crate::effects::{self, ALL_KINDS, AppliedEffect, CATALOGUE, Changes, Kind, Location, PlaceKind, Scales};
+use crate::identify::Scale;
+use crate::vocabulary::Quantity;
+
+/// Reads `[[effect]]` of a model of `kind`.
+pub(super) fn parse(root: &Table<'_>, kind: Kind) -> Result<Vec<AppliedEffect>, ModelError> {
+    let tables = root.tables("effect")?.unwrap_or_default();
+    tables.iter().map(|table| applied(table, kind)).collect()
+}
+
+fn applied(table: &Table<'_>, kind: Kind) -> Result<AppliedEffect, ModelError> {
+    let id = table.required_string("id")?;
+    let effect = effects::find(id.value).ok_or_else(|| {
+        let known: Vec<&str> = CATALOGUE.iter().map(|effect| effect.id).collect();
+        id.error(format!("unknown effect \"{}\"", id.value))
+            .with_help(suggestion(id.value, &known, "effects"))
+    })?;
+    let place_key = place_key(effect.place);
+    let mut keys = vec!["id"];
+    keys.extend(place_key);
+    keys.extend(effect.parameters.iter().map(|parameter| parameter.quantity.name));
+    table.allow(&keys)?;
+    let location = match place_key {
+        None => None,
+        Some(key) => {
+            let text =
+                table.required_string(key).map_err(|error| missing_place(error, effect.place, kind))?;
+            let read = match effect.place {
+                PlaceKind::Channel => Location::parse_channel(text.value),
+                PlaceKind::Structure | PlaceKind::Nowhere => Location::parse_at(text.value),
+            };
+            Some(read.map_err(|error| text.error(error.to_string()))?)
+        }
+    };
+    let values = effect.parameters.iter().map(|parameter| table.quantity(parameter.quantity));
+    Ok(AppliedEffect { effect, location, values: values.collect::<Result<_, _>>()? })
+}
+
+/// The key that says where an effect sits.
+fn place_key(place: PlaceKind) -> Option<&'static str> {
+    match place {
+        PlaceKind::Nowhere => None,
+        PlaceKind::Structure => Some("at"),
+        PlaceKind::Channel => Some("channel"),
+    }
+}
+
+fn missing_place(error: ModelError, place: PlaceKind, kind: Kind) -> ModelError {
+    if error.help.is_some() {
+        return error;
+    }
+    error.with_help(match (place, kind) {
+        (PlaceKind::Channel, _) => "name the column of the measurement: channel = \"force\"",
+        (_, Kind::Beam) => "say where on the beam, in metres from the clamp: at = \"x=0.55\"",
+        _ => "name the mass: at = \"m1\"",
+    })
+}
+
+/// Writes `[[effect]]` tables.
+pub(super) fn write(text: &mut String, effects: &[AppliedEffect]) {
+    for applied in effects {
+        line(text, format_args!("\n[[effect]]\nid = \"{}\"", applied.effect.id));
+        if let (Some(key), Some(location)) = (place_key(applied.effect.place), &applied.location) {
+            line(text, format_args!("{key} = {}", quoted(&location.to_string())));
+        }
+        for (index, value) in applied.values.iter().enumerate() {
+            write_quantity(text, applied.quantity(index), *value);
+        }
+    }
+}
+
+/// Adds the parameters of `effects` to `slots`.
+pub(super) fn slots<'a>(effects: &'a mut [AppliedEffect], slots: &mut Vec<Slot<'a>>) {
+    for (number, applied) in effects.iter_mut().enumerate() {
+        let quantities: Vec<_> = (0..applied.values.len()).map(|index| applied.quantity(index)).collect();
+        for (quantity, value) in quantities.into_iter().zip(&mut applied.values) {
+            slots.push((format!("effect.{}.{}", number + 1, quantity.name), quantity, value));
+        }
+    }
+}
+
+/// Bounds and scale for a fit of an effect's parameter, without the magnitudes of a problem to go by:
+/// [`crate::effects::EffectParameter::range`] has those.
+pub(super) fn fit_range(quantity: &Quantity, value: f64) -> (f64, f64, Scale) {
+    const FACTOR: f64 = 1e3;
+    let size = if value == 0.0 { quantity.nominal } else { value.abs() };
+    // A share needs no wide range, and its open ends are no values of it.
+    let inside = |end: f64| if quantity.open { 0.95 * end } else { end };
+    let upper = quantity.max.map_or(FACTOR * size, inside);
+    match quantity.min {
+        Some(min) if min >= 0.0 && quantity.open => (size / FACTOR, upper, Scale::Logarithmic),
+        Some(min) => (inside(min), upper, Scale::Linear),
+        None => (-upper, upper, Scale::Linear),
+    }
+}
+
+/// The rules of effects; bounds of their numbers are checked elsewhere.
+pub(super) fn check(model: &Model) -> Result<(), ParameterError> {
+    for (index, applied) in model.effects.iter().enumerate() {
+        let path = format!("effect.{}", index + 1);
+        check_shape(&path, applied)?;
+        check_kind(&path, applied, model)?;
+        if let Some(location) = &applied.location {
+            let key = place_key(applied.effect.place).unwrap_or("at");
+            check_location(&format!("{path}.{key}"), location, &model.structure)?;
+        }
+        let same =
+            |other: &&AppliedEffect| other.effect == applied.effect && other.location == applied.location;
+        if model.effects[..index].iter().any(|other| same(&other)) {
+            let message = format!("the effect \"{}\" is there twice", applied.effect.id);
+            return Err(ParameterError::new(format!("{path}.id"), message)
+                .with_help("two of one kind act as one: add their values"));
+        }
+    }
+    Ok(())
+}
+
+/// What a model built in code could get wrong and a file cannot.
+fn check_shape(path: &str, applied: &AppliedEffect) -> Result<(), ParameterError> {
+    let effect = applied.effect;
+    if applied.values.len() != effect.parameters.len() {
+        let message = format!(
+            "{} values for the {} parameters of {}",
+            applied.values.len(),
+            effect.parameters.len(),
+            effect.id
+        );
+        return Err(ParameterError::new(path, message));
+    }
+    let fits = match (effect.place, &applied.location) {
+        (PlaceKind::Nowhere, None) | (PlaceKind::Channel, Some(Location::Channel(_))) => true,
+        (PlaceKind::Structure, Some(location)) => !matches!(location, Location::Channel(_)),
+        _ => false,
+    };
+    if fits {
+        Ok(())
+    } else {
+        Err(ParameterError::new(path, format!("{} has another kind of place", effect.id)))
+    }
+}
+
+fn check_kind(path: &str, applied: &AppliedEffect, model: &Model) -> Result<(), ParameterError> {
+    let (effect, path) = (applied.effect, format!("{path}.id"));
+    if !effect.kinds.contains(&model.kind()) {
+        let owners: Vec<&str> =
+            ALL_KINDS.iter().filter(|kind| effect.kinds.contains(kind)).map(|kind| kind.name()).collect();
+        let message =
+            format!("\"{}\" does not belong to a model of kind \"{}\"", effect.id, model.kind().name());
+        return Err(ParameterError::new(path, message)
+            .with_help(format!("it belongs to kind = \"{}\"", owners.join("\" or \""))));
+    }
+    if model.contact.is_none() && acts_in_contact(applied) {
+        let message = format!("\"{}\" acts in the contact, and the model has no [contact]", effect.id);
+        return Err(ParameterError::new(path, message));
+    }
+    match model.contact.map(|contact| contact.law) {
+        Some(law) if effect.id == "micro_slip" && law != Law::Jenkins => {
+            let message = format!("\"micro_slip\" does not go with law = \"{}\"", law.name());
+            Err(ParameterError::new(path, message)
+                .with_help("this law slips gradually by itself: fit its shape, or use law = \"jenkins\""))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Whether the effect changes the contact's law or load.
+fn acts_in_contact(applied: &AppliedEffect) -> bool {
+    // Not its own values: those may be zero.
+    let starts =
+        applied.effect.parameters.iter().map(|parameter| (parameter.range)(&Scales::default()).starts[0]);
+    let mut changes = Changes::default();
+    (applied.effect.apply)(&starts.collect::<Vec<_>>(), applied.location.as_ref(), &mut changes);
+    changes.joint != Changes::default().joint
+}
+
+fn check_location(path: &str, location: &Location, structure: &Structure) -> Result<(), ParameterError> {
+    match (location, structure) {
+        (Location::Channel(_), _) | (_, Structure::Prescribed) => Ok(()),
+        (Location::Mass(name), Structure::Oscillator(oscillator)) => {
+            let names: Vec<&str> = oscillator.masses.iter().map(|mass| mass.name.as_str()).collect();
+            if names.contains(&name.as_str()) {
+                return Ok(());
+            }
+            Err(ParameterError::new(path, format!("there is no mass \"{name}\""))
+                .with_help(suggestion(name, &names, "names")))
+        }
+        (Location::Position(position), Structure::Beam(beam)) => {
+            if (0.0..=beam.length).contains(position) {
+                return Ok(());
+            }
+            let length = beam.length;
+            let message =
+                format!("position {position} m is not on the beam, which runs from 0 to {length} m");
+            Err(ParameterError::new(path, message))
+        }
+        (Location::Mass(name), Structure::Beam(_)) => {
+            Err(ParameterError::new(path, format!("\"{name}\" is no position on a beam"))
+                .with_help("metres from the clamp: at = \"x=0.55\""))
+        }
+        (Location::Position(position), Structure::Oscillator(_)) => {
+            Err(ParameterError::new(path, format!("\"x={position}\" is no mass of an oscillator"))
+                .with_help("name a mass: at = \"m1\""))
+        }
+    }
+}
