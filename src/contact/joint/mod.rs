@@ -142,7 +142,7 @@ impl Joint {
                 Base::Sliders(Sliders::new(law.sliders_alone().clone(), changes.asymmetry))
             }
             JointBase::Valanis(_) if spread > 0.0 => return refused("Valanis'"),
-            JointBase::Valanis(law) => Base::Valanis(law.with_asymmetry(changes.asymmetry)?),
+            JointBase::Valanis(law) => Base::Valanis(law.with_asymmetry(changes.asymmetry)),
         };
         Ok(Self { base, changes, passive_damper: changes.damping >= 0.0 })
     }
@@ -161,7 +161,7 @@ impl Joint {
             + 0.25 * cubic_stiffness * (w * w) * (w * w)
     }
 
-    /// Distance slipped (m) in `state`, since it was set or restarted.
+    /// Distance slipped (m) in `state`, since it was set or restarted; counted where there is wear alone.
     pub fn slip_distance(&self, state: &[f64]) -> f64 {
         state[SLIP]
     }
