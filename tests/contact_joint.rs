@@ -190,7 +190,11 @@ fn one_long_step_equals_many_short_ones() {
             close(*once.last().unwrap(), *often.last().unwrap(), 1e-8);
             let (a, b): (f64, f64) = (lost_once.iter().sum(), lost_often.iter().sum());
             // The limit may grow while sliders slip; its mean is exact, that of many limits nearly.
-            close(a, b, if changes.wear == 0.0 && changes.half_gap == 0.0 { 1e-12 } else { 0.02 * b + 1e-12 });
+            close(
+                a,
+                b,
+                if changes.wear == 0.0 && changes.half_gap == 0.0 { 1e-12 } else { 0.02 * b + 1e-12 },
+            );
         }
     }
 }
@@ -222,7 +226,8 @@ fn backlash_leaves_a_plateau_of_twice_the_half_gap() {
         let top = 6.0 * YIELD;
         let (path, force, _) = walk(&law, &[top, -top, top], YIELD / 200.0);
         let resting = |range: std::ops::Range<usize>| {
-            let inside: Vec<f64> = range.filter(|index| force[*index] == 0.0).map(|index| path[index]).collect();
+            let inside: Vec<f64> =
+                range.filter(|index| force[*index] == 0.0).map(|index| path[index]).collect();
             inside.iter().copied().fold(f64::MIN, f64::max) - inside.iter().copied().fold(f64::MAX, f64::min)
         };
         let turn = path.iter().position(|u| *u == -top).unwrap();
@@ -309,7 +314,8 @@ fn wear_raises_the_plateau_in_proportion_to_the_slip() {
         let mut state = contact.state.clone();
         law.restart(&mut state);
         assert_eq!(law.slip_distance(&state), 0.0);
-        let force = law.advance(&mut state, Inputs { displacement: 13.0 * YIELD, velocity: 0.0, normal_load: LOAD });
+        let force =
+            law.advance(&mut state, Inputs { displacement: 13.0 * YIELD, velocity: 0.0, normal_load: LOAD });
         close(force, LIMIT * (1.0 + rate * law.slip_distance(&state)), 0.01 * LIMIT);
     }
 }
@@ -355,7 +361,8 @@ fn the_limit_at_constant_speed_is_stribecks() {
 fn spread_keeps_stiffness_and_limit_and_loses_energy_in_small_loops() {
     for spread in [0.2, 0.6, 1.0] {
         let law = joint(JointChanges { spread, ..none() });
-        let (_, force, _) = walk(&law, &[1e-3 * YIELD * (1.0 - spread).max(0.01), 3.0 * YIELD], f64::INFINITY);
+        let (_, force, _) =
+            walk(&law, &[1e-3 * YIELD * (1.0 - spread).max(0.01), 3.0 * YIELD], f64::INFINITY);
         close(force[0] / (1e-3 * YIELD * (1.0 - spread).max(0.01)), STIFFNESS, 1e-6 * STIFFNESS);
         close(force[1], LIMIT, 1e-12);
         // An even distribution p of yield displacements dissipates ∫ 4 k y (X − y) p dy over the y below X.
@@ -412,8 +419,16 @@ fn sliders_give_the_same_force_where_there_are_any() {
     for law in many_laws() {
         let mut sliders = Vec::new();
         let piecewise = law.sliders(LOAD, &mut sliders);
-        let JointChanges { damping, cubic_stiffness, weakening, wear, half_gap, spread, residual_stiffness, .. } =
-            *law.changes();
+        let JointChanges {
+            damping,
+            cubic_stiffness,
+            weakening,
+            wear,
+            half_gap,
+            spread,
+            residual_stiffness,
+            ..
+        } = *law.changes();
         let smooth = damping != 0.0 || cubic_stiffness != 0.0 || weakening.is_some() || wear != 0.0;
         let together = half_gap > 0.0 && (spread > 0.0 || residual_stiffness > 0.0);
         assert_eq!(piecewise, law.has_stick() && !smooth && !together, "{law:?}");

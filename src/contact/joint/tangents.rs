@@ -49,7 +49,8 @@ impl Chain<'_> {
         let moved = given + by_force * cause.force;
         let by_load = path.by_load + path.by_displacement * by_force * look.by_load;
         let own = cause.path + path.by_displacement * moved + by_load * cause.load;
-        let slip = if self.counts { (cause.slip + own) / (1.0 - by_load * self.load_by_slip) } else { cause.slip };
+        let slip =
+            if self.counts { (cause.slip + own) / (1.0 - by_load * self.load_by_slip) } else { cause.slip };
         let load = cause.load + self.load_by_slip * slip;
         let displacement = moved + by_force * look.by_load * load;
         let force = if self.end.follows {
