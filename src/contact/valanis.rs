@@ -94,6 +94,8 @@ pub struct Valanis {
     reach_stiffness: f64,
     /// b = κ p/[e0 (1 − κ)] of the endochronic equation (1).
     curvature: f64,
+    /// a (1): the limit against motion in the direction ±1 is (1 ± a) μ N.
+    asymmetry: f64,
 }
 
 /// The motion of a step, after re-contact: from the hysteretic force and the load at its start.
@@ -175,6 +177,7 @@ impl Valanis {
             hysteretic_stiffness,
             reach_stiffness: share * r,
             curvature: share * smoothness,
+            asymmetry: 0.0,
         })
     }
 
@@ -239,13 +242,14 @@ impl Valanis {
         self.hysteretic_stiffness
     }
 
-    /// The law with limits `1 ± asymmetry` times its own.
-    pub(super) fn with_asymmetry(self, asymmetry: f64) -> Result<Self, LawError> {
-        if asymmetry == 0.0 {
-            Ok(self)
-        } else {
-            Err(LawError::Combination { parameter: "asymmetry", law: "Valanis'" })
-        }
+    /// The law with the limits `1 ± asymmetry` times its own, which lies between −1 and 1.
+    pub(super) fn with_asymmetry(self, asymmetry: f64) -> Self {
+        Self { asymmetry, ..self }
+    }
+
+    /// The limit against motion in the direction `sign`, over μ N.
+    pub(super) fn side(&self, sign: f64) -> f64 {
+        1.0 + sign * self.asymmetry
     }
 
     /// Energy (J) kept in `state`: the hysteretic part's and the residual spring's.
@@ -284,10 +288,11 @@ impl Valanis {
     /// (N), which may lie below the force: ahead it cuts, behind it is mostly left to the end of the step.
     fn motion(&self, force: f64, sign: f64, distance: f64, limit: f64) -> Motion {
         let along = sign * force;
+        let behind = BEHIND * (self.side(-sign) / self.side(sign));
         let (cut, start) = if along > limit {
             (true, sign * limit)
-        } else if along < -BEHIND * limit {
-            (true, -sign * BEHIND * limit)
+        } else if along < -behind * limit {
+            (true, -sign * behind * limit)
         } else {
             (false, force)
         };
@@ -342,16 +347,24 @@ impl Valanis {
 
     fn end(&self, start: &Start, end_load: f64, limit: f64) -> End {
         let (sign, distance) = (Self::direction(start), start.travel.abs());
+        let (ahead, behind) = (self.side(sign), self.side(-sign));
+        let (limit, limit_behind) = (ahead * limit, behind * limit);
         let mut end = if start.closing.is_some() {
             self.growth(sign, distance, limit)
         } else if start.normal_load == end_load {
             self.one_motion(start.hysteretic_force, sign, distance, limit)
         } else {
-            let first = self.limit(start.normal_load + FIRST_LOAD * (end_load - start.normal_load));
+            let first = ahead * self.limit(start.normal_load + FIRST_LOAD * (end_load - start.normal_load));
             self.two_motions(start.hysteretic_force, sign, distance, [first, limit])
         };
         // A limit behind the motion that falls faster than the force takes it along: the mean counts.
-        let cut = cut_to(end.hysteretic_force, limit);
+        let cut = if sign * end.hysteretic_force < -limit_behind {
+            -sign * limit_behind
+        } else {
+            cut_to(end.hysteretic_force, limit.max(limit_behind))
+        };
+        end.by_start_limit *= ahead;
+        end.by_end_limit *= ahead;
         if cut != end.hysteretic_force {
             let (first, last) = (start.hysteretic_force.abs(), cut.abs());
             let lost = (first - last) / self.hysteretic_stiffness - distance;
@@ -363,7 +376,7 @@ impl Valanis {
                 by_travel: 0.0,
                 by_start: 0.0,
                 by_start_limit: 0.0,
-                by_end_limit: -sign,
+                by_end_limit: -sign * behind,
             };
         }
         end
@@ -433,7 +446,8 @@ impl Valanis {
         let in_contact = normal_load / (normal_load - inputs.normal_load.min(0.0));
         let travel = in_contact * (inputs.displacement - displacement);
         let start = Start { hysteretic_force: force, normal_load, travel, origin, closing: None };
-        let moved = self.motion(force, Self::direction(&start), FIRST_SHARE * travel.abs(), first);
+        let sign = Self::direction(&start);
+        let moved = self.motion(force, sign, FIRST_SHARE * travel.abs(), self.side(sign) * first);
         let stretch = displacement + travel - origin;
         let hysteretic = moved.hysteretic_force * moved.hysteretic_force / self.hysteretic_stiffness;
         moved.dissipated_energy + 0.5 * (hysteretic + self.residual_stiffness * stretch * stretch)
@@ -448,7 +462,7 @@ impl ContactLaw for Valanis {
     /// See [`ContactLaw::set_state`]; the residual spring is unstressed at `displacement`.
     fn set_state(&self, displacement: f64, normal_load: f64, force: f64, state: &mut [f64]) {
         let limit = self.limit(normal_load);
-        state[0] = cut_to(force, limit);
+        state[0] = cut_to(force, self.side(force.signum()) * limit);
         state[1] = displacement;
         state[2] = normal_load;
         state[3] = displacement;
@@ -523,6 +537,10 @@ impl ContactLaw for Valanis {
         out.next_by_state[..3].copy_from_slice(&by_state);
         out.next_by_state[15] = 1.0;
         out.next_by_displacement[0] = end.by_travel;
+    }
+
+    fn is_odd(&self) -> bool {
+        self.asymmetry == 0.0
     }
 
     fn has_stick(&self) -> bool {

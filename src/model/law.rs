@@ -2,7 +2,9 @@
 
 use super::Model;
 use super::{Contact, Law};
-use crate::contact::{ContactLaw, Iwan, IwanSpacing, Jenkins, Joint, JointBase, LawError, Valanis};
+use crate::contact::{
+    ContactLaw, Iwan, IwanSpacing, Jenkins, Joint, JointBase, LawError, MICRO_SLIDERS, Valanis,
+};
 use crate::effects::JointChanges;
 
 /// How finely a model's Iwan element is cut: the shortest interval is about 1/7000 of the longest stretch.
@@ -69,5 +71,16 @@ impl Model {
     pub fn law(&self) -> Result<Option<Box<dyn ContactLaw>>, LawError> {
         let joint = self.changes().joint;
         self.contact.map(|contact| contact.changed_law(&joint)).transpose()
+    }
+
+    /// As [`Model::law`], with a state whose length does not hang on the values of the parameters.
+    pub(crate) fn law_of_any_values(&self) -> Result<Option<Box<dyn ContactLaw>>, LawError> {
+        let Some(contact) = &self.contact else { return Ok(None) };
+        if self.effects.is_empty() {
+            return contact.law().map(Some);
+        }
+        let spreads = self.effects.iter().any(|applied| applied.effect.id == "micro_slip");
+        let sliders = if spreads { MICRO_SLIDERS } else { 1 };
+        Ok(Some(Box::new(Joint::with_sliders(contact.base()?, self.changes().joint, sliders)?)))
     }
 }

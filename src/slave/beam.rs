@@ -1,7 +1,7 @@
 //! A beam with its contact force prescribed from outside, or with its own frictional contact.
 
-use super::Behaviour;
 use super::description::{DependencyKind, Description, Experiment, Variable};
+use super::{Behaviour, LoadRule};
 use crate::contact::ContactLaw;
 use crate::integrate::{
     BeamInputs, BeamIntegrator, BeamMotion, BeamOutputs, Contact as Acting, Ramp, Settings,
@@ -115,10 +115,11 @@ pub(super) fn behaviour(beam: &Beam, model: &Model) -> Result<Box<dyn Behaviour>
     let beam = Beam { sensors: sensor_positions(beam), ..beam.clone() };
     let modal = ModalBeam::new(&beam).map_err(|error| error.to_string())?;
     let mut integrator = BeamIntegrator::new(&modal).map_err(|error| error.to_string())?;
-    let law = model.law().map_err(|error| error.to_string())?;
+    let law = model.law_of_any_values().map_err(|error| error.to_string())?;
     let motion = integrator.rest(law.as_deref().map(|law| (law, 0.0)));
     let outputs = integrator.new_outputs();
-    Ok(Box::new(BeamBehaviour { integrator, law, motion, outputs, row: Vec::new() }))
+    let load = LoadRule::new(model);
+    Ok(Box::new(BeamBehaviour { integrator, law, load, motion, outputs, row: Vec::new() }))
 }
 
 /// Integrator, law and work space.
@@ -126,6 +127,7 @@ pub(super) fn behaviour(beam: &Beam, model: &Model) -> Result<Box<dyn Behaviour>
 struct BeamBehaviour {
     integrator: BeamIntegrator,
     law: Option<Box<dyn ContactLaw>>,
+    load: LoadRule,
     motion: BeamMotion,
     outputs: BeamOutputs,
     /// The outputs as they stand in the table.
@@ -133,9 +135,9 @@ struct BeamBehaviour {
 }
 
 /// The inputs in `values`, held.
-fn held<'a>(law: Option<&'a dyn ContactLaw>, values: &[f64]) -> BeamInputs<'a> {
+fn held<'a>(law: Option<&'a dyn ContactLaw>, load: LoadRule, values: &[f64]) -> BeamInputs<'a> {
     let contact = match law {
-        Some(law) => Acting::Friction { law, normal_load: Ramp::held(values[NORMAL_LOAD]) },
+        Some(law) => Acting::Friction { law, normal_load: Ramp::held(load.acting(values[NORMAL_LOAD])) },
         None => Acting::Force(Ramp::held(values[CONTACT_FORCE])),
     };
     BeamInputs { excitation: Ramp::held(values[EXCITATION]), contact }
@@ -144,7 +146,7 @@ fn held<'a>(law: Option<&'a dyn ContactLaw>, values: &[f64]) -> BeamInputs<'a> {
 impl BeamBehaviour {
     /// Outputs of the motion under the inputs in `values`, written there.
     fn write_outputs(&mut self, values: &mut [f64]) -> Result<(), String> {
-        let inputs = held(self.law.as_deref(), values);
+        let inputs = held(self.law.as_deref(), self.load, values);
         let outputs = &mut self.outputs;
         let read = self.integrator.outputs(&self.motion, f64::INFINITY, &inputs, outputs);
         read.map_err(|error| error.to_string())?;
@@ -171,7 +173,8 @@ impl Behaviour for BeamBehaviour {
     }
 
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
-        self.motion = self.integrator.rest(self.law.as_deref().map(|law| (law, values[NORMAL_LOAD])));
+        self.motion =
+            self.integrator.rest(self.law.as_deref().map(|law| (law, self.load.acting(values[NORMAL_LOAD]))));
         self.write_outputs(values)?;
         if self.motion.write_state(state) { Ok(()) } else { Err(wrong_length()) }
     }
@@ -188,7 +191,7 @@ impl Behaviour for BeamBehaviour {
         }
         let tolerance = tolerance.clamp(TOLERANCES.0, TOLERANCES.1);
         let settings = Settings { tolerance, ..Settings::default() };
-        let inputs = held(self.law.as_deref(), values);
+        let inputs = held(self.law.as_deref(), self.load, values);
         let advanced = self.integrator.advance(&mut self.motion, step, &inputs, &settings);
         advanced.map_err(|error| error.to_string())?;
         self.write_outputs(values)?;

@@ -1,7 +1,7 @@
 //! A contact whose displacement and normal load are prescribed from outside.
 
-use super::Behaviour;
 use super::description::{DependencyKind, Description, Experiment, Variable};
+use super::{Behaviour, LoadRule};
 use crate::contact::{ContactLaw, Inputs};
 use crate::model::{Contact, Law, Model};
 use crate::vocabulary as v;
@@ -22,16 +22,21 @@ pub(super) fn describe(model: &Model, contact: &Contact, parameters: Vec<Variabl
         Law::Valanis { .. } => ("ValanisContact", "Friction contact: Valanis' law"),
         Law::Iwan { .. } => ("IwanContact", "Friction contact: the four-parameter Iwan element"),
     };
-    let on = [(DISPLACEMENT, DependencyKind::Dependent), (NORMAL_LOAD, DependencyKind::Dependent)];
-    let initially =
-        || [DISPLACEMENT, NORMAL_LOAD].into_iter().chain(PARAMETERS..PARAMETERS + parameters.len());
+    let joint = model.changes().joint;
+    let rate_dependent = joint.damping != 0.0 || joint.weakening.is_some();
+    let mut inputs = vec![DISPLACEMENT, NORMAL_LOAD];
+    if rate_dependent {
+        inputs.insert(1, VELOCITY);
+    }
+    let on = || inputs.iter().map(|input| (*input, DependencyKind::Dependent));
+    let initially = || inputs.iter().copied().chain(PARAMETERS..PARAMETERS + parameters.len());
     let mut variables = vec![
         Variable::input(&v::DISPLACEMENT, 0.0),
         Variable::input(&v::VELOCITY, 0.0),
         Variable::input(&v::NORMAL_LOAD, contact.normal_load),
-        Variable::output(&v::FORCE).depends(on, initially()),
-        Variable::output(&v::DISSIPATED_ENERGY).depends(on, initially()),
-        Variable::output(&v::SLIP_STATE).integer().depends(on, initially()),
+        Variable::output(&v::FORCE).depends(on(), initially()),
+        Variable::output(&v::DISSIPATED_ENERGY).depends(on(), initially()),
+        Variable::output(&v::SLIP_STATE).integer().depends(on(), initially()),
     ];
     variables.extend(parameters);
     let experiment = Experiment { start: 0.0, stop: 1.0, tolerance: 1e-6, step: 1e-3 };
@@ -42,22 +47,23 @@ pub(super) fn describe(model: &Model, contact: &Contact, parameters: Vec<Variabl
 #[derive(Debug)]
 pub(super) struct ContactBehaviour {
     law: Box<dyn ContactLaw>,
+    load: LoadRule,
     next: Vec<f64>,
 }
 
 impl ContactBehaviour {
     pub(super) fn new(model: &Model) -> Result<Self, String> {
-        let law = model.law().map_err(|error| error.to_string())?;
+        let law = model.law_of_any_values().map_err(|error| error.to_string())?;
         let law = law.ok_or("a contact model needs a contact")?;
         let next = vec![0.0; law.state_len()];
-        Ok(Self { law, next })
+        Ok(Self { law, load: LoadRule::new(model), next })
     }
 
     fn advance(&mut self, state: &mut [f64], values: &mut [f64]) {
         let inputs = Inputs {
             displacement: values[DISPLACEMENT],
             velocity: values[VELOCITY],
-            normal_load: values[NORMAL_LOAD],
+            normal_load: self.load.acting(values[NORMAL_LOAD]),
         };
         let response = self.law.step(state, inputs, &mut self.next);
         state.copy_from_slice(&self.next);
@@ -73,7 +79,7 @@ impl Behaviour for ContactBehaviour {
     }
 
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
-        self.law.set_state(0.0, values[NORMAL_LOAD], 0.0, state);
+        self.law.set_state(0.0, self.load.acting(values[NORMAL_LOAD]), 0.0, state);
         values[DISSIPATED_ENERGY] = 0.0;
         self.advance(state, values);
         Ok(())

@@ -37,6 +37,7 @@ pub use error::Error;
 pub use instance::{Instance, Setup, Stage};
 pub use snapshot::{Snapshot, SnapshotError};
 
+use crate::effects::JointChanges;
 use crate::model::{Model, Structure};
 use std::fmt::Debug;
 
@@ -59,6 +60,30 @@ pub(crate) trait Behaviour: Debug + Send {
         step: f64,
         tolerance: f64,
     ) -> Result<(), String>;
+}
+
+/// The normal load that acts, from the one that comes in.
+#[derive(Debug, Clone, Copy)]
+struct LoadRule {
+    joint: JointChanges,
+    constant: f64,
+}
+
+impl LoadRule {
+    fn new(model: &Model) -> Self {
+        Self {
+            joint: model.changes().joint,
+            constant: model.contact.map_or(0.0, |contact| contact.normal_load),
+        }
+    }
+
+    /// N, of the `input` (N): all of it, or the share of its change that reaches the contact.
+    fn acting(&self, input: f64) -> f64 {
+        match self.joint.load_gain {
+            None => input,
+            Some(_) => self.joint.normal_load(self.constant, Some(input)),
+        }
+    }
 }
 
 /// The variable table of a model whose parameters have the rows `parameters`.

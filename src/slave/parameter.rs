@@ -1,6 +1,7 @@
 //! Which numbers of a model file are parameters of its slave, and what they are called there.
 
 use super::description::Variable;
+use crate::effects::{AppliedEffect, PlaceKind};
 use crate::model::{Model, ParameterError, Structure};
 use std::borrow::Cow;
 
@@ -8,11 +9,21 @@ use std::borrow::Cow;
 ///
 /// The normal load is an input, and positions are part of the names: neither is a parameter.
 pub(super) fn parameters(model: &Model) -> (Vec<String>, Vec<Variable>) {
-    let is_parameter = |path: &str| path != "contact.normal_load" && !path.ends_with(".position");
+    let is_parameter = |path: &str| {
+        // Load and normal displacement come from outside; what sensors show is not in an FMU.
+        let about_the_load = ["contact.normal_load", "contact.normal_stiffness"].contains(&path);
+        !about_the_load && !path.ends_with(".position") && effect(model, path).is_none_or(acts_in_an_fmu)
+    };
     let list = model.parameters().into_iter().filter(|parameter| is_parameter(&parameter.path));
     list.map(|parameter| {
         let mut variable = Variable::parameter(parameter.quantity, parameter.value);
         let element = parameter.path.split('.').find_map(|part| part.parse::<usize>().ok());
+        if let Some(effect) = effect(model, &parameter.path) {
+            let description = format!("{}: {}", effect.effect.title, parameter.quantity.description);
+            variable.name = Cow::Owned(parameter.path.clone());
+            variable.description = Cow::Owned(description);
+            return (parameter.path, variable);
+        }
         match (element, &model.structure) {
             (Some(element), Structure::Beam(beam)) if parameter.path.ends_with(".mass") => {
                 let position = beam.point_masses[element - 1].position;
@@ -35,6 +46,18 @@ pub(super) fn parameters(model: &Model) -> (Vec<String>, Vec<Variable>) {
         (parameter.path, variable)
     })
     .unzip()
+}
+
+/// The effect that the parameter at `path` belongs to.
+fn effect<'a>(model: &'a Model, path: &str) -> Option<&'a AppliedEffect> {
+    let number: usize = path.strip_prefix("effect.")?.split('.').next()?.parse().ok()?;
+    model.effects.get(number.checked_sub(1)?)
+}
+
+/// The normal load is an input of an FMU, however it comes about; faults of sensors belong to measurements.
+fn acts_in_an_fmu(applied: &AppliedEffect) -> bool {
+    let without_meaning = ["normal_hardening", "impact_damping"];
+    applied.effect.place != PlaceKind::Channel && !without_meaning.contains(&applied.effect.id)
 }
 
 /// `model` with its parameters replaced by `values`, in the order of `paths`.

@@ -65,7 +65,7 @@ impl Base {
     pub fn limit(&self, load: f64) -> f64 {
         match self {
             Self::Sliders(sliders) => sliders.limit(load),
-            Self::Valanis(law) => law.limit(load),
+            Self::Valanis(law) => law.limit(load) * law.side(1.0).max(law.side(-1.0)),
         }
     }
 

@@ -25,7 +25,7 @@ use std::ops::Bound;
 /// # Law
 /// With the displacement w behind the play, the velocity v and the distance slipped s,
 /// `T = T_base(w; limit · m) + e_t w + k3 w³ + c v`, and the factor of the limit is
-/// `m = (1 + δ exp(−|v|/v_s)) (1 + w s) (1 ± a)`, at least zero.
+/// `m = (1 + δ exp(−|v|/v_s)) (1 + w s) (1 ± a)`; wear leaves a millionth of the limit at the least.
 ///
 /// **Play.** `w = u − x` with `−g ≤ x ≤ g`: the force is above zero only at `x = g`, below only at `x = −g`,
 /// and zero in between, where w rests. The damper acts while the play is closed, and never pulls the play open
@@ -105,6 +105,9 @@ const SLIP: usize = 1;
 const DAMPER: usize = 2;
 const BASE: usize = 3;
 
+/// What wear leaves of the limit at the least (1).
+const WORN_OUT: f64 = 1e-6;
+
 /// More rounds than any motion needs; the bound only stops a NaN.
 const ROUNDS: usize = 60;
 
@@ -121,6 +124,8 @@ struct End {
     side: f64,
     /// Whether w follows u.
     follows: bool,
+    /// Whether w rests where it was.
+    rests: bool,
 }
 
 impl Joint {
@@ -130,19 +135,30 @@ impl Joint {
     /// [`LawError::OutOfBounds`] where a change is not finite or outside its bounds (0 ≤ σ ≤ 1, −1 < a < 1, −1 < δ,
     /// 0 < v_s, 0 ≤ e_t, 0 ≤ g), [`LawError::Combination`] for a spread on a law that slips gradually by itself.
     pub fn new(base: JointBase, changes: JointChanges) -> Result<Self, LawError> {
+        let sliders = if changes.spread == 0.0 { 1 } else { MICRO_SLIDERS };
+        Self::with_sliders(base, changes, sliders)
+    }
+
+    /// As [`Joint::new`], with so many sliders (at least one) in place of Jenkins' whatever the spread: the
+    /// state then has the same length for all parameters.
+    pub(crate) fn with_sliders(
+        base: JointBase,
+        changes: JointChanges,
+        sliders: usize,
+    ) -> Result<Self, LawError> {
         check(&changes)?;
         let spread = changes.spread;
         let refused = |law| Err(LawError::Combination { parameter: v::SPREAD.name, law });
         let base = match base {
             JointBase::Jenkins(law) => {
-                Base::Sliders(Sliders::new(spread_out(&law, spread)?, changes.asymmetry))
+                Base::Sliders(Sliders::new(spread_out(&law, spread, sliders)?, changes.asymmetry))
             }
             JointBase::Iwan(_) if spread > 0.0 => return refused("Iwan's"),
             JointBase::Iwan(law) => {
                 Base::Sliders(Sliders::new(law.sliders_alone().clone(), changes.asymmetry))
             }
             JointBase::Valanis(_) if spread > 0.0 => return refused("Valanis'"),
-            JointBase::Valanis(law) => Base::Valanis(law.with_asymmetry(changes.asymmetry)?),
+            JointBase::Valanis(law) => Base::Valanis(law.with_asymmetry(changes.asymmetry)),
         };
         Ok(Self { base, changes, passive_damper: changes.damping >= 0.0 })
     }
@@ -161,7 +177,7 @@ impl Joint {
             + 0.25 * cubic_stiffness * (w * w) * (w * w)
     }
 
-    /// Distance slipped (m) in `state`, since it was set or restarted.
+    /// Distance slipped (m) in `state`, since it was set or restarted; counted where there is wear alone.
     pub fn slip_distance(&self, state: &[f64]) -> f64 {
         state[SLIP]
     }
@@ -195,7 +211,7 @@ impl Joint {
     #[inline]
     fn wear_factor(&self, slip: f64) -> (f64, f64) {
         let factor = 1.0 + self.changes.wear * slip;
-        if factor < 0.0 { (0.0, 0.0) } else { (factor, self.changes.wear) }
+        if factor < WORN_OUT { (WORN_OUT, 0.0) } else { (factor, self.changes.wear) }
     }
 
     /// Where the step from `state` to `inputs` ends.
@@ -204,7 +220,7 @@ impl Joint {
         let unworn = inputs.normal_load * self.speed_factor(inputs.velocity).0;
         if self.changes.half_gap == 0.0 && self.changes.wear == 0.0 {
             let (displacement, slip) = (inputs.displacement, state[SLIP]);
-            return End { displacement, load: unworn, slip, side: 0.0, follows: true };
+            return End { displacement, load: unworn, slip, side: 0.0, follows: true, rests: false };
         }
         let load = unworn * self.wear_factor(state[SLIP]).0;
         let mut end = self.behind_play(state, inputs.displacement, load);
@@ -229,7 +245,8 @@ impl Joint {
     /// Where the end of the law behind the play goes under the load `load` (N).
     fn behind_play(&self, state: &[f64], displacement: f64, load: f64) -> End {
         let (gap, slip) = (self.changes.half_gap, state[SLIP]);
-        let end = |displacement, side| End { displacement, load, slip, side, follows: side != 0.0 };
+        let end =
+            |displacement, side| End { displacement, load, slip, side, follows: side != 0.0, rests: false };
         if gap == 0.0 {
             return End { follows: true, ..end(displacement, 0.0) };
         }
@@ -242,7 +259,7 @@ impl Joint {
         }
         if state[SIDE] == 0.0 && low <= w && w <= high && load_before > 0.0 && (alone || load == load_before)
         {
-            return end(w, 0.0);
+            return End { rests: true, ..end(w, 0.0) };
         }
         // Force and slope behind the play.
         let force = |w: f64| {
@@ -348,9 +365,7 @@ impl ContactLaw for Joint {
 
     fn restart(&self, state: &mut [f64]) {
         let worn = self.wear_factor(state[SLIP]).0;
-        if worn > 0.0 {
-            self.base.scale_load(&mut state[BASE..], 1.0 / worn);
-        }
+        self.base.scale_load(&mut state[BASE..], 1.0 / worn);
         state[SLIP] = 0.0;
     }
 
@@ -401,8 +416,7 @@ impl ContactLaw for Joint {
 }
 
 /// `law` as sliders of equal stiffness whose yield displacements are spread evenly over `1 ± spread` times its own.
-fn spread_out(law: &Jenkins, spread: f64) -> Result<ParallelSliders, LawError> {
-    let count = if spread == 0.0 { 1 } else { MICRO_SLIDERS };
+fn spread_out(law: &Jenkins, spread: f64, count: usize) -> Result<ParallelSliders, LawError> {
     let share = 1.0 / count as f64;
     let slider = |index: usize| {
         let place = (2 * index + 1) as f64 * share - 1.0;

@@ -286,7 +286,9 @@ impl Sliders {
             // Derivatives of the stretch by the start's displacement, its load and the slider.
             let by_start = match start.closing {
                 None => [(w, 0.0), (l, 0.0), (row, -1.0)],
-                Some(closing) => [(w, -closing.by_displacement), (l, closing.by_start_load), (row, 0.0)],
+                Some(closing) => {
+                    [(w, 1.0 - closing.by_displacement), (l, closing.by_start_load), (row, -1.0)]
+                }
             };
             match self.slip(index, &start, state, displacement, load) {
                 None => {

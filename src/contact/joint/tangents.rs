@@ -11,6 +11,8 @@ struct Chain<'a> {
     slope: f64,
     /// ∂load/∂slip (N/m).
     load_by_slip: f64,
+    /// Whether the distance slipped is counted in this step.
+    counts: bool,
 }
 
 /// Changes of one cause: of what the step starts from at fixed w, load and slip.
@@ -46,12 +48,9 @@ impl Chain<'_> {
         // w = given + by_force (force + by_load load), slip = slip₀ + path₀ + path_w w + path_L load.
         let moved = given + by_force * cause.force;
         let by_load = path.by_load + path.by_displacement * by_force * look.by_load;
-        let own = cause.slip + cause.path + path.by_displacement * moved;
-        let slip = if self.load_by_slip == 0.0 {
-            own + by_load * cause.load
-        } else {
-            (own + by_load * cause.load) / (1.0 - by_load * self.load_by_slip)
-        };
+        let own = cause.path + path.by_displacement * moved + by_load * cause.load;
+        let slip =
+            if self.counts { (cause.slip + own) / (1.0 - by_load * self.load_by_slip) } else { cause.slip };
         let load = cause.load + self.load_by_slip * slip;
         let displacement = moved + by_force * look.by_load * load;
         let force = if self.end.follows {
@@ -66,9 +65,9 @@ impl Chain<'_> {
 impl Joint {
     fn chain<'a>(&self, inputs: Inputs, end: &'a End, look: &'a Look) -> Chain<'a> {
         let slope = look.by_displacement + self.spring(end.displacement).1;
-        let worn = if inputs.normal_load > 0.0 { self.wear_factor(end.slip).1 } else { 0.0 };
-        let load_by_slip = inputs.normal_load * self.speed_factor(inputs.velocity).0 * worn;
-        Chain { end, look, slope, load_by_slip }
+        let by_slip = self.wear_factor(end.slip).1;
+        let load_by_slip = inputs.normal_load * self.speed_factor(inputs.velocity).0 * by_slip;
+        Chain { end, look, slope, load_by_slip, counts: self.changes.wear != 0.0 && inputs.normal_load > 0.0 }
     }
 
     /// Changes by displacement, velocity and normal load.
