@@ -36,7 +36,8 @@ impl Attached {
             return Err("the model is not a beam".into());
         };
         let beam = Beam { sensors: sensors.to_vec(), ..beam.clone() };
-        let beam = ModalBeam::with_changes(&beam, &model.changes().structure).map_err(|error| error.to_string())?;
+        let beam =
+            ModalBeam::with_changes(&beam, &model.changes().structure).map_err(|error| error.to_string())?;
         let law = model.law().map_err(|error| error.to_string())?;
         Ok(Self { beam, law, normal_load: model.contact.map_or(0.0, |contact| contact.normal_load) })
     }
@@ -150,7 +151,8 @@ impl Simulation for BeamSimulation<'_> {
             *starts = backbone(&attached, self.record, starts)?;
         }
         if let Task::Steady(steady) = &mut self.task {
-            let neighbours = directions.iter().map(|direction| Attached::new(&direction.model, &self.positions));
+            let neighbours =
+                directions.iter().map(|direction| Attached::new(&direction.model, &self.positions));
             let neighbours = neighbours.collect::<Result<Vec<_>, _>>()?;
             steady.linearise(&attached, &neighbours, predictions, derivatives)?;
         } else {
@@ -189,7 +191,8 @@ fn position(channel: &Channel) -> Result<f64, String> {
 
 fn backbone(model: &Attached, record: &Record, starts: &[Resonance]) -> Result<Vec<Resonance>, String> {
     let amplitudes = &record.channel("amplitude").ok_or("there is no `amplitude` column")?.values;
-    harmonic::backbone(&model.beam, model.contact(), amplitudes, &HELD, starts).map_err(|error| error.to_string())
+    harmonic::backbone(&model.beam, model.contact(), amplitudes, &HELD, starts)
+        .map_err(|error| error.to_string())
 }
 
 fn observe(points: &[Resonance], channels: &[&Channel], out: &mut Vec<f64>) {

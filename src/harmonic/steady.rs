@@ -82,7 +82,8 @@ impl Forcing {
         neighbours: &[Driven],
         start: Option<&Start>,
     ) -> Result<Steady<'a>, HarmonicError> {
-        let signals = neighbours.iter().fold(Signals::of(driven.beam), |all, next| all.or(Signals::of(next.beam)));
+        let signals =
+            neighbours.iter().fold(Signals::of(driven.beam), |all, next| all.or(Signals::of(next.beam)));
         let mut balance = self.balance(driven, signals)?;
         let at = Operating::forced(self.angular_frequency, 1.0);
         if let Some(start) = start.filter(|start| start.signals == signals) {
@@ -172,7 +173,9 @@ impl Steady<'_> {
         let sensors = self.balance.beam.sensors.iter().zip(&neighbour.beam.sensors);
         for ((here, there), along) in sensors.zip(&nodes) {
             let (before, after) = (self.balance.output(&here.shape), other.output(&there.shape));
-            change.extend(before.iter().zip(&after).zip(along).map(|((before, after), along)| after - before + along));
+            change.extend(
+                before.iter().zip(&after).zip(along).map(|((before, after), along)| after - before + along),
+            );
         }
         Ok(change)
     }
@@ -185,6 +188,10 @@ impl Steady<'_> {
         self.balance.evaluate(&self.unknowns, &self.at, &[])?;
         self.factors.reset(self.unknowns.len()).copy_from_slice(self.balance.jacobian().as_slice());
         self.current = self.factors.factor();
-        if self.current { Ok(()) } else { Err(HarmonicError::InvalidInput("the balance is singular at the solution")) }
+        if self.current {
+            Ok(())
+        } else {
+            Err(HarmonicError::InvalidInput("the balance is singular at the solution"))
+        }
     }
 }

@@ -324,7 +324,9 @@ impl<'a> Balance<'a> {
             }
         }
         if self.signals.shortening {
-            for ((h, u), q) in self.shortening.iter_mut().zip(&self.displacement).zip(self.q.chunks_exact(modes)) {
+            for ((h, u), q) in
+                self.shortening.iter_mut().zip(&self.displacement).zip(self.q.chunks_exact(modes))
+            {
                 *h = q.iter().zip(&self.beam.contact_shape).map(|(q, c)| q * c).sum::<f64>() - u;
             }
         }
@@ -513,7 +515,8 @@ impl<'a> Balance<'a> {
             }
         }
         let drag = self.drag.as_ref();
-        let drag = drag.map_or(0.0, |drag| work_per_cycle(&drag.force, &self.output(&self.beam.excitation_shape)));
+        let drag =
+            drag.map_or(0.0, |drag| work_per_cycle(&drag.force, &self.output(&self.beam.excitation_shape)));
         std::f64::consts::PI * sum + drag
     }
 }

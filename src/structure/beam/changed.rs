@@ -103,7 +103,8 @@ impl ModalBeam {
         let eigen = SymmetricEigen::try_new(stiffness, f64::EPSILON, 0).ok_or_else(|| failed(f64::NAN))?;
         let mut order: Vec<usize> = (0..=modes).collect();
         order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
-        if let Some(square) = order.iter().map(|mode| eigen.eigenvalues[*mode]).find(|x| x.is_nan() || *x <= 0.0)
+        if let Some(square) =
+            order.iter().map(|mode| eigen.eigenvalues[*mode]).find(|x| x.is_nan() || *x <= 0.0)
         {
             return Err(failed(square));
         }
@@ -137,7 +138,9 @@ impl ModalBeam {
         self.damping_ratio = shapes
             .column_iter()
             .zip(&self.angular_frequency)
-            .map(|(column, omega)| column.iter().zip(rates).map(|(x, rate)| x * x * rate).sum::<f64>() / (2.0 * omega))
+            .map(|(column, omega)| {
+                column.iter().zip(rates).map(|(x, rate)| x * x * rate).sum::<f64>() / (2.0 * omega)
+            })
             .collect();
         // Symmetric to the last bit, whatever the products' rounding.
         self.shortening = (&shortening + shortening.transpose()).scale(0.5).iter().copied().collect();
