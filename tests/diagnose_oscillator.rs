@@ -168,6 +168,30 @@ fn records_of_every_regime_in_time_are_predicted_far_below_any_noise() {
 }
 
 #[test]
+fn a_measured_load_counts_as_far_as_its_gain_says() {
+    let mut record = sampled(Regime::FromRest, 0..3);
+    let values = vec![1.4; record.len()];
+    record.channels.push(Channel { name: "normal_load".into(), unit: "N", values, noise: None });
+    let dataset = Dataset { title: None, records: vec![record] };
+    let predicted = |model: &Model| -> Vec<Vec<f64>> {
+        let stage = evaluate("", model, &dataset);
+        stage.records[0].channels.iter().map(|channel| channel.predicted.clone()).collect()
+    };
+    let plain = Model::parse(TWO_MASSES).unwrap();
+    let load = plain.contact.unwrap().normal_load;
+    let mut following = plain.clone();
+    following.effects.push(AppliedEffect {
+        effect: find("normal_load_variation").unwrap(),
+        location: None,
+        values: vec![0.5],
+    });
+    let mut heavier = plain.clone();
+    heavier.set("contact.normal_load", load + 0.5 * (1.4 - load)).unwrap();
+    assert_eq!(predicted(&following), predicted(&heavier));
+    assert_ne!(predicted(&following), predicted(&plain));
+}
+
+#[test]
 fn a_backbone_table_and_a_stray_mass_are_refused_with_a_reason() {
     let model = Model::parse(TWO_MASSES).unwrap();
     let failure = |record: Record| {

@@ -206,7 +206,10 @@ impl SmoothCycle {
         halvings: u32,
     ) {
         self.visit(contact, angular_frequency, leg, left, right);
-        if halvings > 0 && self.rule.tail(&self.nodes) > RESOLVED * self.chain.force_scale {
+        // A drag has no force at the turning points, by which the chain measures.
+        let nodes = self.nodes.iter();
+        let scale = nodes.fold(self.chain.force_scale, |scale, node| scale.max(node.force.abs()));
+        if halvings > 0 && self.rule.tail(&self.nodes) > RESOLVED * scale {
             let middle = 0.5 * (left + right);
             self.integrate_panel(contact, angular_frequency, leg, (left, middle), halvings - 1);
             self.integrate_panel(contact, angular_frequency, leg, (middle, right), halvings - 1);

@@ -188,7 +188,7 @@ fn drag_alone_slows_a_mass_as_its_closed_form_says() {
         let (x, v) = free_motion(&single(0.0, 0.0, 1), vec![law], (0.0, v0), t, steps);
         (v - v0 / slowed).abs() + (x + slowed.ln() / q).abs()
     });
-    assert!(errors[1] < 3e-5 && errors[1] < errors[0] / 14.0, "{errors:?}");
+    assert!(errors[1] < 5e-5 && errors[1] < errors[0] / 14.0, "{errors:?}");
 }
 
 #[test]
