@@ -2,6 +2,8 @@
 
 mod beam_record;
 mod beam_steady;
+#[cfg(test)]
+mod beam_tests;
 mod compare;
 mod comparison;
 mod contact_record;

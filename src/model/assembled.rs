@@ -57,7 +57,9 @@ impl Model {
     pub fn assembled(&self) -> Result<Assembled, AssemblyError> {
         let mut structure = match &self.structure {
             Structure::Prescribed => return Err(AssemblyError::NoStructure),
-            Structure::Beam(beam) => LinearStructure::from_beam(&ModalBeam::new(beam)?),
+            Structure::Beam(beam) => {
+                LinearStructure::from_beam(&ModalBeam::with_changes(beam, &self.changes().structure)?)
+            }
             Structure::Oscillator(oscillator) => oscillator.structure()?,
         };
         if self.contact.is_none() {
