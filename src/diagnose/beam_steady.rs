@@ -14,11 +14,12 @@ use crate::measure::{Channel, Record};
 /// kept: more is not noise.
 const UNREPRESENTED: f64 = 0.1;
 /// The contact excites every mode, and accelerations show the highest of them: harmonics beyond it, as share of it.
-const BEYOND_HIGHEST_MODE: f64 = 1.15;
+const BEYOND_HIGHEST_MODE: f64 = 1.4;
 /// Fewest and most harmonics.
 const HARMONICS: (usize, usize) = (9, 60);
-/// Most harmonics shown, as multiple of those balanced.
-const MOST_SENSED: usize = 2;
+/// Harmonics of the sensors' motion, as multiple of those balanced: of those above half the samples of a period the
+/// samples show the alias.
+const SENSED: usize = 3;
 /// Harmonics of the contact beyond those of the modes: the products with the shortening, which moves slowly.
 const CONTACT_BEYOND: usize = 4;
 /// Residual as share of the largest displacement: far below the noise of any sensor.
@@ -47,9 +48,7 @@ impl SteadyRecord {
         let harmonics = beyond.clamp(HARMONICS.0, HARMONICS.1);
         let coefficients = excitation(force, periods, harmonics)?;
         let orders = channels.iter().map(|channel| order(channel)).collect();
-        // A sampled record shows harmonics below half its samples per period.
-        let shown = (force.len().div_ceil(2 * periods)).saturating_sub(1);
-        let sensed_harmonics = shown.clamp(harmonics, MOST_SENSED * harmonics);
+        let sensed_harmonics = SENSED * harmonics;
         let count = coefficient_count(sensed_harmonics);
         // Phase 0 of the Fourier coefficients is the first sample.
         let waves = DMatrix::from_fn(time.len(), count, |sample, place| {

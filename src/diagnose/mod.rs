@@ -2,6 +2,8 @@
 
 mod beam_record;
 mod beam_steady;
+#[cfg(test)]
+mod beam_tests;
 mod bench;
 mod blocks;
 mod candidates;

@@ -63,6 +63,8 @@ pub(crate) struct Steady<'a> {
     factors: Factors,
     /// Whether derivatives and factors are those at the solution.
     current: bool,
+    /// Coefficients of the sensors there.
+    sensors: Vec<f64>,
 }
 
 impl Forcing {
@@ -93,7 +95,7 @@ impl Forcing {
             let mut unknowns = start.unknowns.clone();
             let mut factors = start.factors.clone();
             if self.correct(&mut balance, &mut unknowns, &at, &mut factors) {
-                return Ok(Steady { balance, unknowns, at, factors, current: false });
+                return Ok(Steady { balance, unknowns, at, factors, current: false, sensors: Vec::new() });
             }
         }
         let settings = Settings {
@@ -106,7 +108,14 @@ impl Forcing {
         let near = near.map(|start| State { x: start.unknowns.clone(), at });
         let mut family = Forced { angular_frequency: self.angular_frequency };
         let (state, _) = find(&mut family, &mut balance, 1.0, near, &settings)?;
-        Ok(Steady { balance, unknowns: state.x, at, factors: Factors::default(), current: false })
+        Ok(Steady {
+            balance,
+            unknowns: state.x,
+            at,
+            factors: Factors::default(),
+            current: false,
+            sensors: Vec::new(),
+        })
     }
 
     /// Newton's method with the factors at hand as long as they are good enough; false where it does not converge.
@@ -164,6 +173,9 @@ impl Steady<'_> {
     /// the response was solved for and very near to it.
     pub fn change(&mut self, forcing: &Forcing, neighbour: Driven) -> Result<Vec<f64>, HarmonicError> {
         self.linearise()?;
+        if self.sensors.is_empty() {
+            self.sensors = self.sensors(forcing);
+        }
         let mut other = forcing.balance(neighbour, self.balance.signals())?;
         other.forget();
         other.balance(&self.unknowns, &self.at)?;
@@ -172,9 +184,8 @@ impl Steady<'_> {
         self.factors.solve(&mut moved);
         moved.iter_mut().zip(&self.unknowns).for_each(|(step, x)| *step += x);
         other.balance(&moved, &self.at)?;
-        let before = self.sensors(forcing);
         let after = sensed(&mut other, &self.at, forcing);
-        Ok(after.iter().zip(&before).map(|(after, before)| after - before).collect())
+        Ok(after.iter().zip(&self.sensors).map(|(after, before)| after - before).collect())
     }
 
     /// Makes derivatives and factors those at the solution.

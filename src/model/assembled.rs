@@ -76,7 +76,7 @@ impl Model {
         let changes = self.changes().structure;
         let mut structure = match &self.structure {
             Structure::Prescribed => return Err(AssemblyError::NoStructure),
-            Structure::Beam(beam) => LinearStructure::from_beam(&ModalBeam::new(beam)?),
+            Structure::Beam(beam) => LinearStructure::from_beam(&ModalBeam::with_changes(beam, &changes)?),
             Structure::Oscillator(oscillator) => oscillator.structure_with(&changes)?,
         };
         if self.contact.is_none() {

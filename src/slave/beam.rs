@@ -85,7 +85,7 @@ pub(super) fn describe(
 }
 
 /// The parameters of the beam proper; those of a contact do not act while it is at rest.
-const BEAM_PARAMETERS: [&str; 9] = [
+const BEAM_PARAMETERS: [&str; 10] = [
     "youngs_modulus",
     "density",
     "length",
@@ -95,6 +95,7 @@ const BEAM_PARAMETERS: [&str; 9] = [
     "offset",
     "rotational_stiffness",
     "clamp_stiffness",
+    "hanging_frequency",
 ];
 
 /// Where the sensors sit, each place once; at the point masses if the model names none.
@@ -113,7 +114,8 @@ fn sensor_positions(beam: &Beam) -> Vec<f64> {
 /// The physics of a beam.
 pub(super) fn behaviour(beam: &Beam, model: &Model) -> Result<Box<dyn Behaviour>, String> {
     let beam = Beam { sensors: sensor_positions(beam), ..beam.clone() };
-    let modal = ModalBeam::new(&beam).map_err(|error| error.to_string())?;
+    let modal =
+        ModalBeam::with_changes(&beam, &model.changes().structure).map_err(|error| error.to_string())?;
     let mut integrator = BeamIntegrator::new(&modal).map_err(|error| error.to_string())?;
     let law = model.law_of_any_values().map_err(|error| error.to_string())?;
     let motion = integrator.rest(law.as_deref().map(|law| (law, 0.0)));

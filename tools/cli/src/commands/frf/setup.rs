@@ -54,7 +54,7 @@ impl Setup {
                         "--excite names a mass of an oscillator; a beam is excited at its [excitation] position",
                     ));
                 }
-                let modal = ModalBeam::new(beam).map_err(failed)?;
+                let modal = ModalBeam::with_changes(beam, &model.changes().structure).map_err(failed)?;
                 let nodes = modal.sensors.iter().map(|sensor| format!("x={}", sensor.position)).collect();
                 let law = model.law().map_err(|error| Failure::input(error.to_string()))?;
                 let contact = law.zip(model.contact.map(|contact| contact.normal_load));

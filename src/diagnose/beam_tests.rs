@@ -1,0 +1,161 @@
+//! Predictions of beams and their derivatives.
+
+use super::beam_record::BeamSimulation;
+use super::simulation::{Direction, Simulation};
+use crate::measure::{Channel, Record, Regime};
+use crate::model::Model;
+
+const SAMPLES: usize = 96;
+const PERIODS: usize = 2;
+
+fn model(effects: &str) -> Model {
+    let text = format!(
+        r#"
+        schema = "stickslip.model/1"
+        kind = "beam"
+        support = {{ offset = 0.006 }}
+        excitation = {{ position = 0.55 }}
+        contact = {{ law = "jenkins", tangential_stiffness = 7e6, friction_coefficient = 0.4, normal_load = 150.0 }}
+        {effects}
+        [beam]
+        length = 0.6
+        width = 0.04
+        thickness = 0.005
+        density = 7850.0
+        youngs_modulus = 1.94e11
+        modes = 3
+        damping_ratio = 0.004
+        point_mass = [{{ position = 0.55, mass = 0.025 }}]
+        "#
+    );
+    Model::parse(&text).expect("a legal model")
+}
+
+fn channel(name: &str, values: Vec<f64>) -> Channel {
+    Channel { name: name.to_owned(), unit: "1", values, noise: None }
+}
+
+/// A steady record under a cosine of `amplitude` (N) at `frequency` (Hz).
+fn record(amplitude: f64, frequency: f64) -> Record {
+    let count = SAMPLES * PERIODS;
+    let time: Vec<f64> = (0..count).map(|k| k as f64 / (SAMPLES as f64 * frequency)).collect();
+    let force = time.iter().map(|t| amplitude * (std::f64::consts::TAU * frequency * t).cos()).collect();
+    Record {
+        name: "steady".to_owned(),
+        regime: Regime::Steady,
+        use_for: None,
+        channels: vec![
+            channel("time", time),
+            channel("excitation", force),
+            channel("acceleration:x=0.55", vec![0.0; count]),
+            channel("acceleration:x=0.1", vec![0.0; count]),
+        ],
+    }
+}
+
+fn simulation<'r>(model: &Model, record: &'r Record) -> BeamSimulation<'r> {
+    BeamSimulation::new(model, record, record.channels_of("acceleration").collect())
+        .expect("a steady response")
+}
+
+fn moved(model: &Model, path: &str, share: f64) -> Model {
+    let mut moved = model.clone();
+    let value = model.get(path).unwrap_or_else(|| panic!("{path}"));
+    moved.set(path, value * (1.0 + share)).expect("a legal value");
+    moved
+}
+
+/// Largest difference of the derivatives along `paths` from central differences of converged solves, as share.
+fn derivative_error(model: &Model, record: &Record, paths: &[&str]) -> f64 {
+    let mut simulation = simulation(model, record);
+    let step = 1e-6;
+    let directions: Vec<Direction> = paths
+        .iter()
+        .map(|path| Direction { model: moved(model, path, step), nuisances: Vec::new(), step })
+        .collect();
+    let (mut predictions, mut derivatives) = (Vec::new(), Vec::new());
+    simulation.linearise(model, &[], &directions, &mut predictions, &mut derivatives).expect("a solution");
+    let wide = 1e-4;
+    let mut worst = 0.0_f64;
+    for (path, derivative) in paths.iter().zip(&derivatives) {
+        let mut at = |share: f64| {
+            let mut out = Vec::new();
+            simulation.predict(&moved(model, path, share), &[], &mut out).expect("a solution");
+            out
+        };
+        let (ahead, behind) = (at(wide), at(-wide));
+        let (mut error, mut size) = (0.0, 0.0);
+        for ((ahead, behind), derivative) in ahead.iter().zip(&behind).zip(derivative) {
+            let central = (ahead - behind) / (2.0 * wide);
+            error += (central - derivative).powi(2);
+            size += central * central;
+        }
+        println!("{path}: {:.1e} of {:.3e}", (error / size).sqrt(), size.sqrt());
+        assert!(size > 0.0, "{path}");
+        worst = worst.max((error / size).sqrt());
+    }
+    worst
+}
+
+const BASE: [&str; 4] = [
+    "contact.tangential_stiffness",
+    "contact.friction_coefficient",
+    "beam.youngs_modulus",
+    "beam.damping_ratio",
+];
+
+#[test]
+fn derivatives_are_those_of_converged_solves() {
+    let error = derivative_error(&model(""), &record(12.0, 51.0), &BASE);
+    assert!(error < 5e-3, "{error:e}");
+}
+
+#[test]
+fn derivatives_by_effects_are_those_of_converged_solves() {
+    for (effect, paths) in [
+        (r#"{ id = "added_mass", at = "x=0.3", mass = 0.01 }"#, &["effect.1.mass"][..]),
+        (r#"{ id = "support_compliance", clamp_stiffness = 2e3 }"#, &["effect.1.clamp_stiffness"]),
+        (
+            r#"{ id = "hanging_mass", mass = 5.0, hanging_frequency = 40.0 }"#,
+            &["effect.1.mass", "effect.1.hanging_frequency"],
+        ),
+        (r#"{ id = "geometric_stiffening", cubic_stiffness = 2e9 }"#, &["effect.1.cubic_stiffness"]),
+        (r#"{ id = "quadratic_damping", quadratic_damping = 3.0 }"#, &["effect.1.quadratic_damping"]),
+        (r#"{ id = "residual_stiffness", residual_stiffness = 5e5 }"#, &["effect.1.residual_stiffness"]),
+    ] {
+        let model = model(&format!("effect = [{effect}]"));
+        let paths: Vec<&str> = paths.iter().copied().chain([BASE[2]]).collect();
+        let error = derivative_error(&model, &record(12.0, 51.0), &paths);
+        assert!(error < 5e-3, "{effect}: {error:e}");
+    }
+}
+
+#[test]
+fn the_same_sequence_gives_the_same_bits_and_predictions_do_not_disturb_each_other() {
+    let (model, record) = (model(""), record(12.0, 51.0));
+    let run = |between: bool| {
+        let mut simulation = simulation(&model, &record);
+        let (mut out, mut derivatives) = (Vec::new(), Vec::new());
+        simulation.linearise(&model, &[], &[], &mut out, &mut derivatives).unwrap();
+        if between {
+            simulation.predict(&moved(&model, BASE[1], 0.1), &[], &mut out).unwrap();
+        }
+        simulation.predict(&moved(&model, BASE[0], 0.02), &[], &mut out).unwrap();
+        out
+    };
+    assert_eq!(run(false), run(false));
+    assert_eq!(run(false), run(true));
+}
+
+#[test]
+fn a_warm_start_changes_the_path_and_not_the_answer() {
+    let (model, record) = (model(""), record(12.0, 51.0));
+    let near = moved(&model, BASE[1], 0.03);
+    let (mut warm, mut cold) = (Vec::new(), Vec::new());
+    simulation(&model, &record).predict(&near, &[], &mut warm).unwrap();
+    simulation(&near, &record).predict(&near, &[], &mut cold).unwrap();
+    let size = cold.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
+    for (warm, cold) in warm.iter().zip(&cold) {
+        assert!((warm - cold).abs() < 1e-5 * size, "{warm} {cold} of {size}");
+    }
+}

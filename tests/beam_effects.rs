@@ -1,0 +1,182 @@
+//! Effects on the beam's structure, against closed forms.
+
+mod integrate_support;
+
+use std::f64::consts::PI;
+
+use integrate_support::one_mode;
+use stickslip::effects::{HangingMass, Location, StructureChanges};
+use stickslip::harmonic::{Method, Resonance, Settings, forced_response, phase_resonance};
+use stickslip::integrate::{self, BeamInputs, BeamIntegrator, Contact, Ramp};
+use stickslip::model::{Beam, Damping, PointMass};
+use stickslip::structure::ModalBeam;
+
+fn steel(modes: usize) -> Beam {
+    Beam {
+        length: 0.6,
+        width: 0.04,
+        thickness: 0.005,
+        density: 7850.0,
+        youngs_modulus: 2e11,
+        modes,
+        static_correction: false,
+        damping: Damping::Uniform(0.003),
+        point_masses: vec![PointMass { position: 0.3, mass: 0.005 }],
+        offset: 0.006,
+        rotational_stiffness: 0.0,
+        clamp_stiffness: None,
+        excitation_position: 0.55,
+        sensors: vec![],
+    }
+}
+
+fn changed(beam: &Beam, changes: StructureChanges) -> ModalBeam {
+    ModalBeam::with_changes(beam, &changes).expect("a legal beam")
+}
+
+fn hung(beam: &Beam, mass: f64, frequency: f64) -> ModalBeam {
+    changed(
+        beam,
+        StructureChanges { hanging_masses: vec![HangingMass { mass, frequency }], ..Default::default() },
+    )
+}
+
+#[test]
+fn an_added_mass_is_a_point_mass_and_leaves_the_sensors_where_they_were() {
+    let beam = steel(4);
+    let added_masses = vec![(Location::Position(0.55), 0.02)];
+    let with_effect = changed(&beam, StructureChanges { added_masses, ..Default::default() });
+    let mut built_in = beam.clone();
+    built_in.sensors = vec![0.3];
+    built_in.point_masses.push(PointMass { position: 0.55, mass: 0.02 });
+    assert_eq!(with_effect, ModalBeam::new(&built_in).unwrap());
+    assert_eq!(with_effect.sensors.len(), 1);
+}
+
+#[test]
+fn a_stiff_clamp_is_a_rigid_one_and_two_in_series_are_softer() {
+    let beam = steel(5);
+    let rigid = ModalBeam::new(&beam).unwrap();
+    let sprung =
+        |clamp| changed(&beam, StructureChanges { clamp_stiffness: Some(clamp), ..Default::default() });
+    for (stiff, limit) in sprung(1e10).angular_frequency.iter().zip(&rigid.angular_frequency) {
+        assert!((stiff / limit - 1.0).abs() < 1e-6 && stiff < limit, "{stiff} {limit}");
+    }
+    let own = Beam { clamp_stiffness: Some(400.0), ..beam.clone() };
+    let series = changed(&own, StructureChanges { clamp_stiffness: Some(400.0), ..Default::default() });
+    assert_eq!(series, sprung(200.0));
+}
+
+#[test]
+fn a_mass_hung_stiffly_is_a_mass_at_the_contact() {
+    let mut beam = steel(1);
+    beam.point_masses.clear();
+    let bare = ModalBeam::new(&beam).unwrap();
+    let (omega, lever) = (bare.angular_frequency[0], bare.contact_shape[0]);
+    // One mode with m (c q)² added to its mass: ω²/(1 + m c²).
+    let mass = 0.3 / (lever * lever);
+    let modal = hung(&beam, mass, 1e4);
+    let expected = omega / 1.3_f64.sqrt();
+    assert!((modal.angular_frequency[0] / expected - 1.0).abs() < 1e-4, "{}", modal.angular_frequency[0]);
+    assert!((modal.excitation_shape[0] / bare.excitation_shape[0] - 1.0 / 1.3_f64.sqrt()).abs() < 1e-4);
+}
+
+#[test]
+fn a_resonator_splits_a_mode_by_the_quadratic_of_two_masses() {
+    let mut beam = steel(1);
+    beam.point_masses.clear();
+    let bare = ModalBeam::new(&beam).unwrap();
+    let (omega, lever) = (bare.angular_frequency[0], bare.contact_shape[0]);
+    let mass = 0.1 / (lever * lever);
+    let modal = hung(&beam, mass, omega / (2.0 * PI));
+    // λ² − (2 + μ) λ + 1 = 0 in units of ω², with the mass ratio μ.
+    let (sum, ratio) = (2.1_f64, 0.1);
+    for (found, sign) in modal.angular_frequency.iter().zip([-1.0, 1.0]) {
+        let square = 0.5 * (sum + sign * (sum * sum - 4.0_f64).sqrt());
+        assert!((found / omega / square.sqrt() - 1.0).abs() < 1e-12, "{ratio}");
+    }
+    // All the excitation's inertia is still there: Σ φᵢ² does not change with the basis.
+    let norm = |shape: &[f64]| shape.iter().map(|x| x * x).sum::<f64>();
+    assert!((norm(&modal.excitation_shape) / norm(&bare.excitation_shape) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn masses_off_the_beam_are_refused() {
+    for place in [Location::Mass("m1".into()), Location::Position(0.7), Location::Position(-0.1)] {
+        let changes = StructureChanges { added_masses: vec![(place, 0.01)], ..Default::default() };
+        assert!(ModalBeam::with_changes(&steel(2), &changes).is_err());
+    }
+}
+
+/// Phase resonance with the displacement amplitude `a` (m) at the excitation, by iteration on the frequency.
+fn resonance(beam: &ModalBeam, amplitude: f64) -> Resonance {
+    let settings = Settings { harmonics: 5, method: Method::Exact, tolerance: 1e-11, max_iterations: 40 };
+    let mut found = None;
+    let mut frequency = beam.angular_frequency[0];
+    for _ in 0..8 {
+        let acceleration = amplitude * frequency * frequency;
+        let resonance =
+            phase_resonance(beam, None, acceleration, &settings, found.as_ref()).expect("a resonance");
+        frequency = resonance.angular_frequency;
+        found = Some(resonance);
+    }
+    found.expect("at least one round")
+}
+
+#[test]
+fn stretching_raises_the_resonance_by_three_eighths_of_k3_a2_over_k() {
+    let cubic_stiffness = 3e10;
+    let modal = changed(&steel(1), StructureChanges { cubic_stiffness, ..Default::default() });
+    let (omega, phi) = (modal.angular_frequency[0], modal.excitation_shape[0]);
+    let stiffness = omega * omega / (phi * phi);
+    for amplitude in [2e-4_f64, 4e-4] {
+        let share = cubic_stiffness * amplitude * amplitude / stiffness;
+        let shift = resonance(&modal, amplitude).angular_frequency / omega - 1.0;
+        // The next term of the backbone is of second order in the share.
+        assert!((shift - 0.375 * share).abs() < 0.2 * share * share, "{shift} {share}");
+        assert!(share > 1e-3 && share < 0.1, "{share}");
+    }
+}
+
+#[test]
+fn drag_gives_a_damping_ratio_in_proportion_to_amplitude() {
+    let quadratic_damping = 2.0;
+    let modal = changed(&steel(1), StructureChanges { quadratic_damping, ..Default::default() });
+    let phi = modal.excitation_shape[0];
+    for amplitude in [1e-4, 3e-4, 1e-3] {
+        let expected = 4.0 * quadratic_damping * amplitude * phi * phi / (3.0 * PI);
+        let added = resonance(&modal, amplitude).damping_ratio() - 0.003;
+        assert!((added / expected - 1.0).abs() < 2e-3, "{added} {expected}");
+    }
+}
+
+#[test]
+fn time_integration_settles_to_the_balance_with_stretching_and_drag() {
+    let mut beam = one_mode(300.0, 0.05, 0.06, 0.9, 0.0);
+    beam.shortening = vec![30.0];
+    beam.stretching_stiffness = 3e5;
+    beam.quadratic_damping = 0.8;
+    let period = 2.0 * PI / 290.0;
+    let settings = Settings { harmonics: 9, method: Method::Exact, tolerance: 1e-11, max_iterations: 40 };
+    let amplitude = 120.0;
+    let periodic = forced_response(&beam, None, period, &[0.0, amplitude, 0.0], &settings, None).unwrap();
+    let linear = ModalBeam { stretching_stiffness: 0.0, quadratic_damping: 0.0, ..beam.clone() };
+    let without = forced_response(&linear, None, period, &[0.0, amplitude, 0.0], &settings, None).unwrap();
+    assert!((periodic.coefficients[2] / without.coefficients[2] - 1.0).abs() > 0.05, "the effects matter");
+
+    let mut integrator = BeamIntegrator::new(&beam).unwrap();
+    let mut motion = integrator.rest(None);
+    let parts = 64;
+    let force = |k: usize| amplitude * (2.0 * PI * (k % parts) as f64 / parts as f64).cos();
+    let tight = integrate::Settings { tolerance: 1e-8, ..Default::default() };
+    for k in 0..40 * parts {
+        let excitation = Ramp { start: force(k), end: force(k + 1) };
+        let inputs = BeamInputs { excitation, contact: Contact::Force(Ramp::held(0.0)) };
+        integrator.advance(&mut motion, period / parts as f64, &inputs, &tight).unwrap();
+    }
+    let expected: f64 = (0..=9).map(|h| periodic.coefficients[if h == 0 { 0 } else { 2 * h - 1 }]).sum();
+    let size = periodic.coefficients[1].hypot(periodic.coefficients[2]);
+    // The ramps between samples lower the first harmonic by (π/64)²/3.
+    let error = (motion.modal_displacement()[0] - expected).abs() / size;
+    assert!(error < 2e-3, "{error:e}");
+}
