@@ -151,7 +151,7 @@ impl Beam {
         Some(match id {
             "normal_load_variation" => {
                 self.swing = Some((strength * random.between(0.3, 0.6), random.pick(&[1.0, 2.0])));
-                Hidden::new(id, &[("gain", 1.0)])
+                Hidden::new(id, &[("load_gain", 1.0)])
             }
             "geometric_stiffening" => {
                 self.cubic_stiffness = strength * random.between(0.04, 0.08) * stiffness / deflection.powi(2);

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::beam::Beam;
-use crate::effect::UNKNOWN;
+use crate::effect::{Hidden, UNKNOWN};
 use crate::oscillator::Oscillator;
 use crate::prescribed::Prescribed;
 use crate::random::Random;
@@ -268,6 +268,13 @@ impl Drawn {
             record.measure(self.noise.share, correlation, self.rig.tells_noise(), &mut random.fork());
         }
         records
+    }
+
+    /// The true model with all that is hidden in it; `None` when the catalogue has no words for it.
+    pub fn true_model(&self) -> Option<String> {
+        let exact = vec![1.0; self.off.len()];
+        let entries: Option<Vec<String>> = self.rig.hidden().iter().map(Hidden::entry).collect();
+        Some(self.rig.model(&exact) + &entries?.concat())
     }
 
     /// The engineer's model.

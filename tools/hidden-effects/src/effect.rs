@@ -1,5 +1,7 @@
 //! What can be hidden, by its name, with the parameters it was given.
 
+use std::fmt::Write;
+
 /// Something hidden in a case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hidden {
@@ -20,6 +22,24 @@ impl Hidden {
     /// Something hidden at a place.
     pub fn at(id: &str, place: String, parameters: &[(&'static str, f64)]) -> Self {
         Self { id: id.to_owned(), place, parameters: parameters.to_vec() }
+    }
+}
+
+impl Hidden {
+    /// As an `[[effect]]` of a model file; `None` outside the catalogue.
+    pub fn entry(&self) -> Option<String> {
+        if self.id.starts_with(UNKNOWN) {
+            return None;
+        }
+        let mut text = format!("\n[[effect]]\nid = \"{}\"\n", self.id);
+        if !self.place.is_empty() {
+            let key = if self.id.starts_with("sensor_") { "channel" } else { "at" };
+            let _ = writeln!(text, "{key} = \"{}\"", self.place);
+        }
+        for (name, value) in &self.parameters {
+            let _ = writeln!(text, "{name} = {value:e}");
+        }
+        Some(text)
     }
 }
 

@@ -6,6 +6,7 @@
 //!
 //! Cases are sealed: a case is its name, all its numbers follow from it, and its files are made on demand.
 
+pub mod agreement;
 pub mod beam;
 pub mod case;
 pub mod effect;

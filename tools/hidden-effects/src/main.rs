@@ -12,7 +12,7 @@ use stickslip_hidden_effects::case::{self, Case, Kind};
 use stickslip_hidden_effects::run::{self, Plan, Task};
 use stickslip_hidden_effects::truth::Truth;
 use stickslip_hidden_effects::visibility::visibility;
-use stickslip_hidden_effects::{files, table};
+use stickslip_hidden_effects::{agreement, files, table};
 
 /// Simulated measurements with a hidden effect, and the score of a diagnosis of them
 #[derive(Parser)]
@@ -51,6 +51,10 @@ struct Arguments {
     /// Tell how much of each hidden effect a refit of the base model cannot absorb, and stop
     #[arg(long)]
     visibility: bool,
+    /// Compare the program's model, all that is hidden written into it, with the measurements, and stop: the
+    /// error over the noise is 1 where the program's physics and the generator's agree
+    #[arg(long)]
+    agreement: bool,
     /// Write the table here as well
     #[arg(long)]
     table: Option<PathBuf>,
@@ -93,6 +97,9 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         files::write_truth(&root, &cases)?;
         println!("{} cases in {}", cases.len(), root.display());
         return Ok(());
+    }
+    if arguments.agreement {
+        return agreement::show(&arguments.program, &root, &arguments.out.join("true-models"), &cases);
     }
     files::write_truth(&root, &cases)?;
     let tasks = cases.into_iter().map(|case| task(&root, case)).collect::<Result<Vec<_>, _>>()?;

@@ -172,7 +172,7 @@ impl Oscillator {
             "normal_load_variation" => {
                 let share = if random.unit() < 0.2 { 1.25 } else { random.between(0.4, 0.8) };
                 self.swing = Some((strength * share, random.between(2.0, 12.0)));
-                Hidden::new(id, &[("gain", 1.0)])
+                Hidden::new(id, &[("load_gain", 1.0)])
             }
             "geometric_stiffening" => {
                 let amplitude = 9e-3_f64;

@@ -114,7 +114,7 @@ impl Prescribed {
                 let share = if lifts_off { 1.25 } else { random.between(0.3, 0.7) };
                 self.normal =
                     Some(Normal::Swing { share: strength * share, multiple: random.between(0.4, 2.3) });
-                Hidden::new(id, &[("gain", 1.0)])
+                Hidden::new(id, &[("load_gain", 1.0)])
             }
             "normal_hardening" | "impact_damping" => self.press(id, strength, random),
             "sensor_delay" => {
