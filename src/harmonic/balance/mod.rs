@@ -66,6 +66,8 @@ pub(crate) struct Balance<'a> {
     compliance: DMatrix<f64>,
     residual: Vec<f64>,
     jacobian: DMatrix<f64>,
+    /// Whether the Jacobian is that of the last evaluation: it costs two large products, and a solution needs none.
+    complete: bool,
     by: [Vec<f64>; 4],
     /// ∂q/∂scalar at fixed u.
     modal_by: [Vec<f64>; 4],
@@ -113,6 +115,7 @@ impl<'a> Balance<'a> {
             compliance: DMatrix::zeros(wide, wide),
             residual: vec![0.0; wide],
             jacobian: DMatrix::identity(wide, wide),
+            complete: false,
             by: std::array::from_fn(|_| vec![0.0; wide]),
             modal_by: std::array::from_fn(|_| vec![0.0; size]),
         })
@@ -228,7 +231,7 @@ impl<'a> Balance<'a> {
         Ok(())
     }
 
-    /// a + W A⁻¹ B and ∂r/∂v.
+    /// B and A⁻¹ B.
     fn differentiate(&mut self) {
         let (wide, modes) = (self.wide, self.modes());
         let size = self.q.len();
@@ -240,10 +243,17 @@ impl<'a> Balance<'a> {
             adjoint[place] *= 2.0;
         }
         self.equations.solve_many(&self.adjoint, &mut self.moved);
+        self.complete = false;
+    }
+
+    /// a + W A⁻¹ B and ∂r/∂v.
+    fn complete_jacobian(&mut self) {
+        let wide = self.wide;
         self.compliance.gemm(1.0, &self.weights, &self.moved, 0.0);
         (0..wide).for_each(|m| self.compliance[(m, m)] += self.beam.axial_flexibility);
         self.jacobian.gemm(1.0, &self.compliance, self.cycle.jacobian(), 0.0);
         (0..wide).for_each(|m| self.jacobian[(m, m)] += 1.0);
+        self.complete = true;
     }
 
     /// ∂q/∂scalar and ∂r/∂scalar at fixed u.
@@ -346,7 +356,10 @@ impl PeriodicSystem for Balance<'_> {
         &self.residual
     }
 
-    fn jacobian(&self) -> &DMatrix<f64> {
+    fn jacobian(&mut self) -> &DMatrix<f64> {
+        if self.contact.is_some() && !self.complete {
+            self.complete_jacobian();
+        }
         &self.jacobian
     }
 
