@@ -159,6 +159,21 @@ pub trait ContactLaw: std::fmt::Debug + Send + Sync {
     /// `out`'s vectors are resized on first use and only overwritten after.
     fn state_tangents(&self, state: &[f64], inputs: Inputs, out: &mut StateTangents);
 
+    /// [`ContactLaw::step`] and [`ContactLaw::state_tangents`] at once, of which quadrature along a motion under constant
+    /// load needs no more than force, tangents by displacement and velocity, slip state and the derivatives of the
+    /// force by the state's part that is not the load: a law may leave out the rest, `next` too.
+    fn force_and_tangents(
+        &self,
+        state: &[f64],
+        inputs: Inputs,
+        next: &mut [f64],
+        out: &mut StateTangents,
+    ) -> Response {
+        let response = self.step(state, inputs, next);
+        self.state_tangents(state, inputs, out);
+        response
+    }
+
     /// The largest force the law reaches under `normal_load` (N) before any residual stiffness is
     /// added (N).
     fn limit(&self, normal_load: f64) -> f64;

@@ -543,6 +543,41 @@ impl ContactLaw for Valanis {
         self.asymmetry == 0.0
     }
 
+    /// One motion, without the energy and without what the limits at its ends do, each of which costs as much.
+    fn force_and_tangents(
+        &self,
+        state: &[f64],
+        inputs: Inputs,
+        next: &mut [f64],
+        out: &mut StateTangents,
+    ) -> Response {
+        let limit = self.limit(inputs.normal_load);
+        let symmetric = self.asymmetry == 0.0;
+        let constant =
+            symmetric && state[2] == inputs.normal_load && !Self::separated(inputs.normal_load, limit);
+        let travel = inputs.displacement - state[1];
+        let sign = if travel == 0.0 { -state[0].signum() } else { travel.signum() };
+        let gap = 1.0 - sign * (state[0] / limit);
+        // Within the limit nothing is cut.
+        if !constant || !(0.0..=BEHIND).contains(&gap) {
+            let response = self.step(state, inputs, next);
+            self.state_tangents(state, inputs, out);
+            return response;
+        }
+        let stretch = advance(gap, self.reach_stiffness * (travel.abs() / limit), self.curvature);
+        let end = cut_to(state[0] + sign * limit * stretch.drop, limit);
+        let by_travel = self.reach_stiffness * self.slope(stretch.gap);
+        let by_start = stretch.ratio * (1.0 + self.curvature * gap) / (1.0 + self.curvature * stretch.gap);
+        out.force_by_state.clear();
+        out.force_by_state.extend_from_slice(&[by_start, -by_travel, 0.0, -self.residual_stiffness]);
+        Response {
+            force: end + self.residual_stiffness * (inputs.displacement - state[3]),
+            tangents: Tangents { displacement: by_travel + self.residual_stiffness, ..Tangents::default() },
+            dissipated_energy: 0.0,
+            slip_state: SlipState::Slip,
+        }
+    }
+
     fn has_stick(&self) -> bool {
         false
     }

@@ -28,6 +28,8 @@ pub(crate) trait Condition {
 
 /// A residual this many times the tolerance is accepted where it does not fall any more.
 const STALLED: f64 = 1e3;
+/// A residual larger than this is never taken for rounding.
+const LARGEST_ROUNDING: f64 = 1e-6;
 /// … after a step that changes the unknowns by this share at most.
 const SMALL_STEP: f64 = 1e-6;
 
@@ -94,7 +96,12 @@ impl Newton {
         let mut before = f64::INFINITY;
         let mut iterations = 0;
         loop {
-            if residual <= stopping.tolerance {
+            let settled = |system: &mut dyn PeriodicSystem| {
+                residual <= LARGEST_ROUNDING && largest(&self.residual[x.len()..]) <= stopping.tolerance && {
+                    residual <= system.rounding(at)
+                }
+            };
+            if residual <= stopping.tolerance || settled(system) {
                 return Ok(Effort { iterations, residual });
             }
             if iterations == stopping.max_iterations || residual.is_nan() {
@@ -131,12 +138,12 @@ impl Newton {
 
     /// Makes sure that there are factors: of the last Newton step or, where the start was already the solution,
     /// of the last evaluation. False where the matrix is singular.
-    pub fn prepare(&mut self, system: &dyn PeriodicSystem, free: &[Scalar]) -> bool {
+    pub fn prepare(&mut self, system: &mut dyn PeriodicSystem, free: &[Scalar]) -> bool {
         self.factored || self.factor(system, free)
     }
 
     /// Factors the matrix of the last evaluation anew: a direction is then as good as the solution.
-    pub fn refactor(&mut self, system: &dyn PeriodicSystem, free: &[Scalar]) -> bool {
+    pub fn refactor(&mut self, system: &mut dyn PeriodicSystem, free: &[Scalar]) -> bool {
         self.factor(system, free)
     }
 
@@ -219,7 +226,7 @@ impl Newton {
         Ok(())
     }
 
-    fn factor(&mut self, system: &dyn PeriodicSystem, free: &[Scalar]) -> bool {
+    fn factor(&mut self, system: &mut dyn PeriodicSystem, free: &[Scalar]) -> bool {
         let n = system.unknowns();
         let size = n + free.len();
         let weight = 1.0 / self.scale;

@@ -10,6 +10,16 @@ use super::system::{Observation, Operating, PeriodicSystem, Scalar};
 /// Level from which a response is followed up where Newton's method fails at once, as share of the wanted.
 const WEAK: f64 = 1e-3;
 
+/// Points of such a curve after which it is given up: the response may be out of reach, and is to say so soon.
+const MOST_POINTS: usize = 400;
+/// Springs in front of contacts, in compliances of the structure there: the first leaves almost nothing of
+/// the contacts, beyond the last there is nothing left to be gained.
+const SOFTEST: f64 = 100.0;
+const STIFFEST: f64 = 1e-13;
+/// Newton steps for such a spring, and springs tried.
+const SOFT_ITERATIONS: usize = 10;
+const SOFT_STEPS: usize = 60;
+
 impl CurveSettings {
     pub(crate) fn stopping(&self) -> Stopping {
         Stopping { tolerance: self.tolerance, max_iterations: self.max_iterations }
@@ -62,15 +72,11 @@ pub(crate) fn at_level(
     at: Operating,
     settings: &CurveSettings,
 ) -> Result<(Vec<f64>, Operating), HarmonicError> {
-    let mut x = vec![0.0; system.unknowns()];
-    let mut here = at;
-    system.guess(&at, &mut x)?;
-    system.forget();
-    if solve(system, &mut x, &mut here, &[], &mut [], &settings.stopping()).is_ok() {
-        return Ok((x, here));
+    if let Some(x) = directly(system, at, settings)? {
+        return Ok((x, at));
     }
     let mut path = up(system, at, WEAK * at.level, at.level, settings)?;
-    for _ in 0..settings.max_points {
+    for _ in 0..settings.max_points.min(MOST_POINTS) {
         match path.advance(&mut |_, _, _, _| Ok(Verdict::Keep(0.0)))? {
             Advance::Going => {}
             Advance::Arrived(super::Ending::Complete) => return Ok((path.present.x, path.present.at)),
@@ -78,6 +84,62 @@ pub(crate) fn at_level(
         }
     }
     Err(HarmonicError::NotConverged { residual: f64::INFINITY, iterations: settings.max_points })
+}
+
+/// Solves at `at` by Newton's method from equivalent linearisation, or from the structure without its contacts, which
+/// are then made as stiff as they are; `None` where both fail.
+fn directly(
+    system: &mut dyn PeriodicSystem,
+    at: Operating,
+    settings: &CurveSettings,
+) -> Result<Option<Vec<f64>>, HarmonicError> {
+    let mut x = vec![0.0; system.unknowns()];
+    system.guess(&at, &mut x)?;
+    let attempt = |system: &mut dyn PeriodicSystem, x: &mut Vec<f64>, most: usize| {
+        system.forget();
+        let stopping = settings.stopping();
+        let stopping = Stopping { max_iterations: stopping.max_iterations.min(most), ..stopping };
+        solve(system, x, &mut at.clone(), &[], &mut [], &stopping).is_ok()
+    };
+    if attempt(system, &mut x, settings.max_iterations) {
+        return Ok(Some(x));
+    }
+    if !system.soften(SOFTEST) {
+        return Ok(None);
+    }
+    x.fill(0.0);
+    let mut here = attempt(system, &mut x, SOFT_ITERATIONS).then_some((SOFTEST, x));
+    let mut before: Option<(f64, Vec<f64>)> = None;
+    let mut factor: f64 = 0.3;
+    let mut found = None;
+    for _ in 0..SOFT_STEPS {
+        let Some((softness, x)) = &here else { break };
+        let mut whole = x.clone();
+        system.soften(0.0);
+        if attempt(system, &mut whole, SOFT_ITERATIONS) {
+            found = Some(whole);
+            break;
+        }
+        let next = factor * softness;
+        if next < STIFFEST || factor > 0.99 {
+            break;
+        }
+        // Over the logarithm of the softness a response runs evenly.
+        let mut ahead = x.clone();
+        if let Some((last, y)) = &before {
+            let share = factor.ln() / (softness / last).ln();
+            ahead.iter_mut().zip(y).for_each(|(x, y)| *x += share * (*x - y));
+        }
+        system.soften(next);
+        if attempt(system, &mut ahead, SOFT_ITERATIONS) {
+            before = here.replace((next, ahead));
+            factor = (factor * factor.sqrt()).max(0.1);
+        } else {
+            factor = factor.sqrt();
+        }
+    }
+    system.soften(0.0);
+    Ok(found)
 }
 
 /// A path along the level.
@@ -89,8 +151,15 @@ fn up<'s>(
     settings: &CurveSettings,
 ) -> Result<Path<'s>, HarmonicError> {
     let weak = Operating { level: from, ..at };
-    let mut x = vec![0.0; system.unknowns()];
-    system.guess(&weak, &mut x)?;
+    let x = match directly(system, weak, settings)? {
+        Some(x) => x,
+        None => {
+            return Err(HarmonicError::NotConverged {
+                residual: f64::INFINITY,
+                iterations: settings.max_iterations,
+            });
+        }
+    };
     let route =
         Route { along: Scalar::Level, from, to, stopping: settings.stopping(), max_step: settings.max_step };
     Path::new(system, route, &[], Vec::new(), x, weak)
@@ -145,7 +214,7 @@ fn held(
         let start = Operating::forced(angular_frequency, guessed);
         let mut path = up(system, start, WEAK * guessed, top, settings)?;
         let mut solved = None;
-        for _ in 0..settings.max_points {
+        for _ in 0..settings.max_points.min(MOST_POINTS) {
             let advance = path.advance(&mut |_, _, _, _| Ok(Verdict::Keep(0.0)))?;
             if advance == Advance::Stuck {
                 break;

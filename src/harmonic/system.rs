@@ -87,7 +87,7 @@ pub(crate) trait PeriodicSystem {
     fn residual(&self) -> &[f64];
 
     /// ∂residual/∂unknowns of the last evaluation.
-    fn jacobian(&self) -> &DMatrix<f64>;
+    fn jacobian(&mut self) -> &DMatrix<f64>;
 
     /// ∂residual/∂scalar of the last evaluation; valid for the scalars it was asked for.
     fn by(&self, scalar: Scalar) -> &[f64];
@@ -107,6 +107,21 @@ pub(crate) trait PeriodicSystem {
 
     /// Writes a start for Newton's method at `at`: equivalent linearisation, or what the system has.
     fn guess(&mut self, at: &Operating, x: &mut [f64]) -> Result<(), HarmonicError>;
+
+    /// Size of the residual, as share of its largest term, below which it is rounding at `at`: what the structure is
+    /// condensed by is only as good as its condition allows. Leaves the last evaluation alone.
+    fn rounding(&mut self, at: &Operating) -> f64 {
+        let _ = at;
+        0.0
+    }
+
+    /// Puts a spring of so many of the contacts' own compliances between each contact and the structure, on the way
+    /// to a start; 0 takes it away. A contact then is as strong as ever and no stiffer than the spring. False where
+    /// the system cannot.
+    fn soften(&mut self, compliances: f64) -> bool {
+        let _ = compliances;
+        false
+    }
 
     /// The response of the last evaluation, which was at `x` and `at` and solved the balance: everything of
     /// a [`Point`] but stability, error and effort, which are left as unknown, 0, resolved and 0.

@@ -118,6 +118,16 @@ pub enum StructureError {
         /// How many there are.
         size: usize,
     },
+    /// A matrix that must be symmetric is not: one triangle may be missing.
+    #[error("the {matrix} matrix is not symmetric: entries ({row}, {column}) and ({column}, {row}) differ")]
+    NotSymmetric {
+        /// Which matrix.
+        matrix: &'static str,
+        /// Row of an entry that differs from its mirror image, counted from 0.
+        row: usize,
+        /// Its column.
+        column: usize,
+    },
     /// Compliances cannot be computed the way that was asked for.
     #[error("the {method} way to compliances is not open: {reason}")]
     Unavailable {

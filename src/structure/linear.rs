@@ -85,6 +85,7 @@ impl LinearStructure {
     ///
     /// # Errors
     /// [`StructureError::TooManyModes`] beyond [`MOST_DENSE_MODES`] degrees of freedom,
+    /// [`StructureError::NotSymmetric`] for a matrix that lacks its other triangle,
     /// [`StructureError::NoInertia`] for a mass matrix that is not positive definite,
     /// [`StructureError::NotComputable`] for entries that are not finite.
     pub fn natural_modes(&self) -> Result<NaturalModes, StructureError> {
@@ -99,6 +100,7 @@ impl LinearStructure {
         {
             return Err(StructureError::NotComputable { quantity: "natural frequency", value: *value });
         }
+        self.check_symmetry()?;
         // M = L Lᵀ turns K x = ω² M x into L⁻¹ K L⁻ᵀ y = ω² y with x = L⁻ᵀ y.
         let factor = dense(self.size, &self.mass).cholesky().ok_or(StructureError::NoInertia)?.unpack();
         let mut reduced = dense(self.size, &self.stiffness);
@@ -129,6 +131,32 @@ impl LinearStructure {
             .collect();
         Ok(NaturalModes { angular_frequency, shapes })
     }
+}
+
+impl LinearStructure {
+    /// Refuses matrices whose entries differ from their mirror images by more than rounding in sums.
+    pub(crate) fn check_symmetry(&self) -> Result<(), StructureError> {
+        let matrices = [("mass", &self.mass), ("damping", &self.damping), ("stiffness", &self.stiffness)];
+        matrices.into_iter().try_for_each(|(name, entries)| symmetric(name, entries))
+    }
+}
+
+fn symmetric(matrix: &'static str, entries: &Entries) -> Result<(), StructureError> {
+    /// Share of the largest entry that sums of the same terms in another order may differ by.
+    const ROUNDING: f64 = 1e-12;
+    let largest = entries.iter().fold(0.0_f64, |largest, entry| largest.max(entry.2.abs()));
+    // What is left of each pair once the lower triangle is taken from the upper.
+    let sides = entries.iter().filter(|(i, j, _)| i != j);
+    let mut differences: Vec<(usize, usize, f64)> =
+        sides.map(|(i, j, value)| if i < j { (*i, *j, *value) } else { (*j, *i, -value) }).collect();
+    differences.sort_by_key(|(i, j, _)| (*i, *j));
+    for pair in differences.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        let difference: f64 = pair.iter().map(|entry| entry.2).sum();
+        if difference.abs() > ROUNDING * largest {
+            return Err(StructureError::NotSymmetric { matrix, row: pair[0].0, column: pair[0].1 });
+        }
+    }
+    Ok(())
 }
 
 /// A matrix with these values on its diagonal.
@@ -233,6 +261,18 @@ mod tests {
         let modes = oscillator.structure().unwrap().natural_modes().unwrap();
         assert_eq!(modes.angular_frequency[0], 0.0);
         assert!((modes.angular_frequency[1] - 1.0).abs() < 1e-15, "√(k (1/m1 + 1/m2))");
+    }
+
+    #[test]
+    fn a_matrix_without_its_other_triangle_is_refused() {
+        let mut structure = two_masses().structure().unwrap();
+        structure.stiffness.retain(|entry| (entry.0, entry.1) != (1, 0));
+        let expected = StructureError::NotSymmetric { matrix: "stiffness", row: 0, column: 1 };
+        assert_eq!(structure.natural_modes(), Err(expected.clone()));
+        assert_eq!(crate::structure::Receptance::new(&structure).unwrap_err(), expected);
+        // Contributions to one place may be listed one by one, and differ by rounding.
+        structure.stiffness.extend([(1, 0, -0.2), (1, 0, -0.3 * (1.0 + 1e-15))]);
+        assert!(structure.natural_modes().is_ok());
     }
 
     #[test]

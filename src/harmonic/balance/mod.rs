@@ -119,6 +119,8 @@ pub(crate) struct Balance<'a> {
     compliance: DMatrix<f64>,
     residual: Vec<f64>,
     jacobian: DMatrix<f64>,
+    /// Whether the Jacobian is that of the last evaluation: it costs two large products, and a solution needs none.
+    complete: bool,
     by: [Vec<f64>; 4],
     /// ∂q/∂scalar at fixed u.
     modal_by: [Vec<f64>; 4],
@@ -189,6 +191,7 @@ impl<'a> Balance<'a> {
             compliance: DMatrix::zeros(unknowns, unknowns),
             residual: vec![0.0; unknowns],
             jacobian: DMatrix::identity(unknowns, unknowns),
+            complete: false,
             by: std::array::from_fn(|_| vec![0.0; unknowns]),
             modal_by: std::array::from_fn(|_| vec![0.0; size]),
         })
@@ -367,7 +370,7 @@ impl<'a> Balance<'a> {
         Ok(())
     }
 
-    /// a + W A⁻¹ B and ∂r/∂unknowns.
+    /// B, A⁻¹ B and the derivatives of the forces.
     pub fn differentiate(&mut self, angular_frequency: f64) {
         let modes = self.modes();
         let (size, rows) = (self.q.len(), self.weights.nrows());
@@ -381,11 +384,18 @@ impl<'a> Balance<'a> {
         }
         self.differentiate_laws(angular_frequency);
         self.equations.solve_many(&self.adjoint, &mut self.moved);
+        self.complete = false;
+    }
+
+    /// a + W A⁻¹ B and ∂r/∂unknowns.
+    fn complete_jacobian(&mut self) {
+        let rows = self.weights.nrows();
         self.compliance.gemm(1.0, &self.weights, &self.moved, 0.0);
         (0..self.wide).for_each(|m| self.compliance[(m, m)] += self.beam.axial_flexibility);
         let law = if self.law.is_empty() { self.cycle.jacobian() } else { &self.law };
         self.jacobian.gemm(1.0, &self.compliance, law, 0.0);
         (0..rows).for_each(|m| self.jacobian[(m, m)] += 1.0);
+        self.complete = true;
     }
 
     /// ∂forces/∂unknowns where there is more than the contact.
@@ -545,7 +555,10 @@ impl PeriodicSystem for Balance<'_> {
         &self.residual
     }
 
-    fn jacobian(&self) -> &DMatrix<f64> {
+    fn jacobian(&mut self) -> &DMatrix<f64> {
+        if self.contact.is_some() && !self.complete {
+            self.complete_jacobian();
+        }
         &self.jacobian
     }
 

@@ -49,6 +49,8 @@ struct Attached<'a> {
     rebuild: Option<Rebuild<'a>>,
     /// Least size of the parameter, by which steps of it are measured.
     least: f64,
+    /// Compliance (m/N) of a spring in front of the contact, on the way to a start.
+    softening: f64,
     /// Whether the harmonics kept ask for an odd law.
     odd: bool,
     cycle: RelievedMap,
@@ -60,7 +62,8 @@ struct Attached<'a> {
 
 impl Attached<'_> {
     fn evaluate(&mut self, angular_frequency: f64, u: &[f64]) -> Result<(), HarmonicError> {
-        let contact = contact_of(&self.law, self.normal_load);
+        let contact =
+            PeriodicContact { compliance: self.softening, ..contact_of(&self.law, self.normal_load) };
         self.cycle.evaluate(&contact, angular_frequency, u)
     }
 
@@ -152,6 +155,8 @@ pub(crate) struct Condensed<'a> {
     built: f64,
     extremum: Extremum,
     scratch: Scratch,
+    /// Ω (rad/s) and the rounding of the balance about it.
+    rounding: Option<(f64, f64)>,
 }
 
 /// Buffers of the estimate and of derivatives along a direction.
@@ -197,6 +202,7 @@ impl<'a> Condensed<'a> {
             normal_load: contact.normal_load,
             rebuild: None,
             least: 0.0,
+            softening: 0.0,
             odd,
             cycle: RelievedMap::new(set, settings.method, 0.0),
             wide: None,
@@ -228,6 +234,7 @@ impl<'a> Condensed<'a> {
             built: f64::NAN,
             extremum: Extremum::default(),
             scratch: Scratch::default(),
+            rounding: None,
         };
         system.reserve();
         Ok(system)
@@ -259,6 +266,7 @@ impl<'a> Condensed<'a> {
 
     /// Everything that depends on the set of harmonics.
     fn reserve(&mut self) {
+        self.rounding = None;
         let set = self.set;
         self.wide = set_of(self.odd, 2 * set.highest() + 1);
         self.orders = set.orders().collect();
@@ -284,6 +292,43 @@ impl<'a> Condensed<'a> {
             contact.wide = None;
             contact.by_parameter = vec![0.0; set.len()];
         }
+    }
+
+    /// Rounding of the compliances at `at`, seen where the frequency changes by a few units in its last place.
+    /// Measured anew where the frequency is another.
+    fn rounding_about(&mut self, at: &Operating) -> f64 {
+        const NEAR: f64 = 0.05;
+        const PROBES: usize = 3;
+        const SAFETY: f64 = 8.0;
+        let speed = at.angular_frequency;
+        if let Some((about, rounding)) = self.rounding
+            && (speed - about).abs() <= NEAR * about
+        {
+            return rounding;
+        }
+        let mut probe = Transfer::new(&self.receptance, Rows::Contacts, self.orders.iter().map(|(h, _)| *h));
+        let mut first: Vec<[f64; 2]> = Vec::new();
+        let (mut change, mut largest) = (0.0_f64, 0.0_f64);
+        for k in 0..=PROBES {
+            let at = Operating { angular_frequency: speed * (1.0 + 2.0 * k as f64 * f64::EPSILON), ..*at };
+            if probe.evaluate(&mut self.receptance, &at).is_err() {
+                return 0.0;
+            }
+            let p = self.contacts.len();
+            let places = (0..self.orders.len())
+                .flat_map(|k| (0..p).flat_map(move |i| (0..=p).map(move |j| (k, i, j))));
+            let values = places.map(|(k, i, j)| probe.get(k, Of::Value, i, j));
+            if k == 0 {
+                first = values.collect();
+                largest = first.iter().fold(0.0, |m, [re, im]| m.max(re.hypot(*im)));
+            } else {
+                let moved = values.zip(&first).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
+                change = moved.fold(change, f64::max);
+            }
+        }
+        let rounding = if largest > 0.0 { SAFETY * change / largest } else { 0.0 };
+        self.rounding = Some((speed, rounding));
+        rounding
     }
 
     fn carry(&mut self, x: &[f64], at: &Operating, scalars: &[Scalar]) -> Result<(), HarmonicError> {
@@ -438,7 +483,7 @@ impl PeriodicSystem for Condensed<'_> {
         &self.residual
     }
 
-    fn jacobian(&self) -> &DMatrix<f64> {
+    fn jacobian(&mut self) -> &DMatrix<f64> {
         &self.jacobian
     }
 
@@ -464,6 +509,23 @@ impl PeriodicSystem for Condensed<'_> {
 
     fn guess(&mut self, at: &Operating, x: &mut [f64]) -> Result<(), HarmonicError> {
         self.linearised(at, x)
+    }
+
+    fn rounding(&mut self, at: &Operating) -> f64 {
+        self.rounding_about(at)
+    }
+
+    fn soften(&mut self, compliances: f64) -> bool {
+        let p = self.contacts.len();
+        for (i, contact) in self.contacts.iter_mut().enumerate() {
+            // The largest at the harmonics of the last evaluation.
+            let own = (0..self.orders.len()).map(|k| {
+                let [re, im] = self.at_contacts.get(k, Of::Value, i, i);
+                re.hypot(im)
+            });
+            contact.softening = compliances * own.fold(0.0, f64::max);
+        }
+        p > 0
     }
 
     fn describe(&mut self, x: &[f64], at: &Operating) -> Result<Point, HarmonicError> {

@@ -283,9 +283,8 @@ impl Condensed<'_> {
             let (method, relief) = (method_on(self.method, set), self.relief);
             let cycle = contact.wide.get_or_insert_with(|| RelievedMap::new(set, method, relief));
             let u = &self.scratch.wide[j * wide..(j + 1) * wide];
-            cycle.evaluate(&attached, at.angular_frequency, u)?;
             let into = &mut self.scratch.kept[j * width..(j + 1) * width];
-            self.wide.convert(cycle.force(), self.set, into);
+            cycle.force_alone(&attached, at.angular_frequency, u, self.set, into)?;
             into.iter_mut().zip(contact.cycle.force()).for_each(|(t, force)| *t -= force);
         }
         Ok(())

@@ -9,10 +9,12 @@
 
 use super::ledger::{Ledger, Piece, Source};
 use super::motion::Motion;
-use super::piecewise::{MAX_ROUNDS, Path, Reach, Record, Region};
+use super::piecewise::{Path, Reach, Record, Region};
 use crate::contact::Slider;
 use crate::harmonic::elimination::solve_ranked;
 
+/// Rounds after which the state is given up: each brings it closer by a share that the spring decides.
+pub(super) const MOST_ROUNDS: usize = 500;
 /// Share of the displacement by which positions may differ between rounds.
 const PERIODIC: f64 = 1e-13;
 
@@ -94,8 +96,10 @@ impl Total {
 }
 
 impl Bundle {
-    /// Runs through the periodic state of `sliders` behind a spring of `compliance` (m/N).
-    pub fn run(&mut self, sliders: &[Slider], compliance: f64, path: &Path, books: &mut Books) {
+    /// Runs through the periodic state of `sliders` behind a spring of `compliance` (m/N); false where the rounds do
+    /// not lead to one.
+    #[must_use]
+    pub fn run(&mut self, sliders: &[Slider], compliance: f64, path: &Path, books: &mut Books) -> bool {
         self.compliance = compliance;
         let sources = path.points.len() - 1;
         self.total.pulls.clear();
@@ -104,15 +108,20 @@ impl Bundle {
         self.before.resize(sources, 0.0);
         self.load_virgin(sliders, path);
         let tolerance = PERIODIC * path.points[0].value.abs();
-        for _ in 0..MAX_ROUNDS {
+        let mut periodic = false;
+        for _ in 0..MOST_ROUNDS {
             self.members.iter_mut().for_each(|member| member.start = member.position);
             for leg in 0..sources {
                 self.leg(path, leg, None);
             }
             self.repeat(path.sign);
-            if self.members.iter().all(|member| (member.position - member.start).abs() <= tolerance) {
+            periodic = self.members.iter().all(|member| (member.position - member.start).abs() <= tolerance);
+            if periodic {
                 break;
             }
+        }
+        if !periodic {
+            return false;
         }
         self.system.clear();
         self.system.resize(2 * sources * sources, 0.0);
@@ -134,6 +143,7 @@ impl Bundle {
         self.total.stiffness = 0.0;
         self.book_pulls(books.ledger, Some(sources));
         self.solve_contact(sources);
+        true
     }
 
     /// Loads the virgin contact to the first point.

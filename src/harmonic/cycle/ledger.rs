@@ -54,6 +54,17 @@ struct Pull {
     stiffness: f64,
 }
 
+/// Sums of the force on another set than the displacement's.
+#[derive(Debug)]
+struct Other {
+    kept: HarmonicSet,
+    waves: Waves,
+    stiffness: Waves,
+    constant: Waves,
+    matrix: DMatrix<f64>,
+    force: Vec<f64>,
+}
+
 /// The list, and the sums it makes up.
 #[derive(Debug, Default)]
 pub(super) struct Ledger {
@@ -69,7 +80,7 @@ pub(super) struct Ledger {
     spare: Vec<Waves>,
     basis: Vec<f64>,
     pull: Vec<f64>,
-    wide: Option<(HarmonicSet, Waves, DMatrix<f64>, Vec<f64>)>,
+    other: Option<Other>,
 }
 
 impl Ledger {
@@ -207,15 +218,18 @@ impl Ledger {
             return;
         }
         let kept = if half { HarmonicSet::odd(other.highest()) } else { other };
-        let rebuild = self.wide.as_ref().is_none_or(|wide| wide.0 != kept);
-        if rebuild {
-            let waves = Waves::either(&Waves::product(kept, set), &Waves::single(kept));
-            let matrix = DMatrix::zeros(kept.len(), set.len());
-            self.wide = Some((kept, waves, matrix, vec![0.0; kept.len()]));
+        if self.other.as_ref().is_none_or(|other| other.kept != kept) {
+            let (stiffness, constant) = (Waves::product(kept, set), Waves::single(kept));
+            self.other = Some(Other {
+                kept,
+                waves: Waves::either(&stiffness, &constant),
+                stiffness,
+                constant,
+                matrix: DMatrix::zeros(kept.len(), set.len()),
+                force: vec![0.0; kept.len()],
+            });
         }
-        let Some((_, waves, matrix, force)) = &mut self.wide else { return };
-        let mut stiffness = waves.clone();
-        let mut constant = waves.clone();
+        let Some(Other { waves, stiffness, constant, matrix, force, .. }) = &mut self.other else { return };
         stiffness.clear();
         constant.clear();
         for change in &self.changes {
@@ -225,7 +239,7 @@ impl Ledger {
         }
         stiffness.integrate();
         constant.integrate();
-        multiplication(&stiffness, kept, set, share, matrix);
+        multiplication(stiffness, kept, set, share, matrix);
         constant.coefficients(kept, share, force);
         for (column, u) in matrix.as_slice().chunks_exact(force.len()).zip(u) {
             force.iter_mut().zip(column).for_each(|(f, k)| *f += k * u);

@@ -82,6 +82,18 @@ impl Cycle for ContactMap {
         self.cycle_mut().evaluate(contact, angular_frequency, u)
     }
 
+    fn force_alone(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+        set: HarmonicSet,
+        out: &mut [f64],
+    ) -> Result<(), HarmonicError> {
+        self.choose(contact);
+        self.cycle_mut().force_alone(contact, angular_frequency, u, set, out)
+    }
+
     fn force(&self) -> &[f64] {
         self.cycle().force()
     }

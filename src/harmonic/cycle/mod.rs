@@ -76,6 +76,21 @@ pub(crate) trait Cycle {
     /// Coefficients of the force on another set of harmonics, for the displacement last evaluated.
     fn force_on(&mut self, set: HarmonicSet, out: &mut [f64]);
 
+    /// Coefficients on `set` of the force for the displacement `u`, without derivatives. Stands for an evaluation,
+    /// after which force and Jacobian mean nothing.
+    fn force_alone(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+        set: HarmonicSet,
+        out: &mut [f64],
+    ) -> Result<(), HarmonicError> {
+        self.evaluate(contact, angular_frequency, u)?;
+        self.force_on(set, out);
+        Ok(())
+    }
+
     /// What the contact did in the last evaluation.
     fn summary(&mut self) -> CycleSummary;
 }

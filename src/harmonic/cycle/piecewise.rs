@@ -6,7 +6,7 @@
 
 use nalgebra::DMatrix;
 
-use super::bundle::{Books, Bundle};
+use super::bundle::{Books, Bundle, MOST_ROUNDS};
 use super::ledger::{Ledger, Piece, Source};
 use super::motion::{Motion, Turning};
 use super::turning::turning_points;
@@ -16,7 +16,7 @@ use crate::harmonic::HarmonicError;
 use crate::harmonic::set::HarmonicSet;
 
 /// Rounds after which the state must repeat; one is enough for sliders on their own.
-pub(super) const MAX_ROUNDS: usize = 20;
+const MAX_ROUNDS: usize = 20;
 
 /// Halvings that leave nothing of an interval.
 const BISECTIONS: usize = 100;
@@ -66,6 +66,17 @@ pub(super) struct Reach {
     /// Largest and smallest u − z.
     pub above: f64,
     pub below: f64,
+}
+
+/// How the sliders went through a period.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Followed {
+    /// Nothing moved.
+    AtRest,
+    /// Each on its own.
+    Alone,
+    /// Side by side behind one spring.
+    Together,
 }
 
 /// Where on its polyline a slider is.
@@ -260,6 +271,39 @@ impl PiecewiseCycle {
         self.ledger.turn(self.path.points.len() - 1, before, (Piece::NONE, Source::NONE));
     }
 
+    /// Follows the contact through the period and keeps the books; at rest they are complete.
+    fn follow(&mut self, contact: &PeriodicContact, u: &[f64]) -> Result<Followed, HarmonicError> {
+        if !contact.law.sliders(contact.normal_load, &mut self.sliders) {
+            return Err(HarmonicError::InvalidInput("the contact law is not piecewise linear"));
+        }
+        if !self.motion.set(self.set, u) {
+            return Err(HarmonicError::InvalidInput("a displacement that is not finite"));
+        }
+        self.displacement.copy_from_slice(u);
+        self.compliance = contact.compliance;
+        turning_points(&self.motion, &mut self.turnings);
+        let odd = self.sliders.iter().all(Slider::is_odd);
+        self.path.set(&self.turnings, &self.motion, odd);
+        self.record.clear(self.path.points.len());
+        if self.path.points.is_empty() {
+            self.rest();
+            return Ok(Followed::AtRest);
+        }
+        self.ledger.start(&self.path.points);
+        if contact.compliance != 0.0 && self.sliders.len() > 1 {
+            let Self { bundle, sliders, path, ledger, record, motion, .. } = self;
+            if !bundle.run(sliders, contact.compliance, path, &mut Books { ledger, record, motion }) {
+                return Err(HarmonicError::ContactNotPeriodic { cycles: MOST_ROUNDS });
+            }
+            return Ok(Followed::Together);
+        }
+        for i in 0..self.sliders.len() {
+            let reach = Reach::behind(&self.sliders[i], contact.compliance);
+            self.run(&reach);
+        }
+        Ok(Followed::Alone)
+    }
+
     /// A contact at rest: the virgin contact loaded to the mean displacement. What slid on the way follows a
     /// change of the mean and resists all else.
     fn rest(&mut self) {
@@ -325,36 +369,27 @@ impl Cycle for PiecewiseCycle {
         _angular_frequency: f64,
         u: &[f64],
     ) -> Result<(), HarmonicError> {
-        if !contact.law.sliders(contact.normal_load, &mut self.sliders) {
-            return Err(HarmonicError::InvalidInput("the contact law is not piecewise linear"));
-        }
-        if !self.motion.set(self.set, u) {
-            return Err(HarmonicError::InvalidInput("a displacement that is not finite"));
-        }
-        self.displacement.copy_from_slice(u);
-        self.compliance = contact.compliance;
-        turning_points(&self.motion, &mut self.turnings);
-        let odd = self.sliders.iter().all(Slider::is_odd);
-        self.path.set(&self.turnings, &self.motion, odd);
-        self.record.clear(self.path.points.len());
-        if self.path.points.is_empty() {
-            self.rest();
-            return Ok(());
-        }
-        self.ledger.start(&self.path.points);
-        let together = contact.compliance != 0.0 && self.sliders.len() > 1;
-        if together {
-            let Self { bundle, sliders, path, ledger, record, motion, .. } = self;
-            bundle.run(sliders, contact.compliance, path, &mut Books { ledger, record, motion });
-        } else {
-            for i in 0..self.sliders.len() {
-                let reach = Reach::behind(&self.sliders[i], contact.compliance);
-                self.run(&reach);
-            }
-        }
+        let together = match self.follow(contact, u)? {
+            Followed::AtRest => return Ok(()),
+            Followed::Alone => false,
+            Followed::Together => true,
+        };
         let contact_by_points = together.then_some(self.bundle.by_points.as_slice());
         let (force, jacobian) = (&mut self.force, &mut self.jacobian);
         self.ledger.integrate(self.set, self.path.share(), u, contact_by_points, force, jacobian);
+        Ok(())
+    }
+
+    fn force_alone(
+        &mut self,
+        contact: &PeriodicContact,
+        _angular_frequency: f64,
+        u: &[f64],
+        set: HarmonicSet,
+        out: &mut [f64],
+    ) -> Result<(), HarmonicError> {
+        self.follow(contact, u)?;
+        self.force_on(set, out);
         Ok(())
     }
 

@@ -108,6 +108,22 @@ impl Cycle for RelievedMap {
         }
     }
 
+    fn force_alone(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+        set: HarmonicSet,
+        out: &mut [f64],
+    ) -> Result<(), HarmonicError> {
+        if self.damping == 0.0 {
+            return self.map.force_alone(contact, angular_frequency, u, set, out);
+        }
+        self.evaluate(contact, angular_frequency, u)?;
+        self.force_on(set, out);
+        Ok(())
+    }
+
     fn summary(&mut self) -> CycleSummary {
         self.map.summary()
     }

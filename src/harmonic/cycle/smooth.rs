@@ -240,9 +240,15 @@ impl SmoothCycle {
                 normal_load: contact.normal_load,
             };
             let (scale, state) = (self.chain.force_scale, self.chain.state(leg));
-            let guess = before.0 + before.1 * (displacement - before.2);
-            let response =
-                spring_step(contact, state, &mut inputs, guess, scale, NODE_TOLERANCE, &mut self.next);
+            let response = if contact.compliance == 0.0 {
+                contact.law.force_and_tangents(state, inputs, &mut self.next, &mut self.tangents)
+            } else {
+                let guess = before.0 + before.1 * (displacement - before.2);
+                let response =
+                    spring_step(contact, state, &mut inputs, guess, scale, NODE_TOLERANCE, &mut self.next);
+                contact.law.state_tangents(state, inputs, &mut self.tangents);
+                response
+            };
             let softening = 1.0 / (1.0 + contact.compliance * response.tangents.displacement);
             node.force = response.force;
             node.stiffness = softening * response.tangents.displacement;
@@ -250,7 +256,6 @@ impl SmoothCycle {
             node.damping = softening * response.tangents.velocity;
             node.stuck = response.slip_state == SlipState::Stick;
             if n > 0 {
-                contact.law.state_tangents(self.chain.state(leg), inputs, &mut self.tangents);
                 let by_state = &mut self.by_state[i * n..(i + 1) * n];
                 for (to, from) in by_state.iter_mut().zip(&self.tangents.force_by_state) {
                     *to = softening * from;

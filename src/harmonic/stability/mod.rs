@@ -27,6 +27,11 @@ use crate::structure::LinearStructure;
 /// Most degrees of freedom for which [`is_stable`] answers.
 const LARGEST: usize = 60;
 
+/// How far beyond the unit circle a multiplier may lie by rounding, that of the map and the root of it that is left
+/// of two multipliers that fall together. Where nothing damps, all lie on the circle, and disturbances neither grow
+/// nor die out: without this, rounding would decide.
+const ON_THE_CIRCLE: f64 = 1e-8;
+
 /// Floquet multipliers of a periodic motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Multipliers {
@@ -35,9 +40,10 @@ pub struct Multipliers {
 }
 
 impl Multipliers {
-    /// Whether every disturbance dies out.
+    /// Whether no disturbance grows: by more than 1e-8 of itself in a period, which is what can be told from
+    /// rounding.
     pub fn stable(&self) -> bool {
-        self.values.iter().all(|multiplier| multiplier.norm() < 1.0)
+        self.values.iter().all(|multiplier| multiplier.norm() <= 1.0 + ON_THE_CIRCLE)
     }
 
     /// `Π (μᵢ − 1)` over all multipliers: zero where a periodic solution turns round or branches, of the sign

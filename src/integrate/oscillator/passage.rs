@@ -38,10 +38,9 @@ impl Passage {
         }
     }
 
-    /// Largest magnitude of the displacement of output `k` (m).
+    /// Largest magnitude of the displacement of output `k` (m); NaN where there is no such output.
     pub fn amplitude(&self, k: usize) -> f64 {
-        let (low, high) = self.output_range[k];
-        high.max(-low)
+        self.output_range.get(k).map_or(f64::NAN, |(low, high)| high.max(-low))
     }
 
     /// Energy taken by all contacts (J).

@@ -24,6 +24,10 @@ impl Default for ShootingSettings {
     }
 }
 
+/// How far beyond the unit circle a multiplier may lie by rounding. Where nothing damps, all lie on the circle, and
+/// disturbances neither grow nor die out: without this, rounding would decide.
+const ON_THE_CIRCLE: f64 = 1e-8;
+
 /// A periodic motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PeriodicMotion {
@@ -34,7 +38,8 @@ pub struct PeriodicMotion {
     /// Floquet multipliers of displacements, velocities and the sliders that slip, by falling magnitude. A
     /// slider that never slips keeps any position it is given (a multiplier of one) and is not counted.
     pub multipliers: Vec<Complex<f64>>,
-    /// Whether every disturbance counted dies out.
+    /// Whether no disturbance counted grows by more than 1e-8 of itself in a period, which is what can be told
+    /// from rounding.
     pub stable: bool,
     /// Largest change over a period, as share of the largest displacement and velocity.
     pub mismatch: f64,
@@ -233,7 +238,7 @@ impl Shooting<'_> {
         let monodromy =
             DMatrix::from_fn(places.len(), places.len(), |i, j| cycle.derivative[(places[i], places[j])]);
         let multipliers = multipliers(monodromy);
-        let stable = multipliers.as_ref().is_some_and(|m| m.iter().all(|m| m.norm() < 1.0));
+        let stable = multipliers.as_ref().is_some_and(|m| m.iter().all(|m| m.norm() <= 1.0 + ON_THE_CIRCLE));
         Ok(PeriodicMotion {
             start: cycle.motion,
             passage: cycle.passage,

@@ -4,7 +4,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::OscillatorError;
 use super::polynomial::{DEGREE, Series};
-use crate::structure::{Entries, LinearStructure, Row};
+use crate::structure::{Entries, LinearStructure, Row, StructureError};
 
 /// Steps are this many radians of the fastest motion: the series then ends at rounding.
 const STEP_ANGLE: f64 = 2.0;
@@ -51,6 +51,9 @@ impl System {
         let n = structure.size;
         if n == 0 {
             return Err(OscillatorError::Structure { field: "size" });
+        }
+        if let Err(StructureError::NotSymmetric { matrix, .. }) = structure.check_symmetry() {
+            return Err(OscillatorError::Structure { field: matrix });
         }
         let factor =
             Cholesky::new(dense(&structure.mass, n, "mass")?).ok_or(OscillatorError::MassNotPositive)?;

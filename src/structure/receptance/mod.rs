@@ -96,7 +96,8 @@ impl Receptance {
     ///
     /// # Errors
     /// [`StructureError::NoSuchFreedom`] for a row or an entry beyond the structure's size,
-    /// [`StructureError::NotComputable`] for an entry that is not finite.
+    /// [`StructureError::NotComputable`] for an entry that is not finite,
+    /// [`StructureError::NotSymmetric`] for a matrix that lacks its other triangle.
     pub fn new(structure: &LinearStructure) -> Result<Self, StructureError> {
         check(structure)?;
         if let Some(modal) = Modal::new(structure) {
@@ -251,7 +252,7 @@ fn check(structure: &LinearStructure) -> Result<(), StructureError> {
         inside(*i)?;
         finite(*value)?;
     }
-    Ok(())
+    structure.check_symmetry()
 }
 
 /// Names of the outputs that move with a part of the structure that may be shifted as a whole without any

@@ -1,0 +1,69 @@
+//! A first response is found where equivalent linearisation leads nowhere: one-sided springs without a gap, and
+//! friction so stiff that it is Coulomb's.
+
+use stickslip::contact::{ContactLaw, Jenkins, Unilateral};
+use stickslip::harmonic::{
+    Assembly, AttachedContact, Body, Control, CurveSettings, Point, periodic_response,
+};
+use stickslip::structure::{LinearStructure, Output};
+
+fn two_masses() -> LinearStructure {
+    let output = |name: &str, k| Output { name: name.into(), row: vec![(k, 1.0)] };
+    LinearStructure {
+        size: 2,
+        mass: vec![(0, 0, 1.0), (1, 1, 1.0)],
+        damping: vec![(0, 0, 0.1), (1, 1, 0.1)],
+        stiffness: vec![(0, 0, 1.5), (0, 1, -0.5), (1, 0, -0.5), (1, 1, 0.5)],
+        contacts: vec![vec![(1, 1.0)]],
+        excitation: vec![(0, 1.0)],
+        outputs: vec![output("x", 0), output("y", 1)],
+    }
+}
+
+fn response(law: &dyn ContactLaw, omega: f64, control: &Control) -> Point {
+    let structure = two_masses();
+    let contacts = vec![AttachedContact { law, normal_load: 1.0 }];
+    let assembly = Assembly::new(Body::Linear(&structure), contacts);
+    let settings = CurveSettings { harmonics: 15, ..CurveSettings::default() };
+    periodic_response(&assembly, omega, control, &settings, None).expect("a response")
+}
+
+#[test]
+fn a_one_sided_spring_without_gap_answers_in_proportion_to_the_force() {
+    for stiffness in [0.1, 1.0, 5.0] {
+        let law = Unilateral::new(stiffness, 0.0).unwrap();
+        for omega in [0.2, 0.7, 1.6] {
+            let weak = response(&law, omega, &Control::Level(0.4));
+            let strong = response(&law, omega, &Control::Level(0.8));
+            for (weak, strong) in weak.amplitude.iter().zip(&strong.amplitude) {
+                assert!((strong / weak - 2.0).abs() < 1e-6, "{stiffness} {omega}: {weak} {strong}");
+            }
+            // It pushes one way only.
+            assert!(weak.nodes[1][0] < 0.0, "{stiffness} {omega}");
+        }
+    }
+}
+
+#[test]
+fn a_response_held_against_a_one_sided_spring_has_its_amplitude() {
+    let law = Unilateral::new(5.0, 0.0).unwrap();
+    let held = Control::Held { node: 0, order: 1, derivative: 0, amplitude: 0.5 };
+    let point = response(&law, 0.3, &held);
+    assert!((point.nodes[0][1].hypot(point.nodes[0][2]) - 0.5).abs() < 1e-8);
+}
+
+#[test]
+fn friction_ever_stiffer_becomes_that_of_coulomb() {
+    for omega in [0.2, 0.8, 1.3] {
+        let at = |stiffness: f64| {
+            response(&Jenkins::new(stiffness, 0.02).unwrap(), omega, &Control::Level(0.4)).amplitude[1]
+        };
+        let coulomb = at(1e8);
+        let mut before = 2e-3;
+        for stiffness in [1e3, 1e4, 1e5, 1e6] {
+            let off = (at(stiffness) - coulomb).abs();
+            assert!(off < before, "{omega} {stiffness}: {off}");
+            before = 0.5 * off;
+        }
+    }
+}
