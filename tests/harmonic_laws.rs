@@ -25,6 +25,8 @@ fn single_mode(damping_ratio: f64) -> ModalBeam {
         excitation_shape: vec![1.3],
         shortening: vec![0.0],
         axial_flexibility: 0.0,
+        stretching_stiffness: 0.0,
+        quadratic_damping: 0.0,
         sensors: Vec::new(),
     }
 }
@@ -38,6 +40,8 @@ fn three_modes() -> ModalBeam {
         excitation_shape: vec![0.35, -0.7, 1.05],
         shortening: vec![32.0, -4.0, -2.0, -4.0, 110.0, 12.0, -2.0, 12.0, 230.0],
         axial_flexibility: 1.5e-8,
+        stretching_stiffness: 0.0,
+        quadratic_damping: 0.0,
         sensors: Vec::new(),
     }
 }

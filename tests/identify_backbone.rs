@@ -18,6 +18,8 @@ fn valanis_parameters_are_recovered_from_exact_frequencies() {
         excitation_shape: vec![0.4],
         shortening: vec![32.0],
         axial_flexibility: 1.5e-8,
+        stretching_stiffness: 0.0,
+        quadratic_damping: 0.0,
         sensors: Vec::new(),
     };
     let settings = Settings { harmonics: 3, method: Method::Sampled { samples: 64 }, ..Settings::default() };

@@ -196,6 +196,8 @@ fn valanis_moves_as_on_the_beam_of_one_mode() {
         excitation_shape: vec![1.2],
         shortening: vec![0.0],
         axial_flexibility: 0.0,
+        stretching_stiffness: 0.0,
+        quadratic_damping: 0.0,
         sensors: vec![],
     };
     let mut structure = single(1.0, 2.0 * 0.003 * 330.0, 330.0 * 330.0, 1);

@@ -11,6 +11,7 @@
 
 mod backlash;
 mod cubic;
+mod drag;
 mod element;
 mod endochronic;
 mod error;
@@ -25,6 +26,7 @@ mod valanis;
 
 pub use backlash::Backlash;
 pub use cubic::CubicSpring;
+pub use drag::Drag;
 pub use error::{Bounds, LawError};
 pub use iwan::{Iwan, IwanSpacing};
 pub use jenkins::Jenkins;

@@ -2,11 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use super::predict::Prediction;
-use crate::harmonic::{self, ContactOnBeam, Method, Resonance, Settings, fourier};
+use super::beam_steady::SteadyRecord;
+use super::simulation::{Direction, Simulation};
+use crate::contact::ContactLaw;
+use crate::harmonic::steady::Driven;
+use crate::harmonic::{self, ContactOnBeam, Method, Resonance, Settings};
+use crate::identify;
 use crate::integrate::{self, BeamInputs, BeamIntegrator, Ramp, SensorReading};
 use crate::measure::{Channel, Record, Regime};
-use crate::model::{Beam, Model};
+use crate::model::{Beam, Model, Structure};
 use crate::structure::ModalBeam;
 
 /// Harmonics at phase resonance: the frequencies of the frictional support are then within 0.1 mHz of those
@@ -16,48 +20,147 @@ const HELD: Settings = Settings { harmonics: 5, method: Method::Exact, tolerance
 /// Tolerance of the integration from rest, far below the noise of any sensor.
 const FROM_REST: integrate::Settings = integrate::Settings { tolerance: 1e-6, step_limit: 1_000_000 };
 
-/// Largest share of a steady excitation (root-mean-square, without its mean) that may lie outside the
-/// harmonics kept: more is not noise.
-const UNREPRESENTED: f64 = 0.1;
-
-/// The contact's harmonics excite every mode kept, and accelerations show the highest of them: the balance
-/// reaches 1.4 times the highest mode. On steady records with a first resonance at 54 Hz and six modes
-/// the accelerations are then within 0.3 % of those with 41 harmonics and 1024 samples; with 15 harmonics
-/// they were 5 to 12 % off.
-fn forced_settings(beam: &ModalBeam, period: f64) -> Settings {
-    let highest = beam.angular_frequency.last().copied().unwrap_or(0.0) * period / TAU;
-    let harmonics = ((1.4 * highest).ceil() as usize).clamp(9, 60);
-    Settings { harmonics, method: Method::Exact, tolerance: 1e-8, max_iterations: 40 }
+/// A model's beam, reduced to its modes, with its contact.
+#[derive(Debug)]
+pub(super) struct Attached {
+    beam: ModalBeam,
+    law: Option<Box<dyn ContactLaw>>,
+    normal_load: f64,
 }
 
-/// Predictions of the columns `frequency` (Hz) and `damping_ratio` of a backbone, or of every motion
-/// measured at a position (`acceleration:x=…`, `velocity:x=…`, `displacement:x=…`) of a record in time.
-pub(super) fn predict<'r>(
-    model: &Model,
-    beam: &Beam,
-    record: &Record,
+impl Attached {
+    /// The model with all its effects, and sensors at `sensors` (m), whatever sensors it lists.
+    fn new(model: &Model, sensors: &[f64]) -> Result<Self, String> {
+        let Structure::Beam(beam) = &model.structure else {
+            return Err("the model is not a beam".into());
+        };
+        let beam = Beam { sensors: sensors.to_vec(), ..beam.clone() };
+        let beam =
+            ModalBeam::with_changes(&beam, &model.changes().structure).map_err(|error| error.to_string())?;
+        let law = model.law().map_err(|error| error.to_string())?;
+        Ok(Self { beam, law, normal_load: model.contact.map_or(0.0, |contact| contact.normal_load) })
+    }
+
+    fn contact(&self) -> Option<ContactOnBeam<'_>> {
+        let law = self.law.as_deref()?;
+        Some(ContactOnBeam { law, normal_load: self.normal_load })
+    }
+
+    pub fn driven(&self) -> Driven<'_> {
+        Driven { beam: &self.beam, contact: self.contact() }
+    }
+}
+
+/// Predictions of one record of a beam: of the columns `frequency` (Hz) and `damping_ratio` of a backbone, or of
+/// every motion measured at a position (`acceleration:x=…`, `velocity:x=…`, `displacement:x=…`) in time.
+pub(super) struct BeamSimulation<'r> {
+    record: &'r Record,
     channels: Vec<&'r Channel>,
-) -> Result<Vec<Prediction<'r>>, String> {
-    // Predictions are wanted where the record was measured, whatever sensors the model lists.
-    let sensors = match record.regime {
-        Regime::Backbone => Vec::new(),
-        _ => channels.iter().map(|channel| position(channel)).collect::<Result<_, _>>()?,
-    };
-    let modal = ModalBeam::new(&Beam { sensors, ..beam.clone() }).map_err(|error| error.to_string())?;
-    let law = model.law().map_err(|error| error.to_string())?;
-    let on_beam = law
-        .as_deref()
-        .zip(model.contact)
-        .map(|(law, contact)| ContactOnBeam { law, normal_load: contact.normal_load });
-    match record.regime {
-        Regime::Backbone => backbone(&modal, on_beam, record, channels),
-        Regime::Steady => steady(&modal, on_beam, record, channels),
-        Regime::FromRest => from_rest(&modal, on_beam, record, channels),
-        Regime::UnknownInitialState => Err(
-            "a beam's record needs the regime `from-rest`, `steady` or `backbone`: the motion at its start \
-             is not measured everywhere"
-                .into(),
-        ),
+    positions: Vec<f64>,
+    task: Task,
+}
+
+enum Task {
+    Steady(Box<SteadyRecord>),
+    /// The last solutions, one per amplitude.
+    Backbone(Vec<Resonance>),
+    FromRest,
+}
+
+impl<'r> BeamSimulation<'r> {
+    /// Of `channels` of `record`, with a discretisation fine enough for models like `model`.
+    pub fn new(model: &Model, record: &'r Record, channels: Vec<&'r Channel>) -> Result<Self, String> {
+        let positions = match record.regime {
+            Regime::Backbone => Vec::new(),
+            _ => channels.iter().map(|channel| position(channel)).collect::<Result<_, _>>()?,
+        };
+        let task = match record.regime {
+            Regime::Backbone => Task::Backbone(Vec::new()),
+            Regime::FromRest => Task::FromRest,
+            Regime::Steady => {
+                let attached = Attached::new(model, &positions)?;
+                let highest = attached.beam.angular_frequency.last().copied().unwrap_or(0.0);
+                let mut steady = SteadyRecord::new(record, &channels, highest)?;
+                // Without a start later predictions search on their own.
+                let _ = steady.linearise(&attached, &[], &mut Vec::new(), &mut Vec::new());
+                Task::Steady(Box::new(steady))
+            }
+            Regime::UnknownInitialState => {
+                return Err("a beam's record needs the regime `from-rest`, `steady` or `backbone`: the motion at its \
+                            start is not measured everywhere"
+                    .into());
+            }
+        };
+        Ok(Self { record, channels, positions, task })
+    }
+
+    fn attached(&self, model: &Model) -> Result<Attached, String> {
+        Attached::new(model, &self.positions)
+    }
+
+    fn differences(
+        &mut self,
+        model: &Model,
+        directions: &[Direction],
+        predictions: &mut Vec<f64>,
+        derivatives: &mut Vec<Vec<f64>>,
+    ) -> Result<(), String> {
+        self.predict(model, &[], predictions)?;
+        derivatives.resize_with(directions.len(), Vec::new);
+        for (direction, derivative) in directions.iter().zip(derivatives) {
+            self.predict(&direction.model, &[], derivative)?;
+            derivative.iter_mut().zip(&*predictions).for_each(|(moved, base)| *moved -= base);
+        }
+        Ok(())
+    }
+}
+
+impl Simulation for BeamSimulation<'_> {
+    fn channels(&self) -> &[&Channel] {
+        &self.channels
+    }
+
+    fn nuisances(&mut self, _model: &Model) -> Result<Vec<identify::Parameter>, String> {
+        Ok(Vec::new())
+    }
+
+    fn predict(&mut self, model: &Model, _nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
+        let attached = self.attached(model)?;
+        match &self.task {
+            Task::Steady(steady) => steady.predict(&attached, out),
+            Task::Backbone(starts) => {
+                let points = backbone(&attached, self.record, starts)?;
+                observe(&points, &self.channels, out);
+                Ok(())
+            }
+            Task::FromRest => from_rest(&attached, self.record, &self.channels, out),
+        }
+    }
+
+    fn linearise(
+        &mut self,
+        model: &Model,
+        _nuisances: &[f64],
+        directions: &[Direction],
+        predictions: &mut Vec<f64>,
+        derivatives: &mut Vec<Vec<f64>>,
+    ) -> Result<(), String> {
+        let attached = self.attached(model)?;
+        if let Task::Backbone(starts) = &mut self.task {
+            *starts = backbone(&attached, self.record, starts)?;
+        }
+        if let Task::Steady(steady) = &mut self.task {
+            let neighbours =
+                directions.iter().map(|direction| Attached::new(&direction.model, &self.positions));
+            let neighbours = neighbours.collect::<Result<Vec<_>, _>>()?;
+            steady.linearise(&attached, &neighbours, predictions, derivatives)?;
+        } else {
+            self.differences(model, directions, predictions, derivatives)?;
+        }
+        for (direction, derivative) in directions.iter().zip(derivatives) {
+            derivative.iter_mut().for_each(|change| *change /= direction.step);
+        }
+        Ok(())
     }
 }
 
@@ -67,81 +170,33 @@ fn position(channel: &Channel) -> Result<f64, String> {
         .ok_or_else(|| format!("`{}` does not say where on the beam it was measured", channel.name))
 }
 
-fn backbone<'r>(
-    beam: &ModalBeam,
-    contact: Option<ContactOnBeam>,
-    record: &Record,
-    channels: Vec<&'r Channel>,
-) -> Result<Vec<Prediction<'r>>, String> {
+fn backbone(model: &Attached, record: &Record, starts: &[Resonance]) -> Result<Vec<Resonance>, String> {
     let amplitudes = &record.channel("amplitude").ok_or("there is no `amplitude` column")?.values;
-    let points =
-        harmonic::backbone(beam, contact, amplitudes, &HELD, &[]).map_err(|error| error.to_string())?;
-    let predicted = |channel: &Channel| -> Vec<f64> {
+    harmonic::backbone(&model.beam, model.contact(), amplitudes, &HELD, starts)
+        .map_err(|error| error.to_string())
+}
+
+fn observe(points: &[Resonance], channels: &[&Channel], out: &mut Vec<f64>) {
+    out.clear();
+    for channel in channels {
         match channel.quantity() {
-            "damping_ratio" => points.iter().map(Resonance::damping_ratio).collect(),
-            _ => points.iter().map(|point| point.angular_frequency / TAU).collect(),
+            "damping_ratio" => out.extend(points.iter().map(Resonance::damping_ratio)),
+            _ => out.extend(points.iter().map(|point| point.angular_frequency / TAU)),
         }
-    };
-    Ok(channels.into_iter().map(|channel| (channel, predicted(channel))).collect())
-}
-
-fn steady<'r>(
-    beam: &ModalBeam,
-    contact: Option<ContactOnBeam>,
-    record: &Record,
-    channels: Vec<&'r Channel>,
-) -> Result<Vec<Prediction<'r>>, String> {
-    let time = record.time().ok_or("there is no `time` column")?;
-    let step = record.sample_step().ok_or("`time` is not evenly spaced")?;
-    let force = &record.channel("excitation").ok_or("there is no `excitation` column")?.values;
-    let periods = harmonic::whole_periods(force).ok_or("the excitation shows no spectral line")?;
-    let period = step * force.len() as f64 / periods as f64;
-    let settings = forced_settings(beam, period);
-    let excitation = fourier::from_samples(force, periods, settings.harmonics);
-    check_represented(force, periods, &excitation)?;
-    let response = harmonic::forced_response(beam, contact, period, &excitation, &settings, None)
-        .map_err(|error| error.to_string())?;
-    // Phase 0 of the Fourier coefficients is the first sample.
-    let times: Vec<f64> = time.iter().map(|instant| instant - time[0]).collect();
-    let predicted = |channel: &Channel, shape: &[f64]| {
-        let order = match channel.quantity() {
-            "acceleration" => 2,
-            "velocity" => 1,
-            _ => 0,
-        };
-        response.motion(shape, order, &times)
-    };
-    let sensors = channels.into_iter().zip(&beam.sensors);
-    Ok(sensors.map(|(channel, sensor)| (channel, predicted(channel, &sensor.shape))).collect())
-}
-
-/// Refuses an excitation with a good part beyond the harmonics kept, as a wide multisine has or a record that
-/// does not hold whole periods: the response to the rest of it would not be the response to it.
-fn check_represented(force: &[f64], periods: usize, excitation: &[f64]) -> Result<(), String> {
-    let mean_square = force.iter().map(|f| (f - excitation[0]).powi(2)).sum::<f64>() / force.len() as f64;
-    let represented = 0.5 * excitation[1..].iter().map(|f| f * f).sum::<f64>();
-    let share = (1.0 - represented / mean_square).max(0.0).sqrt();
-    if share <= UNREPRESENTED {
-        return Ok(());
     }
-    Err(format!(
-        "{:.0} % of the excitation lies beyond harmonic {} of the period found ({periods} of it in the \
-         record); a steady record holds whole periods, and of few harmonics",
-        100.0 * share,
-        excitation.len() / 2
-    ))
 }
 
 /// The excitation runs linearly from sample to sample.
-fn from_rest<'r>(
-    beam: &ModalBeam,
-    contact: Option<ContactOnBeam>,
+fn from_rest(
+    model: &Attached,
     record: &Record,
-    channels: Vec<&'r Channel>,
-) -> Result<Vec<Prediction<'r>>, String> {
+    channels: &[&Channel],
+    out: &mut Vec<f64>,
+) -> Result<(), String> {
     let time = record.time().ok_or("there is no `time` column")?;
     let force = &record.channel("excitation").ok_or("there is no `excitation` column")?.values;
-    let mut integrator = BeamIntegrator::new(beam).map_err(|error| error.to_string())?;
+    let contact = model.contact();
+    let mut integrator = BeamIntegrator::new(&model.beam).map_err(|error| error.to_string())?;
     let mut motion = integrator.rest(contact.map(|contact| (contact.law, contact.normal_load)));
     let mut outputs = integrator.new_outputs();
     let acting = |excitation| BeamInputs {
@@ -153,8 +208,8 @@ fn from_rest<'r>(
             None => integrate::Contact::Force(Ramp::held(0.0)),
         },
     };
-    let mut predictions: Vec<Prediction> =
-        channels.into_iter().map(|channel| (channel, Vec::with_capacity(time.len()))).collect();
+    out.clear();
+    out.resize(channels.len() * time.len(), 0.0);
     for index in 0..time.len() {
         if index > 0 {
             let ramp = Ramp { start: force[index - 1], end: force[index] };
@@ -165,15 +220,16 @@ fn from_rest<'r>(
         integrator
             .outputs(&motion, f64::INFINITY, &acting(Ramp::held(force[index])), &mut outputs)
             .map_err(|error| error.to_string())?;
-        for ((channel, values), SensorReading { displacement, velocity, acceleration }) in
-            predictions.iter_mut().zip(&outputs.sensors)
+        let predictions = out.iter_mut().skip(index).step_by(time.len());
+        for ((channel, value), SensorReading { displacement, velocity, acceleration }) in
+            channels.iter().zip(predictions).zip(&outputs.sensors)
         {
-            values.push(match channel.quantity() {
+            *value = match channel.quantity() {
                 "acceleration" => *acceleration,
                 "velocity" => *velocity,
                 _ => *displacement,
-            });
+            };
         }
     }
-    Ok(predictions)
+    Ok(())
 }

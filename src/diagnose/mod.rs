@@ -1,6 +1,7 @@
 //! Model against measurement: predict every record, score the prediction, refit, compare again.
 
 mod beam_record;
+mod beam_steady;
 mod bench;
 mod blocks;
 mod candidates;
@@ -19,6 +20,7 @@ mod magnitudes;
 mod motion;
 mod noise;
 mod periods;
+mod oscillator_record;
 mod predict;
 mod prehistory;
 mod score;
@@ -38,4 +40,4 @@ pub use diagnosis::{
     NoiseSource, Step, Untried, Verdict,
 };
 pub use engine::{Added, DiagnoseError, DiagnoseOptions, DiagnoseWatch, add, diagnose};
-pub use predict::{NO_OSCILLATOR, unused_columns};
+pub use predict::unused_columns;

@@ -6,9 +6,6 @@ use super::shown::Shown;
 use crate::measure::{Channel, Record, Regime};
 use crate::model::{Model, Structure};
 
-/// What the comparison says of a kind of model that it does not take.
-pub const NO_OSCILLATOR: &str = "`compare` does not take kind = \"oscillator\" yet; `stickslip frf` does";
-
 /// A measured channel and what the model predicts of it, in its unit.
 pub(super) type Prediction<'r> = (&'r Channel, Vec<f64>);
 
@@ -29,8 +26,14 @@ fn roles(model: &Model, regime: Regime) -> Roles {
         (Structure::Beam(_), Regime::Backbone) => {
             Roles { inputs: &["amplitude"], compared: &["frequency", "damping_ratio"] }
         }
-        // Compared with nothing yet; see `predictions`.
-        (Structure::Oscillator(_), _) => Roles { inputs: &["time", "excitation"], compared: &[] },
+        (Structure::Oscillator(_), _) => Roles {
+            inputs: if model.changes().joint.load_gain.is_some() {
+                &["time", "excitation", "normal_load"]
+            } else {
+                &["time", "excitation"]
+            },
+            compared: &["acceleration", "velocity", "displacement"],
+        },
         (Structure::Beam(_), _) => {
             Roles { inputs: &["time", "excitation"], compared: &["acceleration", "velocity", "displacement"] }
         }

@@ -1,8 +1,9 @@
 //! Predicting one record again and again, with changing models: what a fit of many parameters needs from a
 //! simulator, whatever the kind of model.
 
-use super::beam_record;
+use super::beam_record::BeamSimulation;
 use super::contact_record::ContactRecord;
+use super::oscillator_record::OscillatorRecord;
 use super::predict;
 use crate::identify;
 use crate::measure::{Channel, Record};
@@ -14,41 +15,14 @@ use crate::model::{Model, Structure};
 /// What the record lacks, for a reader of the comparison.
 pub(super) fn of<'r>(model: &Model, record: &'r Record) -> Result<Box<dyn Simulation + 'r>, String> {
     let channels = predict::compared(model, record);
-    if let Structure::Oscillator(_) = &model.structure {
-        return Err(predict::NO_OSCILLATOR.to_owned());
-    }
     if channels.is_empty() {
         return Err("it has no column that the model predicts".into());
     }
     Ok(match &model.structure {
         Structure::Prescribed => Box::new(ContactRecord::new(record, channels)?),
-        Structure::Beam(_) | Structure::Oscillator(_) => Box::new(BeamRecord { record, channels }),
+        Structure::Beam(_) => Box::new(BeamSimulation::new(model, record, channels)?),
+        Structure::Oscillator(_) => Box::new(OscillatorRecord::new(model, record, channels)?),
     })
-}
-
-/// A beam's record, each time from nothing.
-struct BeamRecord<'r> {
-    record: &'r Record,
-    channels: Vec<&'r Channel>,
-}
-
-impl Simulation for BeamRecord<'_> {
-    fn channels(&self) -> &[&Channel] {
-        &self.channels
-    }
-
-    fn nuisances(&mut self, _: &Model) -> Result<Vec<identify::Parameter>, String> {
-        Ok(Vec::new())
-    }
-
-    fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
-        let Structure::Beam(beam) = &model.structure else { return Err("not a beam".into()) };
-        out.clear();
-        for (_, values) in beam_record::predict(model, beam, self.record, self.channels.clone())? {
-            out.extend(values);
-        }
-        Ok(())
-    }
 }
 
 /// The predictions of one record. It keeps what does not change from one prediction to the next (the

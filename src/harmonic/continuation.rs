@@ -320,18 +320,28 @@ impl<'s> Path<'s> {
             std::array::from_fn(|k| self.present.scalars[k] * unit.scalars[k] * unit.scalars[k]);
     }
 
-    /// Puts `next` ahead by `step`: along the tangent, bent as it was over the last step.
+    /// Puts `next` ahead by `step`: along the tangent; where the curve is `bent`, on the cubic through the last
+    /// two points and tangents.
     fn predict(&mut self, step: f64, bent: bool) {
-        let bend = if bent { 0.5 * step * step / self.last_step } else { 0.0 };
         let (here, before) = (&self.present, &self.previous);
+        // With s the step over the last one: x + s h d + s² (…) + s³ (…), Hermite's cubic beyond its end.
+        // The chord measured in the present unit, and the arc above it.
+        let chord = self.unit.distance(here, &before.x, &before.at);
+        let turned = 1.0 - self.unit.product(here, before).clamp(-1.0, 1.0);
+        let last = chord * (1.0 + turned / 12.0);
+        let s = if bent { step / last } else { 0.0 };
+        let (square, cube) = (s * s * (2.0 * s + 3.0), s * s * (s + 1.0));
+        let ahead = |x: f64, d: f64, y: f64, b: f64| {
+            if bent { x + step * d + square * (y - x) + last * (cube * b + (cube + s * s) * d) } else { x + step * d }
+        };
         self.next.x.clear();
-        let directions = here.unknowns.iter().zip(&before.unknowns);
-        self.next.x.extend(here.x.iter().zip(directions).map(|(x, (d, b))| x + step * d + bend * (d - b)));
+        let ends = here.x.iter().zip(&here.unknowns).zip(before.x.iter().zip(&before.unknowns));
+        self.next.x.extend(ends.map(|((x, d), (y, b))| ahead(*x, *d, *y, *b)));
         self.next.at = here.at;
         for scalar in &self.free {
             let k = scalar.index();
-            let moved = step * here.scalars[k] + bend * (here.scalars[k] - before.scalars[k]);
-            self.next.at.set(*scalar, here.at.get(*scalar) + moved);
+            let (x, y) = (here.at.get(*scalar), before.at.get(*scalar));
+            self.next.at.set(*scalar, ahead(x, here.scalars[k], y, before.scalars[k]));
         }
         self.arc.target = self.arc.at(&here.x, &here.at) + step;
     }
@@ -475,57 +485,67 @@ impl<'s> Path<'s> {
         test: &mut dyn FnMut(&mut dyn PeriodicSystem, &Location) -> f64,
     ) -> Option<Location> {
         const ROUNDS: usize = 60;
-        const SHARPEST: f64 = 1e-13;
+        /// Share of the way at which the place is known well enough: what is largest there is known to the square.
+        const SHARPEST: f64 = 1e-9;
+        const NEAR_END: f64 = 1e-6;
         let stopping =
             Stopping { tolerance: self.route.stopping.tolerance.min(1e-12), ..self.route.stopping };
         std::mem::swap(&mut self.previous, &mut self.present);
         let kept = (self.step, self.last_step);
         self.unit.normalise(&mut self.present);
+        self.unit.normalise(&mut self.previous);
         self.set_plane();
         let base = self.arc.at(&self.present.x, &self.present.at);
         let reach = self.arc.at(&self.previous.x, &self.previous.at) - base;
-        let (mut a, mut b) = ((0.0, low), (reach, high));
-        let mut side = 0;
+        let mut bracket = Bracket::new((0.0, low), (reach, high));
         let mut found = None;
-        for round in 0..ROUNDS {
-            let width = b.0 - a.0;
-            // False position with halved weight of a stagnant end (Illinois); now and then the middle.
-            let share = if round % 8 == 7 { 0.5 } else { a.1 / (a.1 - b.1) };
-            let place = a.0 + share.clamp(0.0, 1.0) * width;
-            self.set_plane();
-            self.interpolate(place / reach, reach);
-            self.arc.target = base + place;
-            if !place.is_finite()
-                || self.solve_loosely(&stopping).is_err()
-                || self.find_direction(true).is_err()
-            {
+        for _ in 0..ROUNDS {
+            let place = bracket.next();
+            if found.is_some() && (place - bracket.latest.0).abs() <= SHARPEST * reach.abs() {
                 break;
             }
-            let unit = self.unit;
-            unit.normalise(&mut self.next);
-            let value = test(self.system, &self.next);
-            let moved = found.as_ref().map_or(f64::INFINITY, |last: &(f64, Location)| (last.0 - place).abs());
-            found = Some((place, self.next.clone()));
-            if value == 0.0 || moved <= SHARPEST * reach || !value.is_finite() {
+            let Some(value) = self.test_at(base, place, reach, &stopping, test) else { break };
+            found = Some(self.next.clone());
+            if value == 0.0 {
                 break;
             }
-            if value * a.1 > 0.0 {
-                a = (place, value);
-                b.1 *= if side == -1 { 0.5 } else { 1.0 };
-                side = -1;
-            } else {
-                b = (place, value);
-                a.1 *= if side == 1 { 0.5 } else { 1.0 };
-                side = 1;
-            }
-            if b.0 - a.0 <= SHARPEST * reach {
-                break;
+            bracket.take((place, value));
+        }
+        // The directions along a curve are those of the last Newton step: close to an extremum the sign at an end
+        // may have been wrong, and that end is what was found.
+        for (end, expected) in [(0.0, low), (reach, high)] {
+            if (bracket.latest.0 - end).abs() <= NEAR_END * reach.abs() && bracket.latest.1 * expected < 0.0 {
+                let exact = self.test_at(base, end, reach, &stopping, test);
+                found = found.filter(|_| exact.is_some_and(|exact| exact * expected >= 0.0));
             }
         }
         std::mem::swap(&mut self.previous, &mut self.present);
         self.next.clone_from(&self.present);
         (self.step, self.last_step) = kept;
-        found.map(|(_, location)| location)
+        found
+    }
+
+    /// `test` at `place` on the way of length `reach` from `base`, where `next` is left; `None` where there is no
+    /// solution.
+    fn test_at(
+        &mut self,
+        base: f64,
+        place: f64,
+        reach: f64,
+        stopping: &Stopping,
+        test: &mut dyn FnMut(&mut dyn PeriodicSystem, &Location) -> f64,
+    ) -> Option<f64> {
+        self.set_plane();
+        self.interpolate(place / reach, reach);
+        self.arc.target = base + place;
+        self.solve_loosely(stopping).ok()?;
+        if !self.newton.refactor(self.system, &self.free) {
+            return None;
+        }
+        self.find_direction(false).ok()?;
+        let unit = self.unit;
+        unit.normalise(&mut self.next);
+        Some(test(self.system, &self.next)).filter(|value| value.is_finite())
     }
 
     /// The plane's solution, or the best there is at the accuracy of rounding.
@@ -565,6 +585,49 @@ impl<'s> Path<'s> {
     /// The scalar continued.
     pub fn along(&self) -> Scalar {
         self.route.along
+    }
+}
+
+/// A root between two values of opposite sign, by inverse quadratic interpolation where that is sure to help and
+/// by halving elsewhere (Chandrupatla 1997).
+struct Bracket {
+    /// The value found last.
+    latest: (f64, f64),
+    /// The one of the other sign, and the one that was left.
+    other: (f64, f64),
+    left: Option<(f64, f64)>,
+}
+
+impl Bracket {
+    fn new(latest: (f64, f64), other: (f64, f64)) -> Self {
+        Self { latest, other, left: None }
+    }
+
+    /// Where to look next.
+    fn next(&self) -> f64 {
+        let ((a, fa), (b, fb)) = (self.latest, self.other);
+        let share = match self.left {
+            None => fa / (fa - fb),
+            Some((c, fc)) => {
+                let (xi, phi) = ((a - b) / (c - b), (fa - fb) / (fc - fb));
+                if phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi {
+                    fa / (fb - fa) * (fc / (fb - fc)) + (c - a) / (b - a) * (fa / (fc - fa)) * (fb / (fc - fb))
+                } else {
+                    0.5
+                }
+            }
+        };
+        a + share.clamp(0.0, 1.0) * (b - a)
+    }
+
+    fn take(&mut self, found: (f64, f64)) {
+        if found.1 * self.latest.1 > 0.0 {
+            self.left = Some(self.latest);
+        } else {
+            self.left = Some(self.other);
+            self.other = self.latest;
+        }
+        self.latest = found;
     }
 }
 

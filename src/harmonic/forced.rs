@@ -103,8 +103,8 @@ pub fn forced_response(
 }
 
 /// Responses to a share of the excitation.
-struct Forced {
-    angular_frequency: f64,
+pub(crate) struct Forced {
+    pub angular_frequency: f64,
 }
 
 impl Family for Forced {

@@ -6,6 +6,10 @@ use realfft::RealFftPlanner;
 const ABOVE_NOISE: f64 = 8.0;
 /// … and reaches this share of the strongest.
 const SHARE_OF_STRONGEST: f64 = 1e-3;
+/// A harmonic of a known period counts when it stands this far above the median line: of noise, one in 10⁸ does.
+const HARMONIC_ABOVE_NOISE: f64 = 5.0;
+/// … and reaches this share of the strongest, below which lies rounding.
+const HARMONIC_SHARE: f64 = 1e-7;
 
 /// Number of whole periods in `samples` of a periodic signal that spans whole periods (the sample after
 /// the last would repeat the first): the greatest common divisor of the spectral lines that stand out of
@@ -14,6 +18,27 @@ const SHARE_OF_STRONGEST: f64 = 1e-3;
 /// Use the excitation: what drives the structure has few and clear lines. A fundamental that is absent
 /// from it (only 2Ω and 4Ω) is not seen, and the period comes out as a fraction.
 pub fn whole_periods(samples: &[f64]) -> Option<usize> {
+    let sizes = line_sizes(samples)?;
+    let strongest = sizes[1..].iter().copied().fold(0.0, f64::max);
+    let floor = (ABOVE_NOISE * median(&sizes[1..])).max(SHARE_OF_STRONGEST * strongest);
+    let lines = sizes.iter().enumerate().skip(1).filter(|(_, size)| **size > floor).map(|(line, _)| line);
+    match lines.fold(0, greatest_common_divisor) {
+        0 => None,
+        periods => Some(periods),
+    }
+}
+
+/// The harmonics, ascending, that stand out of the noise in `samples` of `periods` whole periods; 0 is a bias.
+pub fn excited_harmonics(samples: &[f64], periods: usize) -> Vec<usize> {
+    let Some(sizes) = line_sizes(samples).filter(|_| periods > 0) else { return Vec::new() };
+    let strongest = sizes[1..].iter().copied().fold(0.0, f64::max);
+    let floor = (HARMONIC_ABOVE_NOISE * median(&sizes[1..])).max(HARMONIC_SHARE * strongest);
+    let harmonics = sizes.iter().step_by(periods).enumerate();
+    harmonics.filter(|(_, size)| **size > floor).map(|(harmonic, _)| harmonic).collect()
+}
+
+/// Sizes of the spectral lines, the bias (half as large as a line of its power) first.
+fn line_sizes(samples: &[f64]) -> Option<Vec<f64>> {
     if samples.len() < 4 || samples.iter().any(|x| !x.is_finite()) {
         return None;
     }
@@ -21,16 +46,15 @@ pub fn whole_periods(samples: &[f64]) -> Option<usize> {
     let mut input = samples.to_vec();
     let mut spectrum = transform.make_output_vec();
     transform.process(&mut input, &mut spectrum).ok()?;
-    let sizes: Vec<f64> = spectrum.iter().skip(1).map(|line| line.norm()).collect();
-    let strongest = sizes.iter().copied().fold(0.0, f64::max);
-    let mut sorted = sizes.clone();
+    let mut sizes: Vec<f64> = spectrum.iter().map(|line| line.norm()).collect();
+    sizes[0] *= 0.5;
+    Some(sizes)
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let floor = (ABOVE_NOISE * sorted[sorted.len() / 2]).max(SHARE_OF_STRONGEST * strongest);
-    let lines = sizes.iter().enumerate().filter(|(_, size)| **size > floor).map(|(k, _)| k + 1);
-    match lines.fold(0, greatest_common_divisor) {
-        0 => None,
-        periods => Some(periods),
-    }
+    sorted[sorted.len() / 2]
 }
 
 fn greatest_common_divisor(a: usize, b: usize) -> usize {

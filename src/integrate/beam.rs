@@ -37,6 +37,8 @@ const SMALLEST_ANGLE: f64 = 1e-9;
 ///     excitation_shape: vec![1.2],
 ///     shortening: vec![20.0],
 ///     axial_flexibility: 1.5e-8,
+///     stretching_stiffness: 0.0,
+///     quadratic_damping: 0.0,
 ///     sensors: vec![],
 /// };
 /// let law = Jenkins::new(7.9e6, 0.6)?;

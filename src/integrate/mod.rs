@@ -48,9 +48,13 @@ mod trial;
 pub use beam::{BeamIntegrator, BeamOutputs, SensorReading};
 pub use error::{BeamError, IntegrationError};
 pub use motion::BeamMotion;
-pub use oscillator::{Excitation, LoadedContact, OscillatorError, OscillatorFlow, OscillatorMotion, Passage};
 pub use oscillator::{
-    OscillatorIntegrator, OscillatorState, PeriodicMotion, RungeKutta, ShootingSettings, Transient, shoot,
+    Drive, Excitation, LoadedContact, MOST_STEPPED, OscillatorError, OscillatorFlow, OscillatorMotion,
+    Passage,
+};
+pub use oscillator::{
+    OscillatorIntegrator, OscillatorState, PeriodicMotion, RungeKutta, SampledIntegrator, ShootingSettings,
+    Transient, shoot,
 };
 
 use crate::contact::ContactLaw;

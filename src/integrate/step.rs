@@ -317,11 +317,23 @@ impl StepSolver {
 
     /// Modal forcing at the node whose geometry was computed last; squared change.
     pub fn force_modes(&mut self, node: usize, excitation: f64) -> f64 {
+        let beam = &self.beam;
+        let mut excitation = excitation;
+        if beam.quadratic_damping != 0.0 {
+            let velocity: f64 = beam.excitation_shape.iter().zip(&self.v[node]).map(|(phi, v)| phi * v).sum();
+            excitation -= beam.quadratic_damping * velocity.abs() * velocity;
+        }
         let force = self.nodes[node].force;
+        // Stretching pulls along G q = c − direction, by κ qᵀ G q.
+        let mut tension = 0.0;
+        if beam.stretching_stiffness != 0.0 {
+            let lever = beam.contact_shape.iter().zip(&self.direction).zip(&self.q[node]);
+            tension = beam.stretching_stiffness * lever.map(|((c, d), q)| (c - d) * q).sum::<f64>();
+        }
         let mut change = 0.0;
-        let shapes = self.beam.excitation_shape.iter().zip(&self.direction);
-        for (p, (phi, d)) in self.forcing[node].iter_mut().zip(shapes) {
-            let value = excitation * phi - force * d;
+        let shapes = beam.excitation_shape.iter().zip(&self.direction).zip(&beam.contact_shape);
+        for (p, ((phi, d), c)) in self.forcing[node].iter_mut().zip(shapes) {
+            let value = excitation * phi - force * d - tension * (c - d);
             change += (value - *p) * (value - *p);
             *p = value;
         }

@@ -1,18 +1,35 @@
 //! From a model to what the solvers of linear structures with contacts take.
 
-use super::{Model, Structure};
-use crate::contact::{ContactLaw, LawError};
+use super::{Model, Oscillator, Structure};
+use crate::contact::{ContactLaw, CubicSpring, Drag, LawError};
 use crate::structure::{LinearStructure, ModalBeam, StructureError};
 
 /// A linear structure with the law of its contact.
 #[derive(Debug)]
 pub struct Assembled {
-    /// The structure; with one contact, or none where the model has none.
+    /// The structure. Its contacts are the model's own, if it has one, and those of [`Assembled::added`].
     pub structure: LinearStructure,
     /// The contact's law.
     pub law: Option<Box<dyn ContactLaw>>,
     /// Constant normal load (N); 0 without a contact.
     pub normal_load: f64,
+    /// Laws of the structure's own nonlinearities, which know no normal load: what effects add to an oscillator.
+    pub added: Vec<Box<dyn ContactLaw>>,
+}
+
+impl Assembled {
+    /// The laws in the order of the structure's contacts, each under its normal load (N).
+    pub fn laws(&self) -> impl Iterator<Item = (&dyn ContactLaw, f64)> {
+        let own = self.law.iter().map(|law| (law.as_ref(), self.normal_load));
+        own.chain(self.added.iter().map(|law| (law.as_ref(), 0.0)))
+    }
+
+    /// The laws in the order of the structure's contacts, each with its normal load (N), for a holder of its own.
+    pub fn into_loaded(self) -> Vec<(Box<dyn ContactLaw>, f64)> {
+        let normal_load = self.normal_load;
+        let own = self.law.into_iter().map(|law| (law, normal_load));
+        own.chain(self.added.into_iter().map(|law| (law, 0.0))).collect()
+    }
 }
 
 /// Why a model is no structure with a contact.
@@ -31,7 +48,8 @@ pub enum AssemblyError {
 }
 
 impl Model {
-    /// The structure as matrices, with the contact's law and normal load.
+    /// The structure as matrices, with the contact's law and normal load, the model's effects included. Faults of
+    /// sensors are not part of it, and a load that varies is up to the solver.
     ///
     /// Of a beam this is the linear part alone; see [`LinearStructure::from_beam`] for what is left out.
     ///
@@ -55,15 +73,27 @@ impl Model {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn assembled(&self) -> Result<Assembled, AssemblyError> {
+        let changes = self.changes().structure;
         let mut structure = match &self.structure {
             Structure::Prescribed => return Err(AssemblyError::NoStructure),
             Structure::Beam(beam) => LinearStructure::from_beam(&ModalBeam::new(beam)?),
-            Structure::Oscillator(oscillator) => oscillator.structure()?,
+            Structure::Oscillator(oscillator) => oscillator.structure_with(&changes)?,
         };
         if self.contact.is_none() {
             structure.contacts.clear();
         }
         let law = self.law()?;
-        Ok(Assembled { structure, law, normal_load: self.contact.map_or(0.0, |contact| contact.normal_load) })
+        let mut added: Vec<Box<dyn ContactLaw>> = Vec::new();
+        if let Structure::Oscillator(_) = self.structure {
+            if changes.cubic_stiffness != 0.0 {
+                added.push(Box::new(CubicSpring::new(0.0, changes.cubic_stiffness)?));
+            }
+            if changes.quadratic_damping != 0.0 {
+                added.push(Box::new(Drag::new(changes.quadratic_damping)?));
+            }
+            structure.contacts.extend(added.iter().map(|_| Oscillator::first_mass()));
+        }
+        let normal_load = self.contact.as_ref().map_or(0.0, |contact| contact.normal_load);
+        Ok(Assembled { structure, law, normal_load, added })
     }
 }

@@ -15,12 +15,17 @@
 //! # Beams
 //! A beam starts at rest and undeformed. Its inputs are held constant over a step. Its outputs belong
 //! to the end of the step and change in [`Instance::do_step`] only.
+//!
+//! # Oscillators
+//! Masses start at rest. As with a contact, the inputs set before a step are those reached at its end, on a straight
+//! line from the previous ones; outputs belong to the end of the step and change in [`Instance::do_step`] only.
 
 mod beam;
 mod contact;
 mod description;
 mod error;
 mod instance;
+mod oscillator;
 mod parameter;
 mod snapshot;
 
@@ -56,17 +61,15 @@ pub(crate) trait Behaviour: Debug + Send {
     ) -> Result<(), String>;
 }
 
-/// Oscillators are computed in the frequency domain only.
-const NO_OSCILLATOR: &str =
-    "an FMU does not take kind = \"oscillator\" yet; `stickslip frf` does, and a contact exports alone";
-
 /// The variable table of a model whose parameters have the rows `parameters`.
 fn describe(model: &Model, parameters: Vec<Variable>) -> Result<Description, String> {
     match (&model.structure, &model.contact) {
         (Structure::Prescribed, Some(contact)) => Ok(contact::describe(model, contact, parameters)),
         (Structure::Prescribed, None) => Err("a contact model needs a contact".to_owned()),
         (Structure::Beam(beam), contact) => Ok(beam::describe(model, beam, contact.as_ref(), parameters)),
-        (Structure::Oscillator(_), _) => Err(NO_OSCILLATOR.to_owned()),
+        (Structure::Oscillator(oscillator), contact) => {
+            Ok(oscillator::describe(model, oscillator, contact.as_ref(), parameters))
+        }
     }
 }
 
@@ -75,6 +78,6 @@ fn behaviour(model: &Model) -> Result<Box<dyn Behaviour>, String> {
     match (&model.structure, &model.contact) {
         (Structure::Prescribed, _) => Ok(Box::new(contact::ContactBehaviour::new(model)?)),
         (Structure::Beam(beam), _) => beam::behaviour(beam, model),
-        (Structure::Oscillator(_), _) => Err(NO_OSCILLATOR.to_owned()),
+        (Structure::Oscillator(oscillator), _) => oscillator::behaviour(model, oscillator),
     }
 }

@@ -28,6 +28,12 @@ pub enum StructureError {
         /// Length of the beam (m).
         length: f64,
     },
+    /// An effect sits at a place that a beam does not have.
+    #[error("`{place}` is no place on a beam: write `x=` and the distance from the clamp in metres")]
+    NotOnTheBeam {
+        /// The place as written.
+        place: String,
+    },
     /// The number of modes is zero or beyond what the beam theory is good for.
     #[error("{modes} modes asked for, between 1 and {most} are possible")]
     ModeCount {
@@ -84,6 +90,15 @@ pub enum StructureError {
         /// Number of masses.
         count: usize,
     },
+    /// An effect sits at a mass that the oscillator does not have.
+    #[error("there is no mass \"{place}\" on the oscillator")]
+    NoSuchMass {
+        /// The place as written.
+        place: String,
+    },
+    /// Something is hung at the contact of a structure that has none.
+    #[error("a mass hangs at the contact, and the model has no contact")]
+    NothingToHangAt,
     /// The mass matrix is not positive definite: something moves without inertia, and has no modes.
     #[error("the mass matrix is not positive definite: something moves without inertia")]
     NoInertia,

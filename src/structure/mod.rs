@@ -19,6 +19,9 @@ pub use receptance::{Compliance, Method, Receptance, Rows};
 /// `q̈ᵢ + 2 ζᵢ ωᵢ q̇ᵢ + ωᵢ² qᵢ + T [cᵢ − Σⱼ Gᵢⱼ qⱼ] = f φᵢ(S)` and, at the contact,
 /// `u = Σ cᵢ qᵢ − ½ qᵀ G q − T · axial_flexibility` with `cᵢ = r φᵢ'(L)`.
 ///
+/// Effects add to the left-hand side of mode i stretching of the mid-plane, `κ e Σⱼ Gᵢⱼ qⱼ` with `e = qᵀ G q`, and
+/// drag at the excitation, `d |ẏ| ẏ φᵢ(S)` with `y = Σ φᵢ(S) qᵢ`; see [`ModalBeam::with_changes`].
+///
 /// Every mode has a positive slope at the contact, so `contact_shape` has the sign of the offset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalBeam {
@@ -35,6 +38,10 @@ pub struct ModalBeam {
     /// Flexibility in series with the contact (m/N): L/(E A), with the static correction also
     /// r² times the rotational compliance that the modes lack.
     pub axial_flexibility: f64,
+    /// κ (N/m): stretching, the derivative of the potential `κ/4 (qᵀ G q)²`; 0 for none.
+    pub stretching_stiffness: f64,
+    /// d (N s²/m²): drag at the excitation; 0 for none.
+    pub quadratic_damping: f64,
     /// Sensors.
     pub sensors: Vec<Sensor>,
 }

@@ -1,11 +1,47 @@
 //! Masses and springs as a linear structure.
 
+use std::f64::consts::TAU;
+
 use super::StructureError;
-use super::linear::{LinearStructure, Output, Sum};
-use crate::model::{Anchor, Oscillator, Spring};
+use super::linear::{LinearStructure, Output, Row, Sum};
+use crate::effects::{HangingMass, Location, StructureChanges};
+use crate::model::{Anchor, Mass, Oscillator, Spring};
 use crate::vocabulary as v;
 
 impl Oscillator {
+    /// The matrices with the linear part of `changes`: masses added, and masses hung at the contact, each one more
+    /// degree of freedom that is no output. Cubic stiffness and drag are forces along [`Oscillator::first_mass`],
+    /// which [`Model::assembled`](crate::model::Model::assembled) adds.
+    ///
+    /// # Errors
+    /// As [`Oscillator::structure`]; [`StructureError::NoSuchMass`], [`StructureError::NothingToHangAt`].
+    pub fn structure_with(&self, changes: &StructureChanges) -> Result<LinearStructure, StructureError> {
+        let mut changed = self.clone();
+        for (place, added) in &changes.added_masses {
+            let found = match place {
+                Location::Mass(name) => changed.masses.iter_mut().find(|mass| mass.name == *name),
+                Location::Position(_) | Location::Channel(_) => None,
+            };
+            let mass = found.ok_or_else(|| StructureError::NoSuchMass { place: place.to_string() })?;
+            mass.mass += added;
+        }
+        for &HangingMass { mass, frequency } in &changes.hanging_masses {
+            let contact = self.contact.ok_or(StructureError::NothingToHangAt)?;
+            let between = [Anchor::Mass(contact), Anchor::Mass(changed.masses.len())];
+            let stiffness = mass * (TAU * frequency).powi(2);
+            changed.masses.push(Mass { name: String::new(), mass });
+            changed.springs.push(Spring { between, stiffness, damping: 0.0 });
+        }
+        let mut structure = changed.structure()?;
+        structure.outputs.truncate(self.masses.len());
+        Ok(structure)
+    }
+
+    /// The row of the first mass, where the structure's own nonlinearities act.
+    pub fn first_mass() -> Row {
+        vec![(0, 1.0)]
+    }
+
     /// The matrices: one degree of freedom and one output per mass, in their order and by their names.
     ///
     /// Each spring between masses i and j adds `k (qᵢ − qⱼ)` and `c (q̇ᵢ − q̇ⱼ)`. Stiffness and damping may

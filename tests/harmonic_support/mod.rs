@@ -100,6 +100,8 @@ pub fn beam(
         excitation_shape: at(0.55),
         shortening,
         axial_flexibility: length / (youngs_modulus * area),
+        stretching_stiffness: 0.0,
+        quadratic_damping: 0.0,
         sensors: [0.55, 0.3, 0.1].iter().map(|x| Sensor { position: *x, shape: at(*x) }).collect(),
     }
 }

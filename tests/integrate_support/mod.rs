@@ -14,6 +14,8 @@ pub fn one_mode(omega: f64, zeta: f64, contact: f64, excitation: f64, flexibilit
         excitation_shape: vec![excitation],
         shortening: vec![0.0],
         axial_flexibility: flexibility,
+        stretching_stiffness: 0.0,
+        quadratic_damping: 0.0,
         sensors: vec![Sensor { position: 0.0, shape: vec![1.0] }],
     }
 }
@@ -45,6 +47,8 @@ pub fn steel_beam(modes: usize, zeta: f64) -> ModalBeam {
         excitation_shape: shapes.iter().map(|s| s.at(0.55).0).collect(),
         shortening,
         axial_flexibility: length / (modulus * area),
+        stretching_stiffness: 0.0,
+        quadratic_damping: 0.0,
         sensors: vec![sensor(0.55), sensor(0.3), sensor(0.1)],
     }
 }

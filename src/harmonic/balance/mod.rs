@@ -14,7 +14,13 @@
 //! `r(v) = v + a T(v) − (c·q − ½ qᵀG q) = 0`, `∂r/∂v = 1 + (a + W A⁻¹ B) ∂T/∂v`,
 //!
 //! W being multiplication by `w_i` and B its adjoint, the projection of `T w_i`.
+//!
+//! A beam that stretches adds the shortening `h = ½ qᵀG q` to the unknowns, and the force `2 κ h` that acts along
+//! `G q = c − w`: in A it goes with −T. Drag adds the displacement y at the excitation. The equations keep
+//! their form with W, the weights of `G q` and `φ(S)` stacked, and the three forces stacked.
 
+mod beyond;
+mod drag;
 #[cfg(test)]
 mod tests;
 mod truncation;
@@ -31,6 +37,42 @@ use crate::harmonic::set::HarmonicSet;
 use crate::harmonic::system::{Observation, Operating, PeriodicSystem, Scalar};
 use crate::harmonic::{ContactOnBeam, HarmonicError, Method, Point, guess};
 use crate::structure::ModalBeam;
+use drag::Drag;
+
+/// What the balance is condensed to besides the contact's displacement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Signals {
+    /// The shortening, for stretching.
+    pub shortening: bool,
+    /// The displacement at the excitation, for drag.
+    pub excitation: bool,
+}
+
+impl Signals {
+    /// What `beam` needs.
+    pub fn of(beam: &ModalBeam) -> Self {
+        Self { shortening: beam.stretching_stiffness != 0.0, excitation: beam.quadratic_damping != 0.0 }
+    }
+
+    /// What either needs.
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            shortening: self.shortening || other.shortening,
+            excitation: self.excitation || other.excitation,
+        }
+    }
+}
+
+/// Which coefficients a balance carries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Extent {
+    /// Highest harmonic H of the modes.
+    pub harmonics: usize,
+    /// Highest harmonic of the contact, from H to 2 H: beyond that nothing of it is seen.
+    pub contact: usize,
+    /// Signals besides.
+    pub signals: Signals,
+}
 
 /// Workspace for one beam, contact and set of harmonics.
 ///
@@ -50,14 +92,25 @@ pub(crate) struct Balance<'a> {
     cycle: ContactMap,
     equations: ModalEquations,
     harmonics: usize,
+    /// Coefficients of the contact.
     wide: usize,
-    /// Coefficients of the contact force (N), and of its change with Ω.
+    signals: Signals,
+    drag: Option<Box<Drag>>,
+    /// Coefficients of the contact force (N).
     force: Vec<f64>,
+    /// Contact force less the force of stretching.
+    tension: Vec<f64>,
+    /// Shortening h (m) of the last evaluation.
+    shortening: Vec<f64>,
+    /// ∂forces/∂unknowns, block by block, where there is more than the contact.
+    law: DMatrix<f64>,
+    /// ∂forces/∂Ω, all of them.
+    rates: Vec<f64>,
     right: Vec<f64>,
     /// Coefficients of w_i, and multiplication by it.
     shape: Vec<f64>,
     block: Vec<f64>,
-    /// W, `wide × unknowns of the modes`.
+    /// W and what is stacked on it, `unknowns × unknowns of the modes`.
     weights: DMatrix<f64>,
     /// B, and A⁻¹ B.
     adjoint: DMatrix<f64>,
@@ -81,14 +134,31 @@ impl<'a> Balance<'a> {
         harmonics: usize,
         method: Method,
     ) -> Result<Self, HarmonicError> {
+        let extent = Extent { harmonics, contact: 2 * harmonics, signals: Signals::of(beam) };
+        Self::with(beam, contact, waveform, &extent, method)
+    }
+
+    /// As [`Balance::new`], with the coefficients of `extent`.
+    pub fn with(
+        beam: &'a ModalBeam,
+        contact: Option<ContactOnBeam<'a>>,
+        waveform: &[f64],
+        extent: &Extent,
+        method: Method,
+    ) -> Result<Self, HarmonicError> {
+        let Extent { harmonics, contact: highest, signals } = *extent;
         check_beam(beam)?;
         if let Some(contact) = &contact
             && !contact.normal_load.is_finite()
         {
             return Err(HarmonicError::InvalidInput("the normal load is not finite"));
         }
-        let (count, wide) = (coefficient_count(harmonics), coefficient_count(2 * harmonics));
+        debug_assert!((harmonics..=2 * harmonics).contains(&highest));
+        let (count, wide) = (coefficient_count(harmonics), coefficient_count(highest));
         let size = count * beam.angular_frequency.len();
+        let more = usize::from(signals.shortening) + usize::from(signals.excitation);
+        let unknowns = wide + more * count;
+        let law = if more == 0 { 0 } else { unknowns };
         let mut kept = waveform.to_vec();
         kept.resize(count, 0.0);
         Ok(Self {
@@ -99,21 +169,27 @@ impl<'a> Balance<'a> {
             displacement: vec![0.0; wide],
             waveform: kept,
             extremum: Extremum::default(),
-            cycle: ContactMap::new(HarmonicSet::full(2 * harmonics), method),
+            cycle: ContactMap::new(HarmonicSet::full(highest), method),
             equations: ModalEquations::new(beam, harmonics),
             harmonics,
             wide,
+            signals,
+            drag: signals.excitation.then(|| Box::new(Drag::new(harmonics))),
             force: vec![0.0; wide],
+            tension: vec![0.0; wide],
+            shortening: vec![0.0; count],
+            law: DMatrix::zeros(law, law),
+            rates: vec![0.0; unknowns],
             right: vec![0.0; size],
             shape: vec![0.0; count],
             block: vec![0.0; wide * count],
-            weights: DMatrix::zeros(wide, size),
-            adjoint: DMatrix::zeros(size, wide),
-            moved: DMatrix::zeros(size, wide),
-            compliance: DMatrix::zeros(wide, wide),
-            residual: vec![0.0; wide],
-            jacobian: DMatrix::identity(wide, wide),
-            by: std::array::from_fn(|_| vec![0.0; wide]),
+            weights: DMatrix::zeros(unknowns, size),
+            adjoint: DMatrix::zeros(size, unknowns),
+            moved: DMatrix::zeros(size, unknowns),
+            compliance: DMatrix::zeros(unknowns, unknowns),
+            residual: vec![0.0; unknowns],
+            jacobian: DMatrix::identity(unknowns, unknowns),
+            by: std::array::from_fn(|_| vec![0.0; unknowns]),
             modal_by: std::array::from_fn(|_| vec![0.0; size]),
         })
     }
@@ -123,7 +199,12 @@ impl<'a> Balance<'a> {
         self.beam.angular_frequency.len()
     }
 
-    /// Coefficients of the contact force (N), harmonics `0..=2H`, of the last evaluation.
+    /// What it is condensed to besides the contact's displacement.
+    pub fn signals(&self) -> Signals {
+        self.signals
+    }
+
+    /// Coefficients of the contact force (N) of the last evaluation.
     pub fn force(&self) -> &[f64] {
         &self.force
     }
@@ -144,10 +225,44 @@ impl<'a> Balance<'a> {
         self.relieved(force)
     }
 
-    /// The displacement left for the contact under a force on it, once the series spring has yielded.
+    /// The unknowns under a force on the contact: its displacement once the series spring has yielded, and what the
+    /// modes give of the others.
     fn relieved(&self, force: &[f64]) -> Vec<f64> {
         let series = self.beam.axial_flexibility;
-        self.displacement.iter().zip(force).map(|(u, force)| u - series * force).collect()
+        let contact = self.displacement.iter().zip(force).map(|(u, force)| u - series * force);
+        let mut unknowns: Vec<f64> = contact.collect();
+        if self.signals.shortening {
+            unknowns.extend_from_slice(&self.shortening);
+        }
+        if self.signals.excitation {
+            unknowns.extend(self.output(&self.beam.excitation_shape));
+        }
+        unknowns
+    }
+
+    /// Whether the modes are all there is to solve for.
+    fn is_linear(&self) -> bool {
+        self.contact.is_none() && self.signals == Signals::default()
+    }
+
+    /// First row of the signals of a kind, which follow the contact's.
+    fn shortening_row(&self) -> usize {
+        self.wide
+    }
+
+    fn excitation_row(&self) -> usize {
+        self.wide + if self.signals.shortening { self.count } else { 0 }
+    }
+
+    /// ∂forces/∂unknowns.
+    fn law(&self) -> &DMatrix<f64> {
+        if self.law.is_empty() { self.cycle.jacobian() } else { &self.law }
+    }
+
+    /// Mean square of a row's basis function.
+    fn row_mean_square(&self, row: usize) -> f64 {
+        let bias = row == 0 || (row >= self.wide && (row - self.wide).is_multiple_of(self.count));
+        if bias { 1.0 } else { 0.5 }
     }
 
     /// The unknowns of the displacement and the contact force last evaluated.
@@ -177,9 +292,11 @@ impl<'a> Balance<'a> {
         Ok(&self.force)
     }
 
-    /// Writes the displacement and W for the modal coefficients.
+    /// Writes the displacement, the shortening and the weights for the modal coefficients.
     pub fn weigh(&mut self) {
-        let (modes, wide) = (self.modes(), self.wide);
+        let (modes, wide, count) = (self.modes(), self.wide, self.count);
+        let (rows, shortening, excitation) =
+            (self.weights.nrows(), self.shortening_row(), self.excitation_row());
         // u = ½ Σ (w_i + c_i) q_i.
         self.displacement.fill(0.0);
         for i in 0..modes {
@@ -192,32 +309,54 @@ impl<'a> Balance<'a> {
             multiplication(&self.shape, self.harmonics, wide, &mut self.block);
             for (k, column) in self.block.chunks_exact(wide).enumerate() {
                 let place = k * modes + i;
-                self.weights.as_mut_slice()[place * wide..(place + 1) * wide].copy_from_slice(column);
+                let weights = &mut self.weights.as_mut_slice()[place * rows..(place + 1) * rows];
+                weights[..wide].copy_from_slice(column);
+                if self.signals.shortening {
+                    let along = &mut weights[shortening..shortening + count];
+                    along.iter_mut().zip(column).for_each(|(g, w)| *g = -w);
+                    along[k] += self.beam.contact_shape[i];
+                }
+                if self.signals.excitation {
+                    weights[excitation + k] = self.beam.excitation_shape[i];
+                }
                 let q = 0.5 * self.q[place];
                 self.displacement.iter_mut().zip(column).for_each(|(u, w)| *u += w * q);
                 self.displacement[k] += self.beam.contact_shape[i] * q;
             }
         }
-    }
-
-    /// `P[T w_i]` for the force `T` and the W of the last evaluation.
-    fn project(&self, force: &[f64], out: &mut [f64]) {
-        let modes = self.modes();
-        for (place, column) in self.weights.as_slice().chunks_exact(self.wide).enumerate() {
-            let sum: f64 = force.iter().zip(column).skip(1).map(|(t, w)| t * w).sum();
-            out[place] = (force[0] * column[0] + 0.5 * sum) / mean_square(place / modes);
+        if self.signals.shortening {
+            for ((h, u), q) in
+                self.shortening.iter_mut().zip(&self.displacement).zip(self.q.chunks_exact(modes))
+            {
+                *h = q.iter().zip(&self.beam.contact_shape).map(|(q, c)| q * c).sum::<f64>() - u;
+            }
         }
     }
 
-    /// q under the contact force of the last evaluation of the contact, and W.
-    fn respond(&mut self, at: &Operating) -> Result<(), HarmonicError> {
+    /// Projection of the stacked forces, `P[T w_i]` and the rest, with the weights of the last evaluation.
+    fn project(&self, forces: &[f64], out: &mut [f64]) {
+        let modes = self.modes();
+        for (place, column) in self.weights.as_slice().chunks_exact(forces.len()).enumerate() {
+            let terms = forces.iter().zip(column).enumerate();
+            let sum: f64 = terms.map(|(row, (t, w))| self.row_mean_square(row) * t * w).sum();
+            out[place] = sum / mean_square(place / modes);
+        }
+    }
+
+    /// q under the forces of the contact's and the drag's last evaluation and the shortening `unknown`, and the
+    /// weights.
+    fn respond(&mut self, at: &Operating, shortening: &[f64]) -> Result<(), HarmonicError> {
         let (modes, beam) = (self.modes(), self.beam);
+        self.tension.copy_from_slice(&self.force);
+        let stretching = 2.0 * beam.stretching_stiffness;
+        self.tension.iter_mut().zip(shortening).for_each(|(t, h)| *t -= stretching * h);
         let singular = HarmonicError::InvalidInput("the modal equations are singular at this frequency");
-        if !self.equations.set(at, &self.force) {
+        if !self.equations.set(at, &self.tension) {
             return Err(singular);
         }
         for (k, right) in self.right.chunks_exact_mut(modes).enumerate() {
-            let (excitation, force) = (at.level * self.waveform[k], self.force[k]);
+            let drag = self.drag.as_ref().map_or(0.0, |drag| drag.force[k]);
+            let (excitation, force) = (at.level * self.waveform[k] - drag, self.force[k]);
             let shapes = beam.excitation_shape.iter().zip(&beam.contact_shape);
             right.iter_mut().zip(shapes).for_each(|(r, (e, c))| *r = excitation * e - force * c);
         }
@@ -228,36 +367,100 @@ impl<'a> Balance<'a> {
         Ok(())
     }
 
-    /// a + W A⁻¹ B and ∂r/∂v.
-    fn differentiate(&mut self) {
-        let (wide, modes) = (self.wide, self.modes());
-        let size = self.q.len();
-        let adjoint = self.adjoint.as_mut_slice();
-        for (place, column) in self.weights.as_slice().chunks_exact(wide).enumerate() {
-            let scale = 0.5 / mean_square(place / modes);
-            let row = adjoint.iter_mut().skip(place).step_by(size);
-            row.zip(column).for_each(|(to, weight)| *to = scale * weight);
-            adjoint[place] *= 2.0;
+    /// a + W A⁻¹ B and ∂r/∂unknowns.
+    pub fn differentiate(&mut self, angular_frequency: f64) {
+        let modes = self.modes();
+        let (size, rows) = (self.q.len(), self.weights.nrows());
+        for row in 0..rows {
+            let scale = self.row_mean_square(row);
+            let weights = self.weights.as_slice()[row..].iter().step_by(rows);
+            let column = &mut self.adjoint.as_mut_slice()[row * size..(row + 1) * size];
+            for (place, (to, weight)) in column.iter_mut().zip(weights).enumerate() {
+                *to = scale / mean_square(place / modes) * weight;
+            }
         }
+        self.differentiate_laws(angular_frequency);
         self.equations.solve_many(&self.adjoint, &mut self.moved);
         self.compliance.gemm(1.0, &self.weights, &self.moved, 0.0);
-        (0..wide).for_each(|m| self.compliance[(m, m)] += self.beam.axial_flexibility);
-        self.jacobian.gemm(1.0, &self.compliance, self.cycle.jacobian(), 0.0);
-        (0..wide).for_each(|m| self.jacobian[(m, m)] += 1.0);
+        (0..self.wide).for_each(|m| self.compliance[(m, m)] += self.beam.axial_flexibility);
+        let law = if self.law.is_empty() { self.cycle.jacobian() } else { &self.law };
+        self.jacobian.gemm(1.0, &self.compliance, law, 0.0);
+        (0..rows).for_each(|m| self.jacobian[(m, m)] += 1.0);
+    }
+
+    /// ∂forces/∂unknowns where there is more than the contact.
+    fn differentiate_laws(&mut self, angular_frequency: f64) {
+        if self.law.is_empty() {
+            return;
+        }
+        let (count, wide) = (self.count, self.wide);
+        let (shortening, excitation) = (self.shortening_row(), self.excitation_row());
+        if self.contact.is_some() {
+            self.law.view_mut((0, 0), (wide, wide)).copy_from(self.cycle.jacobian());
+        }
+        if self.signals.shortening {
+            let stretching = 2.0 * self.beam.stretching_stiffness;
+            (shortening..shortening + count).for_each(|m| self.law[(m, m)] = stretching);
+        }
+        if let Some(drag) = &mut self.drag {
+            drag.differentiate(self.beam.quadratic_damping, angular_frequency);
+            self.law.view_mut((excitation, excitation), (count, count)).copy_from(&drag.jacobian);
+        }
+    }
+
+    /// ∂forces/∂Ω at fixed unknowns; false where it vanishes.
+    fn force_rates(&mut self, angular_frequency: f64) -> bool {
+        self.rates.fill(0.0);
+        if self.contact.is_some() {
+            self.rates[..self.wide].copy_from_slice(self.cycle.by_frequency());
+        }
+        let excitation = self.excitation_row();
+        if let Some(drag) = &self.drag {
+            // Quadratic in the velocity, hence in Ω.
+            let rates = self.rates[excitation..].iter_mut().zip(&drag.force);
+            rates.for_each(|(rate, force)| *rate = 2.0 * force / angular_frequency);
+        }
+        self.rates.iter().any(|rate| *rate != 0.0)
+    }
+
+    /// The residual alone; returns the size of its terms.
+    pub fn balance(&mut self, x: &[f64], at: &Operating) -> Result<f64, HarmonicError> {
+        let (shortening, excitation) = (self.shortening_row(), self.excitation_row());
+        self.contact_force(at.angular_frequency, &x[..self.wide], 0.0)?;
+        if let Some(drag) = &mut self.drag {
+            drag.evaluate(self.beam.quadratic_damping, at.angular_frequency, &x[excitation..]);
+        }
+        self.respond(at, &x[shortening..excitation])?;
+        let series = self.beam.axial_flexibility;
+        let mut scale = 0.0_f64;
+        for (((r, x), u), force) in self.residual.iter_mut().zip(x).zip(&self.displacement).zip(&self.force) {
+            *r = x + series * force - u;
+            scale = scale.max(x.abs()).max(u.abs());
+        }
+        if self.signals.shortening {
+            let rest = self.residual[shortening..].iter_mut().zip(&x[shortening..]);
+            rest.zip(&self.shortening).for_each(|((r, x), h)| *r = x - h);
+        }
+        if self.signals.excitation {
+            let found = self.output(&self.beam.excitation_shape);
+            let rest = self.residual[excitation..].iter_mut().zip(&x[excitation..]);
+            rest.zip(&found).for_each(|((r, x), y)| *r = x - y);
+        }
+        Ok(scale)
     }
 
     /// ∂q/∂scalar and ∂r/∂scalar at fixed u.
-    fn differentiate_by(&mut self, scalar: Scalar) {
+    fn differentiate_by(&mut self, scalar: Scalar, at: &Operating) {
         let (modes, index) = (self.modes(), scalar.index());
         let mut right = std::mem::take(&mut self.right);
         match scalar {
             Scalar::AngularFrequency => {
                 self.equations.by_frequency(&self.q, &mut right);
-                if self.contact.is_some() && self.cycle.by_frequency().iter().any(|d| *d != 0.0) {
-                    let mut contact = std::mem::take(&mut self.modal_by[index]);
-                    self.project(self.cycle.by_frequency(), &mut contact);
-                    right.iter_mut().zip(&contact).for_each(|(r, c)| *r += c);
-                    self.modal_by[index] = contact;
+                if self.force_rates(at.angular_frequency) {
+                    let mut forces = std::mem::take(&mut self.modal_by[index]);
+                    self.project(&self.rates, &mut forces);
+                    right.iter_mut().zip(&forces).for_each(|(r, c)| *r += c);
+                    self.modal_by[index] = forces;
                 }
                 right.iter_mut().for_each(|r| *r = -*r);
             }
@@ -280,7 +483,7 @@ impl<'a> Balance<'a> {
         self.right = right;
         let by = &mut self.by[index];
         by.fill(0.0);
-        for (column, q) in self.weights.as_slice().chunks_exact(self.wide).zip(&self.modal_by[index]) {
+        for (column, q) in self.weights.as_slice().chunks_exact(by.len()).zip(&self.modal_by[index]) {
             by.iter_mut().zip(column).for_each(|(b, w)| *b -= w * q);
         }
         if scalar == Scalar::AngularFrequency && self.contact.is_some() {
@@ -296,12 +499,12 @@ impl<'a> Balance<'a> {
     }
 
     /// Coefficients of the displacement (m) where the modes have the values `shape`.
-    fn output(&self, shape: &[f64]) -> Vec<f64> {
+    pub fn output(&self, shape: &[f64]) -> Vec<f64> {
         let dot = |q: &[f64]| q.iter().zip(shape).map(|(q, phi)| q * phi).sum();
         self.q.chunks_exact(self.modes()).map(dot).collect()
     }
 
-    /// Energy the modal damping takes per cycle (J).
+    /// Energy that modal damping and drag take per cycle (J).
     pub fn viscous_energy(&self, angular_frequency: f64) -> f64 {
         let modes = self.modes();
         let mut sum = 0.0;
@@ -312,7 +515,10 @@ impl<'a> Balance<'a> {
                 sum += damping * angular_frequency * (h * h) as f64 * (c * c + s * s);
             }
         }
-        std::f64::consts::PI * sum
+        let drag = self.drag.as_ref();
+        let drag =
+            drag.map_or(0.0, |drag| work_per_cycle(&drag.force, &self.output(&self.beam.excitation_shape)));
+        std::f64::consts::PI * sum + drag
     }
 }
 
@@ -323,22 +529,15 @@ fn mean_square(k: usize) -> f64 {
 
 impl PeriodicSystem for Balance<'_> {
     fn unknowns(&self) -> usize {
-        self.wide
+        self.residual.len()
     }
 
     fn evaluate(&mut self, x: &[f64], at: &Operating, scalars: &[Scalar]) -> Result<f64, HarmonicError> {
-        self.contact_force(at.angular_frequency, x, 0.0)?;
-        self.respond(at)?;
-        let series = self.beam.axial_flexibility;
-        let mut scale = 0.0_f64;
-        for (((r, x), u), force) in self.residual.iter_mut().zip(x).zip(&self.displacement).zip(&self.force) {
-            *r = x + series * force - u;
-            scale = scale.max(x.abs()).max(u.abs());
+        let scale = self.balance(x, at)?;
+        if !self.is_linear() {
+            self.differentiate(at.angular_frequency);
         }
-        if self.contact.is_some() {
-            self.differentiate();
-        }
-        scalars.iter().for_each(|scalar| self.differentiate_by(*scalar));
+        scalars.iter().for_each(|scalar| self.differentiate_by(*scalar, at));
         Ok(scale)
     }
 
@@ -355,13 +554,13 @@ impl PeriodicSystem for Balance<'_> {
     }
 
     fn observe(&mut self, node: usize, order: usize, out: &mut Observation) {
-        let (modes, wide) = (self.modes(), self.wide);
+        let (modes, unknowns) = (self.modes(), self.unknowns());
         let shape = self.output_shape(node);
         out.value = [0.0; 2];
         out.by_scalars = [[0.0; 4]; 2];
         for row in &mut out.by_unknowns {
             row.clear();
-            row.resize(wide, 0.0);
+            row.resize(unknowns, 0.0);
         }
         let places = match order {
             0 => 0..1,
@@ -375,13 +574,13 @@ impl PeriodicSystem for Balance<'_> {
             for (by, q) in out.by_scalars[part].iter_mut().zip(&self.modal_by) {
                 *by = seen(&q[span.clone()]);
             }
-            if self.contact.is_none() {
+            if self.is_linear() {
                 continue;
             }
             // −φ A⁻¹ B ∂T/∂u.
             let columns = self.moved.as_slice().chunks_exact(self.q.len());
             let by_force: Vec<f64> = columns.map(|column| seen(&column[span.clone()])).collect();
-            let columns = self.cycle.jacobian().as_slice().chunks_exact(wide);
+            let columns = self.law().as_slice().chunks_exact(unknowns);
             for (by, column) in out.by_unknowns[part].iter_mut().zip(columns) {
                 *by = -column.iter().zip(&by_force).map(|(k, s)| k * s).sum::<f64>();
             }
@@ -412,9 +611,9 @@ impl PeriodicSystem for Balance<'_> {
     fn nodes_along(&mut self, unknowns: &[f64], scalars: &[f64; 4], out: &mut [Vec<f64>]) {
         let modes = self.modes();
         self.right.fill(0.0);
-        if self.contact.is_some() {
-            let mut force = vec![0.0; self.wide];
-            for (column, change) in self.cycle.jacobian().as_slice().chunks_exact(self.wide).zip(unknowns) {
+        if !self.is_linear() {
+            let mut force = vec![0.0; self.unknowns()];
+            for (column, change) in self.law().as_slice().chunks_exact(unknowns.len()).zip(unknowns) {
                 force.iter_mut().zip(column).for_each(|(f, k)| *f += k * change);
             }
             for (column, change) in self.moved.as_slice().chunks_exact(self.right.len()).zip(&force) {
@@ -464,7 +663,7 @@ impl PeriodicSystem for Balance<'_> {
                     dissipated_energy: summary.dissipated_energy,
                     equivalent_stiffness: summary.equivalent_stiffness,
                     stick_fraction: summary.stick_fraction,
-                    displacement: x.to_vec(),
+                    displacement: x[..self.wide].to_vec(),
                     force: self.force.clone(),
                 }]
             }

@@ -11,6 +11,8 @@ fn beam() -> ModalBeam {
         excitation_shape: vec![0.35, -0.7],
         shortening: vec![32.0, -4.0, -4.0, 110.0],
         axial_flexibility: 2e-8,
+        stretching_stiffness: 0.0,
+        quadratic_damping: 0.0,
         sensors: Vec::new(),
     }
 }

@@ -4,8 +4,6 @@ use nalgebra::Complex;
 
 use super::Balance;
 use crate::harmonic::Point;
-use crate::harmonic::cycle::Cycle;
-use crate::harmonic::set::HarmonicSet;
 use crate::harmonic::system::{Operating, PeriodicSystem};
 
 impl Balance<'_> {
@@ -24,11 +22,14 @@ impl Balance<'_> {
         if self.contact.is_none() {
             return 0.0;
         }
-        let beyond = self.beyond(at);
+        // From the first harmonic alone nothing would be seen of the third.
+        let response = self.beyond(at, 2 * self.harmonics + 2);
+        let orders = self.harmonics + 1..;
+        let beyond: Vec<(usize, &[Complex<f64>])> = orders.zip(response.chunks_exact(self.modes())).collect();
         let displaced = |shape: &[f64], modes: &[Complex<f64>]| -> Complex<f64> {
             shape.iter().zip(modes).map(|(phi, q)| q * phi).sum()
         };
-        let mut change = vec![0.0; self.wide];
+        let mut change = vec![0.0; self.unknowns()];
         for (order, modes) in beyond.iter().filter(|(order, _)| 2 * order < self.wide) {
             let moved = displaced(&self.beam.contact_shape, modes);
             (change[2 * order - 1], change[2 * order]) = (moved.re, -moved.im);
@@ -46,25 +47,5 @@ impl Balance<'_> {
             }
         }
         worst
-    }
-
-    /// Response `c − i s` of every mode to the contact force's harmonics H + 1 … 2H + 2: from the first alone
-    /// nothing would be seen of the third.
-    fn beyond(&mut self, at: &Operating) -> Vec<(usize, Vec<Complex<f64>>)> {
-        let beam = self.beam;
-        let wider = HarmonicSet::full(2 * self.harmonics + 2);
-        let mut force = vec![0.0; wider.len()];
-        self.cycle.force_on(wider, &mut force);
-        let response = |order: usize| {
-            let speed = order as f64 * at.angular_frequency;
-            let force = Complex::new(force[2 * order - 1], -force[2 * order]);
-            let modes = beam.angular_frequency.iter().zip(&beam.damping_ratio).zip(&beam.contact_shape);
-            let moved = modes.map(|((natural, ratio), shape)| {
-                let dynamic = Complex::new(natural * natural - speed * speed, 2.0 * ratio * natural * speed);
-                -force * shape / dynamic
-            });
-            (order, moved.collect())
-        };
-        (self.harmonics + 1..=wider.highest()).map(response).collect()
     }
 }

@@ -10,6 +10,7 @@
 //! Limits: Euler–Bernoulli (thickness well below a wavelength, no rotary inertia, of the masses neither),
 //! linear strains but for the shortening, no axial inertia.
 
+mod changed;
 mod characteristic;
 mod finite_element;
 mod krylov;
@@ -68,6 +69,11 @@ impl ModalBeam {
     /// assert!((modal.angular_frequency[0] / expected - 1.0).abs() < 1e-6);
     /// ```
     pub fn new(beam: &Beam) -> Result<Self, StructureError> {
+        Self::linear(beam)
+    }
+
+    /// Modes and attachments, without the forces that effects add.
+    fn linear(beam: &Beam) -> Result<Self, StructureError> {
         check_mode_count(beam.modes)?;
         check_mechanics(beam)?;
         check_attachments(beam)?;
@@ -91,6 +97,8 @@ impl ModalBeam {
             excitation_shape: shape_at(beam.excitation_position),
             shortening: modes.shortening().to_vec(),
             axial_flexibility,
+            stretching_stiffness: 0.0,
+            quadratic_damping: 0.0,
             sensors,
             angular_frequency: modes.angular_frequency().to_vec(),
         })

@@ -234,6 +234,8 @@ fn a_beam_in_modal_coordinates_has_its_modal_compliances() {
         excitation_shape: vec![2.0, -1.0],
         shortening: vec![0.0; 4],
         axial_flexibility: 0.0,
+        stretching_stiffness: 0.0,
+        quadratic_damping: 0.0,
         sensors: vec![crate::structure::Sensor { position: 0.55, shape: vec![2.0, -1.0] }],
     };
     let structure = LinearStructure::from_beam(&beam);

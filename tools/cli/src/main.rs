@@ -12,7 +12,8 @@ use clap::{Args, Parser, Subcommand};
 /// Friction contacts: compare models with measurements, export them as FMUs.
 ///
 /// Exit codes: 0 done, 1 failed (a file could not be written, a solver gave up), 2 bad input (nothing
-/// was written), 130 interrupted.
+/// was written), 130 interrupted. `diagnose` ends with its verdict: 0 nothing missing, 10 effect found,
+/// 11 not distinguishable, 12 unexplained, 13 insufficient data.
 #[derive(Parser)]
 #[command(name = "stickslip", version)]
 struct Cli {
@@ -27,6 +28,12 @@ enum Command {
     Demo(commands::demo::Demo),
     /// Compare a model with a dataset, refit it, and compare again
     Compare(commands::compare::Compare),
+    /// Tell which physical effect the model lacks, from measurements
+    Diagnose(commands::diagnose::Diagnose),
+    /// Add an effect to a model, refit it, and show the error before and after
+    Add(commands::add::Add),
+    /// Print the catalogue of effects, or what it says of one
+    Effects(commands::effects::Effects),
     /// Follow the periodic response of a model to a harmonic force over frequency
     Frf(commands::frf::Frf),
     /// Write one model as an FMU
@@ -74,15 +81,18 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     progress::catch_interrupts();
     let done = match cli.command.unwrap_or_else(|| Command::Demo(Default::default())) {
-        Command::Demo(command) => command.run(),
-        Command::Compare(command) => command.run(),
-        Command::Frf(command) => command.run(),
-        Command::Export(command) => command.run(),
-        Command::Fmu(command) => command.run(),
+        Command::Demo(command) => command.run().map(|()| 0),
+        Command::Compare(command) => command.run().map(|()| 0),
+        Command::Diagnose(command) => command.run(),
+        Command::Add(command) => command.run().map(|()| 0),
+        Command::Effects(command) => command.run().map(|()| 0),
+        Command::Frf(command) => command.run().map(|()| 0),
+        Command::Export(command) => command.run().map(|()| 0),
+        Command::Fmu(command) => command.run().map(|()| 0),
     };
     match done {
-        Ok(()) if progress::interrupted() => ExitCode::from(130),
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(_) if progress::interrupted() => ExitCode::from(130),
+        Ok(code) => ExitCode::from(code),
         Err(failure) => {
             eprintln!("{}", failure.message.trim_end());
             ExitCode::from(failure.code)

@@ -235,13 +235,10 @@ fn a_mass_of_zero_is_refused_with_file_and_line() {
 }
 
 #[test]
-fn an_oscillator_is_refused_where_it_cannot_be_used_yet_and_the_message_says_where_it_can() {
+fn an_oscillator_is_compared_by_its_masses_and_a_contact_loop_is_not_its_record() {
     let example = include_str!("../../../examples/friction-vibration/model.toml");
     let oscillator = |folder: &Path| fs::write(folder.join("model.toml"), example).unwrap();
-    let hints = ["model.toml", "`compare` does not take kind = \"oscillator\" yet", "`stickslip frf` does"];
-    refused(oscillator, &COMPARE, &hints);
-    let hints = ["an FMU does not take kind = \"oscillator\" yet", "`stickslip frf` does"];
-    refused(oscillator, &["export", "model.toml", "-o", "X.fmu"], &hints);
+    refused(oscillator, &COMPARE, &["loop.csv", "excitation:m1 [N]", "it drives the model"]);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::error::{Excerpt, InputError, Problem};
 ///
 /// A contact needs `displacement` and `force`; a beam needs `excitation` and at least one measured motion
 /// at a position on the beam (`acceleration:x=0.55`), or a backbone table; an oscillator needs `excitation` at
-/// the mass it acts on and the motion of at least one mass (`displacement:m2`), or a backbone table.
+/// one or several masses (`excitation:m1`) and the motion of at least one mass (`displacement:m2`), in time.
 ///
 /// # Errors
 /// The first record that lacks a column, has one that does not fit the model, or has a regime the model
@@ -80,19 +80,22 @@ fn motions(record: &Record) -> Vec<&Channel> {
 
 fn oscillator_problem(record: &Record, oscillator: &Oscillator) -> Option<Problem> {
     if record.regime == Regime::Backbone {
-        return None; // its two columns were checked when it was read
+        let message = "a model of kind \"oscillator\" is compared with records in time: a backbone table does not say \
+                       which mass its amplitude is held at";
+        return Some(Problem::UnsuitableRegime(message.to_owned()));
     }
     let mut names = oscillator.masses.iter().map(|mass| mass.name.as_str());
-    let excitation = format!("excitation:{}", names.clone().nth(oscillator.excitation).unwrap_or_default());
-    if record.channel(&excitation).is_none() {
-        return missing(&format!("{excitation} [N]"), "it drives the model");
+    let excitations: Vec<&Channel> = record.channels_of("excitation").collect();
+    if excitations.is_empty() {
+        let excited = names.clone().nth(oscillator.excitation).unwrap_or_default();
+        return missing(&format!("excitation:{excited} [N]"), "it drives the model");
     }
     let motions = motions(record);
     if motions.is_empty() {
         let reason = "a model of kind \"oscillator\" is compared with the motion of a mass";
         return missing("displacement:... [m]", reason);
     }
-    let stray = motions.into_iter().find(|channel| {
+    let stray = excitations.into_iter().chain(motions).find(|channel| {
         let place = channel.name.split_once(':').map_or("", |(_, place)| place);
         !names.clone().any(|name| name == place)
     })?;

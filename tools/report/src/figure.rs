@@ -36,11 +36,24 @@ pub fn style(index: usize, count: usize) -> Style {
     }
 }
 
+/// A figure and the sentence that explains it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Captioned {
+    /// Number of the figure in [`Figures`].
+    pub figure: usize,
+    /// What is drawn, for the caption.
+    pub caption: String,
+    /// Takes half the page's width where there is room.
+    pub half: bool,
+}
+
 /// All figures of a page and the columns they draw.
 #[derive(Debug, Default)]
 pub struct Figures {
     columns: Vec<Vec<Value>>,
     figures: Vec<Value>,
+    /// What the views of the residual draw, if the page has them.
+    pub explorer: Option<Value>,
 }
 
 impl Figures {
@@ -59,7 +72,7 @@ impl Figures {
     /// Everything as JSON that may stand inside a `<script>` element: `<`, `>` and `&` are written as
     /// escapes, so that no name from a file can end the element.
     pub fn to_json(&self) -> String {
-        let text = json!({ "columns": self.columns, "figures": self.figures }).to_string();
+        let text = json!({ "columns": self.columns, "figures": self.figures, "explorer": self.explorer }).to_string();
         let mut safe = String::with_capacity(text.len() + 64);
         for c in text.chars() {
             match c {

@@ -2,19 +2,23 @@
 //! terminal, and JSON. Everything here is a pure function of its arguments: the same comparison gives
 //! the same bytes, and nothing is read from or written to disk or network.
 
+mod catalogue;
 mod decimate;
+pub mod diagnosis;
 pub mod document;
+mod explorer;
 mod figure;
 mod format;
 mod json;
 mod page;
 mod plots;
-mod records;
 pub mod responses;
 mod stages;
 mod summary;
 mod table;
+mod tables;
 
+pub use catalogue::{catalogue_table, effect_table};
 pub use json::json;
 pub use page::html;
 pub use table::terminal_table;

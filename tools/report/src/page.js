@@ -18,15 +18,39 @@
     }
     if (narrow) figure.layout.margin.r = 12;
     Plotly.newPlot(element, figure.data, figure.layout, config);
+    if (figure.layout.meta && figure.layout.meta.switchable) scaleSwitch(element);
+  }
+
+  // Beside the figure and not in it, where they would cover its axis on a small screen.
+  function scaleSwitch(element) {
+    const group = document.createElement("div");
+    group.className = "switch";
+    group.setAttribute("role", "group");
+    group.setAttribute("aria-label", "Division of the ordinate");
+    [["linear", "linear"], ["logarithmic", "log"]].forEach(([label, type], index) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = label;
+      button.setAttribute("aria-pressed", String(index === 0));
+      button.addEventListener("click", () => {
+        Plotly.relayout(element, { "yaxis.type": type, "yaxis.autorange": true });
+        group.querySelectorAll("button").forEach((other) =>
+          other.setAttribute("aria-pressed", String(other === button)));
+      });
+      group.append(button);
+    });
+    element.after(group);
   }
 
   // A figure inside a closed record has no size yet: it is drawn when the record is opened.
   const visible = (element) => !element.closest("details:not([open])");
   const plots = Array.from(document.querySelectorAll(".plot"));
-  plots.filter(visible).forEach(draw);
+  const fixed = plots.filter((element) => element.dataset.figure !== undefined);
+  fixed.filter(visible).forEach(draw);
+  if (stored.explorer) explore(stored.explorer, config, narrow);
   document.querySelectorAll("details").forEach((record) =>
     record.addEventListener("toggle", () => {
-      if (record.open) record.querySelectorAll(".plot").forEach(draw);
+      if (record.open) fixed.filter((element) => record.contains(element)).forEach(draw);
     }));
 
   // On paper a figure is as wide as the sheet (A4 less its margins), whatever the window was.

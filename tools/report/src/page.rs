@@ -4,20 +4,10 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use stickslip::diagnose::Comparison;
 use stickslip::measure::Regime;
 
-use crate::figure::Figures;
-use crate::records::Captioned;
+use crate::figure::{Captioned, Figures};
 use crate::stages::{self, name};
 use crate::summary::{self, Levels, Summary};
-use crate::{Settings, format, plots, records};
-
-/// Records that are drawn; the tables hold all.
-const DRAWN_RECORDS: usize = 60;
-/// Points a line has at most, and at least when many records share the page.
-const POINTS: (usize, usize) = (2_000, 200);
-/// Numbers that the figures of a page may hold together, so that it stays a few megabytes.
-const NUMBERS: usize = 400_000;
-/// Columns that the figures of one channel of one record need, about.
-const COLUMNS: usize = 13;
+use crate::{Settings, explorer, format, plots, tables};
 
 /// Nothing may be fetched, from anywhere: the browser enforces what the page promises.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
@@ -50,6 +40,7 @@ pub fn html(comparison: &Comparison, settings: &Settings) -> String {
     };
     Shell {
         title: &comparison.title,
+        badge: None,
         verdict: &summary.verdict,
         warnings: &summary.notes,
         scope: &scope(comparison, &levels),
@@ -62,6 +53,8 @@ pub fn html(comparison: &Comparison, settings: &Settings) -> String {
 /// What every page has around its sections.
 pub(crate) struct Shell<'a> {
     pub title: &'a str,
+    /// The verdict in a word or two, and the class that colours it.
+    pub badge: Option<(&'a str, &'a str)>,
     pub verdict: &'a str,
     pub warnings: &'a [String],
     pub scope: &'a str,
@@ -72,7 +65,7 @@ pub(crate) struct Shell<'a> {
 impl Shell<'_> {
     /// The whole page.
     pub fn page(self, settings: &Settings) -> String {
-        let Shell { title, verdict, warnings, scope, sections, figures } = self;
+        let Shell { title, badge, verdict, warnings, scope, sections, figures } = self;
         let page = html! {
             (DOCTYPE)
             html lang="en" {
@@ -87,6 +80,7 @@ impl Shell<'_> {
                 body {
                     header {
                         h1 { (name(title)) }
+                        @if let Some((text, class)) = badge { p { span class=(format!("badge {class}")) { (text) } } }
                         p.verdict { (name(verdict)) }
                         @for note in warnings { p.warning { (name(note)) } }
                         p.quiet { (name(scope)) @if let Some(date) = &settings.date { " " (name(date)) } }
@@ -95,7 +89,10 @@ impl Shell<'_> {
                     main { (sections) }
                     script type="application/json" id="figures" { (PreEscaped(figures.to_json())) }
                     (PreEscaped(plotly_js()))
-                    script { (PreEscaped(include_str!("page.js"))) }
+                    script {
+                        (PreEscaped(include_str!("explorer.js")))
+                        (PreEscaped(include_str!("page.js")))
+                    }
                 }
             }
         };
@@ -154,7 +151,7 @@ fn stage_section(
     }
 }
 
-fn backbone_section(figures: &mut Figures, comparison: &Comparison, levels: &Levels) -> Markup {
+pub(crate) fn backbone_section(figures: &mut Figures, comparison: &Comparison, levels: &Levels) -> Markup {
     let record = &comparison.records[levels.record];
     let channel = plots::prose(&levels.channel);
     let figure = plots::backbone(figures, comparison, levels);
@@ -166,102 +163,54 @@ fn backbone_section(figures: &mut Figures, comparison: &Comparison, levels: &Lev
     html! {
         section {
             h2 { (name(&format!("{channel} against amplitude"))) }
-            (failures(comparison, levels.record))
             (figure_element(&Captioned { figure, caption, half: false }, "height:576px"))
             (stages::level_table(comparison, levels))
         }
     }
 }
 
-/// The table of all records and the figures of the time records, the worst first and open.
+/// The tables of all records and the views of those in time, the worst first.
 fn record_section(figures: &mut Figures, comparison: &Comparison) -> Markup {
-    let time: Vec<usize> = worst_first(comparison);
+    let time = worst_first(comparison);
     if time.is_empty() && comparison.records.len() < 2 {
         return html! {};
     }
-    let shown = &time[..time.len().min(DRAWN_RECORDS)];
-    let channels: usize =
-        shown.iter().map(|&record| summary::compared_channels(comparison, record).len()).sum();
-    let limit = (NUMBERS / (COLUMNS * channels.max(1))).clamp(POINTS.1, POINTS.0);
-    let mut open = true;
+    let noise = |record: usize, name: &str| {
+        summary::channel(&comparison.records[record], name).and_then(|channel| channel.noise)
+    };
     html! {
         section id="records" {
             h2 { "Records" }
-            (record_table_if_useful(comparison))
-            @if !shown.is_empty() {
-                p.note {
-                    "Measured against the first and the last stage, the record that the last stage predicts worst "
-                    "first. Click a record to open it; only open records are printed."
-                    @if shown.len() < time.len() {
-                        " The figures show the " (shown.len()) " worst of " (time.len()) " records."
-                    }
-                }
-            }
-            @for &record in shown {
-                @let drawn = records::figures(figures, comparison, record, limit);
-                (record_details(comparison, record, &drawn, open))
-                // A record without a prediction has little to show: the next one is opened as well.
-                @let () = open &= comparison.stages.last().is_some_and(|s| summary::failure(s, record).is_some());
-            }
+            @for record in 0..comparison.records.len() { (failures(comparison, record)) }
+            (tables::record_table(comparison, &noise))
+            (tables::harmonic_table(comparison))
         }
+        (explorer::section(figures, comparison, &time, &noise))
     }
 }
 
-fn record_table_if_useful(comparison: &Comparison) -> Markup {
-    if comparison.records.len() > 1 {
-        stages::record_table(comparison)
-    } else {
-        html! {}
-    }
-}
-
-/// Time records by the error of the last stage, those without a prediction before all.
-fn worst_first(comparison: &Comparison) -> Vec<usize> {
+/// Time records by the error of the last stage, those without a prediction after all others.
+pub(crate) fn worst_first(comparison: &Comparison) -> Vec<usize> {
     let mut records: Vec<usize> = (0..comparison.records.len())
         .filter(|&record| comparison.records[record].regime != Regime::Backbone)
         .collect();
     let error = |record: usize| {
         let error = comparison.stages.last().map_or(0.0, |stage| summary::record_error(stage, record));
-        if error.is_finite() { error } else { f64::INFINITY }
+        if error.is_finite() { error } else { f64::NEG_INFINITY }
     };
     records.sort_by(|&a, &b| error(b).total_cmp(&error(a)));
     records
 }
 
-fn record_details(comparison: &Comparison, record: usize, drawn: &[Captioned], open: bool) -> Markup {
-    let error = |stage: Option<&stickslip::diagnose::Stage>| match stage {
-        Some(stage) if summary::failure(stage, record).is_some() => "no prediction".to_owned(),
-        Some(stage) => format::error(summary::record_error(stage, record)),
-        None => format::ABSENT.to_owned(),
-    };
-    let (first, last) = (error(comparison.stages.first()), error(comparison.stages.last()));
-    html! {
-        details open[open] {
-            summary {
-                span.record { (name(&comparison.records[record].name)) }
-                span.quiet { (stages::regime(comparison, record)) }
-                span.errors {
-                    "error " @if comparison.stages.len() > 1 { (first) " → " } strong { (last) }
-                }
-            }
-            (failures(comparison, record))
-            (stages::channel_table(comparison, record))
-            div.figures {
-                @for one in drawn {
-                    (figure_element(one, if one.half { "height:368px" } else { "height:480px" }))
-                }
-            }
-            @if drawn.is_empty() { p.note { "There is nothing to draw for this record." } }
-        }
-    }
-}
-
 /// Why stages have no prediction of a record.
-fn failures(comparison: &Comparison, record: usize) -> Markup {
+pub(crate) fn failures(comparison: &Comparison, record: usize) -> Markup {
     html! {
         @for stage in &comparison.stages {
             @if let Some(reason) = summary::failure(stage, record) {
-                p.warning { "No prediction by " strong { (name(&stage.name)) } ": " (name(reason)) }
+                p.warning {
+                    "No prediction of " (name(&comparison.records[record].name)) " by "
+                    strong { (name(&stage.name)) } ": " (name(reason))
+                }
             }
         }
     }

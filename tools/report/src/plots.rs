@@ -26,7 +26,19 @@ pub fn error_name(summary: &Summary) -> String {
 /// A waterfall from the first stage's error through what each further stage changes to the rest. `None`
 /// with fewer than two stages, or when a stage has no finite error.
 pub fn waterfall(figures: &mut Figures, comparison: &Comparison, summary: &Summary) -> Option<usize> {
-    let (errors, scale, name) = (&summary.errors, &summary.scale, error_name(summary));
+    let names: Vec<String> = comparison.stages.iter().map(|stage| stage.name.clone()).collect();
+    waterfall_of(figures, &names, &summary.errors, &summary.scale, &error_name(summary), None)
+}
+
+/// As [`waterfall`], of the `errors` of the stages called `names`, with what the noise alone would leave.
+pub fn waterfall_of(
+    figures: &mut Figures,
+    names: &[String],
+    errors: &[f64],
+    scale: &Scale,
+    name: &str,
+    floor: Option<f64>,
+) -> Option<usize> {
     if errors.len() < 2 || errors.iter().any(|error| !error.is_finite()) {
         return None;
     }
@@ -40,8 +52,8 @@ pub fn waterfall(figures: &mut Figures, comparison: &Comparison, summary: &Summa
             if whole { scale.number(value) } else { scale.signed(value) }
         })
         .collect();
-    let rows = (0..values.len()).map(|row| match comparison.stages.get(row) {
-        Some(stage) => wrapped(&format!("{}  {}", row + 1, stage.name), 20),
+    let rows = (0..values.len()).map(|row| match names.get(row) {
+        Some(stage) => wrapped(&format!("{}  {stage}", row + 1), 20),
         None => "remaining".to_owned(),
     });
     let measure: Vec<&str> = (0..values.len())
@@ -59,7 +71,7 @@ pub fn waterfall(figures: &mut Figures, comparison: &Comparison, summary: &Summa
         "increasing": { "marker": { "color": "#D55E00" } }, "decreasing": { "marker": { "color": "#009E73" } },
         "totals": { "marker": { "color": "#5a6572" } }, "connector": { "line": { "color": "#aab2bd", "width": 1 } },
     });
-    let mut layout = figure::single(&scale.label(&name), "");
+    let mut layout = figure::single(&scale.label(name), "");
     layout["yaxis"]["autorange"] = json!("reversed");
     layout["yaxis"]["showgrid"] = json!(false);
     layout["yaxis"]["ticks"] = json!("");
@@ -70,6 +82,13 @@ pub fn waterfall(figures: &mut Figures, comparison: &Comparison, summary: &Summa
     layout["annotations"] = annotations(errors, &rows, &text, scale);
     let top = errors.iter().fold(0.0_f64, |top, &error| top.max(error)) * scale.factor;
     layout["xaxis"]["range"] = if top > 0.0 { json!([0.0, 1.22 * top]) } else { json!([0, 1]) };
+    if let Some(floor) = floor {
+        let x = floor * scale.factor;
+        layout["shapes"] = json!([{
+            "type": "line", "xref": "x", "yref": "paper", "x0": x, "x1": x, "y0": 0, "y1": 1,
+            "line": { "color": BLACK, "width": 1.5, "dash": "dot" },
+        }]);
+    }
     Some(figures.add(vec![trace], layout))
 }
 

@@ -15,7 +15,7 @@ pub fn name(text: &str) -> String {
 }
 
 /// The key of a stage: its number on its colour.
-fn key(stage: usize, count: usize) -> Markup {
+pub fn key(stage: usize, count: usize) -> Markup {
     html! { span.key style=(format!("background:{}", figure::style(stage, count).colour)) {} }
 }
 
@@ -129,99 +129,6 @@ pub fn regime(comparison: &Comparison, record: usize) -> String {
         Some(Use::Fit) => format!("{regime}, fitted to"),
         Some(Use::Select) => format!("{regime}, for selection"),
         Some(Use::Confirm) => format!("{regime}, for confirmation"),
-    }
-}
-
-/// Normalised error of every stage in every record.
-pub fn record_table(comparison: &Comparison) -> Markup {
-    let count = comparison.stages.len();
-    let scale = summary::error_scale(comparison);
-    html! {
-        p.note { "Normalised error in every record; the largest of each stage in bold." }
-        div.scroll tabindex="0" role="region" aria-label="Error in every record" {
-            table.levels {
-                thead { tr {
-                    th { "Record" }
-                    th { "Regime and use" }
-                    @for (index, stage) in comparison.stages.iter().enumerate() {
-                        th.number { (key(index, count)) (index + 1) " " (name(&stage.name)) }
-                    }
-                } }
-                tbody { @for (record, measured) in comparison.records.iter().enumerate() {
-                    tr {
-                        th scope="row" { (name(&measured.name)) }
-                        td { (regime(comparison, record)) }
-                        @for stage in &comparison.stages {
-                            @let error = summary::record_error(stage, record);
-                            @if let Some(reason) = summary::failure(stage, record) {
-                                td.number.failed title=(name(reason)) { "failed" }
-                            } @else {
-                                td.number.worst[is_worst(comparison, stage, error)] { (scale.number(error)) }
-                            }
-                        }
-                    }
-                } }
-            }
-        }
-    }
-}
-
-fn is_worst(comparison: &Comparison, stage: &stickslip::diagnose::Stage, error: f64) -> bool {
-    let finite = (0..comparison.records.len()).map(|record| summary::record_error(stage, record));
-    comparison.records.len() > 1
-        && finite.filter(|e| e.is_finite()).fold(f64::NEG_INFINITY, f64::max) == error
-}
-
-/// Error of every stage in one record, channel by channel.
-pub fn channel_table(comparison: &Comparison, record: usize) -> Markup {
-    let count = comparison.stages.len();
-    let channels = summary::compared_channels(comparison, record);
-    let scales: Vec<Scale> = channels
-        .iter()
-        .map(|(channel, unit)| {
-            let results =
-                comparison.stages.iter().filter_map(|stage| summary::prediction(stage, record, channel));
-            Scale::of(results.map(|result| result.rms), unit)
-        })
-        .collect();
-    let noise = |channel: &str| summary::channel(&comparison.records[record], channel).and_then(|c| c.noise);
-    html! {
-        div.scroll tabindex="0" role="region" aria-label="Error by channel" {
-            table {
-                thead { tr {
-                    th { "Stage" }
-                    @for ((channel, _), scale) in channels.iter().zip(&scales) {
-                        th.number { (name(&scale.label(&format!("{}, RMS error", prose(channel))))) }
-                        th.number { "Normalised" }
-                    }
-                } }
-                tbody {
-                    @for (index, stage) in comparison.stages.iter().enumerate() {
-                        tr {
-                            th scope="row" { (key(index, count)) (name(&stage.name)) }
-                            @for ((channel, _), scale) in channels.iter().zip(&scales) {
-                                @match summary::prediction(stage, record, channel) {
-                                    Some(result) => {
-                                        td.number { (scale.number(result.rms)) }
-                                        td.number { (format::error(result.error)) }
-                                    }
-                                    None => { td.number.failed colspan="2" { "no prediction" } }
-                                }
-                            }
-                        }
-                    }
-                    @if channels.iter().any(|(channel, _)| noise(channel).is_some()) {
-                        tr {
-                            th scope="row" { "noise, as the dataset states it" }
-                            @for ((channel, _), scale) in channels.iter().zip(&scales) {
-                                td.number { (noise(channel).map_or(format::ABSENT.into(), |n| scale.number(n))) }
-                                td {}
-                            }
-                        }
-                    }
-                }
-            }
-        }
     }
 }
 

@@ -66,24 +66,34 @@ impl Text {
 
     /// `text` broken at spaces; a longer word is broken where the line ends.
     pub fn paragraph(&mut self, text: &str, paint: &str) {
+        self.wrapped(text, paint, "");
+    }
+
+    /// As [`Text::paragraph`], four columns to the right.
+    pub fn indented(&mut self, text: &str) {
+        self.wrapped(text, "", "    ");
+    }
+
+    fn wrapped(&mut self, text: &str, paint: &str, indent: &str) {
+        let width = self.width - indent.len();
         let mut line = String::new();
         for word in printable(text).split(' ').filter(|word| !word.is_empty()) {
-            if !line.is_empty() && columns(&line) + 1 + columns(word) > self.width {
-                self.line(&self.painted(&line, paint));
+            if !line.is_empty() && columns(&line) + 1 + columns(word) > width {
+                self.line(&format!("{indent}{}", self.painted(&line, paint)));
                 line.clear();
             }
             if !line.is_empty() {
                 line.push(' ');
             }
             for c in word.chars() {
-                if columns(&line) + char_columns(c) > self.width {
-                    self.line(&self.painted(&line, paint));
+                if columns(&line) + char_columns(c) > width {
+                    self.line(&format!("{indent}{}", self.painted(&line, paint)));
                     line.clear();
                 }
                 line.push(c);
             }
         }
-        self.line(&self.painted(&line, paint));
+        self.line(&format!("{indent}{}", self.painted(&line, paint)));
     }
 
     /// A table of right-aligned cells under a left column, broken into parts as wide as the terminal.

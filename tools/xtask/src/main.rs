@@ -1,13 +1,15 @@
-//! Development tasks: `cargo xtask check`, `cargo xtask test`, `cargo xtask golden`.
+//! Development tasks: `cargo xtask check`, `cargo xtask test`, `cargo xtask golden`, `cargo xtask hidden-effects`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 const USAGE: &str = "usage: cargo xtask TASK
 
-  check    what to run before each commit: format, lints, docs, tests, golden files fresh
-  test     every test: Rust, then the FMUs under independent importers (prepares its own Python environment)
-  golden   regenerate the golden files under modelDescription/ (review the diff)
+  check           what to run before each commit: format, lints, docs, tests, golden files fresh
+  test            every test: Rust, then the FMUs under independent importers (prepares its own Python environment)
+  golden          regenerate the golden files under modelDescription/ (review the diff)
+  hidden-effects  find hidden effects in simulated measurements and write benches/hidden-effects.md;
+                  with arguments (--help lists them) only what they say, and the table under target/
 ";
 
 fn main() -> ExitCode {
@@ -19,6 +21,7 @@ fn main() -> ExitCode {
             &["test", "--package", "stickslip-fmu-package", "--test", "slave_golden"],
             &[("STICKSLIP_GOLDEN", "write")],
         ),
+        "hidden-effects" => hidden_effects(std::env::args().skip(2).collect()),
         _ => Err(USAGE.to_owned()),
     };
     match done {
@@ -62,6 +65,21 @@ fn test() -> Result<(), String> {
         .args(["-m", "pytest", "--quiet", "tests/fmi"])
         .env("STICKSLIP_FMUS", &fmus)
         .env("PYTHONDONTWRITEBYTECODE", "1"))
+}
+
+/// Builds the program and hands over to the benchmark; the whole of it writes the table that is committed.
+fn hidden_effects(arguments: Vec<String>) -> Result<(), String> {
+    let runs = ["--list", "--generate", "--visibility", "--help"]
+        .iter()
+        .all(|word| arguments.iter().all(|a| a != word));
+    if runs {
+        cargo(&["build", "--release", "--package", "stickslip-cli"], &[])?;
+    }
+    let whole = arguments.iter().all(|word| ["--fresh", "--resume"].contains(&word.as_str()));
+    let table: &[&str] = if whole { &["--table", "benches/hidden-effects.md"] } else { &[] };
+    let benchmark = ["run", "--quiet", "--release", "--package", "stickslip-hidden-effects", "--"];
+    let given: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    cargo(&[&benchmark[..], &given, table].concat(), &[])
 }
 
 /// A virtual environment under `target/` with exactly the pinned packages; made anew when the pins change.

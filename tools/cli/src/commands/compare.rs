@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use stickslip::diagnose::{Comparison, NO_OSCILLATOR, evaluate};
-use stickslip::model::{Model, Structure};
+use stickslip::diagnose::{Comparison, evaluate};
+use stickslip::model::Model;
 
 use super::{
     check_destinations, dataset_file, dataset_files, list, present, read_dataset, read_model, refitted,
@@ -34,9 +34,6 @@ impl Compare {
     pub fn run(self) -> Result<(), Failure> {
         check_destinations(&self.files, &self.out, &[self.model.clone(), dataset_file(&self.dataset)])?;
         let model = read_model(&self.model)?;
-        if let Structure::Oscillator(_) = model.structure {
-            return Err(Failure::input(format!("{}: {NO_OSCILLATOR}", self.model.display())));
-        }
         let dataset = read_dataset(&self.dataset, &model)?;
         let mut read = vec![self.model.clone()];
         read.extend(dataset_files(&self.dataset, &dataset));

@@ -1,7 +1,10 @@
 //! One file per command.
 
+pub mod add;
 pub mod compare;
 pub mod demo;
+pub mod diagnose;
+pub mod effects;
 pub mod export;
 pub mod fmu;
 pub mod frf;
@@ -67,8 +70,13 @@ fn present(
 }
 
 fn terminal_table(comparison: &Comparison) -> String {
+    stickslip_report::terminal_table(comparison, 80, colored())
+}
+
+/// Whether standard output shows colours.
+fn colored() -> bool {
     use std::io::IsTerminal as _;
-    stickslip_report::terminal_table(comparison, 80, std::io::stdout().is_terminal())
+    std::io::stdout().is_terminal()
 }
 
 /// How the results came about: command line, version, and what was read. `files` are named as the user

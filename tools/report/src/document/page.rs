@@ -4,9 +4,8 @@ use maud::{Markup, html};
 
 use super::{Block, Cell, Document, Plot, Table};
 use crate::Settings;
-use crate::figure::Figures;
+use crate::figure::{Captioned, Figures};
 use crate::page::{Shell, figure_element, settings_section};
-use crate::records::Captioned;
 use crate::stages::name;
 
 /// One self-contained HTML page; see [`crate::html`] for what that means.
@@ -23,6 +22,7 @@ pub fn document_html(document: &Document, settings: &Settings) -> String {
     };
     Shell {
         title: &document.title,
+        badge: None,
         verdict: &document.lead,
         warnings: &document.warnings,
         scope: &document.scope,

@@ -186,8 +186,8 @@ impl Plot {
             }
         }
         if self.panels.iter().any(|panel| panel.y.scaling == Scaling::Either) {
-            layout["updatemenus"] = scaling_buttons();
-            layout["margin"]["b"] = json!(84);
+            // The page's script puts the buttons below the figure.
+            layout["meta"] = json!({ "switchable": true });
         }
         // A name for a single line says what the caption says already.
         layout["showlegend"] = json!(named.len() > 1);
@@ -245,17 +245,6 @@ fn logarithmic(axis: &mut Value) {
     // Digits between the powers would crowd an axis of many decades.
     axis["dtick"] = json!(1);
     axis["minor"] = json!({ "ticks": "outside", "ticklen": 3, "showgrid": false, "dtick": "D1" });
-}
-
-/// Two buttons below the figure that divide the ordinate linearly or logarithmically.
-fn scaling_buttons() -> Value {
-    let button = |label: &str, kind: &str| json!({ "label": label, "method": "relayout", "args": [{ "yaxis.type": kind, "yaxis.autorange": true }] });
-    json!([{
-        "type": "buttons", "direction": "right", "showactive": true, "active": 0,
-        "buttons": [button("linear", "linear"), button("logarithmic", "log")],
-        "x": 0, "xanchor": "left", "y": 0, "yanchor": "top", "pad": { "t": 42, "r": 0 },
-        "font": { "size": 12 }, "bgcolor": "#ffffff", "bordercolor": "#aab2bd",
-    }])
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Comparisons to look at and to test with.
 #![allow(dead_code, missing_docs)] // each user needs a part of it
 
+pub mod diagnosis;
+
 use std::f64::consts::TAU;
 
 use stickslip::diagnose::{ChannelResult, Comparison, Parameter, RecordResult, Stage};

@@ -8,10 +8,11 @@ use stickslip::structure::{LinearStructure, ModalBeam};
 
 use crate::Failure;
 
-/// Structure and contact of a model, ready to respond.
+/// Structure and contacts of a model, ready to respond.
 pub struct Setup {
     body: OwnedBody,
-    contact: Option<(Box<dyn ContactLaw>, f64)>,
+    /// One per contact of the structure.
+    contacts: Vec<(Box<dyn ContactLaw>, f64)>,
     nodes: Vec<String>,
 }
 
@@ -24,7 +25,7 @@ impl Setup {
     /// Prepares `model`, excited where `excite` says, else where the model says.
     pub fn new(model: &Model, excite: Option<&str>) -> Result<Self, Failure> {
         let failed = |error: stickslip::structure::StructureError| Failure::input(error.to_string());
-        let (body, nodes) = match &model.structure {
+        let (body, contacts, nodes) = match &model.structure {
             Structure::Prescribed => {
                 return Err(Failure::input(
                     "a contact whose displacement is prescribed has no frequency response; the model's kind must be \
@@ -42,7 +43,10 @@ impl Setup {
                         })?;
                 }
                 let nodes = names.iter().map(|name| (*name).to_owned()).collect();
-                (OwnedBody::Linear(oscillator.structure().map_err(failed)?), nodes)
+                let model = Model { structure: Structure::Oscillator(oscillator), ..model.clone() };
+                let assembled = model.assembled().map_err(|error| Failure::input(error.to_string()))?;
+                let structure = assembled.structure.clone();
+                (OwnedBody::Linear(structure), assembled.into_loaded(), nodes)
             }
             Structure::Beam(beam) => {
                 if excite.is_some() {
@@ -52,14 +56,12 @@ impl Setup {
                 }
                 let modal = ModalBeam::new(beam).map_err(failed)?;
                 let nodes = modal.sensors.iter().map(|sensor| format!("x={}", sensor.position)).collect();
-                (OwnedBody::Beam(Box::new(modal)), nodes)
+                let law = model.law().map_err(|error| Failure::input(error.to_string()))?;
+                let contact = law.zip(model.contact.map(|contact| contact.normal_load));
+                (OwnedBody::Beam(Box::new(modal)), contact.into_iter().collect(), nodes)
             }
         };
-        let contact = model
-            .law()
-            .map_err(|error| Failure::input(error.to_string()))?
-            .zip(model.contact.map(|contact| contact.normal_load));
-        Ok(Self { body, contact, nodes })
+        Ok(Self { body, contacts, nodes })
     }
 
     /// The system under a cosine of unit amplitude.
@@ -69,7 +71,7 @@ impl Setup {
             OwnedBody::Beam(beam) => Body::Beam(beam),
         };
         let contacts = self
-            .contact
+            .contacts
             .iter()
             .map(|(law, normal_load)| AttachedContact { law: law.as_ref(), normal_load: *normal_load })
             .collect();

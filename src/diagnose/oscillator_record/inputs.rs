@@ -1,0 +1,139 @@
+//! What drives an oscillator, from the columns of a record.
+
+use crate::harmonic::whole_periods;
+use crate::measure::{Record, Regime};
+
+/// A measured force on a mass.
+#[derive(Debug, Clone)]
+pub(super) struct Force {
+    /// Place of the mass.
+    pub mass: usize,
+    /// At the samples (N).
+    pub values: Vec<f64>,
+    /// Bow from each sample to the next, as [`crate::integrate::Drive::bow`]: what shakers do between two samples is
+    /// smooth, and a straight line would be too small by `(ωh)²/12`.
+    pub bows: Vec<f64>,
+}
+
+/// Forces and normal load at the samples: of one period where the record is steady.
+#[derive(Debug, Clone)]
+pub(super) struct Inputs {
+    /// Time between samples (s).
+    pub step: f64,
+    /// Samples of the inputs.
+    pub samples: usize,
+    /// Whether the first sample follows the last.
+    pub periodic: bool,
+    pub drives: Vec<Force>,
+    /// Measured normal load (N).
+    pub load: Option<Vec<f64>>,
+}
+
+impl Inputs {
+    /// Of a record whose excitations act on the masses called `names`.
+    pub fn new(record: &Record, names: &[&str]) -> Result<Self, String> {
+        let step = record.sample_step().ok_or("`time` is not there, or not evenly spaced")?;
+        let mut forces: Vec<(usize, Vec<f64>)> = Vec::new();
+        for channel in record.channels_of("excitation") {
+            forces.push((mass_of(&channel.name, names)?, channel.values.clone()));
+        }
+        if forces.is_empty() {
+            return Err("there is no `excitation:…` column that names a mass".into());
+        }
+        let mut load = record.channel("normal_load").map(|channel| channel.values.clone());
+        let mut samples = record.len();
+        let periodic = record.regime == Regime::Steady;
+        if periodic {
+            let periods = periods(&forces, load.as_deref(), samples);
+            samples /= periods;
+            forces.iter_mut().for_each(|(_, values)| average(values, samples));
+            load.iter_mut().for_each(|values| average(values, samples));
+        }
+        let drives = forces
+            .into_iter()
+            .map(|(mass, values)| Force { mass, bows: bows(&values, periodic), values })
+            .collect();
+        Ok(Self { step, samples, periodic, drives, load })
+    }
+
+    /// The sample after `index`; after the last comes the first of a period, and else the last again.
+    pub fn after(&self, index: usize) -> usize {
+        match index + 1 {
+            next if next < self.samples => next,
+            _ if self.periodic => 0,
+            _ => index,
+        }
+    }
+}
+
+/// Place of the mass that a channel was measured at.
+pub(super) fn mass_of(channel: &str, names: &[&str]) -> Result<usize, String> {
+    let place = channel.split_once(':').map_or("", |(_, place)| place);
+    names
+        .iter()
+        .position(|name| *name == place)
+        .ok_or_else(|| format!("`{channel}` names no mass of the model"))
+}
+
+/// Whole periods in the record that begin at samples, the same for all inputs.
+fn periods(forces: &[(usize, Vec<f64>)], load: Option<&[f64]>, samples: usize) -> usize {
+    let counts = forces.iter().map(|(_, values)| values.as_slice()).chain(load);
+    let common = counts.filter_map(whole_periods).fold(0, |a, b| {
+        let (mut a, mut b) = (a, b);
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    });
+    // A period that ends between two samples: the record as a whole is one.
+    if common > 1 && samples.is_multiple_of(common) { common } else { 1 }
+}
+
+/// Mean over periods of `samples`.
+fn average(values: &mut Vec<f64>, samples: usize) {
+    let periods = values.len() / samples;
+    for index in 0..samples {
+        values[index] = (0..periods).map(|k| values[index + k * samples]).sum::<f64>() / periods as f64;
+    }
+    values.truncate(samples);
+}
+
+/// Bows by the mean second difference at the two ends of each interval.
+fn bows(values: &[f64], periodic: bool) -> Vec<f64> {
+    let count = values.len();
+    let at = |index: usize, ahead: usize| match index + ahead {
+        next if next < count => values[next],
+        next if periodic => values[next % count],
+        _ => values[count - 1],
+    };
+    (0..count)
+        .map(|index| {
+            let before = match index {
+                0 if periodic => values[count - 1],
+                0 => values[0],
+                _ => values[index - 1],
+            };
+            if !periodic && (index == 0 || index + 2 >= count) {
+                return 0.0;
+            }
+            0.25 * (at(index, 0) + at(index, 1) - before - at(index, 2))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bows_follow_a_parabola_exactly() {
+        let values: Vec<f64> = (0..10).map(|i| 3.0 - 2.0 * f64::from(i) + 0.5 * f64::from(i * i)).collect();
+        let bows = bows(&values, false);
+        for index in 1..8 {
+            let s = 0.3;
+            let found = values[index] + (values[index + 1] - values[index]) * s + bows[index] * s * (1.0 - s);
+            let t = index as f64 + s;
+            assert!((found - (3.0 - 2.0 * t + 0.5 * t * t)).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,1 @@
+//! Items to verify: see the names.

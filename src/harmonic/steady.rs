@@ -1,0 +1,200 @@
+//! The periodic response of one beam after another to the same excitation, each near the last, and to first order
+//! its change from one to another.
+//!
+//! The unknowns are displacements at the contact (and the excitation), not modal coordinates: they mean the same
+//! whatever the modes, so that beams with other masses or another clamp are neighbours too. At a solution
+//! `r(x; p) = 0` the change with a parameter is `dx = −J⁻¹ ∂r/∂p dp`: one residual of the neighbour at the same x
+//! and the factors there are, no search.
+
+use super::balance::{Balance, Extent, Signals};
+use super::factors::Factors;
+use super::follow::{State, find};
+use super::forced::Forced;
+use super::system::{Operating, PeriodicSystem};
+use super::{ContactOnBeam, HarmonicError, Method, Settings};
+use crate::structure::ModalBeam;
+
+/// Steps with factors found elsewhere, before the search starts anew.
+const MOST_STEPS: usize = 40;
+/// Share to which a step must bring the residual for the factors to be used again.
+const GOOD_FACTORS: f64 = 0.2;
+/// Share to which a step with new factors must bring the residual; else a search with shorter steps is better.
+const GOOD_STEP: f64 = 0.9;
+
+/// A beam with its contact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Driven<'a> {
+    pub beam: &'a ModalBeam,
+    pub contact: Option<ContactOnBeam<'a>>,
+}
+
+/// The excitation, and the discretisation of the response to it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Forcing {
+    /// Fundamental (rad/s).
+    pub angular_frequency: f64,
+    /// Coefficients `[a0, c1, s1, …]` (N), of the response's harmonics at most.
+    pub coefficients: Vec<f64>,
+    /// Highest harmonic of the modes.
+    pub harmonics: usize,
+    /// Highest harmonic of the contact, from that of the modes to twice that.
+    pub contact_harmonics: usize,
+    /// Highest harmonic of the sensors' motion, at least that of the modes: above that the modes follow the contact's
+    /// force without acting on it.
+    pub sensed_harmonics: usize,
+    /// Largest residual accepted, as share of the largest displacement among the unknowns.
+    pub tolerance: f64,
+}
+
+/// A solution to start from.
+#[derive(Debug, Clone)]
+pub(crate) struct Start {
+    unknowns: Vec<f64>,
+    factors: Factors,
+    signals: Signals,
+}
+
+/// A periodic response with its equations as they stand there.
+#[derive(Debug)]
+pub(crate) struct Steady<'a> {
+    balance: Balance<'a>,
+    unknowns: Vec<f64>,
+    at: Operating,
+    factors: Factors,
+    /// Whether derivatives and factors are those at the solution.
+    current: bool,
+}
+
+impl Forcing {
+    fn extent(&self, signals: Signals) -> Extent {
+        Extent { harmonics: self.harmonics, contact: self.contact_harmonics, signals }
+    }
+
+    fn balance<'a>(&self, driven: Driven<'a>, signals: Signals) -> Result<Balance<'a>, HarmonicError> {
+        let extent = self.extent(signals);
+        Balance::with(driven.beam, driven.contact, &self.coefficients, &extent, Method::Exact)
+    }
+
+    /// The response of `driven`, with unknowns that its `neighbours` have too, from `start` or from nothing.
+    ///
+    /// # Errors
+    /// [`HarmonicError`] where no solution was found.
+    pub fn solve<'a>(
+        &self,
+        driven: Driven<'a>,
+        neighbours: &[Driven],
+        start: Option<&Start>,
+    ) -> Result<Steady<'a>, HarmonicError> {
+        let signals =
+            neighbours.iter().fold(Signals::of(driven.beam), |all, next| all.or(Signals::of(next.beam)));
+        let mut balance = self.balance(driven, signals)?;
+        let at = Operating::forced(self.angular_frequency, 1.0);
+        if let Some(start) = start.filter(|start| start.signals == signals) {
+            let mut unknowns = start.unknowns.clone();
+            let mut factors = start.factors.clone();
+            if self.correct(&mut balance, &mut unknowns, &at, &mut factors) {
+                return Ok(Steady { balance, unknowns, at, factors, current: false });
+            }
+        }
+        let settings = Settings {
+            harmonics: self.harmonics,
+            method: Method::Exact,
+            tolerance: self.tolerance,
+            max_iterations: 40,
+        };
+        let near = start.filter(|start| start.signals == signals);
+        let near = near.map(|start| State { x: start.unknowns.clone(), at });
+        let mut family = Forced { angular_frequency: self.angular_frequency };
+        let (state, _) = find(&mut family, &mut balance, 1.0, near, &settings)?;
+        Ok(Steady { balance, unknowns: state.x, at, factors: Factors::default(), current: false })
+    }
+
+    /// Newton's method with the factors at hand as long as they are good enough; false where it does not converge.
+    fn correct(
+        &self,
+        balance: &mut Balance,
+        unknowns: &mut [f64],
+        at: &Operating,
+        factors: &mut Factors,
+    ) -> bool {
+        balance.forget();
+        let (mut before, mut fresh) = (f64::INFINITY, false);
+        let mut step = vec![0.0; unknowns.len()];
+        for _ in 0..MOST_STEPS {
+            let Ok(scale) = balance.balance(unknowns, at) else { return false };
+            let largest = balance.residual().iter().fold(0.0_f64, |most, r| most.max(r.abs()));
+            let residual = if scale > 0.0 { largest / scale } else { largest };
+            if residual <= self.tolerance {
+                return true;
+            }
+            if !residual.is_finite() || (fresh && residual > GOOD_STEP * before) {
+                return false;
+            }
+            fresh = residual > GOOD_FACTORS * before;
+            if fresh {
+                balance.differentiate(at.angular_frequency);
+                factors.reset(unknowns.len()).copy_from_slice(balance.jacobian().as_slice());
+                if !factors.factor() {
+                    return false;
+                }
+            }
+            before = residual;
+            step.iter_mut().zip(balance.residual()).for_each(|(s, r)| *s = -r);
+            factors.solve(&mut step);
+            unknowns.iter_mut().zip(&step).for_each(|(x, s)| *x += s);
+        }
+        false
+    }
+}
+
+impl Steady<'_> {
+    /// Displacement coefficients (m) of every sensor, one after the other.
+    pub fn sensors(&mut self, forcing: &Forcing) -> Vec<f64> {
+        sensed(&mut self.balance, &self.at, forcing)
+    }
+
+    /// The solution as a start for others.
+    pub fn start(mut self) -> Result<Start, HarmonicError> {
+        self.linearise()?;
+        let signals = self.balance.signals();
+        Ok(Start { unknowns: self.unknowns, factors: self.factors, signals })
+    }
+
+    /// Change of [`Steady::sensors`] to first order when the beam and its contact become `neighbour`, one of those
+    /// the response was solved for and very near to it.
+    pub fn change(&mut self, forcing: &Forcing, neighbour: Driven) -> Result<Vec<f64>, HarmonicError> {
+        self.linearise()?;
+        let mut other = forcing.balance(neighbour, self.balance.signals())?;
+        other.forget();
+        other.balance(&self.unknowns, &self.at)?;
+        let residuals = other.residual().iter().zip(self.balance.residual());
+        let mut moved: Vec<f64> = residuals.map(|(there, here)| here - there).collect();
+        self.factors.solve(&mut moved);
+        moved.iter_mut().zip(&self.unknowns).for_each(|(step, x)| *step += x);
+        other.balance(&moved, &self.at)?;
+        let before = self.sensors(forcing);
+        let after = sensed(&mut other, &self.at, forcing);
+        Ok(after.iter().zip(&before).map(|(after, before)| after - before).collect())
+    }
+
+    /// Makes derivatives and factors those at the solution.
+    fn linearise(&mut self) -> Result<(), HarmonicError> {
+        if self.current {
+            return Ok(());
+        }
+        self.balance.evaluate(&self.unknowns, &self.at, &[])?;
+        self.factors.reset(self.unknowns.len()).copy_from_slice(self.balance.jacobian().as_slice());
+        self.current = self.factors.factor();
+        if self.current {
+            Ok(())
+        } else {
+            Err(HarmonicError::InvalidInput("the balance is singular at the solution"))
+        }
+    }
+}
+
+/// Displacement coefficients (m) of every sensor at the last evaluation.
+fn sensed(balance: &mut Balance, at: &Operating, forcing: &Forcing) -> Vec<f64> {
+    let beyond = balance.beyond(at, forcing.sensed_harmonics);
+    balance.beam.sensors.iter().flat_map(|sensor| balance.output_with(&sensor.shape, &beyond)).collect()
+}

@@ -1,0 +1,115 @@
+//! Effects on oscillators, by independent models: what is hung or added is a mass of a larger model, and harmonic
+//! balance agrees with time integration.
+
+use std::f64::consts::TAU;
+
+use stickslip::effects::{AppliedEffect, Location, find};
+use stickslip::harmonic::{Assembly, AttachedContact, Body, Control, CurveSettings, periodic_response};
+use stickslip::integrate::{Drive, SampledIntegrator};
+use stickslip::model::Model;
+
+const TWO_MASSES: &str = r#"
+schema = "stickslip.model/1"
+kind = "oscillator"
+mass = [{ name = "m1", mass = 1.0 }, { name = "m2", mass = 1.2 }]
+spring = [
+    { between = ["ground", "m1"], stiffness = 1.0, damping = 0.1 },
+    { between = ["m1", "m2"], stiffness = 0.5, damping = 0.05 },
+    { between = ["ground", "m2"], damping = 0.05 },
+]
+contact = { at = "m2", law = "jenkins", tangential_stiffness = 0.2, friction_coefficient = 0.02, normal_load = 1.0 }
+"#;
+
+fn model(text: &str) -> Model {
+    Model::parse(text).unwrap()
+}
+
+fn with(model: &Model, id: &str, at: Option<&str>, values: &[f64]) -> Model {
+    let mut changed = model.clone();
+    let location = at.map(|name| Location::Mass(name.into()));
+    changed.effects.push(AppliedEffect { effect: find(id).unwrap(), location, values: values.to_vec() });
+    changed
+}
+
+#[test]
+fn an_added_mass_is_a_heavier_mass() {
+    let heavier = model(&TWO_MASSES.replace("mass = 1.2", "mass = 1.5"));
+    let added = with(&model(TWO_MASSES), "added_mass", Some("m2"), &[0.3]).assembled().unwrap();
+    assert_eq!(added.structure, heavier.assembled().unwrap().structure);
+    let nowhere = with(&model(TWO_MASSES), "added_mass", Some("m3"), &[0.3]);
+    assert!(nowhere.assembled().unwrap_err().to_string().contains("m3"));
+}
+
+#[test]
+fn a_hanging_mass_is_a_third_mass_on_a_spring() {
+    let (mass, frequency) = (0.2, 0.15);
+    let stiffness = mass * (TAU * frequency) * (TAU * frequency);
+    let third = TWO_MASSES.replace("mass = 1.2 }]", "mass = 1.2 }, { name = \"m3\", mass = 0.2 }]").replace(
+        "{ between = [\"ground\", \"m2\"]",
+        &format!(
+            "{{ between = [\"m2\", \"m3\"], stiffness = {stiffness} }},\n{{ between = [\"ground\", \"m2\"]"
+        ),
+    );
+    let expected = model(&third).assembled().unwrap().structure.natural_modes().unwrap();
+    let hung = with(&model(TWO_MASSES), "hanging_mass", None, &[mass, frequency]).assembled().unwrap();
+    assert_eq!((hung.structure.size, hung.structure.outputs.len()), (3, 2));
+    let found = hung.structure.natural_modes().unwrap();
+    for (found, expected) in found.angular_frequency.iter().zip(&expected.angular_frequency) {
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    }
+}
+
+/// Largest displacement of both masses over a period under `force cos Ωt`, by marching.
+fn marched(model: &Model, omega: f64, force: f64, periods: usize, steps: usize) -> [f64; 2] {
+    let assembled = model.assembled().unwrap();
+    let structure = assembled.structure.clone();
+    let (laws, loads): (Vec<_>, Vec<f64>) = assembled.into_loaded().into_iter().unzip();
+    let h = TAU / omega / steps as f64;
+    let mut integrator = SampledIntegrator::new(&structure, laws, &[vec![(0, 1.0)]], h).unwrap();
+    let mut state = vec![0.0; integrator.state_len()];
+    integrator.rest(&loads, &mut state);
+    let at = |k: usize| force * (omega * h * k as f64).cos();
+    let mut largest = [0.0_f64; 2];
+    for k in 0..periods * steps {
+        assert!(integrator.step(&mut state, &[Drive::line(at(k), at(k + 1))], &loads));
+        if k >= (periods - 1) * steps {
+            for (largest, x) in largest.iter_mut().zip(integrator.displacement(&state)) {
+                *largest = largest.max(x.abs());
+            }
+        }
+    }
+    largest
+}
+
+#[test]
+fn harmonic_balance_with_effects_of_the_structure_agrees_with_time_integration() {
+    let plain = model(TWO_MASSES);
+    let variants = [
+        with(&plain, "geometric_stiffening", None, &[1.0]),
+        with(&plain, "quadratic_damping", None, &[0.4]),
+        with(&with(&plain, "geometric_stiffening", None, &[0.2]), "quadratic_damping", None, &[0.2]),
+        with(&with(&plain, "hanging_mass", None, &[0.1, 0.2]), "quadratic_damping", None, &[0.6]),
+    ];
+    let (omega, force) = (0.9, 0.4);
+    let before = marched(&plain, omega, force, 60, 400);
+    for changed in &variants {
+        let assembled = changed.assembled().unwrap();
+        let contacts =
+            assembled.laws().map(|(law, normal_load)| AttachedContact { law, normal_load }).collect();
+        let assembly = Assembly::new(Body::Linear(&assembled.structure), contacts);
+        let settings = CurveSettings { harmonics: 31, ..CurveSettings::default() };
+        let point = periodic_response(&assembly, omega, &Control::Level(force), &settings, None).unwrap();
+        let found = marched(changed, omega, force, 60, 400);
+        for node in 0..2 {
+            let balanced = point.amplitude[node];
+            assert!(
+                (balanced / found[node] - 1.0).abs() < 1e-3,
+                "{:?}: {balanced} {}",
+                changed.effects,
+                found[node]
+            );
+        }
+        let moved = (0..2).any(|node| (found[node] / before[node] - 1.0).abs() > 0.01);
+        assert!(moved, "the effect shows: {found:?} {before:?}");
+    }
+}

@@ -1,0 +1,132 @@
+//! `stickslip diagnose`
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use stickslip::diagnose::{DiagnoseError, DiagnoseOptions, DiagnoseWatch, Diagnosis, RefitError, Verdict, diagnose};
+use stickslip::document::suggestion;
+use stickslip::effects::{self, CATALOGUE, Effect};
+use stickslip::identify::FitError;
+use stickslip::measure::Dataset;
+use stickslip::model::Model;
+use stickslip_report::diagnosis::{Run, diagnosis_html, diagnosis_json, diagnosis_table};
+
+use super::{check_destinations, dataset_file, dataset_files, list, read_dataset, read_model, settings};
+use crate::output::{Outputs, say};
+use crate::{Failure, ResultFiles, progress};
+
+/// Arguments of `stickslip diagnose`.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  stickslip diagnose model.toml data/ --report diagnosis.html --json diagnosis.json
+  stickslip diagnose model.toml data/ --effects backlash,wear,sensor_offset -o improved.toml
+
+Exit codes: 0 nothing missing; 10 effect found; 11 not distinguishable; 12 unexplained; 13 insufficient
+data; 2 bad input (nothing is written); 1 failed; 130 interrupted by Ctrl-C (what was known is written).")]
+pub struct Diagnose {
+    /// The model file, or an FMU that carries one
+    model: PathBuf,
+    /// The dataset: `dataset.toml` or the folder that holds it
+    dataset: PathBuf,
+    /// Try only these effects of the catalogue (see `stickslip effects`)
+    #[arg(long, value_name = "ID,ID,...", value_delimiter = ',')]
+    effects: Option<Vec<String>>,
+    /// Add at most so many effects
+    #[arg(long, value_name = "N", default_value_t = DiagnoseOptions::default().max_effects)]
+    max_effects: usize,
+    /// Write the model with what was found, refitted
+    #[arg(short, long, value_name = "NEW.toml")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    files: ResultFiles,
+}
+
+impl Diagnose {
+    /// Diagnoses, and returns the verdict's exit code.
+    pub fn run(self) -> Result<u8, Failure> {
+        check_destinations(&self.files, &self.out, &[self.model.clone(), dataset_file(&self.dataset)])?;
+        for id in self.effects.iter().flatten() {
+            effect(id)?;
+        }
+        let model = read_model(&self.model)?;
+        let dataset = read_dataset(&self.dataset, &model)?;
+        let mut read = vec![self.model.clone()];
+        read.extend(dataset_files(&self.dataset, &dataset));
+        check_destinations(&self.files, &self.out, &read)?;
+        let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+
+        let start = Instant::now();
+        let diagnosis = self.diagnosed(&model, &dataset)?;
+        let mut outputs = Outputs::default();
+        let run = Run {
+            model: self.model.display().to_string(),
+            dataset: self.dataset.display().to_string(),
+            written: self.improved(&diagnosis, &mut outputs),
+            only: self.effects.clone(),
+            max_effects: self.max_effects,
+            seconds: start.elapsed().as_secs_f64(),
+            interrupted: progress::interrupted(),
+        };
+        say(&diagnosis_table(&diagnosis, &run, 80, super::colored()))?;
+        if let Some(path) = &self.files.json {
+            outputs.add(path, format!("{:#}\n", diagnosis_json(&diagnosis, &run)));
+        }
+        if let Some(path) = &self.files.report {
+            outputs.add(path, diagnosis_html(&diagnosis, &run, &settings));
+        }
+        list(&outputs.write()?)?;
+        Ok(diagnosis.verdict.exit_code())
+    }
+
+    fn diagnosed(&self, model: &Model, dataset: &Dataset) -> Result<Diagnosis, Failure> {
+        let options = DiagnoseOptions { effects: self.effects.clone(), max_effects: self.max_effects };
+        watched(|watch| diagnose(model, dataset, &options, watch)).map_err(failed)
+    }
+
+    /// Adds the model to the files to be written where the diagnosis stands for it.
+    fn improved(&self, diagnosis: &Diagnosis, outputs: &mut Outputs) -> Option<String> {
+        let path = self.out.as_ref()?;
+        match diagnosis.verdict {
+            Verdict::EffectFound | Verdict::NothingMissing => {
+                outputs.add(path, diagnosis.model.to_toml());
+                Some(path.display().to_string())
+            }
+            verdict => {
+                eprintln!("note: {} is not written: the verdict is {}", path.display(), verdict.id());
+                None
+            }
+        }
+    }
+}
+
+/// The effect called `id`.
+pub fn effect(id: &str) -> Result<&'static Effect, Failure> {
+    effects::find(id).ok_or_else(|| {
+        let ids: Vec<&str> = CATALOGUE.iter().map(|effect| effect.id).collect();
+        Failure::input(format!("there is no effect `{id}`: {}", suggestion(id, &ids, "effects")))
+    })
+}
+
+/// Runs `work` with its progress on the terminal.
+pub fn watched<T>(work: impl FnOnce(DiagnoseWatch) -> T) -> T {
+    let meter = progress::Meter::new();
+    let show = |what: &str, done: usize, of: usize| meter.show(what, done, of);
+    let done = work(DiagnoseWatch { progress: Some(&show), interrupt: Some(&progress::interrupted) });
+    meter.finish();
+    done
+}
+
+/// Why there is nothing to show.
+pub fn failed(error: DiagnoseError) -> Failure {
+    match error {
+        DiagnoseError::Refit(RefitError::Fit(FitError::Interrupted)) => {
+            Failure { code: 130, message: "interrupted before anything was known".to_owned() }
+        }
+        DiagnoseError::UnknownEffect(_)
+        | DiagnoseError::Refit(RefitError::NothingFree | RefitError::NothingToFit) => {
+            Failure::input(error.to_string())
+        }
+        DiagnoseError::Refit(_) => Failure::other(error.to_string()),
+    }
+}

@@ -1,0 +1,25 @@
+//! `stickslip effects`
+
+use stickslip_report::{catalogue_table, effect_table};
+
+use super::{colored, diagnose::effect};
+use crate::Failure;
+use crate::output::say;
+
+/// Arguments of `stickslip effects`.
+#[derive(clap::Args)]
+pub struct Effects {
+    /// Tell all about this effect
+    #[arg(value_name = "ID")]
+    id: Option<String>,
+}
+
+impl Effects {
+    /// Prints the catalogue, or what it says of one effect.
+    pub fn run(self) -> Result<(), Failure> {
+        say(&match self.id {
+            None => catalogue_table(80, colored()),
+            Some(id) => effect_table(effect(&id)?, 80, colored()),
+        })
+    }
+}

@@ -1,0 +1,27 @@
+//! What can be hidden, by its name, with the parameters it was given.
+
+/// Something hidden in a case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hidden {
+    /// The name in the catalogue, or `unknown:` and a name of its own.
+    pub id: String,
+    /// Where it sits: a mass, a position or a channel; empty when it sits nowhere in particular.
+    pub place: String,
+    /// Its parameters by the catalogue's names, SI.
+    pub parameters: Vec<(&'static str, f64)>,
+}
+
+impl Hidden {
+    /// Something hidden nowhere in particular.
+    pub fn new(id: &str, parameters: &[(&'static str, f64)]) -> Self {
+        Self::at(id, String::new(), parameters)
+    }
+
+    /// Something hidden at a place.
+    pub fn at(id: &str, place: String, parameters: &[(&'static str, f64)]) -> Self {
+        Self { id: id.to_owned(), place, parameters: parameters.to_vec() }
+    }
+}
+
+/// What begins the name of an effect that no catalogue has.
+pub const UNKNOWN: &str = "unknown:";

@@ -1,0 +1,447 @@
+//! The contact of the generator: many sliders in parallel, sampled in small steps, with whatever is hidden in it.
+//!
+//! Nothing here locates an event or uses a closed form: each step clamps every slider to its limit. A force is
+//! restoring: positive when it resists positive displacement.
+
+/// What the contact is made of. SI units; zero changes nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Stiffness of all sliders in stick (N/m).
+    pub stiffness: f64,
+    /// μ: limit over normal load (1).
+    pub friction_coefficient: f64,
+    /// Half-width of the sliders' yield displacements over their mean, in [0, 1).
+    pub spread: f64,
+    /// Spring beside the sliders (N/m).
+    pub residual_stiffness: f64,
+    /// Damper beside the sliders (N s/m).
+    pub damping: f64,
+    /// Cubic spring beside the sliders (N/m³).
+    pub cubic_stiffness: f64,
+    /// δ (1) and v_s (m/s) of the limit's factor 1 + δ exp(−|v|/v_s).
+    pub weakening: Option<(f64, f64)>,
+    /// Change of the limit with the distance slipped (1/m).
+    pub wear: f64,
+    /// a: limit · (1 + a) against positive force, (1 − a) against negative.
+    pub asymmetry: f64,
+    /// Half of the play in series (m).
+    pub half_gap: f64,
+    /// What no catalogue knows.
+    pub unknown: Option<Unknown>,
+}
+
+/// Physics outside the catalogue.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Unknown {
+    /// limit · (1 + share · sin(u/length)): a surface that is not alike everywhere.
+    PositionDependentFriction {
+        /// Share of the limit (1).
+        share: f64,
+        /// Length over which the phase grows by one (m).
+        length: f64,
+    },
+    /// limit · (1 + share · ln(1 + θ/dwell)), θ̇ = 1 − |ż| θ/length: contacts that grow in rest and are
+    /// renewed by slip (rate and state).
+    DwellStrengthening {
+        /// Share of the limit per e-fold (1).
+        share: f64,
+        /// Time from which growth is logarithmic (s).
+        dwell: f64,
+        /// Slip that renews the contacts (m).
+        length: f64,
+    },
+    /// A second, higher limit once the motion since its reversal exceeds a distance: a ratchet.
+    SecondLimit {
+        /// Share of the limit that is added (1).
+        share: f64,
+        /// Distance since the reversal (m).
+        distance: f64,
+    },
+    /// A damper that remembers, like a derivative of order one half: relaxing springs, one per decade.
+    MemoryDamping {
+        /// Stiffness of each relaxing spring (N/m).
+        stiffness: f64,
+        /// Their relaxation times (s).
+        times: Vec<f64>,
+    },
+    /// limit · (1 + share · (1 − exp(−t/time))): a drift with time, whether it slips or not.
+    TimeDrift {
+        /// Share of the limit (1).
+        share: f64,
+        /// Time constant (s).
+        time: f64,
+    },
+}
+
+impl Joint {
+    /// Jenkins' element: one slider.
+    pub fn jenkins(stiffness: f64, friction_coefficient: f64) -> Self {
+        Self {
+            stiffness,
+            friction_coefficient,
+            spread: 0.0,
+            residual_stiffness: 0.0,
+            damping: 0.0,
+            cubic_stiffness: 0.0,
+            weakening: None,
+            wear: 0.0,
+            asymmetry: 0.0,
+            half_gap: 0.0,
+            unknown: None,
+        }
+    }
+}
+
+/// Sliders of a distribution.
+const SLIDERS: usize = 40;
+
+/// A contact in motion.
+pub struct Contact<'a> {
+    joint: &'a Joint,
+    /// Stiffness, share of the limit and position of each slider.
+    sliders: Vec<Slider>,
+    /// Compliance in series (m/N): of the beam against stretching.
+    compliance: f64,
+    /// Displacement behind the play.
+    displacement: f64,
+    velocity: f64,
+    /// Displacement in front of play and compliance.
+    given: f64,
+    slip: f64,
+    dwell: f64,
+    reversal: f64,
+    relaxing: Vec<f64>,
+    force: f64,
+}
+
+#[derive(Clone)]
+struct Slider {
+    stiffness: f64,
+    share: f64,
+    position: f64,
+}
+
+/// The two limits of a step, against positive and negative force (N), and its duration (s).
+#[derive(Clone, Copy)]
+struct Step {
+    upper: f64,
+    lower: f64,
+    duration: f64,
+}
+
+impl<'a> Contact<'a> {
+    /// At rest at zero, nothing remembered. `compliance` (m/N) is a spring in series, 0 for none.
+    pub fn at_rest(joint: &'a Joint, compliance: f64) -> Self {
+        let count = if joint.spread > 0.0 { SLIDERS } else { 1 };
+        let sliders = (0..count)
+            .map(|index| {
+                let place = (2 * index + 1) as f64 / count as f64 - 1.0;
+                Slider {
+                    stiffness: joint.stiffness / count as f64,
+                    share: (1.0 + joint.spread * place) / count as f64,
+                    position: 0.0,
+                }
+            })
+            .collect();
+        let relaxing = match &joint.unknown {
+            Some(Unknown::MemoryDamping { times, .. }) => vec![0.0; times.len()],
+            _ => Vec::new(),
+        };
+        Self {
+            joint,
+            sliders,
+            compliance,
+            displacement: 0.0,
+            velocity: 0.0,
+            given: 0.0,
+            slip: 0.0,
+            dwell: 0.0,
+            reversal: 0.0,
+            relaxing,
+            force: 0.0,
+        }
+    }
+
+    /// At `displacement` with every slider's spring stretched by `elongation` (m), as an unknown past leaves it.
+    pub fn stretched(joint: &'a Joint, displacement: f64, elongation: f64) -> Self {
+        let mut contact = Self::at_rest(joint, 0.0);
+        let behind = displacement - elongation.signum() * joint.half_gap;
+        contact.given = displacement;
+        contact.displacement = behind;
+        contact.reversal = behind;
+        for slider in &mut contact.sliders {
+            slider.position = behind - elongation;
+        }
+        contact
+    }
+
+    /// Forgets the distance slipped so far: a record begins.
+    pub fn begin_record(&mut self) {
+        self.slip = 0.0;
+    }
+
+    /// Moves to `given` (m) within `duration` (s) under `normal_load` (N), `time` (s) after the record's start;
+    /// returns the force (N).
+    pub fn advance(&mut self, given: f64, normal_load: f64, duration: f64, time: f64) -> f64 {
+        // Behind a compliance the speed is not given: that of the step before stands for it.
+        let velocity = if self.compliance == 0.0 { (given - self.given) / duration } else { self.velocity };
+        let limit = self.joint.friction_coefficient * normal_load.max(0.0) * self.factor(velocity, time);
+        let step = Step {
+            upper: limit * (1.0 + self.joint.asymmetry),
+            lower: limit * (1.0 - self.joint.asymmetry),
+            duration,
+        };
+        let displacement = self.behind_the_play(given, &step);
+        self.commit(given, displacement, &step)
+    }
+
+    fn factor(&self, velocity: f64, time: f64) -> f64 {
+        let joint = self.joint;
+        let mut factor = 1.0 + joint.wear * self.slip;
+        if let Some((share, speed)) = joint.weakening {
+            factor *= 1.0 + share * (-velocity.abs() / speed).exp();
+        }
+        factor *= match &joint.unknown {
+            Some(Unknown::PositionDependentFriction { share, length }) => {
+                1.0 + share * (self.displacement / length).sin()
+            }
+            Some(Unknown::DwellStrengthening { share, dwell, .. }) => {
+                1.0 + share * (1.0 + self.dwell / dwell).ln()
+            }
+            Some(Unknown::SecondLimit { share, distance }) => {
+                let travelled = (self.displacement - self.reversal).abs();
+                1.0 + share * (0.5 + 0.5 * (20.0 * (travelled / distance - 1.0)).tanh())
+            }
+            Some(Unknown::TimeDrift { share, time: constant }) => {
+                1.0 + share * (1.0 - (-time.max(0.0) / constant).exp())
+            }
+            Some(Unknown::MemoryDamping { .. }) | None => 1.0,
+        };
+        factor.max(0.0)
+    }
+
+    /// With play the contact is pressed from one side, from the other, or not at all.
+    fn behind_the_play(&self, given: f64, step: &Step) -> f64 {
+        let gap = self.joint.half_gap;
+        if gap == 0.0 {
+            return self.solve(given, self.compliance, step);
+        }
+        let pushed = self.solve(given - gap, self.compliance, step);
+        if self.trial(pushed, step).0 >= 0.0 {
+            return pushed;
+        }
+        let pulled = self.solve(given + gap, self.compliance, step);
+        if self.trial(pulled, step).0 <= 0.0 {
+            return pulled;
+        }
+        // Free: it stays where its force is zero, between the two.
+        bisect(pulled.max(pushed), pulled.min(pushed), |w| self.trial(w, step).0)
+    }
+
+    /// Where w + compliance · T(w) = target: Newton's method, halved intervals when it leaves them.
+    fn solve(&self, target: f64, compliance: f64, step: &Step) -> f64 {
+        if compliance == 0.0 {
+            return target;
+        }
+        let mut guess = self.displacement + (target - self.given) / (1.0 + compliance * self.joint.stiffness);
+        for _ in 0..30 {
+            let (force, slope) = self.trial(guess, step);
+            let rest = guess + compliance * force - target;
+            if rest.abs() <= 1e-13 * (1e-6 + target.abs()) {
+                return guess;
+            }
+            guess -= rest / (1.0 + compliance * slope.max(0.0));
+        }
+        let reach = compliance * 10.0 * (step.upper + step.lower) + 2.0 * (target - self.displacement).abs();
+        bisect(target + reach, target - reach, |w| w + compliance * self.trial(w, step).0 - target)
+    }
+
+    /// Force and its slope at `displacement` behind play and compliance, nothing committed.
+    fn trial(&self, displacement: f64, step: &Step) -> (f64, f64) {
+        let joint = self.joint;
+        let change = displacement - self.displacement;
+        let mut force = joint.residual_stiffness * displacement
+            + joint.cubic_stiffness * displacement.powi(3)
+            + joint.damping * change / step.duration;
+        let mut slope = joint.residual_stiffness
+            + 3.0 * joint.cubic_stiffness * displacement * displacement
+            + joint.damping / step.duration;
+        for slider in &self.sliders {
+            let free = slider.stiffness * (displacement - slider.position);
+            let held = free.min(slider.share * step.upper).max(-slider.share * step.lower);
+            force += held;
+            if free == held {
+                slope += slider.stiffness;
+            }
+        }
+        if let Some(Unknown::MemoryDamping { stiffness, times }) = &joint.unknown {
+            for (relaxing, time) in self.relaxing.iter().zip(times) {
+                let kept = (-step.duration / time).exp();
+                force += kept * relaxing + stiffness * change * kept.sqrt();
+                slope += stiffness * kept.sqrt();
+            }
+        }
+        (force, slope)
+    }
+
+    fn commit(&mut self, given: f64, displacement: f64, step: &Step) -> f64 {
+        self.force = self.trial(displacement, step).0;
+        let change = displacement - self.displacement;
+        let mut slipped = 0.0;
+        for slider in &mut self.sliders {
+            let stretch = displacement - slider.position;
+            let held = stretch
+                .min(slider.share * step.upper / slider.stiffness)
+                .max(-slider.share * step.lower / slider.stiffness);
+            slipped += (stretch - held).abs();
+            slider.position = displacement - held;
+        }
+        slipped /= self.sliders.len() as f64;
+        self.slip += slipped;
+        match &self.joint.unknown {
+            Some(Unknown::DwellStrengthening { length, .. }) => {
+                self.dwell = (self.dwell + step.duration) / (1.0 + slipped / length);
+            }
+            Some(Unknown::MemoryDamping { stiffness, times }) => {
+                for (relaxing, time) in self.relaxing.iter_mut().zip(times) {
+                    let kept = (-step.duration / time).exp();
+                    *relaxing = kept * *relaxing + stiffness * change * kept.sqrt();
+                }
+            }
+            _ => {}
+        }
+        if change * self.velocity < 0.0 {
+            self.reversal = self.displacement;
+        }
+        if change != 0.0 {
+            self.velocity = change / step.duration;
+        }
+        self.displacement = displacement;
+        self.given = given;
+        self.force
+    }
+}
+
+/// Where a growing function is zero.
+fn bisect(mut high: f64, mut low: f64, function: impl Fn(f64) -> f64) -> f64 {
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if function(middle) > 0.0 {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    const LOAD: f64 = 100.0;
+
+    /// ∮ T du over the third period of a sine, and the largest force in it.
+    fn cycle(joint: &Joint, amplitude: f64) -> (f64, f64) {
+        let mut contact = Contact::at_rest(joint, 0.0);
+        let (mut area, mut largest, mut before) = (0.0, 0.0_f64, (0.0, 0.0));
+        let count = 40_000;
+        for index in 1..=3 * count {
+            let displacement = amplitude * (TAU * index as f64 / count as f64).sin();
+            let force = contact.advance(displacement, LOAD, 1.0 / count as f64, 0.0);
+            if index > 2 * count {
+                area += 0.5 * (force + before.1) * (displacement - before.0);
+                largest = largest.max(force);
+            }
+            before = (displacement, force);
+        }
+        (area, largest)
+    }
+
+    fn jenkins() -> Joint {
+        Joint::jenkins(5e6, 0.5)
+    }
+
+    fn assert_close(found: f64, expected: f64, share: f64) {
+        assert!((found / expected - 1.0).abs() < share, "{found} instead of {expected}");
+    }
+
+    #[test]
+    fn jenkins_loop_area_equals_4_limit_times_slip() {
+        // μN = 50 N, yield at 10 µm.
+        let (area, largest) = cycle(&jenkins(), 4e-5);
+        assert_close(area, 4.0 * 50.0 * (4e-5 - 1e-5), 1e-6);
+        assert_close(largest, 50.0, 1e-12);
+    }
+
+    #[test]
+    fn play_takes_its_width_from_the_slip() {
+        let joint = Joint { half_gap: 4e-6, ..jenkins() };
+        assert_close(cycle(&joint, 4e-5).0, 4.0 * 50.0 * (4e-5 - 1e-5 - 4e-6), 1e-6);
+        let (area, largest) = cycle(&joint, 3.9e-6);
+        assert!(area.abs() < 1e-15 && largest.abs() < 1e-9, "{area} {largest}");
+    }
+
+    #[test]
+    fn spread_sliders_lose_the_iwan_integral_of_their_yields() {
+        // Yields x uniform in x̄(1 ± s): D = ∫ 4 k x (U − x) over the sliders that slip.
+        let joint = Joint { spread: 0.8, ..jenkins() };
+        let (low, high, reach) = (2e-6, 18e-6, 1.2e-5_f64);
+        let density = joint.stiffness / (high - low);
+        let integral = |x: f64| 4.0 * density * (reach * x * x / 2.0 - x.powi(3) / 3.0);
+        assert_close(cycle(&joint, reach).0, integral(reach) - integral(low), 5e-3);
+        assert_close(cycle(&joint, 1e-4).1, 50.0, 1e-9);
+    }
+
+    #[test]
+    fn springs_lose_nothing_and_a_damper_pi_c_omega_u_squared() {
+        let beside = Joint {
+            residual_stiffness: 1e5,
+            cubic_stiffness: 1e14,
+            damping: 7.0,
+            ..Joint::jenkins(5e6, 0.0)
+        };
+        let expected = 7.0 * TAU / 2.0 * TAU * (4e-5_f64).powi(2);
+        assert_close(cycle(&beside, 4e-5).0, expected, 1e-4);
+    }
+
+    #[test]
+    fn a_compliance_in_series_is_a_spring_in_series() {
+        let joint = jenkins();
+        let mut contact = Contact::at_rest(&joint, 1e-7);
+        assert_close(contact.advance(5e-6, LOAD, 1e-5, 0.0), 5e-6 / (1.0 / 5e6 + 1e-7), 1e-9);
+        assert_close(contact.advance(1e-3, LOAD, 1e-5, 0.0), 50.0, 1e-9);
+        // From slip back: the same spring in series.
+        let change = 50.0 - contact.advance(1e-3 - 2e-6, LOAD, 1e-5, 0.0);
+        assert_close(change, 2e-6 / (1.0 / 5e6 + 1e-7), 1e-6);
+    }
+
+    #[test]
+    fn a_lifted_contact_remembers_no_force() {
+        let joint = jenkins();
+        let mut contact = Contact::at_rest(&joint, 0.0);
+        contact.advance(3e-5, LOAD, 1e-3, 0.0);
+        assert_eq!(contact.advance(4e-5, -1.0, 1e-3, 0.0), 0.0);
+        assert_eq!(contact.advance(4e-5, LOAD, 1e-3, 0.0), 0.0);
+    }
+
+    #[test]
+    fn the_limit_follows_direction_distance_and_speed() {
+        let steady = |joint: Joint, direction: f64| {
+            let mut contact = Contact::at_rest(&joint, 0.0);
+            (1..=1000)
+                .map(|i| contact.advance(direction * 1e-6 * f64::from(i), LOAD, 1e-3, 0.0))
+                .last()
+                .unwrap()
+        };
+        let asymmetric = Joint { asymmetry: 0.2, ..jenkins() };
+        assert_close(steady(asymmetric.clone(), 1.0), 60.0, 1e-9);
+        assert_close(steady(asymmetric, -1.0), -40.0, 1e-9);
+        // 1 mm at 1 mm/s, of which all but the yield is slip.
+        assert_close(steady(Joint { wear: 300.0, ..jenkins() }, 1.0), 50.0 * (1.0 + 300.0 * 0.99e-3), 1e-3);
+        let weak = Joint { weakening: Some((0.5, 1e-3)), ..jenkins() };
+        assert_close(steady(weak, 1.0), 50.0 * (1.0 + 0.5 * (-1.0_f64).exp()), 1e-9);
+    }
+}

@@ -1,0 +1,121 @@
+//! Drawing effects of the contact in the measures of a motion.
+
+use crate::effect::{Hidden, UNKNOWN};
+use crate::friction::{Joint, Unknown};
+use crate::random::Random;
+
+/// The measures of a motion, by which the sizes of effects are drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct Measures {
+    /// Displacement at the end of stick (m).
+    pub yield_displacement: f64,
+    /// Friction limit (N).
+    pub limit: f64,
+    /// Amplitude of the strong records over the yield displacement.
+    pub reach: f64,
+    /// Speed of a motion of the yield displacement's amplitude at the usual frequency (m/s).
+    pub slow_speed: f64,
+    /// Highest speed (m/s).
+    pub high_speed: f64,
+    /// Slip of a strong record (m).
+    pub travel: f64,
+    /// Duration of a usual record (s).
+    pub duration: f64,
+    /// Largest residual stiffness over that in stick.
+    pub residual: f64,
+}
+
+/// Hides `id` in the joint, `strength` of its full size; `None` when it is not an effect of the contact.
+pub fn hide(
+    id: &str,
+    strength: f64,
+    measures: &Measures,
+    joint: &mut Joint,
+    random: &mut Random,
+) -> Option<Hidden> {
+    let at_reach = measures.reach * measures.yield_displacement;
+    let parameters: Vec<(&'static str, f64)> = match id {
+        "micro_slip" => {
+            joint.spread = strength * random.between(0.7, 0.98);
+            vec![("spread", joint.spread)]
+        }
+        "residual_stiffness" => {
+            let share = random.between(0.5, 1.0) * measures.residual;
+            joint.residual_stiffness = strength * share * joint.stiffness;
+            vec![("residual_stiffness", joint.residual_stiffness)]
+        }
+        "contact_damping" => {
+            joint.damping = strength * random.between(0.3, 0.6) * measures.limit / measures.high_speed;
+            vec![("damping", joint.damping)]
+        }
+        "velocity_weakening" => {
+            let share = strength * random.between(0.4, 0.7);
+            let speed = random.between(3.0, 6.0) * measures.slow_speed;
+            joint.weakening = Some((share, speed));
+            vec![("weakening", share), ("weakening_velocity", speed)]
+        }
+        "wear" => {
+            joint.wear = strength * random.sign() * random.between(0.3, 0.5) / measures.travel;
+            vec![("rate", joint.wear)]
+        }
+        "backlash" => {
+            joint.half_gap = strength * random.between(0.25, 0.45) * measures.yield_displacement;
+            vec![("half_gap", joint.half_gap)]
+        }
+        "stiffening" => {
+            let sign = if random.unit() < 0.25 { -0.5 } else { 1.0 };
+            let force = strength * sign * random.between(0.4, 0.8) * measures.limit;
+            joint.cubic_stiffness = force / at_reach.powi(3);
+            vec![("cubic_stiffness", joint.cubic_stiffness)]
+        }
+        "asymmetry" => {
+            joint.asymmetry = strength * random.sign() * random.between(0.15, 0.3);
+            vec![("asymmetry", joint.asymmetry)]
+        }
+        _ => {
+            joint.unknown = Some(unknown(id.strip_prefix(UNKNOWN)?, strength, measures, joint, random)?);
+            Vec::new()
+        }
+    };
+    Some(Hidden::new(id, &parameters))
+}
+
+fn unknown(
+    id: &str,
+    strength: f64,
+    measures: &Measures,
+    joint: &Joint,
+    random: &mut Random,
+) -> Option<Unknown> {
+    let length = measures.yield_displacement;
+    Some(match id {
+        "position_dependent_friction" => Unknown::PositionDependentFriction {
+            share: strength * random.between(0.2, 0.3),
+            length: random.between(0.7, 1.1) * length,
+        },
+        "dwell_strengthening" => {
+            let length = random.between(0.5, 1.5) * length;
+            Unknown::DwellStrengthening {
+                share: strength * random.between(0.15, 0.3),
+                dwell: 0.1 * length / measures.slow_speed,
+                length,
+            }
+        }
+        "second_limit" => Unknown::SecondLimit {
+            share: strength * random.between(0.3, 0.5),
+            distance: random.between(0.4, 0.6) * 2.0 * measures.reach * length,
+        },
+        "memory_damping" => {
+            let slowest = measures.duration / 3.0;
+            Unknown::MemoryDamping {
+                stiffness: strength * random.between(0.05, 0.1) * joint.stiffness,
+                times: (0..4).map(|decade| slowest * 10_f64.powi(-decade)).collect(),
+            }
+        }
+        "time_drift" => Unknown::TimeDrift {
+            share: strength * random.sign() * random.between(0.25, 0.4),
+            time: random.between(0.2, 0.4) * measures.duration,
+        },
+        _ => return None,
+    })
+}

@@ -1,0 +1,434 @@
+//! Kind `oscillator`: two masses between ground and ground's friction, excited from rest around both resonances.
+//!
+//! Integrated by the leapfrog scheme with many short steps: no modes, no events.
+
+use std::f64::consts::TAU;
+use std::fmt::Write;
+
+use crate::effect::Hidden;
+use crate::friction::{Contact, Joint};
+use crate::joint_effects::{self, Measures};
+use crate::prescribed::contact_table;
+use crate::random::Random;
+use crate::record::{Column, Fault, Fine, Record, Regime, Role};
+use crate::rig::Rig;
+
+const SAMPLES: usize = 2400;
+/// Time between samples (s).
+const PERIOD: f64 = 0.0005;
+/// Steps of the simulation between samples.
+const STEPS: usize = 100;
+/// The excitation grows to its level within this time (s).
+const RAMP: f64 = 0.05;
+/// A multisine has these multiples of its lowest frequency (Hz).
+const LINES: std::ops::RangeInclusive<usize> = 3..=35;
+const LINE_SPACING: f64 = 1.0 / 0.6;
+
+/// Two masses on springs with a contact at the second.
+#[derive(Clone)]
+pub struct Oscillator {
+    /// kg.
+    pub masses: [f64; 2],
+    /// N/m: ground to the first mass, first to the second.
+    pub stiffness: [f64; 2],
+    /// N s/m.
+    pub damping: [f64; 2],
+    /// The contact between the second mass and the ground.
+    pub joint: Joint,
+    normal_load: f64,
+    /// Share and frequency (Hz) by which the normal load swings.
+    swing: Option<(f64, f64)>,
+    /// Whether a load cell is there although the load is constant.
+    load_cell: bool,
+    added: [f64; 2],
+    cubic_stiffness: f64,
+    quadratic_damping: f64,
+    /// Mass (kg) and frequency (Hz) of a resonator hung at the second mass.
+    hanging: Option<(f64, f64)>,
+    fault: Option<Fault>,
+    /// Size (N) and frequency (Hz) of a force on the first mass that nobody measures.
+    disturbance: Option<(f64, f64)>,
+    records: Vec<Excitation>,
+    hidden: Vec<Hidden>,
+}
+
+/// An excitation of the first mass, and the phases of what else swings.
+#[derive(Clone)]
+pub struct Excitation {
+    /// Amplitude (N), frequency (Hz) and phase (rad) of each line.
+    pub lines: Vec<[f64; 3]>,
+    /// Of the normal load and of a disturbance.
+    pub phases: [f64; 2],
+}
+
+impl Excitation {
+    fn at(&self, time: f64) -> f64 {
+        let ramp = (time / RAMP).clamp(0.0, 1.0);
+        let sum: f64 = self.lines.iter().map(|[size, f, phase]| size * (TAU * f * time + phase).sin()).sum();
+        ramp * sum
+    }
+}
+
+impl Oscillator {
+    /// A system with nothing hidden and no excitation yet.
+    pub fn new(
+        masses: [f64; 2],
+        stiffness: [f64; 2],
+        damping: [f64; 2],
+        joint: Joint,
+        normal_load: f64,
+    ) -> Self {
+        Self {
+            masses,
+            stiffness,
+            damping,
+            joint,
+            normal_load,
+            swing: None,
+            load_cell: false,
+            added: [0.0; 2],
+            cubic_stiffness: 0.0,
+            quadratic_damping: 0.0,
+            hanging: None,
+            fault: None,
+            disturbance: None,
+            records: Vec::new(),
+            hidden: Vec::new(),
+        }
+    }
+
+    /// Draws an experiment in which `effects` are hidden at `strength`.
+    pub fn draw(effects: &[&str], strength: f64, random: &mut Random) -> Result<Self, String> {
+        let mut numbers = random.fork();
+        let mut pair = |ranges: [(f64, f64); 2]| ranges.map(|(low, high)| numbers.between(low, high));
+        let masses = pair([(1.0, 1.5), (1.0, 1.5)]);
+        let stiffness = pair([(3.0e4, 4.0e4), (1.3e4, 2.0e4)]);
+        let damping = pair([(2.5, 5.5), (2.0, 4.0)]);
+        let [contact_stiffness, friction] = pair([(5e3, 9e3), (0.3, 0.6)]);
+        let normal_load = numbers.between(20.0, 40.0);
+        let joint = Joint::jenkins(contact_stiffness, friction);
+        let mut rig = Self::new(masses, stiffness, damping, joint, normal_load);
+        rig.load_cell = numbers.unit() < 0.5;
+        let limit = friction * normal_load;
+        let [free, second] = rig.frequencies(0.0);
+        let [stuck, _] = rig.frequencies(contact_stiffness);
+        let mut plan = random.fork();
+        rig.records = excitations(limit, free, stuck, second, &mut plan);
+        let yield_displacement = limit / contact_stiffness;
+        let measures = Measures {
+            yield_displacement,
+            limit,
+            reach: 4.0,
+            slow_speed: 0.3 * TAU * free * yield_displacement,
+            high_speed: 3.0 * TAU * free * yield_displacement,
+            travel: 200.0 * yield_displacement,
+            duration: 1.2,
+            residual: 0.25,
+        };
+        for id in effects {
+            rig.hide(id, strength, &measures, &mut random.fork())?;
+        }
+        Ok(rig)
+    }
+
+    /// The two natural frequencies (Hz), the lower first, with a spring at the second mass.
+    pub fn frequencies(&self, contact_stiffness: f64) -> [f64; 2] {
+        let [first, second] = self.masses;
+        let a = (self.stiffness[0] + self.stiffness[1]) / first;
+        let b = (self.stiffness[1] + contact_stiffness) / second;
+        let coupling = self.stiffness[1].powi(2) / (first * second);
+        let (mean, half) = (0.5 * (a + b), (0.25 * (a - b).powi(2) + coupling).sqrt());
+        [(mean - half).sqrt() / TAU, (mean + half).sqrt() / TAU]
+    }
+
+    fn hide(
+        &mut self,
+        id: &str,
+        strength: f64,
+        measures: &Measures,
+        random: &mut Random,
+    ) -> Result<(), String> {
+        let hidden = match joint_effects::hide(id, strength, measures, &mut self.joint, random) {
+            Some(hidden) => hidden,
+            None => self
+                .hide_in_structure(id, strength, measures, random)
+                .ok_or_else(|| format!("`{id}` cannot be hidden in an oscillator"))?,
+        };
+        self.hidden.push(hidden);
+        Ok(())
+    }
+
+    fn hide_in_structure(
+        &mut self,
+        id: &str,
+        strength: f64,
+        measures: &Measures,
+        random: &mut Random,
+    ) -> Option<Hidden> {
+        let mass = random.pick(&[0, 1]);
+        let channel = format!("displacement:m{}", mass + 1);
+        let fault = |delay, gain, bias| Some(Fault { channel: channel.clone(), delay, gain, bias });
+        Some(match id {
+            "normal_load_variation" => {
+                let share = if random.unit() < 0.2 { 1.25 } else { random.between(0.4, 0.8) };
+                self.swing = Some((strength * share, random.between(2.0, 12.0)));
+                Hidden::new(id, &[("gain", 1.0)])
+            }
+            "geometric_stiffening" => {
+                let amplitude = 9e-3_f64;
+                self.cubic_stiffness =
+                    strength * random.between(0.07, 0.13) * self.stiffness[0] / amplitude.powi(2);
+                Hidden::new(id, &[("cubic_stiffness", self.cubic_stiffness)])
+            }
+            "quadratic_damping" => {
+                self.quadratic_damping = strength * random.between(3.0, 6.0);
+                Hidden::new(id, &[("quadratic_damping", self.quadratic_damping)])
+            }
+            "added_mass" => {
+                self.added[mass] = strength * random.between(0.06, 0.12) * self.masses[mass];
+                Hidden::at(id, format!("m{}", mass + 1), &[("mass", self.added[mass])])
+            }
+            "hanging_mass" => {
+                let hung = strength * random.between(0.05, 0.12) * self.masses[1];
+                let frequency = random.between(8.0, 28.0);
+                self.hanging = Some((hung, frequency));
+                Hidden::new(id, &[("mass", hung), ("hanging_frequency", frequency)])
+            }
+            "sensor_delay" => {
+                let delay = strength * random.between(6e-4, 1.2e-3);
+                self.fault = fault(delay, 1.0, 0.0);
+                Hidden::at(id, channel, &[("delay", delay)])
+            }
+            "sensor_gain" => {
+                let gain = 1.0 + strength * random.sign() * random.between(0.08, 0.2);
+                self.fault = fault(0.0, gain, 0.0);
+                Hidden::at(id, channel, &[("gain", gain)])
+            }
+            "sensor_offset" => {
+                let bias = strength * random.sign() * random.between(0.3, 0.6) * measures.yield_displacement;
+                self.fault = fault(0.0, 1.0, bias);
+                Hidden::at(id, channel, &[("bias", bias)])
+            }
+            "unknown:periodic_disturbance" => {
+                let size = strength * random.between(0.3, 0.6) * measures.limit;
+                self.disturbance = Some((size, random.between(9.0, 30.0)));
+                Hidden::new(id, &[])
+            }
+            _ => return None,
+        })
+    }
+
+    fn load(&self, excitation: &Excitation, time: f64) -> f64 {
+        let swing = self
+            .swing
+            .map_or(0.0, |(share, frequency)| share * (TAU * frequency * time + excitation.phases[0]).sin());
+        self.normal_load * (1.0 + swing)
+    }
+
+    /// Displacements of the masses on the fine grid, from rest.
+    pub fn displacements(&self, excitation: &Excitation, samples: usize) -> [Fine; 2] {
+        let step = PERIOD / STEPS as f64;
+        // The excitation is tabulated ten times between samples; a straight line between is right within 4e-5.
+        let coarse = STEPS / 10;
+        let table: Vec<f64> =
+            (0..=samples * 10).map(|index| excitation.at(index as f64 * step * coarse as f64)).collect();
+        let mut contact = Contact::at_rest(&self.joint, 0.0);
+        let mut position = [0.0; 3];
+        let mut speed = [0.0; 3];
+        let count = (samples - 1) * STEPS + 1;
+        let mut shown = [0, 1].map(|_| Vec::with_capacity(count));
+        for index in 0..count {
+            let time = index as f64 * step;
+            shown[0].push(position[0]);
+            shown[1].push(position[1]);
+            let (cell, part) = (index / coarse, (index % coarse) as f64 / coarse as f64);
+            let mut force = table[cell] * (1.0 - part) + table[cell + 1] * part;
+            if let Some((size, frequency)) = self.disturbance {
+                force +=
+                    size * (TAU * frequency * time + excitation.phases[1]).sin() * (time / RAMP).min(1.0);
+            }
+            let friction = contact.advance(position[1], self.load(excitation, time), step, time);
+            let acceleration = self.acceleration(position, speed, force, friction);
+            for place in 0..3 {
+                speed[place] += acceleration[place] * step;
+                position[place] += speed[place] * step;
+            }
+        }
+        shown.map(|values| Fine { values, step, start: 0.0 })
+    }
+
+    fn acceleration(&self, x: [f64; 3], v: [f64; 3], force: f64, friction: f64) -> [f64; 3] {
+        let between = self.stiffness[1] * (x[1] - x[0]) + self.damping[1] * (v[1] - v[0]);
+        let ground = self.stiffness[0] * x[0]
+            + self.damping[0] * v[0]
+            + self.cubic_stiffness * x[0].powi(3)
+            + self.quadratic_damping * v[0].abs() * v[0];
+        let (pull, hanging) = match self.hanging {
+            None => (0.0, 0.0),
+            Some((mass, frequency)) => {
+                let per_mass = (TAU * frequency).powi(2) * (x[1] - x[2]);
+                (mass * per_mass, per_mass)
+            }
+        };
+        [
+            (force - ground + between) / (self.masses[0] + self.added[0]),
+            (-between - friction - pull) / (self.masses[1] + self.added[1]),
+            hanging,
+        ]
+    }
+
+    fn record(&self, excitation: &Excitation) -> Record {
+        let times: Vec<f64> = (0..SAMPLES).map(|index| index as f64 * PERIOD).collect();
+        let fine = self.displacements(excitation, SAMPLES);
+        let force = times.iter().map(|time| excitation.at(*time)).collect();
+        let loads = times.iter().map(|time| self.load(excitation, *time)).collect();
+        let mut columns = vec![
+            Column::new("time", "s", Role::Exact, times),
+            Column::new("excitation:m1", "N", Role::Driven, force),
+        ];
+        for (mass, fine) in fine.iter().enumerate() {
+            let name = format!("displacement:m{}", mass + 1);
+            let shown = fine.sample(&name, SAMPLES, PERIOD, self.fault.as_ref());
+            columns.push(Column::new(name, "m", Role::Response, shown));
+        }
+        if self.load_cell || self.swing.is_some() {
+            columns.push(Column::new("normal_load", "N", Role::Driven, loads));
+        }
+        Record { regime: Regime::FromRest, columns, told: Vec::new() }
+    }
+}
+
+/// Sines around both resonances at several levels, and two multisines.
+fn excitations(limit: f64, free: f64, stuck: f64, second: f64, random: &mut Random) -> Vec<Excitation> {
+    let mut sine = |level: f64, place: f64| {
+        let size = level * random.about_one(0.2) * limit;
+        let frequency = free + (stuck - free) * (place + random.between(-0.12, 0.12));
+        vec![[size, frequency, 0.0]]
+    };
+    let mut lines = vec![sine(0.5, 0.5), sine(1.85, 0.38), sine(2.7, 0.35), sine(7.0, 0.8)];
+    let last = sine(3.6, 0.5);
+    let mut multisine = |level: f64| {
+        let size = level * random.about_one(0.15) * limit / (LINES.count() as f64 / 2.0).sqrt();
+        LINES.map(|line| [size, line as f64 * LINE_SPACING, random.phase()]).collect::<Vec<_>>()
+    };
+    lines.push(multisine(2.2));
+    lines.push(multisine(5.6));
+    lines.push(vec![[2.5 * random.about_one(0.2) * limit, second * random.about_one(0.02), 0.0]]);
+    lines.push(last);
+    lines.into_iter().map(|lines| Excitation { lines, phases: [random.phase(), random.phase()] }).collect()
+}
+
+impl Rig for Oscillator {
+    fn respond(&self) -> Vec<Record> {
+        self.records.iter().map(|excitation| self.record(excitation)).collect()
+    }
+
+    fn base(&self) -> Vec<f64> {
+        let [k1, k2] = self.stiffness;
+        let [c1, c2] = self.damping;
+        vec![k1, c1, k2, c2, self.joint.stiffness, self.joint.friction_coefficient]
+    }
+
+    fn with_base(&self, values: &[f64]) -> Box<dyn Rig> {
+        let mut rig = self.clone();
+        rig.stiffness = [values[0], values[2]];
+        rig.damping = [values[1], values[3]];
+        (rig.joint.stiffness, rig.joint.friction_coefficient) = (values[4], values[5]);
+        Box::new(rig)
+    }
+
+    fn plain(&self) -> Box<dyn Rig> {
+        let joint = Joint::jenkins(self.joint.stiffness, self.joint.friction_coefficient);
+        let mut rig = Self::new(self.masses, self.stiffness, self.damping, joint, self.normal_load);
+        rig.records = self.records.clone();
+        Box::new(rig)
+    }
+
+    fn ignorance(&self) -> Vec<f64> {
+        vec![0.03, 0.15, 0.03, 0.15, 0.15, 0.15]
+    }
+
+    fn model(&self, off: &[f64]) -> String {
+        let mut text = String::from("schema = \"stickslip.model/1\"\nkind = \"oscillator\"\n\n");
+        for (index, mass) in self.masses.iter().enumerate() {
+            let _ = write!(text, "[[mass]]\nname = \"m{}\"\nmass = {mass}\n\n", index + 1);
+        }
+        for (index, between) in ["\"ground\", \"m1\"", "\"m1\", \"m2\""].iter().enumerate() {
+            let stiffness = self.stiffness[index] * off[2 * index];
+            let damping = self.damping[index] * off[2 * index + 1];
+            let _ = write!(
+                text,
+                "[[spring]]\nbetween = [{between}]\nstiffness = {stiffness}\ndamping = {damping}\n\n"
+            );
+        }
+        let (stiffness, friction) = (self.joint.stiffness * off[4], self.joint.friction_coefficient * off[5]);
+        contact_table(&mut text, "at = \"m2\"\n", stiffness, friction, self.normal_load);
+        text
+    }
+
+    fn hidden(&self) -> &[Hidden] {
+        &self.hidden
+    }
+
+    fn tells_noise(&self) -> bool {
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sine of 1 N at `frequency`, from which the transient of a well damped system has gone.
+    fn amplitudes(rig: &Oscillator, frequency: f64) -> [f64; 2] {
+        let excitation = Excitation { lines: vec![[1.0, frequency, 0.0]], phases: [0.0; 2] };
+        rig.displacements(&excitation, 4000).map(|fine| {
+            let last = &fine.values[fine.values.len() * 9 / 10..];
+            last.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()))
+        })
+    }
+
+    fn bare(friction_coefficient: f64) -> Oscillator {
+        let joint = Joint::jenkins(7000.0, friction_coefficient);
+        Oscillator::new([1.2, 1.4], [35e3, 16e3], [150.0, 60.0], joint, 30.0)
+    }
+
+    #[test]
+    fn without_a_limit_the_response_is_the_receptance() {
+        let frequency = 17.0;
+        for (rig, contact_stiffness) in [(bare(0.0), 0.0), (bare(10.0), 7000.0)] {
+            let w = TAU * frequency;
+            // [a b; b d] x = [1; 0], complex numbers as pairs.
+            let a = (35e3 + 16e3 - w * w * 1.2, w * 210.0);
+            let b = (-16e3, -w * 60.0);
+            let d = (16e3 + contact_stiffness - w * w * 1.4, w * 60.0);
+            let times = |p: (f64, f64), q: (f64, f64)| (p.0 * q.0 - p.1 * q.1, p.0 * q.1 + p.1 * q.0);
+            let (ad, bb) = (times(a, d), times(b, b));
+            let determinant = (ad.0 - bb.0).hypot(ad.1 - bb.1);
+            let exact = [d.0.hypot(d.1) / determinant, b.0.hypot(b.1) / determinant];
+            for (found, exact) in amplitudes(&rig, frequency).into_iter().zip(exact) {
+                assert!((found / exact - 1.0).abs() < 1e-3, "{found} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_hung_resonator_holds_its_mass_at_its_frequency() {
+        // The absorber: where it is hung nothing moves at its own frequency once the start has died away.
+        let mut rig = bare(0.0);
+        rig.hanging = Some((0.5, 17.0));
+        let held = amplitudes(&rig, 17.0)[1];
+        assert!(held < 0.02 * amplitudes(&bare(0.0), 17.0)[1], "{held}");
+    }
+
+    #[test]
+    fn an_added_mass_is_a_mass() {
+        let mut added = bare(0.4);
+        added.added = [0.1, 0.2];
+        let mut heavy = bare(0.4);
+        heavy.masses = [1.3, 1.6];
+        for (a, b) in amplitudes(&added, 15.0).into_iter().zip(amplitudes(&heavy, 15.0)) {
+            assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+        }
+    }
+}

@@ -1,0 +1,325 @@
+//! Kind `contact`: a bare contact whose displacement is prescribed; slow sines at several levels.
+
+use std::f64::consts::TAU;
+use std::fmt::Write;
+
+use crate::effect::Hidden;
+use crate::friction::{Contact, Joint};
+use crate::joint_effects::{self, Measures};
+use crate::random::Random;
+use crate::record::{Column, Fault, Fine, Record, Regime, Role};
+use crate::rig::Rig;
+
+/// Samples of a record over three periods, the last instant included.
+const SAMPLES: usize = 1201;
+const PERIODS: f64 = 3.0;
+/// Steps of the simulation between samples.
+const STEPS: usize = 32;
+/// Level over the yield displacement, frequency (Hz) and regime of each record.
+const PLAN: [(f64, f64, Regime); 8] = [
+    (0.8, 1.0, Regime::FromRest),
+    (1.6, 1.0, Regime::UnknownInitialState),
+    (3.0, 1.0, Regime::FromRest),
+    (6.0, 1.0, Regime::UnknownInitialState),
+    (6.0, 0.2, Regime::UnknownInitialState),
+    (6.0, 5.0, Regime::UnknownInitialState),
+    (3.0, 5.0, Regime::UnknownInitialState),
+    (4.5, 1.0, Regime::FromRest),
+];
+
+/// A contact in a test machine.
+#[derive(Clone)]
+pub struct Prescribed {
+    joint: Joint,
+    normal_load: f64,
+    normal: Option<Normal>,
+    motions: Vec<Motion>,
+    fault: Option<Fault>,
+    disturbance: Option<(f64, f64)>,
+    hidden: Vec<Hidden>,
+}
+
+/// What the normal direction does.
+#[derive(Clone)]
+enum Normal {
+    /// The load swings by a share of its mean, at a multiple of the motion's frequency.
+    Swing { share: f64, multiple: f64 },
+    /// The approach swings, and the load follows it: stiffness (N/m), cubic stiffness (N/m³), Hunt and
+    /// Crossley's factor (s/m).
+    Approach { amplitude: f64, multiple: f64, stiffness: f64, cubic: f64, impact: f64 },
+}
+
+#[derive(Clone)]
+struct Motion {
+    amplitude: f64,
+    frequency: f64,
+    phase: f64,
+    regime: Regime,
+    /// Stretch of the sliders at the start, over the yield displacement; `None`: cut out of a steady motion.
+    stretch: Option<f64>,
+    /// Phases of the normal load and of a disturbance.
+    phases: [f64; 2],
+}
+
+impl Prescribed {
+    /// Draws an experiment in which `effects` are hidden at `strength`.
+    pub fn draw(effects: &[&str], strength: f64, random: &mut Random) -> Result<Self, String> {
+        let mut numbers = random.fork();
+        let stiffness = numbers.magnitude(3e6, 9e6);
+        let joint = Joint::jenkins(stiffness, numbers.between(0.35, 0.7));
+        let normal_load = numbers.between(50.0, 180.0);
+        let limit = joint.friction_coefficient * normal_load;
+        let yield_displacement = limit / stiffness;
+        let motions = PLAN.map(|plan| motion(plan, yield_displacement, &mut random.fork())).to_vec();
+        let mut rig = Self {
+            joint,
+            normal_load,
+            normal: None,
+            motions,
+            fault: None,
+            disturbance: None,
+            hidden: Vec::new(),
+        };
+        let measures = Measures {
+            yield_displacement,
+            limit,
+            reach: 6.0,
+            slow_speed: TAU * yield_displacement,
+            high_speed: TAU * 5.0 * 6.0 * yield_displacement,
+            travel: 55.0 * yield_displacement,
+            duration: 3.0,
+            residual: 0.12,
+        };
+        for id in effects {
+            rig.hide(id, strength, &measures, &mut random.fork())?;
+        }
+        Ok(rig)
+    }
+
+    fn hide(
+        &mut self,
+        id: &str,
+        strength: f64,
+        measures: &Measures,
+        random: &mut Random,
+    ) -> Result<(), String> {
+        if let Some(hidden) = joint_effects::hide(id, strength, measures, &mut self.joint, random) {
+            self.hidden.push(hidden);
+            return Ok(());
+        }
+        let force = || "force".to_owned();
+        let hidden = match id {
+            "normal_load_variation" => {
+                let lifts_off = random.unit() < 0.2;
+                let share = if lifts_off { 1.25 } else { random.between(0.3, 0.7) };
+                self.normal =
+                    Some(Normal::Swing { share: strength * share, multiple: random.between(0.4, 2.3) });
+                Hidden::new(id, &[("gain", 1.0)])
+            }
+            "normal_hardening" | "impact_damping" => self.press(id, strength, random),
+            "sensor_delay" => {
+                let delay = strength * random.between(0.004, 0.007);
+                self.fault = Some(Fault { channel: force(), delay, gain: 1.0, bias: 0.0 });
+                Hidden::at(id, force(), &[("delay", delay)])
+            }
+            "sensor_offset" => {
+                let bias = strength * random.sign() * random.between(0.1, 0.25) * measures.limit;
+                self.fault = Some(Fault { channel: force(), delay: 0.0, gain: 1.0, bias });
+                Hidden::at(id, force(), &[("bias", bias)])
+            }
+            "unknown:periodic_disturbance" => {
+                self.disturbance =
+                    Some((strength * random.between(0.1, 0.2) * measures.limit, random.between(2.3, 4.7)));
+                Hidden::new(id, &[])
+            }
+            _ => return Err(format!("`{id}` cannot be hidden in a bare contact")),
+        };
+        self.hidden.push(hidden);
+        Ok(())
+    }
+
+    fn press(&mut self, id: &str, strength: f64, random: &mut Random) -> Hidden {
+        let stiffness = random.magnitude(1e7, 3e7);
+        let amplitude = random.between(0.3, 0.5) * self.normal_load / stiffness;
+        let multiple = random.between(0.4, 2.3);
+        let (mut cubic, mut impact) = (0.0, 0.0);
+        let parameter = if id == "normal_hardening" {
+            cubic = strength * random.between(0.2, 0.4) * stiffness / amplitude.powi(2);
+            ("normal_cubic_stiffness", cubic)
+        } else {
+            // At 5 Hz the factor swings by a third.
+            impact = strength * random.between(0.25, 0.4) / (TAU * 5.0 * multiple * amplitude);
+            ("impact_damping", impact)
+        };
+        self.normal = Some(Normal::Approach { amplitude, multiple, stiffness, cubic, impact });
+        Hidden::new(id, &[parameter])
+    }
+
+    /// Normal load and approach at a time.
+    fn normal(&self, motion: &Motion, time: f64) -> (f64, f64) {
+        let angle = |multiple: f64| TAU * multiple * motion.frequency * time + motion.phases[0];
+        match &self.normal {
+            None => (self.normal_load, 0.0),
+            Some(Normal::Swing { share, multiple }) => {
+                (self.normal_load * (1.0 + share * angle(*multiple).sin()), 0.0)
+            }
+            Some(Normal::Approach { amplitude, multiple, stiffness, cubic, impact }) => {
+                let approach = amplitude * angle(*multiple).sin();
+                let speed = TAU * multiple * motion.frequency * amplitude * angle(*multiple).cos();
+                let elastic = self.normal_load + stiffness * approach + cubic * approach.powi(3);
+                ((elastic * (1.0 + impact * speed)).max(0.0), approach)
+            }
+        }
+    }
+
+    fn record(&self, motion: &Motion) -> Record {
+        let period = PERIODS / motion.frequency / (SAMPLES - 1) as f64;
+        let step = period / STEPS as f64;
+        let times: Vec<f64> = (0..SAMPLES).map(|index| index as f64 * period).collect();
+        let force = self.force(motion, period, step);
+        let normals = times.iter().map(|time| self.normal(motion, *time));
+        let (loads, approaches): (Vec<f64>, Vec<f64>) = normals.unzip();
+        let displacement = times.iter().map(|time| motion.displacement(*time)).collect();
+        let shown = force.sample("force", SAMPLES, period, self.fault.as_ref());
+        let mut columns = vec![
+            Column::new("time", "s", Role::Exact, times),
+            Column::new("displacement", "m", Role::Prescribed, displacement),
+            Column::new("force", "N", Role::Response, shown),
+            Column::new("normal_load", "N", Role::Driven, loads),
+        ];
+        if let Some(Normal::Approach { .. }) = self.normal {
+            columns.push(Column::new("normal_displacement", "m", Role::Prescribed, approaches));
+        }
+        Record { regime: motion.regime, columns, told: Vec::new() }
+    }
+
+    /// The contact force on the fine grid, from before the record's start as far as a late sensor looks back.
+    fn force(&self, motion: &Motion, period: f64, step: f64) -> Fine {
+        let late = self.fault.as_ref().map_or(0.0, |fault| fault.delay);
+        let before = (late / period).ceil() as usize * STEPS;
+        let history = match motion.stretch {
+            None => 800 * STEPS,
+            Some(_) => before,
+        };
+        let start = -(history as f64) * step;
+        let mut contact = match motion.stretch {
+            Some(stretch) if motion.regime == Regime::UnknownInitialState => {
+                let elongation =
+                    stretch * self.joint.friction_coefficient * self.normal_load / self.joint.stiffness;
+                Contact::stretched(&self.joint, motion.displacement(start), elongation)
+            }
+            _ => Contact::at_rest(&self.joint, 0.0),
+        };
+        let count = history + (SAMPLES - 1) * STEPS + 1;
+        let values = (0..count)
+            .map(|index| {
+                let time = (index as f64 - history as f64) * step;
+                if index == history {
+                    contact.begin_record();
+                }
+                let disturbance = self.disturbance.map_or(0.0, |(size, frequency)| {
+                    size * (TAU * frequency * time + motion.phases[1]).sin()
+                });
+                let load = self.normal(motion, time).0;
+                contact.advance(motion.displacement(time), load, step, time) + disturbance
+            })
+            .collect();
+        Fine { values, step, start }
+    }
+}
+
+fn motion(
+    (level, frequency, regime): (f64, f64, Regime),
+    yield_displacement: f64,
+    random: &mut Random,
+) -> Motion {
+    let amplitude = level * random.about_one(0.1) * yield_displacement;
+    let turned = if random.unit() < 0.5 { 0.0 } else { TAU / 2.0 };
+    let phase = if regime == Regime::FromRest { turned } else { random.phase() };
+    let stretch = random.between(-0.95, 0.95);
+    let steady = random.unit() < 0.25 && regime == Regime::UnknownInitialState;
+    Motion {
+        amplitude,
+        frequency,
+        phase,
+        regime,
+        stretch: (!steady).then_some(stretch),
+        phases: [random.phase(), random.phase()],
+    }
+}
+
+impl Motion {
+    fn displacement(&self, time: f64) -> f64 {
+        let wave = self.amplitude * (TAU * self.frequency * time + self.phase).sin();
+        if self.regime != Regime::FromRest {
+            return wave;
+        }
+        // Up to the full level within half of the record, without a jerk.
+        let part = (2.0 * time * self.frequency / PERIODS).clamp(0.0, 1.0);
+        wave * part * part * (3.0 - 2.0 * part)
+    }
+}
+
+impl Rig for Prescribed {
+    fn respond(&self) -> Vec<Record> {
+        self.motions.iter().map(|motion| self.record(motion)).collect()
+    }
+
+    fn base(&self) -> Vec<f64> {
+        vec![self.joint.stiffness, self.joint.friction_coefficient]
+    }
+
+    fn with_base(&self, values: &[f64]) -> Box<dyn Rig> {
+        let mut rig = self.clone();
+        (rig.joint.stiffness, rig.joint.friction_coefficient) = (values[0], values[1]);
+        Box::new(rig)
+    }
+
+    fn plain(&self) -> Box<dyn Rig> {
+        let joint = Joint::jenkins(self.joint.stiffness, self.joint.friction_coefficient);
+        let normal = match self.normal.clone() {
+            Some(Normal::Approach { amplitude, multiple, stiffness, .. }) => {
+                Some(Normal::Approach { amplitude, multiple, stiffness, cubic: 0.0, impact: 0.0 })
+            }
+            _ => None,
+        };
+        Box::new(Self { joint, normal, fault: None, disturbance: None, hidden: Vec::new(), ..self.clone() })
+    }
+
+    fn ignorance(&self) -> Vec<f64> {
+        vec![0.15, 0.15]
+    }
+
+    fn model(&self, off: &[f64]) -> String {
+        let mut text = String::from("schema = \"stickslip.model/1\"\nkind = \"contact\"\n\n");
+        let (stiffness, friction) = (self.joint.stiffness * off[0], self.joint.friction_coefficient * off[1]);
+        contact_table(&mut text, "", stiffness, friction, self.normal_load);
+        if let Some(Normal::Approach { stiffness, .. }) = self.normal {
+            let _ = writeln!(text, "normal_stiffness = {stiffness}");
+        }
+        text
+    }
+
+    fn hidden(&self) -> &[Hidden] {
+        &self.hidden
+    }
+
+    fn tells_noise(&self) -> bool {
+        false
+    }
+}
+
+/// Writes `[contact]`.
+pub fn contact_table(
+    text: &mut String,
+    at: &str,
+    stiffness: f64,
+    friction_coefficient: f64,
+    normal_load: f64,
+) {
+    let _ = write!(
+        text,
+        "[contact]\n{at}law = \"jenkins\"\ntangential_stiffness = {stiffness}\n\
+         friction_coefficient = {friction_coefficient}\nnormal_load = {normal_load}\n"
+    );
+}

@@ -1,0 +1,144 @@
+//! Records as columns: clean from the simulation, then noisy as an instrument would write them.
+
+use crate::random::Random;
+
+/// What a column's noise is relative to the case's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Exact: the time.
+    Exact,
+    /// What the experimenter sets, measured well: a tenth of the noise.
+    Driven,
+    /// Displacement of a prescribed motion: three hundredths of the noise.
+    Prescribed,
+    /// What the model has to explain.
+    Response,
+}
+
+impl Role {
+    fn share(self) -> f64 {
+        match self {
+            Role::Exact => 0.0,
+            Role::Driven => 0.1,
+            Role::Prescribed => 0.03,
+            Role::Response => 1.0,
+        }
+    }
+}
+
+/// A column of a record.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// `force`, `displacement:m1`, ...
+    pub name: String,
+    /// Its unit, as the header says it.
+    pub unit: &'static str,
+    /// How well it is measured.
+    pub role: Role,
+    /// One value per sample, SI.
+    pub values: Vec<f64>,
+}
+
+impl Column {
+    /// A column.
+    pub fn new(name: impl Into<String>, unit: &'static str, role: Role, values: Vec<f64>) -> Self {
+        Self { name: name.into(), unit, role, values }
+    }
+}
+
+/// How a record begins, in the words of a dataset file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Regime {
+    /// Nothing moves and nothing is remembered.
+    FromRest,
+    /// Whole periods of a steady state.
+    Steady,
+    /// The contact remembers something.
+    UnknownInitialState,
+}
+
+impl Regime {
+    /// The word in `dataset.toml`.
+    pub fn word(self) -> &'static str {
+        match self {
+            Regime::FromRest => "from-rest",
+            Regime::Steady => "steady",
+            Regime::UnknownInitialState => "unknown-initial-state",
+        }
+    }
+}
+
+/// A record.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// How it begins.
+    pub regime: Regime,
+    /// Its columns, the time first.
+    pub columns: Vec<Column>,
+    /// Standard deviations of the noise that the dataset file tells, by column.
+    pub told: Vec<(String, f64)>,
+}
+
+impl Record {
+    /// Adds noise: `share` of each column's root mean square, times what its role says.
+    pub fn measure(&mut self, share: f64, correlation: f64, tell: bool, random: &mut Random) {
+        for column in &mut self.columns {
+            let size = share * column.role.share() * root_mean_square(&column.values);
+            random.add_noise(&mut column.values, size, correlation);
+            if tell && column.role == Role::Response {
+                self.told.push((column.name.clone(), size));
+            }
+        }
+    }
+
+    /// The columns that a model has to explain.
+    pub fn responses(&self) -> impl Iterator<Item = &Column> {
+        self.columns.iter().filter(|column| column.role == Role::Response)
+    }
+}
+
+/// Root mean square, the mean included.
+pub fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+/// A fault of a sensor: it shows gain · y(t − delay) + bias.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fault {
+    /// The column.
+    pub channel: String,
+    /// Lateness (s), not negative.
+    pub delay: f64,
+    /// Reading over true value.
+    pub gain: f64,
+    /// In the column's unit.
+    pub bias: f64,
+}
+
+/// A response on a fine grid that begins before the record, from which a sensor's samples are taken.
+pub struct Fine {
+    /// Values every `step` seconds.
+    pub values: Vec<f64>,
+    /// Time between them (s).
+    pub step: f64,
+    /// Time of the first (s), not after the record's start.
+    pub start: f64,
+}
+
+impl Fine {
+    /// What a sensor shows at `count` times `period` apart from 0 on.
+    pub fn sample(&self, name: &str, count: usize, period: f64, fault: Option<&Fault>) -> Vec<f64> {
+        let fault = fault.filter(|fault| fault.channel == name);
+        let (delay, gain, bias) =
+            fault.map_or((0.0, 1.0, 0.0), |fault| (fault.delay, fault.gain, fault.bias));
+        (0..count)
+            .map(|index| {
+                let place = ((index as f64 * period - delay - self.start) / self.step).max(0.0);
+                let left = (place.floor() as usize).min(self.values.len() - 1);
+                let right = (left + 1).min(self.values.len() - 1);
+                let part = place - left as f64;
+                gain * (self.values[left] * (1.0 - part) + self.values[right] * part) + bias
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,156 @@
+//! One diagnosis against the truth.
+
+use serde_json::Value;
+
+use crate::truth::{Class, Truth};
+
+/// What `stickslip diagnose --json` says, as far as it is scored.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Diagnosis {
+    /// `nothing-missing`, `effect-found`, `not-distinguishable`, `unexplained`, `insufficient-data`; or
+    /// `failed` when there was none.
+    pub verdict: String,
+    /// Effects named as found, sorted.
+    pub effects: Vec<String>,
+    /// Groups of effects that the data cannot tell apart.
+    pub groups: Vec<Vec<String>>,
+    /// Error on the untouched records.
+    pub untouched: Option<f64>,
+    /// Floor of the noise on them.
+    pub noise_floor: Option<f64>,
+    /// Effect, parameter, interval.
+    pub intervals: Vec<(String, String, [f64; 2])>,
+    /// Duration (s).
+    pub seconds: f64,
+}
+
+impl Diagnosis {
+    /// Reads the program's JSON.
+    ///
+    /// # Errors
+    /// Another schema, or no verdict.
+    pub fn read(json: &Value) -> Result<Diagnosis, String> {
+        let schema = json.get("schema").and_then(Value::as_str).unwrap_or_default();
+        if schema != "stickslip.diagnosis/1" {
+            return Err(format!("schema \"{schema}\" instead of \"stickslip.diagnosis/1\""));
+        }
+        let verdict = json.get("verdict").and_then(Value::as_str).ok_or("no `verdict`")?.to_owned();
+        let error = |key: &str| json.get("error").and_then(|error| error.get(key)).and_then(Value::as_f64);
+        let groups = json.get("groups").and_then(Value::as_array).into_iter().flatten();
+        let mut effects = json.get("effects").map(names).unwrap_or_default();
+        effects.sort();
+        effects.dedup();
+        Ok(Diagnosis {
+            verdict,
+            effects,
+            groups: groups.map(names).collect(),
+            untouched: error("untouched"),
+            noise_floor: error("noise_floor"),
+            intervals: intervals(json),
+            seconds: json.get("seconds").and_then(Value::as_f64).unwrap_or(f64::NAN),
+        })
+    }
+
+    /// What stands for a diagnosis that did not come.
+    pub fn failed(seconds: f64) -> Diagnosis {
+        Diagnosis {
+            verdict: "failed".to_owned(),
+            effects: Vec::new(),
+            groups: Vec::new(),
+            untouched: None,
+            noise_floor: None,
+            intervals: Vec::new(),
+            seconds,
+        }
+    }
+
+    /// How it stands in the confusion matrix.
+    pub fn label(&self) -> String {
+        match self.verdict.as_str() {
+            "effect-found" => self.effects.join(" + "),
+            "not-distinguishable" => {
+                let groups: Vec<String> = self.groups.iter().map(|group| group.join(" | ")).collect();
+                let named =
+                    self.effects.iter().filter(|name| !self.groups.iter().flatten().any(|n| n == *name));
+                named.cloned().chain(groups).collect::<Vec<_>>().join(" + ")
+            }
+            verdict => format!("({verdict})"),
+        }
+    }
+}
+
+/// A list of names: of texts, or of objects with `effect` or a list `effects`.
+fn names(list: &Value) -> Vec<String> {
+    if let Some(inner) = list.get("effects") {
+        return names(inner);
+    }
+    let name = |entry: &Value| entry.as_str().or_else(|| entry.get("effect")?.as_str()).map(str::to_owned);
+    list.as_array().into_iter().flatten().filter_map(name).collect()
+}
+
+fn intervals(json: &Value) -> Vec<(String, String, [f64; 2])> {
+    let mut intervals = Vec::new();
+    for candidate in json.get("candidates").and_then(Value::as_array).into_iter().flatten() {
+        let Some(effect) = candidate.get("effect").and_then(Value::as_str) else { continue };
+        let parameters = candidate.get("parameters").and_then(Value::as_object).into_iter().flatten();
+        for (name, parameter) in parameters {
+            let number = |key: &str| parameter.get(key).and_then(Value::as_f64);
+            if let (Some(low), Some(high)) = (number("low"), number("high")) {
+                intervals.push((effect.to_owned(), name.clone(), [low, high]));
+            }
+        }
+    }
+    intervals
+}
+
+/// How right a diagnosis is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Score {
+    /// 1 right, 1/2 the truth is in a group that was named, 0 wrong.
+    pub right: f64,
+    /// Something of the catalogue was named although nothing of it is there.
+    pub named_falsely: bool,
+    /// Parameters of truly hidden effects whose interval holds the true value, and how many were told.
+    pub covered: (usize, usize),
+    /// Error on untouched records over the floor of the noise, when the verdict is right and both are told.
+    pub untouched: Option<f64>,
+}
+
+/// Scores a diagnosis.
+pub fn score(truth: &Truth, diagnosis: &Diagnosis) -> Score {
+    let found = diagnosis.verdict == "effect-found";
+    let grouped = diagnosis.verdict == "not-distinguishable";
+    let right = match truth.class() {
+        Class::Null => f64::from(diagnosis.verdict == "nothing-missing"),
+        Class::Outside => f64::from(diagnosis.verdict == "unexplained"),
+        Class::Single | Class::Pair if found => f64::from(diagnosis.effects == truth.effects),
+        Class::Single | Class::Pair if grouped && in_groups(truth, diagnosis) => 0.5,
+        Class::Single | Class::Pair => 0.0,
+    };
+    let (mut covered, mut told) = (0, 0);
+    for (effect, name, [low, high]) in &diagnosis.intervals {
+        let value = truth.parameters.get(effect).and_then(|parameters| parameters.get(name));
+        let named = found && diagnosis.effects.contains(effect) && truth.effects.contains(effect);
+        if let Some(value) = value.filter(|_| named) {
+            told += 1;
+            covered += usize::from((low..=high).contains(&value));
+        }
+    }
+    let ratio = diagnosis.untouched.zip(diagnosis.noise_floor).map(|(error, floor)| error / floor);
+    Score {
+        right,
+        named_falsely: matches!(truth.class(), Class::Null | Class::Outside) && (found || grouped),
+        covered: (covered, told),
+        untouched: ratio.filter(|ratio| right == 1.0 && truth.class() != Class::Outside && ratio.is_finite()),
+    }
+}
+
+/// Every hidden effect is named or in a group, every group holds one, and nothing else is named.
+fn in_groups(truth: &Truth, diagnosis: &Diagnosis) -> bool {
+    let hidden = |name: &String| truth.effects.contains(name);
+    let grouped = |name: &String| diagnosis.groups.iter().any(|group| group.contains(name));
+    !diagnosis.groups.is_empty()
+        && truth.effects.iter().all(|name| grouped(name) || diagnosis.effects.contains(name))
+        && diagnosis.groups.iter().all(|group| group.iter().any(hidden))
+        && diagnosis.effects.iter().all(|name| hidden(name) || grouped(name))
+}

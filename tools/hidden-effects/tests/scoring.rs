@@ -1,0 +1,187 @@
+//! The scorer on answers written by hand, and the runner on a program that always says the same.
+
+use serde_json::{Value, json};
+use stickslip_hidden_effects::score::{Diagnosis, score};
+use stickslip_hidden_effects::truth::{Class, Truth};
+
+fn truth(effect: &str) -> Truth {
+    let entry = json!({
+        "family": "contact", "effect": effect, "noise": 0.01,
+        "parameters": {"backlash": {"half_gap": 2.3e-3}},
+    });
+    Truth::read(&entry).unwrap()
+}
+
+fn answer(verdict: &str, effects: &[&str], groups: Value) -> Diagnosis {
+    let json = json!({
+        "schema": "stickslip.diagnosis/1",
+        "verdict": verdict,
+        "effects": effects,
+        "groups": groups,
+        "error": {"baseline": 0.41, "refitted": 0.38, "final": 0.021, "untouched": 0.023, "noise_floor": 0.02},
+        "candidates": [{"effect": "backlash", "error": 0.021, "gain_z": 41.0, "parameters":
+            {"half_gap": {"value": 2.3e-3, "low": 2.2e-3, "high": 2.4e-3, "unit": "m"}}}],
+        "detectable": {}, "next_experiment": null, "seconds": 1.9,
+    });
+    Diagnosis::read(&json).unwrap()
+}
+
+fn points(effect: &str, verdict: &str, effects: &[&str], groups: Value) -> f64 {
+    score(&truth(effect), &answer(verdict, effects, groups)).right
+}
+
+#[test]
+fn a_named_effect_counts_one_and_a_group_that_holds_it_half() {
+    let group = json!([["backlash", "wear"]]);
+    assert_eq!(points("backlash", "effect-found", &["backlash"], json!([])), 1.0);
+    assert_eq!(points("backlash", "not-distinguishable", &[], group.clone()), 0.5);
+    assert_eq!(points("backlash", "not-distinguishable", &["backlash"], group.clone()), 0.5);
+    assert_eq!(points("stiffening", "not-distinguishable", &[], group), 0.0);
+    assert_eq!(points("backlash", "effect-found", &["wear"], json!([])), 0.0);
+    assert_eq!(points("backlash", "effect-found", &["backlash", "wear"], json!([])), 0.0);
+    assert_eq!(points("backlash", "nothing-missing", &[], json!([])), 0.0);
+    assert_eq!(points("backlash", "unexplained", &["backlash"], json!([])), 0.0);
+}
+
+#[test]
+fn a_pair_counts_when_both_are_named_in_any_order() {
+    let pair = "wear+backlash";
+    assert_eq!(truth(pair).class(), Class::Pair);
+    assert_eq!(points(pair, "effect-found", &["backlash", "wear"], json!([])), 1.0);
+    assert_eq!(points(pair, "effect-found", &["wear", "backlash"], json!([])), 1.0);
+    assert_eq!(points(pair, "effect-found", &["backlash"], json!([])), 0.0);
+    let group = json!([["wear", "asymmetry"]]);
+    assert_eq!(points(pair, "not-distinguishable", &["backlash"], group.clone()), 0.5);
+    assert_eq!(points(pair, "not-distinguishable", &["backlash", "stiffening"], group), 0.0);
+    assert_eq!(points(pair, "not-distinguishable", &[], json!([["wear", "x"], ["backlash", "y"]])), 0.5);
+    assert_eq!(
+        points(pair, "not-distinguishable", &[], json!([["wear", "x"], ["backlash", "y"], ["z", "a"]])),
+        0.0
+    );
+}
+
+#[test]
+fn naming_anything_where_nothing_of_the_catalogue_is_hidden_is_a_false_alarm() {
+    for effect in ["none", "unknown:position_dependent_friction"] {
+        let judge =
+            |verdict, effects: &[&str], groups| score(&truth(effect), &answer(verdict, effects, groups));
+        assert!(judge("effect-found", &["backlash"], json!([])).named_falsely);
+        assert!(judge("not-distinguishable", &[], json!([["backlash", "wear"]])).named_falsely);
+        for verdict in ["nothing-missing", "unexplained", "insufficient-data"] {
+            assert!(!judge(verdict, &[], json!([])).named_falsely);
+        }
+        // Surrogates are listed, but not sold.
+        assert!(!judge("unexplained", &["backlash"], json!([])).named_falsely);
+    }
+    assert_eq!(points("none", "nothing-missing", &[], json!([])), 1.0);
+    assert_eq!(points("unknown:x", "unexplained", &[], json!([])), 1.0);
+    assert_eq!(points("unknown:x", "nothing-missing", &[], json!([])), 0.0);
+}
+
+#[test]
+fn intervals_and_errors_are_judged_where_the_verdict_is_right() {
+    let right = score(&truth("backlash"), &answer("effect-found", &["backlash"], json!([])));
+    assert_eq!(right.covered, (1, 1));
+    assert!((right.untouched.unwrap() - 1.15).abs() < 1e-12);
+    let mut elsewhere = truth("backlash");
+    elsewhere.parameters.get_mut("backlash").unwrap().insert("half_gap".to_owned(), 2.5e-3);
+    assert_eq!(score(&elsewhere, &answer("effect-found", &["backlash"], json!([]))).covered, (0, 1));
+    let wrong = score(&truth("wear"), &answer("effect-found", &["backlash"], json!([])));
+    assert_eq!((wrong.covered, wrong.untouched), ((0, 0), None));
+}
+
+#[test]
+fn truths_are_read_as_their_authors_write_them() {
+    for entry in [
+        json!({"family": "beam", "effect": "wear+backlash", "noise": 0.1}),
+        json!({"family": "beam", "effect": "backlash, wear", "noise": 0.1}),
+        json!({"family": "beam", "effect": ["wear", "backlash"], "noise": 0.1}),
+        json!({"family": "beam", "effects": ["wear", "backlash"], "noise": 0.1}),
+    ] {
+        assert_eq!(Truth::read(&entry).unwrap().effects, ["backlash", "wear"]);
+    }
+    assert_eq!(Truth::read(&json!({"family": "beam", "effect": "none"})).unwrap().class(), Class::Null);
+    assert!(Truth::read(&json!({"family": "beam"})).is_err());
+    assert!(Diagnosis::read(&json!({"schema": "other/1", "verdict": "unexplained"})).is_err());
+}
+
+#[cfg(unix)]
+mod runs {
+    use std::fs;
+    use std::os::unix::fs::PermissionsExt;
+    use std::path::{Path, PathBuf};
+    use std::time::Duration;
+
+    use stickslip_hidden_effects::run::{Outcome, Plan, Task, run};
+    use stickslip_hidden_effects::table;
+
+    use super::truth;
+
+    /// A program that finds backlash everywhere and counts its runs; it breaks down on a folder called `bad`.
+    fn program(folder: &Path) -> PathBuf {
+        let path = folder.join("program");
+        let script = r#"#!/bin/sh
+echo run >> "$(dirname "$0")/runs"
+case "$2" in bad/*) exit 2;; esac
+echo '{"schema": "stickslip.diagnosis/1", "verdict": "effect-found", "effects": ["backlash"], "seconds": 0.5}' > "$5"
+exit 10
+"#;
+        fs::write(&path, script).unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+        path
+    }
+
+    fn tasks() -> Vec<Task> {
+        ["backlash", "none", "wear", "bad"]
+            .map(|name| Task {
+                name: name.to_owned(),
+                truth: truth(if name == "bad" { "backlash" } else { name }),
+                folder: Box::new(move || Ok(PathBuf::from(name))),
+            })
+            .into()
+    }
+
+    fn go(folder: &Path, fresh: bool) -> (Vec<Outcome>, usize) {
+        let plan = Plan {
+            program: folder.join("program"),
+            results: folder.join("results"),
+            jobs: 2,
+            fresh,
+            resume: false,
+            longest: Duration::from_secs(20),
+        };
+        let outcomes = run(&plan, &tasks()).unwrap();
+        (outcomes, fs::read_to_string(folder.join("runs")).unwrap().lines().count())
+    }
+
+    #[test]
+    fn what_is_finished_is_not_run_again() {
+        let folder = tempfile::tempdir().unwrap();
+        program(folder.path());
+        let (outcomes, runs) = go(folder.path(), false);
+        let points: Vec<f64> = outcomes.iter().map(|outcome| outcome.score.right).collect();
+        assert_eq!((points, runs), (vec![1.0, 0.0, 0.0, 0.0], 4));
+        assert_eq!(outcomes[3].diagnosis.verdict, "failed");
+        // Only the one that broke down runs again; all of them when asked; all with another build.
+        assert_eq!(go(folder.path(), false).1, 5);
+        assert_eq!(go(folder.path(), true).1, 9);
+        let changed = fs::read_to_string(folder.path().join("program")).unwrap() + "# another build\n";
+        fs::write(folder.path().join("program"), changed).unwrap();
+        assert_eq!(go(folder.path(), false).1, 13);
+    }
+
+    #[test]
+    fn the_table_tells_shares_with_intervals_and_every_mistake() {
+        let folder = tempfile::tempdir().unwrap();
+        program(folder.path());
+        let page = table::markdown(&go(folder.path(), false).0, "command", "machine");
+        for part in [
+            "| single effects named right | 33.3 % (1 of 3; 6.1 … 79.2 %) |",
+            "| false alarms on null cases | 100.0 % (1 of 1; 20.7 … 100.0 %) |",
+            "| wear | 1 | backlash × 1 |",
+            "| bad | (failed) |",
+        ] {
+            assert!(page.contains(part), "{part}\n{page}");
+        }
+    }
+}

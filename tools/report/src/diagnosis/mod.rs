@@ -1,0 +1,31 @@
+//! A diagnosis for people and programs: one self-contained page, text for the terminal, and JSON.
+
+mod figures;
+mod json;
+mod page;
+mod sections;
+mod terminal;
+mod words;
+
+pub use json::{added_json, diagnosis_json};
+pub use page::diagnosis_html;
+pub use terminal::diagnosis_table;
+
+/// How a diagnosis was asked for and what it took: what its result does not say itself.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Run {
+    /// The model's file as the user named it.
+    pub model: String,
+    /// The dataset as the user named it.
+    pub dataset: String,
+    /// Where the improved model was written, if it was.
+    pub written: Option<String>,
+    /// Ids of the only effects that were to be tried; `None` for the whole catalogue.
+    pub only: Option<Vec<String>>,
+    /// Effects that were to be added at most.
+    pub max_effects: usize,
+    /// How long it took (s).
+    pub seconds: f64,
+    /// Whether it was stopped before its end.
+    pub interrupted: bool,
+}

@@ -1,0 +1,321 @@
+//! The sections of the page of a diagnosis that are words and tables.
+
+use maud::{Markup, html};
+use stickslip::diagnose::{Candidate, Diagnosis, Verdict};
+use stickslip::effects::{self, Effect};
+use stickslip::measure::Use;
+
+use super::page::list;
+use super::{Run, terminal, words};
+use crate::format;
+use crate::plots::prose;
+use crate::stages::name;
+
+/// What to do.
+pub fn next(diagnosis: &Diagnosis, run: &Run) -> Markup {
+    let steps = words::next_steps(diagnosis, run);
+    html! {
+        @if !steps.is_empty() {
+            section id="next" {
+                h2 { "What to do next" }
+                div.card { (list(&steps)) }
+            }
+        }
+    }
+}
+
+/// The numbers of the fall.
+pub fn errors(diagnosis: &Diagnosis) -> Markup {
+    let error = &diagnosis.error;
+    let floor = |floor: Option<f64>| floor.map_or_else(|| "unknown".to_owned(), format::error);
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="Errors" {
+            table {
+                thead { tr { th { "Normalised error" } th.number { "all records" } th.number { "untouched records" } } }
+                tbody {
+                    tr { th scope="row" { "model as given" } td.number { (format::error(error.baseline)) } td.number {} }
+                    tr {
+                        th scope="row" { "refitted" }
+                        td.number { (format::error(error.refitted)) }
+                        td.number { (format::error(error.untouched_refitted)) }
+                    }
+                    @if !diagnosis.steps.is_empty() {
+                        tr.final {
+                            th scope="row" { "with what was added" }
+                            td.number { (format::error(error.last)) }
+                            td.number { (format::error(error.untouched)) }
+                        }
+                    }
+                    tr {
+                        th scope="row" { "noise alone" }
+                        td.number { (floor(error.noise_floor)) }
+                        td.number { (floor(error.untouched_noise_floor)) }
+                    }
+                }
+            }
+        }
+        p.note {
+            "The normalised error is the root mean square over all compared channels, each divided by its own standard "
+            "deviation in its record: 0 is perfect, 1 is no better than the channel’s mean. Untouched records were neither "
+            "fitted to nor chosen by; they are read once, at the end."
+            @if let Some(chi_square) = diagnosis.chi_square {
+                " On them the mean square of the residual is " (format::significant(chi_square, 3)) " times that of the noise (1 would be perfect)."
+            }
+        }
+    }
+}
+
+/// What the verdict rests on.
+pub fn why(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        section id="why" {
+            h2 { "Why" }
+            (list(&diagnosis.reasons))
+            @for evidence in &diagnosis.evidence {
+                div.evidence {
+                    h3 { (words::title(evidence.effect)) }
+                    p.text { strong { "What was seen: " } (name(&evidence.seen)) }
+                    @if let Some(otherwise) = &evidence.otherwise {
+                        p.text { strong { "What else could do it: " } (name(otherwise)) }
+                    }
+                }
+            }
+            @for group in &diagnosis.groups {
+                div.evidence {
+                    h3 { (words::titles(&group.effects, "or")) }
+                    p.text { strong { "Why they cannot be told apart: " } (name(&group.reason)) }
+                    p.text { strong { "What would: " } (name(&group.experiment)) }
+                }
+            }
+            (steps(diagnosis))
+        }
+    }
+}
+
+fn steps(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        @if !diagnosis.steps.is_empty() {
+            div.scroll tabindex="0" role="region" aria-label="Steps of the selection" {
+                table {
+                    thead { tr {
+                        th { "Step" } th.number { "Error, selecting records" } th.number { "Squared error removed" }
+                        th.number { "z" } th {}
+                    } }
+                    tbody { @for step in &diagnosis.steps { tr {
+                        th scope="row" { "+ " (words::titles(&step.added, "and")) }
+                        td.number { (format::error(step.error)) }
+                        td.number { (percent(step.gain_share)) }
+                        td.number { (format::fixed(step.gain_z, 2)) }
+                        td { @if step.dropped { "dropped again: the others do as well without it" } }
+                    } } }
+                }
+            }
+            p.note { "z is the gain over its standard error, from blocks of the selecting records; below 3 it may be chance." }
+        }
+    }
+}
+
+fn percent(share: f64) -> String {
+    format::Scale { factor: 100.0, unit: "%".to_owned(), decimals: 1 }.with_unit(share)
+}
+
+/// What the catalogue says of what was found, of the members of groups and of stand-ins.
+pub fn effects(diagnosis: &Diagnosis) -> Markup {
+    let mut ids: Vec<&str> = Vec::new();
+    let grouped = diagnosis.groups.iter().flat_map(|group| group.effects.iter());
+    for id in diagnosis.effects.iter().chain(grouped).chain(&diagnosis.surrogates) {
+        if !ids.contains(id) {
+            ids.push(id);
+        }
+    }
+    let heading = match diagnosis.verdict {
+        Verdict::EffectFound if ids.len() == 1 => "The effect",
+        Verdict::EffectFound => "The effects",
+        Verdict::NotDistinguishable => "The effects in question",
+        _ => "Stand-ins, not findings",
+    };
+    html! {
+        @if !ids.is_empty() {
+            section id="effects" {
+                h2 { (heading) }
+                @for effect in ids.iter().filter_map(|id| effects::find(id)) { (effect_text(effect, diagnosis)) }
+            }
+        }
+    }
+}
+
+fn effect_text(effect: &Effect, diagnosis: &Diagnosis) -> Markup {
+    let all = diagnosis.rounds.iter().rev().flatten().chain(&diagnosis.candidates);
+    let fitted = all.filter(|one| one.effects.contains(&effect.id)).find(|one| !one.parameters.is_empty());
+    html! {
+        div.evidence {
+            h3 { (effect.title) " " code { (effect.id) } }
+            p.text { (effect.summary) "." }
+            @if let Some(one) = fitted {
+                p.text { strong { "Here: " } (parameters(one)) }
+            }
+            p.text { strong { "What it is: " } (effect.explanation) }
+            p.text { strong { "How to confirm it: " } (effect.confirmation) }
+        }
+    }
+}
+
+fn parameters(candidate: &Candidate) -> Markup {
+    html! {
+        @for (index, one) in candidate.parameters.iter().enumerate() {
+            @if index > 0 { "; " }
+            (name(&words::parameter(&one.name))) " = " span.keep { (name(&words::estimate(one))) }
+        }
+    }
+}
+
+/// The rounds of candidates, and what was not tried.
+pub fn candidates(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        @if !diagnosis.candidates.is_empty() {
+            (candidate_table("First round: each beside the model as it is", &diagnosis.candidates))
+            p.note { "Errors are on the selecting records. Intervals in brackets hold the value with 95 % confidence, as far as \
+                      the model is right." }
+        }
+        @for (round, candidates) in diagnosis.rounds.iter().enumerate() {
+            details {
+                summary { span.record { "Round " (round + 2) } span.quiet { "beside what was added before" } }
+                (candidate_table("Candidates of the round", candidates))
+            }
+        }
+        @if !diagnosis.untried.is_empty() {
+            details {
+                summary { span.record { "Not tried" } span.quiet { (format::count(diagnosis.untried.len(), "effect")) } }
+                ul.text { @for one in &diagnosis.untried {
+                    li { strong { (words::title(one.effect)) } ": " (name(&one.reason)) }
+                } }
+            }
+        }
+    }
+}
+
+fn candidate_table(label: &str, candidates: &[Candidate]) -> Markup {
+    html! {
+        div.scroll tabindex="0" role="region" aria-label=(label) {
+            table {
+                thead { tr {
+                    th { "Effect" } th.number { "Error" } th.number { "Gain" } th.number { "z" }
+                    th { "Parameters" } th.number { "Model runs" }
+                } }
+                tbody { @for one in candidates { tr {
+                    th scope="row" { (name(&words::candidate(one))) }
+                    @if let Some(reason) = &one.failure {
+                        td.failed colspan="4" { (name(reason)) }
+                    } @else {
+                        td.number { (format::error(one.error)) }
+                        td.number { (terminal::gain(one)) }
+                        td.number { (format::fixed(one.gain_z, 2)) }
+                        td { (parameters(one)) }
+                    }
+                    td.number { (one.evaluations) }
+                } } }
+            }
+        }
+    }
+}
+
+/// The smallest size of each effect that would have been seen.
+pub fn detectable(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        @if !diagnosis.detectable.is_empty() {
+            section id="detectable" {
+                h2 { "What would have been seen" }
+                p.note { "The smallest size of each effect that would have stood out of these data." }
+                div.scroll tabindex="0" role="region" aria-label="Detectable sizes" {
+                    table {
+                        thead { tr { th { "Effect" } th { "Parameter" } th.number { "Smallest size" } } }
+                        tbody { @for one in &diagnosis.detectable { tr {
+                            th scope="row" { (words::title(one.effect)) }
+                            td { (words::parameter(one.parameter)) }
+                            td.number { @match one.value {
+                                Some(value) => { (format::engineering(rounded(value), one.unit)) }
+                                None => { "never" }
+                            } }
+                        } } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Two digits say all that is known of a limit.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
+}
+
+/// What each record was used for.
+pub fn split(diagnosis: &Diagnosis) -> Markup {
+    let records = &diagnosis.comparison.records;
+    let of = |used: Use| -> Vec<String> {
+        let all = records.iter().zip(&diagnosis.split).filter(|(_, one)| **one == used);
+        all.map(|(record, _)| name(&record.name)).collect()
+    };
+    let uses = [(Use::Fit, "Fitted to"), (Use::Select, "Chosen by"), (Use::Confirm, "Untouched until the end")];
+    html! {
+        @if diagnosis.split.len() == records.len() && !records.is_empty() {
+            ul.text { @for (used, words) in uses {
+                @let found = of(used);
+                li { strong { (words) ": " } @if found.is_empty() { "none" } @else { (found.join(", ")) } }
+            } }
+        }
+    }
+}
+
+/// The noise of each channel and how it is known.
+pub fn noise(diagnosis: &Diagnosis) -> Markup {
+    html! {
+        @if !diagnosis.noise.is_empty() {
+            section id="noise" {
+                h2 { "Noise" }
+                div.scroll tabindex="0" role="region" aria-label="Noise" {
+                    table {
+                        thead { tr { th { "Record" } th { "Channel" } th.number { "Standard deviation" } th { "How it is known" } } }
+                        tbody { @for one in &diagnosis.noise {
+                            @let record = diagnosis.comparison.records.get(one.record);
+                            @let unit = record.and_then(|r| r.channel(&one.channel)).map_or("1", |channel| channel.unit);
+                            tr {
+                                th scope="row" { (record.map_or_else(String::new, |record| name(&record.name))) }
+                                td { (name(&prose(&one.channel))) }
+                                td.number { (one.deviation.map_or_else(
+                                    || "unknown".to_owned(), |value| format::engineering(short(value), unit))) }
+                                td { (words::source(one.source)) }
+                            }
+                        } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn short(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}
+
+/// How the verdict was reached, and with what settings.
+pub fn method(diagnosis: &Diagnosis, run: &Run) -> Markup {
+    let tried = match &run.only {
+        Some(ids) => ids.iter().map(|id| words::title(id)).collect::<Vec<_>>().join(", "),
+        None => "the whole catalogue".to_owned(),
+    };
+    html! {
+        section id="method" {
+            h2 { "How this was found" }
+            p.text {
+                "Each candidate is added to the simulator and the whole model is refitted with it, so that no parameter of the "
+                "model can hide the effect or stand in for it unseen. Candidates are compared on records that they were not "
+                "fitted to; the fall of the error is confirmed on records that nothing has seen before."
+            }
+            ul.text {
+                li { "Tried: " (name(&tried)) "; at most " (format::count(run.max_effects, "effect")) " added." }
+                li { (terminal::effort(diagnosis, run)) }
+            }
+        }
+    }
+}

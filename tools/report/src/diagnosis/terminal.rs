@@ -1,0 +1,124 @@
+//! A diagnosis as text for a terminal.
+
+use stickslip::diagnose::{Candidate, Diagnosis, Verdict};
+
+use super::{Run, words};
+use crate::format;
+use crate::table::{BOLD, RED, Text};
+
+/// Candidates shown at most; the files hold all.
+const CANDIDATES: usize = 8;
+
+/// Verdict, what to do next, why, the fall of the error and the best candidates, in lines of at most `width`
+/// columns (at least 40 are used). With `color`, ANSI sequences are added.
+pub fn diagnosis_table(diagnosis: &Diagnosis, run: &Run, width: usize, color: bool) -> String {
+    let mut out = Text::new(width, color);
+    out.paragraph(words::badge(diagnosis.verdict), BOLD);
+    out.paragraph(&words::verdict(diagnosis), "");
+    for warning in words::warnings(diagnosis, run) {
+        out.paragraph(&warning, RED);
+    }
+    heading(&mut out, "Next");
+    for step in words::next_steps(diagnosis, run) {
+        out.paragraph(&format!("- {step}"), "");
+    }
+    why(&mut out, diagnosis);
+    errors(&mut out, diagnosis);
+    candidates(&mut out, &diagnosis.candidates);
+    out.line("");
+    out.paragraph(&effort(diagnosis, run), "");
+    out.finish()
+}
+
+fn heading(out: &mut Text, text: &str) {
+    out.line("");
+    out.paragraph(text, BOLD);
+}
+
+fn why(out: &mut Text, diagnosis: &Diagnosis) {
+    if diagnosis.reasons.is_empty() && diagnosis.evidence.is_empty() {
+        return;
+    }
+    heading(out, "Why");
+    for reason in &diagnosis.reasons {
+        out.paragraph(&format!("- {reason}"), "");
+    }
+    for evidence in &diagnosis.evidence {
+        out.paragraph(&format!("- {}: {}", words::title(evidence.effect), evidence.seen), "");
+        if let Some(otherwise) = &evidence.otherwise {
+            out.paragraph(&format!("  What else could do it: {otherwise}"), "");
+        }
+    }
+    for group in &diagnosis.groups {
+        out.paragraph(&format!("- {}: {}", words::titles(&group.effects, "or"), group.reason), "");
+    }
+}
+
+fn errors(out: &mut Text, diagnosis: &Diagnosis) {
+    let error = &diagnosis.error;
+    heading(out, "Error, normalised by each channel's standard deviation");
+    let floor = |value: Option<f64>| value.map_or_else(|| "unknown".to_owned(), format::error);
+    let added: Vec<&str> = match diagnosis.verdict {
+        Verdict::EffectFound => diagnosis.effects.clone(),
+        _ => diagnosis.steps.iter().filter(|step| !step.dropped).flat_map(|step| step.added.clone()).collect(),
+    };
+    let mut left = vec![String::new(), "as given".to_owned(), "refitted".to_owned()];
+    let mut cells = vec![
+        vec!["all records".to_owned(), "untouched".to_owned()],
+        vec![format::error(error.baseline), String::new()],
+        vec![format::error(error.refitted), format::error(error.untouched_refitted)],
+    ];
+    if !added.is_empty() {
+        left.push(format!("with {}", words::titles(&added, "and")));
+        cells.push(vec![format::error(error.last), format::error(error.untouched)]);
+    }
+    left.push("noise alone".to_owned());
+    cells.push(vec![floor(error.noise_floor), floor(error.untouched_noise_floor)]);
+    out.grid(&left, &cells, 0);
+}
+
+fn candidates(out: &mut Text, candidates: &[Candidate]) {
+    if candidates.is_empty() {
+        return;
+    }
+    heading(out, "Candidates, each refitted with the whole model; error on the records for selecting");
+    let mut left = vec!["effect".to_owned()];
+    let mut cells = vec![["error", "gain", "z", "parameter"].map(str::to_owned).to_vec()];
+    for one in candidates.iter().take(CANDIDATES) {
+        left.push(format::printable(&words::candidate(one)));
+        cells.push(match &one.failure {
+            Some(_) => vec!["failed".to_owned(), String::new(), String::new(), String::new()],
+            None => vec![
+                format::error(one.error),
+                gain(one),
+                format::fixed(one.gain_z, 2),
+                one.parameters.first().map(words::estimate).unwrap_or_default(),
+            ],
+        });
+    }
+    out.grid(&left, &cells, 0);
+    if candidates.len() > CANDIDATES {
+        out.line(&format!("… and {} more", candidates.len() - CANDIDATES));
+    }
+}
+
+/// Share of the squared error removed, in per cent.
+pub fn gain(candidate: &Candidate) -> String {
+    if !candidate.gain_share.is_finite() {
+        return format::ABSENT.to_owned();
+    }
+    format::Scale { factor: 100.0, unit: "%".to_owned(), decimals: 1 }.with_unit(candidate.gain_share)
+}
+
+/// What it took, in one line.
+pub fn effort(diagnosis: &Diagnosis, run: &Run) -> String {
+    let refits = format::count(diagnosis.cost.refits, "refit");
+    let simulations = format::count(diagnosis.cost.simulations, "simulated record");
+    let rate = diagnosis.cost.refits as f64 / run.seconds;
+    let rate = if rate.is_finite() && rate > 0.0 {
+        format!(", {} refits a second", format::significant(rate, 2))
+    } else {
+        String::new()
+    };
+    format!("{refits}, {simulations} in {} s{rate}.", format::significant(run.seconds, 2))
+}

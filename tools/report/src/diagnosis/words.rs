@@ -1,0 +1,258 @@
+//! What a diagnosis says, in sentences for an engineer.
+
+use stickslip::diagnose::{Candidate, Diagnosis, Estimate, NoiseSource, Verdict};
+use stickslip::effects;
+
+use super::Run;
+use crate::format;
+
+/// The name of an effect for people.
+pub fn title(id: &str) -> String {
+    effects::find(id).map_or_else(|| id.replace('_', " "), |effect| effect.title.to_owned())
+}
+
+/// Several names: `Backlash`, `Backlash and Wear`, `A, B and C`.
+pub fn titles(ids: &[&str], last: &str) -> String {
+    let all: Vec<String> = ids.iter().map(|id| title(id)).collect();
+    match &all[..] {
+        [] => "nothing".to_owned(),
+        [only] => only.clone(),
+        [before @ .., end] => format!("{} {last} {end}", before.join(", ")),
+    }
+}
+
+/// The verdict in a word or two.
+pub fn badge(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::NothingMissing => "Nothing is missing",
+        Verdict::EffectFound => "Effect found",
+        Verdict::NotDistinguishable => "Not distinguishable",
+        Verdict::Unexplained => "Unexplained",
+        Verdict::InsufficientData => "Insufficient data",
+    }
+}
+
+/// The candidate as a name: its effects and where it sits.
+pub fn candidate(candidate: &Candidate) -> String {
+    let names = titles(&candidate.effects, "and");
+    match &candidate.location {
+        Some(location) => format!("{names} at {location}"),
+        None => names,
+    }
+}
+
+/// The verdict in one sentence or two, with the numbers that it rests on.
+pub fn verdict(diagnosis: &Diagnosis) -> String {
+    let found = titles(&diagnosis.effects, "and");
+    let be = if diagnosis.effects.len() == 1 { "is" } else { "are" };
+    match diagnosis.verdict {
+        Verdict::NothingMissing => format!(
+            "Nothing is missing that these data could show: with its parameters refitted the model leaves an error of \
+             {}.{}",
+            format::error(diagnosis.error.refitted),
+            floor(diagnosis)
+        ),
+        Verdict::EffectFound => {
+            format!("{found} {be} missing from the model. {}{}", fall(diagnosis), floor(diagnosis))
+        }
+        Verdict::NotDistinguishable => format!(
+            "Something is missing, but these data cannot tell what: {}.{}",
+            groups(diagnosis),
+            floor(diagnosis)
+        ),
+        Verdict::Unexplained => format!(
+            "Something is missing that no effect of the catalogue explains.{}{}",
+            if diagnosis.surrogates.is_empty() { String::new() } else { format!(" {}", fall(diagnosis)) },
+            floor(diagnosis)
+        ),
+        Verdict::InsufficientData => {
+            "These data cannot carry an answer: whether an effect is missing stays open.".to_owned()
+        }
+    }
+}
+
+/// `Backlash or Wear; and X or Y`.
+fn groups(diagnosis: &Diagnosis) -> String {
+    let all: Vec<String> = diagnosis.groups.iter().map(|group| titles(&group.effects, "or")).collect();
+    if all.is_empty() { "several effects would do".to_owned() } else { all.join("; and ") }
+}
+
+/// How far the error falls, on the untouched records where there are any.
+fn fall(diagnosis: &Diagnosis) -> String {
+    let error = &diagnosis.error;
+    let with = match (diagnosis.verdict, diagnosis.effects.len() + diagnosis.surrogates.len()) {
+        (Verdict::EffectFound, 1) => "With it",
+        (Verdict::EffectFound, _) => "With them",
+        _ => "With the best of them",
+    };
+    let (before, after, whose) = if error.untouched.is_finite() && error.untouched_refitted.is_finite() {
+        (error.untouched_refitted, error.untouched, " on records that nothing was fitted to")
+    } else {
+        (error.refitted, error.last, "")
+    };
+    let change = format::change(before, after).map(|change| format!(" ({change})")).unwrap_or_default();
+    format!("{with} the error{whose} falls from {} to {}{change}.", format::error(before), format::error(after))
+}
+
+/// What the noise alone would leave.
+fn floor(diagnosis: &Diagnosis) -> String {
+    let error = &diagnosis.error;
+    let floor = match diagnosis.verdict {
+        Verdict::NothingMissing => error.noise_floor,
+        _ => error.untouched_noise_floor.or(error.noise_floor),
+    };
+    match floor {
+        Some(floor) => format!(" The noise alone would leave {}.", format::error(floor)),
+        None => " How much of it is noise is unknown.".to_owned(),
+    }
+}
+
+/// What to do next, most important first.
+pub fn next_steps(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
+    let mut steps = Vec::new();
+    if run.interrupted {
+        steps.push("The diagnosis was interrupted: run it again to its end before acting on it.".to_owned());
+    }
+    match diagnosis.verdict {
+        Verdict::EffectFound => {
+            steps.extend(diagnosis.effects.iter().filter_map(|id| {
+                let effect = effects::find(id)?;
+                Some(format!("Confirm {}: {}", effect.title, effect.confirmation))
+            }));
+            steps.push(add(diagnosis, run));
+        }
+        Verdict::NotDistinguishable => {
+            steps.extend(diagnosis.groups.iter().map(|group| group.experiment.clone()));
+        }
+        Verdict::Unexplained => steps.push(
+            "Look at what is left: the section “What is left” shows it against displacement, velocity, load and time. Its \
+             shape is the best hint at a cause that is not in the catalogue."
+                .to_owned(),
+        ),
+        Verdict::NothingMissing | Verdict::InsufficientData => {}
+    }
+    if let Some(experiment) = &diagnosis.next_experiment
+        && !steps.contains(experiment)
+    {
+        steps.push(experiment.clone());
+    }
+    if steps.is_empty() && diagnosis.verdict == Verdict::NothingMissing {
+        steps.push(
+            "Use the refitted model. What would have been seen, and how large it would have had to be, is listed below."
+                .to_owned(),
+        );
+    }
+    steps
+}
+
+/// How to get the model with the effects.
+fn add(diagnosis: &Diagnosis, run: &Run) -> String {
+    if let Some(path) = &run.written {
+        return format!("The model with what was found is in {path}; `stickslip export {path} -o X.fmu` makes it an FMU.");
+    }
+    let (model, data) = (quoted(&run.model), quoted(&run.dataset));
+    match (&diagnosis.effects[..], diagnosis.candidates.iter().find(|one| one.effects == diagnosis.effects)) {
+        ([id], candidate) => {
+            let place = candidate.and_then(|one| one.location.as_ref());
+            let place = place.map(|place| format!("@{place}")).unwrap_or_default();
+            format!("Add it: `stickslip add {model} {id}{place} --fit {data} -o NEW.toml`")
+        }
+        _ => format!("Write the model with them: `stickslip diagnose {model} {data} -o NEW.toml`"),
+    }
+}
+
+fn quoted(path: &str) -> String {
+    if path.contains(' ') { format!("'{path}'") } else { path.to_owned() }
+}
+
+/// What a reader must know beside the verdict.
+pub fn warnings(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
+    let mut all = Vec::new();
+    if run.interrupted {
+        all.push("Interrupted: this is what was known until then.".to_owned());
+    }
+    if !diagnosis.surrogates.is_empty() && diagnosis.verdict == Verdict::Unexplained {
+        let one = diagnosis.surrogates.len() == 1;
+        all.push(format!(
+            "{} {} the error without explaining the data: {}, not {}.",
+            titles(&diagnosis.surrogates, "and"),
+            if one { "lowers" } else { "lower" },
+            if one { "a stand-in" } else { "stand-ins" },
+            if one { "a finding" } else { "findings" },
+        ));
+    }
+    if diagnosis.verdict != Verdict::InsufficientData && diagnosis.error.noise_floor.is_none() {
+        all.push(
+            "The noise is unknown: no record is repeated or periodic and the dataset states none, so that it cannot be \
+             said how much of the error that remains is noise."
+                .to_owned(),
+        );
+    }
+    if !diagnosis.error.untouched.is_finite() && diagnosis.verdict == Verdict::EffectFound {
+        all.push("No record was left untouched: the error after adding is not confirmed on data of its own.".to_owned());
+    }
+    let known = |source| {
+        !matches!(source, NoiseSource::Unknown)
+    };
+    let some = diagnosis.noise.iter().any(|noise| known(noise.source));
+    if some && diagnosis.noise.iter().any(|noise| !known(noise.source)) {
+        all.push("The noise of some channels is unknown; see “Noise”.".to_owned());
+    }
+    all
+}
+
+/// How the noise of a channel is known.
+pub fn source(source: NoiseSource) -> &'static str {
+    match source {
+        NoiseSource::Stated => "stated in the dataset",
+        NoiseSource::Periods => "difference of repeated periods",
+        NoiseSource::Repeats => "repeated record",
+        NoiseSource::Carried => "carried over from others",
+        NoiseSource::Unknown => "unknown",
+    }
+}
+
+/// A fitted number with its interval: `2.3 mm (2.2 … 2.4)`.
+pub fn estimate(estimate: &Estimate) -> String {
+    let value = format::engineering(estimate.value, estimate.unit);
+    match (estimate.low, estimate.high) {
+        (Some(low), Some(high)) => format!("{value} ({})", interval(low, high, estimate.unit)),
+        _ => format!("{value} (not determined)"),
+    }
+}
+
+/// Both ends with the unit once where it is the same.
+fn interval(low: f64, high: f64, unit: &str) -> String {
+    let (low, high) = (format::engineering(low, unit), format::engineering(high, unit));
+    match (low.split_once('\u{a0}'), high.split_once('\u{a0}')) {
+        (Some((number, of)), Some((_, same))) if of == same => format!("{number} … {high}"),
+        _ => format!("{low} … {high}"),
+    }
+}
+
+/// `half_gap` as prose.
+pub fn parameter(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interval_names_its_unit_once_where_both_ends_share_it() {
+        let of = |low, high| {
+            let estimate = Estimate { name: "half_gap".into(), value: 2.3e-3, low, high, unit: "m" };
+            super::estimate(&estimate).replace('\u{a0}', " ")
+        };
+        assert_eq!(of(Some(2.2e-3), Some(2.4e-3)), "2.3 mm (2.2 … 2.4 mm)");
+        assert_eq!(of(Some(0.9e-3), Some(2.4e-3)), "2.3 mm (900 µm … 2.4 mm)");
+        assert_eq!(of(None, Some(2.4e-3)), "2.3 mm (not determined)");
+    }
+
+    #[test]
+    fn names_are_joined_as_in_prose() {
+        assert_eq!(titles(&["backlash", "wear"], "or"), format!("{} or {}", title("backlash"), title("wear")));
+        assert_eq!(title("not_in_the_catalogue"), "not in the catalogue");
+    }
+}
