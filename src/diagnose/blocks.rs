@@ -64,9 +64,10 @@ pub(super) fn within(range: Range<usize>, length: usize) -> impl Iterator<Item =
     (0..count).map(move |k| range.start + k * total / count..range.start + (k + 1) * total / count)
 }
 
-/// What `with` gains over `without`; both are scores of the same records in the same order.
+/// What `with` gains over `without`; both are scores of the same records in the same order. What is left to chance
+/// in a gain is the residual of the better model: its correlation sets the blocks.
 pub(super) fn gain(bench: &Bench, without: &[Scored], with: &[Scored]) -> Gain {
-    let length = length(without.iter().map(|one| one.residuals.as_slice()));
+    let length = length(with.iter().map(|one| one.residuals.as_slice()));
     let square = |residuals: &[f64], block: &Range<usize>| residuals[block.clone()].iter().map(|r| r * r).sum::<f64>();
     let (mut gains, mut before) = (Vec::new(), 0.0);
     for (old, new) in without.iter().zip(with) {

@@ -74,8 +74,8 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
             reasons.push(format!("what remains is noise: {chi_square:.2} times its mean square"));
         }
         None if told.verdict == Verdict::EffectFound => reasons.push(format!(
-            "the noise is not known, since no motion was repeated: how much of the remaining {} is noise and how much \
-             is still unexplained these records cannot say",
+            "{} of the channels' variation remains unexplained on the untouched records; the noise is not known, since \
+             no motion was repeated, so how much of that is noise these records cannot say",
             percent(error.untouched)
         )),
         _ => {}

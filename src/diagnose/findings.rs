@@ -12,7 +12,9 @@ pub(super) const ADEQUATE: f64 = 1.15;
 /// The same above which it leaves the data unexplained.
 pub(super) const UNEXPLAINED: f64 = 1.5;
 /// Singles from which pairs are made.
-const PAIRED: usize = 6;
+const PAIRED: usize = 5;
+/// Share of the squared error that a single must remove to be paired.
+const PROMISING: f64 = 0.005;
 
 /// Something that was added.
 #[derive(Debug, Clone)]
@@ -108,7 +110,7 @@ impl Findings {
         }
         let Some(first) = self.rounds.first() else { return };
         let best: Vec<Candidate> =
-            first.iter().filter(|t| t.state.is_ok()).take(PAIRED).filter_map(|t| t.candidates.first().cloned()).collect();
+            first.iter().filter(|t| t.state.is_ok() && t.gain.share > PROMISING).take(PAIRED).filter_map(|t| t.candidates.first().cloned()).collect();
         let pairs: Vec<Vec<Candidate>> = (0..best.len())
             .flat_map(|b| (0..b).map(move |a| (a, b)))
             .map(|(a, b)| vec![best[a].clone(), best[b].clone()])

@@ -38,10 +38,22 @@ fn one(model: &Model, record: &Record, index: usize) -> Result<Vec<f64>, String>
         .map(|channel| {
             let range = start..start + channel.values.len();
             start = range.end;
-            let square: f64 = range.clone().map(|i| (shaken[i] - plain[i]).powi(2)).sum();
-            (square / range.len() as f64).sqrt()
+            size(&range.map(|i| shaken[i] - plain[i]).collect::<Vec<_>>())
         })
         .collect())
+}
+
+/// Standard deviation of a change without its slow part: a start that was fitted anew moves a whole stretch of
+/// a prediction, and would not have moved under the same noise twice.
+fn size(change: &[f64]) -> f64 {
+    let lag = (change.len() / 20).max(1);
+    let mut differences: Vec<f64> = change.iter().zip(change.get(lag..).unwrap_or(&[])).map(|(a, b)| (b - a).abs()).collect();
+    if differences.is_empty() {
+        return 0.0;
+    }
+    let middle = differences.len() / 2;
+    let (_, median, _) = differences.select_nth_unstable_by(middle, f64::total_cmp);
+    *median / 0.674_489_75 / 2.0_f64.sqrt()
 }
 
 /// Noise of a driving channel: what the dataset states, or its white part.

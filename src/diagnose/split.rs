@@ -70,7 +70,7 @@ type Place = [f64; 3];
 
 /// By the records' marks where any has one: a record without a mark is then fitted. Otherwise half are
 /// fitted: the largest motion, the smallest, then always the one farthest from those already taken in level,
-/// speed and regime; the others are dealt out in the order of regime and level.
+/// frequency and regime; the others are dealt out in the order of regime and level.
 pub(super) fn split(dataset: &Dataset, driver: impl Fn(&Record) -> Vec<f64>) -> Parts {
     let records = &dataset.records;
     if records.iter().any(|record| record.use_for.is_some_and(|use_for| use_for != Use::Fit)) {
@@ -99,7 +99,7 @@ pub(super) fn split(dataset: &Dataset, driver: impl Fn(&Record) -> Vec<f64>) -> 
     parts
 }
 
-/// Level, speed and regime of every record.
+/// Level, frequency and regime of every record.
 fn places(records: &[Record], driver: impl Fn(&Record) -> Vec<f64>) -> Vec<Place> {
     let raw: Vec<Place> = records
         .iter()
@@ -111,7 +111,8 @@ fn places(records: &[Record], driver: impl Fn(&Record) -> Vec<f64>) -> Vec<Place
                 / values.len().max(1) as f64;
             let step = record.sample_step().unwrap_or(1.0);
             let logarithm = |square: f64| if square > 0.0 { 0.5 * square.ln() } else { 0.0 };
-            [logarithm(level), logarithm(change) - step.ln(), f64::from(record.regime as u8)]
+            let rate = if level > 0.0 { logarithm(change / level) - step.ln() } else { 0.0 };
+            [logarithm(level), rate, f64::from(record.regime as u8)]
         })
         .collect();
     let mut places = raw.clone();
