@@ -93,7 +93,7 @@ pub fn confounding(figures: &mut Figures, diagnosis: &Diagnosis) -> Option<(Capt
         "type": "heatmap", "x": names, "y": names, "z": rows, "zmin": 0, "zmax": 1, "xgap": 1, "ygap": 1,
         "colorscale": [[0, "#f4f6f8"], [0.5, "#9ecae9"], [0.9, "#0072B2"], [0.9, "#D55E00"], [1, "#8c2d04"]],
         "texttemplate": "%{z:.2f}", "textfont": { "size": 10 }, "hovertemplate": "%{y}, %{x}: %{z:.2f}<extra></extra>",
-        "colorbar": { "thickness": 12, "title": { "text": "|ρ|" }, "tickvals": [0, 0.5, 0.9, 1] },
+        "showscale": false, "colorbar": { "thickness": 12, "title": { "text": "|ρ|" }, "tickvals": [0, 0.5, 0.9, 1] },
     });
     let mut layout = figure::single("", "");
     for axis in ["xaxis", "yaxis"] {

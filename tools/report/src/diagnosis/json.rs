@@ -1,7 +1,7 @@
 //! A diagnosis as JSON.
 
 use serde_json::{Map, Value, json};
-use stickslip::diagnose::{Candidate, Diagnosis, Estimate, Group, NoiseSource, Stage, Step, Verdict};
+use stickslip::diagnose::{Candidate, Diagnosis, Estimate, Group, Stage, Step, Verdict};
 use stickslip::measure::{Record, Use};
 
 use super::Run;
@@ -146,17 +146,10 @@ fn id(used: Use) -> &'static str {
 }
 
 fn noise(diagnosis: &Diagnosis) -> Vec<Value> {
-    let source = |source| match source {
-        NoiseSource::Stated => "stated",
-        NoiseSource::Periods => "periods",
-        NoiseSource::Repeats => "repeats",
-        NoiseSource::Carried => "carried",
-        NoiseSource::Unknown => "unknown",
-    };
     let one = |noise: &stickslip::diagnose::Noise| {
         json!({
             "file": record_name(diagnosis, noise.record), "channel": noise.channel, "deviation": noise.deviation,
-            "source": source(noise.source),
+            "source": crate::json::source(noise.source),
         })
     };
     diagnosis.noise.iter().map(one).collect()

@@ -117,7 +117,7 @@ pub fn next_steps(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
         Verdict::EffectFound => {
             steps.extend(diagnosis.effects.iter().filter_map(|id| {
                 let effect = effects::find(id)?;
-                Some(format!("Confirm {}: {}", effect.title, effect.confirmation))
+                Some(format!("Confirm it ({}): {}", effect.title.to_lowercase(), effect.confirmation))
             }));
             steps.push(add(diagnosis, run));
         }
@@ -191,9 +191,7 @@ pub fn warnings(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
     if !diagnosis.error.untouched.is_finite() && diagnosis.verdict == Verdict::EffectFound {
         all.push("No record was left untouched: the error after adding is not confirmed on data of its own.".to_owned());
     }
-    let known = |source| {
-        !matches!(source, NoiseSource::Unknown)
-    };
+    let known = |source| !matches!(source, NoiseSource::Unknown);
     let some = diagnosis.noise.iter().any(|noise| known(noise.source));
     if some && diagnosis.noise.iter().any(|noise| !known(noise.source)) {
         all.push("The noise of some channels is unknown; see “Noise”.".to_owned());

@@ -7,6 +7,7 @@ use stickslip::harmonic::whole_periods;
 use stickslip::measure::{Channel, Record, Regime};
 
 use super::store::Store;
+use crate::decimate::samples_per_cycle;
 
 /// What a residual may be drawn against, in the order of the figures.
 pub const ROLES: [&str; 6] =
@@ -109,11 +110,21 @@ pub fn drive<'r>(record: &'r Record, measured: &Channel) -> Option<&'r Channel> 
     }
 }
 
-/// Root mean square of each stage's residual in windows along the record, over `spread`.
-pub fn slow_time(time: &[f64], residuals: &[Option<Vec<f64>>], spread: f64, factor: f64) -> Value {
+/// Root mean square of each stage's residual in windows along the record, over the channel's standard
+/// deviation; times are multiplied by `factor`. Windows are about a cycle long, or two, three ... in a record of
+/// many, since within a cycle every residual rises and falls.
+pub fn slow_time(
+    record: &Record,
+    measured: &Channel,
+    time: &[f64],
+    residuals: &[Option<Vec<f64>>],
+    (spread, factor): (f64, f64),
+) -> Value {
     let count = time.len();
-    let windows = (count / WINDOWS.1).min(WINDOWS.0);
-    if windows < 3 {
+    let cycle = drive(record, measured).and_then(|drive| samples_per_cycle(&drive.values));
+    let cycles = cycle.map_or(WINDOWS.0 / 2, |samples| count / samples.max(1));
+    let windows = (cycles / cycles.div_ceil(WINDOWS.0).max(1)).min(count / WINDOWS.1);
+    if windows < 2 {
         return Value::Null;
     }
     let edges = |window: usize| window * count / windows..(window + 1) * count / windows;
