@@ -38,7 +38,8 @@ fn example(beside: f64) -> TempDir {
     let mut dataset = "schema = \"stickslip.dataset/1\"\n".to_owned();
     for (record, size) in [20e-6, 30e-6, 40e-6, 50e-6, 60e-6, 80e-6].into_iter().enumerate() {
         write!(dataset, "\n[[record]]\nfile = \"r{record}.csv\"\nregime = \"from-rest\"\n").unwrap();
-        fs::write(folder.path().join(format!("data/r{record}.csv")), table(record as u64, size, beside)).unwrap();
+        fs::write(folder.path().join(format!("data/r{record}.csv")), table(record as u64, size, beside))
+            .unwrap();
     }
     fs::write(folder.path().join("data/dataset.toml"), dataset).unwrap();
     folder
@@ -69,8 +70,19 @@ fn a_missing_spring_is_found_added_and_the_error_falls() {
     let path = folder.path();
     let found = stickslip(
         path,
-        &["diagnose", "model.toml", "data", "--effects", "residual_stiffness,backlash,sensor_offset", "--json",
-          "d.json", "--report", "d.html", "-o", "found.toml"],
+        &[
+            "diagnose",
+            "model.toml",
+            "data",
+            "--effects",
+            "residual_stiffness,backlash,sensor_offset",
+            "--json",
+            "d.json",
+            "--report",
+            "d.html",
+            "-o",
+            "found.toml",
+        ],
     );
     assert_eq!(found.status.code(), Some(10), "{}", error(&found));
     let diagnosis = json(path, "d.json");
@@ -99,7 +111,10 @@ fn a_missing_spring_is_found_added_and_the_error_falls() {
 fn wrong_input_is_named_and_nothing_is_written() {
     let folder = example(0.0);
     let cases: [(&[&str], &str); 7] = [
-        (&["diagnose", "model.toml", "data", "--effects", "backlsh", "--json", "x"], "did you mean `backlash`"),
+        (
+            &["diagnose", "model.toml", "data", "--effects", "backlsh", "--json", "x"],
+            "did you mean `backlash`",
+        ),
         (&["diagnose", "model.toml", "nowhere", "--json", "x"], "nowhere"),
         (&["add", "model.toml", "backlash", "--fit", "data"], "--out"),
         (&["add", "model.toml", "wer", "--fit", "data", "-o", "x"], "did you mean `wear`"),

@@ -250,7 +250,8 @@ pub fn harmonic_text(comparison: &Comparison, width: usize, color: bool) -> Stri
     out.line("");
     out.paragraph("Normalised error of the last stage at the harmonics of each record's fundamental", BOLD);
     let mut left = vec!["record".to_owned()];
-    let heading = (0..count).map(|harmonic| if harmonic == 0 { "mean".to_owned() } else { harmonic.to_string() });
+    let heading =
+        (0..count).map(|harmonic| if harmonic == 0 { "mean".to_owned() } else { harmonic.to_string() });
     let mut cells = vec![["fundamental".to_owned()].into_iter().chain(heading).collect::<Vec<_>>()];
     let channels: Vec<&str> = all.iter().map(|one| one.channel.as_str()).collect();
     let several = channels.iter().any(|name| *name != channels[0]);
@@ -259,7 +260,8 @@ pub fn harmonic_text(comparison: &Comparison, width: usize, color: bool) -> Stri
         left.push(if several { format!("{record} {}", prose(&printable(&one.channel))) } else { record });
         let values = last(one);
         let value = |harmonic| values.get(harmonic).map_or(format::ABSENT.to_owned(), |v| format!("{v:.3}"));
-        let fundamental = format::engineering(format!("{:.3e}", one.fundamental).parse().unwrap_or(f64::NAN), "Hz");
+        let fundamental =
+            format::engineering(format!("{:.3e}", one.fundamental).parse().unwrap_or(f64::NAN), "Hz");
         cells.push([fundamental].into_iter().chain((0..count).map(value)).collect());
     }
     out.grid(&left, &cells, 1);

@@ -119,7 +119,11 @@ pub fn harmonic_table(comparison: &Comparison) -> Markup {
     let stages: Vec<usize> = if count > 1 { vec![0, count - 1] } else { (0..count).collect() };
     let several = comparison.records.iter().any(|record| {
         let quantities: Vec<_> = record.channels.iter().map(|channel| channel.quantity()).collect();
-        quantities.iter().filter(|quantity| ["force", "acceleration", "velocity", "displacement"].contains(quantity)).count() > 1
+        quantities
+            .iter()
+            .filter(|quantity| ["force", "acceleration", "velocity", "displacement"].contains(quantity))
+            .count()
+            > 1
     });
     html! {
         @if harmonics > 0 {

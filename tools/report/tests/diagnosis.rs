@@ -36,12 +36,16 @@ fn json_has_the_keys_of_the_schema_with_their_types() {
             assert!(candidate["effect"].is_string());
             assert!(is_number_or_null(&candidate["error"]) && is_number_or_null(&candidate["gain_z"]));
             for parameter in candidate["parameters"].as_object().unwrap().values() {
-                assert!(["value", "low", "high"].iter().all(|key| is_number_or_null(parameter.get(key).unwrap())));
+                assert!(
+                    ["value", "low", "high"].iter().all(|key| is_number_or_null(parameter.get(key).unwrap()))
+                );
                 assert!(parameter["unit"].is_string());
             }
         }
         for one in json["detectable"].as_object().unwrap().values() {
-            assert!(one["parameter"].is_string() && is_number_or_null(&one["value"]) && one["unit"].is_string());
+            assert!(
+                one["parameter"].is_string() && is_number_or_null(&one["value"]) && one["unit"].is_string()
+            );
         }
         assert!(json["next_experiment"].is_string() || json["next_experiment"].is_null());
         assert_eq!(json["seconds"], 1.9);

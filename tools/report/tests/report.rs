@@ -4,8 +4,8 @@ mod synthetic;
 
 use serde_json::Value;
 use stickslip::diagnose::Comparison;
-use stickslip::measure::{Record, Regime};
 use stickslip::diagnose::Noise;
+use stickslip::measure::{Record, Regime};
 use stickslip_report::Settings;
 
 use synthetic::{HOSTILE, backbone, beam_with_failure, contact, failed, hostile, settings};
@@ -85,7 +85,7 @@ fn every_element_that_is_opened_is_closed_in_order() {
             let name = tag.split([' ', '\n']).next().unwrap();
             if let Some(name) = name.strip_prefix('/') {
                 assert_eq!(open.pop(), Some(name));
-            } else if !["!DOCTYPE", "meta", "wbr"].contains(&name) {
+            } else if !["!DOCTYPE", "input", "meta", "wbr"].contains(&name) {
                 open.push(name);
             }
         }
@@ -168,9 +168,12 @@ fn views_hold_the_residuals_of_every_stage() {
     let figures = figures(&html(&comparison, &settings()));
     let explorer = &figures["explorer"];
     let entry = &explorer["records"][0];
-    let record = comparison.records.iter().position(|record| record.name == entry["name"].as_str().unwrap()).unwrap();
+    let record =
+        comparison.records.iter().position(|record| record.name == entry["name"].as_str().unwrap()).unwrap();
     let measured = &comparison.records[record].channel("force").unwrap().values;
-    for (stage, residual) in comparison.stages.iter().zip(entry["channels"][0]["residuals"].as_array().unwrap()) {
+    for (stage, residual) in
+        comparison.stages.iter().zip(entry["channels"][0]["residuals"].as_array().unwrap())
+    {
         let stored = column(explorer, residual);
         let predicted = &stage.records[record].channels[0].predicted;
         assert_eq!(stored.len(), 600);
@@ -220,9 +223,16 @@ fn figures_hold_the_residuals_of_the_predictions() {
 #[test]
 fn a_contact_is_seen_in_every_view() {
     let page = markup(&html(&contact(600), &settings()));
-    for view in
-        ["time", "loop", "parity", "cause:displacement", "cause:velocity", "cause:normal load", "slow", "spectrum"]
-    {
+    for view in [
+        "time",
+        "loop",
+        "parity",
+        "cause:displacement",
+        "cause:velocity",
+        "cause:normal load",
+        "slow",
+        "spectrum",
+    ] {
         assert_eq!(page.matches(&format!("data-view=\"{view}\"")).count(), 1, "{view}");
     }
     assert!(page.contains("id=\"choose-record\"") && page.matches("class=\"choose-stage\"").count() == 3);

@@ -124,7 +124,10 @@ fn location(
     if missing {
         let places = places(effect, model, dataset);
         let place = place.unwrap_or_default();
-        return Err(Failure::input(format!("there is no place `{place}`; possible are {}", places.join(", "))));
+        return Err(Failure::input(format!(
+            "there is no place `{place}`; possible are {}",
+            places.join(", ")
+        )));
     }
     Ok(Some(location))
 }
@@ -135,7 +138,10 @@ fn places(effect: &Effect, model: &Model, dataset: &Dataset) -> Vec<String> {
     let mut all: Vec<String> = match (effect.place, &model.structure) {
         (PlaceKind::Channel, _) => {
             let channels = dataset.records.iter().flat_map(|record| &record.channels);
-            channels.filter(|channel| channel.name != "time").map(|channel| format!("{id}@{}", channel.name)).collect()
+            channels
+                .filter(|channel| channel.name != "time")
+                .map(|channel| format!("{id}@{}", channel.name))
+                .collect()
         }
         (_, Structure::Oscillator(oscillator)) => {
             oscillator.masses.iter().map(|mass| format!("{id}@{}", mass.name)).collect()
@@ -144,6 +150,11 @@ fn places(effect: &Effect, model: &Model, dataset: &Dataset) -> Vec<String> {
         _ => Vec::new(),
     };
     let mut seen = Vec::new();
-    all.retain(|place| !seen.contains(place) && { seen.push(place.clone()); true });
+    all.retain(|place| {
+        !seen.contains(place) && {
+            seen.push(place.clone());
+            true
+        }
+    });
     all
 }

@@ -6,8 +6,8 @@ use stickslip::diagnose::{Comparison, NO_OSCILLATOR, evaluate, noise_of};
 use stickslip::model::{Model, Structure};
 
 use super::{
-    check_destinations, colored, dataset_file, dataset_files, list, present, read_dataset, read_model, refitted,
-    settings, tell_unused,
+    check_destinations, colored, dataset_file, dataset_files, list, present, read_dataset, read_model,
+    refitted, settings, tell_unused,
 };
 use crate::output::{Outputs, say};
 use crate::{Failure, ResultFiles};

@@ -109,9 +109,9 @@ fn estimates(all: &[Estimate]) -> Value {
 fn detectable(diagnosis: &Diagnosis) -> Value {
     let mut object = Map::new();
     for one in &diagnosis.detectable {
-        object.entry(one.effect).or_insert_with(
-            || json!({ "parameter": one.parameter, "value": one.value, "unit": one.unit }),
-        );
+        object
+            .entry(one.effect)
+            .or_insert_with(|| json!({ "parameter": one.parameter, "value": one.value, "unit": one.unit }));
     }
     Value::Object(object)
 }
@@ -133,7 +133,11 @@ fn record_name(diagnosis: &Diagnosis, record: usize) -> Option<&str> {
 
 fn split(diagnosis: &Diagnosis) -> Vec<Value> {
     let records: &[Record] = &diagnosis.comparison.records;
-    records.iter().zip(&diagnosis.split).map(|(record, used)| json!({ "file": record.name, "use": id(*used) })).collect()
+    records
+        .iter()
+        .zip(&diagnosis.split)
+        .map(|(record, used)| json!({ "file": record.name, "use": id(*used) }))
+        .collect()
 }
 
 /// As a dataset file spells it.

@@ -81,7 +81,9 @@ fn errors(out: &mut Text, diagnosis: &Diagnosis) {
     let floor = |value: Option<f64>| value.map_or_else(|| "unknown".to_owned(), format::error);
     let added: Vec<&str> = match diagnosis.verdict {
         Verdict::EffectFound => diagnosis.effects.clone(),
-        _ => diagnosis.steps.iter().filter(|step| !step.dropped).flat_map(|step| step.added.clone()).collect(),
+        _ => {
+            diagnosis.steps.iter().filter(|step| !step.dropped).flat_map(|step| step.added.clone()).collect()
+        }
     };
     let mut left = vec![String::new(), "as given".to_owned(), "refitted".to_owned()];
     let mut cells = vec![
@@ -113,7 +115,10 @@ fn candidates(out: &mut Text, candidates: &[Candidate]) {
                 format::error(one.error),
                 gain(one),
                 format::fixed(one.gain_z, 2),
-                one.parameters.first().map(|one| format::engineering(one.value, one.unit)).unwrap_or_default(),
+                one.parameters
+                    .first()
+                    .map(|one| format::engineering(one.value, one.unit))
+                    .unwrap_or_default(),
             ],
         });
     }

@@ -33,12 +33,7 @@ const LOOP_CYCLES: usize = 3;
 
 /// The section: what may be chosen, and the views. Empty where there is no record in time. `noise` is what is
 /// known of the noise.
-pub fn section(
-    figures: &mut Figures,
-    comparison: &Comparison,
-    records: &[usize],
-    noise: &[Noise],
-) -> Markup {
+pub fn section(figures: &mut Figures, comparison: &Comparison, records: &[usize], noise: &[Noise]) -> Markup {
     let shown: Vec<usize> = drawable(comparison, records).into_iter().take(RECORDS).collect();
     if shown.is_empty() {
         return html! {};
@@ -106,9 +101,9 @@ fn scales(comparison: &Comparison, shown: &[usize]) -> Vec<(String, Scale, Scale
             }
             let values = channels(&name).into_iter().flat_map(|channel| channel.values.iter().copied());
             let residuals = shown.iter().flat_map(|&record| {
-                comparison.stages.iter().filter_map(move |stage| Some((record, stage))).flat_map(|(record, stage)| {
-                    residual(comparison, record, stage, &name).unwrap_or_default()
-                })
+                comparison.stages.iter().filter_map(move |stage| Some((record, stage))).flat_map(
+                    |(record, stage)| residual(comparison, record, stage, &name).unwrap_or_default(),
+                )
             });
             let (value, rest) = (Scale::of(values, unit), Scale::of(residuals, unit));
             all.push((name, value, rest));
@@ -148,7 +143,8 @@ fn entry(
         })
         .collect();
     let error = comparison.stages.last().map_or(f64::NAN, |stage| summary::record_error(stage, index));
-    let title = format!("{} ({}), error {}", record.name, stages::regime(comparison, index), format::error(error));
+    let title =
+        format!("{} ({}), error {}", record.name, stages::regime(comparison, index), format::error(error));
     json!({ "name": figure::text(&record.name), "title": name(&title), "channels": channels })
 }
 
@@ -255,7 +251,8 @@ fn markup(
     thinned: Option<usize>,
 ) -> Markup {
     let count = comparison.stages.len();
-    let all = (0..comparison.records.len()).filter(|&r| comparison.records[r].regime != Regime::Backbone).count();
+    let all =
+        (0..comparison.records.len()).filter(|&r| comparison.records[r].regime != Regime::Backbone).count();
     html! {
         section id="where" {
             h2 { "Where it fails" }

@@ -47,7 +47,9 @@ pub fn causes(record: &Record, measured: &Channel) -> Vec<(&'static str, Channel
     found.extend(displacement.map(|channel| ("displacement", channel)));
     found.extend(velocity.map(|channel| ("velocity", channel)));
     found.extend(record.channel("normal_load").map(|channel| ("normal load", channel.clone())));
-    found.extend(record.channel("normal_displacement").map(|channel| ("normal displacement", channel.clone())));
+    found.extend(
+        record.channel("normal_displacement").map(|channel| ("normal displacement", channel.clone())),
+    );
     let excitation = record.channels.iter().find(|channel| channel.quantity() == "excitation");
     found.extend(excitation.map(|channel| ("excitation", channel.clone())));
     found.retain(|(_, channel)| channel.values.len() == measured.values.len());
@@ -128,10 +130,12 @@ pub fn slow_time(
         return Value::Null;
     }
     let edges = |window: usize| window * count / windows..(window + 1) * count / windows;
-    let middle = |window: usize| short(0.5 * (time[edges(window).start] + time[edges(window).end - 1]) * factor);
+    let middle =
+        |window: usize| short(0.5 * (time[edges(window).start] + time[edges(window).end - 1]) * factor);
     let rms = |values: &[f64]| -> Vec<Value> {
         let part = |window| values.get(edges(window)).unwrap_or(&[]);
-        let one = |part: &[f64]| (part.iter().map(|v| v * v).sum::<f64>() / part.len() as f64).sqrt() / spread;
+        let one =
+            |part: &[f64]| (part.iter().map(|v| v * v).sum::<f64>() / part.len() as f64).sqrt() / spread;
         (0..windows).map(|window| short(one(part(window)))).collect()
     };
     json!({
@@ -229,7 +233,8 @@ mod tests {
         let causes = causes(&record, &record.channels[2]);
         let of = |role: &str| &causes.iter().find(|(name, _)| *name == role).unwrap().1;
         for (index, time) in record.time().unwrap().iter().enumerate() {
-            let (displacement, velocity) = (-5.0 * (rate * time).cos() / rate.powi(2), 5.0 * (rate * time).sin() / rate);
+            let (displacement, velocity) =
+                (-5.0 * (rate * time).cos() / rate.powi(2), 5.0 * (rate * time).sin() / rate);
             assert!((of("displacement").values[index] - displacement).abs() < 1e-9 * 5.0);
             assert!((of("velocity").values[index] - velocity).abs() < 1e-9 * 5.0);
         }
