@@ -76,12 +76,12 @@ fn every_figure_is_drawn_on_wide_and_narrow_screens() {
     let diagnosed = |diagnosis| diagnosis_html(&diagnosis, &run(), &settings());
     let pages = [
         (compared(contact(600)), 9),
-        (compared(hostile()), 9),
+        (compared(hostile()), 6),
         (compared(backbone()), 2),
-        (compared(beam_with_failure()), 9),
+        (compared(beam_with_failure()), 8),
         (diagnosed(found()), 11),
         (diagnosed(unexplained()), 15),
-        (diagnosed(insufficient()), 8),
+        (diagnosed(insufficient()), 6),
     ];
     for (index, (page, least)) in pages.iter().enumerate() {
         for width in [1280, 400] {
