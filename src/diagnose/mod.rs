@@ -42,4 +42,5 @@ pub use diagnosis::{
     NoiseSource, Step, Untried, Verdict,
 };
 pub use engine::{Added, DiagnoseError, DiagnoseOptions, DiagnoseWatch, add, diagnose};
+pub use noise::noise_of;
 pub use predict::unused_columns;

@@ -4,13 +4,30 @@
 use super::bench::Lane;
 use super::diagnosis::{Noise, NoiseSource};
 use super::motion::white_noise;
-use super::{periods, score};
-use crate::measure::{Channel, Record};
+use super::{periods, predict, score};
+use crate::measure::{Channel, Dataset, Record};
+use crate::model::Model;
 
 /// The channel that drives a record: the displacement of a contact, the first excitation of a structure.
 pub(super) fn driver(record: &Record) -> Option<&Channel> {
     let named = |name: &str| record.channels.iter().find(|channel| channel.quantity() == name);
     named("excitation").or_else(|| named("displacement")).or_else(|| named("amplitude"))
+}
+
+/// The noise of every channel that `model` predicts of every record of `dataset`, as far as it is stated or
+/// repeated periods or records show it.
+pub fn noise_of(model: &Model, dataset: &Dataset) -> Vec<Noise> {
+    let lane = |record| {
+        let mut lane =
+            Lane { record, measured: Vec::new(), weights: Vec::new(), scales: Vec::new(), channels: Vec::new() };
+        for channel in predict::compared(model, record) {
+            let start = lane.measured.len();
+            lane.measured.extend_from_slice(&channel.values);
+            lane.channels.push((channel.name.as_str(), start..lane.measured.len()));
+        }
+        lane
+    };
+    measure(&dataset.records.iter().map(lane).collect::<Vec<_>>())
 }
 
 /// Noise of every compared channel of every record, in the order of `lanes`.

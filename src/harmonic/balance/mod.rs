@@ -556,7 +556,7 @@ impl PeriodicSystem for Balance<'_> {
     }
 
     fn jacobian(&mut self) -> &DMatrix<f64> {
-        if self.contact.is_some() && !self.complete {
+        if !self.is_linear() && !self.complete {
             self.complete_jacobian();
         }
         &self.jacobian

@@ -278,12 +278,12 @@ fn a_refitted_model_without_anything_free_is_refused_and_a_comparison_is_not() {
 #[test]
 fn columns_that_are_left_aside_are_named() {
     let folder = example();
-    let table = measured_loop().replace('\n', ",100\n").replacen(",100", ",normal_load [N]", 1);
+    let table = measured_loop().replace('\n', ",100\n").replacen(",100", ",excitation [N]", 1);
     fs::write(folder.path().join("data/loop.csv"), table).unwrap();
     let output = stickslip(folder.path(), &["compare", "model.toml", "data", "--no-fit"]);
     assert!(output.status.success());
     let note = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(note.contains("loop.csv: column `normal_load` is not used"), "{note}");
+    assert!(note.contains("loop.csv: column `excitation` is not used"), "{note}");
 }
 
 #[test]

@@ -20,6 +20,6 @@ fn main() -> std::io::Result<()> {
         Some("hostile") => synthetic::hostile(),
         _ => synthetic::backbone(),
     };
-    print!("{}", stickslip_report::terminal_table(&comparison, 80, false));
-    std::fs::write(file, stickslip_report::html(&comparison, &synthetic::settings()))
+    print!("{}", stickslip_report::terminal_table(&comparison, &[], 80, false));
+    std::fs::write(file, stickslip_report::html(&comparison, &[], &synthetic::settings()))
 }

@@ -26,7 +26,7 @@ pub fn keep_extremes(columns: &[&[f64]], length: usize, limit: usize) -> Vec<usi
 
 /// Samples per cycle of `motion`, from its upward crossings of the middle with a dead band of a tenth
 /// of its range on either side against noise; `None` with fewer than two cycles.
-fn samples_per_cycle(motion: &[f64]) -> Option<usize> {
+pub fn samples_per_cycle(motion: &[f64]) -> Option<usize> {
     let finite = || motion.iter().copied().filter(|v| v.is_finite());
     let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
     let (middle, band) = (0.5 * (low + high), 0.1 * (high - low));

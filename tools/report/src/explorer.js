@@ -187,43 +187,33 @@ function explore(data, config, narrow) {
     },
     latent(channel, _, role) {
       const last = data.stages.length - 1;
-      const parts = [];
-      let label = null;
-      data.records.forEach((record) => record.channels.forEach((other) => {
-        const residual = other.name === channel.name && column(other.residuals[last]);
-        if (!residual) return;
-        const lack = residual.map((value) => (value === null ? null : -value));
-        if (role === "time") {
-          parts.push({ x: column(other.time), y: lack, name: record.name });
-          label = other.timeLabel;
-        } else if (other.causes[role]) {
-          parts.push({ x: column(other.causes[role].x), y: lack });
-          label = channel.causes[role] ? channel.causes[role].label : other.causes[role].label;
-        }
-      }));
+      const others = data.records.flatMap((record) => record.channels.filter((other) =>
+        other.name === channel.name && other.residuals[last] !== null).map((other) => ({ name: record.name, other })));
+      if (role === "time") {
+        const traces = others.filter(({ other }) => other.slow).map(({ name, other }) => ({ type: "scatter",
+          mode: "lines+markers", name, x: other.slow.time, y: other.slow.rms[last], line: { width: 1.5 } }));
+        return [traces, layout(axis(channel.timeLabel), axis("normalised residual", { rangemode: "tozero" }))];
+      }
+      const parts = others.filter(({ other }) => other.causes[role]).map(({ other }) => ({
+        x: column(other.causes[role].x),
+        y: column(other.residuals[last]).map((value) => (value === null ? null : -value)),
+        label: other.causes[role].label }));
       if (!parts.length) return nothing("no prediction, or not measured: " + role);
       const traces = [];
-      if (role === "time") {
-        parts.forEach(({ x, y, name }) => {
-          const [curve] = binned([{ x, y }], false);
-          traces.push(line(name, curve.x, curve.mean, undefined, 1.5, { line: { width: 1.5 } }));
-        });
-      } else {
-        const apart = role === "displacement";
-        binned(parts, apart).forEach((curve, way) => {
-          const band = curve.x.concat(curve.x.slice().reverse());
-          const edge = curve.high.concat(curve.low.slice().reverse());
-          traces.push({ type: "scatter", x: band, y: edge, fill: "toself", fillcolor: WAYS[way] + "22",
-            line: { width: 0 }, mode: "lines", hoverinfo: "skip", showlegend: false });
-          traces.push(line(ways(apart, way), curve.x, curve.mean, WAYS[way], 2.5));
-        });
-      }
-      return [traces, layout(axis(label), axis(channel.lackLabel))];
+      const apart = role === "displacement";
+      binned(parts, apart).forEach((curve, way) => {
+        const band = curve.x.concat(curve.x.slice().reverse());
+        const edge = curve.high.concat(curve.low.slice().reverse());
+        traces.push({ type: "scatter", x: band, y: edge, fill: "toself", fillcolor: WAYS[way] + "22",
+          line: { width: 0 }, mode: "lines", hoverinfo: "skip", showlegend: false });
+        traces.push(line(ways(apart, way), curve.x, curve.mean, WAYS[way], 2.5));
+      });
+      return [traces, layout(axis(parts[0].label), axis(channel.lackLabel))];
     },
   };
   function points(stage, x, y) {
     const { name, colour } = data.stages[stage];
-    return { type: "scattergl" in Plotly ? "scattergl" : "scatter", mode: "markers", name, x, y,
+    return { type: "scatter", mode: "markers", name, x, y,
       marker: { color: colour, size: 3, opacity: 0.45 } };
   }
 

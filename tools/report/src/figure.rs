@@ -72,7 +72,8 @@ impl Figures {
     /// Everything as JSON that may stand inside a `<script>` element: `<`, `>` and `&` are written as
     /// escapes, so that no name from a file can end the element.
     pub fn to_json(&self) -> String {
-        let text = json!({ "columns": self.columns, "figures": self.figures, "explorer": self.explorer }).to_string();
+        let text = json!({ "columns": self.columns, "figures": self.figures, "explorer": self.explorer })
+            .to_string();
         let mut safe = String::with_capacity(text.len() + 64);
         for c in text.chars() {
             match c {

@@ -1,10 +1,11 @@
 //! A comparison as JSON.
 
 use serde_json::{Map, Value, json};
-use stickslip::diagnose::{Comparison, RecordResult, Stage};
+use stickslip::diagnose::{Comparison, Noise, NoiseSource, RecordResult, Stage};
 use stickslip::measure::{Record, Regime, Use};
 
-use crate::summary;
+use crate::explorer::Harmonics;
+use crate::{floors, summary, tables};
 
 /// The comparison without its arrays, schema `stickslip.comparison/1`.
 ///
@@ -15,13 +16,15 @@ use crate::summary;
 ///  "stages": [{"name": "baseline", "error": 0.41, "evaluations": 0,
 ///    "parameters": {"contact.normal_load": {"value": 162.0, "unit": "N", "fitted_from": null}},
 ///    "records": [{"file": "r0.csv", "regime": "from-rest", "use": "fit", "error": 0.4, "failure": null,
-///      "channels": {"force": {"unit": "N", "error": 0.4, "rms": 31.0}}}]}]}
+///      "channels": {"force": {"unit": "N", "error": 0.4, "rms": 31.0}}}]}],
+///  "noise": [{"file": "r0.csv", "channel": "force", "deviation": 0.5, "source": "periods", "error": 0.01}],
+///  "harmonics": [{"file": "r0.csv", "channel": "force", "fundamental": 10.0, "errors": [[0.0, 0.3]]}]}
 /// ```
 ///
 /// `refitted` is the last stage. Units are SI (Hz for frequencies). Numbers that are not finite, and
 /// errors of records without a prediction, are `null`. `rms` is over the records that every stage
 /// predicts, and `null` where the records do not all share one channel.
-pub fn json(comparison: &Comparison) -> Value {
+pub fn json(comparison: &Comparison, noise: &[Noise]) -> Value {
     let summary = summary::summarise(comparison);
     let (first, last) = (comparison.stages.first(), comparison.stages.last());
     let rms = summary.common.as_ref().map(|common| {
@@ -35,9 +38,42 @@ pub fn json(comparison: &Comparison) -> Value {
         "title": comparison.title,
         "verdict": summary.verdict.replace('\u{a0}', " "),
         "notes": summary.notes.iter().map(|note| note.replace('\u{a0}', " ")).collect::<Vec<_>>(),
-        "error": { "baseline": first.map(|stage| stage.error), "refitted": last.map(|stage| stage.error) },
+        "error": { "baseline": first.map(|stage| stage.error), "refitted": last.map(|stage| stage.error),
+            "noise_floor": floors::total(comparison, noise) },
         "rms": rms,
         "stages": comparison.stages.iter().map(|one| stage(comparison, one)).collect::<Vec<_>>(),
+        "noise": noise.iter().map(|one| self::noise(comparison, one)).collect::<Vec<_>>(),
+        "harmonics": tables::all_harmonics(comparison).iter().map(|one| harmonics(comparison, one)).collect::<Vec<_>>(),
+    })
+}
+
+/// Standard deviation of a channel's noise, and the normalised error that it alone would leave.
+fn noise(comparison: &Comparison, noise: &Noise) -> Value {
+    let record = comparison.records.get(noise.record);
+    let share = record
+        .and_then(|_| floors::share(comparison, std::slice::from_ref(noise), noise.record, &noise.channel));
+    json!({
+        "file": record.map(|record| &record.name), "channel": noise.channel, "deviation": noise.deviation,
+        "source": source(noise.source), "error": share,
+    })
+}
+
+/// How the noise of a channel is known.
+pub(crate) fn source(source: NoiseSource) -> &'static str {
+    match source {
+        NoiseSource::Stated => "stated",
+        NoiseSource::Periods => "periods",
+        NoiseSource::Repeats => "repeats",
+        NoiseSource::Carried => "carried",
+        NoiseSource::Unknown => "unknown",
+    }
+}
+
+/// The residual by harmonic, from the mean on, over the channel's standard deviation, stage by stage.
+fn harmonics(comparison: &Comparison, harmonics: &Harmonics) -> Value {
+    json!({
+        "file": comparison.records[harmonics.record].name, "channel": harmonics.channel,
+        "fundamental": harmonics.fundamental, "errors": harmonics.residuals,
     })
 }
 

@@ -8,6 +8,7 @@ pub mod diagnosis;
 pub mod document;
 mod explorer;
 mod figure;
+mod floors;
 mod format;
 mod json;
 mod page;
@@ -21,7 +22,7 @@ mod tables;
 pub use catalogue::{catalogue_table, effect_table};
 pub use json::json;
 pub use page::html;
-pub use table::terminal_table;
+pub use table::{harmonic_text, terminal_table};
 
 /// How a report was made, so that somebody else can make it again.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

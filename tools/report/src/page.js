@@ -16,7 +16,14 @@
         if (typeof trace[axis] === "number") trace[axis] = stored.columns[trace[axis]];
       }
     }
-    if (narrow) figure.layout.margin.r = 12;
+    if (narrow) {
+      figure.layout.margin.r = 12;
+      // Numbers would not fit into the fields of a map: a scale takes their place.
+      figure.data.filter((trace) => trace.type === "heatmap").forEach((trace) => {
+        delete trace.texttemplate;
+        trace.showscale = true;
+      });
+    }
     Plotly.newPlot(element, figure.data, figure.layout, config);
     if (figure.layout.meta && figure.layout.meta.switchable) scaleSwitch(element);
   }

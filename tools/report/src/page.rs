@@ -1,13 +1,13 @@
 //! The HTML page.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use stickslip::diagnose::Comparison;
+use stickslip::diagnose::{Comparison, Noise};
 use stickslip::measure::Regime;
 
 use crate::figure::{Captioned, Figures};
 use crate::stages::{self, name};
 use crate::summary::{self, Levels, Summary};
-use crate::{Settings, explorer, format, plots, tables};
+use crate::{Settings, explorer, floors, format, plots, tables};
 
 /// Nothing may be fetched, from anywhere: the browser enforces what the page promises.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
@@ -15,24 +15,25 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 
 
 /// One self-contained HTML page: it opens without a network, prints, and reads on a small screen.
 ///
-/// Besides `comparison` it depends on nothing but `settings`, so that the same call gives the same
+/// `noise` is what is known of the noise ([`stickslip::diagnose::noise_of`]). Besides these two it depends on
+/// nothing but `settings`, so that the same call gives the same
 /// bytes. Names from files are escaped wherever they appear. Long records are drawn with about 2 000
 /// points that keep the extremes of every stretch, and the captions say so.
 ///
 /// ```
-/// use stickslip::diagnose::Comparison;
+/// use stickslip::diagnose::{Comparison, Noise};
 /// let comparison = Comparison { title: "joint A".into(), records: vec![], stages: vec![] };
-/// let page = stickslip_report::html(&comparison, &stickslip_report::Settings::default());
+/// let page = stickslip_report::html(&comparison, &[], &stickslip_report::Settings::default());
 /// assert!(page.starts_with("<!DOCTYPE html>"));
 /// ```
-pub fn html(comparison: &Comparison, settings: &Settings) -> String {
+pub fn html(comparison: &Comparison, noise: &[Noise], settings: &Settings) -> String {
     let summary = summary::summarise(comparison);
     let levels = summary::levels(comparison);
     let mut figures = Figures::default();
     let sections = html! {
-        (stage_section(&mut figures, comparison, &summary, &levels))
+        (stage_section(&mut figures, comparison, &summary, &levels, noise))
         @for table in &levels { (backbone_section(&mut figures, comparison, table)) }
-        (record_section(&mut figures, comparison))
+        (record_section(&mut figures, comparison, noise))
         @if comparison.stages.iter().any(|stage| !stage.parameters.is_empty()) {
             section id="parameters" { h2 { "Parameters" } (stages::parameter_table(comparison)) }
         }
@@ -133,11 +134,19 @@ fn stage_section(
     comparison: &Comparison,
     summary: &Summary,
     levels: &[Levels],
+    noise: &[Noise],
 ) -> Markup {
     html! {
         section id="stages" {
             h2 { "Error of each stage" }
             (stages::stage_table(comparison, summary, levels))
+            p.note {
+                "What the noise alone would leave (normalised): "
+                @match floors::total(comparison, noise) {
+                    Some(floor) => { strong { (format::error(floor)) } ", " (floors::sources(noise)) "." }
+                    None => { strong { "unknown" } "." }
+                }
+            }
             @if let Some(figure) = plots::waterfall(figures, comparison, summary) {
                 (figure_element(&Captioned {
                     figure,
@@ -170,22 +179,19 @@ pub(crate) fn backbone_section(figures: &mut Figures, comparison: &Comparison, l
 }
 
 /// The tables of all records and the views of those in time, the worst first.
-fn record_section(figures: &mut Figures, comparison: &Comparison) -> Markup {
+fn record_section(figures: &mut Figures, comparison: &Comparison, noise: &[Noise]) -> Markup {
     let time = worst_first(comparison);
     if time.is_empty() && comparison.records.len() < 2 {
         return html! {};
     }
-    let noise = |record: usize, name: &str| {
-        summary::channel(&comparison.records[record], name).and_then(|channel| channel.noise)
-    };
     html! {
         section id="records" {
             h2 { "Records" }
             @for record in 0..comparison.records.len() { (failures(comparison, record)) }
-            (tables::record_table(comparison, &noise))
+            (tables::record_table(comparison, noise))
             (tables::harmonic_table(comparison))
         }
-        (explorer::section(figures, comparison, &time, &noise))
+        (explorer::section(figures, comparison, &time, noise))
     }
 }
 

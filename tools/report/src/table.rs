@@ -1,10 +1,12 @@
 //! A comparison as text for a terminal.
 
-use stickslip::diagnose::Comparison;
+use stickslip::diagnose::{Comparison, Noise};
 
+use crate::explorer::Harmonics;
 use crate::format::{self, Scale, printable};
 use crate::plots::{error_name, prose};
 use crate::summary::{self, Levels, Summary};
+use crate::{floors, tables};
 
 pub(crate) const BOLD: &str = "\u{1b}[1m";
 pub(crate) const RED: &str = "\u{1b}[31m";
@@ -18,7 +20,7 @@ const RESET: &str = "\u{1b}[0m";
 /// Lines are at most `width` columns wide (at least 40 are used; 80 is usual). With `color`, ANSI
 /// sequences are added, which take no columns; without it the text has none, and control characters
 /// in names never reach the terminal.
-pub fn terminal_table(comparison: &Comparison, width: usize, color: bool) -> String {
+pub fn terminal_table(comparison: &Comparison, noise: &[Noise], width: usize, color: bool) -> String {
     let summary = summary::summarise(comparison);
     let levels = summary::levels(comparison);
     let mut out = Text::new(width, color);
@@ -32,7 +34,7 @@ pub fn terminal_table(comparison: &Comparison, width: usize, color: bool) -> Str
         level_table(&mut out, comparison, table);
     }
     if comparison.records.len() > 1 || levels.is_empty() {
-        record_table(&mut out, comparison);
+        record_table(&mut out, comparison, noise);
     }
     failures(&mut out, comparison);
     out.finish()
@@ -203,24 +205,67 @@ fn level_table(out: &mut Text, comparison: &Comparison, levels: &Levels) {
     out.grid(&left, &cells, 1);
 }
 
-fn record_table(out: &mut Text, comparison: &Comparison) {
+fn record_table(out: &mut Text, comparison: &Comparison, noise: &[Noise]) {
     if comparison.records.is_empty() || comparison.stages.is_empty() {
         return;
     }
     out.line("");
-    out.paragraph("Normalised error in each record, by stage", BOLD);
+    out.paragraph("Normalised error in each record, by stage, and what the noise alone would leave", BOLD);
     let scale = summary::error_scale(comparison);
     let mut left = vec!["record".to_owned()];
-    let mut cells = vec![(1..=comparison.stages.len()).map(|stage| stage.to_string()).collect::<Vec<_>>()];
+    let stages = (1..=comparison.stages.len()).map(|stage| stage.to_string());
+    let mut cells = vec![stages.chain(["noise".to_owned()]).collect::<Vec<_>>()];
     for (record, measured) in comparison.records.iter().enumerate() {
         left.push(printable(&measured.name));
         let row = comparison.stages.iter().map(|stage| match summary::failure(stage, record) {
             Some(_) => FAILED.to_owned(),
             None => scale.number(summary::record_error(stage, record)),
         });
-        cells.push(row.collect());
+        let floor = floors::of_record(comparison, noise, record);
+        let floor = floor.map_or_else(|| "unknown".to_owned(), |floor| scale.number(floor));
+        cells.push(row.chain([floor]).collect());
+    }
+    if comparison.records.len() > 1 {
+        left.push("all".to_owned());
+        let row = comparison.stages.iter().map(|stage| scale.number(stage.error));
+        let floor = floors::total(comparison, noise);
+        let floor = floor.map_or_else(|| "unknown".to_owned(), |floor| scale.number(floor));
+        cells.push(row.chain([floor]).collect());
     }
     out.grid(&left, &cells, 0);
+}
+
+/// The residual of the last stage of every record that repeats, by harmonic, in lines of at most `width`
+/// columns (at least 40 are used).
+pub fn harmonic_text(comparison: &Comparison, width: usize, color: bool) -> String {
+    let mut out = Text::new(width, color);
+    let all = tables::all_harmonics(comparison);
+    let last = |one: &Harmonics| one.residuals.last().cloned().flatten().unwrap_or_default();
+    let count = all.iter().map(|one| last(one).len()).max().unwrap_or(0);
+    if count == 0 {
+        out.line("");
+        out.paragraph("No record repeats, so that there are no harmonics to tell apart.", "");
+        return out.finish();
+    }
+    out.line("");
+    out.paragraph("Normalised error of the last stage at the harmonics of each record's fundamental", BOLD);
+    let mut left = vec!["record".to_owned()];
+    let heading =
+        (0..count).map(|harmonic| if harmonic == 0 { "mean".to_owned() } else { harmonic.to_string() });
+    let mut cells = vec![["fundamental".to_owned()].into_iter().chain(heading).collect::<Vec<_>>()];
+    let channels: Vec<&str> = all.iter().map(|one| one.channel.as_str()).collect();
+    let several = channels.iter().any(|name| *name != channels[0]);
+    for one in &all {
+        let record = printable(&comparison.records[one.record].name);
+        left.push(if several { format!("{record} {}", prose(&printable(&one.channel))) } else { record });
+        let values = last(one);
+        let value = |harmonic| values.get(harmonic).map_or(format::ABSENT.to_owned(), |v| format!("{v:.3}"));
+        let fundamental =
+            format::engineering(format!("{:.3e}", one.fundamental).parse().unwrap_or(f64::NAN), "Hz");
+        cells.push([fundamental].into_iter().chain((0..count).map(value)).collect());
+    }
+    out.grid(&left, &cells, 1);
+    out.finish()
 }
 
 fn failures(out: &mut Text, comparison: &Comparison) {

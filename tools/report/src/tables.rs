@@ -1,10 +1,11 @@
 //! The page's tables of records: error by record and channel, and by harmonic.
 
 use maud::{Markup, html};
-use stickslip::diagnose::Comparison;
+use stickslip::diagnose::{Comparison, Noise};
 use stickslip::measure::{Record, Regime};
 
-use crate::explorer::by_harmonic;
+use crate::explorer::{Harmonics, by_harmonic};
+use crate::floors;
 use crate::format::{self, Scale};
 use crate::plots::prose;
 use crate::stages::{key, name, regime};
@@ -12,7 +13,7 @@ use crate::summary;
 
 /// Normalised error of every stage in every channel of every record, beside the level of the record and what the
 /// noise alone would leave.
-pub fn record_table(comparison: &Comparison, noise: &dyn Fn(usize, &str) -> Option<f64>) -> Markup {
+pub fn record_table(comparison: &Comparison, noise: &[Noise]) -> Markup {
     let count = comparison.stages.len();
     let rows: Vec<(usize, Option<(String, &'static str)>)> = (0..comparison.records.len())
         .flat_map(|record| {
@@ -53,7 +54,7 @@ pub fn record_table(comparison: &Comparison, noise: &dyn Fn(usize, &str) -> Opti
                                 @for (stage, worst) in worst.iter().enumerate() {
                                     (error_cell(comparison, stage, *record, channel, *worst))
                                 }
-                                td.number { (share(comparison, *record, channel, noise(*record, channel))) }
+                                td.number { (floors::share(comparison, noise, *record, channel).map_or(format::ABSENT.into(), format::error)) }
                             }
                         }
                     }
@@ -81,16 +82,6 @@ fn largest(comparison: &Comparison, stage: usize) -> f64 {
     results.map(|channel| channel.error).filter(|error| error.is_finite()).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The noise over the channel's standard deviation.
-fn share(comparison: &Comparison, record: usize, channel: &str, noise: Option<f64>) -> String {
-    let measured = summary::channel(&comparison.records[record], channel);
-    let spread = measured.map(|channel| crate::explorer::deviation(&channel.values));
-    match (noise, spread) {
-        (Some(noise), Some(spread)) if spread > 0.0 => format::error(noise / spread),
-        _ => format::ABSENT.to_owned(),
-    }
-}
-
 /// Half of the range of what drives the record: the displacement of a contact, the excitation of a structure.
 fn level(record: &Record) -> String {
     if record.regime == Regime::Backbone {
@@ -109,20 +100,30 @@ fn level(record: &Record) -> String {
     format!("±\u{a0}{}", format::engineering(format!("{half:.2e}").parse().unwrap_or(half), drive.unit))
 }
 
-/// Residual of the first and the last stage at the harmonics of every record that repeats.
-pub fn harmonic_table(comparison: &Comparison) -> Markup {
+/// The residual of every record that repeats, by harmonic.
+pub fn all_harmonics(comparison: &Comparison) -> Vec<Harmonics> {
     let mut all = Vec::new();
     for record in 0..comparison.records.len() {
         for (channel, _) in summary::compared_channels(comparison, record) {
             all.extend(by_harmonic(comparison, record, &channel));
         }
     }
+    all
+}
+
+/// Residual of the first and the last stage at the harmonics of every record that repeats.
+pub fn harmonic_table(comparison: &Comparison) -> Markup {
+    let all = all_harmonics(comparison);
     let harmonics = all.iter().flat_map(|one| &one.residuals).flatten().map(Vec::len).max().unwrap_or(0);
     let count = comparison.stages.len();
     let stages: Vec<usize> = if count > 1 { vec![0, count - 1] } else { (0..count).collect() };
     let several = comparison.records.iter().any(|record| {
         let quantities: Vec<_> = record.channels.iter().map(|channel| channel.quantity()).collect();
-        quantities.iter().filter(|quantity| ["force", "acceleration", "velocity", "displacement"].contains(quantity)).count() > 1
+        quantities
+            .iter()
+            .filter(|quantity| ["force", "acceleration", "velocity", "displacement"].contains(quantity))
+            .count()
+            > 1
     });
     html! {
         @if harmonics > 0 {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use stickslip::diagnose::{Comparison, add};
+use stickslip::diagnose::{Comparison, add, noise_of};
 use stickslip::effects::{Effect, Location, PlaceKind};
 use stickslip::measure::Dataset;
 use stickslip::model::{Model, Structure};
@@ -64,18 +64,19 @@ impl Add {
         }
         let data = dataset.title.clone().unwrap_or_else(|| self.fit.display().to_string());
         let title = format!("{} added: {data}", effect.title);
+        let noise = noise_of(&model, &dataset);
         let comparison = Comparison { title, records: dataset.records, stages: done.stages };
-        say(&stickslip_report::terminal_table(&comparison, 80, colored()))?;
+        say(&stickslip_report::terminal_table(&comparison, &noise, 80, colored()))?;
         let mut outputs = Outputs::default();
         outputs.add(&self.out, done.model.to_toml());
         if let Some(path) = &self.files.json {
             let place = location.as_ref().map(ToString::to_string);
-            let json = stickslip_report::json(&comparison);
+            let json = stickslip_report::json(&comparison, &noise);
             let out = self.out.display().to_string();
             outputs.add(path, format!("{:#}\n", added_json(id, place.as_deref(), &out, &json)));
         }
         if let Some(path) = &self.files.report {
-            outputs.add(path, stickslip_report::html(&comparison, &settings));
+            outputs.add(path, stickslip_report::html(&comparison, &noise, &settings));
         }
         list(&outputs.write()?)
     }
@@ -123,7 +124,10 @@ fn location(
     if missing {
         let places = places(effect, model, dataset);
         let place = place.unwrap_or_default();
-        return Err(Failure::input(format!("there is no place `{place}`; possible are {}", places.join(", "))));
+        return Err(Failure::input(format!(
+            "there is no place `{place}`; possible are {}",
+            places.join(", ")
+        )));
     }
     Ok(Some(location))
 }
@@ -134,7 +138,10 @@ fn places(effect: &Effect, model: &Model, dataset: &Dataset) -> Vec<String> {
     let mut all: Vec<String> = match (effect.place, &model.structure) {
         (PlaceKind::Channel, _) => {
             let channels = dataset.records.iter().flat_map(|record| &record.channels);
-            channels.filter(|channel| channel.name != "time").map(|channel| format!("{id}@{}", channel.name)).collect()
+            channels
+                .filter(|channel| channel.name != "time")
+                .map(|channel| format!("{id}@{}", channel.name))
+                .collect()
         }
         (_, Structure::Oscillator(oscillator)) => {
             oscillator.masses.iter().map(|mass| format!("{id}@{}", mass.name)).collect()
@@ -143,6 +150,11 @@ fn places(effect: &Effect, model: &Model, dataset: &Dataset) -> Vec<String> {
         _ => Vec::new(),
     };
     let mut seen = Vec::new();
-    all.retain(|place| !seen.contains(place) && { seen.push(place.clone()); true });
+    all.retain(|place| {
+        !seen.contains(place) && {
+            seen.push(place.clone());
+            true
+        }
+    });
     all
 }

@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use stickslip::diagnose::{Comparison, evaluate};
+use stickslip::diagnose::{Comparison, evaluate, noise_of};
 use stickslip::model::Model;
 
 use super::{
-    check_destinations, dataset_file, dataset_files, list, present, read_dataset, read_model, refitted,
-    settings, tell_unused,
+    check_destinations, colored, dataset_file, dataset_files, list, present, read_dataset, read_model,
+    refitted, settings, tell_unused,
 };
-use crate::output::Outputs;
+use crate::output::{Outputs, say};
 use crate::{Failure, ResultFiles};
 
 /// Arguments of `stickslip compare`.
@@ -22,6 +22,9 @@ pub struct Compare {
     /// Compare the model as it is; do not refit it
     #[arg(long)]
     no_fit: bool,
+    /// Show the error at each harmonic of records that repeat
+    #[arg(long)]
+    harmonics: bool,
     /// Write the refitted model
     #[arg(short, long, value_name = "NEW.toml", conflicts_with = "no_fit")]
     out: Option<PathBuf>,
@@ -52,8 +55,12 @@ impl Compare {
         }
         let title = dataset.title.clone().unwrap_or_else(|| self.dataset.display().to_string());
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+        let noise = noise_of(&model, &dataset);
         let comparison = Comparison { title, records: dataset.records, stages };
-        present(&comparison, &settings, &self.files, &mut outputs)?;
+        present(&comparison, &noise, &settings, &self.files, &mut outputs)?;
+        if self.harmonics {
+            say(&stickslip_report::harmonic_text(&comparison, 80, colored()))?;
+        }
         list(&outputs.write()?)?;
         if comparison.stages.iter().all(|stage| stage.error.is_nan()) {
             return Err(Failure::other("no record can be predicted"));

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use stickslip::diagnose::{Comparison, Stage, evaluate};
+use stickslip::diagnose::{Comparison, Stage, evaluate, noise_of};
 use stickslip_report::document::{document_html, document_json};
 
 use super::present;
@@ -134,9 +134,10 @@ impl Demo {
             .map_err(|error| Failure::other(error.to_string()))?;
         let summary = format!("best: {}, exported as an FMU", stages[best].name);
         let title = "Resonance of a beam on a frictional support, measured at eight levels".to_owned();
+        let noise = noise_of(&models[best], &dataset);
         let comparison = Comparison { title, records: dataset.records, stages };
         let mut outputs = Outputs::default();
-        present(&comparison, &settings, &files, &mut outputs)?;
+        present(&comparison, &noise, &settings, &files, &mut outputs)?;
         outputs.add(&self.out.join("FrictionalSupport.toml"), models[best].to_toml());
         outputs.add(&self.out.join("FrictionalSupport.fmu"), fmu);
         say(&format!("\n{summary}\n"))?;

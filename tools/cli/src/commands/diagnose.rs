@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use stickslip::diagnose::{DiagnoseError, DiagnoseOptions, DiagnoseWatch, Diagnosis, RefitError, Verdict, diagnose};
+use stickslip::diagnose::{
+    DiagnoseError, DiagnoseOptions, DiagnoseWatch, Diagnosis, RefitError, Verdict, diagnose,
+};
 use stickslip::document::suggestion;
 use stickslip::effects::{self, CATALOGUE, Effect};
 use stickslip::identify::FitError;

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest as _, Sha256};
-use stickslip::diagnose::{Comparison, Refit, RefitError, Watch, refit, unused_columns};
+use stickslip::diagnose::{Comparison, Noise, Refit, RefitError, Watch, refit, unused_columns};
 use stickslip::identify::{Ending, FitError};
 use stickslip::measure::Dataset;
 use stickslip::model::Model;
@@ -53,24 +53,21 @@ fn shown(error: stickslip_readers::InputError) -> Failure {
 /// Prints the comparison and puts the asked-for files among `outputs`.
 fn present(
     comparison: &Comparison,
+    noise: &[Noise],
     settings: &Settings,
     files: &ResultFiles,
     outputs: &mut Outputs,
 ) -> Result<(), Failure> {
-    say(&terminal_table(comparison))?;
+    say(&stickslip_report::terminal_table(comparison, noise, 80, colored()))?;
     if let Some(path) = &files.json {
-        let text = serde_json::to_string_pretty(&stickslip_report::json(comparison))
+        let text = serde_json::to_string_pretty(&stickslip_report::json(comparison, noise))
             .map_err(|error| Failure::other(error.to_string()))?;
         outputs.add(path, text + "\n");
     }
     if let Some(path) = &files.report {
-        outputs.add(path, stickslip_report::html(comparison, settings));
+        outputs.add(path, stickslip_report::html(comparison, noise, settings));
     }
     Ok(())
-}
-
-fn terminal_table(comparison: &Comparison) -> String {
-    stickslip_report::terminal_table(comparison, 80, colored())
 }
 
 /// Whether standard output shows colours.

@@ -10,6 +10,8 @@ use crate::plots;
 
 /// Candidates drawn at most.
 const CANDIDATES: usize = 20;
+/// Gain below which a candidate is not drawn.
+const WORST: f64 = -0.34;
 
 /// From the model as given to what remains with the effects, and the noise.
 pub fn waterfall(figures: &mut Figures, diagnosis: &Diagnosis) -> Option<Captioned> {
@@ -18,19 +20,23 @@ pub fn waterfall(figures: &mut Figures, diagnosis: &Diagnosis) -> Option<Caption
     let names: Vec<String> = stages.iter().map(|stage| stage.name.clone()).collect();
     let scale = Scale::of(errors.iter().copied().chain(diagnosis.error.noise_floor), "1");
     let floor = diagnosis.error.noise_floor;
-    let figure = plots::waterfall_of(figures, &names, &errors, &scale, "normalised error, all records", floor)?;
+    let figure =
+        plots::waterfall_of(figures, &names, &errors, &scale, "normalised error, all records", floor)?;
     let noise = match floor {
         Some(floor) => format!(" Dotted: what the noise alone would leave, {}.", format::error(floor)),
         None => " What the noise alone would leave is unknown.".to_owned(),
     };
-    let caption = format!("From the error of the model as given to what remains. Green lowers the error, orange raises it.{noise}");
+    let caption = format!(
+        "From the error of the model as given to what remains. Green lowers the error, orange raises it.{noise}"
+    );
     Some(Captioned { figure, caption, half: false })
 }
 
 /// Gain of each candidate with its standard error.
 pub fn ranking(figures: &mut Figures, candidates: &[Candidate]) -> Option<(Captioned, usize)> {
-    let fitted: Vec<&Candidate> =
-        candidates.iter().filter(|one| one.failure.is_none() && one.gain_share.is_finite()).take(CANDIDATES).collect();
+    // A candidate that makes it far worse would press the others together.
+    let drawn = |one: &&Candidate| one.failure.is_none() && one.gain_share > WORST;
+    let fitted: Vec<&Candidate> = candidates.iter().filter(drawn).take(CANDIDATES).collect();
     if fitted.is_empty() {
         return None;
     }
@@ -40,9 +46,9 @@ pub fn ranking(figures: &mut Figures, candidates: &[Candidate]) -> Option<(Capti
     };
     let names: Vec<String> = fitted.iter().map(|one| figure::text(&words::candidate(one))).collect();
     let gains: Vec<f64> = fitted.iter().map(|one| 100.0 * one.gain_share).collect();
-    let z: Vec<String> = fitted.iter().map(|one| format!("z = {}", format::significant(one.gain_z, 2))).collect();
-    // A candidate that makes it far worse would press the others together.
-    let low = gains.iter().copied().fold(0.0, f64::min).max(-30.0);
+    let z: Vec<String> =
+        fitted.iter().map(|one| format!("z = {}", format::significant(one.gain_z, 2))).collect();
+    let low = gains.iter().copied().fold(0.0, f64::min);
     let trace = json!({
         "type": "scatter", "mode": "markers", "y": names, "x": gains, "text": z, "hoverinfo": "x+y+text",
         "marker": { "color": LAST, "size": 9 }, "showlegend": false,
@@ -56,7 +62,7 @@ pub fn ranking(figures: &mut Figures, candidates: &[Candidate]) -> Option<(Capti
     layout["xaxis"]["range"] = json!([low - 5.0, 105.0]);
     let caption = "Share of the squared error on the selecting records that each candidate removes when the whole model is \
                    refitted with it, ±1 standard error over blocks. Right of the line helps; a bar that reaches the line \
-                   may be chance."
+                   may be chance. What makes it worse by more than a third is only in the table."
         .to_owned();
     let height = 96 + 26 * fitted.len();
     Some((Captioned { figure: figures.add(vec![trace], layout), caption, half: false }, height))
@@ -83,7 +89,9 @@ pub fn confounding(figures: &mut Figures, diagnosis: &Diagnosis) -> Option<(Capt
         });
         match pair {
             _ if a == b => json!(null),
-            Some(one) if one.correlation.is_finite() => json!((one.correlation.abs() * 100.0).round() / 100.0),
+            Some(one) if one.correlation.is_finite() => {
+                json!((one.correlation.abs() * 100.0).round() / 100.0)
+            }
             _ => json!(null),
         }
     };
@@ -93,7 +101,7 @@ pub fn confounding(figures: &mut Figures, diagnosis: &Diagnosis) -> Option<(Capt
         "type": "heatmap", "x": names, "y": names, "z": rows, "zmin": 0, "zmax": 1, "xgap": 1, "ygap": 1,
         "colorscale": [[0, "#f4f6f8"], [0.5, "#9ecae9"], [0.9, "#0072B2"], [0.9, "#D55E00"], [1, "#8c2d04"]],
         "texttemplate": "%{z:.2f}", "textfont": { "size": 10 }, "hovertemplate": "%{y}, %{x}: %{z:.2f}<extra></extra>",
-        "colorbar": { "thickness": 12, "title": { "text": "|ρ|" }, "tickvals": [0, 0.5, 0.9, 1] },
+        "showscale": false, "colorbar": { "thickness": 12, "title": { "text": "|ρ|" }, "tickvals": [0, 0.5, 0.9, 1] },
     });
     let mut layout = figure::single("", "");
     for axis in ["xaxis", "yaxis"] {

@@ -1,7 +1,7 @@
 //! A diagnosis as JSON.
 
 use serde_json::{Map, Value, json};
-use stickslip::diagnose::{Candidate, Diagnosis, Estimate, Group, NoiseSource, Stage, Step, Verdict};
+use stickslip::diagnose::{Candidate, Diagnosis, Estimate, Group, Stage, Step, Verdict};
 use stickslip::measure::{Record, Use};
 
 use super::Run;
@@ -109,9 +109,9 @@ fn estimates(all: &[Estimate]) -> Value {
 fn detectable(diagnosis: &Diagnosis) -> Value {
     let mut object = Map::new();
     for one in &diagnosis.detectable {
-        object.entry(one.effect).or_insert_with(
-            || json!({ "parameter": one.parameter, "value": one.value, "unit": one.unit }),
-        );
+        object
+            .entry(one.effect)
+            .or_insert_with(|| json!({ "parameter": one.parameter, "value": one.value, "unit": one.unit }));
     }
     Value::Object(object)
 }
@@ -133,7 +133,11 @@ fn record_name(diagnosis: &Diagnosis, record: usize) -> Option<&str> {
 
 fn split(diagnosis: &Diagnosis) -> Vec<Value> {
     let records: &[Record] = &diagnosis.comparison.records;
-    records.iter().zip(&diagnosis.split).map(|(record, used)| json!({ "file": record.name, "use": id(*used) })).collect()
+    records
+        .iter()
+        .zip(&diagnosis.split)
+        .map(|(record, used)| json!({ "file": record.name, "use": id(*used) }))
+        .collect()
 }
 
 /// As a dataset file spells it.
@@ -146,17 +150,10 @@ fn id(used: Use) -> &'static str {
 }
 
 fn noise(diagnosis: &Diagnosis) -> Vec<Value> {
-    let source = |source| match source {
-        NoiseSource::Stated => "stated",
-        NoiseSource::Periods => "periods",
-        NoiseSource::Repeats => "repeats",
-        NoiseSource::Carried => "carried",
-        NoiseSource::Unknown => "unknown",
-    };
     let one = |noise: &stickslip::diagnose::Noise| {
         json!({
             "file": record_name(diagnosis, noise.record), "channel": noise.channel, "deviation": noise.deviation,
-            "source": source(noise.source),
+            "source": crate::json::source(noise.source),
         })
     };
     diagnosis.noise.iter().map(one).collect()

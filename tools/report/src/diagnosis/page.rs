@@ -111,18 +111,15 @@ fn alike(drawn: &mut Figures, diagnosis: &Diagnosis) -> Markup {
 /// The tables of records and the views.
 fn failing(drawn: &mut Figures, diagnosis: &Diagnosis) -> Markup {
     let comparison = &diagnosis.comparison;
-    let noise = |record: usize, channel: &str| {
-        let found = diagnosis.noise.iter().find(|noise| noise.record == record && noise.channel == channel);
-        found.and_then(|noise| noise.deviation)
-    };
+    let noise = &diagnosis.noise;
     html! {
-        (explorer::section(drawn, comparison, &worst_first(comparison), &noise))
+        (explorer::section(drawn, comparison, &worst_first(comparison), noise))
         @for table in &summary::levels(comparison) { (backbone_section(drawn, comparison, table)) }
         section id="records" {
             h2 { "Records" }
             @for record in 0..comparison.records.len() { (failures(comparison, record)) }
             (sections::split(diagnosis))
-            (tables::record_table(comparison, &noise))
+            (tables::record_table(comparison, noise))
             (tables::harmonic_table(comparison))
         }
     }
@@ -133,8 +130,17 @@ pub fn list(all: &[String]) -> Markup {
     html! {
         @match all {
             [] => {}
-            [only] => { p.text { (name(only)) } }
-            more => { ul.text { @for one in more { li { (name(one)) } } } }
+            [only] => { p.text { (spans(only)) } }
+            more => { ul.text { @for one in more { li { (spans(one)) } } } }
+        }
+    }
+}
+
+/// Text in which what stands between backticks is a command.
+fn spans(text: &str) -> Markup {
+    html! {
+        @for (index, part) in text.split('`').enumerate() {
+            @if index % 2 == 1 { code { (name(part)) } } @else { (name(part)) }
         }
     }
 }

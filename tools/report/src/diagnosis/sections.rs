@@ -256,7 +256,8 @@ pub fn split(diagnosis: &Diagnosis) -> Markup {
         let all = records.iter().zip(&diagnosis.split).filter(|(_, one)| **one == used);
         all.map(|(record, _)| name(&record.name)).collect()
     };
-    let uses = [(Use::Fit, "Fitted to"), (Use::Select, "Chosen by"), (Use::Confirm, "Untouched until the end")];
+    let uses =
+        [(Use::Fit, "Fitted to"), (Use::Select, "Chosen by"), (Use::Confirm, "Untouched until the end")];
     html! {
         @if diagnosis.split.len() == records.len() && !records.is_empty() {
             ul.text { @for (used, words) in uses {

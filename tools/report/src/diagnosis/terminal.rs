@@ -22,6 +22,7 @@ pub fn diagnosis_table(diagnosis: &Diagnosis, run: &Run, width: usize, color: bo
     for step in words::next_steps(diagnosis, run) {
         out.paragraph(&format!("- {step}"), "");
     }
+    found(&mut out, diagnosis);
     why(&mut out, diagnosis);
     errors(&mut out, diagnosis);
     candidates(&mut out, &diagnosis.candidates);
@@ -33,6 +34,26 @@ pub fn diagnosis_table(diagnosis: &Diagnosis, run: &Run, width: usize, color: bo
 fn heading(out: &mut Text, text: &str) {
     out.line("");
     out.paragraph(text, BOLD);
+}
+
+/// The parameters of what was found, with their intervals.
+fn found(out: &mut Text, diagnosis: &Diagnosis) {
+    let fitted = |id: &&str| {
+        let all = diagnosis.rounds.iter().rev().flatten().chain(&diagnosis.candidates);
+        all.filter(|one| one.effects.contains(id)).find(|one| !one.parameters.is_empty())
+    };
+    let all: Vec<&Candidate> = diagnosis.effects.iter().filter_map(fitted).collect();
+    if !all.is_empty() {
+        heading(out, "Found (95 % intervals in brackets)");
+    }
+    for one in all {
+        let numbers: Vec<String> = one
+            .parameters
+            .iter()
+            .map(|estimate| format!("{} = {}", words::parameter(&estimate.name), words::estimate(estimate)))
+            .collect();
+        out.paragraph(&format!("- {}: {}", words::candidate(one), numbers.join(", ")), "");
+    }
 }
 
 fn why(out: &mut Text, diagnosis: &Diagnosis) {
@@ -60,7 +81,9 @@ fn errors(out: &mut Text, diagnosis: &Diagnosis) {
     let floor = |value: Option<f64>| value.map_or_else(|| "unknown".to_owned(), format::error);
     let added: Vec<&str> = match diagnosis.verdict {
         Verdict::EffectFound => diagnosis.effects.clone(),
-        _ => diagnosis.steps.iter().filter(|step| !step.dropped).flat_map(|step| step.added.clone()).collect(),
+        _ => {
+            diagnosis.steps.iter().filter(|step| !step.dropped).flat_map(|step| step.added.clone()).collect()
+        }
     };
     let mut left = vec![String::new(), "as given".to_owned(), "refitted".to_owned()];
     let mut cells = vec![
@@ -92,7 +115,10 @@ fn candidates(out: &mut Text, candidates: &[Candidate]) {
                 format::error(one.error),
                 gain(one),
                 format::fixed(one.gain_z, 2),
-                one.parameters.first().map(words::estimate).unwrap_or_default(),
+                one.parameters
+                    .first()
+                    .map(|one| format::engineering(one.value, one.unit))
+                    .unwrap_or_default(),
             ],
         });
     }

@@ -91,7 +91,11 @@ fn fall(diagnosis: &Diagnosis) -> String {
         (error.refitted, error.last, "")
     };
     let change = format::change(before, after).map(|change| format!(" ({change})")).unwrap_or_default();
-    format!("{with} the error{whose} falls from {} to {}{change}.", format::error(before), format::error(after))
+    format!(
+        "{with} the error{whose} falls from {} to {}{change}.",
+        format::error(before),
+        format::error(after)
+    )
 }
 
 /// What the noise alone would leave.
@@ -117,7 +121,7 @@ pub fn next_steps(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
         Verdict::EffectFound => {
             steps.extend(diagnosis.effects.iter().filter_map(|id| {
                 let effect = effects::find(id)?;
-                Some(format!("Confirm {}: {}", effect.title, effect.confirmation))
+                Some(format!("Confirm it ({}): {}", effect.title.to_lowercase(), effect.confirmation))
             }));
             steps.push(add(diagnosis, run));
         }
@@ -148,7 +152,9 @@ pub fn next_steps(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
 /// How to get the model with the effects.
 fn add(diagnosis: &Diagnosis, run: &Run) -> String {
     if let Some(path) = &run.written {
-        return format!("The model with what was found is in {path}; `stickslip export {path} -o X.fmu` makes it an FMU.");
+        return format!(
+            "The model with what was found is in {path}; `stickslip export {path} -o X.fmu` makes it an FMU."
+        );
     }
     let (model, data) = (quoted(&run.model), quoted(&run.dataset));
     match (&diagnosis.effects[..], diagnosis.candidates.iter().find(|one| one.effects == diagnosis.effects)) {
@@ -189,11 +195,12 @@ pub fn warnings(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
         );
     }
     if !diagnosis.error.untouched.is_finite() && diagnosis.verdict == Verdict::EffectFound {
-        all.push("No record was left untouched: the error after adding is not confirmed on data of its own.".to_owned());
+        all.push(
+            "No record was left untouched: the error after adding is not confirmed on data of its own."
+                .to_owned(),
+        );
     }
-    let known = |source| {
-        !matches!(source, NoiseSource::Unknown)
-    };
+    let known = |source| !matches!(source, NoiseSource::Unknown);
     let some = diagnosis.noise.iter().any(|noise| known(noise.source));
     if some && diagnosis.noise.iter().any(|noise| !known(noise.source)) {
         all.push("The noise of some channels is unknown; see “Noise”.".to_owned());
@@ -252,7 +259,10 @@ mod tests {
 
     #[test]
     fn names_are_joined_as_in_prose() {
-        assert_eq!(titles(&["backlash", "wear"], "or"), format!("{} or {}", title("backlash"), title("wear")));
+        assert_eq!(
+            titles(&["backlash", "wear"], "or"),
+            format!("{} or {}", title("backlash"), title("wear"))
+        );
         assert_eq!(title("not_in_the_catalogue"), "not in the catalogue");
     }
 }

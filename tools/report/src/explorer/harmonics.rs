@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 use stickslip::diagnose::Comparison;
 use stickslip::harmonic::{fourier, whole_periods};
 
-use super::views::{deviation, drive, short};
 use super::residual;
+use super::views::{deviation, drive, short};
 use crate::summary;
 
 /// Harmonics that are told.
@@ -45,9 +45,10 @@ pub fn by_harmonic(comparison: &Comparison, index: usize, name: &str) -> Option<
         std::iter::once(mean).chain(sizes).collect()
     };
     let whole = |values: &Vec<f64>| values.len() == measured.values.len();
-    let residuals = comparison.stages.iter().map(|stage| {
-        residual(comparison, index, stage, name).filter(whole).map(parts)
-    });
+    let residuals = comparison
+        .stages
+        .iter()
+        .map(|stage| residual(comparison, index, stage, name).filter(whole).map(parts));
     Some(Harmonics {
         record: index,
         channel: name.to_owned(),

@@ -5,17 +5,18 @@ mod harmonics;
 mod store;
 mod views;
 
-pub use harmonics::by_harmonic;
+pub use harmonics::{Harmonics, by_harmonic};
 pub use views::deviation;
 
 use maud::{Markup, html};
 use serde_json::{Value, json};
-use stickslip::diagnose::Comparison;
+use stickslip::diagnose::{Comparison, Noise};
 use stickslip::measure::{Channel, Record, Regime};
 
 use self::store::Store;
 use crate::decimate::{keep_extremes, worst_cycles};
 use crate::figure::{self, Figures};
+use crate::floors;
 use crate::format::{self, Scale};
 use crate::plots::prose;
 use crate::stages::{self, name};
@@ -30,14 +31,9 @@ const RECORDS: usize = 60;
 /// Cycles that a loop shows of a record.
 const LOOP_CYCLES: usize = 3;
 
-/// The section: what may be chosen, and the views. Empty where there is no record in time. `noise` is the
-/// standard deviation of a channel's noise by record and name, if it is known.
-pub fn section(
-    figures: &mut Figures,
-    comparison: &Comparison,
-    records: &[usize],
-    noise: &dyn Fn(usize, &str) -> Option<f64>,
-) -> Markup {
+/// The section: what may be chosen, and the views. Empty where there is no record in time. `noise` is what is
+/// known of the noise.
+pub fn section(figures: &mut Figures, comparison: &Comparison, records: &[usize], noise: &[Noise]) -> Markup {
     let shown: Vec<usize> = drawable(comparison, records).into_iter().take(RECORDS).collect();
     if shown.is_empty() {
         return html! {};
@@ -105,9 +101,9 @@ fn scales(comparison: &Comparison, shown: &[usize]) -> Vec<(String, Scale, Scale
             }
             let values = channels(&name).into_iter().flat_map(|channel| channel.values.iter().copied());
             let residuals = shown.iter().flat_map(|&record| {
-                comparison.stages.iter().filter_map(move |stage| Some((record, stage))).flat_map(|(record, stage)| {
-                    residual(comparison, record, stage, &name).unwrap_or_default()
-                })
+                comparison.stages.iter().filter_map(move |stage| Some((record, stage))).flat_map(
+                    |(record, stage)| residual(comparison, record, stage, &name).unwrap_or_default(),
+                )
             });
             let (value, rest) = (Scale::of(values, unit), Scale::of(residuals, unit));
             all.push((name, value, rest));
@@ -135,19 +131,20 @@ fn entry(
     index: usize,
     scales: &[(String, Scale, Scale)],
     limit: usize,
-    noise: &dyn Fn(usize, &str) -> Option<f64>,
+    noise: &[Noise],
 ) -> Value {
     let record = &comparison.records[index];
     let channels: Vec<Value> = scales
         .iter()
         .filter_map(|(name, value, rest)| {
             let measured = summary::channel(record, name).filter(|channel| !channel.values.is_empty())?;
-            let noise = noise(index, name).or(measured.noise);
+            let noise = floors::deviation(noise, index, name).or(measured.noise);
             Some(channel(store, comparison, index, measured, (value, rest), limit, noise))
         })
         .collect();
     let error = comparison.stages.last().map_or(f64::NAN, |stage| summary::record_error(stage, index));
-    let title = format!("{} ({}), error {}", record.name, stages::regime(comparison, index), format::error(error));
+    let title =
+        format!("{} ({}), error {}", record.name, stages::regime(comparison, index), format::error(error));
     json!({ "name": figure::text(&record.name), "title": name(&title), "channels": channels })
 }
 
@@ -196,7 +193,7 @@ fn channel(
         "drawn": kept.len(), "samples": length,
         "causes": causes(store, record, measured, &kept),
         "loop": hysteresis(store, record, measured, last.map_or(&[], Vec::as_slice), &kept, limit),
-        "slow": views::slow_time(time, &residuals, spread, clock.factor),
+        "slow": views::slow_time(record, measured, time, &residuals, (spread, clock.factor)),
         "spectrum": views::spectrum(store, record, &measured.values, &residuals, value.factor),
         "frequencyLabel": "frequency (Hz)",
         "spectrumLabel": figure::text(&value.label(&format!("amplitude of {short}"))),
@@ -236,7 +233,7 @@ fn hysteresis(
         return Value::Null;
     };
     let motion = if contact { &other.values } else { &measured.values };
-    let (range, _) = worst_cycles(motion, residual, LOOP_CYCLES, limit / 4);
+    let (range, _) = worst_cycles(motion, residual, LOOP_CYCLES, limit / 8);
     let place = |sample: usize| kept.partition_point(|&index| index < sample);
     let scale = Scale::of(other.values.iter().copied(), other.unit);
     json!({
@@ -254,7 +251,8 @@ fn markup(
     thinned: Option<usize>,
 ) -> Markup {
     let count = comparison.stages.len();
-    let all = (0..comparison.records.len()).filter(|&r| comparison.records[r].regime != Regime::Backbone).count();
+    let all =
+        (0..comparison.records.len()).filter(|&r| comparison.records[r].regime != Regime::Backbone).count();
     html! {
         section id="where" {
             h2 { "Where it fails" }
@@ -333,10 +331,11 @@ pub fn latent(comparison: &Comparison, records: &[usize]) -> Markup {
             div.figures {
                 @for role in roles {
                     (view(&format!("latent:{role}"), &format!(
-                        "What the last model lacks, measured minus predicted, against {role}: mean over all records, \
-                         forwards and backwards. The band holds two thirds of the samples."), true))
+                        "What the last model lacks, measured minus predicted, against {role}: mean over all records{}. The \
+                         band holds two thirds of the samples.",
+                        if role == "displacement" { ", forwards and backwards" } else { "" }), true))
                 }
-                (view("latent:time", "What the last model lacks along the records: mean over windows.", true))
+                (view("latent:time", "Size of what the last model lacks along each record, over the channel’s standard deviation.", true))
             }
         }
     }

@@ -7,6 +7,7 @@ use stickslip::harmonic::whole_periods;
 use stickslip::measure::{Channel, Record, Regime};
 
 use super::store::Store;
+use crate::decimate::samples_per_cycle;
 
 /// What a residual may be drawn against, in the order of the figures.
 pub const ROLES: [&str; 6] =
@@ -46,7 +47,9 @@ pub fn causes(record: &Record, measured: &Channel) -> Vec<(&'static str, Channel
     found.extend(displacement.map(|channel| ("displacement", channel)));
     found.extend(velocity.map(|channel| ("velocity", channel)));
     found.extend(record.channel("normal_load").map(|channel| ("normal load", channel.clone())));
-    found.extend(record.channel("normal_displacement").map(|channel| ("normal displacement", channel.clone())));
+    found.extend(
+        record.channel("normal_displacement").map(|channel| ("normal displacement", channel.clone())),
+    );
     let excitation = record.channels.iter().find(|channel| channel.quantity() == "excitation");
     found.extend(excitation.map(|channel| ("excitation", channel.clone())));
     found.retain(|(_, channel)| channel.values.len() == measured.values.len());
@@ -109,18 +112,30 @@ pub fn drive<'r>(record: &'r Record, measured: &Channel) -> Option<&'r Channel> 
     }
 }
 
-/// Root mean square of each stage's residual in windows along the record, over `spread`.
-pub fn slow_time(time: &[f64], residuals: &[Option<Vec<f64>>], spread: f64, factor: f64) -> Value {
+/// Root mean square of each stage's residual in windows along the record, over the channel's standard
+/// deviation; times are multiplied by `factor`. Windows are about a cycle long, or two, three ... in a record of
+/// many, since within a cycle every residual rises and falls.
+pub fn slow_time(
+    record: &Record,
+    measured: &Channel,
+    time: &[f64],
+    residuals: &[Option<Vec<f64>>],
+    (spread, factor): (f64, f64),
+) -> Value {
     let count = time.len();
-    let windows = (count / WINDOWS.1).min(WINDOWS.0);
-    if windows < 3 {
+    let cycle = drive(record, measured).and_then(|drive| samples_per_cycle(&drive.values));
+    let cycles = cycle.map_or(WINDOWS.0 / 2, |samples| count / samples.max(1));
+    let windows = (cycles / cycles.div_ceil(WINDOWS.0).max(1)).min(count / WINDOWS.1);
+    if windows < 2 {
         return Value::Null;
     }
     let edges = |window: usize| window * count / windows..(window + 1) * count / windows;
-    let middle = |window: usize| short(0.5 * (time[edges(window).start] + time[edges(window).end - 1]) * factor);
+    let middle =
+        |window: usize| short(0.5 * (time[edges(window).start] + time[edges(window).end - 1]) * factor);
     let rms = |values: &[f64]| -> Vec<Value> {
         let part = |window| values.get(edges(window)).unwrap_or(&[]);
-        let one = |part: &[f64]| (part.iter().map(|v| v * v).sum::<f64>() / part.len() as f64).sqrt() / spread;
+        let one =
+            |part: &[f64]| (part.iter().map(|v| v * v).sum::<f64>() / part.len() as f64).sqrt() / spread;
         (0..windows).map(|window| short(one(part(window)))).collect()
     };
     json!({
@@ -218,7 +233,8 @@ mod tests {
         let causes = causes(&record, &record.channels[2]);
         let of = |role: &str| &causes.iter().find(|(name, _)| *name == role).unwrap().1;
         for (index, time) in record.time().unwrap().iter().enumerate() {
-            let (displacement, velocity) = (-5.0 * (rate * time).cos() / rate.powi(2), 5.0 * (rate * time).sin() / rate);
+            let (displacement, velocity) =
+                (-5.0 * (rate * time).cos() / rate.powi(2), 5.0 * (rate * time).sin() / rate);
             assert!((of("displacement").values[index] - displacement).abs() < 1e-9 * 5.0);
             assert!((of("velocity").values[index] - velocity).abs() < 1e-9 * 5.0);
         }

@@ -1,8 +1,8 @@
 //! Diagnoses of every verdict, to look at and to test with.
 
 use stickslip::diagnose::{
-    Candidate, Comparison, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group, Noise,
-    NoiseSource, Step, Untried, Verdict,
+    Candidate, Comparison, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group,
+    Noise, NoiseSource, Step, Untried, Verdict,
 };
 use stickslip::effects::CATALOGUE;
 use stickslip::measure::Use;
@@ -52,7 +52,13 @@ fn estimate(name: &str, value: f64, spread: f64, unit: &'static str) -> Estimate
     Estimate { name: name.into(), value, low: Some(value - spread), high: Some(value + spread), unit }
 }
 
-fn candidate(effects: &[&'static str], error: f64, gain_z: f64, gain_share: f64, parameters: Vec<Estimate>) -> Candidate {
+fn candidate(
+    effects: &[&'static str],
+    error: f64,
+    gain_z: f64,
+    gain_share: f64,
+    parameters: Vec<Estimate>,
+) -> Candidate {
     Candidate {
         effects: effects.to_vec(),
         location: None,
@@ -67,8 +73,20 @@ fn candidate(effects: &[&'static str], error: f64, gain_z: f64, gain_share: f64,
 
 fn candidates() -> Vec<Candidate> {
     let mut all = vec![
-        candidate(&["residual_stiffness"], 0.021, 41.2, 0.991, vec![estimate("residual_stiffness", 4.02e5, 6e3, "N/m")]),
-        candidate(&["stiffening"], 0.12, 14.0, 0.61, vec![estimate("cubic_stiffness", 8.1e13, 9e12, "N/m^3")]),
+        candidate(
+            &["residual_stiffness"],
+            0.021,
+            41.2,
+            0.991,
+            vec![estimate("residual_stiffness", 4.02e5, 6e3, "N/m")],
+        ),
+        candidate(
+            &["stiffening"],
+            0.12,
+            14.0,
+            0.61,
+            vec![estimate("cubic_stiffness", 8.1e13, 9e12, "N/m^3")],
+        ),
         candidate(
             &["velocity_weakening"],
             0.31,
@@ -116,7 +134,8 @@ pub fn found() -> Diagnosis {
 
 fn of(comparison: Comparison) -> Diagnosis {
     let records = comparison.records.len();
-    let split: Vec<Use> = (0..records).map(|i| [Use::Fit, Use::Fit, Use::Select, Use::Confirm][i % 4]).collect();
+    let split: Vec<Use> =
+        (0..records).map(|i| [Use::Fit, Use::Fit, Use::Select, Use::Confirm][i % 4]).collect();
     let errors: Vec<f64> = comparison.stages.iter().map(|stage| stage.error).collect();
     let (&baseline, &last) = (errors.first().unwrap(), errors.last().unwrap());
     let sources = [NoiseSource::Stated, NoiseSource::Periods, NoiseSource::Repeats, NoiseSource::Carried];
@@ -240,7 +259,9 @@ pub fn nothing() -> Diagnosis {
         effects: vec![],
         steps: vec![],
         evidence: vec![],
-        reasons: vec!["The residual is as large as the noise and white against displacement, velocity and time.".into()],
+        reasons: vec![
+            "The residual is as large as the noise and white against displacement, velocity and time.".into(),
+        ],
         ..of(comparison)
     }
 }
@@ -309,8 +330,17 @@ pub fn large() -> Diagnosis {
         }
         let mut channels = vec![channel("time", "s", time), channel("excitation", "N", excitation)];
         channels.extend(measured);
-        let regime = if index % 2 == 0 { stickslip::measure::Regime::Steady } else { stickslip::measure::Regime::FromRest };
-        records.push(stickslip::measure::Record { name: format!("r{index}.csv"), regime, use_for: None, channels });
+        let regime = if index % 2 == 0 {
+            stickslip::measure::Regime::Steady
+        } else {
+            stickslip::measure::Regime::FromRest
+        };
+        records.push(stickslip::measure::Record {
+            name: format!("r{index}.csv"),
+            regime,
+            use_for: None,
+            channels,
+        });
     }
     let names = ["as given", "refitted", "+ micro-slip", "+ micro-slip + wear"];
     let stages = names.iter().zip(all).map(|(name, records)| stage(name, vec![], records, 12)).collect();

@@ -1,0 +1,145 @@
+//! `diagnose`, `add` and `effects` as a user calls them, and what they say when the input is wrong.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+const MODEL: &str = r#"schema = "stickslip.model/1"
+kind = "contact"
+
+[contact]
+law = "jenkins"
+tangential_stiffness = 2.4e6
+friction_coefficient = 0.5
+normal_load = 100.0
+"#;
+
+fn stickslip(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_stickslip")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn error(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn json(folder: &Path, name: &str) -> Value {
+    serde_json::from_slice(&fs::read(folder.join(name)).unwrap()).unwrap()
+}
+
+/// Six records from rest at several levels, of a slider with a spring of `beside` (N/m) next to it.
+fn example(beside: f64) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("model.toml"), MODEL).unwrap();
+    fs::create_dir(folder.path().join("data")).unwrap();
+    let mut dataset = "schema = \"stickslip.dataset/1\"\n".to_owned();
+    for (record, size) in [20e-6, 30e-6, 40e-6, 50e-6, 60e-6, 80e-6].into_iter().enumerate() {
+        write!(dataset, "\n[[record]]\nfile = \"r{record}.csv\"\nregime = \"from-rest\"\n").unwrap();
+        fs::write(folder.path().join(format!("data/r{record}.csv")), table(record as u64, size, beside))
+            .unwrap();
+    }
+    fs::write(folder.path().join("data/dataset.toml"), dataset).unwrap();
+    folder
+}
+
+/// Jenkins' element stepped by hand, with noise of 0.3 N.
+fn table(seed: u64, size: f64, beside: f64) -> String {
+    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    let mut uniform = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    let (mut slider, mut text) = (0.0_f64, "time [s],displacement [m],force [N]\n".to_owned());
+    for index in 0..600 {
+        let time = f64::from(index) * 0.005;
+        let u = size * (std::f64::consts::TAU * time).sin();
+        let sliding = (2.5e6 * (u - slider)).clamp(-48.0, 48.0);
+        slider = u - sliding / 2.5e6;
+        let noise = 0.3 * (uniform() + uniform() + uniform());
+        writeln!(text, "{time},{u:e},{:e}", sliding + beside * u + noise).unwrap();
+    }
+    text
+}
+
+#[test]
+fn a_missing_spring_is_found_added_and_the_error_falls() {
+    let folder = example(4e5);
+    let path = folder.path();
+    let found = stickslip(
+        path,
+        &[
+            "diagnose",
+            "model.toml",
+            "data",
+            "--effects",
+            "residual_stiffness,backlash,sensor_offset",
+            "--json",
+            "d.json",
+            "--report",
+            "d.html",
+            "-o",
+            "found.toml",
+        ],
+    );
+    assert_eq!(found.status.code(), Some(10), "{}", error(&found));
+    let diagnosis = json(path, "d.json");
+    assert_eq!(diagnosis["schema"], "stickslip.diagnosis/1");
+    assert_eq!(diagnosis["effects"], serde_json::json!(["residual_stiffness"]));
+    assert_eq!(diagnosis["model_written"], "found.toml");
+    assert!(fs::read_to_string(path.join("d.html")).unwrap().contains("Residual stiffness is missing"));
+    // The engineer adds it by hand, and compares again.
+    let added = stickslip(
+        path,
+        &["add", "model.toml", "residual_stiffness", "--fit", "data", "-o", "new.toml", "--json", "a.json"],
+    );
+    assert_eq!(added.status.code(), Some(0), "{}", error(&added));
+    let added = json(path, "a.json");
+    assert_eq!(added["effect"], "residual_stiffness");
+    let compared = stickslip(path, &["compare", "new.toml", "data", "--no-fit", "--json", "c.json"]);
+    assert_eq!(compared.status.code(), Some(0), "{}", error(&compared));
+    let after = json(path, "c.json")["error"]["baseline"].as_f64().unwrap();
+    let before = diagnosis["error"]["refitted"].as_f64().unwrap();
+    assert!(after < 0.3 * before, "{before} → {after}");
+    let text = fs::read_to_string(path.join("new.toml")).unwrap();
+    assert!(text.contains("id = \"residual_stiffness\""), "{text}");
+}
+
+#[test]
+fn wrong_input_is_named_and_nothing_is_written() {
+    let folder = example(0.0);
+    let cases: [(&[&str], &str); 7] = [
+        (
+            &["diagnose", "model.toml", "data", "--effects", "backlsh", "--json", "x"],
+            "did you mean `backlash`",
+        ),
+        (&["diagnose", "model.toml", "nowhere", "--json", "x"], "nowhere"),
+        (&["add", "model.toml", "backlash", "--fit", "data"], "--out"),
+        (&["add", "model.toml", "wer", "--fit", "data", "-o", "x"], "did you mean `wear`"),
+        (&["add", "model.toml", "backlash@m2", "--fit", "data", "-o", "x"], "needs no place"),
+        (&["add", "model.toml", "sensor_offset", "--fit", "data", "-o", "x"], "sensor_offset@force"),
+        (&["add", "model.toml", "added_mass@m2", "--fit", "data", "-o", "x"], "kind \"contact\""),
+    ];
+    for (arguments, said) in cases {
+        let output = stickslip(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(error(&output).contains(said), "{arguments:?}: {}", error(&output));
+        assert!(!folder.path().join("x").exists(), "{arguments:?}");
+    }
+    let unknown = stickslip(folder.path(), &["effects", "magic"]);
+    assert_eq!(unknown.status.code(), Some(2));
+}
+
+#[test]
+fn the_catalogue_tells_every_effect() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = String::from_utf8(stickslip(folder.path(), &["effects"]).stdout).unwrap();
+    for effect in stickslip::effects::CATALOGUE {
+        assert!(list.contains(&format!("{}: {}", effect.id, effect.title)), "{}", effect.id);
+        let one = String::from_utf8(stickslip(folder.path(), &["effects", effect.id]).stdout).unwrap();
+        assert!(effect.parameters.iter().all(|parameter| one.contains(parameter.quantity.name)), "{one}");
+        assert!(one.contains("How to confirm it") && one.lines().all(|line| line.chars().count() <= 80));
+    }
+}
