@@ -189,6 +189,12 @@ pub trait ContactLaw: std::fmt::Debug + Send + Sync {
         true
     }
 
+    /// Whether the limit itself follows the velocity or the way already slipped. Then the force along a stroke is
+    /// not that of one step from the stroke's start, and a period must be walked in small steps.
+    fn limit_moves(&self) -> bool {
+        false
+    }
+
     /// Writes the law under the constant `normal_load` (N) as sliders side by side, whose forces add up, and
     /// returns true; or returns false where the law is not piecewise linear.
     fn sliders(&self, normal_load: f64, out: &mut Vec<Slider>) -> bool {

@@ -45,6 +45,14 @@ impl Base {
         }
     }
 
+    /// Where in the state the displacement at the end of the last step stands.
+    pub fn displacement_index(&self) -> usize {
+        match self {
+            Self::Sliders(_) => 0,
+            Self::Valanis(_) => 1,
+        }
+    }
+
     /// Displacement (m) and load (N) at the end of the last step.
     pub fn before(&self, state: &[f64]) -> (f64, f64) {
         match self {

@@ -236,7 +236,7 @@ impl Joint {
                 let slip = end.slip - error / (1.0 - path.by_load * unworn * by_slip);
                 let load = if slip == before { unworn * factor } else { unworn * self.wear_factor(slip).0 };
                 end = End { slip, ..self.behind_play(state, inputs.displacement, load) };
-                if !((slip - before).abs() > 1e-14 * slip.abs()) {
+                if (slip - before).abs() <= 1e-14 * slip.abs() {
                     break;
                 }
             }
@@ -388,6 +388,10 @@ impl ContactLaw for Joint {
         matches!(self.base, Base::Sliders(_))
     }
 
+    fn limit_moves(&self) -> bool {
+        self.changes.weakening.is_some() || self.changes.wear != 0.0
+    }
+
     fn sliders(&self, normal_load: f64, out: &mut Vec<Slider>) -> bool {
         out.clear();
         let JointChanges { residual_stiffness, half_gap, .. } = self.changes;
@@ -443,7 +447,7 @@ fn root(force: impl Fn(f64) -> (f64, f64), start: f64, (mut low, mut high): (f64
         }
         let newton = at - value / slope;
         let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if next == at || !(high - low > f64::EPSILON * at.abs()) {
+        if next == at || high - low <= f64::EPSILON * at.abs() {
             break;
         }
         at = next;

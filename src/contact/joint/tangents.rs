@@ -20,6 +20,8 @@ struct Chain<'a> {
 struct Cause {
     /// Of the displacement in front of the play.
     displacement: f64,
+    /// Of the displacement behind the play before the step.
+    before: f64,
     load: f64,
     slip: f64,
     /// Of the base law's force.
@@ -42,8 +44,11 @@ impl Chain<'_> {
     fn effect(&self, cause: Cause) -> Effect {
         let (look, path) = (self.look, &self.look.path);
         // In the gap the base law's end rests, or moves so that the force stays zero.
-        let (by_force, given) =
-            if self.end.follows { (0.0, cause.displacement) } else { (-1.0 / self.slope, 0.0) };
+        let (by_force, given) = match self.end {
+            End { follows: true, .. } => (0.0, cause.displacement),
+            End { rests: true, .. } => (0.0, cause.before),
+            _ => (-1.0 / self.slope, 0.0),
+        };
         let by_force = if by_force.is_finite() { by_force } else { 0.0 };
         // w = given + by_force (force + by_load load), slip = slip₀ + path₀ + path_w w + path_L load.
         let moved = given + by_force * cause.force;
@@ -112,6 +117,7 @@ impl Joint {
         for column in 0..n {
             let cause = Cause {
                 slip: if column == SLIP { 1.0 } else { 0.0 },
+                before: if column == BASE + self.base.displacement_index() { 1.0 } else { 0.0 },
                 force: out.force_by_state[column],
                 path: out.next_by_state[SLIP * n + column],
                 ..Cause::default()

@@ -10,6 +10,9 @@ use crate::contact::Slider;
 use crate::harmonic::set::HarmonicSet;
 use crate::harmonic::{HarmonicError, Method};
 
+/// Samples of a period where the limit itself moves: the force is then right to a few parts in ten thousand.
+const SAMPLES_IN_MOTION: usize = 1024;
+
 /// A contact map by the given method: of the exact ones the one that fits the law.
 #[derive(Debug)]
 pub(crate) struct ContactMap {
@@ -39,6 +42,12 @@ impl ContactMap {
     /// Makes the way fit the law.
     fn choose(&mut self, contact: &PeriodicContact) {
         if self.method != Method::Exact {
+            return;
+        }
+        if contact.law.limit_moves() {
+            if !matches!(self.way, Way::Reference(_)) {
+                self.way = Way::Reference(Box::new(ReferenceCycle::new(self.set, SAMPLES_IN_MOTION)));
+            }
             return;
         }
         let piecewise = contact.law.sliders(contact.normal_load, &mut self.sliders);
