@@ -67,7 +67,7 @@ impl Findings {
             Self { base, steps: Vec::new(), rounds: Vec::new(), shortened: None, interrupted: false };
         while findings.effects().len() < most {
             let present = findings.last().clone();
-            let adequate = known && present.chi_square() < ADEQUATE;
+            let adequate = known && present.chi_square() < ADEQUATE && search.fitted_chi_square(&present) < ADEQUATE;
             // The first round is made in any case: its candidates are part of the answer.
             if adequate && !findings.rounds.is_empty() {
                 break;
@@ -89,7 +89,33 @@ impl Findings {
         }
         findings.try_pairs(search, most, known, meter);
         findings.drop_backward(search);
+        findings.settle_ties(search);
         findings
+    }
+
+    /// Of the ties that the rounds met, keeps those that still stand beside all else that was found.
+    fn settle_ties(&mut self, search: &Search) {
+        let kept = self.effects();
+        let last = self.last().clone();
+        for step in &mut self.steps {
+            let place = kept.iter().position(|candidate| step.candidates.first() == Some(candidate));
+            let Some(place) = place.filter(|_| !step.dropped && step.candidates.len() == 1) else {
+                step.tied.clear();
+                continue;
+            };
+            step.tied.retain(|other| {
+                if kept.iter().any(|candidate| candidate.effect == other.effect) {
+                    return false;
+                }
+                if kept.len() == 1 {
+                    return true;
+                }
+                let mut model = last.fitted.model.clone();
+                model.effects.remove(search.given + place);
+                let replaced = search.added(&model, std::slice::from_ref(other));
+                replaced.is_ok_and(|replaced| search.is_tied(&replaced, &last))
+            });
+        }
     }
 
     fn best_of(&self, search: &Search, round: &[Trial]) -> Option<Added> {

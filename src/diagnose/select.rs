@@ -139,6 +139,17 @@ impl Search<'_, '_> {
         self.state(&best)
     }
 
+    /// Whether `winner` is better than `other` by less than a standard error.
+    pub fn is_tied(&self, other: &State, winner: &State) -> bool {
+        blocks::gain(self.bench, &other.scored, &winner.scored).z < TIED_Z
+    }
+
+    /// Mean square of the weighted residuals on the fitted records.
+    pub fn fitted_chi_square(&self, state: &State) -> f64 {
+        let samples: usize = self.parts.fit.iter().map(|record| self.bench.lanes[*record].measured.len()).sum();
+        2.0 * state.fitted.cost / samples.max(1) as f64
+    }
+
     /// The trials of `round` (best first) that are as good as the best to within a standard error.
     pub fn tied<'t>(&self, round: &'t [Trial]) -> Vec<&'t Trial> {
         let Some((best, Ok(winner))) = round.first().map(|best| (best, best.state.as_ref())) else {
@@ -147,7 +158,7 @@ impl Search<'_, '_> {
         let mut tied = vec![best];
         for other in &round[1..] {
             let Ok(state) = &other.state else { continue };
-            if other.passes() && blocks::gain(self.bench, &state.scored, &winner.scored).z < TIED_Z {
+            if other.passes() && self.is_tied(state, winner) {
                 tied.push(other);
             }
         }
