@@ -18,7 +18,8 @@ pub(super) fn measure(lanes: &[Lane]) -> Vec<Noise> {
     let mut found = Vec::new();
     for (record, lane) in lanes.iter().enumerate() {
         for (name, range) in &lane.channels {
-            let stated = lane.record.channel(name).and_then(|channel| channel.noise).filter(|noise| *noise > 0.0);
+            let stated =
+                lane.record.channel(name).and_then(|channel| channel.noise).filter(|noise| *noise > 0.0);
             let (deviation, source) = match stated {
                 Some(noise) => (Some(noise), NoiseSource::Stated),
                 None => seen(lanes, record, name, &lane.measured[range.clone()]),
@@ -61,16 +62,18 @@ fn seen(lanes: &[Lane], record: usize, name: &str, values: &[f64]) -> (Option<f6
 /// Whether the other inputs repeat with the drive: a normal load that swings at its own frequency makes periods
 /// differ that are no noise.
 fn inputs_repeat(record: &Record, period: f64) -> bool {
-    let others = record.channels.iter().filter(|c| c.name.starts_with("normal_") || c.quantity() == "excitation");
+    let others =
+        record.channels.iter().filter(|c| c.name.starts_with("normal_") || c.quantity() == "excitation");
     others.into_iter().all(|channel| {
         let motion = super::motion::Motion::even(&channel.values, 1.0).values;
         let lag = period.round() as usize;
         let mean = motion.iter().sum::<f64>() / motion.len() as f64;
         let variance = motion.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / motion.len() as f64;
         let pairs = motion.get(lag..).unwrap_or(&[]);
-        let change = pairs.iter().zip(&motion).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / pairs.len().max(1) as f64;
+        let change =
+            pairs.iter().zip(&motion).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / pairs.len().max(1) as f64;
         // What hardly varies at all varies by its noise.
-        change < 0.02 * variance || variance < 4e-3 * mean * mean && change < 2e-4 * mean * mean
+        change < 0.02 * variance || variance < 1e-3 * mean * mean
     })
 }
 
@@ -95,7 +98,11 @@ fn from_periods(values: &[f64], period: f64) -> Option<f64> {
         let back = periods as f64 * period;
         let (whole, part) = (back.floor() as usize, back - back.floor());
         let near = values[index - whole];
-        if part > 1e-9 && index > whole { (1.0 - part) * near + part * values[index - whole - 1] } else { near }
+        if part > 1e-9 && index > whole {
+            (1.0 - part) * near + part * values[index - whole - 1]
+        } else {
+            near
+        }
     };
     let kept = |part: f64| (1.0 - part).powi(2) + part * part;
     if count < 1.5 * period || lag == 0 {
@@ -143,7 +150,8 @@ const EXACT: f64 = 0.1;
 fn carry_over(lanes: &[Lane], found: &mut [Noise]) {
     let values = |noise: &Noise| {
         let lane = &lanes[noise.record];
-        let range = lane.channels.iter().find(|(name, _)| *name == noise.channel).map(|(_, range)| range.clone());
+        let range =
+            lane.channels.iter().find(|(name, _)| *name == noise.channel).map(|(_, range)| range.clone());
         &lane.measured[range.unwrap_or(0..0)]
     };
     let mut names: Vec<String> = found.iter().map(|noise| noise.channel.clone()).collect();
@@ -159,9 +167,11 @@ fn carry_over(lanes: &[Lane], found: &mut [Noise]) {
             continue;
         }
         let fits = (0..LAWS.len()).map(|law| {
-            let logarithms: Vec<f64> = measured.iter().map(|(noise, sizes)| (noise / sizes[law]).ln()).collect();
+            let logarithms: Vec<f64> =
+                measured.iter().map(|(noise, sizes)| (noise / sizes[law]).ln()).collect();
             let mean = logarithms.iter().sum::<f64>() / logarithms.len() as f64;
-            let variance = logarithms.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / logarithms.len() as f64;
+            let variance =
+                logarithms.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / logarithms.len() as f64;
             (law, mean, variance.sqrt())
         });
         let Some((law, mean, spread)) =

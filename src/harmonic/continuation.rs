@@ -332,7 +332,11 @@ impl<'s> Path<'s> {
         let s = if bent { step / last } else { 0.0 };
         let (square, cube) = (s * s * (2.0 * s + 3.0), s * s * (s + 1.0));
         let ahead = |x: f64, d: f64, y: f64, b: f64| {
-            if bent { x + step * d + square * (y - x) + last * (cube * b + (cube + s * s) * d) } else { x + step * d }
+            if bent {
+                x + step * d + square * (y - x) + last * (cube * b + (cube + s * s) * d)
+            } else {
+                x + step * d
+            }
         };
         self.next.x.clear();
         let ends = here.x.iter().zip(&here.unknowns).zip(before.x.iter().zip(&before.unknowns));
@@ -611,7 +615,8 @@ impl Bracket {
             Some((c, fc)) => {
                 let (xi, phi) = ((a - b) / (c - b), (fa - fb) / (fc - fb));
                 if phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi {
-                    fa / (fb - fa) * (fc / (fb - fc)) + (c - a) / (b - a) * (fa / (fc - fa)) * (fb / (fc - fb))
+                    fa / (fb - fa) * (fc / (fb - fc))
+                        + (c - a) / (b - a) * (fa / (fc - fa)) * (fb / (fc - fb))
                 } else {
                     0.5
                 }
