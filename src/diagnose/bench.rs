@@ -50,7 +50,11 @@ impl<'d> Bench<'d> {
     ///
     /// # Errors
     /// Name of a record and why no model of this kind can predict it.
-    pub fn new(model: &Model, dataset: &'d Dataset, interrupt: Option<InterruptHook<'d>>) -> Result<Self, (String, String)> {
+    pub fn new(
+        model: &Model,
+        dataset: &'d Dataset,
+        interrupt: Option<InterruptHook<'d>>,
+    ) -> Result<Self, (String, String)> {
         let lanes = dataset
             .records
             .iter()

@@ -28,7 +28,10 @@ pub(super) fn length<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> usize {
     let shortest = series.iter().map(|one| one.len()).min().unwrap_or(0);
     let longest = (shortest / FEWEST).max(1);
     let product = |lag: usize| -> f64 {
-        series.iter().map(|one| one.iter().zip(one.get(lag..).unwrap_or(&[])).map(|(a, b)| a * b).sum::<f64>()).sum()
+        series
+            .iter()
+            .map(|one| one.iter().zip(one.get(lag..).unwrap_or(&[])).map(|(a, b)| a * b).sum::<f64>())
+            .sum()
     };
     let power = product(0);
     let mut lag = 1;
@@ -43,7 +46,10 @@ pub(super) fn correlation<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> f64
     let series: Vec<&[f64]> = residuals.collect();
     let longest = series.iter().map(|one| one.len()).min().unwrap_or(0) / FEWEST;
     let product = |lag: usize| -> f64 {
-        series.iter().map(|one| one.iter().zip(one.get(lag..).unwrap_or(&[])).map(|(a, b)| a * b).sum::<f64>()).sum()
+        series
+            .iter()
+            .map(|one| one.iter().zip(one.get(lag..).unwrap_or(&[])).map(|(a, b)| a * b).sum::<f64>())
+            .sum()
     };
     let power = product(0);
     let mut sum = 1.0;
@@ -68,7 +74,8 @@ pub(super) fn within(range: Range<usize>, length: usize) -> impl Iterator<Item =
 /// in a gain is the residual of the better model: its correlation sets the blocks.
 pub(super) fn gain(bench: &Bench, without: &[Scored], with: &[Scored]) -> Gain {
     let length = length(with.iter().map(|one| one.residuals.as_slice()));
-    let square = |residuals: &[f64], block: &Range<usize>| residuals[block.clone()].iter().map(|r| r * r).sum::<f64>();
+    let square =
+        |residuals: &[f64], block: &Range<usize>| residuals[block.clone()].iter().map(|r| r * r).sum::<f64>();
     let (mut gains, mut before) = (Vec::new(), 0.0);
     for (old, new) in without.iter().zip(with) {
         for (_, range) in &bench.lanes[old.record].channels {

@@ -2,9 +2,9 @@
 
 use super::bench::Bench;
 use super::diagnosis::Untried;
+use super::magnitudes;
 use super::motion::white_noise;
 use super::trial::Unknown;
-use super::magnitudes;
 use crate::effects::{AppliedEffect, CATALOGUE, Effect, Kind, Location, Needs, PlaceKind, Range, Scales};
 use crate::identify::Parameter;
 use crate::measure::{ChannelName, Dataset, Regime};
@@ -61,8 +61,18 @@ fn refusal(effect: &Effect, model: &Model, dataset: &Dataset) -> Option<String> 
     let contact = model.contact.as_ref();
     let at_contact = matches!(
         effect.id,
-        "micro_slip" | "residual_stiffness" | "normal_load_variation" | "contact_damping" | "velocity_weakening"
-            | "wear" | "backlash" | "stiffening" | "asymmetry" | "hanging_mass" | "normal_hardening" | "impact_damping"
+        "micro_slip"
+            | "residual_stiffness"
+            | "normal_load_variation"
+            | "contact_damping"
+            | "velocity_weakening"
+            | "wear"
+            | "backlash"
+            | "stiffening"
+            | "asymmetry"
+            | "hanging_mass"
+            | "normal_hardening"
+            | "impact_damping"
     );
     if at_contact && contact.is_none() {
         return Some("the model has no contact".to_owned());
@@ -82,7 +92,12 @@ fn refusal(effect: &Effect, model: &Model, dataset: &Dataset) -> Option<String> 
                     .to_owned()
             })
         }
-        Needs::Transient if dataset.records.iter().all(|record| record.regime == Regime::Steady || record.regime == Regime::Backbone) => {
+        Needs::Transient
+            if dataset
+                .records
+                .iter()
+                .all(|record| record.regime == Regime::Steady || record.regime == Regime::Backbone) =>
+        {
             Some("in a steady state it has no meaning; it needs records from rest".to_owned())
         }
         Needs::VaryingNormalLoad | Needs::Transient => None,
@@ -125,7 +140,9 @@ fn places(effect: &Effect, model: &Model, bench: &Bench) -> Vec<Option<Location>
     };
     match effect.place {
         PlaceKind::Nowhere => vec![None],
-        PlaceKind::Channel => channels().into_iter().map(|name| Some(Location::Channel(name.to_owned()))).collect(),
+        PlaceKind::Channel => {
+            channels().into_iter().map(|name| Some(Location::Channel(name.to_owned()))).collect()
+        }
         PlaceKind::Structure => {
             let mut places: Vec<Location> = match &model.structure {
                 Structure::Prescribed => Vec::new(),
@@ -162,7 +179,8 @@ pub(super) fn unknowns(model: &Model, added: usize, scales: &Scales, dataset: &D
             let applied = &model.effects[index];
             let candidate = Candidate { effect: applied.effect, location: applied.location.clone() };
             let range = &candidate.ranges(scales, dataset)[place];
-            (lower, upper, scale) = (range.lower.min(parameter.value), range.upper.max(parameter.value), range.scale);
+            (lower, upper, scale) =
+                (range.lower.min(parameter.value), range.upper.max(parameter.value), range.scale);
         }
         found.push(Unknown {
             path: parameter.path,

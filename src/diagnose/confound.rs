@@ -88,7 +88,9 @@ fn general(effect: &str) -> &'static str {
         }
         "wear" => "repeat the first record at the end of the test: what has worn stays worn",
         "normal_load_variation" => "repeat the test under another normal load",
-        "velocity_weakening" | "contact_damping" => "repeat one level at a frequency ten times lower and higher",
+        "velocity_weakening" | "contact_damping" => {
+            "repeat one level at a frequency ten times lower and higher"
+        }
         "geometric_stiffening" | "stiffening" | "quadratic_damping" => {
             "repeat the test at half of the lowest and twice the highest level"
         }

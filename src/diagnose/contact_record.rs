@@ -70,7 +70,9 @@ impl<'r> ContactRecord<'r> {
             };
             self.load.extend(normal.values.iter().zip(&normal.rates).map(reaction));
         } else if let Some(measured) = &self.measured_load {
-            self.load.extend(measured.values.iter().map(|load| joint.normal_load(contact.normal_load, Some(*load))));
+            self.load.extend(
+                measured.values.iter().map(|load| joint.normal_load(contact.normal_load, Some(*load))),
+            );
         } else {
             self.load.resize(count, contact.normal_load);
         }
@@ -172,7 +174,8 @@ impl Simulation for ContactRecord<'_> {
         let mut best = (f64::INFINITY, self.prehistory.clone(), 0.0);
         for kind in Prehistory::KINDS {
             self.prehistory.choose(kind, law.as_ref(), self.load[0]);
-            let value = self.prehistory.clone().search(&mut |value| self.misfit(law.as_ref(), &measured, value));
+            let value =
+                self.prehistory.clone().search(&mut |value| self.misfit(law.as_ref(), &measured, value));
             let cost = self.misfit(law.as_ref(), &measured, value);
             if cost < best.0 {
                 best = (cost, self.prehistory.clone(), value);

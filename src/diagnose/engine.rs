@@ -81,7 +81,8 @@ pub fn diagnose(
     }
     let baseline = evaluate("as given", model, dataset);
     let (mut bench, scales) = prepared(model, dataset, watch.interrupt)?;
-    let parts = split::split(dataset, |record| noise::driver(record).map(|c| c.values.clone()).unwrap_or_default());
+    let parts =
+        split::split(dataset, |record| noise::driver(record).map(|c| c.values.clone()).unwrap_or_default());
     let measured = noise::measure(&bench.lanes);
     let meter = Meter { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(1) };
     meter.tell("refitting the model as it is");
@@ -92,7 +93,8 @@ pub fn diagnose(
     let told = |what: &str| meter.tell(what);
     let first = {
         let unknowns = candidates::unknowns(model, given, &scales, dataset);
-        trial::fit(&bench, model, &unknowns, &parts.fit, Effort::Full).map_err(|reason| unpredictable(dataset, reason))?
+        trial::fit(&bench, model, &unknowns, &parts.fit, Effort::Full)
+            .map_err(|reason| unpredictable(dataset, reason))?
     };
     let through = inputs::through(&first.model, &bench);
     let known = noise::weigh(&mut bench.lanes, &measured, &through);
@@ -105,7 +107,10 @@ pub fn diagnose(
     meter.expect(1 + tried.len());
     let findings = Findings::search(&search, base, &tried, options.max_effects, known, &meter);
     let outcome = conclude(&search, model, findings, known)?;
-    Ok(verdict::of(&search, verdict::Material { model, dataset, baseline, measured, known, tried, untried, outcome }))
+    Ok(verdict::of(
+        &search,
+        verdict::Material { model, dataset, baseline, measured, known, tried, untried, outcome },
+    ))
 }
 
 /// The bench and the magnitudes, or why the model cannot be refitted to the dataset.
@@ -128,7 +133,12 @@ fn unpredictable(dataset: &Dataset, reason: String) -> DiagnoseError {
 }
 
 /// The last fits, to all records that were seen, and the one look at those that were not.
-fn conclude(search: &Search, model: &Model, findings: Findings, known: bool) -> Result<Outcome, DiagnoseError> {
+fn conclude(
+    search: &Search,
+    model: &Model,
+    findings: Findings,
+    known: bool,
+) -> Result<Outcome, DiagnoseError> {
     let bench = search.bench;
     let seen = search.parts.seen();
     let refit = |model: &Model| -> Result<Fitted, DiagnoseError> {
@@ -142,9 +152,8 @@ fn conclude(search: &Search, model: &Model, findings: Findings, known: bool) -> 
     if findings.dropped() {
         fits.push(refit(&findings.last().fitted.model)?);
     }
-    let score = |model: &Model| -> Vec<Scored> {
-        bench.score(model, &search.parts.untouched).unwrap_or_default()
-    };
+    let score =
+        |model: &Model| -> Vec<Scored> { bench.score(model, &search.parts.untouched).unwrap_or_default() };
     let before = score(&fits[0].model);
     let after = score(&fits[fits.len() - 1].model);
     let chi_square = (known && !after.is_empty()).then(|| mean_square(&after));
@@ -167,7 +176,8 @@ pub fn add(
     let before = evaluate("as given", model, dataset);
     let (bench, scales) = prepared(model, dataset, watch.interrupt)?;
     let records = &dataset.records;
-    let marked = |mark| (0..records.len()).filter(|index| records[*index].use_for == mark).collect::<Vec<_>>();
+    let marked =
+        |mark| (0..records.len()).filter(|index| records[*index].use_for == mark).collect::<Vec<_>>();
     let fit = match marked(Some(crate::measure::Use::Fit)) {
         fit if fit.is_empty() => marked(None),
         fit => fit,
@@ -178,7 +188,8 @@ pub fn add(
     let meter = Meter { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(2) };
     let told = |what: &str| meter.tell(what);
     let parts = Parts { fit, ..Parts::default() };
-    let search = Search { bench: &bench, parts: &parts, scales: &scales, given: model.effects.len(), told: &told };
+    let search =
+        Search { bench: &bench, parts: &parts, scales: &scales, given: model.effects.len(), told: &told };
     let failed = |reason| unpredictable(dataset, reason);
     let base: State = search.state(model).map_err(failed)?;
     meter.tell("refitted");
@@ -186,7 +197,9 @@ pub fn add(
     let with = search.added(&base.fitted.model, &[candidate]).map_err(failed)?;
     meter.tell(effect.id);
     let mut stages = vec![before];
-    for (name, fitted, start) in [("refitted", &base.fitted, model), (effect.id, &with.fitted, &base.fitted.model)] {
+    for (name, fitted, start) in
+        [("refitted", &base.fitted, model), (effect.id, &with.fitted, &base.fitted.model)]
+    {
         stages.push(stage(name, fitted, start, dataset));
     }
     Ok(Added { model: with.fitted.model, stages })

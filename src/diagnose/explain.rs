@@ -2,18 +2,16 @@
 
 use super::confound;
 use super::diagnosis::{Errors, Evidence, Group, Verdict};
+use super::features;
 use super::findings::{ADEQUATE, Outcome, UNEXPLAINED};
 use super::select::Search;
 use super::sensitivity::Sensitivities;
 use super::verdict::thresholds;
-use super::features;
 use crate::effects;
-use crate::model::Model;
 
 /// What is told of.
 pub(super) struct Told<'a, 'b, 'd> {
     pub search: &'a Search<'b, 'd>,
-    pub model: &'a Model,
     pub outcome: &'a Outcome,
     pub error: &'a Errors,
     pub known: bool,
@@ -51,7 +49,8 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
     }
     for step in &findings.steps {
         let names: Vec<&str> = step.candidates.iter().map(|candidate| candidate.effect.title).collect();
-        let fate = if step.dropped { "; dropped again at the end, the others do as well without" } else { "" };
+        let fate =
+            if step.dropped { "; dropped again at the end, the others do as well without" } else { "" };
         reasons.push(format!(
             "{} removes {} of the squared error of the selecting records, {:.0} standard errors above nothing{fate}",
             names.join(" with "),
@@ -108,7 +107,8 @@ pub(super) fn evidence(told: &Told, ids: &[&'static str], sensitivities: &Sensit
                 .filter_map(|pair| pair.effects.into_iter().find(|other| *other != id))
                 .filter_map(|other| effects::find(other).map(|effect| effect.title))
                 .collect();
-            let otherwise = (!alike.is_empty()).then(|| format!("{} would look much the same", alike.join(", ")));
+            let otherwise =
+                (!alike.is_empty()).then(|| format!("{} would look much the same", alike.join(", ")));
             Some(Evidence { effect: id, seen, otherwise })
         })
         .collect()

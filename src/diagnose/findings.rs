@@ -67,7 +67,8 @@ impl Findings {
             Self { base, steps: Vec::new(), rounds: Vec::new(), shortened: None, interrupted: false };
         while findings.effects().len() < most {
             let present = findings.last().clone();
-            let adequate = known && present.chi_square() < ADEQUATE;
+            let adequate =
+                known && present.chi_square() < ADEQUATE && search.fitted_chi_square(&present) < ADEQUATE;
             // The first round is made in any case: its candidates are part of the answer.
             if adequate && !findings.rounds.is_empty() {
                 break;
@@ -89,7 +90,33 @@ impl Findings {
         }
         findings.try_pairs(search, most, known, meter);
         findings.drop_backward(search);
+        findings.settle_ties(search);
         findings
+    }
+
+    /// Of the ties that the rounds met, keeps those that still stand beside all else that was found.
+    fn settle_ties(&mut self, search: &Search) {
+        let kept = self.effects();
+        let last = self.last().clone();
+        for step in &mut self.steps {
+            let place = kept.iter().position(|candidate| step.candidates.first() == Some(candidate));
+            let Some(place) = place.filter(|_| !step.dropped && step.candidates.len() == 1) else {
+                step.tied.clear();
+                continue;
+            };
+            step.tied.retain(|other| {
+                if kept.iter().any(|candidate| candidate.effect == other.effect) {
+                    return false;
+                }
+                if kept.len() == 1 {
+                    return true;
+                }
+                let mut model = last.fitted.model.clone();
+                model.effects.remove(search.given + place);
+                let replaced = search.added(&model, std::slice::from_ref(other));
+                replaced.is_ok_and(|replaced| search.is_tied(&replaced, &last))
+            });
+        }
     }
 
     fn best_of(&self, search: &Search, round: &[Trial]) -> Option<Added> {
@@ -98,7 +125,14 @@ impl Findings {
         let tied = search.tied(round).into_iter().filter(|trial| trial.candidates != best.candidates);
         let tied = tied.filter_map(|trial| trial.candidates.first().cloned()).collect();
         let error = search.bench.normalised_error(&state.scored);
-        Some(Added { candidates: best.candidates.clone(), state, gain: best.gain, error, dropped: false, tied })
+        Some(Added {
+            candidates: best.candidates.clone(),
+            state,
+            gain: best.gain,
+            error,
+            dropped: false,
+            tied,
+        })
     }
 
     /// Where single effects do not reach the noise: two at once, from the best singles of the first round.
@@ -109,8 +143,12 @@ impl Findings {
             return;
         }
         let Some(first) = self.rounds.first() else { return };
-        let best: Vec<Candidate> =
-            first.iter().filter(|t| t.state.is_ok() && t.gain.share > PROMISING).take(PAIRED).filter_map(|t| t.candidates.first().cloned()).collect();
+        let best: Vec<Candidate> = first
+            .iter()
+            .filter(|t| t.state.is_ok() && t.gain.share > PROMISING)
+            .take(PAIRED)
+            .filter_map(|t| t.candidates.first().cloned())
+            .collect();
         let pairs: Vec<Vec<Candidate>> = (0..best.len())
             .flat_map(|b| (0..b).map(move |a| (a, b)))
             .map(|(a, b)| vec![best[a].clone(), best[b].clone()])

@@ -11,11 +11,17 @@ use crate::model::Model;
 
 /// Standard deviation of what the inputs' noise makes of each compared channel of each record, under `model`.
 pub(super) fn through(model: &Model, bench: &Bench) -> Vec<Vec<f64>> {
-    bench.lanes.par_iter().enumerate().map(|(index, lane)| one(model, lane.record, index).unwrap_or_default()).collect()
+    bench
+        .lanes
+        .par_iter()
+        .enumerate()
+        .map(|(index, lane)| one(model, lane.record, index).unwrap_or_default())
+        .collect()
 }
 
 fn one(model: &Model, record: &Record, index: usize) -> Result<Vec<f64>, String> {
-    let compared: Vec<&str> = predict::compared(model, record).iter().map(|channel| channel.name.as_str()).collect();
+    let compared: Vec<&str> =
+        predict::compared(model, record).iter().map(|channel| channel.name.as_str()).collect();
     let mut shaken = record.clone();
     let mut random = Random(index as u64);
     for channel in &mut shaken.channels {
@@ -47,7 +53,8 @@ fn one(model: &Model, record: &Record, index: usize) -> Result<Vec<f64>, String>
 /// a prediction, and would not have moved under the same noise twice.
 fn size(change: &[f64]) -> f64 {
     let lag = (change.len() / 20).max(1);
-    let mut differences: Vec<f64> = change.iter().zip(change.get(lag..).unwrap_or(&[])).map(|(a, b)| (b - a).abs()).collect();
+    let mut differences: Vec<f64> =
+        change.iter().zip(change.get(lag..).unwrap_or(&[])).map(|(a, b)| (b - a).abs()).collect();
     if differences.is_empty() {
         return 0.0;
     }

@@ -22,13 +22,21 @@ pub(super) fn of(model: &Model, dataset: &Dataset) -> Scales {
     }
     let yielding = scales.limit / scales.stiffness;
     let rate = |record: &Record| drive_rate(record);
-    largest(fold(dataset, f64::max, |record| Some(rate(record)? / std::f64::consts::TAU)), &mut scales.frequency);
+    largest(
+        fold(dataset, f64::max, |record| Some(rate(record)? / std::f64::consts::TAU)),
+        &mut scales.frequency,
+    );
     let extreme = |name: &str| {
-        fold(dataset, f64::max, |record| record.channels_of(name).map(|channel| amplitude(&channel.values)).reduce(f64::max))
+        fold(dataset, f64::max, |record| {
+            record.channels_of(name).map(|channel| amplitude(&channel.values)).reduce(f64::max)
+        })
     };
     largest(extreme("excitation"), &mut scales.structure_force);
     largest(extreme("normal_displacement"), &mut scales.normal_displacement);
-    largest(scales.normal_displacement * scales.frequency * std::f64::consts::TAU, &mut scales.normal_velocity);
+    largest(
+        scales.normal_displacement * scales.frequency * std::f64::consts::TAU,
+        &mut scales.normal_velocity,
+    );
     match &model.structure {
         Structure::Prescribed => {
             largest(extreme("displacement"), &mut scales.displacement);
@@ -56,7 +64,10 @@ pub(super) fn of(model: &Model, dataset: &Dataset) -> Scales {
             largest(bending / beam.length, &mut scales.rotational_stiffness);
             structure_motion(dataset, &mut scales);
             // The pin turns by about three times the deflection over the length.
-            largest(3.0 * scales.structure_displacement * beam.offset.abs() / beam.length, &mut scales.displacement);
+            largest(
+                3.0 * scales.structure_displacement * beam.offset.abs() / beam.length,
+                &mut scales.displacement,
+            );
             contact_motion(dataset, yielding, &mut scales);
         }
     }
@@ -86,7 +97,9 @@ fn amplitude(values: &[f64]) -> f64 {
 /// frequency.
 fn drive_rate(record: &Record) -> Option<f64> {
     if let Some(frequency) = record.channel("frequency") {
-        return Some(std::f64::consts::TAU * frequency.values.iter().sum::<f64>() / frequency.values.len() as f64);
+        return Some(
+            std::f64::consts::TAU * frequency.values.iter().sum::<f64>() / frequency.values.len() as f64,
+        );
     }
     let step = record.sample_step()?;
     let motion = super::motion::Motion::even(&noise::driver(record)?.values, step);

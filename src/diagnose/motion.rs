@@ -21,10 +21,8 @@ pub(super) struct Motion {
 /// Standard deviation of white noise on smooth `values`, from fourth differences and their median, so that
 /// single corners do not count. Coloured noise is underestimated.
 pub(super) fn white_noise(values: &[f64]) -> f64 {
-    let mut differences: Vec<f64> = values
-        .windows(5)
-        .map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs())
-        .collect();
+    let mut differences: Vec<f64> =
+        values.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
     if differences.is_empty() {
         return 0.0;
     }
@@ -68,7 +66,8 @@ fn half_width(values: &[f64]) -> usize {
         }
         let smoothed = values_smoothed(values, half);
         let inner = half..values.len() - half;
-        let change = inner.clone().map(|i| (values[i] - smoothed[i]).powi(2)).sum::<f64>() / inner.len() as f64;
+        let change =
+            inner.clone().map(|i| (values[i] - smoothed[i]).powi(2)).sum::<f64>() / inner.len() as f64;
         // A smoothed value keeps a share of its own sample's noise, and loses the rest.
         let (s0, s2, s4, _) = moments(half);
         let removed = noise * noise * (1.0 - s4 / (s0 * s4 - s2 * s2));
@@ -135,7 +134,8 @@ mod tests {
     fn noise(index: usize) -> f64 {
         // Sum of uniform numbers from a hash: near enough to a normal variable of deviation one.
         let hash = |salt: u64| {
-            let mut x = (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ salt.wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            let mut x =
+                (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ salt.wrapping_mul(0xbf58_476d_1ce4_e5b9);
             x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
             x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
             (x ^ (x >> 31)) as f64 / u64::MAX as f64
@@ -162,7 +162,8 @@ mod tests {
         let noisy: Vec<f64> = (0..1200).map(|i| clean(i) + 0.01 * noise(i)).collect();
         assert!((white_noise(&noisy) / 0.01 - 1.0).abs() < 0.1);
         let motion = Motion::even(&noisy, 1.0);
-        let rms = |values: &mut dyn Iterator<Item = f64>| (values.map(|x| x * x).sum::<f64>() / 1200.0).sqrt();
+        let rms =
+            |values: &mut dyn Iterator<Item = f64>| (values.map(|x| x * x).sum::<f64>() / 1200.0).sqrt();
         assert!(rms(&mut (0..1200).map(|i| motion.values[i] - clean(i))) < 0.005);
         let rate = |i: usize| TAU / 400.0 * (TAU * i as f64 / 400.0).cos();
         let plain = rms(&mut (1..1199).map(|i| 0.5 * (noisy[i + 1] - noisy[i - 1]) - rate(i)));

@@ -35,7 +35,8 @@ pub(super) fn measure(lanes: &[Lane]) -> Vec<Noise> {
     let mut found = Vec::new();
     for (record, lane) in lanes.iter().enumerate() {
         for (name, range) in &lane.channels {
-            let stated = lane.record.channel(name).and_then(|channel| channel.noise).filter(|noise| *noise > 0.0);
+            let stated =
+                lane.record.channel(name).and_then(|channel| channel.noise).filter(|noise| *noise > 0.0);
             let (deviation, source) = match stated {
                 Some(noise) => (Some(noise), NoiseSource::Stated),
                 None => seen(lanes, record, name, &lane.measured[range.clone()]),
@@ -51,6 +52,7 @@ pub(super) fn measure(lanes: &[Lane]) -> Vec<Noise> {
 fn seen(lanes: &[Lane], record: usize, name: &str, values: &[f64]) -> (Option<f64>, NoiseSource) {
     let Some(drive) = driver(lanes[record].record) else { return (None, NoiseSource::Unknown) };
     if let Some(period) = periods::period(&drive.values)
+        && inputs_repeat(lanes[record].record, period)
         && let Some(deviation) = from_periods(values, period)
     {
         return (Some(deviation), NoiseSource::Periods);
@@ -74,6 +76,24 @@ fn seen(lanes: &[Lane], record: usize, name: &str, values: &[f64]) -> (Option<f6
     (Some(mean.sqrt()).filter(|deviation| *deviation > 0.0), NoiseSource::Repeats)
 }
 
+/// Whether the other inputs repeat with the drive: a normal load that swings at its own frequency makes periods
+/// differ that are no noise.
+fn inputs_repeat(record: &Record, period: f64) -> bool {
+    let others =
+        record.channels.iter().filter(|c| c.name.starts_with("normal_") || c.quantity() == "excitation");
+    others.into_iter().all(|channel| {
+        let motion = super::motion::Motion::even(&channel.values, 1.0).values;
+        let lag = period.round() as usize;
+        let mean = motion.iter().sum::<f64>() / motion.len() as f64;
+        let variance = motion.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / motion.len() as f64;
+        let pairs = motion.get(lag..).unwrap_or(&[]);
+        let change =
+            pairs.iter().zip(&motion).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / pairs.len().max(1) as f64;
+        // What hardly varies at all varies by its noise.
+        change < 0.02 * variance || variance < 1e-3 * mean * mean
+    })
+}
+
 /// Two drives are one when they differ by less than this share of their size.
 const SAME: f64 = 0.01;
 
@@ -95,28 +115,38 @@ fn from_periods(values: &[f64], period: f64) -> Option<f64> {
         let back = periods as f64 * period;
         let (whole, part) = (back.floor() as usize, back - back.floor());
         let near = values[index - whole];
-        if part > 1e-9 && index > whole { (1.0 - part) * near + part * values[index - whole - 1] } else { near }
+        if part > 1e-9 && index > whole {
+            (1.0 - part) * near + part * values[index - whole - 1]
+        } else {
+            near
+        }
     };
     let kept = |part: f64| (1.0 - part).powi(2) + part * part;
     if count < 1.5 * period || lag == 0 {
         return None;
     }
     let first = lag + 1;
-    let square: f64 = (first..values.len()).map(|i| (values[i] - earlier(i, 1)).powi(2)).sum();
-    let once = square / (values.len() - first) as f64 / (1.0 + kept(part));
+    let over = |from: usize| -> Option<f64> {
+        if from + lag / 2 >= values.len() {
+            return None;
+        }
+        let square: f64 = (from..values.len()).map(|i| (values[i] - earlier(i, 1)).powi(2)).sum();
+        Some(square / (values.len() - from) as f64 / (1.0 + kept(part)))
+    };
     let second = (2.0 * period).ceil() as usize + 1;
-    let thrice = if values.len() > second + lag / 2 {
+    let thrice = (values.len() > second + lag / 2).then(|| {
         let square: f64 =
             (second..values.len()).map(|i| (values[i] - 2.0 * earlier(i, 1) + earlier(i, 2)).powi(2)).sum();
         let part_2 = 2.0 * period - (2.0 * period).floor();
-        Some(square / (values.len() - second) as f64 / (1.0 + 4.0 * kept(part) + kept(part_2)))
-    } else {
-        None
-    };
-    let variance = match thrice {
-        Some(thrice) if thrice < 0.8 * once => thrice,
-        _ => once,
-    };
+        square / (values.len() - second) as f64 / (1.0 + 4.0 * kept(part) + kept(part_2))
+    });
+    // Later periods have forgotten the start; second differences do not see a drift.
+    let mut variance = over(first).or_else(|| over(values.len().saturating_sub(lag / 2)))?;
+    for other in [over(second), thrice].into_iter().flatten() {
+        if other < 0.8 * variance {
+            variance = other;
+        }
+    }
     (variance > 0.0 && variance.is_finite()).then(|| variance.sqrt())
 }
 
@@ -137,7 +167,8 @@ const EXACT: f64 = 0.1;
 fn carry_over(lanes: &[Lane], found: &mut [Noise]) {
     let values = |noise: &Noise| {
         let lane = &lanes[noise.record];
-        let range = lane.channels.iter().find(|(name, _)| *name == noise.channel).map(|(_, range)| range.clone());
+        let range =
+            lane.channels.iter().find(|(name, _)| *name == noise.channel).map(|(_, range)| range.clone());
         &lane.measured[range.unwrap_or(0..0)]
     };
     let mut names: Vec<String> = found.iter().map(|noise| noise.channel.clone()).collect();
@@ -153,9 +184,11 @@ fn carry_over(lanes: &[Lane], found: &mut [Noise]) {
             continue;
         }
         let fits = (0..LAWS.len()).map(|law| {
-            let logarithms: Vec<f64> = measured.iter().map(|(noise, sizes)| (noise / sizes[law]).ln()).collect();
+            let logarithms: Vec<f64> =
+                measured.iter().map(|(noise, sizes)| (noise / sizes[law]).ln()).collect();
             let mean = logarithms.iter().sum::<f64>() / logarithms.len() as f64;
-            let variance = logarithms.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / logarithms.len() as f64;
+            let variance =
+                logarithms.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / logarithms.len() as f64;
             (law, mean, variance.sqrt())
         });
         let Some((law, mean, spread)) =
@@ -197,14 +230,4 @@ pub(super) fn weigh(lanes: &mut [Lane], found: &[Noise], through: &[Vec<f64>]) -
         }
     }
     true
-}
-
-/// The standard deviation a channel's error is measured by, in the channel's unit.
-pub(super) fn floor_of(lane: &Lane, range: std::ops::Range<usize>) -> f64 {
-    1.0 / lane.weights[range.start]
-}
-
-/// Whether a channel varies at all, so that it can be compared.
-pub(super) fn varies(channel: &Channel) -> bool {
-    score::deviation(channel).is_ok()
 }

@@ -45,8 +45,12 @@ mod tests {
     #[test]
     fn a_period_is_found_between_samples() {
         for exact in [40.0, 57.3, 399.6, 400.0] {
-            let values: Vec<f64> =
-                (0..1200).map(|i| { let t = TAU * i as f64 / exact; t.sin() + 0.4 * (3.0 * t).cos() }).collect();
+            let values: Vec<f64> = (0..1200)
+                .map(|i| {
+                    let t = TAU * i as f64 / exact;
+                    t.sin() + 0.4 * (3.0 * t).cos()
+                })
+                .collect();
             let found = period(&values).unwrap();
             assert!((found - exact).abs() < 0.05, "{exact}: {found}");
         }
@@ -54,7 +58,8 @@ mod tests {
 
     #[test]
     fn what_does_not_repeat_has_no_period() {
-        let ramp: Vec<f64> = (0..1200).map(|i| (i as f64 / 400.0).min(2.0) * (TAU * i as f64 / 400.0).sin()).collect();
+        let ramp: Vec<f64> =
+            (0..1200).map(|i| (i as f64 / 400.0).min(2.0) * (TAU * i as f64 / 400.0).sin()).collect();
         assert_eq!(period(&ramp), None);
         assert_eq!(period(&[1.0; 100]), None);
     }

@@ -47,7 +47,8 @@ pub(super) fn compared<'r>(model: &Model, record: &'r Record) -> Vec<&'r Channel
     let mut channels: Vec<&Channel> =
         roles.compared.iter().flat_map(|quantity| record.channels_of(quantity)).collect();
     let elastic = model.contact.is_some_and(|contact| contact.normal_stiffness > 0.0);
-    if model.structure == Structure::Prescribed && elastic && record.channel("normal_displacement").is_some() {
+    if model.structure == Structure::Prescribed && elastic && record.channel("normal_displacement").is_some()
+    {
         channels.extend(record.channel("normal_load"));
     }
     channels

@@ -46,11 +46,12 @@ impl Prehistory {
 
     /// For a record of this `displacement` (m).
     pub fn new(displacement: &[f64]) -> Self {
-        let range = displacement.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), u| {
-            (low.min(*u), high.max(*u))
-        });
+        let range = displacement
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), u| (low.min(*u), high.max(*u)));
         let count = displacement.len();
-        let cycle = super::periods::period(displacement).map_or(count, |period| (period.round() as usize).min(count));
+        let cycle =
+            super::periods::period(displacement).map_or(count, |period| (period.round() as usize).min(count));
         Self {
             kind: Kind::Virgin,
             cycle,

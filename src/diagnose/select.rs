@@ -104,7 +104,8 @@ impl Search<'_, '_> {
     pub fn added(&self, model: &Model, set: &[Candidate]) -> Result<State, String> {
         let ranges: Vec<_> =
             set.iter().map(|candidate| candidate.ranges(self.scales, self.bench.dataset)).collect();
-        let starts: Vec<usize> = ranges.iter().map(|range| range.first().map_or(1, |r| r.starts.len())).collect();
+        let starts: Vec<usize> =
+            ranges.iter().map(|range| range.first().map_or(1, |r| r.starts.len())).collect();
         let combinations: usize = starts.iter().product();
         let with = |mut number: usize| {
             let mut with = model.clone();
@@ -129,7 +130,9 @@ impl Search<'_, '_> {
             let mut failure = None;
             for outcome in screened {
                 match outcome {
-                    Ok(fitted) if best.as_ref().is_none_or(|best| fitted.cost < best.cost) => best = Some(fitted),
+                    Ok(fitted) if best.as_ref().is_none_or(|best| fitted.cost < best.cost) => {
+                        best = Some(fitted)
+                    }
                     Ok(_) => {}
                     Err(reason) => failure = Some(reason),
                 }
@@ -137,6 +140,18 @@ impl Search<'_, '_> {
             best.ok_or_else(|| failure.unwrap_or_default())?.model
         };
         self.state(&best)
+    }
+
+    /// Whether `winner` is better than `other` by less than a standard error.
+    pub fn is_tied(&self, other: &State, winner: &State) -> bool {
+        blocks::gain(self.bench, &other.scored, &winner.scored).z < TIED_Z
+    }
+
+    /// Mean square of the weighted residuals on the fitted records.
+    pub fn fitted_chi_square(&self, state: &State) -> f64 {
+        let samples: usize =
+            self.parts.fit.iter().map(|record| self.bench.lanes[*record].measured.len()).sum();
+        2.0 * state.fitted.cost / samples.max(1) as f64
     }
 
     /// The trials of `round` (best first) that are as good as the best to within a standard error.
@@ -147,7 +162,7 @@ impl Search<'_, '_> {
         let mut tied = vec![best];
         for other in &round[1..] {
             let Ok(state) = &other.state else { continue };
-            if other.passes() && blocks::gain(self.bench, &state.scored, &winner.scored).z < TIED_Z {
+            if other.passes() && self.is_tied(state, winner) {
                 tied.push(other);
             }
         }

@@ -135,7 +135,8 @@ fn gram(
         Some(factor) => cross.transpose() * factor.solve(&cross),
         None => DMatrix::zeros(total - base, total - base),
     };
-    let projected = DMatrix::from_fn(total - base, total - base, |a, b| all[(base + a, base + b)] - taken[(a, b)]);
+    let projected =
+        DMatrix::from_fn(total - base, total - base, |a, b| all[(base + a, base + b)] - taken[(a, b)]);
     let samples = records.iter().map(|record| bench.lanes[*record].measured.len()).sum();
     Ok(Gram { sizes, projected, samples })
 }

@@ -172,7 +172,8 @@ impl SumOfSquares for Start<'_, '_> {
         let values = self.values(y);
         let (mut predictions, mut derivatives) =
             (std::mem::take(&mut self.predictions), std::mem::take(&mut self.derivatives));
-        let outcome = self.shown.linearise(self.model, &values, &directions, &mut predictions, &mut derivatives);
+        let outcome =
+            self.shown.linearise(self.model, &values, &directions, &mut predictions, &mut derivatives);
         (self.predictions, self.derivatives) = (predictions, derivatives);
         outcome.ok()?;
         let n = y.len();

@@ -130,7 +130,8 @@ fn places(records: &[Record], driver: impl Fn(&Record) -> Vec<f64>) -> Vec<Place
 /// `count` of the places, spread out.
 fn spread(places: &[Place], count: usize) -> Vec<usize> {
     let by_level = |sign: f64| {
-        (0..places.len()).max_by(|a, b| (sign * places[*a][0]).total_cmp(&(sign * places[*b][0])).then(b.cmp(a)))
+        (0..places.len())
+            .max_by(|a, b| (sign * places[*a][0]).total_cmp(&(sign * places[*b][0])).then(b.cmp(a)))
     };
     let mut taken: Vec<usize> = by_level(1.0).into_iter().collect();
     if count > 1
@@ -162,7 +163,8 @@ mod tests {
     use crate::measure::{Channel, Regime};
 
     fn record(level: f64, regime: Regime, step: f64) -> Record {
-        let channel = |name: &str, values: Vec<f64>| Channel { name: name.into(), unit: "m", values, noise: None };
+        let channel =
+            |name: &str, values: Vec<f64>| Channel { name: name.into(), unit: "m", values, noise: None };
         let wave = (0..100).map(|i| level * (0.2 * f64::from(i)).sin()).collect();
         let time = (0..100).map(|i| step * f64::from(i)).collect();
         Record {
@@ -184,7 +186,9 @@ mod tests {
             let dataset = Dataset { title: None, records };
             let parts = split(&dataset, driver);
             assert_eq!(parts.all(), (0..count).collect::<Vec<_>>());
-            assert!(parts.fit.contains(&(count - 1)) && !parts.select.is_empty() && !parts.untouched.is_empty());
+            assert!(
+                parts.fit.contains(&(count - 1)) && !parts.select.is_empty() && !parts.untouched.is_empty()
+            );
             assert!(parts.fit.len() == 1 || parts.fit.contains(&0), "{parts:?}");
         }
     }
@@ -193,7 +197,9 @@ mod tests {
     fn every_part_sees_both_regimes_where_there_are_enough() {
         let records = [1.0, 2.0, 4.0, 8.0]
             .iter()
-            .flat_map(|level| [record(*level, Regime::FromRest, 0.1), record(1.1 * level, Regime::Steady, 0.1)])
+            .flat_map(|level| {
+                [record(*level, Regime::FromRest, 0.1), record(1.1 * level, Regime::Steady, 0.1)]
+            })
             .collect();
         let dataset = Dataset { title: None, records };
         let parts = split(&dataset, driver);
@@ -205,7 +211,8 @@ mod tests {
 
     #[test]
     fn marks_are_obeyed() {
-        let mut records: Vec<Record> = (0..4).map(|i| record(1.0 + f64::from(i), Regime::Steady, 0.1)).collect();
+        let mut records: Vec<Record> =
+            (0..4).map(|i| record(1.0 + f64::from(i), Regime::Steady, 0.1)).collect();
         records[3].use_for = Some(Use::Confirm);
         records[1].use_for = Some(Use::Select);
         let parts = split(&Dataset { title: None, records }, driver);

@@ -75,7 +75,8 @@ pub(super) fn fit(
     // A failure at the start says why; within the fit it is a rejected step.
     joint.model(&start)?;
     let end = minimise(&mut joint, start, &lower, &upper, effort.limits());
-    let end = end.ok_or_else(|| joint.failure.clone().unwrap_or_else(|| "the fit cannot start".to_owned()))?;
+    let end =
+        end.ok_or_else(|| joint.failure.clone().unwrap_or_else(|| "the fit cannot start".to_owned()))?;
     let model = joint.model(&end.y)?;
     let estimates = if effort == Effort::Full { joint.estimates(&end.y, &lower, &upper) } else { Vec::new() };
     let simulations = joint.simulations;
@@ -107,7 +108,12 @@ struct Slot<'d> {
 }
 
 impl<'a, 'd> Joint<'a, 'd> {
-    fn new(bench: &'a Bench<'d>, base: &'a Model, unknowns: &'a [Unknown], records: &[usize]) -> Result<Self, String> {
+    fn new(
+        bench: &'a Bench<'d>,
+        base: &'a Model,
+        unknowns: &'a [Unknown],
+        records: &[usize],
+    ) -> Result<Self, String> {
         let shared = unknowns
             .iter()
             .enumerate()
@@ -119,7 +125,8 @@ impl<'a, 'd> Joint<'a, 'd> {
             .map(|&index| {
                 let mut shown = Shown::new(base, bench.lanes[index].record)?;
                 let own = shown.nuisances(&start)?;
-                let own = own.iter().enumerate().map(|(i, p)| coordinate(i, p)).collect::<Result<Vec<_>, _>>()?;
+                let own =
+                    own.iter().enumerate().map(|(i, p)| coordinate(i, p)).collect::<Result<Vec<_>, _>>()?;
                 Ok(Slot { index, shown, own, offset: 0, predictions: Vec::new(), derivatives: Vec::new() })
             })
             .collect::<Result<_, String>>()?;
@@ -177,7 +184,8 @@ impl<'a, 'd> Joint<'a, 'd> {
         let one = |index: usize| {
             let (unknown, coordinate) = (&self.unknowns[index], self.shared[index]);
             let value = coordinate.value(y[index]);
-            let ends = deviation[index].map(|reach| [coordinate.value(y[index] - reach), coordinate.value(y[index] + reach)]);
+            let ends = deviation[index]
+                .map(|reach| [coordinate.value(y[index] - reach), coordinate.value(y[index] + reach)]);
             Estimate {
                 name: unknown.path.clone(),
                 value,
@@ -233,7 +241,8 @@ impl<'a, 'd> Joint<'a, 'd> {
             curvature[(free[a], free[b])] / (size[a] * size[b]) + if a == b { 1e-12 } else { 0.0 }
         });
         let Some(inverse) = scaled.try_inverse() else { return result };
-        let spread = DMatrix::from_fn(free.len(), free.len(), |a, b| outer[(free[a], free[b])] / (size[a] * size[b]));
+        let spread =
+            DMatrix::from_fn(free.len(), free.len(), |a, b| outer[(free[a], free[b])] / (size[a] * size[b]));
         let sandwich = &inverse * spread * &inverse;
         let variance = square / (count - free.len()) as f64;
         let correction = blocks as f64 / (blocks - free.len()) as f64;
@@ -285,7 +294,11 @@ pub(super) fn products(
 }
 
 /// The value of every unknown put into a copy of `base`.
-pub(super) fn set(base: &Model, unknowns: &[Unknown], values: impl Iterator<Item = f64>) -> Result<Model, String> {
+pub(super) fn set(
+    base: &Model,
+    unknowns: &[Unknown],
+    values: impl Iterator<Item = f64>,
+) -> Result<Model, String> {
     let mut model = base.clone();
     let pairs: Vec<(&str, f64)> = unknowns.iter().map(|unknown| unknown.path.as_str()).zip(values).collect();
     model.set_all(&pairs).map_err(|error| error.to_string())?;
@@ -305,7 +318,11 @@ impl Slot<'_> {
         let nuisances = self.own_values(y);
         let mut directions: Vec<Direction> = moved
             .iter()
-            .map(|(model, step)| Direction { model: model.clone(), nuisances: nuisances.clone(), step: *step })
+            .map(|(model, step)| Direction {
+                model: model.clone(),
+                nuisances: nuisances.clone(),
+                step: *step,
+            })
             .collect();
         for (k, coordinate) in self.own.iter().enumerate() {
             let here = y[self.offset + k];

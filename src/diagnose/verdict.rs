@@ -3,9 +3,7 @@
 use super::bench::{Bench, mean_square};
 use super::candidates::{Candidate as Tried, effect_of};
 use super::comparison::Stage;
-use super::diagnosis::{
-    Candidate, Cost, Diagnosis, Errors, Estimate, Group, Noise, Step, Untried, Verdict,
-};
+use super::diagnosis::{Candidate, Cost, Diagnosis, Errors, Estimate, Group, Noise, Step, Untried, Verdict};
 use super::engine::{comparison, cost, errors, stage};
 use super::explain::{self, Told};
 use super::findings::{ADEQUATE, Added, Outcome, UNEXPLAINED};
@@ -48,7 +46,7 @@ pub(super) fn of(search: &Search, material: Material) -> Diagnosis {
     let groups = groups(&outcome);
     let verdict = judge(&outcome, known, &groups);
     let ids: Vec<&'static str> = found.iter().map(|candidate| candidate.effect.id).collect();
-    let told = Told { search, model, outcome: &outcome, error: &error, known, groups: &groups, verdict };
+    let told = Told { search, outcome: &outcome, error: &error, known, groups: &groups, verdict };
     let (effects, surrogates) = match verdict {
         Verdict::EffectFound => (ids.clone(), Vec::new()),
         Verdict::Unexplained => (Vec::new(), surrogates(&outcome)),
@@ -65,8 +63,18 @@ pub(super) fn of(search: &Search, material: Material) -> Diagnosis {
         error,
         chi_square: outcome.chi_square,
         steps: outcome.findings.steps.iter().map(step).collect(),
-        candidates: outcome.findings.rounds.first().map_or_else(Vec::new, |round| reported(search.bench, round, search.given)),
-        rounds: outcome.findings.rounds.iter().skip(1).map(|round| reported(search.bench, round, search.given)).collect(),
+        candidates: outcome
+            .findings
+            .rounds
+            .first()
+            .map_or_else(Vec::new, |round| reported(search.bench, round, search.given)),
+        rounds: outcome
+            .findings
+            .rounds
+            .iter()
+            .skip(1)
+            .map(|round| reported(search.bench, round, search.given))
+            .collect(),
         untried,
         confounding: sensitivities.confounding.clone(),
         detectable: sensitivities.detectable,
@@ -127,7 +135,8 @@ fn surrogates(outcome: &Outcome) -> Vec<&'static str> {
 fn groups(outcome: &Outcome) -> Vec<Group> {
     let mut groups = Vec::new();
     for step in outcome.findings.steps.iter().filter(|step| !step.dropped) {
-        let mut ids: Vec<&'static str> = step.candidates.iter().map(|candidate| candidate.effect.id).collect();
+        let mut ids: Vec<&'static str> =
+            step.candidates.iter().map(|candidate| candidate.effect.id).collect();
         let own = ids.len();
         for other in &step.tied {
             if !ids.contains(&other.effect.id) {
@@ -166,7 +175,8 @@ fn sensitivities(search: &Search, outcome: &Outcome, tried: &[Tried]) -> Sensiti
     let present = outcome.findings.effects();
     let left: Vec<Tried> = tried.iter().filter(|candidate| !present.contains(candidate)).cloned().collect();
     let correlation = blocks::correlation(last.scored.iter().map(|one| one.residuals.as_slice()));
-    sensitivity::around(search, &last.fitted.model, &left, mean_square(&last.scored), correlation).unwrap_or_default()
+    sensitivity::around(search, &last.fitted.model, &left, mean_square(&last.scored), correlation)
+        .unwrap_or_default()
 }
 
 /// A round for the report.
@@ -246,7 +256,8 @@ pub(super) fn insufficient(
         detectable: Vec::new(),
         evidence: Vec::new(),
         next_experiment: Some(
-            "Record at least three levels, each twice, some of them from rest and over two periods or more".to_owned(),
+            "Record at least three levels, each twice, some of them from rest and over two periods or more"
+                .to_owned(),
         ),
         split: parts.uses(dataset.records.len()),
         noise: measured,

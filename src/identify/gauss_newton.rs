@@ -117,9 +117,8 @@ fn into_bounds(y: &mut [f64], lower: &[f64], upper: &[f64]) {
 fn promised(sums: &Sums, step: &[f64]) -> f64 {
     let n = step.len();
     let linear: f64 = sums.gradient.iter().zip(step).map(|(g, s)| g * s).sum();
-    let quadratic: f64 = (0..n)
-        .map(|i| step[i] * (0..n).map(|j| sums.curvature[i * n + j] * step[j]).sum::<f64>())
-        .sum();
+    let quadratic: f64 =
+        (0..n).map(|i| step[i] * (0..n).map(|j| sums.curvature[i * n + j] * step[j]).sum::<f64>()).sum();
     -(linear + 0.5 * quadratic)
 }
 
@@ -130,8 +129,8 @@ fn step(sums: &Sums, y: &[f64], lower: &[f64], upper: &[f64], damping: f64) -> O
     let mut step = vec![0.0; n];
     let mut free: Vec<usize> = (0..n)
         .filter(|&i| {
-            let outward = (y[i] <= lower[i] && sums.gradient[i] > 0.0)
-                || (y[i] >= upper[i] && sums.gradient[i] < 0.0);
+            let outward =
+                (y[i] <= lower[i] && sums.gradient[i] > 0.0) || (y[i] >= upper[i] && sums.gradient[i] < 0.0);
             !outward && sums.curvature[i * n + i] > 0.0 && upper[i] > lower[i]
         })
         .collect();
@@ -165,7 +164,8 @@ fn damped(sums: &Sums, free: &[usize], held: &[f64], damping: f64) -> Option<Vec
         let entry = sums.curvature[free[a] * n + free[b]] / (size[a] * size[b]);
         if a == b { entry + damping } else { entry }
     });
-    let right = nalgebra::DVector::from_fn(free.len(), |a, _| -(sums.gradient[free[a]] + fixed(free[a])) / size[a]);
+    let right =
+        nalgebra::DVector::from_fn(free.len(), |a, _| -(sums.gradient[free[a]] + fixed(free[a])) / size[a]);
     let solution = matrix.cholesky()?.solve(&right);
     Some(solution.iter().zip(&size).map(|(s, size)| s / size).collect())
 }
