@@ -490,7 +490,7 @@ impl<'s> Path<'s> {
     ) -> Option<Location> {
         const ROUNDS: usize = 60;
         /// Share of the way at which the place is known well enough: what is largest there is known to the square.
-        const SHARPEST: f64 = 1e-9;
+        const SHARPEST: f64 = 1e-11;
         const NEAR_END: f64 = 1e-6;
         let stopping =
             Stopping { tolerance: self.route.stopping.tolerance.min(1e-12), ..self.route.stopping };
