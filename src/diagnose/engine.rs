@@ -33,11 +33,14 @@ impl Default for DiagnoseOptions {
     }
 }
 
+/// Told of progress: what was done, how much is done, of how much.
+pub type DiagnoseHook<'a> = &'a (dyn Fn(&str, usize, usize) + Sync);
+
 /// How a diagnosis is watched and stopped.
 #[derive(Clone, Copy, Default)]
 pub struct DiagnoseWatch<'a> {
     /// Called when something has been tried, with what is done in words, and how much of how much.
-    pub progress: Option<&'a (dyn Fn(&str, usize, usize) + Sync)>,
+    pub progress: Option<DiagnoseHook<'a>>,
     /// Asked again and again; `true` ends the diagnosis with what is known.
     pub interrupt: Option<InterruptHook<'a>>,
 }

@@ -41,6 +41,6 @@ pub use diagnosis::{
     Candidate, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group, Noise,
     NoiseSource, Step, Untried, Verdict,
 };
-pub use engine::{Added, DiagnoseError, DiagnoseOptions, DiagnoseWatch, add, diagnose};
+pub use engine::{Added, DiagnoseError, DiagnoseHook, DiagnoseOptions, DiagnoseWatch, add, diagnose};
 pub use noise::noise_of;
 pub use predict::unused_columns;

@@ -19,13 +19,16 @@ pub(super) struct Motion {
 }
 
 /// Standard deviation of white noise on smooth `values`, from fourth differences and their median, so that
-/// single corners do not count. Coloured noise is underestimated.
+/// single corners do not count. Coloured noise is underestimated; values without noise have none.
 pub(super) fn white_noise(values: &[f64]) -> f64 {
     let mut differences: Vec<f64> =
-        values.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
-    if differences.is_empty() {
+        values.windows(5).map(|w| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).collect();
+    // Those of noise change their sign nearly every time, those of a smooth curve twice a period.
+    let changes = differences.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count();
+    if 2 * changes <= differences.len() {
         return 0.0;
     }
+    differences.iter_mut().for_each(|difference| *difference = difference.abs());
     let middle = differences.len() / 2;
     let (_, median, _) = differences.select_nth_unstable_by(middle, f64::total_cmp);
     // The median of a normal variable's magnitude is 0.6745 σ; the weights' squares add to 70.

@@ -4,7 +4,7 @@
 use super::bench::Lane;
 use super::diagnosis::{Noise, NoiseSource};
 use super::motion::white_noise;
-use super::{periods, predict, score};
+use super::{periods, predict};
 use crate::measure::{Channel, Dataset, Record};
 use crate::model::Model;
 

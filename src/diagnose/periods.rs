@@ -25,11 +25,17 @@ pub(super) fn period(values: &[f64]) -> Option<f64> {
     while lag < longest {
         let next = misfit(lag + 1);
         left |= here > 0.2;
-        if left && here < REPEATS && next >= here {
+        // Near a valley the misfit is a parabola, whose bottom may lie between two lags.
+        if left && next >= here && here < 50.0 * REPEATS {
             let before = misfit(lag - 1);
-            let curvature = before - 2.0 * here + next;
-            let offset = if curvature > 0.0 { 0.5 * (before - next) / curvature } else { 0.0 };
-            return Some(lag as f64 + offset.clamp(-0.5, 0.5));
+            let (slope, curvature) = (before - next, before - 2.0 * here + next);
+            let (offset, bottom) = match curvature {
+                c if c > 0.0 => (0.5 * slope / c, here - slope * slope / (8.0 * c)),
+                _ => (0.0, here),
+            };
+            if bottom < REPEATS {
+                return Some(lag as f64 + offset.clamp(-0.5, 0.5));
+            }
         }
         lag += 1;
         here = next;

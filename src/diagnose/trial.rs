@@ -33,8 +33,6 @@ pub(super) struct Fitted {
     pub estimates: Vec<Estimate>,
     /// Simulations of single records.
     pub simulations: usize,
-    /// Whether the last step was below the tolerance.
-    pub converged: bool,
 }
 
 /// Step of differences in a parameter, in its coordinate of size one.
@@ -82,7 +80,7 @@ pub(super) fn fit(
     let simulations = joint.simulations;
     bench.count(simulations);
     bench.count_refit();
-    Ok(Fitted { model, cost: end.sums.cost, estimates, simulations, converged: end.converged })
+    Ok(Fitted { model, cost: end.sums.cost, estimates, simulations })
 }
 
 /// The problem: shared coordinates first, then each record's own.

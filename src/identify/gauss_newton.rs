@@ -46,8 +46,6 @@ pub(crate) struct End {
     pub y: Vec<f64>,
     /// The sums there.
     pub sums: Sums,
-    /// Whether the last step was smaller than the tolerance.
-    pub converged: bool,
 }
 
 /// Failed trials of a step before the point is taken for a minimum.
@@ -72,7 +70,7 @@ pub(crate) fn minimise(
         let mut accepted = None;
         for _ in 0..TRIALS {
             if problem.interrupted() {
-                return Some(End { y, sums, converged: false });
+                return Some(End { y, sums });
             }
             let Some(step) = step(&sums, &y, lower, upper, damping) else { break };
             for (trial, (y, step)) in trial.iter_mut().zip(y.iter().zip(&step)) {
@@ -91,20 +89,20 @@ pub(crate) fn minimise(
                 break;
             }
         }
-        let Some(cost) = accepted else { return Some(End { y, sums, converged: true }) };
+        let Some(cost) = accepted else { return Some(End { y, sums }) };
         let fall = sums.cost - cost;
         let enough = fall <= limits.tolerance * sums.cost;
         y.copy_from_slice(&trial);
         match problem.sums(&y) {
             Some(there) if there.cost.is_finite() => sums = there,
             // Derivatives failed where the value did not: the point stands, without a way on.
-            _ => return Some(End { y, sums: Sums { cost, ..sums }, converged: false }),
+            _ => return Some(End { y, sums: Sums { cost, ..sums } }),
         }
         if enough {
-            return Some(End { y, sums, converged: true });
+            return Some(End { y, sums });
         }
     }
-    Some(End { y, sums, converged: false })
+    Some(End { y, sums })
 }
 
 fn into_bounds(y: &mut [f64], lower: &[f64], upper: &[f64]) {
