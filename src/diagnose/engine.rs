@@ -99,6 +99,7 @@ pub fn diagnose(
         trial::fit(&bench, model, &unknowns, &parts.fit, Effort::Full)
             .map_err(|reason| unpredictable(dataset, reason))?
     };
+    bench.reseed(&first.model);
     let through = inputs::through(&first.model, &bench);
     let known = noise::weigh(&mut bench.lanes, &measured, &through);
     let search = Search { bench: &bench, parts: &parts, scales: &scales, given, told: &told };
