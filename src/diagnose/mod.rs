@@ -32,6 +32,7 @@ mod sensors;
 mod shown;
 mod simulation;
 mod split;
+mod thinned;
 mod trial;
 mod verdict;
 
