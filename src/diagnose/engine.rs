@@ -12,7 +12,7 @@ use super::noise;
 use super::select::{Search, State};
 use super::split::{self, Parts};
 use super::trial::{self, Effort, Fitted};
-use super::{evaluate, inputs, magnitudes, thinned, verdict};
+use super::{evaluate, inputs, magnitudes, remainder, thinned, verdict};
 use crate::effects::{Effect, Location};
 use crate::identify::InterruptHook;
 use crate::measure::Dataset;
@@ -116,7 +116,7 @@ pub fn diagnose(
     }
     meter.expect(1 + tried.len());
     let findings = Findings::search(&search, base, &tried, options.max_effects, known, &meter);
-    let outcome = conclude(&search, &whole, findings, known)?;
+    let outcome = conclude(&search, &whole, model, findings, known)?;
     Ok(verdict::of(
         &search,
         &whole,
@@ -148,6 +148,7 @@ fn unpredictable(dataset: &Dataset, reason: String) -> DiagnoseError {
 fn conclude(
     search: &Search,
     whole: &Bench,
+    given: &Model,
     mut findings: Findings,
     known: bool,
 ) -> Result<Outcome, DiagnoseError> {
@@ -183,7 +184,9 @@ fn conclude(
     }
     let after = scores.pop().unwrap_or_else(|| before.clone());
     let chi_square = (known && !after.is_empty()).then(|| mean_square(&after));
-    Ok(Outcome { findings, fits, before, after, chi_square })
+    let given = whole.normalised_error(&score(given));
+    let follows = if known { remainder::follows(whole, &after) } else { Vec::new() };
+    Ok(Outcome { findings, fits, given, before, after, chi_square, follows })
 }
 
 /// The models from the first effect that was kept to all of them, each one more than the one before, fitted to

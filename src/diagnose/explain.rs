@@ -66,7 +66,9 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
     }
     if !findings.effects().is_empty() {
         reasons.push(format!(
-            "on the untouched records the error falls from {} to {} of the channels' own variation",
+            "on the untouched records the error falls from {} with the model as it came, and {} with that refitted, \
+             to {} of the channels' own variation",
+            percent(outcome.given),
             percent(error.untouched_refitted),
             percent(error.untouched)
         ));
@@ -84,6 +86,14 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
             percent(error.untouched)
         )),
         _ => {}
+    }
+    if outcome.chi_square.is_some_and(|chi| (ADEQUATE..UNEXPLAINED).contains(&chi))
+        && !outcome.follows.is_empty()
+    {
+        reasons.push(format!(
+            "what remains on the untouched records is not noise alone: it follows {}",
+            outcome.follows.join(", ")
+        ));
     }
     reasons.extend(told.groups.iter().map(|group| group.reason.clone()));
     if *known && told.verdict == Verdict::NothingMissing && chosen > ADEQUATE {

@@ -50,11 +50,15 @@ pub(super) struct Outcome {
     pub findings: Findings,
     /// The base, and one per step; one more where something was dropped.
     pub fits: Vec<Fitted>,
+    /// Normalised error of the untouched records under the model as it came.
+    pub given: f64,
     /// Untouched records under the first and the last of them.
     pub before: Vec<Scored>,
     pub after: Vec<Scored>,
     /// Mean square of the weighted residuals on the untouched records, where the noise is known.
     pub chi_square: Option<f64>,
+    /// What the residual there still follows, where the noise is known.
+    pub follows: Vec<&'static str>,
 }
 
 impl Added {

@@ -25,6 +25,7 @@ mod oscillator_record;
 mod periods;
 mod predict;
 mod prehistory;
+mod remainder;
 mod score;
 mod select;
 mod sensitivity;

@@ -30,7 +30,8 @@ pub(super) fn of(model: &Model, dataset: &Dataset) -> Option<Dataset> {
 /// periods only with all their samples.
 fn stride(record: &Record) -> usize {
     let Some(drive) = driver(record).filter(|drive| drive.values.len() > LONG) else { return 1 };
-    if record.regime == Regime::Steady || record.regime == Regime::Backbone || record.sample_step().is_none() {
+    if record.regime == Regime::Steady || record.regime == Regime::Backbone || record.sample_step().is_none()
+    {
         return 1;
     }
     let motion = Motion::even(&drive.values, 1.0).values;
@@ -67,7 +68,8 @@ mod tests {
     use std::f64::consts::TAU;
 
     fn record(count: usize, period: f64, regime: Regime) -> Record {
-        let channel = |name: &str, values: Vec<f64>| Channel { name: name.into(), unit: "m", values, noise: None };
+        let channel =
+            |name: &str, values: Vec<f64>| Channel { name: name.into(), unit: "m", values, noise: None };
         let wave = (0..count).map(|i| (TAU * i as f64 / period).sin()).collect();
         let time = (0..count).map(|i| i as f64 * 1e-3).collect();
         let channels = vec![channel("time", time), channel("displacement", wave)];
