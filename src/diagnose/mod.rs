@@ -25,6 +25,7 @@ mod oscillator_record;
 mod periods;
 mod predict;
 mod prehistory;
+mod remainder;
 mod score;
 mod select;
 mod sensitivity;
@@ -32,6 +33,7 @@ mod sensors;
 mod shown;
 mod simulation;
 mod split;
+mod thinned;
 mod trial;
 mod verdict;
 
