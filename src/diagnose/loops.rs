@@ -110,7 +110,7 @@ fn branches(measured: &Measured) -> Vec<Branch> {
 }
 
 /// Samples at which the motion turns.
-fn reversals(values: &[f64]) -> Vec<usize> {
+pub(super) fn reversals(values: &[f64]) -> Vec<usize> {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let turn = TURN * (high - low);
