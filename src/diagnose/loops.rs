@@ -156,22 +156,20 @@ impl Branch {
     fn slid(&self) -> Option<Slid> {
         let (stroke, last) = (self.stroke(), self.force.len() - 1);
         let (left, _) = line(self.sliding().map(|i| (self.x[i], self.force[i])))?;
-        if !(left < STUCK * (self.force[last] - self.force[0]) / stroke) {
-            return None;
-        }
+        let slides = left < STUCK * (self.force[last] - self.force[0]) / stroke;
         let bare: Vec<f64> =
             self.x.iter().zip(&self.force).map(|(x, f)| f - left * (x - 0.5 * stroke)).collect();
         let count = self.sliding().count() as f64;
         let height = self.sliding().map(|i| bare[i]).sum::<f64>() / count;
         let (start, end) = (bare[0], height);
-        if !(start < 0.0 && end > 0.0) {
+        if !slides || start >= 0.0 || end <= 0.0 {
             return None;
         }
         // Four levels: the rise below zero and the rise above it, each without its ends.
         let at = |level: f64| passage(&self.x, &bare, level);
         let (x1, x2, x3, x4) = (at(0.8 * start)?, at(0.2 * start)?, at(0.2 * end)?, at(0.8 * end)?);
         let (lower, upper) = ((x2 - x1) / (-0.6 * start), (x4 - x3) / (0.6 * end));
-        if !(lower > 0.0 && upper > 0.0) || x4 > 0.9 * stroke {
+        if lower <= 0.0 || upper <= 0.0 || x4 > 0.9 * stroke {
             return None;
         }
         let crossing = 0.2 * 0.5 * ((end - start) * (lower + upper));
@@ -206,11 +204,8 @@ fn line(points: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
         xy += a * b;
     }
     let spread = n * xx - x * x;
-    if n < 3.0 || !(spread > 1e-12 * n * xx) {
-        return None;
-    }
     let slope = (n * xy - x * y) / spread;
-    Some((slope, (y - slope * x) / n))
+    (n >= 3.0 && spread > 1e-12 * n * xx).then(|| (slope, (y - slope * x) / n))
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
