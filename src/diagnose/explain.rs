@@ -116,18 +116,33 @@ pub(super) fn evidence(told: &Told, ids: &[&'static str], sensitivities: &Sensit
         .into_iter()
         .filter_map(|id| {
             let seen = (effects::find(id)?.signature)(&features)?;
-            let alike: Vec<&str> = sensitivities
-                .confounding
-                .iter()
-                .filter(|pair| pair.effects.contains(&id) && pair.correlation.abs() > confound::ALIKE)
-                .filter_map(|pair| pair.effects.into_iter().find(|other| *other != id))
-                .filter_map(|other| effects::find(other).map(|effect| effect.title))
-                .collect();
-            let otherwise =
-                (!alike.is_empty()).then(|| format!("{} would look much the same", alike.join(", ")));
-            Some(Evidence { effect: id, seen, otherwise })
+            Some(Evidence { effect: id, seen, otherwise: otherwise(id, sensitivities) })
         })
         .collect()
+}
+
+/// What else would look like the effect `id` in these data.
+fn otherwise(id: &str, sensitivities: &Sensitivities) -> Option<String> {
+    let mut others: Vec<(f64, &str)> = sensitivities
+        .confounding
+        .iter()
+        .filter(|pair| pair.effects.contains(&id))
+        .filter_map(|pair| {
+            let other = pair.effects.into_iter().find(|other| *other != id)?;
+            Some((pair.correlation.abs(), effects::find(other)?.title))
+        })
+        .collect();
+    others.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let (nearest, title) = *others.first()?;
+    let alike: Vec<&str> =
+        others.iter().filter(|(size, _)| *size > confound::ALIKE).map(|(_, title)| *title).collect();
+    Some(if alike.is_empty() {
+        format!(
+            "nothing else in the catalogue: the nearest, {title}, is told apart (correlation {nearest:.2})"
+        )
+    } else {
+        format!("{} would look much the same", alike.join(", "))
+    })
 }
 
 /// The experiment that would decide what is left open.

@@ -1,7 +1,10 @@
 //! What the views of the measurements and of the residual show, as numbers.
 
+use super::loops::{self, Measured};
 use super::select::{Search, State};
 use crate::effects::Features;
+use crate::measure::Record;
+use crate::model::Structure;
 
 /// Of the measurements, and of the residual of the model refitted without effects on the selecting records.
 pub(super) fn of(search: &Search, base: &State) -> Features {
@@ -9,10 +12,11 @@ pub(super) fn of(search: &Search, base: &State) -> Features {
     let mut found = Features::default();
     let (mut by_velocity, mut by_cube, mut by_rate, mut by_value) =
         (Correlation::default(), Correlation::default(), Correlation::default(), Correlation::default());
+    let (mut normal_by_velocity, mut normal_by_cube) = (Correlation::default(), Correlation::default());
+    let (mut even, mut odd) = (0.0, 0.0);
     let (mut sum, mut square, mut count) = (0.0, 0.0, 0.0);
     for scored in &base.scored {
         let lane = &bench.lanes[scored.record];
-        let displacement = lane.record.channel("displacement").map(|channel| channel.values.as_slice());
         for (name, range) in &lane.channels {
             let measured = &lane.measured[range.clone()];
             // Measured minus predicted: what the model lacks.
@@ -25,28 +29,82 @@ pub(super) fn of(search: &Search, base: &State) -> Features {
                 if i > 0 && i + 1 < measured.len() {
                     by_rate.add(*r, measured[i + 1] - measured[i - 1]);
                 }
-                if let Some(u) = displacement.filter(|_| *name == "force") {
-                    if i > 0 && i + 1 < u.len() {
-                        by_velocity.add(*r, u[i + 1] - u[i - 1]);
-                    }
-                    by_cube.add(*r, u[i].powi(3));
+            }
+            let motion = |name: &str| lane.record.channel(name).map(|channel| channel.values.as_slice());
+            match *name {
+                "force" => {
+                    follow(&residual, motion("displacement"), &mut by_velocity, &mut by_cube);
+                    let (sums, differences) = halves(&residual, motion("displacement"));
+                    even += sums;
+                    odd += differences;
                 }
+                "normal_load" => {
+                    follow(
+                        &residual,
+                        motion("normal_displacement"),
+                        &mut normal_by_velocity,
+                        &mut normal_by_cube,
+                    );
+                }
+                _ => {}
             }
         }
     }
     if count > 0.0 && square > 0.0 {
         found.residual_mean = Some(sum / count / f64::sqrt(square / count));
     }
+    if even + odd > 0.0 {
+        found.even_harmonics = Some(even / (even + odd));
+    }
     found.residual_by_velocity = by_velocity.value();
     found.residual_by_cube = by_cube.value();
     found.residual_by_rate = by_rate.value();
     found.residual_by_value = by_value.value();
+    found.normal_residual_by_velocity = normal_by_velocity.value();
+    found.normal_residual_by_cube = normal_by_cube.value();
+    if matches!(base.fitted.model.structure, Structure::Prescribed) {
+        let seen = search.parts.seen();
+        let record = |index: &usize| -> &Record { bench.lanes[*index].record };
+        let measured: Vec<Measured> = seen.iter().filter_map(|index| Measured::of(record(index))).collect();
+        loops::fill(&measured, &mut found);
+    }
     found
+}
+
+/// Adds a residual against the rate of a motion, and against its cube with the linear part removed.
+fn follow(residual: &[f64], motion: Option<&[f64]>, rate: &mut Correlation, cube: &mut Correlation) {
+    let Some(motion) = motion else { return };
+    let power = |exponent: i32| motion.iter().map(|u| u.powi(exponent)).sum::<f64>();
+    let linear = power(4) / power(2).max(f64::MIN_POSITIVE);
+    for (i, r) in residual.iter().enumerate() {
+        if i > 0 && i + 1 < motion.len() {
+            rate.add(*r, motion[i + 1] - motion[i - 1]);
+        }
+        cube.add(*r, motion[i].powi(3) - linear * motion[i]);
+    }
+}
+
+/// Power of the even and of the odd harmonics of a residual: half a period later the former are the same, the
+/// latter opposite. Nothing where the motion's reversals are not evenly spaced.
+fn halves(residual: &[f64], motion: Option<&[f64]>) -> (f64, f64) {
+    let Some(motion) = motion else { return (0.0, 0.0) };
+    let turns = loops::reversals(motion);
+    let (Some(first), Some(last)) = (turns.first(), turns.last()) else { return (0.0, 0.0) };
+    let lengths = || turns.windows(2).map(|pair| pair[1] - pair[0]);
+    let (Some(shortest), Some(longest)) = (lengths().min(), lengths().max()) else { return (0.0, 0.0) };
+    if 10 * longest > 12 * shortest {
+        return (0.0, 0.0);
+    }
+    let half = ((last - first) as f64 / (turns.len() - 1) as f64).round() as usize;
+    let mean = residual.iter().sum::<f64>() / residual.len() as f64;
+    residual.iter().zip(&residual[half..]).fold((0.0, 0.0), |(even, odd), (now, later)| {
+        (even + (now + later - 2.0 * mean).powi(2), odd + (now - later).powi(2))
+    })
 }
 
 /// Sums of a correlation.
 #[derive(Default)]
-struct Correlation {
+pub(super) struct Correlation {
     count: f64,
     x: f64,
     y: f64,
@@ -56,7 +114,7 @@ struct Correlation {
 }
 
 impl Correlation {
-    fn add(&mut self, x: f64, y: f64) {
+    pub(super) fn add(&mut self, x: f64, y: f64) {
         self.count += 1.0;
         self.x += x;
         self.y += y;
@@ -65,9 +123,44 @@ impl Correlation {
         self.yy += y * y;
     }
 
-    fn value(&self) -> Option<f64> {
+    pub(super) fn value(&self) -> Option<f64> {
         let centred = |product: f64, a: f64, b: f64| product - a * b / self.count;
         let size = (centred(self.xx, self.x, self.x) * centred(self.yy, self.y, self.y)).sqrt();
-        (self.count > 2.0 && size > 0.0).then(|| centred(self.xy, self.x, self.y) / size)
+        (self.count > 2.0 && size > 1e-9 * (self.xx * self.yy).sqrt())
+            .then(|| centred(self.xy, self.x, self.y) / size)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn harmonics_are_even_or_odd() {
+        let angle = |i: usize| std::f64::consts::TAU * (i as f64 - 30.0) / 100.0;
+        let motion: Vec<f64> = (0..500).map(|i| angle(i).sin()).collect();
+        let share = |order: f64| {
+            let residual: Vec<f64> = (0..500).map(|i| 3.0 + (order * angle(i) + 0.7).cos()).collect();
+            let (even, odd) = halves(&residual, Some(&motion));
+            even / (even + odd)
+        };
+        for (order, expected) in [(1.0, 0.0), (2.0, 1.0), (3.0, 0.0), (4.0, 1.0)] {
+            assert!((share(order) - expected).abs() < 1e-3, "{order}: {}", share(order));
+        }
+    }
+
+    #[test]
+    fn a_residual_follows_a_cube_and_not_the_line_within_it() {
+        let motion: Vec<f64> =
+            (0..400).map(|i| (std::f64::consts::TAU * f64::from(i) / 100.0).sin()).collect();
+        let by_cube = |residual: Vec<f64>| {
+            let (mut rate, mut cube) = (Correlation::default(), Correlation::default());
+            follow(&residual, Some(&motion), &mut rate, &mut cube);
+            cube.value().unwrap()
+        };
+        // sin³ = ¾ sin − ¼ sin 3θ: beside the line it is the third harmonic.
+        let third = |(i, _): (usize, &f64)| -(3.0 * std::f64::consts::TAU * i as f64 / 100.0).sin();
+        assert!((by_cube(motion.iter().enumerate().map(third).collect()) - 1.0).abs() < 1e-9);
+        assert!(by_cube(motion.clone()).abs() < 1e-9);
     }
 }

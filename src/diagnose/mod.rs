@@ -18,6 +18,7 @@ mod explain;
 mod features;
 mod findings;
 mod inputs;
+mod loops;
 mod magnitudes;
 mod motion;
 mod noise;

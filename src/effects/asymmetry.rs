@@ -18,8 +18,11 @@ pub(super) const EFFECT: Effect = Effect {
     apply: |values, _, changes| changes.joint.asymmetry = values[0],
     signature: |seen| {
         seen.loop_asymmetry.filter(|difference| difference.abs() > 0.02).map(|difference| {
+            let even = seen.even_harmonics.filter(|share| *share > 0.6).map_or(String::new(), |share| {
+                format!(", and even harmonics hold {:.0} % of the residual's power", 100.0 * share)
+            });
             format!(
-                "the loop's upper and lower plateaus differ by {:.0} % of their height",
+                "the loop's upper and lower plateaus differ by {:.0} % of their height{even}",
                 100.0 * difference.abs()
             )
         })

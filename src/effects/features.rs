@@ -8,8 +8,8 @@ pub struct Features {
     pub plateau_share: Option<f64>,
     /// Slope of the measured force in slip over its slope in stick.
     pub slip_slope_share: Option<f64>,
-    /// How gradually slip sets in: share of the stick stroke between 10 % and 90 % of the fall in slope; near
-    /// zero for a sharp corner.
+    /// How gradually slip sets in: fall of the slope from the lower half of the rise to the upper half, as a
+    /// share of it; near zero for a sharp corner.
     pub corner_share: Option<f64>,
     /// Difference of the upper and lower plateau of the loop over their mean.
     pub loop_asymmetry: Option<f64>,

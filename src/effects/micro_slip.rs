@@ -21,7 +21,7 @@ pub(super) const EFFECT: Effect = Effect {
     signature: |seen| {
         seen.corner_share.filter(|share| *share > 0.15).map(|share| {
             format!(
-                "the loop bends over gradually: its slope falls over {:.0} % of the stroke in stick",
+                "the loop bends over gradually: its slope falls by {:.0} % before slip is complete",
                 100.0 * share
             )
         })
