@@ -172,13 +172,18 @@ fn conclude(
     let mut scores: Vec<Vec<Scored>> = chain.iter().map(|(_, fitted)| score(&fitted.model)).collect();
     // What the noise is not known of is judged by the error that is reported.
     let error = |scored: &Vec<Scored>| match known {
+        _ if scored.is_empty() => f64::NAN,
         true => mean_square(scored),
-        false => whole.normalised_error(scored).powi(2),
+        false => whole.normalised_error(scored),
     };
     let errors: Vec<f64> = scores.iter().map(error).collect();
     let rising = (1..errors.len()).find(|k| errors[*k] >= errors[k - 1]);
     if let Some(rising) = rising {
         let (count, fitted) = &chain[rising - 1];
+        // What the backward drop left is no longer the end.
+        if findings.dropped() {
+            fits.pop();
+        }
         findings.veto(search, *count, &fitted.model);
         fits.push(fitted.clone());
         scores.truncate(rising);
