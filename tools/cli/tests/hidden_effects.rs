@@ -107,6 +107,7 @@ fn every_effect_a_contact_can_show_is_found_and_what_was_seen_of_it_is_said() {
     let wrong: Vec<String> = Kind::Contact
         .effects()
         .iter()
+        .copied()
         .map(|effect| (effect, found(&[effect], 0.01)))
         .filter(|(effect, found)| !is_named(effect, found))
         .map(|(effect, found)| format!("{effect}: {found}"))
