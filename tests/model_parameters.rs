@@ -71,14 +71,14 @@ fn paths_are_distinct() {
 }
 
 #[test]
-fn contact_damping_and_support_springs_are_free_by_default_masses_and_geometry_are_not() {
+fn contact_damping_and_stiffness_are_free_by_default_masses_and_geometry_are_not() {
     let contact = ["contact.tangential_stiffness", "contact.friction_coefficient"];
     let model = beam(JENKINS, UNIFORM, "", "");
-    assert_eq!(free(&model), [&["beam.damping_ratio"], &contact[..]].concat());
+    assert_eq!(free(&model), [&["beam.youngs_modulus", "beam.damping_ratio"], &contact[..]].concat());
     let model = beam(JENKINS, "mass_damping = 1", "rotational_stiffness = 3\nclamp_stiffness = 1e5", "");
     let springs = ["support.rotational_stiffness", "support.clamp_stiffness"];
-    let damping = ["beam.mass_damping", "beam.stiffness_damping"];
-    assert_eq!(free(&model), [&damping, &springs, &contact[..]].concat());
+    let damping = ["beam.youngs_modulus", "beam.mass_damping", "beam.stiffness_damping"];
+    assert_eq!(free(&model), [&damping[..], &springs, &contact].concat());
 }
 
 #[test]

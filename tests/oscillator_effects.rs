@@ -100,14 +100,8 @@ fn harmonic_balance_with_effects_of_the_structure_agrees_with_time_integration()
         let settings = CurveSettings { harmonics: 31, ..CurveSettings::default() };
         let point = periodic_response(&assembly, omega, &Control::Level(force), &settings, None).unwrap();
         let found = marched(changed, omega, force, 60, 400);
-        for node in 0..2 {
-            let balanced = point.amplitude[node];
-            assert!(
-                (balanced / found[node] - 1.0).abs() < 1e-3,
-                "{:?}: {balanced} {}",
-                changed.effects,
-                found[node]
-            );
+        for (balanced, found) in point.amplitude.iter().zip(&found) {
+            assert!((balanced / found - 1.0).abs() < 1e-3, "{:?}: {balanced} {found}", changed.effects);
         }
         let moved = (0..2).any(|node| (found[node] / before[node] - 1.0).abs() > 0.01);
         assert!(moved, "the effect shows: {found:?} {before:?}");

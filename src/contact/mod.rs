@@ -195,6 +195,12 @@ pub trait ContactLaw: std::fmt::Debug + Send + Sync {
         false
     }
 
+    /// As [`ContactLaw::sliders`], for laws that are sliders with a viscous damper beside them: its damping
+    /// (N s/m), 0 for none; `None` where the law is something else.
+    fn sliders_and_damper(&self, normal_load: f64, out: &mut Vec<Slider>) -> Option<f64> {
+        self.sliders(normal_load, out).then_some(0.0)
+    }
+
     /// Writes the law under the constant `normal_load` (N) as sliders side by side, whose forces add up, and
     /// returns true; or returns false where the law is not piecewise linear.
     fn sliders(&self, normal_load: f64, out: &mut Vec<Slider>) -> bool {

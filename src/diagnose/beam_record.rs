@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::beam_steady::SteadyRecord;
-use super::simulation::{Direction, Simulation};
+use super::simulation::{Direction, Seed, Simulation};
 use crate::contact::ContactLaw;
 use crate::harmonic::steady::Driven;
 use crate::harmonic::{self, ContactOnBeam, Method, Resonance, Settings};
@@ -69,7 +69,13 @@ enum Task {
 
 impl<'r> BeamSimulation<'r> {
     /// Of `channels` of `record`, with a discretisation fine enough for models like `model`.
-    pub fn new(model: &Model, record: &'r Record, channels: Vec<&'r Channel>) -> Result<Self, String> {
+    /// `seed` is a solution of another simulation of the record.
+    pub fn new(
+        model: &Model,
+        record: &'r Record,
+        channels: Vec<&'r Channel>,
+        seed: Option<&Seed>,
+    ) -> Result<Self, String> {
         let positions = match record.regime {
             Regime::Backbone => Vec::new(),
             _ => channels.iter().map(|channel| position(channel)).collect::<Result<_, _>>()?,
@@ -80,7 +86,7 @@ impl<'r> BeamSimulation<'r> {
             Regime::Steady => {
                 let attached = Attached::new(model, &positions)?;
                 let highest = attached.beam.angular_frequency.last().copied().unwrap_or(0.0);
-                let mut steady = SteadyRecord::new(record, &channels, highest)?;
+                let mut steady = SteadyRecord::new(record, &channels, highest, seed)?;
                 // Without a start later predictions search on their own.
                 let _ = steady.linearise(&attached, &[], &mut Vec::new(), &mut Vec::new());
                 Task::Steady(Box::new(steady))
@@ -118,6 +124,13 @@ impl<'r> BeamSimulation<'r> {
 impl Simulation for BeamSimulation<'_> {
     fn channels(&self) -> &[&Channel] {
         &self.channels
+    }
+
+    fn seed(&self) -> Option<&Seed> {
+        match &self.task {
+            Task::Steady(steady) => steady.start(),
+            Task::Backbone(_) | Task::FromRest => None,
+        }
     }
 
     fn nuisances(&mut self, _model: &Model) -> Result<Vec<identify::Parameter>, String> {

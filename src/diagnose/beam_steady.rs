@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::beam_record::Attached;
 use crate::harmonic::fourier::{self, coefficient_count, time_derivative};
-use crate::harmonic::steady::{Driven, Forcing, Start};
+use crate::harmonic::steady::{Driven, Forcing, Reach, Start};
 use crate::harmonic::{excited_harmonics, whole_periods};
 use crate::measure::{Channel, Record};
 
@@ -34,11 +34,19 @@ pub(super) struct SteadyRecord {
     /// Time derivative of the displacement that each channel measures.
     orders: Vec<usize>,
     start: Option<Start>,
+    /// Whether the start is one of this simulation's own solutions.
+    settled: bool,
 }
 
 impl SteadyRecord {
     /// The record, with as many harmonics as a model with its highest mode at `highest` (rad/s) needs.
-    pub fn new(record: &Record, channels: &[&Channel], highest: f64) -> Result<Self, String> {
+    /// `start` is a solution of another simulation of it.
+    pub fn new(
+        record: &Record,
+        channels: &[&Channel],
+        highest: f64,
+        start: Option<&Start>,
+    ) -> Result<Self, String> {
         let time = record.time().ok_or("there is no `time` column")?;
         let step = record.sample_step().ok_or("`time` is not evenly spaced")?;
         let force = &record.channel("excitation").ok_or("there is no `excitation` column")?.values;
@@ -68,12 +76,13 @@ impl SteadyRecord {
             sensed_harmonics,
             tolerance: TOLERANCE,
         };
-        Ok(Self { forcing, waves, orders, start: None })
+        let start = start.filter(|start| start.fits(&forcing)).cloned();
+        Ok(Self { forcing, waves, orders, start, settled: false })
     }
 
     /// Predictions of all channels, one after the other.
     pub fn predict(&self, model: &Attached, out: &mut Vec<f64>) -> Result<(), String> {
-        let solved = self.forcing.solve(model.driven(), &[], self.start.as_ref());
+        let solved = self.forcing.solve(model.driven(), &[], self.start.as_ref(), self.reach());
         let sensors = solved.map_err(|error| error.to_string())?.sensors(&self.forcing);
         self.motion(&sensors, out);
         Ok(())
@@ -90,7 +99,9 @@ impl SteadyRecord {
     ) -> Result<(), String> {
         let others: Vec<Driven> = neighbours.iter().map(Attached::driven).collect();
         let text = |error: crate::harmonic::HarmonicError| error.to_string();
-        let mut solved = self.forcing.solve(model.driven(), &others, self.start.as_ref()).map_err(text)?;
+        let reach = self.reach();
+        let mut solved =
+            self.forcing.solve(model.driven(), &others, self.start.as_ref(), reach).map_err(text)?;
         self.motion(&solved.sensors(&self.forcing), predictions);
         differences.resize_with(others.len(), Vec::new);
         for (other, difference) in others.iter().zip(differences) {
@@ -98,7 +109,18 @@ impl SteadyRecord {
             self.motion(&change, difference);
         }
         self.start = Some(solved.start().map_err(text)?);
+        self.settled = true;
         Ok(())
+    }
+
+    /// The last solution, for another simulation of the record to start from.
+    pub fn start(&self) -> Option<&Start> {
+        self.start.as_ref()
+    }
+
+    /// A step of a fit from its own last solution that leads too far is one to be shortened.
+    fn reach(&self) -> Reach {
+        if self.settled { Reach::Near } else { Reach::Far }
     }
 
     /// What the channels measure of displacements with the coefficients `sensors`.

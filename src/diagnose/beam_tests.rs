@@ -54,7 +54,7 @@ fn record(amplitude: f64, frequency: f64) -> Record {
 }
 
 fn simulation<'r>(model: &Model, record: &'r Record) -> BeamSimulation<'r> {
-    BeamSimulation::new(model, record, record.channels_of("acceleration").collect())
+    BeamSimulation::new(model, record, record.channels_of("acceleration").collect(), None)
         .expect("a steady response")
 }
 

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::shown::Shown;
+use super::simulation::Seed;
 use super::{predict, score};
 use crate::identify::InterruptHook;
 use crate::measure::{Dataset, Record};
@@ -32,6 +33,8 @@ pub(super) struct Lane<'d> {
     pub scales: Vec<f64>,
     /// Samples of each channel, by name.
     pub channels: Vec<(&'d str, std::ops::Range<usize>)>,
+    /// A solution that every simulation of the record starts from.
+    pub seed: Option<Seed>,
 }
 
 /// A model's predictions of one record, its start fitted to it.
@@ -63,6 +66,16 @@ impl<'d> Bench<'d> {
         Ok(Self { dataset, lanes, simulations: AtomicUsize::new(0), refits: AtomicUsize::new(0), interrupt })
     }
 
+    /// Makes the solutions under `model`, where there are any, the start of all simulations.
+    pub fn reseed(&mut self, model: &Model) {
+        self.lanes.par_iter_mut().filter(|lane| lane.seed.is_some()).for_each(|lane| {
+            let found = lane.shown(model).ok().and_then(|shown| shown.seed().cloned());
+            if found.is_some() {
+                lane.seed = found;
+            }
+        });
+    }
+
     /// Whether the caller wants the end.
     pub fn interrupted(&self) -> bool {
         self.interrupt.is_some_and(|interrupt| interrupt())
@@ -90,7 +103,7 @@ impl<'d> Bench<'d> {
 
     fn score_one(&self, model: &Model, record: usize) -> Result<Scored, String> {
         let lane = &self.lanes[record];
-        let mut shown = Shown::new(model, lane.record)?;
+        let mut shown = lane.shown(model)?;
         let nuisances = shown.nuisances(model)?;
         let settled = if nuisances.is_empty() {
             Vec::new()
@@ -131,9 +144,15 @@ pub(super) fn mean_square(scored: &[Scored]) -> f64 {
 
 fn lane<'d>(model: &Model, record: &'d Record) -> Result<Lane<'d>, String> {
     // Building a simulation says what the record lacks.
-    Shown::new(model, record)?;
-    let mut lane =
-        Lane { record, measured: Vec::new(), weights: Vec::new(), scales: Vec::new(), channels: Vec::new() };
+    let seed = Shown::new(model, record)?.seed().cloned();
+    let mut lane = Lane {
+        record,
+        measured: Vec::new(),
+        weights: Vec::new(),
+        scales: Vec::new(),
+        channels: Vec::new(),
+        seed,
+    };
     for channel in predict::compared(model, record) {
         let start = lane.measured.len();
         lane.measured.extend_from_slice(&channel.values);
@@ -145,7 +164,12 @@ fn lane<'d>(model: &Model, record: &'d Record) -> Result<Lane<'d>, String> {
     Ok(lane)
 }
 
-impl Lane<'_> {
+impl<'d> Lane<'d> {
+    /// A simulation of the record.
+    pub fn shown(&self, model: &Model) -> Result<Shown<'d>, String> {
+        Shown::near(model, self.record, self.seed.as_ref())
+    }
+
     /// (prediction − measurement) · weight.
     pub fn residuals(&self, predictions: &[f64]) -> Vec<f64> {
         predictions

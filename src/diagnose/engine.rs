@@ -12,7 +12,7 @@ use super::noise;
 use super::select::{Search, State};
 use super::split::{self, Parts};
 use super::trial::{self, Effort, Fitted};
-use super::{evaluate, inputs, magnitudes, verdict};
+use super::{evaluate, inputs, magnitudes, remainder, thinned, verdict};
 use crate::effects::{Effect, Location};
 use crate::identify::InterruptHook;
 use crate::measure::Dataset;
@@ -83,10 +83,16 @@ pub fn diagnose(
         crate::effects::find(id).ok_or_else(|| DiagnoseError::UnknownEffect(id.clone()))?;
     }
     let baseline = evaluate("as given", model, dataset);
-    let (mut bench, scales) = prepared(model, dataset, watch.interrupt)?;
+    let (mut whole, scales) = prepared(model, dataset, watch.interrupt)?;
+    // The search makes hundreds of refits; the last few are made on all samples.
+    let thinned = thinned::of(model, dataset);
+    let mut bench = match &thinned {
+        Some(thinned) => prepared(model, thinned, watch.interrupt)?.0,
+        None => prepared(model, dataset, watch.interrupt)?.0,
+    };
     let parts =
         split::split(dataset, |record| noise::driver(record).map(|c| c.values.clone()).unwrap_or_default());
-    let measured = noise::measure(&bench.lanes);
+    let measured = noise::measure(&whole.lanes);
     let meter = Meter { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(1) };
     meter.tell("refitting the model as it is");
     if let Some(reason) = split::too_little(dataset, &parts) {
@@ -99,8 +105,10 @@ pub fn diagnose(
         trial::fit(&bench, model, &unknowns, &parts.fit, Effort::Full)
             .map_err(|reason| unpredictable(dataset, reason))?
     };
+    bench.reseed(&first.model);
     let through = inputs::through(&first.model, &bench);
     let known = noise::weigh(&mut bench.lanes, &measured, &through);
+    noise::weigh(&mut whole.lanes, &measured, &through);
     let search = Search { bench: &bench, parts: &parts, scales: &scales, given, told: &told };
     let base = search.state(&first.model).map_err(|reason| unpredictable(dataset, reason))?;
     let (mut tried, untried) = candidates::of(model, &bench);
@@ -109,9 +117,10 @@ pub fn diagnose(
     }
     meter.expect(1 + tried.len());
     let findings = Findings::search(&search, base, &tried, options.max_effects, known, &meter);
-    let outcome = conclude(&search, model, findings, known)?;
+    let outcome = conclude(&search, &whole, model, findings, known)?;
     Ok(verdict::of(
         &search,
+        &whole,
         verdict::Material { model, dataset, baseline, measured, known, tried, untried, outcome },
     ))
 }
@@ -135,18 +144,19 @@ fn unpredictable(dataset: &Dataset, reason: String) -> DiagnoseError {
     RefitError::Unpredictable { record, reason }.into()
 }
 
-/// The last fits, to all records that were seen, and the one look at those that were not.
+/// The last fits, to all samples of all records that were seen, and the one look at those that were not. It may
+/// take back effects after the first that do not hold there.
 fn conclude(
     search: &Search,
-    model: &Model,
-    findings: Findings,
+    whole: &Bench,
+    given: &Model,
+    mut findings: Findings,
     known: bool,
 ) -> Result<Outcome, DiagnoseError> {
-    let bench = search.bench;
     let seen = search.parts.seen();
     let refit = |model: &Model| -> Result<Fitted, DiagnoseError> {
-        trial::fit(bench, model, &search.unknowns(model), &seen, Effort::Full)
-            .map_err(|reason| unpredictable(bench.dataset, reason))
+        trial::fit(whole, model, &search.unknowns(model), &seen, Effort::Full)
+            .map_err(|reason| unpredictable(whole.dataset, reason))
     };
     let mut fits = vec![refit(&findings.base.fitted.model)?];
     for step in &findings.steps {
@@ -155,13 +165,63 @@ fn conclude(
     if findings.dropped() {
         fits.push(refit(&findings.last().fitted.model)?);
     }
+    let chain = chain(search, &findings, &fits, refit)?;
     let score =
-        |model: &Model| -> Vec<Scored> { bench.score(model, &search.parts.untouched).unwrap_or_default() };
+        |model: &Model| -> Vec<Scored> { whole.score(model, &search.parts.untouched).unwrap_or_default() };
     let before = score(&fits[0].model);
-    let after = score(&fits[fits.len() - 1].model);
+    let mut scores: Vec<Vec<Scored>> = chain.iter().map(|(_, fitted)| score(&fitted.model)).collect();
+    // What the noise is not known of is judged by the error that is reported.
+    let error = |scored: &Vec<Scored>| match known {
+        true => mean_square(scored),
+        false => whole.normalised_error(scored).powi(2),
+    };
+    let errors: Vec<f64> = scores.iter().map(error).collect();
+    let rising = (1..errors.len()).find(|k| errors[*k] >= errors[k - 1]);
+    if let Some(rising) = rising {
+        let (count, fitted) = &chain[rising - 1];
+        findings.veto(search, *count, &fitted.model);
+        fits.push(fitted.clone());
+        scores.truncate(rising);
+    }
+    let after = scores.pop().unwrap_or_else(|| before.clone());
     let chi_square = (known && !after.is_empty()).then(|| mean_square(&after));
-    let _ = model;
-    Ok(Outcome { findings, fits, before, after, chi_square })
+    let given = whole.normalised_error(&score(given));
+    let follows = if known { remainder::follows(whole, &after) } else { Vec::new() };
+    Ok(Outcome { findings, fits, given, before, after, chi_square, follows })
+}
+
+/// The models from the first effect that was kept to all of them, each one more than the one before, fitted to
+/// all records seen; with the number of their effects. `fits` holds those of the steps and the last.
+fn chain(
+    search: &Search,
+    findings: &Findings,
+    fits: &[Fitted],
+    refit: impl Fn(&Model) -> Result<Fitted, DiagnoseError>,
+) -> Result<Vec<(usize, Fitted)>, DiagnoseError> {
+    if !findings.dropped() {
+        let mut count = 0;
+        let counted = findings.steps.iter().zip(&fits[1..]).map(|(step, fitted)| {
+            count += step.candidates.len();
+            (count, fitted.clone())
+        });
+        return Ok(counted.collect());
+    }
+    let last = &fits[fits.len() - 1];
+    let kept = findings.effects();
+    let mut chain = Vec::new();
+    for count in 1..kept.len() {
+        let step = findings.steps.iter().take(count).flat_map(|step| &step.candidates);
+        let fitted = if step.eq(&kept[..count]) {
+            fits[count].clone()
+        } else {
+            let mut model = last.model.clone();
+            model.effects.truncate(search.given + count);
+            refit(&model)?
+        };
+        chain.push((count, fitted));
+    }
+    chain.push((kept.len(), last.clone()));
+    Ok(chain)
 }
 
 /// Adds `effect` at `location` to `model` from all its starts, refits all together to the records that a fit
@@ -246,8 +306,13 @@ pub(super) fn comparison(dataset: &Dataset, stages: Vec<Stage>) -> Comparison {
 }
 
 /// Errors of the last models and of those before, by the parts.
-pub(super) fn errors(search: &Search, outcome: &Outcome, stages: &[Stage], known: bool) -> Errors {
-    let bench = search.bench;
+pub(super) fn errors(
+    search: &Search,
+    bench: &Bench,
+    outcome: &Outcome,
+    stages: &[Stage],
+    known: bool,
+) -> Errors {
     let floor = |records: &[usize]| {
         let channels = records.iter().flat_map(|record| {
             let lane = &bench.lanes[*record];
@@ -269,9 +334,9 @@ pub(super) fn errors(search: &Search, outcome: &Outcome, stages: &[Stage], known
 }
 
 /// What was spent.
-pub(super) fn cost(bench: &Bench) -> Cost {
-    let (refits, simulations) = bench.spent();
-    Cost { refits, simulations }
+pub(super) fn cost(benches: [&Bench; 2]) -> Cost {
+    let spent = benches.map(Bench::spent);
+    Cost { refits: spent.iter().map(|s| s.0).sum(), simulations: spent.iter().map(|s| s.1).sum() }
 }
 
 impl Verdict {

@@ -49,8 +49,14 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
     }
     for step in &findings.steps {
         let names: Vec<&str> = step.candidates.iter().map(|candidate| candidate.effect.title).collect();
-        let fate =
-            if step.dropped { "; dropped again at the end, the others do as well without" } else { "" };
+        let fate = match (step.without.is_empty(), step.vetoed) {
+            (true, _) => String::new(),
+            (false, false) => "; dropped again at the end, the others do as well without".to_owned(),
+            (false, true) => format!(
+                "; {} is taken back, since with it the error of the untouched records does not fall",
+                step.without.iter().map(|c| c.effect.title).collect::<Vec<_>>().join(" with ")
+            ),
+        };
         reasons.push(format!(
             "{} removes {} of the squared error of the selecting records, {:.0} standard errors above nothing{fate}",
             names.join(" with "),
@@ -60,7 +66,9 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
     }
     if !findings.effects().is_empty() {
         reasons.push(format!(
-            "on the untouched records the error falls from {} to {} of the channels' own variation",
+            "on the untouched records the error falls from {} with the model as it came, and {} with that refitted, \
+             to {} of the channels' own variation",
+            percent(outcome.given),
             percent(error.untouched_refitted),
             percent(error.untouched)
         ));
@@ -73,11 +81,19 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
             reasons.push(format!("what remains is noise: {chi_square:.2} times its mean square"));
         }
         None if told.verdict == Verdict::EffectFound => reasons.push(format!(
-            "{} of the channels' variation remains unexplained on the untouched records; the noise is not known, since \
-             no motion was repeated, so how much of that is noise these records cannot say",
+            "{} of the channels' variation is left unexplained on the untouched records; the noise is unknown, since \
+             no motion was repeated closely enough to show it, so how much of that is noise these records cannot say",
             percent(error.untouched)
         )),
         _ => {}
+    }
+    if outcome.chi_square.is_some_and(|chi| (ADEQUATE..UNEXPLAINED).contains(&chi))
+        && !outcome.follows.is_empty()
+    {
+        reasons.push(format!(
+            "what remains on the untouched records is not noise alone: it follows {}",
+            outcome.follows.join(", ")
+        ));
     }
     reasons.extend(told.groups.iter().map(|group| group.reason.clone()));
     if *known && told.verdict == Verdict::NothingMissing && chosen > ADEQUATE {

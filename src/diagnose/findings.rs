@@ -6,6 +6,7 @@ use super::candidates::Candidate;
 use super::engine::Meter;
 use super::select::{PASSING_SHARE, PASSING_Z, Search, State, Trial};
 use super::trial::Fitted;
+use crate::model::Model;
 
 /// Mean square of the weighted residuals below which a model is adequate.
 pub(super) const ADEQUATE: f64 = 1.15;
@@ -23,7 +24,10 @@ pub(super) struct Added {
     pub state: State,
     pub gain: Gain,
     pub error: f64,
-    pub dropped: bool,
+    /// Those of the candidates that were taken back at the end.
+    pub without: Vec<Candidate>,
+    /// Whether they were because of the untouched records.
+    pub vetoed: bool,
     /// Others that these data cannot tell from it.
     pub tied: Vec<Candidate>,
 }
@@ -46,11 +50,22 @@ pub(super) struct Outcome {
     pub findings: Findings,
     /// The base, and one per step; one more where something was dropped.
     pub fits: Vec<Fitted>,
+    /// Normalised error of the untouched records under the model as it came.
+    pub given: f64,
     /// Untouched records under the first and the last of them.
     pub before: Vec<Scored>,
     pub after: Vec<Scored>,
     /// Mean square of the weighted residuals on the untouched records, where the noise is known.
     pub chi_square: Option<f64>,
+    /// What the residual there still follows, where the noise is known.
+    pub follows: Vec<&'static str>,
+}
+
+impl Added {
+    /// Whether nothing of it was kept.
+    pub fn dropped(&self) -> bool {
+        self.candidates.iter().all(|candidate| self.without.contains(candidate))
+    }
 }
 
 impl Findings {
@@ -81,6 +96,8 @@ impl Findings {
             let round = search.round(&present, &left);
             findings.interrupted |= search.bench.interrupted();
             let step = if adequate { None } else { findings.best_of(search, &round) };
+            // Where nobody knows what is noise, any second effect finds something to mend.
+            let step = step.filter(|step| known || findings.steps.is_empty() || search.stands_alone(step));
             findings.rounds.push(round);
             let Some(step) = step else { break };
             findings.steps.push(step);
@@ -100,7 +117,7 @@ impl Findings {
         let last = self.last().clone();
         for step in &mut self.steps {
             let place = kept.iter().position(|candidate| step.candidates.first() == Some(candidate));
-            let Some(place) = place.filter(|_| !step.dropped && step.candidates.len() == 1) else {
+            let Some(place) = place.filter(|_| !step.dropped() && step.candidates.len() == 1) else {
                 step.tied.clear();
                 continue;
             };
@@ -130,7 +147,8 @@ impl Findings {
             state,
             gain: best.gain,
             error,
-            dropped: false,
+            without: Vec::new(),
+            vetoed: false,
             tied,
         })
     }
@@ -192,7 +210,7 @@ impl Findings {
             let Some((index, without)) = dropped else { break };
             let candidate = kept.remove(index);
             if let Some(step) = self.steps.iter_mut().find(|step| step.candidates.contains(&candidate)) {
-                step.dropped = true;
+                step.without.push(candidate);
             }
             present = without;
             self.shortened = Some(present.clone());
@@ -201,7 +219,23 @@ impl Findings {
 
     /// The effects added and not dropped, in the order of the model.
     pub fn effects(&self) -> Vec<Candidate> {
-        self.steps.iter().filter(|step| !step.dropped).flat_map(|step| step.candidates.clone()).collect()
+        let kept = |step: &Added| -> Vec<Candidate> {
+            step.candidates.iter().filter(|c| !step.without.contains(c)).cloned().collect()
+        };
+        self.steps.iter().flat_map(kept).collect()
+    }
+
+    /// Takes back all effects after the first `count`, which the untouched records do not bear out; `model` has
+    /// those alone.
+    pub fn veto(&mut self, search: &Search, count: usize, model: &Model) {
+        for candidate in self.effects().split_off(count) {
+            if let Some(step) = self.steps.iter_mut().find(|step| step.candidates.contains(&candidate)) {
+                step.without.push(candidate);
+                step.vetoed = true;
+                step.tied.clear();
+            }
+        }
+        self.shortened = search.state(model).ok().or_else(|| self.shortened.take());
     }
 
     /// The model that the search ended with.

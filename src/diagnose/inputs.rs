@@ -3,10 +3,10 @@
 
 use rayon::prelude::*;
 
-use super::bench::Bench;
+use super::bench::{Bench, Lane};
 use super::motion::white_noise;
 use super::{predict, shown::Shown};
-use crate::measure::{Channel, Record};
+use crate::measure::Channel;
 use crate::model::Model;
 
 /// Standard deviation of what the inputs' noise makes of each compared channel of each record, under `model`.
@@ -15,11 +15,12 @@ pub(super) fn through(model: &Model, bench: &Bench) -> Vec<Vec<f64>> {
         .lanes
         .par_iter()
         .enumerate()
-        .map(|(index, lane)| one(model, lane.record, index).unwrap_or_default())
+        .map(|(index, lane)| one(model, lane, index).unwrap_or_default())
         .collect()
 }
 
-fn one(model: &Model, record: &Record, index: usize) -> Result<Vec<f64>, String> {
+fn one(model: &Model, lane: &Lane, index: usize) -> Result<Vec<f64>, String> {
+    let record = lane.record;
     let compared: Vec<&str> =
         predict::compared(model, record).iter().map(|channel| channel.name.as_str()).collect();
     let mut shaken = record.clone();
@@ -33,7 +34,7 @@ fn one(model: &Model, record: &Record, index: usize) -> Result<Vec<f64>, String>
     }
     let mut values = [Vec::new(), Vec::new()];
     for (record, values) in [record, &shaken].into_iter().zip(&mut values) {
-        let mut shown = Shown::new(model, record)?;
+        let mut shown = Shown::near(model, record, lane.seed.as_ref())?;
         let nuisances = shown.settle(model)?;
         shown.predict(model, &nuisances, values)?;
     }

@@ -26,6 +26,7 @@ mod oscillator_record;
 mod periods;
 mod predict;
 mod prehistory;
+mod remainder;
 mod score;
 mod select;
 mod sensitivity;
@@ -33,6 +34,7 @@ mod sensors;
 mod shown;
 mod simulation;
 mod split;
+mod thinned;
 mod trial;
 mod verdict;
 

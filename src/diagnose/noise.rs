@@ -18,8 +18,14 @@ pub(super) fn driver(record: &Record) -> Option<&Channel> {
 /// repeated periods or records show it.
 pub fn noise_of(model: &Model, dataset: &Dataset) -> Vec<Noise> {
     let lane = |record| {
-        let mut lane =
-            Lane { record, measured: Vec::new(), weights: Vec::new(), scales: Vec::new(), channels: Vec::new() };
+        let mut lane = Lane {
+            record,
+            measured: Vec::new(),
+            weights: Vec::new(),
+            scales: Vec::new(),
+            channels: Vec::new(),
+            seed: None,
+        };
         for channel in predict::compared(model, record) {
             let start = lane.measured.len();
             lane.measured.extend_from_slice(&channel.values);

@@ -1,5 +1,7 @@
 //! The period of a record's driving motion.
 
+use realfft::RealFftPlanner;
+
 /// Mean square of `x(t + L) − x(t)` over twice the variance, below which the motion repeats.
 const REPEATS: f64 = 1e-3;
 
@@ -13,11 +15,8 @@ pub(super) fn period(values: &[f64]) -> Option<f64> {
         return None;
     }
     let longest = count * 2 / 3;
-    let misfit = |lag: usize| -> f64 {
-        let pairs = count - lag;
-        let sum: f64 = values[lag..].iter().zip(values).map(|(later, x)| (later - x).powi(2)).sum();
-        sum / pairs as f64 / (2.0 * variance)
-    };
+    let squares = squares(values, mean)?;
+    let misfit = |lag: usize| -> f64 { squares[lag] / (count - lag) as f64 / (2.0 * variance) };
     // The first valley that is deep enough, once the motion has moved away from itself.
     let mut lag = 1;
     let mut left = false;
@@ -43,9 +42,36 @@ pub(super) fn period(values: &[f64]) -> Option<f64> {
     None
 }
 
+/// `Σ (x(t + L) − x(t))²` for every lag L: the squares at both ends less twice the autocorrelation, which two
+/// transforms give for all lags at once.
+fn squares(values: &[f64], mean: f64) -> Option<Vec<f64>> {
+    let count = values.len();
+    let length = (2 * count).next_power_of_two();
+    let mut planner = RealFftPlanner::<f64>::new();
+    let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
+    let mut series = vec![0.0; length];
+    for (place, value) in series.iter_mut().zip(values) {
+        *place = value - mean;
+    }
+    let mut spectrum = forward.make_output_vec();
+    forward.process(&mut series, &mut spectrum).ok()?;
+    for line in &mut spectrum {
+        *line = (line.norm_sqr() / length as f64).into();
+    }
+    inverse.process(&mut spectrum, &mut series).ok()?;
+    let square = |index: usize| (values[index] - mean).powi(2);
+    let mut ends = 2.0 * (0..count).map(square).sum::<f64>();
+    let sums = (0..count).map(|lag| {
+        let sum = ends - 2.0 * series[lag];
+        ends -= square(lag) + square(count - 1 - lag);
+        sum.max(0.0)
+    });
+    Some(sums.collect())
+}
+
 #[cfg(test)]
 mod tests {
-    use super::period;
+    use super::{period, squares};
     use std::f64::consts::TAU;
 
     #[test]
@@ -59,6 +85,16 @@ mod tests {
                 .collect();
             let found = period(&values).unwrap();
             assert!((found - exact).abs() < 0.05, "{exact}: {found}");
+        }
+    }
+
+    #[test]
+    fn squares_of_differences_are_those_of_their_definition() {
+        let values: Vec<f64> = (0..301).map(|i| 3.0 + (0.1 * f64::from(i)).sin() + (i % 7) as f64).collect();
+        let found = squares(&values, values.iter().sum::<f64>() / 301.0).unwrap();
+        for lag in [0, 1, 2, 50, 199, 300] {
+            let sum: f64 = values[lag..].iter().zip(&values).map(|(later, x)| (later - x).powi(2)).sum();
+            assert!((found[lag] - sum).abs() < 1e-9 * 301.0, "{lag}: {} {sum}", found[lag]);
         }
     }
 

@@ -6,9 +6,11 @@ use rayon::prelude::*;
 use super::bench::{Bench, Scored, mean_square};
 use super::blocks::{self, Gain};
 use super::candidates::{self, Candidate};
+use super::findings::Added;
 use super::split::Parts;
 use super::trial::{self, Effort, Fitted, Unknown};
 use crate::effects::Scales;
+use crate::identify::{Parameter, Scale};
 use crate::model::Model;
 
 /// Gain over its standard error above which a candidate passes.
@@ -17,6 +19,9 @@ pub(super) const PASSING_Z: f64 = 3.0;
 pub(super) const PASSING_SHARE: f64 = 0.03;
 /// Two candidates whose difference is below this many standard errors are tied.
 const TIED_Z: f64 = 1.0;
+
+/// Share of its range within which a parameter counts as at its bound.
+const AT_BOUND: f64 = 1e-3;
 
 /// What all rounds have in common.
 pub(super) struct Search<'a, 'd> {
@@ -145,6 +150,22 @@ impl Search<'_, '_> {
     /// Whether `winner` is better than `other` by less than a standard error.
     pub fn is_tied(&self, other: &State, winner: &State) -> bool {
         blocks::gain(self.bench, &other.scored, &winner.scored).z < TIED_Z
+    }
+
+    /// Whether no other effect does what `step` does, and its parameters have found values within their bounds.
+    pub fn stands_alone(&self, step: &Added) -> bool {
+        let model = &step.state.fitted.model;
+        let first = model.effects.len().saturating_sub(step.candidates.len());
+        let inside = |unknown: &Unknown| {
+            let own = candidates::effect_of(&unknown.path, model).is_some_and(|(index, _)| index >= first);
+            let Parameter { start, lower, upper, scale } = unknown.parameter;
+            let place = match scale {
+                Scale::Linear => (start - lower) / (upper - lower),
+                Scale::Logarithmic => (start / lower).ln() / (upper / lower).ln(),
+            };
+            !own || !place.is_finite() || (AT_BOUND..1.0 - AT_BOUND).contains(&place)
+        };
+        step.tied.is_empty() && self.unknowns(model).iter().all(inside)
     }
 
     /// Mean square of the weighted residuals on the fitted records.

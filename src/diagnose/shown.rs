@@ -1,6 +1,6 @@
 //! A record's simulation as the sensors show it, and the start that fits it best.
 
-use super::simulation::{Direction, Simulation};
+use super::simulation::{Direction, Seed, Simulation};
 use super::{score, sensors, simulation};
 use crate::identify::{self, Coordinate, Limits, SumOfSquares, Sums, minimise};
 use crate::measure::Record;
@@ -18,7 +18,17 @@ pub(super) const NUISANCE_STEP: f64 = 1e-5;
 impl<'r> Shown<'r> {
     /// Of `record`, for models of the kind of `model`.
     pub fn new(model: &Model, record: &'r Record) -> Result<Self, String> {
-        Ok(Self { record, simulation: simulation::of(model, record)? })
+        Self::near(model, record, None)
+    }
+
+    /// As [`Shown::new`], starting from `seed`.
+    pub fn near(model: &Model, record: &'r Record, seed: Option<&Seed>) -> Result<Self, String> {
+        Ok(Self { record, simulation: simulation::of(model, record, seed)? })
+    }
+
+    /// As [`Simulation::seed`].
+    pub fn seed(&self) -> Option<&Seed> {
+        self.simulation.seed()
     }
 
     /// Number of all predicted values.

@@ -9,18 +9,21 @@ use crate::identify;
 use crate::measure::{Channel, Record};
 use crate::model::{Model, Structure};
 
-/// The simulation of `record` for models of the kind of `model`.
+/// A solution that another simulation of the same record can start from.
+pub(super) type Seed = crate::harmonic::steady::Start;
+
+/// The simulation of `record` for models of the kind of `model`, from `seed` if there is one.
 ///
 /// # Errors
 /// What the record lacks, for a reader of the comparison.
-pub(super) fn of<'r>(model: &Model, record: &'r Record) -> Result<Box<dyn Simulation + 'r>, String> {
+pub(super) fn of<'r>(model: &Model, record: &'r Record, seed: Option<&Seed>) -> Result<Box<dyn Simulation + 'r>, String> {
     let channels = predict::compared(model, record);
     if channels.is_empty() {
         return Err("it has no column that the model predicts".into());
     }
     Ok(match &model.structure {
         Structure::Prescribed => Box::new(ContactRecord::new(record, channels)?),
-        Structure::Beam(_) => Box::new(BeamSimulation::new(model, record, channels)?),
+        Structure::Beam(_) => Box::new(BeamSimulation::new(model, record, channels, seed)?),
         Structure::Oscillator(_) => Box::new(OscillatorRecord::new(model, record, channels)?),
     })
 }
@@ -34,6 +37,11 @@ pub(super) fn of<'r>(model: &Model, record: &'r Record) -> Result<Box<dyn Simula
 pub(super) trait Simulation: Send {
     /// The channels predicted, in the order of all predictions.
     fn channels(&self) -> &[&Channel];
+
+    /// The last solution, where others can start from it.
+    fn seed(&self) -> Option<&Seed> {
+        None
+    }
 
     /// What the record leaves unknown besides the model's parameters: the state of the contact at its start.
     /// The starts are found by a search over the first part of the record under `model`. Empty where nothing

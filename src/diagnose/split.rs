@@ -69,7 +69,7 @@ pub(super) fn too_little(dataset: &Dataset, parts: &Parts) -> Option<String> {
 type Place = [f64; 3];
 
 /// By the records' marks where any has one: a record without a mark is then fitted. Otherwise half are
-/// fitted: the largest motion, the smallest, then always the one farthest from those already taken in level,
+/// fitted: the largest motion, the smallest, of ten or so records the fastest and the slowest, then always the one farthest from those already taken in level,
 /// frequency and regime; the others are dealt out in the order of regime and level.
 pub(super) fn split(dataset: &Dataset, driver: impl Fn(&Record) -> Vec<f64>) -> Parts {
     let records = &dataset.records;
@@ -139,6 +139,14 @@ fn spread(places: &[Place], count: usize) -> Vec<usize> {
     {
         taken.push(lowest);
     }
+    // Where there is room, neither the fastest nor the slowest is left to be extrapolated to.
+    for sign in [1.0, -1.0] {
+        let extreme = (0..places.len())
+            .max_by(|a, b| (sign * places[*a][1]).total_cmp(&(sign * places[*b][1])).then(b.cmp(a)));
+        if let Some(extreme) = extreme.filter(|extreme| count > 4 && !taken.contains(extreme)) {
+            taken.push(extreme);
+        }
+    }
     let distance = |a: usize, b: usize| -> f64 {
         // A regime is a smaller difference than a level or a speed.
         let weights = [1.0, 1.0, 0.5];
@@ -207,6 +215,18 @@ mod tests {
             let steady = part.iter().filter(|i| dataset.records[**i].regime == Regime::Steady).count();
             assert!(steady > 0 && steady < part.len(), "{parts:?}");
         }
+    }
+
+    #[test]
+    fn of_many_records_the_fastest_and_the_slowest_are_fitted() {
+        let records = (0..10)
+            .map(|i| {
+                record(1.0 + f64::from((i * 3) % 10), Regime::UnknownInitialState, 0.1 * f64::from(1 + i))
+            })
+            .collect();
+        let dataset = Dataset { title: None, records };
+        let parts = split(&dataset, driver);
+        assert!(parts.fit.contains(&0) && parts.fit.contains(&9) && parts.fit.len() == 5, "{parts:?}");
     }
 
     #[test]

@@ -121,7 +121,7 @@ impl<'a, 'd> Joint<'a, 'd> {
         let mut slots: Vec<Slot> = records
             .par_iter()
             .map(|&index| {
-                let mut shown = Shown::new(base, bench.lanes[index].record)?;
+                let mut shown = bench.lanes[index].shown(base)?;
                 let own = shown.nuisances(&start)?;
                 let own =
                     own.iter().enumerate().map(|(i, p)| coordinate(i, p)).collect::<Result<Vec<_>, _>>()?;

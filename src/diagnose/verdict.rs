@@ -28,12 +28,12 @@ pub(super) struct Material<'a> {
 }
 
 /// The whole diagnosis.
-pub(super) fn of(search: &Search, material: Material) -> Diagnosis {
+pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosis {
     let Material { model, dataset, baseline, measured, known, tried, mut untried, outcome } = material;
     let found = outcome.findings.effects();
     let stages = stages(model, dataset, baseline, &outcome);
     let last = &outcome.fits[outcome.fits.len() - 1];
-    let error = errors(search, &outcome, &stages, known);
+    let error = errors(search, whole, &outcome, &stages, known);
     let sensitivities = sensitivities(search, &outcome, &tried);
     for id in &sensitivities.invisible {
         untried.push(Untried {
@@ -82,7 +82,7 @@ pub(super) fn of(search: &Search, material: Material) -> Diagnosis {
         noise: measured,
         comparison: comparison(dataset, stages),
         model: last.model.clone(),
-        cost: cost(search.bench),
+        cost: cost([search.bench, whole]),
     }
 }
 
@@ -112,7 +112,7 @@ fn step(added: &Added) -> Step {
         error: added.error,
         gain_z: added.gain.z,
         gain_share: added.gain.share,
-        dropped: added.dropped,
+        dropped: added.dropped(),
     }
 }
 
@@ -134,7 +134,7 @@ fn surrogates(outcome: &Outcome) -> Vec<&'static str> {
 /// Ties among the effects that were kept.
 fn groups(outcome: &Outcome) -> Vec<Group> {
     let mut groups = Vec::new();
-    for step in outcome.findings.steps.iter().filter(|step| !step.dropped) {
+    for step in outcome.findings.steps.iter().filter(|step| !step.dropped()) {
         let mut ids: Vec<&'static str> =
             step.candidates.iter().map(|candidate| candidate.effect.id).collect();
         let own = ids.len();

@@ -10,6 +10,7 @@
 
 mod assembly;
 mod balance;
+mod bracket;
 mod condensed;
 mod condition;
 mod contact_cycle;

@@ -8,8 +8,10 @@
 
 use super::balance::{Balance, Extent, Signals};
 use super::factors::Factors;
-use super::follow::{State, find};
+use super::fourier::coefficient_count;
+use super::follow::{Family, State, find};
 use super::forced::Forced;
+use super::problem::{Newton, Stopping};
 use super::system::{Operating, PeriodicSystem};
 use super::{ContactOnBeam, HarmonicError, Method, Settings};
 use crate::structure::ModalBeam;
@@ -20,6 +22,10 @@ const MOST_STEPS: usize = 40;
 const GOOD_FACTORS: f64 = 0.2;
 /// Share to which a step with new factors must bring the residual; else a search with shorter steps is better.
 const GOOD_STEP: f64 = 0.9;
+
+/// Damped steps from a start that is not near enough for the factors, and from nothing.
+const NEAR_ITERATIONS: usize = 12;
+const FAR_ITERATIONS: usize = 25;
 
 /// A beam with its contact.
 #[derive(Debug, Clone, Copy)]
@@ -46,12 +52,25 @@ pub(crate) struct Forcing {
     pub tolerance: f64,
 }
 
-/// A solution to start from.
+/// A solution to start from, for beams with the same signals and with others.
 #[derive(Debug, Clone)]
 pub(crate) struct Start {
-    unknowns: Vec<f64>,
+    /// Displacement at the contact, shortening, displacement at the excitation.
+    contact: Vec<f64>,
+    shortening: Vec<f64>,
+    excitation: Vec<f64>,
     factors: Factors,
+    /// Those the factors belong to.
     signals: Signals,
+}
+
+/// How far a solution is sought.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Reach {
+    /// Near the start alone.
+    Near,
+    /// From nothing, where nothing is near.
+    Far,
 }
 
 /// A periodic response with its equations as they stand there.
@@ -86,36 +105,44 @@ impl Forcing {
         driven: Driven<'a>,
         neighbours: &[Driven],
         start: Option<&Start>,
+        reach: Reach,
     ) -> Result<Steady<'a>, HarmonicError> {
         let signals =
             neighbours.iter().fold(Signals::of(driven.beam), |all, next| all.or(Signals::of(next.beam)));
         let mut balance = self.balance(driven, signals)?;
         let at = Operating::forced(self.angular_frequency, 1.0);
-        if let Some(start) = start.filter(|start| start.signals == signals) {
-            let mut unknowns = start.unknowns.clone();
-            let mut factors = start.factors.clone();
-            if self.correct(&mut balance, &mut unknowns, &at, &mut factors) {
-                return Ok(Steady { balance, unknowns, at, factors, current: false, sensors: Vec::new() });
+        let steady = |balance, unknowns| Steady {
+            balance,
+            unknowns,
+            at,
+            factors: Factors::default(),
+            current: false,
+            sensors: Vec::new(),
+        };
+        let mut family = Forced { angular_frequency: self.angular_frequency };
+        if let Some(start) = start {
+            let mut unknowns = start.unknowns(signals);
+            let factors = (start.signals == signals).then(|| start.factors.clone());
+            if self.correct(&mut balance, &mut unknowns, &at, factors) {
+                return Ok(steady(balance, unknowns));
+            }
+            let mut state = State { x: start.unknowns(signals), at };
+            let stopping = Stopping { tolerance: self.tolerance, max_iterations: NEAR_ITERATIONS };
+            balance.forget();
+            match family.solve(&mut balance, &mut Newton::default(), 1.0, &mut state, &stopping) {
+                Ok(_) => return Ok(steady(balance, state.x)),
+                Err(error) if reach == Reach::Near => return Err(error),
+                Err(_) => {}
             }
         }
         let settings = Settings {
             harmonics: self.harmonics,
             method: Method::Exact,
             tolerance: self.tolerance,
-            max_iterations: 40,
+            max_iterations: FAR_ITERATIONS,
         };
-        let near = start.filter(|start| start.signals == signals);
-        let near = near.map(|start| State { x: start.unknowns.clone(), at });
-        let mut family = Forced { angular_frequency: self.angular_frequency };
-        let (state, _) = find(&mut family, &mut balance, 1.0, near, &settings)?;
-        Ok(Steady {
-            balance,
-            unknowns: state.x,
-            at,
-            factors: Factors::default(),
-            current: false,
-            sensors: Vec::new(),
-        })
+        let (state, _) = find(&mut family, &mut balance, 1.0, None, &settings)?;
+        Ok(steady(balance, state.x))
     }
 
     /// Newton's method with the factors at hand as long as they are good enough; false where it does not converge.
@@ -124,10 +151,12 @@ impl Forcing {
         balance: &mut Balance,
         unknowns: &mut [f64],
         at: &Operating,
-        factors: &mut Factors,
+        factors: Option<Factors>,
     ) -> bool {
         balance.forget();
-        let (mut before, mut fresh) = (f64::INFINITY, false);
+        // Without factors the first step must find its own.
+        let (mut before, mut fresh) = (if factors.is_some() { f64::INFINITY } else { 0.0 }, false);
+        let mut factors = factors.unwrap_or_default();
         let mut step = vec![0.0; unknowns.len()];
         for _ in 0..MOST_STEPS {
             let Ok(scale) = balance.balance(unknowns, at) else { return false };
@@ -156,6 +185,26 @@ impl Forcing {
     }
 }
 
+impl Start {
+    /// Whether it has the harmonics of `forcing`.
+    pub fn fits(&self, forcing: &Forcing) -> bool {
+        self.contact.len() == coefficient_count(forcing.contact_harmonics)
+            && self.excitation.len() == coefficient_count(forcing.harmonics)
+    }
+
+    /// What a balance with `signals` calls its unknowns.
+    fn unknowns(&self, signals: Signals) -> Vec<f64> {
+        let mut unknowns = self.contact.clone();
+        if signals.shortening {
+            unknowns.extend_from_slice(&self.shortening);
+        }
+        if signals.excitation {
+            unknowns.extend_from_slice(&self.excitation);
+        }
+        unknowns
+    }
+}
+
 impl Steady<'_> {
     /// Displacement coefficients (m) of every sensor, one after the other.
     pub fn sensors(&mut self, forcing: &Forcing) -> Vec<f64> {
@@ -165,8 +214,12 @@ impl Steady<'_> {
     /// The solution as a start for others.
     pub fn start(mut self) -> Result<Start, HarmonicError> {
         self.linearise()?;
-        let signals = self.balance.signals();
-        Ok(Start { unknowns: self.unknowns, factors: self.factors, signals })
+        let (balance, signals) = (&self.balance, self.balance.signals());
+        let contact = self.unknowns[..balance.displacement.len()].to_vec();
+        let straight = balance.output(&balance.beam.contact_shape);
+        let shortening = straight.iter().zip(&balance.displacement).map(|(c, u)| c - u).collect();
+        let excitation = balance.output(&balance.beam.excitation_shape);
+        Ok(Start { contact, shortening, excitation, factors: self.factors, signals })
     }
 
     /// Change of [`Steady::sensors`] to first order when the beam and its contact become `neighbour`, one of those

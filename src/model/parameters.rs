@@ -41,9 +41,10 @@ pub(super) type Slot<'a> = (String, &'static Quantity, &'a mut f64);
 impl Model {
     /// Every parameter, in the file's order.
     ///
-    /// Free without `[fit] free` are the contact's parameters, those of the effects, the damping, and the support's
-    /// rotational stiffness and clamp stiffness where the model has them, and the springs and dampers of an
-    /// oscillator that are not zero; geometry, material and masses are not. The normal load is never free unless `[fit] free` names it literally
+    /// Free without `[fit] free` are the contact's parameters, those of the effects, the damping, a beam's Young's
+    /// modulus, and the support's rotational stiffness and clamp stiffness where the model has them, and the springs
+    /// and dampers of an oscillator that are not zero; geometry, density and masses are not. The normal load is
+    /// never free unless `[fit] free` names it literally
     /// (`contact.normal_load`): as long as the load is constant only its product with the coefficient
     /// of friction acts, and a fit of both has no unique answer.
     ///

@@ -393,8 +393,14 @@ impl ContactLaw for Joint {
     }
 
     fn sliders(&self, normal_load: f64, out: &mut Vec<Slider>) -> bool {
+        self.sliders_and_damper(normal_load, out) == Some(0.0)
+    }
+
+    fn sliders_and_damper(&self, normal_load: f64, out: &mut Vec<Slider>) -> Option<f64> {
         out.clear();
         let JointChanges { residual_stiffness, half_gap, .. } = self.changes;
+        // With play the damper acts in turns only.
+        let damping = if half_gap == 0.0 { self.changes.damping } else { 0.0 };
         let plain = JointChanges {
             spread: self.changes.spread,
             asymmetry: self.changes.asymmetry,
@@ -403,13 +409,14 @@ impl ContactLaw for Joint {
             impact_damping: self.changes.impact_damping,
             residual_stiffness,
             half_gap,
+            damping,
             ..JointChanges::default()
         };
-        let Base::Sliders(sliders) = &self.base else { return false };
+        let Base::Sliders(sliders) = &self.base else { return None };
         // Many springs behind one play are no springs with a play each.
         let together = half_gap > 0.0 && (sliders.len() > 1 || residual_stiffness != 0.0);
         if plain != self.changes || together {
-            return false;
+            return None;
         }
         if normal_load > 0.0 {
             sliders.pieces(normal_load, half_gap, out);
@@ -417,7 +424,7 @@ impl ContactLaw for Joint {
         if residual_stiffness != 0.0 {
             out.push(Slider::linear(residual_stiffness));
         }
-        true
+        Some(damping)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Derivatives of the condensed balance against differences.
 
 use super::*;
-use crate::contact::{Jenkins, Unilateral, Valanis};
+use crate::contact::{ContactLaw, Jenkins, Unilateral, Valanis};
 
 /// Two masses, a contact on each, the excitation on the first.
 fn structure() -> LinearStructure {

@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use super::damped::DampedCycle;
 use super::piecewise::PiecewiseCycle;
 use super::reference::ReferenceCycle;
 use super::smooth::SmoothCycle;
@@ -25,6 +26,7 @@ pub(crate) struct ContactMap {
 #[derive(Debug)]
 enum Way {
     Piecewise(Box<PiecewiseCycle>),
+    Damped(Box<DampedCycle>),
     Smooth(Box<SmoothCycle>),
     Reference(Box<ReferenceCycle>),
 }
@@ -50,17 +52,21 @@ impl ContactMap {
             }
             return;
         }
-        let piecewise = contact.law.sliders(contact.normal_load, &mut self.sliders);
-        match (&self.way, piecewise) {
-            (Way::Piecewise(_), true) | (Way::Smooth(_), false) => {}
-            (_, true) => self.way = Way::Piecewise(Box::new(PiecewiseCycle::new(self.set))),
-            (_, false) => self.way = Way::Smooth(Box::new(SmoothCycle::new(self.set))),
+        let damping = contact.law.sliders_and_damper(contact.normal_load, &mut self.sliders);
+        // Behind a spring the damper's velocity is not that of the displacement given.
+        let damping = damping.filter(|damping| *damping == 0.0 || contact.compliance == 0.0);
+        match (&self.way, damping) {
+            (Way::Piecewise(_), Some(0.0)) | (Way::Damped(_), Some(_)) | (Way::Smooth(_), None) => {}
+            (_, Some(0.0)) => self.way = Way::Piecewise(Box::new(PiecewiseCycle::new(self.set))),
+            (_, Some(_)) => self.way = Way::Damped(Box::new(DampedCycle::new(self.set))),
+            (_, None) => self.way = Way::Smooth(Box::new(SmoothCycle::new(self.set))),
         }
     }
 
     fn cycle(&self) -> &dyn Cycle {
         match &self.way {
             Way::Piecewise(cycle) => cycle.as_ref(),
+            Way::Damped(cycle) => cycle.as_ref(),
             Way::Smooth(cycle) => cycle.as_ref(),
             Way::Reference(cycle) => cycle.as_ref(),
         }
@@ -69,6 +75,7 @@ impl ContactMap {
     fn cycle_mut(&mut self) -> &mut dyn Cycle {
         match &mut self.way {
             Way::Piecewise(cycle) => cycle.as_mut(),
+            Way::Damped(cycle) => cycle.as_mut(),
             Way::Smooth(cycle) => cycle.as_mut(),
             Way::Reference(cycle) => cycle.as_mut(),
         }

@@ -4,6 +4,7 @@
 
 mod bundle;
 mod chain;
+mod damped;
 mod ledger;
 pub(crate) mod map;
 mod motion;

@@ -19,9 +19,10 @@ pub(super) struct Motion {
     pairs: Vec<[f64; 2]>,
     /// Sum of the amplitudes: a bound of the distance from the bias.
     amplitude: f64,
-    /// Bounds of the second and of the third derivative.
+    /// Bounds of the second, third and fourth derivative.
     curvature_bound: f64,
     jerk_bound: f64,
+    snap_bound: f64,
 }
 
 /// A turning point of the motion.
@@ -48,12 +49,13 @@ impl Motion {
         let kept = self.pairs.iter().rposition(|pair| size(pair) > weight).map_or(0, |last| last + 1);
         self.pairs.truncate(kept);
         let (mut order, stride) = self.orders();
-        (self.amplitude, self.curvature_bound, self.jerk_bound) = (0.0, 0.0, 0.0);
+        (self.amplitude, self.curvature_bound, self.jerk_bound, self.snap_bound) = (0.0, 0.0, 0.0, 0.0);
         for pair in &self.pairs {
             let amplitude = pair[0].hypot(pair[1]);
             self.amplitude += amplitude;
             self.curvature_bound += order * order * amplitude;
             self.jerk_bound += order * order * order * amplitude;
+            self.snap_bound += order * order * order * order * amplitude;
             order += stride;
         }
         finite
@@ -84,9 +86,9 @@ impl Motion {
         self.amplitude
     }
 
-    /// Bounds of |u″| and |u‴|.
-    pub fn bounds(&self) -> (f64, f64) {
-        (self.curvature_bound, self.jerk_bound)
+    /// Bounds of |u″|, |u‴| and |u⁗|.
+    pub fn bounds(&self) -> (f64, f64, f64) {
+        (self.curvature_bound, self.jerk_bound, self.snap_bound)
     }
 
     /// First harmonic and distance to the next.
@@ -96,7 +98,7 @@ impl Motion {
 
     /// Sums `term(order, [c, s], cos hθ, sin hθ)` for two quantities at once.
     #[inline(always)]
-    fn sum(&self, phase: f64, term: impl Fn(f64, &[f64; 2], f64, f64) -> (f64, f64)) -> (f64, f64) {
+    fn sum(&self, phase: f64, mut term: impl FnMut(f64, &[f64; 2], f64, f64) -> (f64, f64)) -> (f64, f64) {
         let (mut sin, mut cos) = phase.sin_cos();
         let (turn_cos, turn_sin) =
             if self.odd { (cos * cos - sin * sin, 2.0 * sin * cos) } else { (cos, sin) };
@@ -123,6 +125,17 @@ impl Motion {
         self.sum(phase, |order, [c, s], cos, sin| {
             (order * (s * cos - c * sin), -order * order * (c * cos + s * sin))
         })
+    }
+
+    /// First, second and third derivative by the phase.
+    pub fn derivatives(&self, phase: f64) -> [f64; 3] {
+        let mut jerk = 0.0;
+        let (slope, curvature) = self.sum(phase, |order, [c, s], cos, sin| {
+            let slope = order * (s * cos - c * sin);
+            jerk -= order * order * slope;
+            (slope, -order * order * (c * cos + s * sin))
+        });
+        [slope, curvature, jerk]
     }
 
     /// The phase between the turning points `from` and `to`, which follow each other, where the

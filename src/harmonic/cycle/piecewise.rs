@@ -21,7 +21,7 @@ const MAX_ROUNDS: usize = 20;
 /// Halvings that leave nothing of an interval.
 const BISECTIONS: usize = 100;
 
-/// The contact map of laws that are sliders side by side.
+/// The contact map of laws that are sliders side by side. A damper beside them is left to others.
 #[derive(Debug)]
 pub(crate) struct PiecewiseCycle {
     set: HarmonicSet,
@@ -273,7 +273,7 @@ impl PiecewiseCycle {
 
     /// Follows the contact through the period and keeps the books; at rest they are complete.
     fn follow(&mut self, contact: &PeriodicContact, u: &[f64]) -> Result<Followed, HarmonicError> {
-        if !contact.law.sliders(contact.normal_load, &mut self.sliders) {
+        if contact.law.sliders_and_damper(contact.normal_load, &mut self.sliders).is_none() {
             return Err(HarmonicError::InvalidInput("the contact law is not piecewise linear"));
         }
         if !self.motion.set(self.set, u) {

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::sampled::SampledCycle;
 use super::{Cycle, CycleSummary, PeriodicContact};
 use crate::contact::{Inputs, SlipState};
-use crate::harmonic::fourier::{coefficient_count, from_samples, value, work_per_cycle};
+use crate::harmonic::fourier::{coefficient_count, from_samples, work_per_cycle};
 use crate::harmonic::set::HarmonicSet;
 use crate::harmonic::{ContactOnBeam, HarmonicError};
 
@@ -44,20 +44,16 @@ impl ReferenceCycle {
 
     /// Two marched periods; the second, which is periodic but for memory that does not fade, is kept.
     fn march(&mut self, contact: &PeriodicContact, angular_frequency: f64) {
-        let step = std::f64::consts::TAU / self.samples as f64;
         let n = contact.law.state_len();
         let (mut state, mut next) = (vec![0.0; n], vec![0.0; n]);
         contact.law.set_state(0.0, contact.normal_load, 0.0, &mut state);
-        let derivative = crate::harmonic::fourier::time_derivative(&self.displacement, 1, angular_frequency);
         self.history.clear();
         self.has_stick = contact.law.has_stick();
         for k in 0..2 * self.samples {
-            let phase = step * (k % self.samples) as f64;
-            let total = value(&self.displacement, phase);
-            let force = value(self.inner.force.as_slice(), phase);
+            let (total, rate, force) = self.inner.sample(k % self.samples);
             let inputs = Inputs {
                 displacement: total - contact.compliance * force,
-                velocity: value(&derivative, phase),
+                velocity: angular_frequency * rate,
                 normal_load: contact.normal_load,
             };
             let response = contact.law.step(&state, inputs, &mut next);

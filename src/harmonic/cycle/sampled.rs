@@ -121,6 +121,11 @@ impl SampledCycle {
         self.warm = false;
     }
 
+    /// Displacement (m), its slope over the phase (m), and force (N) at sample `k` of the last evaluation.
+    pub fn sample(&self, k: usize) -> (f64, f64, f64) {
+        (self.displacement[k], self.rate[k], self.force_samples[k])
+    }
+
     fn reserve(&mut self, state_len: usize) {
         if self.state_len == state_len {
             return;

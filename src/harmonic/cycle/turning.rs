@@ -12,20 +12,21 @@ const ROUNDING: f64 = 1e-14;
 /// Narrowest interval (rad).
 const NARROWEST: f64 = 1e-11;
 
-/// Slope and curvature of the motion at a phase.
+/// Derivatives of the motion at a phase.
 #[derive(Debug, Clone, Copy)]
 struct Probe {
     phase: f64,
     slope: f64,
     curvature: f64,
+    jerk: f64,
     /// The sign the slope counts as having; at a zero it is kept alike from both sides.
     rising: bool,
 }
 
 impl Probe {
     fn at(motion: &Motion, phase: f64) -> Self {
-        let (slope, curvature) = motion.slope_and_curvature(phase);
-        Self { phase, slope, curvature, rising: slope > 0.0 }
+        let [slope, curvature, jerk] = motion.derivatives(phase);
+        Self { phase, slope, curvature, jerk, rising: slope > 0.0 }
     }
 }
 
@@ -42,6 +43,7 @@ pub(super) fn turning_points(motion: &Motion, out: &mut Vec<Turning>) {
         phase: motion.period(),
         slope: sign * first.slope,
         curvature: sign * first.curvature,
+        jerk: sign * first.jerk,
         rising: first.rising != motion.is_odd(),
     };
     search(motion, first, last, out);
@@ -49,7 +51,7 @@ pub(super) fn turning_points(motion: &Motion, out: &mut Vec<Turning>) {
 
 fn search(motion: &Motion, left: Probe, right: Probe, out: &mut Vec<Turning>) {
     let width = right.phase - left.phase;
-    let (curvature_bound, jerk_bound) = motion.bounds();
+    let (curvature_bound, jerk_bound) = local_bounds(motion, &left, &right);
     let changes = left.rising != right.rising;
     let slopes = left.slope.abs() + right.slope.abs();
     if !changes && slopes > width * curvature_bound {
@@ -67,6 +69,16 @@ fn search(motion: &Motion, left: Probe, right: Probe, out: &mut Vec<Turning>) {
     let middle = Probe::at(motion, left.phase + 0.5 * width);
     search(motion, left, middle, out);
     search(motion, middle, right, out);
+}
+
+/// Bounds of |u″| and |u‴| between two probes: what the probes have, and what the next derivative can add on the way.
+/// Far below those of the whole period where many harmonics are small.
+fn local_bounds(motion: &Motion, left: &Probe, right: &Probe) -> (f64, f64) {
+    let (curvature, jerk, snap) = motion.bounds();
+    let half = 0.5 * (right.phase - left.phase);
+    let between = |left: f64, right: f64, next: f64| 0.5 * (left.abs() + right.abs()) + half * next;
+    let jerk = between(left.jerk, right.jerk, snap).min(jerk);
+    (between(left.curvature, right.curvature, jerk).min(curvature), jerk)
 }
 
 #[cfg(test)]

@@ -101,7 +101,7 @@ fn scales(comparison: &Comparison, shown: &[usize]) -> Vec<(String, Scale, Scale
             }
             let values = channels(&name).into_iter().flat_map(|channel| channel.values.iter().copied());
             let residuals = shown.iter().flat_map(|&record| {
-                comparison.stages.iter().filter_map(move |stage| Some((record, stage))).flat_map(
+                comparison.stages.iter().map(move |stage| (record, stage)).flat_map(
                     |(record, stage)| residual(comparison, record, stage, &name).unwrap_or_default(),
                 )
             });
