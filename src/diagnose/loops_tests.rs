@@ -84,8 +84,8 @@ fn play_takes_its_half_width_over_the_amplitude_of_the_stroke() {
 #[test]
 fn a_spring_beside_the_slider_is_the_slope_in_slip() {
     let seen = features(Some(("residual_stiffness", &[0.1 * STIFFNESS])), 0.0);
-    // The library's law keeps the whole stiffness in stick: the share is of that.
-    close(seen.slip_slope_share, 0.1, 0.015);
+    // In stick both carry.
+    close(seen.slip_slope_share, 0.1 / 1.1, 0.004);
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn yielding_all_at_once_has_a_corner_and_spread_yielding_has_none() {
     // Uniform yield displacements from 0 to 2: f = s − s²/4, and its inverse gives the four levels of the rise.
     let s = |rise: f64| 2.0 * (1.0 - (1.0_f64 - rise).sqrt());
     let expected = 1.0 - (s(0.4) - s(0.1)) / (s(0.9) - s(0.6));
-    close(features(Some(("micro_slip", &[1.0])), 0.0).corner_share, expected, 0.1);
+    close(features(Some(("micro_slip", &[1.0])), 0.0).corner_share, expected, 0.04);
 }
 
 #[test]
@@ -104,7 +104,7 @@ fn a_limit_by_direction_shifts_the_plateaus_by_twice_the_asymmetry() {
 #[test]
 fn wear_is_the_growth_of_the_height_per_slip() {
     let rate = 0.002 / YIELD;
-    close(features(Some(("wear", &[rate])), 0.0).height_per_slip.map(|found| found / rate), 1.0, 0.25);
+    close(features(Some(("wear", &[rate])), 0.0).height_per_slip.map(|found| found / rate), 1.0, 0.1);
 }
 
 #[test]
