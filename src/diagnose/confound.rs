@@ -94,7 +94,9 @@ fn general(effect: &str) -> &'static str {
         "geometric_stiffening" | "stiffening" | "quadratic_damping" => {
             "repeat the test at half of the lowest and twice the highest level"
         }
-        "added_mass" | "support_compliance" | "hanging_mass" => "excite a second mode and compare how far each resonance is off",
+        "added_mass" | "support_compliance" | "hanging_mass" => {
+            "excite a second mode and compare how far each resonance is off"
+        }
         "normal_hardening" | "impact_damping" => "move the contact in the normal direction at two speeds",
         _ => "repeat the test at a lower level, from rest, and at a higher one",
     }

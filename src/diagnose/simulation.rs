@@ -16,7 +16,11 @@ pub(super) type Seed = crate::harmonic::steady::Start;
 ///
 /// # Errors
 /// What the record lacks, for a reader of the comparison.
-pub(super) fn of<'r>(model: &Model, record: &'r Record, seed: Option<&Seed>) -> Result<Box<dyn Simulation + 'r>, String> {
+pub(super) fn of<'r>(
+    model: &Model,
+    record: &'r Record,
+    seed: Option<&Seed>,
+) -> Result<Box<dyn Simulation + 'r>, String> {
     let channels = predict::compared(model, record);
     if channels.is_empty() {
         return Err("it has no column that the model predicts".into());

@@ -8,9 +8,9 @@
 
 use super::balance::{Balance, Extent, Signals};
 use super::factors::Factors;
-use super::fourier::coefficient_count;
 use super::follow::{Family, State, find};
 use super::forced::Forced;
+use super::fourier::coefficient_count;
 use super::problem::{Newton, Stopping};
 use super::system::{Operating, PeriodicSystem};
 use super::{ContactOnBeam, HarmonicError, Method, Settings};

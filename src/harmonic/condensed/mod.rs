@@ -17,12 +17,12 @@ mod outcome;
 
 use nalgebra::DMatrix;
 
-use attached::{Attached, Law, contact_of};
 pub(crate) use attached::Rebuild;
+use attached::{Attached, Law, contact_of};
 
 use super::assembly::{Assembly, AttachedContact, Body, CurveSettings};
-use super::cycle::relieved::RelievedMap;
 use super::cycle::Cycle;
+use super::cycle::relieved::RelievedMap;
 use super::extremum::Extremum;
 use super::set::HarmonicSet;
 use super::system::{Observation, Operating, PeriodicSystem, Scalar};

@@ -101,9 +101,9 @@ fn scales(comparison: &Comparison, shown: &[usize]) -> Vec<(String, Scale, Scale
             }
             let values = channels(&name).into_iter().flat_map(|channel| channel.values.iter().copied());
             let residuals = shown.iter().flat_map(|&record| {
-                comparison.stages.iter().map(move |stage| (record, stage)).flat_map(
-                    |(record, stage)| residual(comparison, record, stage, &name).unwrap_or_default(),
-                )
+                comparison.stages.iter().map(move |stage| (record, stage)).flat_map(|(record, stage)| {
+                    residual(comparison, record, stage, &name).unwrap_or_default()
+                })
             });
             let (value, rest) = (Scale::of(values, unit), Scale::of(residuals, unit));
             all.push((name, value, rest));
