@@ -152,9 +152,14 @@ fn an_excitation_beyond_the_harmonics_kept_is_refused() {
 }
 
 #[test]
-fn a_measured_normal_load_is_named_as_unused() {
+fn a_measured_normal_load_is_an_input_and_what_nothing_reads_is_named() {
     let model = Model::parse(JENKINS).unwrap();
-    assert_eq!(unused_columns(&model, &contact_loop(3e6, None)), ["normal_load"]);
+    let mut record = contact_loop(3e6, None);
+    assert_eq!(unused_columns(&model, &record), [""; 0]);
+    for channel in record.channels.iter_mut().filter(|channel| channel.name == "normal_load") {
+        channel.name = "excitation".into();
+    }
+    assert_eq!(unused_columns(&model, &record), ["excitation"]);
 }
 
 #[test]

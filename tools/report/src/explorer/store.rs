@@ -112,7 +112,7 @@ mod tests {
         assert_eq!(store.scaled(&wild, &kept, 1.0), 1);
         let columns = store.into_columns();
         assert_eq!(columns[0]["count"], 4);
-        // −1 is code 0, 7 the largest, 1 a quarter of it; little-endian bytes 80 3f, ff ff, 00 00, fe ff.
-        assert_eq!(columns[1]["codes"], base64(&[0x80, 0x3f, 0xff, 0xff, 0, 0, 0xfe, 0xff]));
+        // −1 is code 0, 7 the largest (65534), 1 a quarter of it, rounded up; bytes are little-endian.
+        assert_eq!(columns[1]["codes"], base64(&[0, 0x40, 0xff, 0xff, 0, 0, 0xfe, 0xff]));
     }
 }
