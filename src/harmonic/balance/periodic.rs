@@ -1,0 +1,164 @@
+//! The beam's balance as a [`PeriodicSystem`]: what continuation, tracking and conditions ask of it.
+
+use super::*;
+
+impl PeriodicSystem for Balance<'_> {
+    fn unknowns(&self) -> usize {
+        self.residual.len()
+    }
+
+    fn evaluate(&mut self, x: &[f64], at: &Operating, scalars: &[Scalar]) -> Result<f64, HarmonicError> {
+        let scale = self.balance(x, at)?;
+        if !self.is_linear() {
+            self.differentiate(at.angular_frequency);
+        }
+        scalars.iter().for_each(|scalar| self.differentiate_by(*scalar, at));
+        Ok(scale)
+    }
+
+    fn residual(&self) -> &[f64] {
+        &self.residual
+    }
+
+    fn jacobian(&mut self) -> &DMatrix<f64> {
+        if !self.is_linear() && !self.complete {
+            self.complete_jacobian();
+        }
+        &self.jacobian
+    }
+
+    fn by(&self, scalar: Scalar) -> &[f64] {
+        &self.by[scalar.index()]
+    }
+
+    fn observe(&mut self, node: usize, order: usize, out: &mut Observation) {
+        let (modes, unknowns) = (self.modes(), self.unknowns());
+        let shape = self.output_shape(node);
+        out.value = [0.0; 2];
+        out.by_scalars = [[0.0; 4]; 2];
+        for row in &mut out.by_unknowns {
+            row.clear();
+            row.resize(unknowns, 0.0);
+        }
+        let places = match order {
+            0 => 0..1,
+            _ if order <= self.harmonics => 2 * order - 1..2 * order + 1,
+            _ => return,
+        };
+        for (part, place) in places.enumerate() {
+            let span = place * modes..(place + 1) * modes;
+            let seen = |q: &[f64]| -> f64 { q.iter().zip(shape).map(|(q, phi)| q * phi).sum() };
+            out.value[part] = seen(&self.q[span.clone()]);
+            for (by, q) in out.by_scalars[part].iter_mut().zip(&self.modal_by) {
+                *by = seen(&q[span.clone()]);
+            }
+            if self.is_linear() {
+                continue;
+            }
+            // −φ A⁻¹ B ∂T/∂u.
+            let columns = self.moved.as_slice().chunks_exact(self.q.len());
+            let by_force: Vec<f64> = columns.map(|column| seen(&column[span.clone()])).collect();
+            let columns = self.law().as_slice().chunks_exact(unknowns);
+            for (by, column) in out.by_unknowns[part].iter_mut().zip(columns) {
+                *by = -column.iter().zip(&by_force).map(|(k, s)| k * s).sum::<f64>();
+            }
+        }
+    }
+
+    fn forget(&mut self) {
+        self.cycle.forget();
+        self.equations.forget();
+    }
+
+    fn nodes(&self) -> usize {
+        self.beam.sensors.len() + 1
+    }
+
+    fn harmonics(&self) -> usize {
+        self.harmonics
+    }
+
+    fn guess(&mut self, at: &Operating, x: &mut [f64]) -> Result<(), HarmonicError> {
+        let excitation: Vec<f64> = self.waveform.iter().map(|f| at.level * f).collect();
+        guess::forced(self, at.angular_frequency, &excitation)?;
+        self.weigh();
+        x.copy_from_slice(&self.start());
+        Ok(())
+    }
+
+    fn nodes_along(&mut self, unknowns: &[f64], scalars: &[f64; 4], out: &mut [Vec<f64>]) {
+        let modes = self.modes();
+        self.right.fill(0.0);
+        if !self.is_linear() {
+            let mut force = vec![0.0; self.unknowns()];
+            for (column, change) in self.law().as_slice().chunks_exact(unknowns.len()).zip(unknowns) {
+                force.iter_mut().zip(column).for_each(|(f, k)| *f += k * change);
+            }
+            for (column, change) in self.moved.as_slice().chunks_exact(self.right.len()).zip(&force) {
+                self.right.iter_mut().zip(column).for_each(|(q, s)| *q -= s * change);
+            }
+        }
+        for (by, change) in self.modal_by.iter().zip(scalars).filter(|(_, change)| **change != 0.0) {
+            self.right.iter_mut().zip(by).for_each(|(q, d)| *q += d * change);
+        }
+        for (node, coefficients) in out.iter_mut().enumerate() {
+            let shape = self.output_shape(node);
+            coefficients.clear();
+            coefficients.extend(
+                self.right
+                    .chunks_exact(modes)
+                    .map(|q| q.iter().zip(shape).map(|(q, phi)| q * phi).sum::<f64>()),
+            );
+        }
+    }
+
+    fn resume(&self, point: &Point, x: &mut [f64]) -> bool {
+        let known = point.contacts.first().filter(|contact| contact.displacement.len() == x.len());
+        known.is_some_and(|contact| {
+            x.copy_from_slice(&contact.displacement);
+            true
+        })
+    }
+
+    fn truncation_error(
+        &mut self,
+        _x: &[f64],
+        at: &Operating,
+        point: &Point,
+        solve: &mut dyn FnMut(&mut [f64]),
+    ) -> Result<f64, HarmonicError> {
+        Ok(self.left_out(at, point, solve))
+    }
+
+    fn describe(&mut self, x: &[f64], at: &Operating) -> Result<Point, HarmonicError> {
+        let nodes: Vec<Vec<f64>> =
+            (0..self.nodes()).map(|node| self.output(self.output_shape(node))).collect();
+        let contacts = match &self.contact {
+            None => Vec::new(),
+            Some(_) => {
+                let summary = self.cycle.summary();
+                vec![Contacting {
+                    dissipated_energy: summary.dissipated_energy,
+                    equivalent_stiffness: summary.equivalent_stiffness,
+                    stick_fraction: summary.stick_fraction,
+                    displacement: x[..self.wide].to_vec(),
+                    force: self.force.clone(),
+                }]
+            }
+        };
+        let driven = self.output(&self.beam.excitation_shape);
+        Ok(Point {
+            angular_frequency: at.angular_frequency,
+            level: at.level,
+            amplitude: nodes.iter().map(|node| self.extremum.of(node).1).collect(),
+            nodes,
+            contacts,
+            work: at.level * work_per_cycle(&self.waveform, &driven),
+            stable: None,
+            error_estimate: 0.0,
+            resolved: true,
+            harmonics: self.harmonics,
+            iterations: 0,
+        })
+    }
+}
