@@ -6,6 +6,7 @@
 //! `ARCHITECTURE.md` is the map.
 
 pub mod contact;
+pub mod cosim;
 pub mod diagnose;
 pub mod document;
 pub mod effects;

@@ -1,0 +1,206 @@
+//! What a master knows of a slave: native models and FMUs look alike from here.
+
+use std::fmt::Debug;
+
+/// What kind of number a variable is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A floating point number.
+    Real,
+    /// A whole number, or an item of an enumeration.
+    Integer,
+    /// True or false; 1 or 0 here.
+    Boolean,
+}
+
+/// Who sets a variable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Causality {
+    /// The user, before the simulation.
+    Parameter,
+    /// Other slaves.
+    Input,
+    /// The slave.
+    Output,
+    /// The slave, and nobody should rely on it.
+    Local,
+}
+
+/// A variable of a slave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// Its name, unique in the slave.
+    pub name: String,
+    /// By which it is set and read.
+    pub reference: u32,
+    /// What kind of number.
+    pub kind: Kind,
+    /// Who sets it.
+    pub causality: Causality,
+    /// Its unit as the slave writes it.
+    pub unit: Option<String>,
+    /// Its value unless set, where the slave tells it.
+    pub start: Option<f64>,
+    /// Of an output: the positions in the table of the inputs on which it depends at a communication point;
+    /// absent where the slave does not tell, which means all.
+    pub depends_on: Option<Vec<usize>>,
+}
+
+/// What a slave can do besides stepping.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Abilities {
+    /// [`Slave::save`] and [`Slave::restore`].
+    pub saves_state: bool,
+    /// Steps of different lengths.
+    pub variable_step: bool,
+    /// [`Slave::set_input_derivatives`].
+    pub interpolates_inputs: bool,
+    /// Highest order of [`Slave::output_derivatives`]; 0: none.
+    pub output_derivative_order: u32,
+    /// [`Slave::directional_derivative`].
+    pub directional_derivatives: bool,
+}
+
+/// The frame of a simulation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setup {
+    /// Relative tolerance inside the slave; its own where absent.
+    pub tolerance: Option<f64>,
+    /// Start (s).
+    pub start: f64,
+    /// Stop (s).
+    pub stop: Option<f64>,
+}
+
+/// How a step ended that did not fail.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stepped {
+    /// At its end.
+    Done,
+    /// The slave gave up on the way, having reached this time (s); it can be restored and go on with a shorter step.
+    Discarded(f64),
+}
+
+/// How bad it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Severity {
+    /// This call failed; the slave is as before and can go on.
+    Call,
+    /// The slave cannot go on, others can.
+    Slave,
+    /// The slave has taken its process with it, or says that every instance is lost.
+    Fatal,
+}
+
+/// Why a slave does not do what it was told.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{slave}: {message}")]
+pub struct SlaveError {
+    /// The slave's name in the system.
+    pub slave: String,
+    /// What happened, with the variable if one is to blame, and the slave's own words if it said any.
+    pub message: String,
+    /// How bad it is.
+    pub severity: Severity,
+}
+
+/// A slave: a model, or an FMU. Calls come in the order of FMI 2.0 co-simulation: [`Slave::set_up`],
+/// [`Slave::enter_initialization`], [`Slave::exit_initialization`], steps, [`Slave::terminate`].
+pub trait Slave: Debug + Send {
+    /// Its name in the system.
+    fn name(&self) -> &str;
+
+    /// Its table of variables, always the same.
+    fn variables(&self) -> &[Variable];
+
+    /// What it can do.
+    fn abilities(&self) -> Abilities;
+
+    /// Sets the frame of the simulation.
+    ///
+    /// # Errors
+    /// Whatever the slave objects to.
+    fn set_up(&mut self, setup: Setup) -> Result<(), SlaveError>;
+
+    /// Begins the initialization.
+    ///
+    /// # Errors
+    /// Whatever the slave objects to.
+    fn enter_initialization(&mut self) -> Result<(), SlaveError>;
+
+    /// Ends the initialization.
+    ///
+    /// # Errors
+    /// Whatever the slave objects to.
+    fn exit_initialization(&mut self) -> Result<(), SlaveError>;
+
+    /// Sets variables of any kind, by their positions in the table.
+    ///
+    /// # Errors
+    /// A value the slave refuses; the message names the variable.
+    fn set(&mut self, variables: &[usize], values: &[f64]) -> Result<(), SlaveError>;
+
+    /// Reads variables of any kind, by their positions in the table.
+    ///
+    /// # Errors
+    /// Whatever the slave objects to.
+    fn get(&mut self, variables: &[usize], values: &mut [f64]) -> Result<(), SlaveError>;
+
+    /// Sets the first derivatives of Real inputs with respect to time (per second) for the next step, which begins at
+    /// the value last set: the input at `t` is `value + derivative · t` after the step's beginning.
+    /// Only with [`Abilities::interpolates_inputs`].
+    ///
+    /// # Errors
+    /// Whatever the slave objects to.
+    fn set_input_derivatives(&mut self, variables: &[usize], derivatives: &[f64]) -> Result<(), SlaveError>;
+
+    /// Reads derivatives of Real outputs with respect to time at the end of the last step, of `order` 1 up to
+    /// [`Abilities::output_derivative_order`].
+    ///
+    /// # Errors
+    /// Whatever the slave objects to.
+    fn output_derivatives(
+        &mut self,
+        variables: &[usize],
+        order: u32,
+        derivatives: &mut [f64],
+    ) -> Result<(), SlaveError>;
+
+    /// Change of the outputs `unknowns` when the inputs `knowns` change by `direction`, at the last communication
+    /// point. Only with [`Abilities::directional_derivatives`].
+    ///
+    /// # Errors
+    /// Whatever the slave objects to.
+    fn directional_derivative(
+        &mut self,
+        unknowns: &[usize],
+        knowns: &[usize],
+        direction: &[f64],
+        change: &mut [f64],
+    ) -> Result<(), SlaveError>;
+
+    /// Steps from `time` to `time + step` (s).
+    ///
+    /// # Errors
+    /// A step that failed.
+    fn do_step(&mut self, time: f64, step: f64) -> Result<Stepped, SlaveError>;
+
+    /// Saves its state in slot `slot`; slots count from 0 and hold until overwritten. Only with
+    /// [`Abilities::saves_state`].
+    ///
+    /// # Errors
+    /// Whatever the slave objects to.
+    fn save(&mut self, slot: usize) -> Result<(), SlaveError>;
+
+    /// Goes on from where slot `slot` was saved.
+    ///
+    /// # Errors
+    /// An empty slot, or whatever the slave objects to.
+    fn restore(&mut self, slot: usize) -> Result<(), SlaveError>;
+
+    /// Ends the simulation; values can still be read.
+    ///
+    /// # Errors
+    /// Whatever the slave objects to.
+    fn terminate(&mut self) -> Result<(), SlaveError>;
+}
