@@ -2,12 +2,17 @@
 #![allow(non_snake_case)]
 
 use std::ffi::{c_char, c_int, c_uint, c_void};
-use std::ptr;
+
+use crate::log::Log;
 
 pub type Handle = *mut c_void;
 pub type StateHandle = *mut c_void;
 
 pub const CO_SIMULATION: c_int = 1;
+/// `fmi2LastSuccessfulTime` of `fmi2StatusKind`.
+pub const LAST_SUCCESSFUL_TIME: c_int = 2;
+/// `fmi2Terminated` of `fmi2StatusKind`.
+pub const TERMINATED: c_int = 3;
 
 /// What a function returned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,26 +48,39 @@ impl Status {
     }
 }
 
-/// `fmi2CallbackFunctions` with NULL everywhere: FMUs of this project need none.
+unsafe extern "C" {
+    fn calloc(count: usize, size: usize) -> *mut c_void;
+    fn free(memory: *mut c_void);
+}
+
+/// `fmi2CallbackFunctions`.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Callbacks {
-    functions: [*const c_void; 4],
-    environment: *mut c_void,
+    logger: *const c_void,
+    allocate: unsafe extern "C" fn(usize, usize) -> *mut c_void,
+    free: unsafe extern "C" fn(*mut c_void),
+    step_finished: *const c_void,
+    environment: *const Log,
 }
 
 impl Callbacks {
-    pub fn none() -> Self {
-        Self { functions: [ptr::null(); 4], environment: ptr::null_mut() }
+    /// The logger writes to `log`, which must be alive wherever the FMU may call.
+    pub fn new(log: &Log) -> Self {
+        Self { logger: crate::log::callback(), allocate: calloc, free, step_finished: std::ptr::null(), environment: log }
     }
 }
 
 macro_rules! functions {
-    ($($name:ident: fn($($argument:ty),*) $(-> $result:ty)?;)*) => {
-        /// The functions, by their names in C.
+    (
+        required { $($name:ident: fn($($argument:ty),*) $(-> $result:ty)?;)* }
+        optional { $($other:ident: fn($($other_argument:ty),*);)* }
+    ) => {
+        /// The functions, by their names in C. Those that only some abilities need may be missing.
         #[derive(Debug)]
         pub struct Functions {
             $(pub $name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
+            $(pub $other: Option<unsafe extern "C" fn($($other_argument),*) -> c_int>,)*
         }
 
         impl Functions {
@@ -71,28 +89,48 @@ macro_rules! functions {
             /// after it is unloaded.
             pub unsafe fn bind(library: &libloading::Library) -> Result<Self, libloading::Error> {
                 // SAFETY: the caller's promise.
-                unsafe { Ok(Self { $($name: *library.get(stringify!($name).as_bytes())?,)* }) }
+                unsafe {
+                    Ok(Self {
+                        $($name: *library.get(stringify!($name).as_bytes())?,)*
+                        $($other: library.get(stringify!($other).as_bytes()).ok().map(|symbol| *symbol),)*
+                    })
+                }
             }
         }
     };
 }
 
 functions! {
-    fmi2Instantiate: fn(*const c_char, c_int, *const c_char, *const c_char, *const Callbacks, c_int, c_int) -> Handle;
-    fmi2FreeInstance: fn(Handle);
-    fmi2SetupExperiment: fn(Handle, c_int, f64, f64, c_int, f64) -> c_int;
-    fmi2EnterInitializationMode: fn(Handle) -> c_int;
-    fmi2ExitInitializationMode: fn(Handle) -> c_int;
-    fmi2Terminate: fn(Handle) -> c_int;
-    fmi2Reset: fn(Handle) -> c_int;
-    fmi2GetReal: fn(Handle, *const c_uint, usize, *mut f64) -> c_int;
-    fmi2GetInteger: fn(Handle, *const c_uint, usize, *mut c_int) -> c_int;
-    fmi2SetReal: fn(Handle, *const c_uint, usize, *const f64) -> c_int;
-    fmi2DoStep: fn(Handle, f64, f64, c_int) -> c_int;
-    fmi2GetFMUstate: fn(Handle, *mut StateHandle) -> c_int;
-    fmi2SetFMUstate: fn(Handle, StateHandle) -> c_int;
-    fmi2FreeFMUstate: fn(Handle, *mut StateHandle) -> c_int;
-    fmi2SerializedFMUstateSize: fn(Handle, StateHandle, *mut usize) -> c_int;
-    fmi2SerializeFMUstate: fn(Handle, StateHandle, *mut c_char, usize) -> c_int;
-    fmi2DeSerializeFMUstate: fn(Handle, *const c_char, usize, *mut StateHandle) -> c_int;
+    required {
+        fmi2Instantiate: fn(*const c_char, c_int, *const c_char, *const c_char, *const Callbacks, c_int, c_int) -> Handle;
+        fmi2FreeInstance: fn(Handle);
+        fmi2SetupExperiment: fn(Handle, c_int, f64, f64, c_int, f64) -> c_int;
+        fmi2EnterInitializationMode: fn(Handle) -> c_int;
+        fmi2ExitInitializationMode: fn(Handle) -> c_int;
+        fmi2Terminate: fn(Handle) -> c_int;
+        fmi2GetReal: fn(Handle, *const c_uint, usize, *mut f64) -> c_int;
+        fmi2SetReal: fn(Handle, *const c_uint, usize, *const f64) -> c_int;
+        fmi2DoStep: fn(Handle, f64, f64, c_int) -> c_int;
+    }
+    optional {
+        fmi2Reset: fn(Handle);
+        fmi2SetDebugLogging: fn(Handle, c_int, usize, *const *const c_char);
+        fmi2GetInteger: fn(Handle, *const c_uint, usize, *mut c_int);
+        fmi2SetInteger: fn(Handle, *const c_uint, usize, *const c_int);
+        fmi2GetBoolean: fn(Handle, *const c_uint, usize, *mut c_int);
+        fmi2SetBoolean: fn(Handle, *const c_uint, usize, *const c_int);
+        fmi2GetString: fn(Handle, *const c_uint, usize, *mut *const c_char);
+        fmi2SetString: fn(Handle, *const c_uint, usize, *const *const c_char);
+        fmi2SetRealInputDerivatives: fn(Handle, *const c_uint, usize, *const c_int, *const f64);
+        fmi2GetRealOutputDerivatives: fn(Handle, *const c_uint, usize, *const c_int, *mut f64);
+        fmi2GetDirectionalDerivative: fn(Handle, *const c_uint, usize, *const c_uint, usize, *const f64, *mut f64);
+        fmi2GetRealStatus: fn(Handle, c_int, *mut f64);
+        fmi2GetBooleanStatus: fn(Handle, c_int, *mut c_int);
+        fmi2GetFMUstate: fn(Handle, *mut StateHandle);
+        fmi2SetFMUstate: fn(Handle, StateHandle);
+        fmi2FreeFMUstate: fn(Handle, *mut StateHandle);
+        fmi2SerializedFMUstateSize: fn(Handle, StateHandle, *mut usize);
+        fmi2SerializeFMUstate: fn(Handle, StateHandle, *mut c_char, usize);
+        fmi2DeSerializeFMUstate: fn(Handle, *const c_char, usize, *mut StateHandle);
+    }
 }

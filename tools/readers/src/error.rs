@@ -10,6 +10,10 @@ use stickslip::document::DocumentError;
 use stickslip::measure::{ChannelNameError, UnitError};
 use thiserror::Error;
 
+use crate::archive::ArchiveProblem;
+use crate::ssp::SspProblem;
+use crate::xml::XmlProblem;
+
 /// One thing wrong with one file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InputError {
@@ -136,6 +140,15 @@ pub enum Problem {
     /// A record whose regime the model cannot have.
     #[error("{0}")]
     UnsuitableRegime(String),
+    /// A zip archive that is damaged or dangerous.
+    #[error(transparent)]
+    Archive(#[from] ArchiveProblem),
+    /// An XML file that is none, or not of the kind it should be.
+    #[error(transparent)]
+    Xml(#[from] XmlProblem),
+    /// A system structure that cannot be simulated.
+    #[error(transparent)]
+    Ssp(#[from] SspProblem),
 }
 
 impl Problem {
@@ -146,6 +159,7 @@ impl Problem {
                 format!("it looks like {guess}; save the file as UTF-8 (µ is then two bytes)")
             }
             Problem::Document(error) => return error.help.clone(),
+            Problem::Ssp(problem) => return problem.help(),
             Problem::Empty => {
                 "the first line names the columns: `time [s],displacement [mm],force [N]`".into()
             }

@@ -1,4 +1,5 @@
-//! Reads the files an engineer writes: `model.toml`, `dataset.toml` and the CSV files beside it.
+//! Reads the files an engineer writes: `model.toml`, `dataset.toml` and the CSV files beside it; and the
+//! systems of FMUs ([`ssp`]) that programs write.
 //!
 //! Everything is checked before anything is returned: there are no partial results, and nothing is
 //! repaired silently. An [`InputError`] is data (file, line, what is wrong); [`InputError::render`] is
@@ -6,11 +7,15 @@
 //!
 //! Text is UTF-8; a byte order mark and CR-LF line ends are accepted.
 
+pub mod archive;
 mod columns;
 mod dataset;
 mod error;
 mod source;
+pub mod ssp;
 mod table;
+pub mod units;
+pub mod xml;
 
 use std::path::Path;
 

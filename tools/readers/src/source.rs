@@ -39,6 +39,15 @@ impl Source {
         &self.text
     }
 
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Number of the line, from 1, of a byte of the text.
+    pub(crate) fn line(&self, byte: usize) -> usize {
+        excerpt(&self.text, byte..byte).line
+    }
+
     /// An error about the bytes `span` of the text.
     pub(crate) fn error(&self, span: Range<usize>, problem: Problem) -> InputError {
         let excerpt = Some(excerpt(&self.text, span));

@@ -1,0 +1,313 @@
+//! `modelDescription.xml` of FMI 2.0.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use stickslip::cosim::Causality;
+use stickslip_readers::InputError;
+use stickslip_readers::units::{Unit, read_units};
+use stickslip_readers::xml::{Element, XmlFile};
+
+use crate::import::ImportProblem;
+
+/// What an FMU says of itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelDescription {
+    /// Name of the model.
+    pub model_name: String,
+    /// By which library and description know each other.
+    pub guid: String,
+    /// What wrote it.
+    pub generation_tool: Option<String>,
+    /// What it can do.
+    pub co_simulation: CoSimulation,
+    /// Its units.
+    pub units: Vec<Unit>,
+    /// Categories of its messages.
+    pub log_categories: Vec<String>,
+    /// The experiment it proposes.
+    pub experiment: Experiment,
+    /// Its variables, in the order of the file.
+    pub variables: Vec<ScalarVariable>,
+}
+
+/// Abilities in co-simulation.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CoSimulation {
+    /// Name of the library.
+    pub model_identifier: String,
+    /// Another program must be there.
+    pub needs_execution_tool: bool,
+    /// Steps of different lengths.
+    pub variable_step: bool,
+    /// Derivatives of inputs.
+    pub interpolates_inputs: bool,
+    /// Order of derivatives of outputs.
+    pub output_derivative_order: u32,
+    /// There can be one instance in a process.
+    pub once_per_process: bool,
+    /// States can be saved and set.
+    pub saves_state: bool,
+    /// Saved states can become bytes.
+    pub serializes_state: bool,
+    /// Directional derivatives.
+    pub directional_derivatives: bool,
+}
+
+/// What an FMU proposes; each part may be absent.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Experiment {
+    /// Start (s).
+    pub start: Option<f64>,
+    /// Stop (s).
+    pub stop: Option<f64>,
+    /// Relative tolerance.
+    pub tolerance: Option<f64>,
+    /// Communication step (s).
+    pub step: Option<f64>,
+}
+
+/// A variable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScalarVariable {
+    /// Its name.
+    pub name: String,
+    /// Its value reference.
+    pub reference: u32,
+    /// What it is.
+    pub description: Option<String>,
+    /// Who sets it; what is neither parameter, input nor output is local here.
+    pub causality: Causality,
+    /// When it changes.
+    pub variability: Variability,
+    /// Its type.
+    pub kind: TypeOfVariable,
+    /// Name of its unit.
+    pub unit: Option<String>,
+    /// Its value unless set, as it is written.
+    pub start: Option<String>,
+    /// Least value.
+    pub min: Option<f64>,
+    /// Largest value.
+    pub max: Option<f64>,
+    /// Usual size.
+    pub nominal: Option<f64>,
+    /// Of an output: positions of the variables on which it depends; absent where the file does not tell, which
+    /// means all.
+    pub depends_on: Option<Vec<usize>>,
+}
+
+/// When a variable changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Variability {
+    /// Never.
+    Constant,
+    /// Not after the initialization.
+    Fixed,
+    /// When somebody sets it.
+    Tunable,
+    /// At events.
+    Discrete,
+    /// Always.
+    Continuous,
+}
+
+/// Type of a variable.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum TypeOfVariable {
+    /// A floating point number.
+    Real,
+    /// A whole number.
+    Integer,
+    /// True or false.
+    Boolean,
+    /// A text.
+    String,
+    /// One of these items, each with its number.
+    Enumeration(Vec<(String, i32)>),
+}
+
+/// What declared types hold for the variables that refer to them.
+#[derive(Debug, Default, Clone)]
+struct DeclaredType {
+    unit: Option<String>,
+    items: Vec<(String, i32)>,
+}
+
+impl ModelDescription {
+    /// Reads the description in `file`.
+    ///
+    /// # Errors
+    /// [`ImportProblem::Version`], [`ImportProblem::NoCoSimulation`], and what is not as the standard says.
+    pub fn read(file: &XmlFile) -> Result<Self, ImportProblem> {
+        let root = file.root("fmiModelDescription")?;
+        let version = file.required(root, "fmiVersion")?;
+        if !version.starts_with("2.") {
+            return Err(ImportProblem::Version(version.to_owned()));
+        }
+        let Some(element) = root.child("CoSimulation") else { return Err(ImportProblem::NoCoSimulation) };
+        let declared = declared_types(file, root)?;
+        let mut variables = root
+            .list("ModelVariables", "ScalarVariable")
+            .map(|element| scalar_variable(file, element, &declared))
+            .collect::<Result<Vec<_>, _>>()?;
+        check_names(file, root, &variables)?;
+        dependencies(file, root, &mut variables)?;
+        Ok(Self {
+            model_name: root.attribute("modelName").unwrap_or_default().to_owned(),
+            guid: file.required(root, "guid")?.to_owned(),
+            generation_tool: root.attribute("generationTool").map(str::to_owned),
+            co_simulation: co_simulation(file, element)?,
+            units: read_units(file, root.list("UnitDefinitions", "Unit"))?,
+            log_categories: root
+                .list("LogCategories", "Category")
+                .filter_map(|category| category.attribute("name").map(str::to_owned))
+                .collect(),
+            experiment: experiment(file, root)?,
+            variables,
+        })
+    }
+
+    /// The position of the variable `name`.
+    pub fn position(&self, name: &str) -> Option<usize> {
+        self.variables.iter().position(|variable| variable.name == name)
+    }
+
+    /// The unit of a variable: only its name where the FMU does not define it.
+    pub fn unit(&self, variable: &ScalarVariable) -> Option<Unit> {
+        let name = variable.unit.as_ref()?;
+        let defined = self.units.iter().find(|unit| unit.name == *name);
+        Some(defined.cloned().unwrap_or_else(|| Unit::named(name)))
+    }
+}
+
+fn co_simulation(file: &XmlFile, element: &Element) -> Result<CoSimulation, InputError> {
+    let flag = |name: &str| Ok::<bool, InputError>(file.boolean(element, name)?.unwrap_or(false));
+    Ok(CoSimulation {
+        model_identifier: file.required(element, "modelIdentifier")?.to_owned(),
+        needs_execution_tool: flag("needsExecutionTool")?,
+        variable_step: flag("canHandleVariableCommunicationStepSize")?,
+        interpolates_inputs: flag("canInterpolateInputs")?,
+        output_derivative_order: file.number(element, "maxOutputDerivativeOrder")?.unwrap_or(0),
+        once_per_process: flag("canBeInstantiatedOnlyOncePerProcess")?,
+        saves_state: flag("canGetAndSetFMUstate")?,
+        serializes_state: flag("canSerializeFMUstate")?,
+        directional_derivatives: flag("providesDirectionalDerivative")?,
+    })
+}
+
+fn experiment(file: &XmlFile, root: &Element) -> Result<Experiment, InputError> {
+    let Some(element) = root.child("DefaultExperiment") else { return Ok(Experiment::default()) };
+    Ok(Experiment {
+        start: file.number(element, "startTime")?,
+        stop: file.number(element, "stopTime")?,
+        tolerance: file.number(element, "tolerance")?,
+        step: file.number(element, "stepSize")?,
+    })
+}
+
+fn declared_types(file: &XmlFile, root: &Element) -> Result<BTreeMap<String, DeclaredType>, InputError> {
+    let mut types = BTreeMap::new();
+    for element in root.list("TypeDefinitions", "SimpleType") {
+        let mut declared = DeclaredType::default();
+        if let Some(real) = element.child("Real") {
+            declared.unit = real.attribute("unit").map(str::to_owned);
+        }
+        for item in element.list("Enumeration", "Item") {
+            let value = file.number(item, "value")?.unwrap_or_default();
+            declared.items.push((file.required(item, "name")?.to_owned(), value));
+        }
+        types.insert(file.required(element, "name")?.to_owned(), declared);
+    }
+    Ok(types)
+}
+
+fn scalar_variable(
+    file: &XmlFile,
+    element: &Element,
+    declared: &BTreeMap<String, DeclaredType>,
+) -> Result<ScalarVariable, InputError> {
+    let name = file.required(element, "name")?.to_owned();
+    file.required(element, "valueReference")?;
+    let causality = match element.attribute("causality") {
+        Some("parameter") => Causality::Parameter,
+        Some("input") => Causality::Input,
+        Some("output") => Causality::Output,
+        None | Some("local" | "calculatedParameter" | "independent") => Causality::Local,
+        Some(_) => return Err(file.value_error(element, "causality", "a causality of FMI 2.0")),
+    };
+    let variability = match element.attribute("variability") {
+        Some("constant") => Variability::Constant,
+        Some("fixed") => Variability::Fixed,
+        Some("tunable") => Variability::Tunable,
+        Some("discrete") => Variability::Discrete,
+        None | Some("continuous") => Variability::Continuous,
+        Some(_) => return Err(file.value_error(element, "variability", "a variability of FMI 2.0")),
+    };
+    let types = ["Real", "Integer", "Boolean", "String", "Enumeration"];
+    let typed = element.children().iter().find(|child| types.contains(&child.name()));
+    let Some(typed) = typed else {
+        return Err(file.value_error(element, "name", "a variable with a type"));
+    };
+    let own = typed.attribute("declaredType").and_then(|name| declared.get(name)).cloned().unwrap_or_default();
+    Ok(ScalarVariable {
+        name,
+        reference: file.number(element, "valueReference")?.unwrap_or_default(),
+        description: element.attribute("description").map(str::to_owned),
+        causality,
+        variability,
+        kind: match typed.name() {
+            "Real" => TypeOfVariable::Real,
+            "Integer" => TypeOfVariable::Integer,
+            "Boolean" => TypeOfVariable::Boolean,
+            "String" => TypeOfVariable::String,
+            _ => TypeOfVariable::Enumeration(own.items),
+        },
+        unit: typed.attribute("unit").map(str::to_owned).or(own.unit),
+        start: typed.attribute("start").map(str::to_owned),
+        min: bound(typed, "min"),
+        max: bound(typed, "max"),
+        nominal: bound(typed, "nominal"),
+        depends_on: None,
+    })
+}
+
+/// Limits are only shown: exporters write infinities and other things there that are nobody's concern.
+fn bound(element: &Element, name: &str) -> Option<f64> {
+    element.attribute(name).and_then(|text| text.trim().parse().ok())
+}
+
+fn check_names(file: &XmlFile, root: &Element, variables: &[ScalarVariable]) -> Result<(), ImportProblem> {
+    let mut seen = BTreeSet::new();
+    for (variable, element) in variables.iter().zip(root.list("ModelVariables", "ScalarVariable")) {
+        if !seen.insert(variable.name.as_str()) {
+            return Err(file.value_error(element, "name", "a name that no other variable has").into());
+        }
+    }
+    Ok(())
+}
+
+/// Notes down on what outputs depend.
+fn dependencies(
+    file: &XmlFile,
+    root: &Element,
+    variables: &mut [ScalarVariable],
+) -> Result<(), InputError> {
+    let expected = "numbers of variables, from 1";
+    for unknown in root.all("ModelStructure").flat_map(|structure| structure.list("Outputs", "Unknown")) {
+        file.required(unknown, "index")?;
+        let index: u32 = file.number(unknown, "index")?.unwrap_or_default();
+        let position = (index as usize).checked_sub(1).filter(|position| *position < variables.len());
+        let Some(position) = position else { return Err(file.value_error(unknown, "index", expected)) };
+        let Some(text) = unknown.attribute("dependencies") else { continue };
+        let mut on = Vec::new();
+        for word in text.split_whitespace() {
+            let number: Option<usize> = word.parse().ok();
+            match number.and_then(|number| number.checked_sub(1)) {
+                Some(other) if other < variables.len() => on.push(other),
+                _ => return Err(file.value_error(unknown, "dependencies", expected)),
+            }
+        }
+        variables[position].depends_on = Some(on);
+    }
+    Ok(())
+}

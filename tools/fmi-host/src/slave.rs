@@ -1,0 +1,472 @@
+//! An instance of an FMU as a slave of the master.
+
+use std::sync::Arc;
+
+use stickslip::cosim::{
+    self, Abilities, Causality, Kind, Setup, Severity, SlaveError, Stepped, Variable,
+};
+
+use crate::binding::Status;
+use crate::component::{Error, Slave, State};
+use crate::description::{ModelDescription, TypeOfVariable};
+use crate::import::{Fmu, Lone};
+use crate::log::Log;
+
+/// An instance in this process.
+#[derive(Debug)]
+pub struct FmuSlave {
+    name: String,
+    slave: Slave,
+    table: Vec<Variable>,
+    abilities: Abilities,
+    slots: Vec<Option<State>>,
+    /// Value references and whole numbers of a call.
+    references: Vec<u32>,
+    others: Vec<u32>,
+    numbers: Vec<i32>,
+    /// An earlier call made it useless.
+    lost: Option<Severity>,
+    fmu: Arc<Fmu>,
+    _lone: Option<Lone>,
+}
+
+/// The variables that are numbers, in the order of the description, as the master sees them.
+pub(crate) fn table(description: &ModelDescription) -> Vec<Variable> {
+    // Positions in the description become positions in the table, which has no texts.
+    let mut positions = Vec::new();
+    let mut next = 0;
+    for variable in &description.variables {
+        positions.push(next);
+        next += usize::from(variable.kind != TypeOfVariable::String);
+    }
+    let rows = description.variables.iter().filter(|variable| variable.kind != TypeOfVariable::String);
+    rows.map(|variable| Variable {
+        name: variable.name.clone(),
+        reference: variable.reference,
+        kind: match variable.kind {
+            TypeOfVariable::Boolean => Kind::Boolean,
+            TypeOfVariable::Integer | TypeOfVariable::Enumeration(_) => Kind::Integer,
+            _ => Kind::Real,
+        },
+        causality: variable.causality,
+        unit: variable.unit.clone(),
+        start: variable.start.as_deref().and_then(start_number),
+        depends_on: variable.depends_on.as_ref().filter(|_| variable.causality == Causality::Output).map(
+            |on| {
+                let numbers = on.iter().filter(|other| {
+                    let other = &description.variables[**other];
+                    other.causality == Causality::Input && other.kind != TypeOfVariable::String
+                });
+                numbers.map(|other| positions[*other]).collect()
+            },
+        ),
+    })
+    .collect()
+}
+
+fn start_number(text: &str) -> Option<f64> {
+    match text.trim() {
+        "true" => Some(1.0),
+        "false" => Some(0.0),
+        other => other.parse().ok(),
+    }
+}
+
+/// What an FMU can do for the master.
+pub(crate) fn abilities(description: &ModelDescription) -> Abilities {
+    let own = &description.co_simulation;
+    Abilities {
+        saves_state: own.saves_state,
+        variable_step: own.variable_step,
+        interpolates_inputs: own.interpolates_inputs,
+        output_derivative_order: own.output_derivative_order,
+        directional_derivatives: own.directional_derivatives,
+    }
+}
+
+/// Categories that say why something failed: all that is asked for, where the FMU has them.
+const TELLING: [&str; 4] = ["logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal"];
+
+impl FmuSlave {
+    pub(crate) fn new(fmu: Arc<Fmu>, name: &str, mut slave: Slave, lone: Option<Lone>) -> Self {
+        let description = fmu.description();
+        let telling: Vec<String> =
+            description.log_categories.iter().filter(|name| TELLING.contains(&name.as_str())).cloned().collect();
+        if !telling.is_empty() {
+            // Everything is on already: an FMU that cannot choose only says more.
+            let _ = slave.log_categories(&telling);
+        }
+        Self {
+            name: name.to_owned(),
+            table: table(description),
+            abilities: abilities(description),
+            slave,
+            slots: Vec::new(),
+            references: Vec::new(),
+            others: Vec::new(),
+            numbers: Vec::new(),
+            lost: None,
+            fmu,
+            _lone: lone,
+        }
+    }
+
+    /// What it says.
+    pub fn log(&self) -> &Arc<Log> {
+        self.slave.log()
+    }
+
+    /// The FMU it is an instance of.
+    pub fn fmu(&self) -> &Arc<Fmu> {
+        &self.fmu
+    }
+
+    /// Sets a String variable, which the master does not know.
+    ///
+    /// # Errors
+    /// A variable that is no String, and what the FMU objects to.
+    pub fn set_text(&mut self, variable: &str, text: &str) -> Result<(), SlaveError> {
+        let rows = &self.fmu.description().variables;
+        let row = rows.iter().find(|row| row.name == variable && row.kind == TypeOfVariable::String);
+        let Some(row) = row else { return Err(self.refused(format!("`{variable}` is no String"))) };
+        let reference = row.reference;
+        let done = self.slave.set_string(reference, text);
+        done.map_err(|error| self.failed(error, || format!("setting `{variable}` to {text:?}")))
+    }
+
+    /// The value of a String variable.
+    ///
+    /// # Errors
+    /// As [`FmuSlave::set_text`].
+    pub fn text(&mut self, variable: &str) -> Result<String, SlaveError> {
+        let rows = &self.fmu.description().variables;
+        let row = rows.iter().find(|row| row.name == variable && row.kind == TypeOfVariable::String);
+        let Some(row) = row else { return Err(self.refused(format!("`{variable}` is no String"))) };
+        let reference = row.reference;
+        self.slave.get_string(reference).map_err(|error| self.failed(error, || format!("reading `{variable}`")))
+    }
+
+    /// The state in slot `slot` as bytes, with which another process can go on.
+    ///
+    /// # Errors
+    /// An empty slot, an FMU that cannot, and what it objects to.
+    pub fn serialized(&mut self, slot: usize) -> Result<Vec<u8>, SlaveError> {
+        let Some(state) = self.slots.get(slot).and_then(Option::as_ref) else {
+            return Err(self.refused(format!("nothing was saved in slot {slot}")));
+        };
+        let bytes = self.slave.serialize(state);
+        bytes.map_err(|error| self.failed(error, || "writing a saved state as bytes".to_owned()))
+    }
+
+    /// Puts a state that was written as bytes in slot `slot`.
+    ///
+    /// # Errors
+    /// What the FMU objects to.
+    pub fn deserialize(&mut self, slot: usize, bytes: &[u8]) -> Result<(), SlaveError> {
+        let state = self.slave.deserialize(bytes);
+        let state =
+            state.map_err(|error| self.failed(error, || "reading a saved state from bytes".to_owned()))?;
+        if let Some(old) = self.slot(slot).replace(state) {
+            let _ = self.slave.free(old);
+        }
+        Ok(())
+    }
+
+    fn slot(&mut self, slot: usize) -> &mut Option<State> {
+        if self.slots.len() <= slot {
+            self.slots.resize_with(slot + 1, || None);
+        }
+        &mut self.slots[slot]
+    }
+
+    /// A call that was not even tried.
+    fn refused(&self, message: String) -> SlaveError {
+        SlaveError { slave: self.name.clone(), message, severity: Severity::Call }
+    }
+
+    /// A call that failed; `what` says what was being done.
+    fn failed(&mut self, error: Error, what: impl FnOnce() -> String) -> SlaveError {
+        let severity = match &error {
+            Error::Call { status: Status::Fatal, .. } => Severity::Fatal,
+            Error::Call { status: Status::Discard, .. } => Severity::Call,
+            Error::Call { .. } => Severity::Slave,
+            _ => Severity::Call,
+        };
+        if severity != Severity::Call {
+            self.lost = self.lost.max_with(severity);
+        }
+        let mut message = format!("{} ({}): {error}", what(), self.fmu.name());
+        if let Some(words) = self.slave.log().take_failure() {
+            message.push_str("; the FMU says: ");
+            message.push_str(&words);
+        }
+        SlaveError { slave: self.name.clone(), message, severity }
+    }
+
+    /// Names of variables for a message.
+    fn named(&self, variables: &[usize]) -> String {
+        let mut text = String::new();
+        for (index, variable) in variables.iter().enumerate() {
+            if index == 6 {
+                text += &format!(" and {} more", variables.len() - index);
+                break;
+            }
+            let name = self.table.get(*variable).map_or("?", |row| row.name.as_str());
+            text += if index == 0 { "`" } else { ", `" };
+            text += name;
+            text += "`";
+        }
+        text
+    }
+
+    /// The first of `variables` and those after it that are of one kind; their references are noted down.
+    #[inline]
+    fn run(&mut self, variables: &[usize]) -> Result<(Kind, usize), SlaveError> {
+        self.references.clear();
+        let mut kind = None;
+        for variable in variables {
+            let Some(row) = self.table.get(*variable) else {
+                let message = format!("there is no variable number {variable}");
+                return Err(SlaveError { slave: self.name.clone(), message, severity: Severity::Call });
+            };
+            if *kind.get_or_insert(row.kind) != row.kind {
+                break;
+            }
+            self.references.push(row.reference);
+        }
+        Ok((kind.unwrap_or(Kind::Real), self.references.len()))
+    }
+
+    /// Whole numbers for variables of `kind`.
+    fn whole(&mut self, kind: Kind, variables: &[usize], values: &[f64]) -> Result<(), SlaveError> {
+        self.numbers.clear();
+        for (variable, value) in variables.iter().zip(values) {
+            let fits = *value == value.trunc() && value.abs() <= f64::from(i32::MAX);
+            self.numbers.push(match kind {
+                Kind::Boolean => i32::from(*value != 0.0),
+                _ if fits => *value as i32,
+                _ => {
+                    let name = self.named(&[*variable]);
+                    return Err(self.refused(format!("{name} is a whole number and cannot be {value}")));
+                }
+            });
+        }
+        Ok(())
+    }
+
+    fn references_of(&mut self, variables: &[usize]) -> Result<(), SlaveError> {
+        let (_, count) = self.run(variables)?;
+        if count == variables.len() && variables.iter().all(|variable| self.table[*variable].kind == Kind::Real) {
+            return Ok(());
+        }
+        Err(self.refused(format!("{}: not all are Real, and only those have derivatives", self.named(variables))))
+    }
+}
+
+/// The worse of two.
+trait MaxWith {
+    fn max_with(self, other: Severity) -> Self;
+}
+
+impl MaxWith for Option<Severity> {
+    fn max_with(self, other: Severity) -> Self {
+        if self == Some(Severity::Fatal) { self } else { Some(other) }
+    }
+}
+
+impl cosim::Slave for FmuSlave {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn variables(&self) -> &[Variable] {
+        &self.table
+    }
+
+    fn abilities(&self) -> Abilities {
+        self.abilities
+    }
+
+    fn set_up(&mut self, setup: Setup) -> Result<(), SlaveError> {
+        let done = self.slave.set_up_until(setup.tolerance, setup.start, setup.stop);
+        done.map_err(|error| self.failed(error, || "being set up".to_owned()))
+    }
+
+    fn enter_initialization(&mut self) -> Result<(), SlaveError> {
+        let done = self.slave.enter_initialization();
+        done.map_err(|error| self.failed(error, || "entering its initialization".to_owned()))
+    }
+
+    fn exit_initialization(&mut self) -> Result<(), SlaveError> {
+        let done = self.slave.exit_initialization();
+        done.map_err(|error| self.failed(error, || "leaving its initialization".to_owned()))
+    }
+
+    fn set(&mut self, variables: &[usize], values: &[f64]) -> Result<(), SlaveError> {
+        if variables.len() != values.len() {
+            return Err(self.refused(format!("{} variables, but {} values", variables.len(), values.len())));
+        }
+        let mut at = 0;
+        while at < variables.len() {
+            let (kind, count) = self.run(&variables[at..])?;
+            let (these, numbers) = (&variables[at..at + count], &values[at..at + count]);
+            let done = if kind == Kind::Real {
+                self.slave.set_real(&self.references, numbers)
+            } else {
+                self.whole(kind, these, numbers)?;
+                match kind {
+                    Kind::Boolean => self.slave.set_boolean(&self.references, &self.numbers),
+                    _ => self.slave.set_integer(&self.references, &self.numbers),
+                }
+            };
+            if let Err(error) = done {
+                let (names, shown) = (self.named(these), &numbers[..numbers.len().min(6)]);
+                return Err(self.failed(error, || format!("setting {names} to {shown:?}")));
+            }
+            at += count;
+        }
+        Ok(())
+    }
+
+    fn get(&mut self, variables: &[usize], values: &mut [f64]) -> Result<(), SlaveError> {
+        if variables.len() != values.len() {
+            return Err(self.refused(format!("{} variables, but {} values", variables.len(), values.len())));
+        }
+        let mut at = 0;
+        while at < variables.len() {
+            let (kind, count) = self.run(&variables[at..])?;
+            let these = &variables[at..at + count];
+            let numbers = &mut values[at..at + count];
+            let done = if kind == Kind::Real {
+                self.slave.get_real(&self.references, numbers)
+            } else {
+                self.numbers.clear();
+                self.numbers.resize(count, 0);
+                let done = match kind {
+                    Kind::Boolean => self.slave.get_boolean(&self.references, &mut self.numbers),
+                    _ => self.slave.get_integer(&self.references, &mut self.numbers),
+                };
+                for (value, number) in numbers.iter_mut().zip(&self.numbers) {
+                    // Any number but zero is true.
+                    *value = if kind == Kind::Boolean { f64::from(u8::from(*number != 0)) } else { f64::from(*number) };
+                }
+                done
+            };
+            if let Err(error) = done {
+                let names = self.named(these);
+                return Err(self.failed(error, || format!("reading {names}")));
+            }
+            at += count;
+        }
+        Ok(())
+    }
+
+    fn set_input_derivatives(&mut self, variables: &[usize], derivatives: &[f64]) -> Result<(), SlaveError> {
+        self.references_of(variables)?;
+        self.numbers.clear();
+        self.numbers.resize(variables.len(), 1);
+        let done = self.slave.set_input_derivatives(&self.references, &self.numbers, derivatives);
+        done.map_err(|error| {
+            let names = self.named(variables);
+            self.failed(error, || format!("setting derivatives of {names}"))
+        })
+    }
+
+    fn output_derivatives(
+        &mut self,
+        variables: &[usize],
+        order: u32,
+        derivatives: &mut [f64],
+    ) -> Result<(), SlaveError> {
+        self.references_of(variables)?;
+        self.numbers.clear();
+        self.numbers.resize(variables.len(), order.cast_signed());
+        let done = self.slave.get_output_derivatives(&self.references, &self.numbers, derivatives);
+        done.map_err(|error| {
+            let names = self.named(variables);
+            self.failed(error, || format!("reading derivatives of {names}"))
+        })
+    }
+
+    fn directional_derivative(
+        &mut self,
+        unknowns: &[usize],
+        knowns: &[usize],
+        direction: &[f64],
+        change: &mut [f64],
+    ) -> Result<(), SlaveError> {
+        self.references_of(unknowns)?;
+        std::mem::swap(&mut self.references, &mut self.others);
+        self.references_of(knowns)?;
+        let done = self.slave.directional_derivative(&self.others, &self.references, direction, change);
+        done.map_err(|error| {
+            let (of, on) = (self.named(unknowns), self.named(knowns));
+            self.failed(error, || format!("the derivative of {of} with respect to {on}"))
+        })
+    }
+
+    fn do_step(&mut self, time: f64, step: f64) -> Result<Stepped, SlaveError> {
+        let done = if self.abilities.saves_state {
+            self.slave.do_step(time, step)
+        } else {
+            self.slave.do_final_step(time, step)
+        };
+        let what = || format!("the step from {time} s to {} s", time + step);
+        match done {
+            Ok(()) => Ok(Stepped::Done),
+            Err(Error::Call { status: Status::Discard, .. }) => {
+                if self.slave.wants_to_end().unwrap_or(false) {
+                    let words = self.slave.log().take_failure().map_or_else(String::new, |words| format!(": {words}"));
+                    let message = format!("{} ({}): the FMU asks for the end of the simulation{words}", what(), self.fmu.name());
+                    return Err(SlaveError { slave: self.name.clone(), message, severity: Severity::Slave });
+                }
+                // An FMU that does not tell how far it came is taken not to have come anywhere.
+                let reached = self.slave.last_successful_time().ok().filter(|reached| reached.is_finite());
+                Ok(Stepped::Discarded(reached.map_or(time, |reached| reached.clamp(time, time + step))))
+            }
+            Err(error) => Err(self.failed(error, what)),
+        }
+    }
+
+    fn save(&mut self, slot: usize) -> Result<(), SlaveError> {
+        let saved = match self.slot(slot).take() {
+            Some(mut state) => {
+                let saved = self.slave.save_again(&mut state);
+                *self.slot(slot) = Some(state);
+                saved
+            }
+            None => self.slave.save().map(|state| *self.slot(slot) = Some(state)),
+        };
+        saved.map_err(|error| self.failed(error, || "saving its state".to_owned()))
+    }
+
+    fn restore(&mut self, slot: usize) -> Result<(), SlaveError> {
+        let Some(state) = self.slots.get(slot).and_then(Option::as_ref) else {
+            return Err(self.refused(format!("nothing was saved in slot {slot}")));
+        };
+        let done = self.slave.restore(state);
+        done.map_err(|error| self.failed(error, || "going back to a saved state".to_owned()))?;
+        if self.lost == Some(Severity::Slave) {
+            self.lost = None;
+        }
+        Ok(())
+    }
+
+    fn terminate(&mut self) -> Result<(), SlaveError> {
+        // FMI: not after an error.
+        if self.lost.is_some() {
+            return Ok(());
+        }
+        let done = self.slave.terminate();
+        done.map_err(|error| self.failed(error, || "being ended".to_owned()))
+    }
+}
+
+impl Drop for FmuSlave {
+    fn drop(&mut self) {
+        for state in self.slots.drain(..).flatten() {
+            // After a fatal error this fails, and leaks.
+            let _ = self.slave.free(state);
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! System structures of SSP 1.0: which FMUs make a system, how they are connected, what their parameters are.
+//!
+//! [`read`] takes an `.ssp` package or a bare `.ssd` file. Nested systems are flattened: the component `beam` in the
+//! system `rig` is called `rig.beam`, and a chain of connections through the systems' connectors becomes one
+//! [`Route`]. [`Outline::package`] writes a package.
+
+mod flatten;
+mod outline;
+mod parameters;
+mod parse;
+mod problem;
+mod route;
+
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+pub use outline::{Outline, OutlineComponent, OutlineConnection, OutlineConnector, OutlineParameter};
+pub use problem::SspProblem;
+pub use route::Route;
+
+use crate::archive::{self, Limits};
+use crate::error::{InputError, Problem};
+use crate::units::{Linear, Unit};
+use crate::xml::XmlFile;
+
+/// A system of FMUs.
+#[derive(Debug)]
+pub struct SystemStructure {
+    /// Its name.
+    pub name: String,
+    /// The FMUs.
+    pub components: Vec<Component>,
+    /// What leads from outputs to inputs.
+    pub connections: Vec<Connection>,
+    /// Inputs of the system as a whole.
+    pub inputs: Vec<SystemInput>,
+    /// Outputs of the system as a whole.
+    pub outputs: Vec<SystemOutput>,
+    /// Values to set before the initialization; where two set one variable, the later one holds.
+    pub parameters: Vec<Parameter>,
+    /// Start (s), where the file proposes one.
+    pub start: Option<f64>,
+    /// Stop (s), where the file proposes one.
+    pub stop: Option<f64>,
+    /// What the user should know: elements that were left aside, parameters that belong to nothing.
+    pub remarks: Vec<String>,
+    /// Keeps the unpacked files.
+    _folder: Option<TempDir>,
+}
+
+/// An FMU in the system.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Component {
+    /// Its name, with those of the systems around it: `rig.beam`.
+    pub name: String,
+    /// The file.
+    pub file: PathBuf,
+    /// The file as the description names it.
+    pub source: String,
+    /// `file:line` where it is described.
+    pub place: String,
+}
+
+/// A connector of a component.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct End {
+    /// Position of the component.
+    pub component: usize,
+    /// Name of the connector, which is the name of a variable of the FMU.
+    pub variable: String,
+}
+
+/// From an output to an input.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Connection {
+    /// The output.
+    pub from: End,
+    /// The input.
+    pub to: End,
+    /// What happens to the value.
+    pub route: Route,
+    /// `file:line` where it is described.
+    pub place: String,
+}
+
+/// An input of the system.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SystemInput {
+    /// Its name.
+    pub name: String,
+    /// The inputs of components it leads to.
+    pub targets: Vec<(End, Route)>,
+}
+
+/// An output of the system.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SystemOutput {
+    /// Its name.
+    pub name: String,
+    /// Where its value comes from.
+    pub from: End,
+    /// What happens to the value.
+    pub route: Route,
+}
+
+/// A value to be set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Which variable.
+    pub target: End,
+    /// Its value.
+    pub value: Value,
+    /// The unit of a Real where the file tells it and wants it converted.
+    pub unit: Option<Unit>,
+    /// What happens to a number after its unit is converted.
+    pub transformation: Linear,
+    /// `file:line` where it is given.
+    pub place: String,
+}
+
+/// A value of a parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// Real.
+    Real(f64),
+    /// Integer, or an item of an enumeration.
+    Integer(i32),
+    /// Boolean.
+    Boolean(bool),
+    /// String.
+    Text(String),
+}
+
+/// Name of the description inside a package.
+const STRUCTURE: &str = "SystemStructure.ssd";
+
+/// Reads the package (`.ssp`) or description (`.ssd`) at `path`. Files it names are looked up beside the description;
+/// a package's must be inside it.
+///
+/// # Errors
+/// Archives and files that are damaged or not SSP 1.x, and [`SspProblem`].
+pub fn read(path: impl AsRef<Path>) -> Result<SystemStructure, InputError> {
+    let path = path.as_ref();
+    let whole = |problem: Problem| InputError {
+        path: path.to_owned(),
+        excerpt: None,
+        problem: Box::new(problem),
+    };
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ssd")) {
+        let file = XmlFile::read(path)?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        return parse::structure(&file, &parse::Files { folder, named: path.to_owned(), closed: false }, None);
+    }
+    let unpacked = archive::unpack(path, Limits::default()).map_err(|problem| whole(problem.into()))?;
+    let inner = unpacked.path().join(STRUCTURE);
+    if !inner.is_file() {
+        return Err(whole(SspProblem::NoStructure.into()));
+    }
+    let bytes = std::fs::read(&inner).map_err(|error| {
+        whole(Problem::Unreadable { what: STRUCTURE.to_owned(), reason: error.to_string() })
+    })?;
+    let file = XmlFile::from_bytes(&path.join(STRUCTURE), bytes)?;
+    let files =
+        parse::Files { folder: unpacked.path().to_owned(), named: path.join(STRUCTURE), closed: true };
+    parse::structure(&file, &files, Some(unpacked))
+}

@@ -1,0 +1,84 @@
+//! What keeps a system structure from being simulated.
+
+use thiserror::Error;
+
+use crate::units::UnitMismatch;
+
+/// What can be wrong with a system structure.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SspProblem {
+    /// A package without its description.
+    #[error("there is no `SystemStructure.ssd` in the package")]
+    NoStructure,
+    /// Another version of SSP.
+    #[error("the file is of SSP version `{0}`; versions 1.x are read")]
+    Version(String),
+    /// Two things of one name.
+    #[error("{what} `{name}` is there twice")]
+    Twice {
+        /// `the element`, `the connector`.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// An element that a connection names and the system does not have.
+    #[error("there is no element `{0}` in the system")]
+    UnknownElement(String),
+    /// A connector that a connection names and the element does not have.
+    #[error("{element} has no connector `{connector}`")]
+    UnknownConnector {
+        /// `the system` or the element's name.
+        element: String,
+        /// The connector.
+        connector: String,
+    },
+    /// Neither or both of the ends give a value.
+    #[error("the connection between `{start}` and `{end}` does not lead from an output to an input")]
+    Direction {
+        /// One end.
+        start: String,
+        /// The other.
+        end: String,
+    },
+    /// Two connections that set one input.
+    #[error("`{0}` is set by two connections")]
+    TwoSources(String),
+    /// Connections in a circle that no component is in.
+    #[error("the value of `{0}` comes from itself")]
+    Circle(String),
+    /// Something of SSP that is not done here.
+    #[error("{0} are not supported")]
+    Unsupported(String),
+    /// A file that the description names.
+    #[error("`{source_uri}` cannot be used: {reason}")]
+    Source {
+        /// As it is named.
+        source_uri: String,
+        /// Why.
+        reason: String,
+    },
+    /// A unit that the file does not define.
+    #[error("the unit `{0}` is not among the units of the file")]
+    UnknownUnit(String),
+    /// Units that do not fit.
+    #[error(transparent)]
+    Unit(#[from] UnitMismatch),
+    /// An item that its enumeration does not have.
+    #[error("no enumeration has the item `{0}`")]
+    UnknownItem(String),
+}
+
+impl SspProblem {
+    /// What would be right, if there is more to say.
+    pub fn help(&self) -> Option<String> {
+        let help = match self {
+            SspProblem::NoStructure => "an .ssp file is a zip archive with that file at its top",
+            SspProblem::Unit(_) => {
+                "write suppressUnitConversion=\"true\" and a LinearTransformation if the numbers are meant as they are"
+            }
+            SspProblem::TwoSources(_) => "forces of several contacts need an input each, or a component that adds them",
+            _ => return None,
+        };
+        Some(help.to_owned())
+    }
+}

@@ -1,0 +1,151 @@
+//! Units as FMI 2.0 and SSP 1.0 define them: exponents of the base units, a factor and an offset.
+
+use thiserror::Error;
+
+use crate::error::InputError;
+use crate::xml::{Element, XmlFile};
+
+/// Names of the base units, in the order of [`Unit::exponents`].
+pub const BASE_UNITS: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
+
+/// A unit. A value in it is `factor · value + offset` in base units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unit {
+    /// Its name.
+    pub name: String,
+    /// Exponents of [`BASE_UNITS`]; absent where only the name is known.
+    pub exponents: Option<[i32; 8]>,
+    /// Base units in one of it.
+    pub factor: f64,
+    /// Its zero in base units.
+    pub offset: f64,
+}
+
+/// Values of one unit turned into values of another: `factor · value + offset`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Linear {
+    /// Factor.
+    pub factor: f64,
+    /// Offset, in the unit of the result.
+    pub offset: f64,
+}
+
+impl Linear {
+    /// What changes nothing.
+    pub const IDENTITY: Self = Self { factor: 1.0, offset: 0.0 };
+
+    /// `self`, then `next`.
+    pub fn then(self, next: Self) -> Self {
+        Self { factor: next.factor * self.factor, offset: next.factor * self.offset + next.offset }
+    }
+
+    /// Of a value.
+    pub fn apply(self, value: f64) -> f64 {
+        self.factor * value + self.offset
+    }
+}
+
+/// Two units between which nothing converts.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum UnitMismatch {
+    /// One is a length and the other a time, so to speak.
+    #[error("`{from}` cannot be converted to `{to}`: they measure different things")]
+    Dimension {
+        /// The unit there is.
+        from: String,
+        /// The unit there should be.
+        to: String,
+    },
+    /// Different names, of which at least one is not defined by base units.
+    #[error("`{from}` cannot be converted to `{to}`: not both are defined by base units")]
+    Undefined {
+        /// The unit there is.
+        from: String,
+        /// The unit there should be.
+        to: String,
+    },
+}
+
+impl Unit {
+    /// A unit of which only the name is known.
+    pub fn named(name: &str) -> Self {
+        Self { name: name.to_owned(), exponents: None, factor: 1.0, offset: 0.0 }
+    }
+
+    /// How values of this unit become values of `to`.
+    ///
+    /// # Errors
+    /// Units of different dimensions, or of different names without definitions.
+    pub fn conversion(&self, to: &Unit) -> Result<Linear, UnitMismatch> {
+        let (from, target) = (self.name.clone(), to.name.clone());
+        match (self.exponents, to.exponents) {
+            // Two files may define one name with factors that differ in the last digit.
+            (Some(own), Some(other)) if own == other && self.factor == to.factor && self.offset == to.offset => {
+                Ok(Linear::IDENTITY)
+            }
+            (Some(own), Some(other)) if own == other => Ok(Linear {
+                factor: self.factor / to.factor,
+                offset: (self.offset - to.offset) / to.factor,
+            }),
+            (Some(_), Some(_)) => Err(UnitMismatch::Dimension { from, to: target }),
+            _ if self.name == to.name => Ok(Linear::IDENTITY),
+            _ => Err(UnitMismatch::Undefined { from, to: target }),
+        }
+    }
+}
+
+/// The units that the elements `Unit` of `list` define.
+///
+/// # Errors
+/// A unit without a name, or with something else than numbers; a factor of zero.
+pub fn read_units<'e>(
+    file: &XmlFile,
+    list: impl IntoIterator<Item = &'e Element>,
+) -> Result<Vec<Unit>, InputError> {
+    list.into_iter()
+        .map(|element| {
+            let name = file.required(element, "name")?.to_owned();
+            let Some(base) = element.child("BaseUnit") else { return Ok(Unit::named(&name)) };
+            let mut exponents = [0; 8];
+            for (exponent, unit) in exponents.iter_mut().zip(BASE_UNITS) {
+                *exponent = file.number(base, unit)?.unwrap_or(0);
+            }
+            let factor = file.number(base, "factor")?.unwrap_or(1.0);
+            if factor == 0.0 {
+                return Err(file.value_error(base, "factor", "a number other than zero"));
+            }
+            let offset = file.number(base, "offset")?.unwrap_or(0.0);
+            Ok(Unit { name, exponents: Some(exponents), factor, offset })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unit(name: &str, exponents: [i32; 8], factor: f64, offset: f64) -> Unit {
+        Unit { name: name.to_owned(), exponents: Some(exponents), factor, offset }
+    }
+
+    #[test]
+    fn values_keep_their_meaning_and_there_and_back_is_the_identity() {
+        let kelvin = [0, 0, 0, 0, 1, 0, 0, 0];
+        let celsius = unit("degC", kelvin, 1.0, 273.15);
+        let fahrenheit = unit("degF", kelvin, 5.0 / 9.0, 459.67 * 5.0 / 9.0);
+        let there = celsius.conversion(&fahrenheit).unwrap();
+        assert!((there.apply(100.0) - 212.0).abs() < 1e-10);
+        assert!((there.apply(-40.0) + 40.0).abs() < 1e-10);
+        let back = there.then(fahrenheit.conversion(&celsius).unwrap());
+        assert!((back.factor - 1.0).abs() < 1e-15 && back.offset.abs() < 1e-12);
+    }
+
+    #[test]
+    fn different_dimensions_do_not_convert() {
+        let metre = unit("m", [0, 1, 0, 0, 0, 0, 0, 0], 1.0, 0.0);
+        let second = unit("s", [0, 0, 1, 0, 0, 0, 0, 0], 1.0, 0.0);
+        assert!(matches!(metre.conversion(&second), Err(UnitMismatch::Dimension { .. })));
+        assert!(matches!(metre.conversion(&Unit::named("inch")), Err(UnitMismatch::Undefined { .. })));
+        assert_eq!(Unit::named("inch").conversion(&Unit::named("inch")), Ok(Linear::IDENTITY));
+    }
+}

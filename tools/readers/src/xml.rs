@@ -1,0 +1,360 @@
+//! XML files as trees whose elements know their place, for errors that point at the line.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::Path;
+use std::str::FromStr;
+
+use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Reader, XmlVersion};
+use thiserror::Error;
+
+use crate::error::{InputError, Problem};
+use crate::source::Source;
+
+/// What can be wrong with an XML file.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum XmlProblem {
+    /// Not XML.
+    #[error("not well-formed XML: {0}")]
+    Malformed(String),
+    /// Elements in elements without end.
+    #[error("elements are nested more than {0} deep")]
+    TooDeep(usize),
+    /// Another kind of file.
+    #[error("the root element is `{found}`, not `{expected}`")]
+    Root {
+        /// What it should be.
+        expected: &'static str,
+        /// What it is.
+        found: String,
+    },
+    /// An attribute that must be there.
+    #[error("`{element}` has no attribute `{attribute}`")]
+    MissingAttribute {
+        /// The element.
+        element: String,
+        /// The attribute.
+        attribute: &'static str,
+    },
+    /// An element that must be there.
+    #[error("`{element}` has no element `{child}`")]
+    MissingElement {
+        /// The element.
+        element: String,
+        /// What it lacks.
+        child: &'static str,
+    },
+    /// A value of another type.
+    #[error("`{attribute}=\"{text}\"` of `{element}` is not {expected}")]
+    Value {
+        /// The element.
+        element: String,
+        /// The attribute.
+        attribute: String,
+        /// Its value.
+        text: String,
+        /// What it should be.
+        expected: &'static str,
+    },
+}
+
+/// A parsed file.
+#[derive(Debug)]
+pub struct XmlFile {
+    source: Source,
+    root: Element,
+}
+
+/// An element: names without their namespace prefixes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Element {
+    name: String,
+    attributes: Vec<(String, String)>,
+    children: Vec<Element>,
+    span: Range<usize>,
+}
+
+/// No format that is read here nests anywhere near as deep.
+const DEEPEST: usize = 200;
+
+impl XmlFile {
+    /// Reads the file at `path`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is not UTF-8, or not well-formed.
+    pub fn read(path: &Path) -> Result<Self, InputError> {
+        Self::parse(Source::read(path)?)
+    }
+
+    /// Parses `bytes`, which errors call `path`.
+    ///
+    /// # Errors
+    /// As [`XmlFile::read`].
+    pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, InputError> {
+        Self::parse(Source::from_bytes(path, bytes)?)
+    }
+
+    fn parse(source: Source) -> Result<Self, InputError> {
+        let root = tree(source.text()).map_err(|(at, problem)| source.error(at..at + 1, problem.into()))?;
+        Ok(Self { source, root })
+    }
+
+    /// The root element, which must be called `name`.
+    ///
+    /// # Errors
+    /// [`XmlProblem::Root`].
+    pub fn root(&self, name: &'static str) -> Result<&Element, InputError> {
+        if self.root.name == name {
+            return Ok(&self.root);
+        }
+        let problem = XmlProblem::Root { expected: name, found: self.root.name.clone() };
+        Err(self.error(&self.root, problem))
+    }
+
+    /// An error about an element.
+    pub fn error(&self, element: &Element, problem: impl Into<Problem>) -> InputError {
+        self.source.error(element.span.clone(), problem.into())
+    }
+
+    /// `file:line` of an element, for remarks.
+    pub fn place(&self, element: &Element) -> String {
+        let name = self.source.path().file_name().unwrap_or_default().to_string_lossy().into_owned();
+        format!("{name}:{}", self.source.line(element.span.start))
+    }
+
+    /// The attribute `name` of `element`, which must be there.
+    ///
+    /// # Errors
+    /// [`XmlProblem::MissingAttribute`].
+    pub fn required<'e>(&self, element: &'e Element, name: &'static str) -> Result<&'e str, InputError> {
+        element.attribute(name).ok_or_else(|| {
+            self.error(
+                element,
+                XmlProblem::MissingAttribute { element: element.name.clone(), attribute: name },
+            )
+        })
+    }
+
+    /// The child `name` of `element`, which must be there.
+    ///
+    /// # Errors
+    /// [`XmlProblem::MissingElement`].
+    pub fn required_child<'e>(
+        &self,
+        element: &'e Element,
+        name: &'static str,
+    ) -> Result<&'e Element, InputError> {
+        element.child(name).ok_or_else(|| {
+            self.error(element, XmlProblem::MissingElement { element: element.name.clone(), child: name })
+        })
+    }
+
+    /// The attribute `name` as a number, if it is there.
+    ///
+    /// # Errors
+    /// [`XmlProblem::Value`].
+    pub fn number<T: Numeric>(&self, element: &Element, name: &str) -> Result<Option<T>, InputError> {
+        let Some(text) = element.attribute(name) else { return Ok(None) };
+        T::from_xml(text).map(Some).ok_or_else(|| self.value_error(element, name, T::EXPECTED))
+    }
+
+    /// The attribute `name` as true or false, if it is there.
+    ///
+    /// # Errors
+    /// [`XmlProblem::Value`].
+    pub fn boolean(&self, element: &Element, name: &str) -> Result<Option<bool>, InputError> {
+        let Some(text) = element.attribute(name) else { return Ok(None) };
+        truth(text).map(Some).ok_or_else(|| self.value_error(element, name, "true or false"))
+    }
+
+    /// An error about the value of an attribute.
+    pub fn value_error(&self, element: &Element, attribute: &str, expected: &'static str) -> InputError {
+        let problem = XmlProblem::Value {
+            element: element.name.clone(),
+            attribute: attribute.to_owned(),
+            text: element.attribute(attribute).unwrap_or_default().to_owned(),
+            expected,
+        };
+        self.error(element, problem)
+    }
+}
+
+/// `xs:boolean`.
+pub(crate) fn truth(text: &str) -> Option<bool> {
+    match text.trim() {
+        "true" | "1" => Some(true),
+        "false" | "0" => Some(false),
+        _ => None,
+    }
+}
+
+/// Numbers as XML Schema writes them.
+pub trait Numeric: Sized {
+    /// What was expected, for messages.
+    const EXPECTED: &'static str;
+
+    /// The number, if the text is one.
+    fn from_xml(text: &str) -> Option<Self>;
+}
+
+impl Numeric for f64 {
+    const EXPECTED: &'static str = "a finite number";
+
+    fn from_xml(text: &str) -> Option<Self> {
+        f64::from_str(text.trim()).ok().filter(|value| value.is_finite())
+    }
+}
+
+impl Numeric for i32 {
+    const EXPECTED: &'static str = "a whole number";
+
+    fn from_xml(text: &str) -> Option<Self> {
+        text.trim().parse().ok()
+    }
+}
+
+impl Numeric for u32 {
+    const EXPECTED: &'static str = "a whole number, not negative";
+
+    fn from_xml(text: &str) -> Option<Self> {
+        text.trim().parse().ok()
+    }
+}
+
+impl Element {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The value of an attribute.
+    pub fn attribute(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find(|(own, _)| own == name).map(|(_, value)| value.as_str())
+    }
+
+    /// Its elements.
+    pub fn children(&self) -> &[Element] {
+        &self.children
+    }
+
+    /// The first child of a name.
+    pub fn child(&self, name: &str) -> Option<&Element> {
+        self.children.iter().find(|child| child.name == name)
+    }
+
+    /// All children of a name.
+    pub fn all<'e>(&'e self, name: &'e str) -> impl Iterator<Item = &'e Element> {
+        self.children.iter().filter(move |child| child.name == name)
+    }
+
+    /// The children named `item` of the child named `list`.
+    pub fn list<'e>(&'e self, list: &'e str, item: &'e str) -> impl Iterator<Item = &'e Element> {
+        self.all(list).flat_map(move |list| list.all(item))
+    }
+}
+
+impl fmt::Display for Element {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "<{}>", self.name)
+    }
+}
+
+/// The root of `text`; errors with the byte they are about.
+fn tree(text: &str) -> Result<Element, (usize, XmlProblem)> {
+    let mut reader = Reader::from_str(text);
+    // Elements that have begun and not ended; the first stands for the file.
+    let mut open = vec![Element { name: String::new(), attributes: vec![], children: vec![], span: 0..0 }];
+    loop {
+        let start = position(reader.buffer_position(), text);
+        let malformed = |reason: String| (start, XmlProblem::Malformed(reason));
+        match reader.read_event().map_err(|error| {
+            (position(reader.error_position(), text), XmlProblem::Malformed(error.to_string()))
+        })? {
+            Event::Start(tag) => {
+                let end = position(reader.buffer_position(), text);
+                open.push(element(&tag, start..end).map_err(malformed)?);
+                if open.len() > DEEPEST {
+                    return Err((start, XmlProblem::TooDeep(DEEPEST)));
+                }
+            }
+            Event::Empty(tag) => {
+                let end = position(reader.buffer_position(), text);
+                let element = element(&tag, start..end).map_err(malformed)?;
+                if let Some(parent) = open.last_mut() {
+                    parent.children.push(element);
+                }
+            }
+            // The reader has checked that it closes what is open.
+            Event::End(_) => {
+                if let Some(element) = open.pop()
+                    && let Some(parent) = open.last_mut()
+                {
+                    parent.children.push(element);
+                }
+            }
+            Event::Eof => break,
+            _ => {}
+        }
+    }
+    let end = text.len();
+    match open.pop() {
+        Some(mut file) if open.is_empty() => match (file.children.pop(), file.children.is_empty()) {
+            (Some(root), true) => Ok(root),
+            (None, _) => Err((0, XmlProblem::Malformed("there is no element".to_owned()))),
+            _ => Err((end, XmlProblem::Malformed("there is more than one root element".to_owned()))),
+        },
+        Some(unclosed) => {
+            let reason = format!("`{}` is not closed", unclosed.name);
+            Err((unclosed.span.start, XmlProblem::Malformed(reason)))
+        }
+        None => Err((end, XmlProblem::Malformed("an element ends that did not begin".to_owned()))),
+    }
+}
+
+fn position(offset: u64, text: &str) -> usize {
+    usize::try_from(offset).unwrap_or(usize::MAX).min(text.len())
+}
+
+fn element(tag: &BytesStart<'_>, span: Range<usize>) -> Result<Element, String> {
+    let attributes = tag
+        .attributes()
+        .map(|attribute| {
+            let attribute = attribute.map_err(|error| error.to_string())?;
+            let value =
+                attribute.normalized_value(XmlVersion::Implicit1_0).map_err(|error| error.to_string())?;
+            Ok((attribute.key.local_name().as_ref().to_owned(), value.into_owned()))
+        })
+        .collect::<Result<_, String>>()?;
+    Ok(Element { name: tag.local_name().as_ref().to_owned(), attributes, children: Vec::new(), span })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<XmlFile, InputError> {
+        XmlFile::from_bytes(Path::new("a.xml"), text.into())
+    }
+
+    #[test]
+    fn elements_know_their_line() {
+        let file = parse("<?xml version=\"1.0\"?>\n<x:a xmlns:x='y'>\n  <b c='1 &lt; 2'/>\n</x:a>\n").unwrap();
+        let root = file.root("a").unwrap();
+        let child = root.child("b").unwrap();
+        assert_eq!(child.attribute("c"), Some("1 < 2"));
+        assert_eq!(file.place(child), "a.xml:3");
+        assert_eq!(file.required(child, "d").unwrap_err().line(), Some(3));
+        assert_eq!(file.root("b").unwrap_err().line(), Some(2));
+    }
+
+    #[test]
+    fn what_is_no_xml_is_refused_without_a_panic() {
+        for text in ["", "   ", "<a>", "<a></b>", "<a/><b/>", "<a b=>", "<a b='&nix;'/>", "plain", "</a>", "<a"] {
+            assert!(parse(text).is_err(), "{text:?}");
+        }
+        let deep = "<a>".repeat(100_000);
+        let error = parse(&deep).unwrap_err();
+        assert!(error.to_string().contains("deep"), "{error}");
+    }
+}
