@@ -14,6 +14,7 @@ mod json;
 mod page;
 mod plots;
 pub mod responses;
+pub mod simulation;
 mod stages;
 mod summary;
 mod table;

@@ -1,0 +1,122 @@
+//! Inputs over time, from a CSV file.
+
+use std::path::Path;
+
+use stickslip::cosim::{Source, System};
+use stickslip_readers::Signal;
+use stickslip_readers::ssp::{End, SystemStructure};
+use stickslip_readers::units::{Linear, Unit};
+
+use super::assemble::{Part, find};
+use super::refused;
+use crate::Failure;
+
+/// A column of the file with the inputs it is for.
+pub(super) struct Driven {
+    time: Vec<f64>,
+    signal: Signal,
+    targets: Vec<(End, Linear)>,
+}
+
+/// The columns of `file`, each for an input of the system or of a component.
+pub(super) fn sources(
+    file: &Path,
+    parts: &[Part],
+    structure: &SystemStructure,
+) -> Result<Vec<Driven>, Failure> {
+    let (time, signals) = stickslip_readers::read_signals(file).map_err(super::super::shown)?;
+    let driven = signals.into_iter().map(|signal| {
+        let targets = targets(&signal, parts, structure)
+            .map_err(|failure| Failure::rendered(format!("{} ({})", failure.message, file.display())))?;
+        Ok(Driven { time: time.clone(), signal, targets })
+    });
+    driven.collect()
+}
+
+fn targets(
+    signal: &Signal,
+    parts: &[Part],
+    structure: &SystemStructure,
+) -> Result<Vec<(End, Linear)>, Failure> {
+    let name = &signal.name;
+    let failed = |error: stickslip_readers::units::UnitMismatch| Failure::input(format!("`{name}`: {error}"));
+    if let Some(input) = structure.inputs.iter().find(|input| input.name == *name) {
+        let ends = input.targets.iter().map(|(end, route)| {
+            let own = parts[end.component].fmu.description().unit(parts[end.component].variable(&end.variable)?);
+            let from = unit_of(signal, parts);
+            Ok((end.clone(), route.linear(from.as_ref(), own.as_ref()).map_err(failed)?))
+        });
+        return ends.collect();
+    }
+    let (component, variable) = find(parts, name)?;
+    let own = parts[component].fmu.description().unit(parts[component].variable(&variable)?);
+    let linear = match (unit_of(signal, parts), own) {
+        (Some(from), Some(to)) => from.conversion(&to).map_err(failed)?,
+        _ => Linear::IDENTITY,
+    };
+    Ok(vec![(End { component, variable }, linear)])
+}
+
+/// The unit of a column, as one of the FMUs or the vocabulary of measurements defines it.
+fn unit_of(signal: &Signal, parts: &[Part]) -> Option<Unit> {
+    let name = signal.unit.as_ref()?;
+    let units = parts.iter().flat_map(|part| &part.fmu.description().units);
+    let defined = units.clone().find(|unit| unit.name == *name).cloned();
+    Some(defined.unwrap_or_else(|| Unit::named(name)))
+}
+
+/// Adds a source for each column and connects it.
+pub(super) fn connect(system: &mut System, driven: Vec<Driven>, names: &[String]) -> Result<(), Failure> {
+    for one in driven {
+        // No component is called so: names of components have no colon in front.
+        let slave = format!(":{}", one.signal.name);
+        let unit = one.signal.unit.clone().unwrap_or_else(|| "1".to_owned());
+        let (time, values) = (one.time.clone(), one.signal.values.clone());
+        let (again, same) = (one.time, one.signal.values);
+        let source = Source::new(&slave, "value", &unit, move |at| interpolated(&time, &values, at))
+            .with_derivative(move |at| slope(&again, &same, at));
+        system.add(Box::new(source)).map_err(refused)?;
+        for (end, linear) in &one.targets {
+            let to = (names[end.component].as_str(), end.variable.as_str());
+            system.connect((&slave, "value"), to, linear.factor, linear.offset).map_err(refused)?;
+        }
+    }
+    Ok(())
+}
+
+/// The rows before and after a time; the same twice beyond the ends.
+fn around(time: &[f64], at: f64) -> (usize, usize) {
+    let after = time.partition_point(|row| *row <= at);
+    (after.saturating_sub(1), after.min(time.len().saturating_sub(1)))
+}
+
+/// On straight lines between the rows; held before the first and after the last.
+fn interpolated(time: &[f64], values: &[f64], at: f64) -> f64 {
+    let (before, after) = around(time, at);
+    let span = time[after] - time[before];
+    if at <= time[before] || span <= 0.0 {
+        return values[before];
+    }
+    values[before] + (at - time[before]) / span * (values[after] - values[before])
+}
+
+fn slope(time: &[f64], values: &[f64], at: f64) -> f64 {
+    let (before, after) = around(time, at);
+    let span = time[after] - time[before];
+    if at < time[before] || span <= 0.0 { 0.0 } else { (values[after] - values[before]) / span }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_met_and_lines_are_straight_between_them() {
+        let (time, values) = ([0.0, 1.0, 3.0], [5.0, 7.0, -1.0]);
+        for (at, value, derivative) in
+            [(-1.0, 5.0, 0.0), (0.0, 5.0, 2.0), (0.5, 6.0, 2.0), (1.0, 7.0, -4.0), (2.0, 3.0, -4.0), (3.0, -1.0, 0.0), (9.0, -1.0, 0.0)]
+        {
+            assert_eq!((interpolated(&time, &values, at), slope(&time, &values, at)), (value, derivative), "{at}");
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! `stickslip simulate`
+
+mod assemble;
+mod files;
+mod inputs;
+mod run;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::ValueEnum;
+use stickslip::cosim::{Adaptive, Algorithm, Control, Master, Method, Settings, Strong, SystemError};
+use stickslip_report::simulation::{simulation_html, simulation_table};
+
+use super::{colored, list, settings};
+use crate::Failure;
+use crate::output::{Outputs, say};
+use assemble::{Assembly, assemble};
+
+/// Arguments of `stickslip simulate`.
+#[derive(clap::Args)]
+pub struct Simulate {
+    /// The system: an SSP 1.0 package (.ssp) or description (.ssd), or a single FMU
+    system: PathBuf,
+    /// Stop (s); the system's own where it proposes one
+    #[arg(long, value_name = "SECONDS")]
+    stop: Option<f64>,
+    /// Start (s)
+    #[arg(long, value_name = "SECONDS")]
+    start: Option<f64>,
+    /// Communication step (s), under `adaptive` the first one; the least that the FMUs propose, or a thousandth of the
+    /// span
+    #[arg(long, value_name = "SECONDS")]
+    step: Option<f64>,
+    /// How the FMUs exchange their values
+    #[arg(long, value_enum, default_value_t)]
+    algorithm: Choice,
+    /// Order to which inputs are extrapolated over a step under `jacobi` and `gauss-seidel`: 0 (held), 1 or 2
+    #[arg(long, value_name = "ORDER", default_value_t = 1, value_parser = clap::value_parser!(u32).range(0..=2))]
+    extrapolation: u32,
+    /// How the repetition of a step is driven under `strong` and `adaptive`
+    #[arg(long, value_enum, default_value_t)]
+    iteration: Iteration,
+    /// Of the coupling: relative error of a step under `adaptive` (1e-4 unless given), end of the repetition under
+    /// `strong` (1e-8 unless given)
+    #[arg(long, value_name = "RELATIVE")]
+    tolerance: Option<f64>,
+    /// Relative tolerance inside the FMUs; their own unless given
+    #[arg(long, value_name = "RELATIVE")]
+    fmu_tolerance: Option<f64>,
+    /// Sets a parameter, or the start value of an input: `contact.normal_load=120`; can be given several times
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// Inputs over time: a CSV file with the column `time [s]` and columns named as inputs of the system, or as
+    /// `component.variable [unit]`; straight lines between its rows
+    #[arg(long, value_name = "FILE.csv")]
+    input: Option<PathBuf>,
+    /// Records `component.variable` besides the outputs; can be given several times
+    #[arg(long, value_name = "NAME")]
+    record: Vec<String>,
+    /// Records every so many communication points
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    every: u64,
+    /// Runs each FMU in a process of its own, so that a crash of one ends the simulation in order
+    #[arg(long)]
+    isolate: bool,
+    /// Where the time histories go: .csv, .json or .parquet
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Write the results as a self-contained HTML page
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+}
+
+/// How FMUs exchange their values.
+#[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
+enum Choice {
+    /// All step at once with extrapolated inputs
+    Jacobi,
+    /// One after the other, with the new values of those before
+    GaussSeidel,
+    /// Each step is repeated until the values agree
+    #[default]
+    Strong,
+    /// The same with steps as long as error and energy residual allow
+    Adaptive,
+}
+
+/// How a repetition is driven.
+#[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
+enum Iteration {
+    /// Anderson's acceleration
+    #[default]
+    Anderson,
+    /// Relaxation by Aitken's factor
+    Aitken,
+    /// Newton's method with directional derivatives
+    Newton,
+    /// No acceleration
+    FixedPoint,
+}
+
+/// Without a proposal, an experiment has so many steps.
+const STEPS: f64 = 1000.0;
+
+impl Simulate {
+    /// Simulates, and writes what it came to, whole or so far.
+    pub fn run(self) -> Result<u8, Failure> {
+        let destinations: Vec<&PathBuf> = self.out.iter().chain(&self.report).collect();
+        let inputs: Vec<&PathBuf> = std::iter::once(&self.system).chain(&self.input).collect();
+        Outputs::check(destinations, &inputs)?;
+        if let Some(out) = &self.out {
+            files::check_kind(out)?;
+        }
+        let assembly = assemble(&self)?;
+        for remark in &assembly.remarks {
+            eprintln!("note: {remark}");
+        }
+        let settings = self.settings(&assembly)?;
+        let algorithm = self.algorithm_name();
+        let Assembly { title, system, remarks, logs, .. } = assembly;
+        let begin = Instant::now();
+        let master = Master::new(system, settings.clone()).map_err(refused)?;
+        let mut simulation = run::simulate(master, &settings, self.every);
+        simulation.seconds = begin.elapsed().as_secs_f64();
+        simulation.title = title;
+        simulation.algorithm = algorithm;
+        simulation.notes = remarks;
+        simulation.notes.extend(logs.into_iter().flat_map(|(name, log)| said(&name, &log)));
+        self.present(&simulation)?;
+        Ok(u8::from(simulation.failure.is_some()))
+    }
+
+    /// Prints the table and writes the files.
+    fn present(&self, simulation: &stickslip_report::simulation::Simulation) -> Result<(), Failure> {
+        say(&simulation_table(simulation, 100, colored()))?;
+        let mut outputs = Outputs::default();
+        if let Some(path) = &self.out {
+            outputs.add(path, files::written(path, simulation)?);
+        }
+        if let Some(path) = &self.report {
+            let files: Vec<&Path> =
+                std::iter::once(self.system.as_path()).chain(self.input.as_deref()).collect();
+            outputs.add(path, simulation_html(simulation, &settings(&files)?));
+        }
+        list(&outputs.write()?)
+    }
+
+    fn settings(&self, assembly: &Assembly) -> Result<Settings, Failure> {
+        let start = self.start.or(assembly.start).unwrap_or(0.0);
+        let stop = self.stop.or(assembly.stop);
+        let stop = stop.ok_or_else(|| {
+            Failure::input("neither the system nor its FMUs propose a stop; give --stop SECONDS")
+        })?;
+        let span = stop - start;
+        let step = self.step.or(assembly.step).unwrap_or(if span > 0.0 { span / STEPS } else { 1.0 });
+        let mut settings = Settings::new(self.coupling(), step, stop);
+        settings.start = start;
+        settings.tolerance = self.fmu_tolerance;
+        if self.algorithm == Choice::Adaptive {
+            settings.adaptive = Some(Adaptive {
+                tolerance: self.tolerance.unwrap_or(1e-4),
+                smallest: step * 1e-4,
+                largest: (span / 20.0).max(step),
+                control: Control::Both,
+            });
+        }
+        Ok(settings)
+    }
+
+    fn coupling(&self) -> Algorithm {
+        let extrapolation = self.extrapolation;
+        let method = match self.iteration {
+            Iteration::Anderson => Method::Anderson { depth: 5 },
+            Iteration::Aitken => Method::Aitken,
+            Iteration::Newton => Method::Newton,
+            Iteration::FixedPoint => Method::FixedPoint,
+        };
+        let strong = Strong { method, ..Strong::default() };
+        match self.algorithm {
+            Choice::Jacobi => Algorithm::Jacobi { extrapolation },
+            Choice::GaussSeidel => Algorithm::GaussSeidel { extrapolation, order: None },
+            Choice::Strong => {
+                Algorithm::Strong(Strong { tolerance: self.tolerance.unwrap_or(strong.tolerance), ..strong })
+            }
+            Choice::Adaptive => Algorithm::Strong(strong),
+        }
+    }
+
+    fn algorithm_name(&self) -> String {
+        let name = |value: &dyn Fn() -> Option<clap::builder::PossibleValue>| {
+            value().map_or_else(String::new, |value| value.get_name().to_owned())
+        };
+        let own = name(&|| self.algorithm.to_possible_value());
+        match self.algorithm {
+            Choice::Jacobi | Choice::GaussSeidel => format!("{own}, extrapolation {}", self.extrapolation),
+            Choice::Strong | Choice::Adaptive => {
+                format!("{own}, {}", name(&|| self.iteration.to_possible_value()))
+            }
+        }
+    }
+}
+
+/// A system that cannot be what is asked for.
+fn refused(error: SystemError) -> Failure {
+    Failure::input(error.to_string())
+}
+
+/// What an FMU said that the user should know.
+fn said(name: &str, log: &stickslip_fmi_host::Log) -> Vec<String> {
+    use stickslip_fmi_host::Status;
+    /// Messages shown of one FMU.
+    const SHOWN: usize = 5;
+    let messages: Vec<_> =
+        log.messages().into_iter().filter(|message| message.status != Status::Ok).collect();
+    let mut lines: Vec<String> = messages
+        .iter()
+        .take(SHOWN)
+        .map(|message| match message.times {
+            1 => format!("{name} says: {}", message.text),
+            times => format!("{name} says {times} times: {}", message.text),
+        })
+        .collect();
+    if messages.len() > SHOWN {
+        lines.push(format!("{name} says {} more", messages.len() - SHOWN));
+    }
+    lines
+}

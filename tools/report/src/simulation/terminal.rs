@@ -1,0 +1,65 @@
+//! A simulation as text for a terminal.
+
+use super::{Simulation, share};
+use crate::format;
+use crate::table::{BOLD, RED, Text};
+
+/// What happened, the steps, the energy residual of each power connection, and notes, in lines of at most `width`
+/// columns (at least 40 are used). With `color`, ANSI sequences are added.
+pub fn simulation_table(simulation: &Simulation, width: usize, color: bool) -> String {
+    let mut out = Text::new(width, color);
+    out.paragraph(&simulation.title, BOLD);
+    out.paragraph(&simulation.lead(), "");
+    for warning in simulation.warnings() {
+        out.paragraph(&warning, RED);
+    }
+    out.paragraph(&simulation.scope(), "");
+    steps(&mut out, simulation);
+    energy(&mut out, simulation);
+    for note in simulation.all_notes() {
+        out.paragraph(&format!("note: {note}"), "");
+    }
+    out.finish()
+}
+
+fn steps(out: &mut Text, simulation: &Simulation) {
+    let report = &simulation.report;
+    out.line("");
+    let heading = ["steps", "rejected", "evaluations", "per step", "seconds"];
+    let row = [
+        report.steps.to_string(),
+        report.rejected.to_string(),
+        report.evaluations.to_string(),
+        format::significant(simulation.evaluations(), 3),
+        format::significant(simulation.seconds, 3),
+    ];
+    let cells = [heading.map(str::to_owned).to_vec(), row.to_vec()];
+    out.grid(&[String::new(), "run".to_owned()], &cells, 0);
+}
+
+fn energy(out: &mut Text, simulation: &Simulation) {
+    let connections = &simulation.report.energy;
+    if connections.is_empty() {
+        return;
+    }
+    out.line("");
+    out.paragraph("Energy residual of each power connection", BOLD);
+    let mut left = vec!["force on".to_owned()];
+    let mut cells = vec![["sum", "magnitude", "exchanged", "share"].map(str::to_owned).to_vec()];
+    for one in connections {
+        left.push(format::printable(&one.force));
+        cells.push(vec![
+            format::engineering(one.sum, "J"),
+            format::engineering(one.magnitude, "J"),
+            format::engineering(one.exchanged, "J"),
+            percent(share(one.sum, one.exchanged)),
+        ]);
+    }
+    out.grid(&left, &cells, 0);
+    out.paragraph("positive sums: the coupling fed energy in", "");
+}
+
+/// Two significant digits.
+pub(super) fn percent(share: f64) -> String {
+    if share.is_finite() { format!("{} %", format::fixed(100.0 * share, 2)) } else { format::ABSENT.to_owned() }
+}
