@@ -1,0 +1,1 @@
+//! Small slaves with exact solutions.
