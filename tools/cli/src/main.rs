@@ -12,7 +12,8 @@ use clap::{Args, Parser, Subcommand};
 /// Friction contacts: compare models with measurements, export them as FMUs.
 ///
 /// Exit codes: 0 done, 1 failed (a file could not be written, a solver gave up), 2 bad input (nothing
-/// was written), 130 interrupted. `diagnose` ends with its verdict: 0 nothing missing, 10 effect found,
+/// was written), 130 interrupted. What `simulate` came to is written even if it ends early (1) or is
+/// interrupted (130). `diagnose` ends with its verdict: 0 nothing missing, 10 effect found,
 /// 11 not distinguishable, 12 unexplained, 13 insufficient data.
 #[derive(Parser)]
 #[command(name = "stickslip", version)]
@@ -36,10 +37,14 @@ enum Command {
     Effects(commands::effects::Effects),
     /// Follow the periodic response of a model to a harmonic force over frequency
     Frf(commands::frf::Frf),
+    /// Simulate a system of FMUs (SSP 1.0), or one FMU
+    Simulate(commands::simulate::Simulate),
     /// Write one model as an FMU
     Export(commands::export::Export),
-    /// Write the standard FMUs
+    /// Write the standard FMUs, and systems of them
     Fmu(commands::fmu::Fmu),
+    #[command(name = commands::serve::NAME, hide = true)]
+    ServeFmu(commands::serve::Serve),
 }
 
 /// Where results go besides the terminal.
@@ -89,6 +94,8 @@ fn main() -> ExitCode {
         Command::Frf(command) => command.run().map(|()| 0),
         Command::Export(command) => command.run().map(|()| 0),
         Command::Fmu(command) => command.run().map(|()| 0),
+        Command::Simulate(command) => command.run(),
+        Command::ServeFmu(command) => command.run().map(|()| 0),
     };
     match done {
         Ok(_) if progress::interrupted() => ExitCode::from(130),

@@ -128,7 +128,15 @@ impl Fmu {
     /// # Errors
     /// [`ImportProblem`]: everything that makes it impossible to run it here.
     pub fn open(path: &Path) -> Result<Arc<Self>, ImportError> {
-        let name = path.display().to_string();
+        Self::open_as(path, &path.display().to_string())
+    }
+
+    /// As [`Fmu::open`], for a file that the user knows as `name`.
+    ///
+    /// # Errors
+    /// As [`Fmu::open`].
+    pub fn open_as(path: &Path, name: &str) -> Result<Arc<Self>, ImportError> {
+        let name = name.to_owned();
         let named = |problem| ImportError { fmu: name.clone(), problem };
         let folder = unpack(path, Limits::default()).map_err(|problem| named(problem.into()))?;
         Self::unpacked(name.clone(), Folder::Own(folder)).map_err(named)

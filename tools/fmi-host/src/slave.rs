@@ -64,6 +64,13 @@ pub(crate) fn table(description: &ModelDescription) -> Vec<Variable> {
     .collect()
 }
 
+pub(crate) fn name_unit(table: &mut [Variable], variable: &str, unit: &str) {
+    let row = table.iter_mut().find(|row| row.name == variable && row.unit.is_none());
+    if let Some(row) = row {
+        row.unit = Some(unit.to_owned());
+    }
+}
+
 fn start_number(text: &str) -> Option<f64> {
     match text.trim() {
         "true" => Some(1.0),
@@ -119,6 +126,11 @@ impl FmuSlave {
     /// The FMU it is an instance of.
     pub fn fmu(&self) -> &Arc<Fmu> {
         &self.fmu
+    }
+
+    /// Gives a variable without a unit the one that somebody else knows.
+    pub fn name_unit(&mut self, variable: &str, unit: &str) {
+        name_unit(&mut self.table, variable, unit);
     }
 
     /// Sets a String variable, which the master does not know.

@@ -11,9 +11,11 @@
 //! ```
 
 mod documentation;
+mod systems;
 mod xml;
 
 pub use documentation::documentation_html;
+pub use systems::{standard_systems, write_system};
 pub use xml::model_description_xml;
 
 use std::io::{Cursor, Read, Write};
@@ -28,6 +30,9 @@ pub enum Error {
     /// Not a C identifier of up to 64 characters: importers make file and function names of it.
     #[error("{0:?} cannot be a model identifier: letters, digits and _ only, no digit first, at most 64")]
     Identifier(String),
+    /// No standard system of this name.
+    #[error("there is no standard system `{0}`")]
+    UnknownSystem(String),
     /// The model file.
     #[error(transparent)]
     Model(#[from] stickslip::slave::Error),

@@ -6,8 +6,16 @@ use stickslip::slave::{
     Causality, Dependency, DependencyKind, Description, Initial, Variability, Variable, VariableType,
 };
 
-/// Exponents of the base units kg, m, s and rad.
+/// The base units that occur.
+pub(crate) const BASES: [&str; 4] = ["kg", "m", "s", "rad"];
+
+/// Exponents of [`BASES`].
 type Exponents = [i8; 4];
+
+/// Those of a unit of the vocabulary.
+pub(crate) fn exponents(unit: &str) -> Option<Exponents> {
+    UNITS.iter().find(|(name, _)| *name == unit).map(|(_, exponents)| *exponents)
+}
 
 /// Unit names of the project's vocabulary. All are SI without prefixes: factor 1, offset 0.
 const UNITS: [(&str, Exponents); 14] = [
@@ -114,7 +122,7 @@ fn units(xml: &mut Xml, description: &Description) {
     for (name, exponents) in UNITS {
         if description.variables.iter().any(|variable| variable.quantity.unit == name) {
             xml.inside(("Unit", vec![("name", name.to_owned())]), |xml| {
-                let pairs = ["kg", "m", "s", "rad"].into_iter().zip(exponents);
+                let pairs = BASES.into_iter().zip(exponents);
                 let base = pairs.filter(|(_, exponent)| *exponent != 0);
                 xml.empty(("BaseUnit", base.map(|(unit, exponent)| (unit, exponent.to_string())).collect()));
             });

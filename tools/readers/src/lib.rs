@@ -11,6 +11,7 @@ pub mod archive;
 mod columns;
 mod dataset;
 mod error;
+mod signals;
 mod source;
 pub mod ssp;
 mod table;
@@ -24,6 +25,7 @@ use stickslip::model::Model;
 pub use columns::check_columns;
 pub use dataset::read_dataset;
 pub use error::{Excerpt, InputError, Problem};
+pub use signals::{Signal, read_signals};
 
 /// Reads a model file.
 ///

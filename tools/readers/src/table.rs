@@ -53,7 +53,7 @@ pub(crate) fn read_table(source: &Source) -> Result<Vec<Column>, InputError> {
     }
 }
 
-fn next_row(
+pub(crate) fn next_row(
     reader: &mut csv::Reader<&[u8]>,
     row: &mut StringRecord,
     source: &Source,
@@ -141,7 +141,7 @@ fn bounds(quantity: &Quantity) -> String {
 }
 
 /// The bytes of the row's first line.
-fn row_span(text: &str, row: &StringRecord) -> Range<usize> {
+pub(crate) fn row_span(text: &str, row: &StringRecord) -> Range<usize> {
     let start = row.position().map_or(0, |position| usize::try_from(position.byte()).unwrap_or(0));
     let start = start.min(text.len());
     // The reader's position lies before the blank lines that it skips.
@@ -152,7 +152,7 @@ fn row_span(text: &str, row: &StringRecord) -> Range<usize> {
 }
 
 /// The bytes of a field; of a row with quotes, the whole row.
-fn field_span(text: &str, row: &StringRecord, index: usize) -> Range<usize> {
+pub(crate) fn field_span(text: &str, row: &StringRecord, index: usize) -> Range<usize> {
     let span = row_span(text, row);
     let Some(line) = text.get(span.clone()).filter(|line| !line.contains('"')) else { return span };
     let Some(field) = line.split(',').nth(index) else { return span };

@@ -8,6 +8,8 @@ pub mod effects;
 pub mod export;
 pub mod fmu;
 pub mod frf;
+pub mod serve;
+pub mod simulate;
 mod study;
 
 use std::collections::BTreeMap;

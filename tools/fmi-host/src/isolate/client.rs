@@ -13,7 +13,7 @@ use stickslip::cosim::{self, Abilities, Setup, Severity, SlaveError, Stepped, Va
 use super::protocol::{Call, Frame, Garbled, Reader, severity};
 use crate::import::{Fmu, ImportProblem};
 use crate::log::Log;
-use crate::slave::{abilities, table};
+use crate::slave::{abilities, name_unit, table};
 
 /// An instance in a process of its own. A crash over there is an error with [`Severity::Fatal`]; every call after it,
 /// too.
@@ -75,6 +75,11 @@ impl IsolatedSlave {
     /// The FMU it is an instance of.
     pub fn fmu(&self) -> &Arc<Fmu> {
         &self.fmu
+    }
+
+    /// As [`crate::FmuSlave::name_unit`].
+    pub fn name_unit(&mut self, variable: &str, unit: &str) {
+        name_unit(&mut self.table, variable, unit);
     }
 
     /// Number of its process.

@@ -108,7 +108,9 @@ impl<'e> Flat<'e> {
         let file = resolve(self.files, self.file, element, &source)?;
         let place = self.file.place(element);
         self.connectors_of(element, &name, Some(self.components.len()))?;
-        self.components.push(Component { name, file, source, place });
+        let own = self.connectors.iter().filter(|(key, _)| key.0 == name);
+        let units = own.filter_map(|(key, one)| Some((key.1.clone(), one.unit.clone()?))).collect();
+        self.components.push(Component { name, file, source, units, place });
         Ok(())
     }
 

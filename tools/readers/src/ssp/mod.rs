@@ -49,6 +49,28 @@ pub struct SystemStructure {
     _folder: Option<TempDir>,
 }
 
+impl SystemStructure {
+    /// A system called `name` that is the FMU at `file` and nothing else.
+    pub fn single(name: &str, file: &Path) -> Self {
+        let source = file.display().to_string();
+        let place = source.clone();
+        let (name, file, units) = (name.to_owned(), file.to_owned(), Vec::new());
+        let component = Component { name: name.clone(), file, source, units, place };
+        Self {
+            name,
+            components: vec![component],
+            connections: Vec::new(),
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            parameters: Vec::new(),
+            start: None,
+            stop: None,
+            remarks: Vec::new(),
+            _folder: None,
+        }
+    }
+}
+
 /// An FMU in the system.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Component {
@@ -58,6 +80,8 @@ pub struct Component {
     pub file: PathBuf,
     /// The file as the description names it.
     pub source: String,
+    /// Connectors with the units they declare.
+    pub units: Vec<(String, Unit)>,
     /// `file:line` where it is described.
     pub place: String,
 }

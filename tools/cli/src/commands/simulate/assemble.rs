@@ -37,6 +37,16 @@ enum Instance {
     Elsewhere(IsolatedSlave),
 }
 
+impl Instance {
+    /// What a connector says of a variable whose FMU says nothing: power connections are found by it.
+    fn name_unit(&mut self, variable: &str, unit: &str) {
+        match self {
+            Instance::Here(slave) => slave.name_unit(variable, unit),
+            Instance::Elsewhere(slave) => slave.name_unit(variable, unit),
+        }
+    }
+}
+
 impl Part {
     fn log(&self) -> Arc<Log> {
         match &self.instance {
@@ -116,8 +126,8 @@ pub(super) fn assemble(arguments: &Simulate) -> Result<Assembly, Failure> {
     for ((component, variable), value) in &starts.numbers {
         system.start(&names[*component], variable, *value).map_err(refused)?;
     }
-    inputs::connect(&mut system, sources, &names)?;
     observe(&mut system, &names, &arguments.record)?;
+    inputs::connect(&mut system, sources, &names)?;
     let Experiment { start, stop, step } = experiment;
     Ok(Assembly { title: structure.name.clone(), system, start, stop, step, remarks, logs })
 }
@@ -167,11 +177,14 @@ fn instantiate(
             }
         };
         let name = component.name.clone();
-        let instance = if arguments.isolate {
+        let mut instance = if arguments.isolate {
             Instance::Elsewhere(fmu.isolated(&name, own_process(fmu.folder(), &name)?).map_err(failed)?)
         } else {
             Instance::Here(fmu.instantiate(&name).map_err(failed)?)
         };
+        for (variable, unit) in &component.units {
+            instance.name_unit(variable, &unit.name);
+        }
         parts.push(Part { name, fmu, instance });
     }
     Ok(parts)
@@ -333,9 +346,6 @@ pub(super) fn find(parts: &[Part], name: &str) -> Result<(usize, String), Failur
 
 /// All outputs, and what else is asked for.
 fn observe(system: &mut System, names: &[String], more: &[String]) -> Result<(), Failure> {
-    if more.is_empty() {
-        return Ok(());
-    }
     for port in system.observed() {
         let variable = system.slaves()[port.slave].variables()[port.variable].name.clone();
         let slave = system.slaves()[port.slave].name().to_owned();

@@ -1,0 +1,122 @@
+//! Systems of the standard FMUs, as SSP 1.0 packages.
+
+use stickslip::slave::Instance;
+use stickslip_readers::ssp::{
+    Outline, OutlineComponent, OutlineConnection, OutlineConnector, OutlineParameter,
+};
+use stickslip_readers::units::{BASE_UNITS, Unit};
+
+use crate::xml::{BASES, exponents};
+use crate::{Error, standard_models, write_fmu};
+
+/// A beam with contacts that are FMUs of their own.
+struct Standard {
+    name: &'static str,
+    description: &'static str,
+    beam: &'static str,
+    /// Component, FMU, and the beam's input for its force.
+    contacts: &'static [(&'static str, &'static str, &'static str)],
+}
+
+/// Force of the exciter (N) that the systems start with: enough to make the contact slip.
+const EXCITATION: f64 = 20.0;
+
+const SYSTEMS: [Standard; 2] = [
+    Standard {
+        name: "BeamWithValanis",
+        description: "Beam in modal coordinates whose support is a contact with Valanis' law",
+        beam: "ModalBeam",
+        contacts: &[("contact", "ValanisContact", "contact_force")],
+    },
+    Standard {
+        name: "BeamWithJenkins",
+        description: "Beam in modal coordinates whose support is a contact with Jenkins' element",
+        beam: "ModalBeam",
+        contacts: &[("contact", "JenkinsContact", "contact_force")],
+    },
+];
+
+/// Names of the standard systems.
+pub fn standard_systems() -> Vec<&'static str> {
+    SYSTEMS.iter().map(|system| system.name).collect()
+}
+
+/// The bytes of the package of a standard system, with the FMUs in it. The same name gives the same bytes.
+///
+/// ```
+/// let package = stickslip_fmu_package::write_system("BeamWithValanis")?;
+/// assert!(package.starts_with(b"PK"));
+/// # Ok::<(), stickslip_fmu_package::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::UnknownSystem`].
+pub fn write_system(name: &str) -> Result<Vec<u8>, Error> {
+    let system = SYSTEMS.iter().find(|system| system.name == name);
+    let system = system.ok_or_else(|| Error::UnknownSystem(name.to_owned()))?;
+    let mut fmus = vec![system.beam];
+    fmus.extend(system.contacts.iter().map(|(_, fmu, _)| *fmu));
+    fmus.dedup();
+    let mut files = Vec::new();
+    for fmu in fmus {
+        files.push((format!("resources/{fmu}.fmu"), write_fmu(fmu, model(fmu)?)?));
+    }
+    Ok(outline(system)?.package(&files)?)
+}
+
+fn model(fmu: &str) -> Result<&'static str, Error> {
+    let found = standard_models().into_iter().find(|(name, _)| *name == fmu);
+    found.map(|(_, model_toml)| model_toml).ok_or_else(|| Error::UnknownSystem(fmu.to_owned()))
+}
+
+fn outline(system: &Standard) -> Result<Outline, Error> {
+    let connector = |name: &str, input: bool, unit: &str| OutlineConnector {
+        name: name.to_owned(),
+        input,
+        unit: unit.to_owned(),
+    };
+    let component = |name: &str, fmu: &str, connectors: Vec<OutlineConnector>| OutlineComponent {
+        name: name.to_owned(),
+        source: format!("resources/{fmu}.fmu"),
+        connectors,
+    };
+    let end = |element: &str, connector: &str| (Some(element.to_owned()), connector.to_owned());
+    let mut beam = vec![connector("excitation", true, "N")];
+    let mut connections =
+        vec![OutlineConnection { start: (None, "excitation".to_owned()), end: end("beam", "excitation") }];
+    let mut contacts = Vec::new();
+    for (name, fmu, force) in system.contacts {
+        beam.push(connector(force, true, "N"));
+        let own = vec![connector("displacement", true, "m"), connector("force", false, "N")];
+        contacts.push(component(name, fmu, own));
+        connections
+            .push(OutlineConnection { start: end("beam", "displacement"), end: end(name, "displacement") });
+        connections.push(OutlineConnection { start: end(name, "force"), end: end("beam", force) });
+    }
+    beam.push(connector("displacement", false, "m"));
+    let experiment = Instance::new(model(system.beam)?)?.description().experiment;
+    Ok(Outline {
+        name: system.name.to_owned(),
+        description: system.description.to_owned(),
+        connectors: vec![connector("excitation", true, "N")],
+        components: std::iter::once(component("beam", system.beam, beam)).chain(contacts).collect(),
+        connections,
+        parameters: vec![OutlineParameter {
+            name: "beam.excitation".to_owned(),
+            value: EXCITATION,
+            unit: "N".to_owned(),
+        }],
+        units: ["N", "m"].into_iter().map(unit).collect(),
+        experiment: (experiment.start, experiment.stop),
+    })
+}
+
+/// A unit of the vocabulary.
+fn unit(name: &str) -> Unit {
+    let own = exponents(name).unwrap_or_default();
+    let exponents = BASE_UNITS.map(|base| {
+        let position = BASES.iter().position(|other| *other == base);
+        position.map_or(0, |position| i32::from(own[position]))
+    });
+    Unit { name: name.to_owned(), exponents: Some(exponents), factor: 1.0, offset: 0.0 }
+}
