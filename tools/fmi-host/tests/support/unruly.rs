@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
-use stickslip::cosim::{Setup, Slave as _};
+use stickslip::cosim::Setup;
 use stickslip_fmi_host::{Fmu, FmuSlave, platforms};
 use tempfile::TempDir;
 use zip::ZipWriter;

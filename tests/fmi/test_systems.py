@@ -1,0 +1,268 @@
+"""Systems of FMUs: the same packages in other masters, and FMUs that are not ours in our master.
+
+STICKSLIP names the program.
+"""
+
+import csv
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import sysconfig
+import textwrap
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy.ssp.simulation import simulate_ssp
+from fmpy.ssp.ssd import read_ssd
+
+EXAMPLE = Path(__file__).parents[2] / "examples/external-structure"
+SYSTEMS = ["BeamWithValanis", "BeamWithJenkins"]
+STEP, STOP, EXCITATION = 1e-4, 0.02, 20.0
+
+
+def program() -> str:
+    path = os.environ.get("STICKSLIP")
+    if not path:
+        pytest.exit("STICKSLIP must name the program", returncode=4)
+    return str(Path(path).resolve())
+
+
+def stickslip(folder: Path, *arguments, preload: str | None = None, code: int = 0) -> subprocess.CompletedProcess:
+    environment = dict(os.environ)
+    if preload:
+        environment["LD_PRELOAD"] = preload
+    done = subprocess.run(
+        [program(), *map(str, arguments)], cwd=folder, env=environment, capture_output=True, text=True
+    )
+    assert done.returncode == code, f"{done.returncode}\n{done.stdout}\n{done.stderr}"
+    return done
+
+
+def table(file: Path) -> dict[str, np.ndarray]:
+    with open(file, newline="") as lines:
+        rows = list(csv.reader(lines))
+    values = np.array([[float(cell) for cell in row] for row in rows[1:]])
+    return {name: values[:, column] for column, name in enumerate(rows[0])}
+
+
+@pytest.fixture(scope="session")
+def systems(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("systems")
+    stickslip(folder, "fmu", "--out", folder)
+    return folder
+
+
+def ours(systems: Path, name: str, tmp_path: Path, *more) -> dict[str, np.ndarray]:
+    """As other masters couple: all at once, inputs held."""
+    out = tmp_path / "ours.csv"
+    stickslip(
+        tmp_path, "simulate", systems / f"{name}.ssp", "--stop", STOP, "--step", STEP,
+        "--algorithm", "jacobi", "--extrapolation", 0, "--out", out, *more,
+    )
+    return table(out)
+
+
+def agree(found: np.ndarray, expected: np.ndarray, tolerance: float) -> None:
+    scale = np.abs(expected).max()
+    assert scale > 0.0, "a column of zeros compares nothing"
+    count = min(len(found), len(expected))
+    assert count > 100
+    assert np.abs(found[:count] - expected[:count]).max() <= tolerance * scale
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_fmpy_runs_the_same_package_to_the_same_trajectories(systems, name, tmp_path):
+    file = systems / f"{name}.ssp"
+    read_ssd(str(file), validate=True)
+    theirs = simulate_ssp(
+        str(file), stop_time=STOP, step_size=STEP, input={"excitation": lambda time: EXCITATION}
+    )
+    own = ours(systems, name, tmp_path)
+    # FMPy takes the excitation one step late and labels the end of a step with its beginning: the rows agree.
+    agree(theirs["beam.displacement"], own["beam.displacement [m]"], 1e-9)
+    agree(theirs["contact.force"], own["contact.force [N]"], 1e-9)
+
+
+ECOS = """
+import sys
+from ecospy import EcosSimulation
+file, step, count, excitation = sys.argv[1], float(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4])
+with EcosSimulation(ssp_path=file, step_size=step) as simulation:
+    simulation.init()
+    simulation.set_real("beam::excitation", excitation)
+    for _ in range(count):
+        simulation.step()
+        print("ROW", repr(simulation.get_time()), repr(simulation.get_real("beam::displacement")), repr(simulation.get_real("contact::force")))
+    simulation.terminate()
+"""
+
+
+def ecos(script: str, *arguments) -> list[list[float]]:
+    environment = dict(os.environ)
+    # Its library needs that of TBB, which is beside the interpreter.
+    environment["LD_LIBRARY_PATH"] = str(Path(sys.prefix) / "lib")
+    done = subprocess.run(
+        [sys.executable, "-c", script, *map(str, arguments)], env=environment, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("ROW")]
+    return [[float(cell) for cell in row] for row in rows]
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_ecos_runs_the_same_package_to_the_same_trajectories(systems, name, tmp_path):
+    count = round(STOP / STEP)
+    rows = np.array(ecos(ECOS, systems / f"{name}.ssp", STEP, count, EXCITATION))
+    own = ours(systems, name, tmp_path)
+    agree(rows[:, 1], own["beam.displacement [m]"][1:], 1e-9)
+    agree(rows[:, 2], own["contact.force [N]"][1:], 1e-9)
+
+
+def test_cofmupy_couples_our_fmus(systems, tmp_path):
+    from cofmupy.coordinator import Coordinator
+
+    def link(source, output, target, given):
+        return {
+            "source": {"id": source, "variable": output, "type": "fmu", "unit": ""},
+            "target": {"id": target, "variable": given, "type": "fmu", "unit": ""},
+        }
+
+    configuration = {
+        "fmus": [
+            {"id": "beam", "path": str(systems / "ModalBeam.fmu"), "initialization": {"excitation": EXCITATION}},
+            {"id": "contact", "path": str(systems / "ValanisContact.fmu"), "initialization": {}},
+        ],
+        "connections": [
+            link("beam", "displacement", "contact", "displacement"),
+            link("contact", "force", "beam", "contact_force"),
+        ],
+        "cosim_method": "jacobi",
+        "iterative": False,
+        "root": "",
+        "data_storages": [],
+    }
+    file = tmp_path / "configuration.json"
+    file.write_text(json.dumps(configuration))
+    coordinator = Coordinator()
+    coordinator.start(conf_path=str(file))
+    coordinator.run_simulation(step_size=STEP, end_time=STOP)
+    results = coordinator.get_results()
+    displacement = np.array(results[("beam", "displacement")])
+    own = ours(systems, "BeamWithValanis", tmp_path)["beam.displacement [m]"]
+    # It does not say whether a row is before or after its step.
+    scale = np.abs(own).max()
+    errors = [np.abs(displacement[:150] - own[shift : shift + 150]).max() / scale for shift in (0, 1)]
+    assert min(errors) <= 1e-9, errors
+
+
+def test_a_process_for_each_fmu_changes_no_bit(systems, tmp_path):
+    here = ours(systems, "BeamWithValanis", tmp_path)
+    there = ours(systems, "BeamWithValanis", tmp_path, "--isolate")
+    assert here.keys() == there.keys()
+    assert all((here[name] == there[name]).all() for name in here)
+
+
+def python_library() -> str:
+    """What an FMU by PythonFMU needs outside of Python."""
+    folder, name = sysconfig.get_config_var("LIBDIR"), sysconfig.get_config_var("LDLIBRARY")
+    file = Path(folder or "", name or "")
+    if file.suffix == ".a" or not file.is_file():
+        pytest.skip(f"this Python has no shared library ({file}): FMUs by PythonFMU run in Python only")
+    return str(file)
+
+
+@pytest.fixture(scope="session")
+def external(tmp_path_factory) -> Path:
+    """The example, built as its README says."""
+    folder = tmp_path_factory.mktemp("external")
+    environment = dict(os.environ, PYTHON=sys.executable, STICKSLIP=program())
+    subprocess.run([str(EXAMPLE / "build.sh"), str(folder)], env=environment, check=True, capture_output=True)
+    return folder
+
+
+def run_external(external: Path, tmp_path: Path, *arguments) -> tuple[dict, dict[str, np.ndarray]]:
+    json_file, csv_file = tmp_path / "r.json", tmp_path / "r.csv"
+    for out in (json_file, csv_file):
+        stickslip(
+            tmp_path, "simulate", external / "system.ssd", "--stop", 0.02, *arguments, "--out", out,
+            preload=python_library(),
+        )
+    return json.loads(json_file.read_text()), table(csv_file)
+
+
+def test_a_structure_by_another_exporter_is_coupled_to_our_contact(external, tmp_path):
+    strong, own = run_external(external, tmp_path, "--algorithm", "strong", "--step", 1e-4)
+    assert strong["energy"][0]["exchanged"] > 0.0
+    _, fine = run_external(external, tmp_path, "--algorithm", "jacobi", "--step", 2e-6, "--every", 50)
+    _, coarse = run_external(
+        external, tmp_path, "--algorithm", "jacobi", "--extrapolation", 0, "--step", 1e-4
+    )
+    name = "structure.displacement [m]"
+    scale = np.abs(fine[name]).max()
+    error = np.abs(own[name] - fine[name][: len(own[name])]).max() / scale
+    plain = np.abs(coarse[name] - fine[name][: len(coarse[name])]).max() / scale
+    assert error < 0.02 and error < 0.3 * plain, (error, plain)
+
+
+def test_an_exception_in_a_foreign_fmu_is_told_and_the_results_so_far_are_kept(external, tmp_path):
+    source = (EXAMPLE / "mass_spring.py").read_text()
+    broken = tmp_path / "mass_spring.py"
+    broken.write_text(
+        source.replace(
+            "        count = max(",
+            "        if current_time > 0.0049:\n            raise RuntimeError('the spring broke')\n        count = max(",
+        )
+    )
+    subprocess.run(
+        [sys.executable, "-m", "pythonfmu", "build", "-f", str(broken), "-d", str(tmp_path), "--no-external-tool"],
+        check=True, capture_output=True,
+    )
+    shutil.copy(external / "ValanisContact.fmu", tmp_path)
+    shutil.copy(external / "system.ssd", tmp_path)
+    done = stickslip(
+        tmp_path, "simulate", "system.ssd", "--stop", 0.02, "--step", 1e-4, "--out", "r.csv", "--isolate",
+        preload=python_library(), code=1,
+    )
+    assert "structure" in done.stdout and "MassSpring.fmu" in done.stdout
+    rows = table(tmp_path / "r.csv")
+    assert 45 <= len(rows["time [s]"]) <= 52
+
+
+def test_an_interrupt_leaves_a_whole_file(systems, tmp_path):
+    out = tmp_path / "r.csv"
+    process = subprocess.Popen(
+        [program(), "simulate", str(systems / "BeamWithValanis.ssp"), "--stop", "1000", "--step", "1e-4", "--out", str(out)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )
+    time.sleep(2.0)
+    process.send_signal(signal.SIGINT)
+    output, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, output + errors
+    rows = table(out)
+    assert len(rows["time [s]"]) > 10
+    assert "nterrupted" in output
+
+
+def test_parquet_holds_what_csv_holds(systems, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    own = ours(systems, "BeamWithJenkins", tmp_path)
+    out = tmp_path / "r.parquet"
+    stickslip(
+        tmp_path, "simulate", systems / "BeamWithJenkins.ssp", "--stop", STOP, "--step", STEP,
+        "--algorithm", "jacobi", "--extrapolation", 0, "--out", out,
+    )
+    read = parquet.read_table(out)
+    assert read.column_names == list(own)
+    assert all((read[name].to_numpy() == own[name]).all() for name in own)
+
+
+def test_every_fmu_of_ours_runs_alone_in_our_master(systems, tmp_path):
+    for file in sorted(systems.glob("*.fmu")):
+        out = tmp_path / f"{file.stem}.csv"
+        stickslip(tmp_path, "simulate", file, "--stop", 0.01, "--out", out)
+        assert all(np.isfinite(values).all() for values in table(out).values())
