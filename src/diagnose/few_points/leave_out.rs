@@ -70,8 +70,8 @@ fn without(
     model: &Model,
     unseen: &[&Row],
 ) -> Result<Vec<Vec<f64>>, String> {
-    let mut bench =
-        Bench::new(model, search.bench.dataset, interrupt).map_err(|(record, why)| format!("{record}: {why}"))?;
+    let mut bench = Bench::new(model, search.bench.dataset, interrupt)
+        .map_err(|(record, why)| format!("{record}: {why}"))?;
     for (lane, whole) in bench.lanes.iter_mut().zip(&search.bench.lanes) {
         lane.weights.clone_from(&whole.weights);
     }
@@ -90,7 +90,10 @@ fn without(
         let one = scored.iter().find(|one| one.record == record);
         one.map_or(f64::NAN, |one| (one.predictions[value] - lane.measured[value]) * lane.weights[value])
     };
-    Ok(unseen.iter().map(|row| row.values.iter().map(|value| residual(row.record, *value)).collect()).collect())
+    Ok(unseen
+        .iter()
+        .map(|row| row.values.iter().map(|value| residual(row.record, *value)).collect())
+        .collect())
 }
 
 impl LeftOut {

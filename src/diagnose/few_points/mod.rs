@@ -160,8 +160,11 @@ impl Rounds<'_, '_> {
         let of = |value: &f64, weight: &f64| (RESOLUTION * value * weight).powi(2);
         let lanes = &self.search.bench.lanes;
         let count: usize = lanes.iter().map(|lane| lane.measured.len()).sum();
-        let sum: f64 =
-            lanes.iter().flat_map(|lane| lane.measured.iter().zip(&lane.weights)).map(|(v, w)| of(v, w)).sum();
+        let sum: f64 = lanes
+            .iter()
+            .flat_map(|lane| lane.measured.iter().zip(&lane.weights))
+            .map(|(v, w)| of(v, w))
+            .sum();
         sum / count.max(1) as f64
     }
 
@@ -195,15 +198,20 @@ impl Rounds<'_, '_> {
             .par_iter()
             .map(|&candidate| {
                 let set = vec![candidate.clone()];
-                let found = self
-                    .search
-                    .added(&before.state.fitted.model, &set)
-                    .and_then(|state| standing(self.search, self.interrupt, state));
-                (self.search.told)(candidate.effect.id);
-                let (standing, state) = match found {
-                    Ok(standing) => (Some(standing.clone()), Ok(standing.state)),
+                let added = self.search.added(&before.state.fitted.model, &set);
+                // What does not even fit better is not worth a refit per point.
+                let fits = |state: &State| {
+                    mean_square(&state.scored) < (1.0 - PASSING_SHARE) * mean_square(&before.state.scored)
+                };
+                let (standing, state) = match added {
+                    Ok(state) if !fits(&state) => (None, Ok(state)),
+                    Ok(state) => match standing(self.search, self.interrupt, state) {
+                        Ok(standing) => (Some(standing.clone()), Ok(standing.state)),
+                        Err(reason) => (None, Err(reason)),
+                    },
                     Err(reason) => (None, Err(reason)),
                 };
+                (self.search.told)(candidate.effect.id);
                 let none = Gain { z: 0.0, share: 0.0 };
                 let gain = standing.as_ref().map_or(none, |after| after.unseen.gain_over(&before.unseen));
                 Tried { trial: Trial { candidates: set, state, gain }, standing }
@@ -305,8 +313,14 @@ impl Rounds<'_, '_> {
             stages.push(stage(&name, &standing.state.fitted, before, dataset));
             before = &standing.state.fitted.model;
         }
-        let insufficient =
-            verdict::insufficient(model, dataset, stages[0].clone(), measured, self.search.parts, String::new());
+        let insufficient = verdict::insufficient(
+            model,
+            dataset,
+            stages[0].clone(),
+            measured,
+            self.search.parts,
+            String::new(),
+        );
         let mut error = insufficient.error;
         (error.refitted, error.last) = (stages[1].error, stages[stages.len() - 1].error);
         let mut rounds = self.rounds.iter().map(|round| self.reported(round));

@@ -93,11 +93,7 @@ impl Rounds<'_, '_> {
         let (first, last) = (count(&self.base), count(self.last()));
         let (unit, [fitted, unseen]) = self.sizes(&self.base);
         let steps = if last > first {
-            format!(
-                ", the last {last}: {} degree{} of freedom remain",
-                values - last,
-                plural(values - last)
-            )
+            format!(", the last {last}: {} degree{} of freedom remain", values - last, plural(values - last))
         } else {
             format!(": {} degree{} of freedom remain", values - first, plural(values - first))
         };
