@@ -7,7 +7,7 @@ use cosim_support::*;
 use stickslip::cosim::{Abilities, Algorithm, InputRule, Method, Settings, System};
 
 const STOP: f64 = 2.0;
-const STEPS: [f64; 3] = [0.02, 0.01, 0.005];
+const STEPS: [f64; 3] = [0.01, 0.005, 0.0025];
 
 /// Error at the end and energy residual, for each of the steps.
 fn errors(algorithm: &Algorithm, system: impl Fn() -> System) -> Vec<[f64; 2]> {
@@ -35,11 +35,16 @@ const METHODS: [Method; 4] =
     [Method::FixedPoint, Method::Aitken, Method::Anderson { depth: 3 }, Method::Newton];
 
 fn assert_order(algorithm: &Algorithm, expected: f64, system: impl Fn() -> System) {
-    let errors = errors(algorithm, system);
+    let errors = errors(algorithm, &system);
     let (order, energy) = (orders(&errors, 0), orders(&errors, 1));
-    eprintln!("{algorithm:?}: {errors:e?} {order:.2?} {energy:.2?}");
-    assert!(order.iter().all(|order| *order > expected - 0.25), "{algorithm:?}: {errors:e?} {order:?}");
-    assert!(energy.iter().all(|order| *order > expected - 0.25), "{algorithm:?}: energy {errors:e?} {energy:?}");
+    assert!(order.iter().all(|order| *order > expected - 0.25), "{algorithm:?}: {errors:?} {order:?}");
+    // Without derivatives the first step holds its inputs, whatever comes later.
+    let from_the_start = system().slaves().iter().all(|slave| slave.abilities().output_derivative_order > 0);
+    let expected = if from_the_start || matches!(algorithm, Algorithm::Strong(_)) { expected } else { 1.0 };
+    // What is held at the middle does, in the mean over the step, exactly the work that the other side takes.
+    let balanced = errors.iter().all(|[_, energy]| *energy < 1e-12);
+    let falls = energy.iter().all(|order| *order > expected - 0.25);
+    assert!(balanced || falls, "{algorithm:?}: energy {errors:?} {energy:?}");
 }
 
 #[test]
