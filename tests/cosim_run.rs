@@ -86,10 +86,9 @@ fn adaptive(control: Control, tolerance: f64) -> Adaptive {
 #[test]
 fn a_smaller_tolerance_takes_more_steps_and_gives_less_error() {
     let exact = TWO_MASSES.exact(2.0);
-    for algorithm in [
-        Algorithm::GaussSeidel { extrapolation: 1, order: None },
-        strong(Method::Anderson { depth: 3 }),
-    ] {
+    for algorithm in
+        [Algorithm::GaussSeidel { extrapolation: 1, order: None }, strong(Method::Anderson { depth: 3 })]
+    {
         for control in [Control::Error, Control::Energy, Control::Both] {
             let run = |tolerance| {
                 let settings = Settings {
@@ -183,18 +182,26 @@ fn the_last_step_is_as_long_as_what_is_left() {
     assert_eq!((rows.len(), rows.last().unwrap().0), (35, 1.0));
     assert!((rows[34].1[0] - exact[0]).abs() < 1e-3);
     let fixed = Abilities { variable_step: false, ..EVERYTHING };
-    let (rows, report) = record(joined(TWO_MASSES.slaves().map(|slave| slave.with(fixed))), settings).unwrap();
-    assert!((rows.last().unwrap().0 - 0.99).abs() < 1e-12 && report.notes.iter().any(|note| note.contains("whole step")));
+    let (rows, report) =
+        record(joined(TWO_MASSES.slaves().map(|slave| slave.with(fixed))), settings).unwrap();
+    assert!(
+        (rows.last().unwrap().0 - 0.99).abs() < 1e-12
+            && report.notes.iter().any(|note| note.contains("whole step"))
+    );
 }
 
 /// Contacts on one beam's end, all the same.
 fn several(count: usize, reversed: bool) -> System {
     let shaker = Shaker { amplitude: 20.0, omega: 330.0, growth: 0.02 };
     let mut slaves = vec![
-        (Box::new(Source::new("shaker", "force", "N", move |time| shaker.force(time))) as Box<dyn stickslip::cosim::Slave>),
+        (Box::new(Source::new("shaker", "force", "N", move |time| shaker.force(time)))
+            as Box<dyn stickslip::cosim::Slave>),
         native("beam", BEAM),
     ];
-    slaves.extend((0..count).map(|index| native(&format!("contact{index}"), if index % 2 == 0 { VALANIS } else { JENKINS })));
+    slaves.extend(
+        (0..count)
+            .map(|index| native(&format!("contact{index}"), if index % 2 == 0 { VALANIS } else { JENKINS })),
+    );
     if reversed {
         slaves.reverse();
     }
@@ -202,7 +209,9 @@ fn several(count: usize, reversed: bool) -> System {
     slaves.into_iter().for_each(|slave| drop(system.add(slave).unwrap()));
     system.connect(("shaker", "force"), ("beam", "excitation"), 1.0, 0.0).unwrap();
     for index in 0..count {
-        system.connect(("beam", "displacement"), (&format!("contact{index}"), "displacement"), 1.0, 0.0).unwrap();
+        system
+            .connect(("beam", "displacement"), (&format!("contact{index}"), "displacement"), 1.0, 0.0)
+            .unwrap();
     }
     system.connect(("contact0", "force"), ("beam", "contact_force"), 1.0, 0.0).unwrap();
     for index in 0..count {

@@ -5,8 +5,8 @@ mod cosim_support;
 use cosim_support::lumped::*;
 use cosim_support::*;
 use stickslip::cosim::{
-    Abilities, Algorithm, Causality, Kind, Master, Settings, Setup, Slave, SlaveError, Stepped, System, SystemError,
-    Variable,
+    Abilities, Algorithm, Causality, Kind, Master, Settings, Setup, Slave, SlaveError, Stepped, System,
+    SystemError, Variable,
 };
 
 fn refused(connect: impl Fn(&mut System) -> Result<(), SystemError>) -> SystemError {
@@ -46,7 +46,9 @@ fn what_cannot_be_connected_is_named() {
             "first.velocity cannot be given a start value: the slave computes it",
         ),
         (
-            refused(|system| system.add(TWO_MASSES.slaves().map(Linear::boxed).into_iter().next().unwrap()).map(drop)),
+            refused(|system| {
+                system.add(TWO_MASSES.slaves().map(Linear::boxed).into_iter().next().unwrap()).map(drop)
+            }),
             "two slaves are called first",
         ),
         (

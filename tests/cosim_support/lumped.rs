@@ -54,12 +54,14 @@ impl Linear {
             start: None,
             depends_on,
         };
-        let mut table: Vec<Variable> = inputs.iter().map(|input| row(Causality::Input, input, None)).collect();
+        let mut table: Vec<Variable> =
+            inputs.iter().map(|input| row(Causality::Input, input, None)).collect();
         for (index, output) in outputs.iter().enumerate() {
             let on = (0..m).filter(|input| d[(index, *input)] != 0.0).collect();
             table.push(row(Causality::Output, output, Some(on)));
         }
-        let state = State { x: DVector::from_column_slice(x), u: DVector::zeros(m), slope: DVector::zeros(m) };
+        let state =
+            State { x: DVector::from_column_slice(x), u: DVector::zeros(m), slope: DVector::zeros(m) };
         Self {
             name: name.to_owned(),
             table,
