@@ -206,7 +206,9 @@ fn several(count: usize, reversed: bool) -> System {
         slaves.reverse();
     }
     let mut system = System::new();
-    slaves.into_iter().for_each(|slave| drop(system.add(slave).unwrap()));
+    for slave in slaves {
+        system.add(slave).unwrap();
+    }
     system.connect(("shaker", "force"), ("beam", "excitation"), 1.0, 0.0).unwrap();
     for index in 0..count {
         system

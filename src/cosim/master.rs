@@ -120,7 +120,7 @@ impl Master {
             Ok(()) => Ok(self.report),
             Err(cause) => {
                 let error = RunError { time: self.report.time, cause };
-                Err(Failure { error, report: self.report })
+                Err(Failure { error, report: Box::new(self.report) })
             }
         }
     }
