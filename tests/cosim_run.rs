@@ -6,7 +6,8 @@ use cosim_support::lumped::*;
 use cosim_support::*;
 use std::ops::ControlFlow;
 use stickslip::cosim::{
-    Abilities, Adaptive, Algorithm, Cause, Control, Master, Method, Parallel, Settings, Source, System,
+    Abilities, Adaptive, Algorithm, Cause, Control, Master, Method, Parallel, Settings, Setup, Slave,
+    SlaveError, Source, Stepped, System, Variable,
 };
 
 /// `y = gain · u` and nothing else.
@@ -161,6 +162,116 @@ fn what_was_reached_before_a_failure_is_kept() {
     assert_eq!(failure.to_string(), "at 0.5 s: first: velocity is beyond all bounds");
 }
 
+/// What a slave was asked to do, in order.
+#[derive(Debug)]
+struct Watched {
+    slave: Linear,
+    calls: std::sync::Arc<std::sync::Mutex<Vec<&'static str>>>,
+}
+
+impl Watched {
+    fn note(&self, call: &'static str) {
+        let mut calls = self.calls.lock().unwrap();
+        if calls.last() != Some(&call) {
+            calls.push(call);
+        }
+    }
+}
+
+impl Slave for Watched {
+    fn name(&self) -> &str {
+        self.slave.name()
+    }
+    fn variables(&self) -> &[Variable] {
+        self.slave.variables()
+    }
+    fn abilities(&self) -> Abilities {
+        self.slave.abilities()
+    }
+    fn set_up(&mut self, setup: Setup) -> Result<(), SlaveError> {
+        self.note("set up");
+        self.slave.set_up(setup)
+    }
+    fn enter_initialization(&mut self) -> Result<(), SlaveError> {
+        self.note("enter");
+        self.slave.enter_initialization()
+    }
+    fn exit_initialization(&mut self) -> Result<(), SlaveError> {
+        self.note("exit");
+        self.slave.exit_initialization()
+    }
+    fn set(&mut self, variables: &[usize], values: &[f64]) -> Result<(), SlaveError> {
+        self.note("set");
+        self.slave.set(variables, values)
+    }
+    fn get(&mut self, variables: &[usize], values: &mut [f64]) -> Result<(), SlaveError> {
+        self.note("get");
+        self.slave.get(variables, values)
+    }
+    fn set_input_derivatives(&mut self, variables: &[usize], values: &[f64]) -> Result<(), SlaveError> {
+        self.slave.set_input_derivatives(variables, values)
+    }
+    fn output_derivatives(
+        &mut self,
+        variables: &[usize],
+        order: u32,
+        out: &mut [f64],
+    ) -> Result<(), SlaveError> {
+        self.slave.output_derivatives(variables, order, out)
+    }
+    fn directional_derivative(
+        &mut self,
+        unknowns: &[usize],
+        knowns: &[usize],
+        direction: &[f64],
+        change: &mut [f64],
+    ) -> Result<(), SlaveError> {
+        self.slave.directional_derivative(unknowns, knowns, direction, change)
+    }
+    fn do_step(&mut self, time: f64, step: f64) -> Result<Stepped, SlaveError> {
+        self.note("step");
+        self.slave.do_step(time, step)
+    }
+    fn save(&mut self, slot: usize) -> Result<(), SlaveError> {
+        self.note("save");
+        self.slave.save(slot)
+    }
+    fn restore(&mut self, slot: usize) -> Result<(), SlaveError> {
+        self.note("restore");
+        self.slave.restore(slot)
+    }
+    fn terminate(&mut self) -> Result<(), SlaveError> {
+        self.note("terminate");
+        self.slave.terminate()
+    }
+}
+
+fn watched(fails_at: f64, algorithm: Algorithm) -> (Vec<&'static str>, Vec<&'static str>) {
+    let mut system = System::new();
+    let logs = [(); 2].map(|()| std::sync::Arc::default());
+    let mut slaves = TWO_MASSES.slaves();
+    slaves[0].fails_at = fails_at;
+    for (slave, calls) in slaves.into_iter().zip(&logs) {
+        system.add(Box::new(Watched { slave, calls: std::sync::Arc::clone(calls) })).unwrap();
+    }
+    system.connect(("first", "displacement"), ("second", "displacement"), 1.0, 0.0).unwrap();
+    system.connect(("second", "force"), ("first", "force"), 1.0, 0.0).unwrap();
+    let _ = record(system, Settings::new(algorithm, 0.1, 0.2));
+    let [first, second] = logs.map(|calls| calls.lock().unwrap().clone());
+    (first, second)
+}
+
+#[test]
+fn calls_come_in_the_order_that_the_standard_asks_for() {
+    let (first, _) = watched(f64::INFINITY, GAUSS_SEIDEL);
+    let begin = first.iter().position(|call| *call == "exit").unwrap();
+    assert_eq!(first[..2], ["set up", "enter"]);
+    // No value is read between setting one and the step.
+    assert_eq!(first[begin..], ["exit", "get", "set", "step", "get", "set", "step", "get", "terminate"]);
+    let (first, second) = watched(0.15, JACOBI);
+    assert_eq!((first.last(), second.last()), (Some(&"step"), Some(&"terminate")));
+}
+
 #[test]
 fn an_observer_that_breaks_off_ends_the_run() {
     let master = Master::new(joined(TWO_MASSES.slaves()), Settings::new(GAUSS_SEIDEL, 0.1, 1.0)).unwrap();
@@ -276,4 +387,91 @@ fn factors_and_offsets_are_units_resolved() {
     // N mm for J, of the other sign.
     let (joule, other) = (report.energy[0].sum, other.energy[0].sum);
     assert!((joule + 1e-3 * other).abs() < 1e-6 * joule.abs(), "{joule:e} {other:e}");
+}
+
+/// `y = u²`, refused beyond 100.
+#[derive(Debug)]
+struct Square(Watched, f64);
+
+impl Slave for Square {
+    fn name(&self) -> &str {
+        "square"
+    }
+    fn variables(&self) -> &[Variable] {
+        self.0.variables()
+    }
+    fn abilities(&self) -> Abilities {
+        Abilities { saves_state: true, variable_step: true, ..Abilities::default() }
+    }
+    fn set_up(&mut self, _: Setup) -> Result<(), SlaveError> {
+        Ok(())
+    }
+    fn enter_initialization(&mut self) -> Result<(), SlaveError> {
+        Ok(())
+    }
+    fn exit_initialization(&mut self) -> Result<(), SlaveError> {
+        Ok(())
+    }
+    fn set(&mut self, variables: &[usize], values: &[f64]) -> Result<(), SlaveError> {
+        if values.iter().any(|value| value.abs() > 100.0) {
+            self.0.note("refused");
+            let message = "u1 is refused".to_owned();
+            let severity = stickslip::cosim::Severity::Call;
+            return Err(SlaveError { slave: "square".to_owned(), message, severity });
+        }
+        self.1 = values[0];
+        self.0.set(variables, values)
+    }
+    fn get(&mut self, variables: &[usize], values: &mut [f64]) -> Result<(), SlaveError> {
+        self.0.get(variables, values)?;
+        values.fill(self.1 * self.1);
+        Ok(())
+    }
+    fn set_input_derivatives(&mut self, _: &[usize], _: &[f64]) -> Result<(), SlaveError> {
+        Ok(())
+    }
+    fn output_derivatives(&mut self, _: &[usize], _: u32, _: &mut [f64]) -> Result<(), SlaveError> {
+        Ok(())
+    }
+    fn directional_derivative(
+        &mut self,
+        _: &[usize],
+        _: &[usize],
+        _: &[f64],
+        _: &mut [f64],
+    ) -> Result<(), SlaveError> {
+        Ok(())
+    }
+    fn do_step(&mut self, _: f64, _: f64) -> Result<Stepped, SlaveError> {
+        Ok(Stepped::Done)
+    }
+    fn save(&mut self, _: usize) -> Result<(), SlaveError> {
+        Ok(())
+    }
+    fn restore(&mut self, _: usize) -> Result<(), SlaveError> {
+        Ok(())
+    }
+    fn terminate(&mut self) -> Result<(), SlaveError> {
+        Ok(())
+    }
+}
+
+#[test]
+fn values_that_a_slave_refuses_on_the_way_to_a_solution_are_taken_back() {
+    // y = s − 3 y², s from 0 to 30: the fixed point is at first, and then assumed values run away.
+    let calls: std::sync::Arc<std::sync::Mutex<Vec<_>>> = std::sync::Arc::default();
+    let mut system = System::new();
+    system.add(Box::new(Source::new("s", "y", "1", |time| 30.0 * time))).unwrap();
+    system.add(gain("first", &[1.0, -3.0]).boxed()).unwrap();
+    let slave = gain("square", &[1.0]);
+    system.add(Box::new(Square(Watched { slave, calls: std::sync::Arc::clone(&calls) }, 0.0))).unwrap();
+    system.connect(("s", "y"), ("first", "u1"), 1.0, 0.0).unwrap();
+    system.connect(("square", "y"), ("first", "u2"), 1.0, 0.0).unwrap();
+    system.connect(("first", "y"), ("square", "u1"), 1.0, 0.0).unwrap();
+    let (rows, report) =
+        record(system, Settings::new(strong(Method::Anderson { depth: 3 }), 0.5, 1.0)).unwrap();
+    assert!(calls.lock().unwrap().contains(&"refused"));
+    assert_eq!(report.unconverged, 0);
+    let exact = (-1.0 + (1.0 + 12.0 * 30.0_f64).sqrt()) / 6.0;
+    assert!((rows[2].1[1] - exact).abs() < 1e-6, "{rows:?} {exact}");
 }
