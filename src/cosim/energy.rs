@@ -74,7 +74,7 @@ impl Energy {
                 Ends {
                     given: [signals.now[source], signals.next[source]],
                     taken: unit.taken(channel, plain),
-                    before: bond.before,
+                    travel: unit.reached(channel, plain) - bond.before,
                     factor: unit.channels[channel].factor,
                 }
             };
@@ -95,7 +95,7 @@ impl Energy {
             self.bonds.iter_mut().zip(&self.tried).zip(&mut self.residuals)
         {
             if let Some((unit, channel)) = bond.displacement {
-                bond.before = units[unit].taken(channel, plain)[1];
+                bond.before = units[unit].reached(channel, plain);
             }
             bond.peak = bond.peak.max(exchanged / step);
             sums.sum += residual;

@@ -160,6 +160,11 @@ impl Engine {
         for repeated in self.blocks.iter_mut().filter_map(|block| block.repeated.as_mut()) {
             repeated.solver.remember(&repeated.assumed);
         }
+        self.derive()
+    }
+
+    /// Reads the output derivatives that are asked for.
+    pub fn derive(&mut self) -> Result<(), SlaveError> {
         for unit in &self.derived {
             self.units[*unit].read_derivatives(self.order, &mut self.signals.derivatives)?;
         }

@@ -46,6 +46,10 @@ pub(super) fn initialize(
     let values = engine.signals.next.clone();
     engine.signals.begin(&values);
     engine.energy.begin(&engine.units);
+    // Before the first step a slave need not know any: then the first step holds its inputs.
+    if engine.derive().is_err() {
+        engine.signals.derived = false;
+    }
     Ok(())
 }
 

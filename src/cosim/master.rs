@@ -58,6 +58,8 @@ pub struct Master {
     control: Option<StepControl>,
     /// All slaves take steps of any length.
     variable: bool,
+    /// The slaves have begun to step.
+    initialized: bool,
 }
 
 impl Master {
@@ -88,7 +90,7 @@ impl Master {
         let report = Report { notes: notes(&system, &settings, &schedule), ..Report::default() };
         let starts = std::mem::take(&mut system.starts);
         let engine = Engine::new(system, &settings, &schedule);
-        Ok(Self { engine, settings, starts, observed, report, control, variable })
+        Ok(Self { engine, settings, starts, observed, report, control, variable, initialized: false })
     }
 
     /// What the observer is told, in this order.
@@ -108,19 +110,30 @@ impl Master {
     /// [`Failure`], with what the run had come to.
     pub fn run(mut self, mut observer: impl FnMut(&Point) -> ControlFlow<()>) -> Result<Report, Failure> {
         let result = self.simulate(&mut observer);
-        // Whatever happened: those that can still be asked to are told that it is over.
-        for unit in &mut self.engine.units {
-            let ended = unit.slave.terminate();
-            if let (Err(error), Ok(())) = (ended, &result) {
-                self.report.notes.push(format!("at the end {error}"));
-            }
-        }
+        self.terminate(result.as_ref().err());
         self.report.energy = std::mem::take(&mut self.engine.energy.residuals);
         match result {
             Ok(()) => Ok(self.report),
             Err(cause) => {
                 let error = RunError { time: self.report.time, cause };
-                Err(Failure { error, report: self.report })
+                Err(Failure { error, report: Box::new(self.report) })
+            }
+        }
+    }
+
+    /// Tells the slaves that it is over, those that can still be told.
+    fn terminate(&mut self, cause: Option<&Cause>) {
+        let fatal = cause.is_some_and(|cause| cause.severity() == Severity::Fatal);
+        if fatal || !self.initialized {
+            return;
+        }
+        for unit in &mut self.engine.units {
+            let lost = matches!(cause, Some(Cause::Slave(error)) if error.slave == unit.slave.name());
+            if lost {
+                continue;
+            }
+            if let Err(error) = unit.slave.terminate() {
+                self.report.notes.push(format!("at the end {error}"));
             }
         }
     }
@@ -131,6 +144,7 @@ impl Master {
         let Settings { start, step, stop, .. } = self.settings;
         let end = if count == 0 { start } else { start + (count - 1) as f64 * step + last };
         initialize(&mut self.engine, &self.settings, &self.starts, end.max(stop))?;
+        self.initialized = true;
         let mut values = vec![0.0; self.engine.reported.len()];
         if self.observe(&mut values, 0.0, observer).is_break() {
             return Ok(());

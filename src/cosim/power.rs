@@ -130,8 +130,8 @@ pub(super) struct Ends {
     pub given: [f64; 2],
     /// The input at the beginning and the end, where it runs linearly; twice the same where it is held.
     pub taken: [f64; 2],
-    /// What the input had come to at the end of the last step.
-    pub before: f64,
+    /// How far the input came since the end of the last step, where it is a displacement.
+    pub travel: f64,
     /// Factor of the connection.
     pub factor: f64,
 }
@@ -145,7 +145,7 @@ pub(super) fn works(force: Ends, displacement: Option<Ends>, velocity: Option<En
     let (taker, travel, motion_factor) = match (displacement, velocity) {
         (Some(u), v) => {
             let taker = mean(force.taken) * change(u.given) + v.map_or(0.0, curve);
-            (taker, u.taken[1] - u.before, u.factor)
+            (taker, u.travel, u.factor)
         }
         (None, Some(v)) => {
             let taker = mean(force.taken) * mean(v.given) * step + curve(v);

@@ -99,7 +99,7 @@ pub struct Failure {
     #[source]
     pub error: RunError,
     /// The run up to there.
-    pub report: Report,
+    pub report: Box<Report>,
 }
 
 /// A communication point.

@@ -11,6 +11,11 @@ pub(super) trait Coupling {
     /// Writes into `residual` what `assumed` gives, less `assumed`.
     fn evaluate(&mut self, assumed: &[f64], residual: &mut [f64]) -> Result<(), Self::Trouble>;
 
+    /// Can other values be tried after this trouble, which these values may have made?
+    fn recovers(&self, _trouble: &Self::Trouble) -> bool {
+        false
+    }
+
     /// Change of the residual where the values assumed last change by `direction`, as far as derivatives at the end
     /// of the step tell it; false if they do not.
     fn product(&mut self, direction: &[f64], change: &mut [f64]) -> Result<bool, Self::Trouble>;
@@ -29,6 +34,8 @@ pub(super) struct Solved {
 const DIFFERENCE: f64 = 1e-6;
 /// An iteration that multiplies the residual by this is not going to come back.
 const HOPELESS: f64 = 1e6;
+/// How often values that a slave refuses are taken back half way.
+const RETREATS: u32 = 10;
 /// A column of differences that lies this close to the span of newer ones tells nothing new.
 const DEPENDENT: f64 = 1e-10;
 /// Least reduction of the residual that Newton's method must give before its derivatives are mistrusted.
@@ -105,9 +112,22 @@ impl Solver {
         self.scale.copy_from_slice(&self.peak);
         let mut best = f64::INFINITY;
         let mut first = f64::INFINITY;
+        let mut retreats = 0;
         loop {
-            coupling.evaluate(assumed, &mut self.residual)?;
+            let evaluated = coupling.evaluate(assumed, &mut self.residual);
             solved.evaluations += 1;
+            match evaluated {
+                Ok(()) => {}
+                // Half way back to the best there was.
+                Err(trouble) if best.is_finite() && retreats < RETREATS && coupling.recovers(&trouble) => {
+                    retreats += 1;
+                    for (assumed, best) in assumed.iter_mut().zip(&self.best) {
+                        *assumed = 0.5 * (*assumed + best);
+                    }
+                    continue;
+                }
+                Err(trouble) => return Err(trouble),
+            }
             let size = self.measure(assumed);
             if size <= self.settings.tolerance {
                 return Ok(Solved { residual: size, converged: true, ..solved });

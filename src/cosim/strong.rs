@@ -8,6 +8,7 @@
 
 use super::level::{Level, StepFrame, Trouble};
 use super::schedule::{Connected, Schedule};
+use super::slave::Severity;
 use super::solve::Coupling;
 use super::system::System;
 use super::unit::{Unit, Via};
@@ -74,6 +75,13 @@ impl Coupling for LoopStep<'_> {
             *residual = assumption.of(self.frame.signals.next[assumption.source]) - assumed;
         }
         Ok(())
+    }
+
+    fn recovers(&self, trouble: &Trouble) -> bool {
+        match trouble {
+            Trouble::Failed(error) => error.severity != Severity::Fatal,
+            Trouble::Discarded(..) => true,
+        }
     }
 
     fn product(&mut self, direction: &[f64], change: &mut [f64]) -> Result<bool, Trouble> {

@@ -298,6 +298,11 @@ impl Unit {
         Ok(())
     }
 
+    /// What input `channel` came to in the last step, as far as the outputs know.
+    pub fn reached(&self, channel: usize, plain: bool) -> f64 {
+        if plain { self.values[channel] } else { self.end[channel] }
+    }
+
     /// Both ends of what input `channel` ran through in the last step.
     pub fn taken(&self, channel: usize, plain: bool) -> [f64; 2] {
         if plain || self.channels[channel].given != Given::Ramp {

@@ -82,7 +82,7 @@ pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosi
         noise: measured,
         comparison: comparison(dataset, stages),
         model: last.model.clone(),
-        cost: cost([search.bench, whole]),
+        cost: cost(&[search.bench, whole]),
     }
 }
 
@@ -181,29 +181,29 @@ fn sensitivities(search: &Search, outcome: &Outcome, tried: &[Tried]) -> Sensiti
 
 /// A round for the report.
 fn reported(bench: &Bench, round: &[Trial], given: usize) -> Vec<Candidate> {
-    round
-        .iter()
-        .map(|trial| {
-            let (error, parameters, evaluations) = match &trial.state {
-                Ok(state) => (
-                    bench.normalised_error(&state.scored),
-                    own_parameters(trial, &state.fitted.estimates, &state.fitted.model, given),
-                    state.fitted.simulations,
-                ),
-                Err(_) => (f64::NAN, Vec::new(), 0),
-            };
-            Candidate {
-                effects: trial.ids(),
-                location: trial.candidates.iter().find_map(|c| c.location.as_ref().map(ToString::to_string)),
-                error,
-                gain_z: trial.gain.z,
-                gain_share: trial.gain.share,
-                parameters,
-                evaluations,
-                failure: trial.state.as_ref().err().cloned(),
-            }
-        })
-        .collect()
+    round.iter().map(|trial| reported_one(bench, trial, given)).collect()
+}
+
+/// A trial for the report.
+pub(super) fn reported_one(bench: &Bench, trial: &Trial, given: usize) -> Candidate {
+    let (error, parameters, evaluations) = match &trial.state {
+        Ok(state) => (
+            bench.normalised_error(&state.scored),
+            own_parameters(trial, &state.fitted.estimates, &state.fitted.model, given),
+            state.fitted.simulations,
+        ),
+        Err(_) => (f64::NAN, Vec::new(), 0),
+    };
+    Candidate {
+        effects: trial.ids(),
+        location: trial.candidates.iter().find_map(|c| c.location.as_ref().map(ToString::to_string)),
+        error,
+        gain_z: trial.gain.z,
+        gain_share: trial.gain.share,
+        parameters,
+        evaluations,
+        failure: trial.state.as_ref().err().cloned(),
+    }
 }
 
 /// The parameters of a trial's own effects, by their names alone.

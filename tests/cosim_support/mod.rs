@@ -82,7 +82,7 @@ pub fn monolithic(contact: &str, shaker: Shaker, step: f64, stop: f64, every: u6
     let model = Model::parse(BEAM).unwrap();
     let Structure::Beam(mut beam) = model.structure.clone() else { panic!("a beam") };
     beam.sensors = vec![0.55];
-    let law = Model::parse(contact).unwrap().law_of_any_values().unwrap().unwrap();
+    let law = Model::parse(contact).unwrap().law().unwrap().unwrap();
     let load = Model::parse(contact).unwrap().contact.unwrap().normal_load;
     let mut integrator = BeamIntegrator::new(&ModalBeam::new(&beam).unwrap()).unwrap();
     let mut motion = integrator.rest(Some((&*law, load)));
