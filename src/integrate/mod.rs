@@ -36,15 +36,20 @@
 //! suggested step size included: a copy written back gives the same future bit for bit.
 
 mod beam;
+mod change;
 mod contact_point;
 mod error;
 mod events;
 mod motion;
 pub mod oscillator;
 mod propagator;
+mod rates;
 mod step;
 mod trial;
 
+pub(crate) use change::{BeamChange, BeamInputChange};
+pub(crate) use oscillator::Followed;
+pub(crate) use rates::BeamRates;
 pub use beam::{BeamIntegrator, BeamOutputs, SensorReading};
 pub use error::{BeamError, IntegrationError};
 pub use motion::BeamMotion;

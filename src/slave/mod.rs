@@ -22,6 +22,7 @@
 
 mod beam;
 mod contact;
+mod derivatives;
 mod description;
 mod error;
 mod instance;
@@ -29,6 +30,7 @@ mod oscillator;
 mod parameter;
 mod snapshot;
 
+pub use derivatives::DERIVATIVE_ORDER;
 pub use description::{
     Causality, Dependency, DependencyKind, Description, Experiment, Initial, Variability, Variable,
     VariableType,
@@ -38,6 +40,7 @@ pub use instance::{Instance, Setup, Stage};
 pub use snapshot::{Snapshot, SnapshotError};
 
 use crate::effects::JointChanges;
+use crate::integrate::Ramp;
 use crate::model::{Model, Structure};
 use std::fmt::Debug;
 
@@ -51,14 +54,28 @@ pub(crate) trait Behaviour: Debug + Send {
     /// `values`. On error both are as before.
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String>;
 
-    /// One step of length `step` (s) with the inputs in `values`; writes the outputs there.
-    /// On error both are as before.
+    /// One step of length `step` (s) with the inputs in `values` and their derivatives in `slopes`, which is empty if
+    /// there is none; writes the outputs, and inputs that have run on, to `values`. On error both are as before.
     fn step(
         &mut self,
         state: &mut [f64],
         values: &mut [f64],
+        slopes: &[Option<f64>],
         step: f64,
         tolerance: f64,
+    ) -> Result<(), String>;
+
+    /// Derivatives of all outputs with respect to time at the end of the last step.
+    fn output_rates(&mut self, state: &[f64], rates: &mut [f64]) -> Result<(), String>;
+
+    /// Change of all outputs at the end of the last step, or at the start, when the lines of the inputs over it change
+    /// by `direction`. `tolerance` is that of the step.
+    fn sensitivity(
+        &mut self,
+        state: &[f64],
+        direction: &[Ramp],
+        tolerance: f64,
+        change: &mut [f64],
     ) -> Result<(), String>;
 }
 
@@ -75,6 +92,11 @@ impl LoadRule {
             joint: model.changes().joint,
             constant: model.contact.map_or(0.0, |contact| contact.normal_load),
         }
+    }
+
+    /// Change of N per change of the input (1).
+    fn gain(&self) -> f64 {
+        self.joint.load_gain.unwrap_or(1.0)
     }
 
     /// N, of the `input` (N): all of it, or the share of its change that reaches the contact.
