@@ -25,8 +25,8 @@ pub(crate) struct Change {
 
 /// Half the span of the differences that stand for derivatives of tangent and dissipated energy, relative to the inputs.
 const SPAN: f64 = 1e-6;
-/// Displacement (m) below which the span is not made smaller.
-const SMALLEST: f64 = 1e-9;
+/// Displacement (m), velocity (m/s) and load (N) below which the span is not made smaller.
+const SMALLEST: [f64; 3] = [1e-8, 1e-4, 1e-3];
 
 impl Carried {
     /// Begins with `memory`, which does not change.
@@ -93,11 +93,11 @@ impl Carried {
     /// differences of steps that are exact.
     fn differences(&mut self, law: &dyn ContactLaw, inputs: Inputs, by: Inputs) -> (f64, f64) {
         let share = |change: f64, of: f64, least: f64| change.abs() / of.abs().max(least);
-        let most = share(by.displacement, inputs.displacement, SMALLEST)
-            .max(share(by.velocity, inputs.velocity, SMALLEST))
-            .max(share(by.normal_load, inputs.normal_load, SMALLEST));
+        let most = share(by.displacement, inputs.displacement, SMALLEST[0])
+            .max(share(by.velocity, inputs.velocity, SMALLEST[1]))
+            .max(share(by.normal_load, inputs.normal_load, SMALLEST[2]));
         let by_memory = || self.change.iter().fold(0.0_f64, |most, change| most.max(change.abs()));
-        let most = if most > 0.0 { most } else { by_memory() / inputs.displacement.abs().max(SMALLEST) };
+        let most = if most > 0.0 { most } else { by_memory() / inputs.displacement.abs().max(SMALLEST[0]) };
         if most == 0.0 {
             return (0.0, 0.0);
         }
@@ -111,11 +111,21 @@ impl Carried {
                 velocity: inputs.velocity + span * by.velocity,
                 normal_load: inputs.normal_load + span * by.normal_load,
             };
-            let response = law.step(&self.next_change, inputs, &mut self.next);
-            (response.tangents.displacement, response.dissipated_energy)
+            law.step(&self.next_change, inputs, &mut self.next)
         };
-        let (ahead, behind) = (at(span), at(-span));
-        ((ahead.0 - behind.0) / (2.0 * span), (ahead.1 - behind.1) / (2.0 * span))
+        let (ahead, here, behind) = (at(span), at(0.0), at(-span));
+        // At a corner only one side belongs to the branch that the step is on.
+        let (after, before, between) = if ahead.slip_state == behind.slip_state {
+            (ahead, behind, 2.0 * span)
+        } else if ahead.slip_state == here.slip_state {
+            (ahead, here, span)
+        } else {
+            (here, behind, span)
+        };
+        (
+            (after.tangents.displacement - before.tangents.displacement) / between,
+            (after.dissipated_energy - before.dissipated_energy) / between,
+        )
     }
 }
 

@@ -336,7 +336,11 @@ impl BeamIntegrator {
         }
     }
 
-    pub(super) fn check_motion(&mut self, motion: &BeamMotion, inputs: &BeamInputs) -> Result<(), IntegrationError> {
+    pub(super) fn check_motion(
+        &mut self,
+        motion: &BeamMotion,
+        inputs: &BeamInputs,
+    ) -> Result<(), IntegrationError> {
         let modes = self.beam().angular_frequency.len();
         let contact_len = match inputs.contact {
             Contact::Force(_) => motion.contact_state().len(),
@@ -384,7 +388,11 @@ fn suggest(suggested: f64, step: f64, error: f64) -> f64 {
     if factor < 4.0 { factor * step } else { suggested.max(4.0 * step) }
 }
 
-pub(super) fn check_inputs(duration: f64, inputs: &BeamInputs, settings: &Settings) -> Result<(), IntegrationError> {
+pub(super) fn check_inputs(
+    duration: f64,
+    inputs: &BeamInputs,
+    settings: &Settings,
+) -> Result<(), IntegrationError> {
     let illegal = |name, value| Err(IntegrationError::Input { name, value });
     if !(duration.is_finite() && duration > 0.0) {
         return illegal("duration", duration);

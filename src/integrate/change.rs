@@ -183,7 +183,13 @@ impl BeamChange {
     }
 
     /// Middle and end of the step: the contact forces solved for, the weak terms by sweeps.
-    fn collocate(&mut self, solver: &StepSolver, span: &Span, by: &BeamInputChange, nodes: &mut [NodeChange; 5]) {
+    fn collocate(
+        &mut self,
+        solver: &StepSolver,
+        span: &Span,
+        by: &BeamInputChange,
+        nodes: &mut [NodeChange; 5],
+    ) {
         let pair = [MIDDLE, END];
         let friction = matches!(span.inputs.contact, Contact::Friction { .. });
         let rows = pair.map(|node| solver.propagators[solver.current].node(node).q_forcing);
@@ -220,7 +226,8 @@ impl BeamChange {
             }
             let mut size = 0.0_f64;
             for node in pair {
-                for (p, (rest, d)) in self.p[node].iter_mut().zip(self.rest[node].iter().zip(&self.direction[node]))
+                for (p, (rest, d)) in
+                    self.p[node].iter_mut().zip(self.rest[node].iter().zip(&self.direction[node]))
                 {
                     let value = rest - nodes[node].force * d;
                     moved = moved.max((value - *p).abs());
@@ -241,14 +248,20 @@ impl BeamChange {
     fn own_force(&self, contact: &NodeChange, node: usize) -> f64 {
         let (displacement, velocity) = self.geometric(node);
         let t = contact.tangents;
-        t.displacement * displacement + t.velocity * velocity + t.normal_load * contact.load + contact.by_memory
+        t.displacement * displacement
+            + t.velocity * velocity
+            + t.normal_load * contact.load
+            + contact.by_memory
     }
 
     /// Changes of the contact's geometric displacement and velocity at a node.
     fn geometric(&self, node: usize) -> (f64, f64) {
         let along = |direction: &[f64], change: &[f64]| dot(direction, change);
         let displacement = along(&self.direction[node], &self.q[node]);
-        (displacement, along(&self.direction[node], &self.v[node]) - along(&self.turning[node], &self.q[node]))
+        (
+            displacement,
+            along(&self.direction[node], &self.v[node]) - along(&self.turning[node], &self.q[node]),
+        )
     }
 
     /// Change of the forcing at a node where the contact carries `force` (N), but for that of the contact force.
@@ -271,7 +284,8 @@ impl BeamChange {
         }
         for i in 0..self.product.len() {
             let pull = beam.contact_shape[i] - self.direction[node][i];
-            self.rest[node][i] = excitation * beam.excitation_shape[i] + (force - tension.0) * self.product[i]
+            self.rest[node][i] = excitation * beam.excitation_shape[i]
+                + (force - tension.0) * self.product[i]
                 - tension.1 * pull;
         }
     }

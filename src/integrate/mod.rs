@@ -47,12 +47,11 @@ mod rates;
 mod step;
 mod trial;
 
-pub(crate) use change::{BeamChange, BeamInputChange};
-pub(crate) use oscillator::Followed;
-pub(crate) use rates::BeamRates;
 pub use beam::{BeamIntegrator, BeamOutputs, SensorReading};
+pub(crate) use change::{BeamChange, BeamInputChange};
 pub use error::{BeamError, IntegrationError};
 pub use motion::BeamMotion;
+pub(crate) use oscillator::Followed;
 pub use oscillator::{
     Drive, Excitation, LoadedContact, MOST_STEPPED, OscillatorError, OscillatorFlow, OscillatorMotion,
     Passage,
@@ -61,6 +60,7 @@ pub use oscillator::{
     OscillatorIntegrator, OscillatorState, PeriodicMotion, RungeKutta, SampledIntegrator, ShootingSettings,
     Transient, shoot,
 };
+pub(crate) use rates::BeamRates;
 
 use crate::contact::ContactLaw;
 

@@ -46,7 +46,8 @@ impl BeamIntegrator {
         let solver = &mut self.solver;
         let rate = |ramp: Ramp| if ramp.start == ramp.end { 0.0 } else { (ramp.end - ramp.start) / duration };
         let turning = times(&solver.beam.shortening, &solver.v[0], &mut out.product);
-        let geometric_acceleration = dot(&solver.direction, solver.accelerations()) - dot(turning, &solver.v[0]);
+        let geometric_acceleration =
+            dot(&solver.direction, solver.accelerations()) - dot(turning, &solver.v[0]);
         let rates = match inputs.contact {
             Contact::Force(force) => {
                 let velocity = solver.nodes[0].geometric_velocity;
@@ -117,23 +118,24 @@ fn contact_rates(
     // No law knows how its tangents change: a look at them a moment later.
     let highest = solver.beam.angular_frequency.iter().copied().fold(0.0, f64::max);
     let ahead = AHEAD / if highest > 0.0 { highest } else { 1.0 };
-    let later = Inputs {
-        displacement: node.displacement + ahead * velocity,
-        velocity,
-        normal_load: node.normal_load + ahead * load_rate,
+    // The rate of the force on a straight line from here, and what the law says there.
+    let mut later = |time: f64| {
+        let inputs = Inputs {
+            displacement: node.displacement + time * velocity,
+            velocity,
+            normal_load: node.normal_load + time * load_rate,
+        };
+        let response = law.step(&solver.contact, inputs, &mut solver.contact_next);
+        let t = response.tangents;
+        (t.displacement * velocity + t.normal_load * load_rate, response)
     };
-    let response = law.step(&solver.contact, later, &mut solver.contact_next);
-    let mut bend = 0.0;
-    if response.slip_state == node.slip_state && response.slip_state != SlipState::Separated {
-        bend = ((response.tangents.displacement - node.tangent) * velocity
-            + (response.tangents.normal_load - node.load_tangent) * load_rate)
-            / ahead;
-    }
+    let ((soon, response), (then, _)) = (later(ahead), later(2.0 * ahead));
+    let same = response.slip_state == node.slip_state && response.slip_state != SlipState::Separated;
+    let bend = if same { (then - soon) / ahead } else { 0.0 };
     let slope = 1.0 + flexibility * node.tangent;
     let acceleration = (geometric_acceleration - flexibility * bend) / slope;
-    let force = node.tangent * velocity
-        + response.tangents.velocity * acceleration
-        + node.load_tangent * load_rate;
+    let force =
+        node.tangent * velocity + response.tangents.velocity * acceleration + node.load_tangent * load_rate;
     [velocity, acceleration, force]
 }
 

@@ -176,9 +176,11 @@ fn acting<'a>(law: Option<&'a dyn ContactLaw>, load: LoadRule, lines: &Lines) ->
 
 /// `lines` going on beyond their ends for as long again.
 fn beyond(lines: &Lines) -> Lines {
-    lines.map(|Ramp { start, end }| {
-        if start == end { Ramp::held(end) } else { Ramp { start: end, end: end + (end - start) } }
-    })
+    lines.map(
+        |Ramp { start, end }| {
+            if start == end { Ramp::held(end) } else { Ramp { start: end, end: end + (end - start) } }
+        },
+    )
 }
 
 fn settings(tolerance: f64) -> Settings {
@@ -308,8 +310,7 @@ impl Behaviour for BeamBehaviour {
         let contact = Ramp { start: gain * start, end: gain * end };
         let by = BeamInputChange { excitation: direction[EXCITATION], contact };
         let (beam, settings) = (&mut self.integrator, settings(tolerance));
-        let followed =
-            beam.follow(&self.before, duration, &inputs, &settings, (&mut self.change, &by));
+        let followed = beam.follow(&self.before, duration, &inputs, &settings, (&mut self.change, &by));
         let (displacement, velocity) = followed.map_err(|error| error.to_string())?;
         self.row.clear();
         if self.law.is_some() {

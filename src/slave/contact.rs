@@ -61,6 +61,9 @@ const LAST_STEP: usize = FLAGS + 1;
 /// The flag of a step that began with a jump to the values set.
 const JUMPED: u8 = 1 << INPUTS;
 
+/// Part of the way on which a contact shows how it leaves.
+const AHEAD: f64 = 1e-9;
+
 /// The law and room for one step.
 #[derive(Debug)]
 pub(super) struct ContactBehaviour {
@@ -216,6 +219,15 @@ impl Behaviour for ContactBehaviour {
             carried.rest(law, ends.normal_load, at_end.normal_load);
         } else if last.flags & JUMPED != 0 {
             dissipated += carried.step(law, starts, at_start).dissipated_energy;
+        } else if last.flags != 0 {
+            // A jump that was none still changes: in the direction in which the contact then went.
+            let ahead = |start: f64, end: f64| start + AHEAD * (end - start);
+            let inputs = Inputs {
+                displacement: ahead(starts.displacement, ends.displacement),
+                velocity: ahead(starts.velocity, ends.velocity),
+                normal_load: ahead(starts.normal_load, ends.normal_load),
+            };
+            dissipated += carried.step(law, inputs, at_start).dissipated_energy;
         }
         let end = carried.step(law, ends, at_end);
         change.fill(0.0);

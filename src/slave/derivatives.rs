@@ -3,8 +3,8 @@
 
 use super::description::{Causality, VariableType};
 use super::error::Error;
-use crate::integrate::Ramp;
 use super::instance::{Instance, LARGEST_INPUT, Stage, check_value, same_length};
+use crate::integrate::Ramp;
 
 /// Highest order of the derivatives of inputs and outputs with respect to time.
 pub const DERIVATIVE_ORDER: u32 = 1;

@@ -58,7 +58,9 @@ pub enum Error {
         order: i32,
     },
     /// A derivative with respect to time that is infinite, not a number, or beyond all bounds.
-    #[error("{name}: a derivative of {value:?} is refused; it must be a finite number, at most {most:e} in magnitude")]
+    #[error(
+        "{name}: a derivative of {value:?} is refused; it must be a finite number, at most {most:e} in magnitude"
+    )]
     DerivativeValue {
         /// The variable.
         name: String,

@@ -122,6 +122,7 @@ pub(super) fn behaviour(model: &Model, oscillator: &Oscillator) -> Result<Box<dy
         trial: Vec::new(),
         row: Vec::new(),
         followed: Followed::default(),
+        directions: Vec::new(),
         integrator,
     }))
 }
@@ -132,8 +133,8 @@ const TANGENTS: usize = 3;
 /// Integrator and work space.
 ///
 /// The state is that of the integrator with room for what effects may add to it, now and before the last step; the
-/// inputs' lines over that step; its length (s), 0 before the first; whether the load jumped at its beginning; the
-/// energy (J) dissipated in it; and the tangents of the contacts at its end.
+/// inputs' lines over that step, and which of them began anew; its length (s), 0 before the first; whether the load
+/// jumped at its beginning; the energy (J) dissipated in it; and the tangents of the contacts at its end.
 #[derive(Debug)]
 struct OscillatorBehaviour {
     integrator: SampledIntegrator,
@@ -155,12 +156,14 @@ struct OscillatorBehaviour {
     trial: Vec<f64>,
     row: Vec<f64>,
     followed: Followed,
+    directions: Vec<Ramp>,
 }
 
 /// What the state has behind those of the integrator.
 struct LastStep<'a> {
     starts: &'a [f64],
     ends: &'a [f64],
+    anew: &'a [f64],
     step: f64,
     jumped: bool,
     dissipated: f64,
@@ -191,9 +194,11 @@ impl OscillatorBehaviour {
     fn last<'a>(&self, state: &'a [f64]) -> LastStep<'a> {
         let (starts, rest) = state[2 * self.core..].split_at(self.inputs);
         let (ends, rest) = rest.split_at(self.inputs);
+        let (anew, rest) = rest.split_at(self.inputs);
         LastStep {
             starts,
             ends,
+            anew,
             step: rest[0],
             jumped: rest[1] != 0.0,
             dissipated: rest[2],
@@ -202,13 +207,18 @@ impl OscillatorBehaviour {
     }
 
     /// Writes to `state` that the motion in `self.trial` was reached by `self.lines`.
-    fn store(&self, state: &mut [f64], step: f64, jumped: bool, dissipated: f64) {
+    fn store(&self, state: &mut [f64], slopes: &[Option<f64>], step: f64, jumped: bool, dissipated: f64) {
         let (now, rest) = state.split_at_mut(self.core);
         let (before, last) = rest.split_at_mut(self.core);
         before.copy_from_slice(now);
         now.copy_from_slice(&self.trial);
         let (starts, rest) = last.split_at_mut(self.inputs);
         let (ends, rest) = rest.split_at_mut(self.inputs);
+        let (anew, rest) = rest.split_at_mut(self.inputs);
+        anew.fill(0.0);
+        for (anew, _) in anew.iter_mut().zip(slopes).filter(|(_, slope)| slope.is_some()) {
+            *anew = 1.0;
+        }
         for ((start, end), line) in starts.iter_mut().zip(ends).zip(&self.lines) {
             (*start, *end) = (line.start, line.end);
         }
@@ -275,7 +285,7 @@ const UNBOUNDED: &str = "the motion cannot be followed: it grows without bound";
 
 impl Behaviour for OscillatorBehaviour {
     fn state_len(&self) -> usize {
-        2 * (self.core + self.inputs) + 3 + TANGENTS * (usize::from(self.has_contact) + ADDED.0)
+        2 * self.core + 3 * self.inputs + 3 + TANGENTS * (usize::from(self.has_contact) + ADDED.0)
     }
 
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
@@ -289,7 +299,7 @@ impl Behaviour for OscillatorBehaviour {
         self.integrator.rest(&self.loads, &mut self.trial[..length]);
         self.integrator.settle(&mut self.trial[..length], &self.loads);
         self.write_outputs(values, 0.0)?;
-        self.store(state, 0.0, false, 0.0);
+        self.store(state, &[], 0.0, false, 0.0);
         Ok(())
     }
 
@@ -334,7 +344,7 @@ impl Behaviour for OscillatorBehaviour {
         }
         let before = if self.has_contact { values[self.inputs + 1] } else { 0.0 };
         self.write_outputs(values, before + dissipated)?;
-        self.store(state, step, jumped, dissipated);
+        self.store(state, slopes, step, jumped, dissipated);
         Ok(())
     }
 
@@ -381,6 +391,14 @@ impl Behaviour for OscillatorBehaviour {
     ) -> Result<(), String> {
         let last = self.last(state);
         let (step, jumped) = (last.step, last.jumped);
+        // A line that went on from the previous one has a fixed start.
+        self.directions.clear();
+        self.directions.extend(
+            direction
+                .iter()
+                .zip(last.anew)
+                .map(|(line, anew)| Ramp { start: anew * line.start, end: line.end }),
+        );
         for ((line, start), end) in self.lines.iter_mut().zip(last.starts).zip(last.ends) {
             *line = Ramp { start: *start, end: *end };
         }
@@ -394,7 +412,9 @@ impl Behaviour for OscillatorBehaviour {
         } else {
             self.trial.extend_from_slice(&state[self.core..2 * self.core]);
             self.integrator.begin_change(&self.trial[..length], &mut followed);
-            self.follow(&mut followed, direction, (step, jumped), tolerance)?;
+            let directions = std::mem::take(&mut self.directions);
+            self.follow(&mut followed, &directions, (step, jumped), tolerance)?;
+            self.directions = directions;
         }
         self.write_changes(&followed, direction, change);
         self.followed = followed;
@@ -426,7 +446,8 @@ impl OscillatorBehaviour {
                 *drive = Drive::line(between(line, from), between(line, to));
             }
             self.set_load_change(between(&direction[self.inputs - 1], to));
-            let (drives, loads) = ((&*self.drives, &*self.drive_changes), (&*self.loads, &*self.load_changes));
+            let (drives, loads) =
+                ((&*self.drives, &*self.drive_changes), (&*self.loads, &*self.load_changes));
             if !self.integrator.step_change(&mut self.trial[..length], drives, loads, followed) {
                 return Err(UNBOUNDED.to_owned());
             }

@@ -123,9 +123,7 @@ fn call(running: &Running<'_>, function: Function) -> Status {
                 fmi2GetDirectionalDerivative(handle, &FORCE, 1, &DISPLACEMENT, 1, &1.0, &mut real)
             }
             F::SetRealInputDerivatives => fmi2SetRealInputDerivatives(handle, &DISPLACEMENT, 1, &1, &0.1),
-            F::GetRealOutputDerivatives => {
-                fmi2GetRealOutputDerivatives(handle, &FORCE, 1, &1, &mut real)
-            }
+            F::GetRealOutputDerivatives => fmi2GetRealOutputDerivatives(handle, &FORCE, 1, &1, &mut real),
             F::DoStep => fmi2DoStep(handle, 0.0, 1e-3, 1),
             F::CancelStep => fmi2CancelStep(handle),
             F::GetStatus => fmi2GetStatus(handle, DO_STEP_STATUS, &mut integer),

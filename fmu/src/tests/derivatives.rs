@@ -43,7 +43,10 @@ fn a_stuck_and_a_slipping_contact_have_the_derivatives_of_the_law() {
     near(rate(&running, FORCE), 2e6 * 10e-3);
     near(change(&running, FORCE, DISPLACEMENT), 2e6);
     assert_eq!(change(&running, FORCE, NORMAL_LOAD), 0.0);
-    assert_eq!((slope(&running, DISPLACEMENT, 1, 0.1), slope(&running, NORMAL_LOAD, 1, 1e3)), (Status::Ok, Status::Ok));
+    assert_eq!(
+        (slope(&running, DISPLACEMENT, 1, 0.1), slope(&running, NORMAL_LOAD, 1, 1e3)),
+        (Status::Ok, Status::Ok)
+    );
     running.do_step(1e-3, 1e-3);
     near(running.get(FORCE), 0.5 * 101.0);
     near(rate(&running, FORCE), 0.5 * 1e3);
@@ -74,14 +77,21 @@ fn a_beam_has_the_same_derivatives_as_natively() {
     let outputs: Vec<u32> = (2..13).collect();
     for k in 0..20 {
         let time = f64::from(k) * 1e-4;
-        let (values, slopes) = ([3.0 * time, 20.0 * (300.0 * time).sin()], [3.0, 6000.0 * (300.0 * time).cos()]);
+        let (values, slopes) =
+            ([3.0 * time, 20.0 * (300.0 * time).sin()], [3.0, 6000.0 * (300.0 * time).cos()]);
         native.set_real(&[0, 1], &values).unwrap();
         native.set_input_derivatives(&[0, 1], &[1, 1], &slopes).unwrap();
         native.do_step(time, 1e-4).unwrap();
         unsafe {
             assert_eq!(fmi2SetReal(running.handle, [0, 1].as_ptr(), 2, values.as_ptr()), Status::Ok);
             let orders = [1, 1];
-            let set = fmi2SetRealInputDerivatives(running.handle, [0, 1].as_ptr(), 2, orders.as_ptr(), slopes.as_ptr());
+            let set = fmi2SetRealInputDerivatives(
+                running.handle,
+                [0, 1].as_ptr(),
+                2,
+                orders.as_ptr(),
+                slopes.as_ptr(),
+            );
             assert_eq!(set, Status::Ok);
         }
         assert_eq!(running.do_step(time, 1e-4), Status::Ok);
@@ -119,7 +129,8 @@ fn refusals_name_function_and_variable_and_change_nothing() {
         assert!(running.error().contains("order 2"));
         assert_eq!(fmi2GetRealOutputDerivatives(handle, &DISPLACEMENT, 1, &1, &mut value), Status::Error);
         assert!(running.error().contains("displacement"));
-        let wrong = fmi2GetDirectionalDerivative(handle, &FORCE, 1, &FRICTION_COEFFICIENT, 1, &1.0, &mut value);
+        let wrong =
+            fmi2GetDirectionalDerivative(handle, &FORCE, 1, &FRICTION_COEFFICIENT, 1, &1.0, &mut value);
         assert_eq!(wrong, Status::Error);
         assert!(running.error().contains("friction_coefficient"));
         assert_eq!(fmi2GetRealOutputDerivatives(handle, &FORCE, 1, null(), &mut value), Status::Error);
@@ -131,7 +142,10 @@ fn refusals_name_function_and_variable_and_change_nothing() {
         // Nothing asked, nothing done.
         assert_eq!(fmi2SetRealInputDerivatives(handle, null(), 0, null(), null()), Status::Ok);
         assert_eq!(fmi2GetRealOutputDerivatives(handle, null(), 0, null(), null_mut()), Status::Ok);
-        assert_eq!(fmi2GetDirectionalDerivative(handle, null(), 0, null(), 0, null(), null_mut()), Status::Ok);
+        assert_eq!(
+            fmi2GetDirectionalDerivative(handle, null(), 0, null(), 0, null(), null_mut()),
+            Status::Ok
+        );
     }
     assert_eq!(value, 7.0);
     assert_eq!(running.bytes(), before);

@@ -3,7 +3,8 @@
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 use quick_xml::writer::Writer;
 use stickslip::slave::{
-    Causality, DERIVATIVE_ORDER, Dependency, DependencyKind, Description, Initial, Variability, Variable, VariableType,
+    Causality, DERIVATIVE_ORDER, Dependency, DependencyKind, Description, Initial, Variability, Variable,
+    VariableType,
 };
 
 /// Exponents of the base units kg, m, s and rad.

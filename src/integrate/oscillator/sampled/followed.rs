@@ -110,7 +110,9 @@ impl SampledIntegrator {
         let tangents = |i: usize| self.balance.responses[i].tangents;
         for (i, law) in self.laws.iter().enumerate() {
             let t = tangents(i);
-            force[i] = t.displacement * free[i].0 + t.velocity * free[i].1 + t.normal_load * load_changes[i]
+            force[i] = t.displacement * free[i].0
+                + t.velocity * free[i].1
+                + t.normal_load * load_changes[i]
                 + laws[i].force_by_memory(law.as_ref(), inputs(i));
             for j in 0..contacts {
                 let unit = if i == j { 1.0 } else { 0.0 };
@@ -129,8 +131,7 @@ impl SampledIntegrator {
             };
             let change = laws[i].step(law.as_ref(), inputs(i), by);
             dissipated_energy[i] += change.dissipated_energy;
-            let rate_after =
-                tangents(i).displacement * by.velocity + change.tangent * inputs(i).velocity;
+            let rate_after = tangents(i).displacement * by.velocity + change.tangent * inputs(i).velocity;
             bow[i] = 0.5 * self.step * (rate[i] - rate_after);
             rate[i] = rate_after;
         }
