@@ -66,9 +66,12 @@ fn test() -> Result<(), String> {
         ],
         &[],
     )?;
+    cargo(&["build", "--quiet", "--package", "stickslip-cli"], &[])?;
+    let program = root().join("target/debug").join(if cfg!(windows) { "stickslip.exe" } else { "stickslip" });
     run(Command::new(python)
         .args(["-m", "pytest", "--quiet", "tests/fmi"])
         .env("STICKSLIP_FMUS", &fmus)
+        .env("STICKSLIP", &program)
         .env("PYTHONDONTWRITEBYTECODE", "1"))
 }
 
