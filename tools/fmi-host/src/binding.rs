@@ -67,7 +67,13 @@ pub struct Callbacks {
 impl Callbacks {
     /// The logger writes to `log`, which must be alive wherever the FMU may call.
     pub fn new(log: &Log) -> Self {
-        Self { logger: crate::log::callback(), allocate: calloc, free, step_finished: std::ptr::null(), environment: log }
+        Self {
+            logger: crate::log::callback(),
+            allocate: calloc,
+            free,
+            step_finished: std::ptr::null(),
+            environment: log,
+        }
     }
 }
 

@@ -1,6 +1,8 @@
 //! The functions of an FMU, as they are.
 
-use crate::binding::{CO_SIMULATION, Callbacks, Functions, LAST_SUCCESSFUL_TIME, StateHandle, Status, TERMINATED};
+use crate::binding::{
+    CO_SIMULATION, Callbacks, Functions, LAST_SUCCESSFUL_TIME, StateHandle, Status, TERMINATED,
+};
 use crate::log::Log;
 use std::ffi::{CStr, CString, NulError, c_void};
 use std::path::Path;
@@ -182,7 +184,8 @@ impl Slave {
     /// # Errors
     /// A category with a zero byte; the FMU's status.
     pub fn log_categories(&mut self, categories: &[String]) -> Result<(), Error> {
-        let names = categories.iter().map(|name| CString::new(name.as_str())).collect::<Result<Vec<_>, _>>()?;
+        let names =
+            categories.iter().map(|name| CString::new(name.as_str())).collect::<Result<Vec<_>, _>>()?;
         let pointers: Vec<_> = names.iter().map(|name| name.as_ptr()).collect();
         call!(self?.fmi2SetDebugLogging(1, pointers.len(), pointers.as_ptr()))
     }

@@ -248,7 +248,8 @@ fn scalar_variable(
     let Some(typed) = typed else {
         return Err(file.value_error(element, "name", "a variable with a type"));
     };
-    let own = typed.attribute("declaredType").and_then(|name| declared.get(name)).cloned().unwrap_or_default();
+    let own =
+        typed.attribute("declaredType").and_then(|name| declared.get(name)).cloned().unwrap_or_default();
     Ok(ScalarVariable {
         name,
         reference: file.number(element, "valueReference")?.unwrap_or_default(),
@@ -287,11 +288,7 @@ fn check_names(file: &XmlFile, root: &Element, variables: &[ScalarVariable]) -> 
 }
 
 /// Notes down on what outputs depend.
-fn dependencies(
-    file: &XmlFile,
-    root: &Element,
-    variables: &mut [ScalarVariable],
-) -> Result<(), InputError> {
+fn dependencies(file: &XmlFile, root: &Element, variables: &mut [ScalarVariable]) -> Result<(), InputError> {
     let expected = "numbers of variables, from 1";
     for unknown in root.all("ModelStructure").flat_map(|structure| structure.list("Outputs", "Unknown")) {
         file.required(unknown, "index")?;

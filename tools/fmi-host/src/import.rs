@@ -60,7 +60,9 @@ pub enum ImportProblem {
     #[error("it refuses to be instantiated{}", said(.0))]
     Instantiate(Option<String>),
     /// Its second instance.
-    #[error("it allows one instance in a process, and there is one already; run each FMU in a process of its own")]
+    #[error(
+        "it allows one instance in a process, and there is one already; run each FMU in a process of its own"
+    )]
     OncePerProcess,
     /// The process it was to run in.
     #[error("it cannot be run in a process of its own: {0}")]
@@ -297,7 +299,9 @@ fn library(folder: &Path, identifier: &str) -> Result<PathBuf, ImportProblem> {
         }
     }
     let mut present: Vec<String> = std::fs::read_dir(folder.join("binaries"))
-        .map(|entries| entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect())
+        .map(|entries| {
+            entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
+        })
         .unwrap_or_default();
     present.sort();
     let present = if present.is_empty() { "none".to_owned() } else { present.join(", ") };

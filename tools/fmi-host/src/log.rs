@@ -271,8 +271,7 @@ mod tests {
     use super::*;
     use std::mem::transmute;
 
-    type Variadic =
-        unsafe extern "C" fn(*const Log, *const c_char, c_int, *const c_char, *const c_char, ...);
+    type Variadic = unsafe extern "C" fn(*const Log, *const c_char, c_int, *const c_char, *const c_char, ...);
 
     #[test]
     fn messages_are_formatted_as_printf_does() {

@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use stickslip::cosim::{
-    self, Abilities, Causality, Kind, Setup, Severity, SlaveError, Stepped, Variable,
-};
+use stickslip::cosim::{self, Abilities, Causality, Kind, Setup, Severity, SlaveError, Stepped, Variable};
 
 use crate::binding::Status;
 use crate::component::{Error, Slave, State};
@@ -97,8 +95,12 @@ const TELLING: [&str; 4] = ["logStatusWarning", "logStatusDiscard", "logStatusEr
 impl FmuSlave {
     pub(crate) fn new(fmu: Arc<Fmu>, name: &str, mut slave: Slave, lone: Option<Lone>) -> Self {
         let description = fmu.description();
-        let telling: Vec<String> =
-            description.log_categories.iter().filter(|name| TELLING.contains(&name.as_str())).cloned().collect();
+        let telling: Vec<String> = description
+            .log_categories
+            .iter()
+            .filter(|name| TELLING.contains(&name.as_str()))
+            .cloned()
+            .collect();
         if !telling.is_empty() {
             // Everything is on already: an FMU that cannot choose only says more.
             let _ = slave.log_categories(&telling);
@@ -155,7 +157,9 @@ impl FmuSlave {
         let row = rows.iter().find(|row| row.name == variable && row.kind == TypeOfVariable::String);
         let Some(row) = row else { return Err(self.refused(format!("`{variable}` is no String"))) };
         let reference = row.reference;
-        self.slave.get_string(reference).map_err(|error| self.failed(error, || format!("reading `{variable}`")))
+        self.slave
+            .get_string(reference)
+            .map_err(|error| self.failed(error, || format!("reading `{variable}`")))
     }
 
     /// The state in slot `slot` as bytes, with which another process can go on.
@@ -268,10 +272,13 @@ impl FmuSlave {
 
     fn references_of(&mut self, variables: &[usize]) -> Result<(), SlaveError> {
         let (_, count) = self.run(variables)?;
-        if count == variables.len() && variables.iter().all(|variable| self.table[*variable].kind == Kind::Real) {
+        if count == variables.len()
+            && variables.iter().all(|variable| self.table[*variable].kind == Kind::Real)
+        {
             return Ok(());
         }
-        Err(self.refused(format!("{}: not all are Real, and only those have derivatives", self.named(variables))))
+        Err(self
+            .refused(format!("{}: not all are Real, and only those have derivatives", self.named(variables))))
     }
 }
 
@@ -360,7 +367,11 @@ impl cosim::Slave for FmuSlave {
                 };
                 for (value, number) in numbers.iter_mut().zip(&self.numbers) {
                     // Any number but zero is true.
-                    *value = if kind == Kind::Boolean { f64::from(u8::from(*number != 0)) } else { f64::from(*number) };
+                    *value = if kind == Kind::Boolean {
+                        f64::from(u8::from(*number != 0))
+                    } else {
+                        f64::from(*number)
+                    };
                 }
                 done
             };
@@ -428,8 +439,16 @@ impl cosim::Slave for FmuSlave {
             Ok(()) => Ok(Stepped::Done),
             Err(Error::Call { status: Status::Discard, .. }) => {
                 if self.slave.wants_to_end().unwrap_or(false) {
-                    let words = self.slave.log().take_failure().map_or_else(String::new, |words| format!(": {words}"));
-                    let message = format!("{} ({}): the FMU asks for the end of the simulation{words}", what(), self.fmu.name());
+                    let words = self
+                        .slave
+                        .log()
+                        .take_failure()
+                        .map_or_else(String::new, |words| format!(": {words}"));
+                    let message = format!(
+                        "{} ({}): the FMU asks for the end of the simulation{words}",
+                        what(),
+                        self.fmu.name()
+                    );
                     return Err(SlaveError { slave: self.name.clone(), message, severity: Severity::Slave });
                 }
                 // An FMU that does not tell how far it came is taken not to have come anywhere.

@@ -60,13 +60,17 @@ fn no_damaged_byte_makes_it_panic_or_write_elsewhere() {
 
 #[test]
 fn names_that_lead_outside_are_refused() {
-    for name in ["../evil", "a/../../evil", "/etc/evil", "C:/evil", "..\\evil", "\\evil", "a/b/../../../evil", ""] {
+    for name in
+        ["../evil", "a/../../evil", "/etc/evil", "C:/evil", "..\\evil", "\\evil", "a/b/../../../evil", ""]
+    {
         // The writer itself refuses nothing.
         let bytes = archive(&[("modelDescription.xml", DESCRIPTION.as_bytes()), (name, b"x")]);
         let (folder, file) = written("Broken.fmu", &bytes);
         let error = unpack(&file, Limits::default());
         assert!(matches!(error, Err(ArchiveProblem::Escapes(_))), "{name}: {error:?}");
-        assert!(!folder.path().join("evil").exists() && !folder.path().parent().unwrap().join("evil").exists());
+        assert!(
+            !folder.path().join("evil").exists() && !folder.path().parent().unwrap().join("evil").exists()
+        );
     }
 }
 
@@ -95,7 +99,8 @@ fn huge_expansions_stop_at_the_limit() {
 #[test]
 fn what_is_missing_is_named() {
     assert!(matches!(problem(&archive(&[("a", b"b")])), ImportProblem::NoDescription));
-    let only = archive(&[("modelDescription.xml", DESCRIPTION.as_bytes()), ("binaries/win64/Unruly.dll", b"MZ")]);
+    let only =
+        archive(&[("modelDescription.xml", DESCRIPTION.as_bytes()), ("binaries/win64/Unruly.dll", b"MZ")]);
     match problem(&only) {
         ImportProblem::NoBinary { wanted, present } => {
             assert_eq!((wanted.ends_with("Unruly.so"), present.as_str()), (true, "win64"));
@@ -150,8 +155,7 @@ fn a_library_that_is_none_is_refused_and_the_folder_removed() {
 fn a_wrong_guid_is_refused_in_the_words_of_the_fmu() {
     let binary = format!("binaries/{}/Unruly.so", platforms()[0]);
     let description = DESCRIPTION.replace("unruly-guid", "other-guid");
-    let bytes =
-        archive(&[("modelDescription.xml", description.as_bytes()), (&binary, &unruly::library())]);
+    let bytes = archive(&[("modelDescription.xml", description.as_bytes()), (&binary, &unruly::library())]);
     let fmu = opened(&bytes).unwrap();
     let error = fmu.instantiate("one").unwrap_err();
     assert!(error.to_string().contains("the GUID is not other-guid"), "{error}");

@@ -72,8 +72,8 @@ pub enum ArchiveProblem {
 pub fn unpack(path: &Path, limits: Limits) -> Result<TempDir, ArchiveProblem> {
     let file = File::open(path).map_err(|error| ArchiveProblem::System(error.to_string()))?;
     let packed = file.metadata().map_or(0, |metadata| metadata.len());
-    let mut archive = ZipArchive::new(BufReader::new(file))
-        .map_err(|error| ArchiveProblem::Damaged(error.to_string()))?;
+    let mut archive =
+        ZipArchive::new(BufReader::new(file)).map_err(|error| ArchiveProblem::Damaged(error.to_string()))?;
     if archive.len() > limits.entries {
         return Err(ArchiveProblem::TooLarge(format!("{} files", limits.entries)));
     }
@@ -100,10 +100,7 @@ fn write_entry<R: Read>(
     left: &mut u64,
     allowed: u64,
 ) -> Result<(), ArchiveProblem> {
-    let name = entry
-        .name()
-        .map_err(|error| ArchiveProblem::Damaged(error.to_string()))?
-        .replace('\\', "/"); // some Windows programs write names this way
+    let name = entry.name().map_err(|error| ArchiveProblem::Damaged(error.to_string()))?.replace('\\', "/"); // some Windows programs write names this way
     let system = |error: io::Error| ArchiveProblem::System(format!("{name}: {error}"));
     if entry.is_symlink() {
         return Err(ArchiveProblem::Link(name));

@@ -80,13 +80,14 @@ impl Unit {
         let (from, target) = (self.name.clone(), to.name.clone());
         match (self.exponents, to.exponents) {
             // Two files may define one name with factors that differ in the last digit.
-            (Some(own), Some(other)) if own == other && self.factor == to.factor && self.offset == to.offset => {
+            (Some(own), Some(other))
+                if own == other && self.factor == to.factor && self.offset == to.offset =>
+            {
                 Ok(Linear::IDENTITY)
             }
-            (Some(own), Some(other)) if own == other => Ok(Linear {
-                factor: self.factor / to.factor,
-                offset: (self.offset - to.offset) / to.factor,
-            }),
+            (Some(own), Some(other)) if own == other => {
+                Ok(Linear { factor: self.factor / to.factor, offset: (self.offset - to.offset) / to.factor })
+            }
             (Some(_), Some(_)) => Err(UnitMismatch::Dimension { from, to: target }),
             _ if self.name == to.name => Ok(Linear::IDENTITY),
             _ => Err(UnitMismatch::Undefined { from, to: target }),

@@ -339,7 +339,8 @@ mod tests {
 
     #[test]
     fn elements_know_their_line() {
-        let file = parse("<?xml version=\"1.0\"?>\n<x:a xmlns:x='y'>\n  <b c='1 &lt; 2'/>\n</x:a>\n").unwrap();
+        let file =
+            parse("<?xml version=\"1.0\"?>\n<x:a xmlns:x='y'>\n  <b c='1 &lt; 2'/>\n</x:a>\n").unwrap();
         let root = file.root("a").unwrap();
         let child = root.child("b").unwrap();
         assert_eq!(child.attribute("c"), Some("1 < 2"));
@@ -350,7 +351,9 @@ mod tests {
 
     #[test]
     fn what_is_no_xml_is_refused_without_a_panic() {
-        for text in ["", "   ", "<a>", "<a></b>", "<a/><b/>", "<a b=>", "<a b='&nix;'/>", "plain", "</a>", "<a"] {
+        for text in
+            ["", "   ", "<a>", "<a></b>", "<a/><b/>", "<a b=>", "<a b='&nix;'/>", "plain", "</a>", "<a"]
+        {
             assert!(parse(text).is_err(), "{text:?}");
         }
         let deep = "<a>".repeat(100_000);

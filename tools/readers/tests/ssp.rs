@@ -39,7 +39,9 @@ fn component(name: &str, connectors: &[(&str, &str, &str)], rest: &str) -> Strin
 }
 
 fn document(system: &str) -> String {
-    format!("{HEAD}<ssd:System name=\"root\">\n{system}</ssd:System>\n{UNITS}<ssd:DefaultExperiment startTime=\"0\" stopTime=\"0.5\"/>\n</ssd:SystemStructureDescription>\n")
+    format!(
+        "{HEAD}<ssd:System name=\"root\">\n{system}</ssd:System>\n{UNITS}<ssd:DefaultExperiment startTime=\"0\" stopTime=\"0.5\"/>\n</ssd:SystemStructureDescription>\n"
+    )
 }
 
 fn written(text: &str) -> (TempDir, PathBuf) {
@@ -59,7 +61,9 @@ fn system(text: &str) -> Result<SystemStructure, InputError> {
 
 fn connection(start: &str, end: &str, rest: &str) -> String {
     let side = |name: &str, prefix: &str| match name.split_once('.') {
-        Some((element, connector)) => format!("{prefix}Element=\"{element}\" {prefix}Connector=\"{connector}\""),
+        Some((element, connector)) => {
+            format!("{prefix}Element=\"{element}\" {prefix}Connector=\"{connector}\"")
+        }
         None => format!("{prefix}Connector=\"{name}\""),
     };
     format!("<ssd:Connection {} {} {rest}\n", side(start, "start"), side(end, "end"))
@@ -168,7 +172,11 @@ fn what_is_not_in_the_standard_is_remarked_on() {
         .replace("<ssd:Elements>", "<ssd:Gears/><ssd:Elements>");
     let system = system(&text).unwrap();
     assert_eq!(system.remarks.len(), 1);
-    assert!(system.remarks[0].contains("Gears") && system.remarks[0].starts_with("system.ssd:"), "{:?}", system.remarks);
+    assert!(
+        system.remarks[0].contains("Gears") && system.remarks[0].starts_with("system.ssd:"),
+        "{:?}",
+        system.remarks
+    );
 }
 
 #[test]
@@ -176,19 +184,37 @@ fn faults_are_typed_and_point_at_their_line() {
     let good = pair(&connection("a.x", "b.x", "/>"));
     type Check = fn(&SspProblem) -> bool;
     let cases: [(String, Check); 12] = [
-        (good.replace("\"b\" endConnector", "\"nix\" endConnector"), |p| matches!(p, SspProblem::UnknownElement(name) if name == "nix")),
-        (good.replace("endConnector=\"x\"", "endConnector=\"nix\""), |p| matches!(p, SspProblem::UnknownConnector { .. })),
+        (
+            good.replace("\"b\" endConnector", "\"nix\" endConnector"),
+            |p| matches!(p, SspProblem::UnknownElement(name) if name == "nix"),
+        ),
+        (good.replace("endConnector=\"x\"", "endConnector=\"nix\""), |p| {
+            matches!(p, SspProblem::UnknownConnector { .. })
+        }),
         (pair(&connection("a.x", "b.f", "/>")), |p| matches!(p, SspProblem::Direction { .. })),
-        (pair(&(connection("a.x", "b.x", "/>") + &connection("a.x", "b.x", "/>"))), |p| matches!(p, SspProblem::TwoSources(name) if name == "b.x")),
+        (
+            pair(&(connection("a.x", "b.x", "/>") + &connection("a.x", "b.x", "/>"))),
+            |p| matches!(p, SspProblem::TwoSources(name) if name == "b.x"),
+        ),
         (good.replace("name=\"b\" source", "name=\"a\" source"), |p| matches!(p, SspProblem::Twice { .. })),
         (good.replace("a.fmu", "http://x/a.fmu"), |p| matches!(p, SspProblem::Source { .. })),
         (good.replace("a.fmu", "lost.fmu"), |p| matches!(p, SspProblem::Source { .. })),
         (good.replace("kind=\"output\"", "kind=\"inout\""), |p| matches!(p, SspProblem::Unsupported(_))),
         (good.replace("unit=\"mm\"", "unit=\"furlong\""), |p| matches!(p, SspProblem::UnknownUnit(_))),
-        (good.replace("source=\"a.fmu\"", "source=\"a.fmu\" type=\"application/x-ssp-package\""), |p| matches!(p, SspProblem::Unsupported(_))),
-        (good.replace("</ssd:Elements>", "<ssd:SignalDictionaryReference name=\"d\" dictionary=\"d\"/></ssd:Elements>"), |p| matches!(p, SspProblem::Unsupported(_))),
+        (good.replace("source=\"a.fmu\"", "source=\"a.fmu\" type=\"application/x-ssp-package\""), |p| {
+            matches!(p, SspProblem::Unsupported(_))
+        }),
         (
-            pair("<ssd:Connection startElement=\"a\" startConnector=\"x\" endElement=\"b\" endConnector=\"x\"><ssc:IntegerMappingTransformation/></ssd:Connection>"),
+            good.replace(
+                "</ssd:Elements>",
+                "<ssd:SignalDictionaryReference name=\"d\" dictionary=\"d\"/></ssd:Elements>",
+            ),
+            |p| matches!(p, SspProblem::Unsupported(_)),
+        ),
+        (
+            pair(
+                "<ssd:Connection startElement=\"a\" startConnector=\"x\" endElement=\"b\" endConnector=\"x\"><ssc:IntegerMappingTransformation/></ssd:Connection>",
+            ),
             |p| matches!(p, SspProblem::Unsupported(_)),
         ),
     ];
@@ -249,7 +275,10 @@ fn outline() -> Outline {
         description: "< & >".to_owned(),
         connectors: vec![connector("push", true, "N"), connector("seen", false, "m")],
         components: vec![
-            component("a", vec![connector("x", false, "m"), connector("f", true, "N"), connector("push", true, "N")]),
+            component(
+                "a",
+                vec![connector("x", false, "m"), connector("f", true, "N"), connector("push", true, "N")],
+            ),
             component("b", vec![connector("x", true, "m"), connector("f", false, "N")]),
         ],
         connections: vec![
@@ -266,7 +295,8 @@ fn outline() -> Outline {
 
 #[test]
 fn a_package_that_was_written_is_read_back() {
-    let files = [("resources/a.fmu".to_owned(), b"a".to_vec()), ("resources/b.fmu".to_owned(), b"b".to_vec())];
+    let files =
+        [("resources/a.fmu".to_owned(), b"a".to_vec()), ("resources/b.fmu".to_owned(), b"b".to_vec())];
     let bytes = outline().package(&files).unwrap();
     assert_eq!(bytes, outline().package(&files).unwrap());
     let folder = tempfile::tempdir().unwrap();

@@ -274,7 +274,10 @@ mod tests {
         let mut reader = other.reader();
         reader.numbers(&mut numbers).unwrap();
         reader.positions(&mut positions).unwrap();
-        assert_eq!((numbers.as_slice(), positions.as_slice()), (&[1.0, f64::MIN_POSITIVE, -0.0][..], &[3, 0, 7][..]));
+        assert_eq!(
+            (numbers.as_slice(), positions.as_slice()),
+            (&[1.0, f64::MIN_POSITIVE, -0.0][..], &[3, 0, 7][..])
+        );
         assert_eq!(reader.text().unwrap(), "µ");
         assert_eq!(reader.optional().unwrap(), None);
         assert!(reader.byte().is_err());

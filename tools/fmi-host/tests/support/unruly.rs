@@ -1,7 +1,7 @@
 //! An FMU that misbehaves on demand, compiled by the C compiler here.
 
 use std::io::{Cursor, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 use std::sync::Arc;
 
@@ -28,7 +28,8 @@ pub const END: f64 = 9.0;
 pub fn library() -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("unruly.so");
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/unruly/unruly.c");
+    let source = folder.path().join("unruly.c");
+    std::fs::write(&source, include_str!("../unruly/unruly.c")).unwrap();
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".to_owned());
     let done = Command::new(compiler).args(["-shared", "-fPIC", "-O1", "-o"]).arg(&file).arg(source).status();
     assert!(done.expect("a C compiler").success());

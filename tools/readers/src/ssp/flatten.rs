@@ -258,7 +258,11 @@ impl<'e> Flat<'e> {
             let outer = self.connectors[key].component.is_some() || key.0.is_empty();
             if outer && self.way(key)?.is_none() {
                 let place = self.file.place(driver.element);
-                remarks.push(format!("{place}: nothing sets `{}`, from which `{}` comes", shown(&driver.from), shown(key)));
+                remarks.push(format!(
+                    "{place}: nothing sets `{}`, from which `{}` comes",
+                    shown(&driver.from),
+                    shown(key)
+                ));
             }
         }
         Ok(connections)

@@ -166,15 +166,16 @@ const STRUCTURE: &str = "SystemStructure.ssd";
 /// Archives and files that are damaged or not SSP 1.x, and [`SspProblem`].
 pub fn read(path: impl AsRef<Path>) -> Result<SystemStructure, InputError> {
     let path = path.as_ref();
-    let whole = |problem: Problem| InputError {
-        path: path.to_owned(),
-        excerpt: None,
-        problem: Box::new(problem),
-    };
+    let whole =
+        |problem: Problem| InputError { path: path.to_owned(), excerpt: None, problem: Box::new(problem) };
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ssd")) {
         let file = XmlFile::read(path)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        return parse::structure(&file, &parse::Files { folder, named: path.to_owned(), closed: false }, None);
+        return parse::structure(
+            &file,
+            &parse::Files { folder, named: path.to_owned(), closed: false },
+            None,
+        );
     }
     let unpacked = archive::unpack(path, Limits::default()).map_err(|problem| whole(problem.into()))?;
     let inner = unpacked.path().join(STRUCTURE);

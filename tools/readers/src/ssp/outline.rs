@@ -93,11 +93,8 @@ impl Outline {
         let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
         for (name, content) in entries {
             // An FMU is a zip archive itself: nothing is left to compress. The default time is 1980-01-01.
-            let method = if name.ends_with(".fmu") {
-                CompressionMethod::Stored
-            } else {
-                CompressionMethod::Deflated
-            };
+            let method =
+                if name.ends_with(".fmu") { CompressionMethod::Stored } else { CompressionMethod::Deflated };
             let options = SimpleFileOptions::default()
                 .compression_method(method)
                 .last_modified_time(zip::DateTime::default())

@@ -113,8 +113,12 @@ impl Collector<'_, '_> {
 
     /// Notes down `given` for every variable it is meant for.
     fn mapped(&mut self, given: Given, mapping: Option<&[Entry]>, owner: &Element, path: &str) {
-        let as_it_is =
-            Entry { source: given.name.clone(), target: given.name.clone(), transformation: Linear::IDENTITY, converts: true };
+        let as_it_is = Entry {
+            source: given.name.clone(),
+            target: given.name.clone(),
+            transformation: Linear::IDENTITY,
+            converts: true,
+        };
         let entries: Vec<&Entry> = match mapping {
             Some(entries) => entries.iter().filter(|entry| entry.source == given.name).collect(),
             None => vec![&as_it_is],
@@ -133,7 +137,10 @@ impl Collector<'_, '_> {
             }
         }
         if targets == 0 {
-            self.remarks.push(format!("{}: the parameter `{}` belongs to nothing in the system", given.place, given.name));
+            self.remarks.push(format!(
+                "{}: the parameter `{}` belongs to nothing in the system",
+                given.place, given.name
+            ));
         }
     }
 
@@ -203,7 +210,12 @@ fn value<'e>(
     enumerations: [Option<&Element>; 2],
 ) -> Result<(Value, Option<&'e str>), InputError> {
     let typed = parameter.children().iter().find(|child| child.name() != "Annotations");
-    let Some(typed) = typed else { return Err(file.required_child(parameter, "Real").err().unwrap_or_else(|| file.value_error(parameter, "name", "a parameter with a value"))) };
+    let Some(typed) = typed else {
+        return Err(file
+            .required_child(parameter, "Real")
+            .err()
+            .unwrap_or_else(|| file.value_error(parameter, "name", "a parameter with a value")));
+    };
     let text = file.required(typed, "value")?;
     let value = match typed.name() {
         "Real" => {

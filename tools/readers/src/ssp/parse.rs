@@ -154,7 +154,9 @@ fn boolean_mapping(file: &XmlFile, element: &Element) -> Result<Linear, InputErr
         let target = file.boolean(entry, "target")?;
         match (source, target) {
             (Some(source), Some(target)) => of[usize::from(source)] = f64::from(u8::from(target)),
-            (None, _) => return Err(file.required(entry, "source").err().unwrap_or_else(|| unreadable(file, entry))),
+            (None, _) => {
+                return Err(file.required(entry, "source").err().unwrap_or_else(|| unreadable(file, entry)));
+            }
             _ => return Err(file.required(entry, "target").err().unwrap_or_else(|| unreadable(file, entry))),
         }
     }

@@ -76,7 +76,9 @@ impl SspProblem {
             SspProblem::Unit(_) => {
                 "write suppressUnitConversion=\"true\" and a LinearTransformation if the numbers are meant as they are"
             }
-            SspProblem::TwoSources(_) => "forces of several contacts need an input each, or a component that adds them",
+            SspProblem::TwoSources(_) => {
+                "forces of several contacts need an input each, or a component that adds them"
+            }
             _ => return None,
         };
         Some(help.to_owned())

@@ -67,12 +67,7 @@ mod tests {
     use super::*;
 
     fn length(name: &str, factor: f64) -> Unit {
-        Unit {
-            name: name.to_owned(),
-            exponents: Some([0, 1, 0, 0, 0, 0, 0, 0]),
-            factor,
-            offset: 0.0,
-        }
+        Unit { name: name.to_owned(), exponents: Some([0, 1, 0, 0, 0, 0, 0, 0]), factor, offset: 0.0 }
     }
 
     fn hop(converts: bool, factor: f64, offset: f64, unit: Option<Unit>) -> Hop {

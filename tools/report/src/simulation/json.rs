@@ -27,9 +27,10 @@ pub fn simulation_json(simulation: &Simulation) -> Value {
             "history": simulation.energy.get(index),
         })
     });
-    let columns = simulation.columns.iter().map(|column| {
-        json!({ "name": column.name, "unit": column.unit, "values": column.values })
-    });
+    let columns = simulation
+        .columns
+        .iter()
+        .map(|column| json!({ "name": column.name, "unit": column.unit, "values": column.values }));
     json!({
         "schema": "stickslip.simulation/1",
         "system": simulation.title,

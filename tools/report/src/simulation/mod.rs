@@ -150,9 +150,19 @@ mod tests {
             span: (0.0, 0.2),
             step: 1e-3,
             time: vec![0.0, 0.001, 0.002],
-            columns: vec![column("beam.displacement", Some("m")), column("contact.slip_state", None), column("x.y", Some("furlong"))],
+            columns: vec![
+                column("beam.displacement", Some("m")),
+                column("contact.slip_state", None),
+                column("x.y", Some("furlong")),
+            ],
             energy: vec![vec![0.0, 1e-6, 1e-6]],
-            report: Report { time: 0.002, steps: 2, evaluations: 7, energy: vec![energy], ..Report::default() },
+            report: Report {
+                time: 0.002,
+                steps: 2,
+                evaluations: 7,
+                energy: vec![energy],
+                ..Report::default()
+            },
             notes: vec!["a note".to_owned()],
             failure: Some("at 0.002 s: contact: lost".to_owned()),
             seconds: 0.1,

@@ -2,7 +2,9 @@
 
 use super::terminal::percent;
 use super::{Column, Simulation, share};
-use crate::document::{Axis, Block, Cell, Document, Line, Panel, Plot, Section, Stroke, Table, document_html, palette};
+use crate::document::{
+    Axis, Block, Cell, Document, Line, Panel, Plot, Section, Stroke, Table, document_html, palette,
+};
 use crate::{Settings, format};
 
 /// One self-contained HTML page: what happened, energy residuals, every recorded variable over time.
@@ -97,8 +99,7 @@ fn energy_plots(simulation: &Simulation) -> Vec<Plot> {
 }
 
 /// Units that axes scale by prefixes.
-const UNITS: [&str; 12] =
-    ["m", "m/s", "m/s^2", "N", "N/m", "J", "W", "Pa", "s", "N.m", "rad", "rad/s"];
+const UNITS: [&str; 12] = ["m", "m/s", "m/s^2", "N", "N/m", "J", "W", "Pa", "s", "N.m", "rad", "rad/s"];
 
 /// Lines in one plot at most.
 const TOGETHER: usize = 6;

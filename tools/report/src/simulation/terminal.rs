@@ -61,5 +61,9 @@ fn energy(out: &mut Text, simulation: &Simulation) {
 
 /// Two significant digits.
 pub(super) fn percent(share: f64) -> String {
-    if share.is_finite() { format!("{} %", format::fixed(100.0 * share, 2)) } else { format::ABSENT.to_owned() }
+    if share.is_finite() {
+        format!("{} %", format::fixed(100.0 * share, 2))
+    } else {
+        format::ABSENT.to_owned()
+    }
 }

@@ -74,7 +74,9 @@ impl Part {
         let description = self.fmu.description();
         match description.position(name) {
             Some(position) => Ok(&description.variables[position]),
-            None => Err(Failure::input(format!("{} ({}) has no variable `{name}`", self.name, self.fmu.name()))),
+            None => {
+                Err(Failure::input(format!("{} ({}) has no variable `{name}`", self.name, self.fmu.name())))
+            }
         }
     }
 

@@ -42,7 +42,8 @@ fn targets(
     let failed = |error: stickslip_readers::units::UnitMismatch| Failure::input(format!("`{name}`: {error}"));
     if let Some(input) = structure.inputs.iter().find(|input| input.name == *name) {
         let ends = input.targets.iter().map(|(end, route)| {
-            let own = parts[end.component].fmu.description().unit(parts[end.component].variable(&end.variable)?);
+            let own =
+                parts[end.component].fmu.description().unit(parts[end.component].variable(&end.variable)?);
             let from = unit_of(signal, parts);
             Ok((end.clone(), route.linear(from.as_ref(), own.as_ref()).map_err(failed)?))
         });
@@ -113,10 +114,20 @@ mod tests {
     #[test]
     fn rows_are_met_and_lines_are_straight_between_them() {
         let (time, values) = ([0.0, 1.0, 3.0], [5.0, 7.0, -1.0]);
-        for (at, value, derivative) in
-            [(-1.0, 5.0, 0.0), (0.0, 5.0, 2.0), (0.5, 6.0, 2.0), (1.0, 7.0, -4.0), (2.0, 3.0, -4.0), (3.0, -1.0, 0.0), (9.0, -1.0, 0.0)]
-        {
-            assert_eq!((interpolated(&time, &values, at), slope(&time, &values, at)), (value, derivative), "{at}");
+        for (at, value, derivative) in [
+            (-1.0, 5.0, 0.0),
+            (0.0, 5.0, 2.0),
+            (0.5, 6.0, 2.0),
+            (1.0, 7.0, -4.0),
+            (2.0, 3.0, -4.0),
+            (3.0, -1.0, 0.0),
+            (9.0, -1.0, 0.0),
+        ] {
+            assert_eq!(
+                (interpolated(&time, &values, at), slope(&time, &values, at)),
+                (value, derivative),
+                "{at}"
+            );
         }
     }
 }

@@ -3,6 +3,7 @@
 mod assemble;
 mod files;
 mod inputs;
+mod parquet;
 mod run;
 
 use std::path::{Path, PathBuf};
@@ -136,7 +137,7 @@ impl Simulate {
         say(&simulation_table(simulation, 100, colored()))?;
         let mut outputs = Outputs::default();
         if let Some(path) = &self.out {
-            outputs.add(path, files::written(path, simulation)?);
+            outputs.add(path, files::written(path, simulation));
         }
         if let Some(path) = &self.report {
             let files: Vec<&Path> =

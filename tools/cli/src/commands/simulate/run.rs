@@ -42,7 +42,8 @@ pub(super) fn simulate(master: Master, settings: &Settings, every: u64) -> Simul
             }
         }
         points += 1;
-        let part = if span > 0.0 { ((point.time - settings.start) / span * PARTS as f64) as usize } else { PARTS };
+        let part =
+            if span > 0.0 { ((point.time - settings.start) / span * PARTS as f64) as usize } else { PARTS };
         if part != shown {
             shown = part;
             meter.show(&format!("t = {:.6} s", point.time), part, PARTS);
