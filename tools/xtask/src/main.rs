@@ -93,8 +93,11 @@ fn hidden_effects(arguments: Vec<String>) -> Result<(), String> {
 /// A virtual environment under `target/` with exactly the pinned packages; made anew when the pins change.
 fn python_environment() -> Result<PathBuf, String> {
     let requirements = root().join("tests/fmi/requirements.txt");
-    let wanted = std::fs::read_to_string(&requirements)
-        .map_err(|error| format!("{}: {error}", requirements.display()))?;
+    let alone = root().join("tests/fmi/requirements-alone.txt");
+    let mut wanted = String::new();
+    for file in [&requirements, &alone] {
+        wanted += &std::fs::read_to_string(file).map_err(|error| format!("{}: {error}", file.display()))?;
+    }
     let environment = root().join("target/python");
     let python = environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
     let stamp = environment.join("requirements-installed.txt");
@@ -106,6 +109,9 @@ fn python_environment() -> Result<PathBuf, String> {
     run(Command::new(&python)
         .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"])
         .arg(&requirements))?;
+    run(Command::new(&python)
+        .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--requirement"])
+        .arg(&alone))?;
     std::fs::write(&stamp, wanted).map_err(|error| format!("{}: {error}", stamp.display()))?;
     Ok(python)
 }

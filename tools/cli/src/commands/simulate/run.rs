@@ -55,7 +55,7 @@ pub(super) fn simulate(master: Master, settings: &Settings, every: u64) -> Simul
         Ok(report) => simulation.report = report,
         Err(failure) => {
             simulation.failure = Some(failure.error.to_string());
-            simulation.report = failure.report;
+            simulation.report = *failure.report;
         }
     }
     simulation
