@@ -200,7 +200,7 @@ impl Fmu {
     }
 
     /// An instance called `name` in a process of its own. `command` starts a program that calls [`crate::serve`] with
-    /// [`Fmu::folder`] and `name`.
+    /// [`Fmu::folder`], [`Fmu::name`] and `name`.
     ///
     /// # Errors
     /// [`ImportProblem::Process`], and what [`Fmu::instantiate`] fails with over there.

@@ -89,22 +89,9 @@ pub(crate) fn abilities(description: &ModelDescription) -> Abilities {
     }
 }
 
-/// Categories that say why something failed: all that is asked for, where the FMU has them.
-const TELLING: [&str; 4] = ["logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal"];
-
 impl FmuSlave {
-    pub(crate) fn new(fmu: Arc<Fmu>, name: &str, mut slave: Slave, lone: Option<Lone>) -> Self {
+    pub(crate) fn new(fmu: Arc<Fmu>, name: &str, slave: Slave, lone: Option<Lone>) -> Self {
         let description = fmu.description();
-        let telling: Vec<String> = description
-            .log_categories
-            .iter()
-            .filter(|name| TELLING.contains(&name.as_str()))
-            .cloned()
-            .collect();
-        if !telling.is_empty() {
-            // Everything is on already: an FMU that cannot choose only says more.
-            let _ = slave.log_categories(&telling);
-        }
         Self {
             name: name.to_owned(),
             table: table(description),

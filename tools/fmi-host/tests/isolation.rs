@@ -18,7 +18,7 @@ fn the_other_process() {
     if let (Some(folder), Some(name)) =
         (std::env::var_os("STICKSLIP_SERVE_FOLDER"), std::env::var("STICKSLIP_SERVE_NAME").ok())
     {
-        serve(Path::new(&folder), &name).unwrap();
+        serve(Path::new(&folder), "Unruly.fmu", &name).unwrap();
     }
 }
 
@@ -114,7 +114,9 @@ fn statuses_and_messages_come_through() {
     assert!(error.message.contains("u = 2e+06 is more than 1000000"), "{}", error.message);
     let error = steps(&mut slave).1.unwrap();
     assert_eq!(error.severity, Severity::Slave);
-    assert!(error.message.contains("unruly gave up at 0.40 s"), "{}", error.message);
+    for words in ["unruly gave up at 0.40 s", "(Unruly.fmu)"] {
+        assert!(error.message.contains(words), "{words}: {}", error.message);
+    }
     assert!(slave.log().messages().iter().any(|message| message.status == Status::Error));
 }
 

@@ -81,9 +81,8 @@ fn outline(system: &Standard) -> Result<Outline, Error> {
         connectors,
     };
     let end = |element: &str, connector: &str| (Some(element.to_owned()), connector.to_owned());
-    let mut beam = vec![connector("excitation", true, "N")];
-    let mut connections =
-        vec![OutlineConnection { start: (None, "excitation".to_owned()), end: end("beam", "excitation") }];
+    // The excitation is a start value and no connector: not every program knows connectors of the system.
+    let (mut beam, mut connections) = (Vec::new(), Vec::new());
     let mut contacts = Vec::new();
     for (name, fmu, force) in system.contacts {
         beam.push(connector(force, true, "N"));
@@ -98,7 +97,7 @@ fn outline(system: &Standard) -> Result<Outline, Error> {
     Ok(Outline {
         name: system.name.to_owned(),
         description: system.description.to_owned(),
-        connectors: vec![connector("excitation", true, "N")],
+        connectors: Vec::new(),
         components: std::iter::once(component("beam", system.beam, beam)).chain(contacts).collect(),
         connections,
         parameters: vec![OutlineParameter {

@@ -12,6 +12,8 @@ pub const NAME: &str = "serve-fmu";
 pub struct Serve {
     /// Where the FMU is unpacked
     folder: PathBuf,
+    /// The FMU as the user knows it
+    fmu: String,
     /// Name of the instance
     name: String,
 }
@@ -19,6 +21,6 @@ pub struct Serve {
 impl Serve {
     /// Serves until the other side goes away.
     pub fn run(self) -> Result<(), Failure> {
-        stickslip_fmi_host::serve(&self.folder, &self.name).map_err(|error| Failure::other(error.to_string()))
+        stickslip_fmi_host::serve(&self.folder, &self.fmu, &self.name).map_err(|error| Failure::other(error.to_string()))
     }
 }

@@ -9,15 +9,15 @@ use super::protocol::{Call, Frame, Garbled, Reader, severity_number};
 use crate::import::Fmu;
 use crate::slave::FmuSlave;
 
-/// Instantiates the FMU that is unpacked in `folder` as `name`, and does what the process that started this one asks
+/// Instantiates the FMU that is unpacked in `folder`, and that the user knows as `fmu`, as `name`, and does what the process that started this one asks
 /// for, until that goes away. What the FMU prints is nobody's concern: nothing is said over standard output.
 ///
 /// # Errors
 /// A standard input that is not the connection [`crate::Fmu::isolated`] made.
-pub fn serve(folder: &Path, name: &str) -> io::Result<()> {
+pub fn serve(folder: &Path, fmu: &str, name: &str) -> io::Result<()> {
     let (mut from, mut to) = connection()?;
     let mut answer = Frame::default();
-    let slave = Fmu::in_folder(folder, name).and_then(|fmu| fmu.instantiate(name));
+    let slave = Fmu::in_folder(folder, fmu).and_then(|fmu| fmu.instantiate(name));
     let mut slave = match slave {
         Ok(slave) => {
             respond(&mut answer, Some(&slave), Ok(()), |_| {});

@@ -180,7 +180,7 @@ fn instantiate(
         };
         let name = component.name.clone();
         let mut instance = if arguments.isolate {
-            Instance::Elsewhere(fmu.isolated(&name, own_process(fmu.folder(), &name)?).map_err(failed)?)
+            Instance::Elsewhere(fmu.isolated(&name, own_process(&fmu, &name)?).map_err(failed)?)
         } else {
             Instance::Here(fmu.instantiate(&name).map_err(failed)?)
         };
@@ -193,11 +193,11 @@ fn instantiate(
 }
 
 /// This program, to run one FMU.
-fn own_process(folder: &Path, name: &str) -> Result<Command, Failure> {
+fn own_process(fmu: &Fmu, name: &str) -> Result<Command, Failure> {
     let program = std::env::current_exe()
         .map_err(|error| Failure::other(format!("this program cannot be started again: {error}")))?;
     let mut command = Command::new(program);
-    command.arg(super::super::serve::NAME).arg(folder).arg(name);
+    command.arg(super::super::serve::NAME).arg("--").arg(fmu.folder()).arg(fmu.name()).arg(name);
     Ok(command)
 }
 
