@@ -68,8 +68,8 @@ fn errors_fall_with_the_order_of_the_algorithm() {
         ] {
             let [error, energy] = orders(&algorithm, [1e-4, 2.5e-5]);
             assert!(error > 1.75, "{algorithm:?} {error}");
-            // Jacobi extrapolates twice around the algebraic loop through the axial spring, which rings.
-            let rings = matches!(algorithm, Algorithm::Jacobi { .. });
+            // What Jacobi expects of Jenkins' force at a corner is far off, and is taken back in the next step.
+            let rings = contact == JENKINS && matches!(algorithm, Algorithm::Jacobi { .. });
             assert!(rings || energy > 1.75, "{algorithm:?} {energy}");
         }
     }

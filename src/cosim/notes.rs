@@ -19,16 +19,20 @@ pub(super) fn given(system: &System, to: Port) -> Given {
         InputRule::End => Given::End,
         InputRule::Middle => Given::Middle,
         InputRule::Auto => {
-            let rows = system.slaves[to.slave].variables();
-            let declared =
-                rows.iter().all(|row| row.causality != super::Causality::Output || row.depends_on.is_some());
-            if declared && system.feed_through(to.slave, to.variable) == 1.0 {
+            if answers_at_once(system, to) {
                 Given::End
             } else {
                 Given::Middle
             }
         }
     }
+}
+
+/// Does the slave declare that all it puts out depends at once on the input?
+pub(super) fn answers_at_once(system: &System, to: Port) -> bool {
+    let mut rows = system.slaves[to.slave].variables().iter();
+    let declared = rows.all(|row| row.causality != super::Causality::Output || row.depends_on.is_some());
+    declared && system.feed_through(to.slave, to.variable) == 1.0
 }
 
 /// Notes on how the slaves of `system` take part.
