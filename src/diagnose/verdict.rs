@@ -6,7 +6,7 @@ use super::comparison::Stage;
 use super::diagnosis::{Candidate, Cost, Diagnosis, Errors, Estimate, Group, Noise, Step, Untried, Verdict};
 use super::engine::{comparison, cost, errors, stage};
 use super::explain::{self, Told};
-use super::findings::{ADEQUATE, Added, Outcome, UNEXPLAINED};
+use super::findings::{Added, Outcome, UNEXPLAINED};
 use super::select::{PASSING_SHARE, PASSING_Z, Search, Trial};
 use super::sensitivity::{self, Sensitivities};
 use super::split::Parts;
@@ -164,8 +164,6 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group]) -> Verdict {
     if !groups.is_empty() {
         return Verdict::NotDistinguishable;
     }
-    // An effect must also gain on the records that nothing was chosen by.
-    let _ = ADEQUATE;
     Verdict::EffectFound
 }
 
