@@ -1,6 +1,7 @@
 //! The library's own models as slaves, without an FMU between.
 
 use super::slave::{Abilities, Causality, Kind, Setup, Severity, Slave, SlaveError, Stepped, Variable};
+use crate::integrate::Ramp;
 use crate::model::Model;
 use crate::slave::{self, DERIVATIVE_ORDER, Instance, Snapshot, VariableType};
 
@@ -14,6 +15,7 @@ pub struct NativeSlave {
     real: Vec<bool>,
     references: Vec<u32>,
     knowns: Vec<u32>,
+    lines: Vec<Ramp>,
     /// Order 1, as often as there are variables.
     first_order: Vec<i32>,
     slots: Vec<Option<Snapshot>>,
@@ -62,6 +64,7 @@ impl NativeSlave {
             real,
             references: Vec::new(),
             knowns: Vec::new(),
+            lines: Vec::new(),
             slots: Vec::new(),
         }
     }
@@ -208,6 +211,21 @@ impl Slave for NativeSlave {
         refer(&mut self.references, unknowns);
         refer(&mut self.knowns, knowns);
         let derived = self.instance.directional_derivative(&self.references, &self.knowns, direction, change);
+        derived.map_err(|error| failed(&self.name, error))
+    }
+
+    fn end_derivative(
+        &mut self,
+        unknowns: &[usize],
+        knowns: &[usize],
+        direction: &[f64],
+        change: &mut [f64],
+    ) -> Result<(), SlaveError> {
+        refer(&mut self.references, unknowns);
+        refer(&mut self.knowns, knowns);
+        self.lines.clear();
+        self.lines.extend(direction.iter().map(|end| Ramp { start: 0.0, end: *end }));
+        let derived = self.instance.line_derivative(&self.references, &self.knowns, &self.lines, change);
         derived.map_err(|error| failed(&self.name, error))
     }
 

@@ -281,7 +281,7 @@ impl Unit {
             return Ok(());
         }
         let (inputs, direction) = (&self.input_positions, &self.direction);
-        self.slave.directional_derivative(&self.coupled, inputs, direction, &mut self.change)?;
+        self.slave.end_derivative(&self.coupled, inputs, direction, &mut self.change)?;
         for (place, value) in self.coupled_places.iter().zip(&self.change) {
             change[*place] = *value;
         }
