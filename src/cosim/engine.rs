@@ -2,7 +2,7 @@
 
 use super::energy::Energy;
 use super::level::{Level, StepFrame, Trouble};
-use super::notes::{answers_at_once, given};
+use super::notes::Manner;
 use super::schedule::Schedule;
 use super::settings::{Algorithm, Settings, Strong};
 use super::signals::Signals;
@@ -220,6 +220,7 @@ impl Wiring {
     }
 
     fn connect(&mut self, system: &System, schedule: &Schedule, unit_of: &[usize], plain: bool) {
+        let manner = Manner::new(system);
         let mut block_of = vec![0; unit_of.len()];
         for (index, block) in schedule.blocks.iter().enumerate() {
             schedule.levels[block.levels.clone()].iter().flatten().for_each(|slave| block_of[*slave] = index);
@@ -240,8 +241,7 @@ impl Wiring {
             };
             let channels = &mut self.channels[to.slave];
             self.places.insert(to, (unit_of[to.slave], channels.len()));
-            let given = given(system, to);
-            let continued = answers_at_once(system, to);
+            let (given, continued) = (manner.given(system, to), manner.at_once(to));
             channels.push(Channel { input: to.variable, source, factor, offset, via, given, continued });
         }
     }
