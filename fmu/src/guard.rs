@@ -55,7 +55,7 @@ impl Failure {
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         match error {
-            Error::Step { .. } => Self::discard(error.to_string()),
+            Error::Step { .. } | Error::Derivative(_) => Self::discard(error.to_string()),
             _ => Self::error(error.to_string()),
         }
     }

@@ -10,6 +10,7 @@
 //! the law: roll-back, rejected trial steps and harmonic balance need no more than a copy.
 
 mod backlash;
+mod carried;
 mod cubic;
 mod drag;
 mod element;
@@ -25,6 +26,7 @@ mod unilateral;
 mod valanis;
 
 pub use backlash::Backlash;
+pub(crate) use carried::Carried;
 pub use cubic::CubicSpring;
 pub use drag::Drag;
 pub use error::{Bounds, LawError};

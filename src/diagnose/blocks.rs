@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use super::bench::{Bench, Scored};
+use super::select::{PASSING_SHARE, PASSING_Z};
 
 /// Correlation below which samples count as independent.
 const INDEPENDENT: f64 = 0.2;
@@ -19,6 +20,13 @@ pub(super) struct Gain {
     pub z: f64,
     /// Share of the squared error removed.
     pub share: f64,
+}
+
+impl Gain {
+    /// Whether it is beyond doubt and worth having.
+    pub fn passes(&self) -> bool {
+        self.z > PASSING_Z && self.share > PASSING_SHARE
+    }
 }
 
 /// Length of blocks (samples) for `residuals`, one slice per record: twice the lag at which their correlation

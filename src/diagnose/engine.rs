@@ -6,13 +6,13 @@ use super::bench::{Bench, Scored, mean_square};
 use super::candidates::{self, Candidate};
 use super::compare::RefitError;
 use super::comparison::{Comparison, Stage};
-use super::diagnosis::{Cost, Diagnosis, Errors, Verdict};
+use super::diagnosis::{Cost, Diagnosis, Errors, Noise, Verdict};
 use super::findings::{Findings, Outcome};
 use super::noise;
 use super::select::{Search, State};
 use super::split::{self, Parts};
 use super::trial::{self, Effort, Fitted};
-use super::{evaluate, inputs, magnitudes, remainder, thinned, verdict};
+use super::{evaluate, few_points, inputs, magnitudes, remainder, thinned, verdict};
 use crate::effects::{Effect, Location};
 use crate::identify::InterruptHook;
 use crate::measure::Dataset;
@@ -95,6 +95,9 @@ pub fn diagnose(
     let measured = noise::measure(&whole.lanes);
     let meter = Meter { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(1) };
     meter.tell("refitting the model as it is");
+    if few_points::applies(dataset) {
+        return table(model, dataset, options, watch, (bench, scales), (baseline, measured, &meter));
+    }
     if let Some(reason) = split::too_little(dataset, &parts) {
         return Ok(verdict::insufficient(model, dataset, baseline, measured, &parts, reason));
     }
@@ -123,6 +126,25 @@ pub fn diagnose(
         &whole,
         verdict::Material { model, dataset, baseline, measured, known, tried, untried, outcome },
     ))
+}
+
+/// The diagnosis of a table of few points.
+fn table(
+    model: &Model,
+    dataset: &Dataset,
+    options: &DiagnoseOptions,
+    watch: DiagnoseWatch,
+    (mut bench, scales): (Bench, crate::effects::Scales),
+    (baseline, measured, meter): (Stage, Vec<Noise>, &Meter),
+) -> Result<Diagnosis, DiagnoseError> {
+    noise::weigh(&mut bench.lanes, &measured, &vec![Vec::new(); dataset.records.len()]);
+    let parts = few_points::whole(dataset);
+    let told = |what: &str| meter.tell(what);
+    let search =
+        Search { bench: &bench, parts: &parts, scales: &scales, given: model.effects.len(), told: &told };
+    let material =
+        few_points::Material { model, dataset, baseline, measured, options, interrupt: watch.interrupt };
+    few_points::diagnose(&search, material).map_err(|reason| unpredictable(dataset, reason))
 }
 
 /// The bench and the magnitudes, or why the model cannot be refitted to the dataset.
@@ -339,9 +361,9 @@ pub(super) fn errors(
 }
 
 /// What was spent.
-pub(super) fn cost(benches: [&Bench; 2]) -> Cost {
-    let spent = benches.map(Bench::spent);
-    Cost { refits: spent.iter().map(|s| s.0).sum(), simulations: spent.iter().map(|s| s.1).sum() }
+pub(super) fn cost(benches: &[&Bench]) -> Cost {
+    let total = |of: fn((usize, usize)) -> usize| benches.iter().map(|bench| of(bench.spent())).sum();
+    Cost { refits: total(|spent| spent.0), simulations: total(|spent| spent.1) }
 }
 
 impl Verdict {

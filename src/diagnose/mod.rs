@@ -16,6 +16,7 @@ mod diagnosis;
 mod engine;
 mod explain;
 mod features;
+mod few_points;
 mod findings;
 mod inputs;
 mod loops;

@@ -55,7 +55,7 @@ pub(super) struct Trial {
 impl Trial {
     /// Whether its gain is beyond doubt and worth having.
     pub fn passes(&self) -> bool {
-        self.state.is_ok() && self.gain.z > PASSING_Z && self.gain.share > PASSING_SHARE
+        self.state.is_ok() && self.gain.passes()
     }
 
     /// ids, in order.
@@ -172,6 +172,27 @@ impl Search<'_, '_> {
     /// Whether `winner` is better than `other` by less than a standard error.
     pub fn is_tied(&self, other: &State, winner: &State) -> bool {
         blocks::gain(self.bench, &other.scored, &winner.scored).z < TIED_Z
+    }
+
+    /// Whether what `trial` gains over `base` stays when both are refitted to all records seen, the effects just
+    /// added held at what the fitted records gave them. A record for selecting may depend on a parameter that
+    /// those hardly show; an effect that happens to correct it then gains there from every block at once.
+    pub fn holds(&self, base: &State, trial: &Trial) -> bool {
+        let Ok(state) = &trial.state else { return false };
+        let seen = self.parts.seen();
+        let refitted = |model: &Model, first: usize| -> Result<Vec<Scored>, String> {
+            let mut unknowns = self.unknowns(model);
+            unknowns.retain(|unknown| {
+                candidates::effect_of(&unknown.path, model).is_none_or(|(index, _)| index < first)
+            });
+            let fitted = trial::fit(self.bench, model, &unknowns, &seen, Effort::Full)?;
+            self.bench.score(&fitted.model, &seen)
+        };
+        let first = state.fitted.model.effects.len().saturating_sub(trial.candidates.len());
+        match (refitted(&base.fitted.model, usize::MAX), refitted(&state.fitted.model, first)) {
+            (Ok(without), Ok(with)) => blocks::gain(self.bench, &without, &with).passes(),
+            _ => false,
+        }
     }
 
     /// Whether no other effect does what `step` does, and its parameters have found values within their bounds.

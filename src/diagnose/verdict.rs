@@ -6,7 +6,7 @@ use super::comparison::Stage;
 use super::diagnosis::{Candidate, Cost, Diagnosis, Errors, Estimate, Group, Noise, Step, Untried, Verdict};
 use super::engine::{comparison, cost, errors, stage};
 use super::explain::{self, Told};
-use super::findings::{ADEQUATE, Added, Outcome, UNEXPLAINED};
+use super::findings::{Added, Outcome, UNEXPLAINED};
 use super::select::{PASSING_SHARE, PASSING_Z, Search, Trial};
 use super::sensitivity::{self, Sensitivities};
 use super::split::Parts;
@@ -82,7 +82,7 @@ pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosi
         noise: measured,
         comparison: comparison(dataset, stages),
         model: last.model.clone(),
-        cost: cost([search.bench, whole]),
+        cost: cost(&[search.bench, whole]),
     }
 }
 
@@ -164,8 +164,6 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group]) -> Verdict {
     if !groups.is_empty() {
         return Verdict::NotDistinguishable;
     }
-    // An effect must also gain on the records that nothing was chosen by.
-    let _ = ADEQUATE;
     Verdict::EffectFound
 }
 
@@ -181,29 +179,29 @@ fn sensitivities(search: &Search, outcome: &Outcome, tried: &[Tried]) -> Sensiti
 
 /// A round for the report.
 fn reported(bench: &Bench, round: &[Trial], given: usize) -> Vec<Candidate> {
-    round
-        .iter()
-        .map(|trial| {
-            let (error, parameters, evaluations) = match &trial.state {
-                Ok(state) => (
-                    bench.normalised_error(&state.scored),
-                    own_parameters(trial, &state.fitted.estimates, &state.fitted.model, given),
-                    state.fitted.simulations,
-                ),
-                Err(_) => (f64::NAN, Vec::new(), 0),
-            };
-            Candidate {
-                effects: trial.ids(),
-                location: trial.candidates.iter().find_map(|c| c.location.as_ref().map(ToString::to_string)),
-                error,
-                gain_z: trial.gain.z,
-                gain_share: trial.gain.share,
-                parameters,
-                evaluations,
-                failure: trial.state.as_ref().err().cloned(),
-            }
-        })
-        .collect()
+    round.iter().map(|trial| reported_one(bench, trial, given)).collect()
+}
+
+/// A trial for the report.
+pub(super) fn reported_one(bench: &Bench, trial: &Trial, given: usize) -> Candidate {
+    let (error, parameters, evaluations) = match &trial.state {
+        Ok(state) => (
+            bench.normalised_error(&state.scored),
+            own_parameters(trial, &state.fitted.estimates, &state.fitted.model, given),
+            state.fitted.simulations,
+        ),
+        Err(_) => (f64::NAN, Vec::new(), 0),
+    };
+    Candidate {
+        effects: trial.ids(),
+        location: trial.candidates.iter().find_map(|c| c.location.as_ref().map(ToString::to_string)),
+        error,
+        gain_z: trial.gain.z,
+        gain_share: trial.gain.share,
+        parameters,
+        evaluations,
+        failure: trial.state.as_ref().err().cloned(),
+    }
 }
 
 /// The parameters of a trial's own effects, by their names alone.

@@ -1,5 +1,6 @@
 //! The integrator of the modal beam: checks, step-size control, outputs.
 
+use super::change::{BeamChange, BeamInputChange};
 use super::motion::BeamMotion;
 use super::step::{Span, StepSolver};
 use super::trial::Trial;
@@ -54,7 +55,7 @@ const SMALLEST_ANGLE: f64 = 1e-9;
 /// ```
 #[derive(Debug, Clone)]
 pub struct BeamIntegrator {
-    solver: StepSolver,
+    pub(super) solver: StepSolver,
     largest_step: f64,
     smallest_step: f64,
 }
@@ -185,23 +186,27 @@ impl BeamIntegrator {
         check_inputs(duration, inputs, settings)?;
         self.check_motion(motion, inputs)?;
         self.solver.load(motion);
-        let mut suggested = motion.suggested_step();
-        if suggested <= 0.0 {
-            suggested = FIRST_ANGLE / LARGEST_ANGLE * self.largest_step;
-        }
-        self.run(duration, inputs, settings, &mut suggested)?;
+        let mut suggested = self.first_step(motion);
+        self.run(duration, inputs, settings, &mut suggested, None)?;
         self.solver.unload(motion, matches!(inputs.contact, Contact::Friction { .. }));
         motion.set_suggested_step(suggested.min(f64::MAX));
         Ok(())
     }
 
-    /// The steps of one communication step.
-    fn run(
+    /// The step tried first from `motion` (s).
+    pub(super) fn first_step(&self, motion: &BeamMotion) -> f64 {
+        let suggested = motion.suggested_step();
+        if suggested > 0.0 { suggested } else { FIRST_ANGLE / LARGEST_ANGLE * self.largest_step }
+    }
+
+    /// The steps of one communication step; `following` goes along with a change of the inputs.
+    pub(super) fn run(
         &mut self,
         duration: f64,
         inputs: &BeamInputs,
         settings: &Settings,
         suggested: &mut f64,
+        mut following: Option<(&mut BeamChange, &BeamInputChange)>,
     ) -> Result<(), IntegrationError> {
         let load_rate = match inputs.contact {
             Contact::Friction { normal_load: load, .. } => (load.end - load.start) / duration,
@@ -209,8 +214,13 @@ impl BeamIntegrator {
         };
         let smallest = self.smallest_step.max(1e-14 * duration);
         let mut span = Span { inputs, step: 0.0, from: 0.0, to: 0.0, load_rate };
+        let load_before = self.solver.nodes[0].normal_load;
         if !self.solver.prepare(&span) {
             return Err(IntegrationError::StepTooSmall { time: 0.0, step: 0.0 });
+        }
+        if let Some((change, by)) = &mut following {
+            let jumped = self.solver.nodes[0].normal_load != load_before;
+            change.jump(&self.solver, &inputs.contact, by, jumped);
         }
         let mut time = 0.0;
         // A step cut short at an event, and how long it was at first.
@@ -231,8 +241,14 @@ impl BeamIntegrator {
                     shortened = Some(fraction * step);
                 }
                 Trial::Done { error, .. } if error <= 1.0 => {
+                    if let Some((change, by)) = &mut following {
+                        change.through(&self.solver, &span, by);
+                    }
                     if !self.solver.commit(&span) {
                         return Err(IntegrationError::StepTooSmall { time, step });
+                    }
+                    if let Some((change, by)) = &mut following {
+                        change.arrive(&self.solver, &inputs.contact, span.to, by);
                     }
                     *suggested = suggest(*suggested, step, error);
                     (shortened, uncut) = (None, 0.0);
@@ -320,7 +336,11 @@ impl BeamIntegrator {
         }
     }
 
-    fn check_motion(&mut self, motion: &BeamMotion, inputs: &BeamInputs) -> Result<(), IntegrationError> {
+    pub(super) fn check_motion(
+        &mut self,
+        motion: &BeamMotion,
+        inputs: &BeamInputs,
+    ) -> Result<(), IntegrationError> {
         let modes = self.beam().angular_frequency.len();
         let contact_len = match inputs.contact {
             Contact::Force(_) => motion.contact_state().len(),
@@ -368,7 +388,11 @@ fn suggest(suggested: f64, step: f64, error: f64) -> f64 {
     if factor < 4.0 { factor * step } else { suggested.max(4.0 * step) }
 }
 
-fn check_inputs(duration: f64, inputs: &BeamInputs, settings: &Settings) -> Result<(), IntegrationError> {
+pub(super) fn check_inputs(
+    duration: f64,
+    inputs: &BeamInputs,
+    settings: &Settings,
+) -> Result<(), IntegrationError> {
     let illegal = |name, value| Err(IntegrationError::Input { name, value });
     if !(duration.is_finite() && duration > 0.0) {
         return illegal("duration", duration);

@@ -36,18 +36,22 @@
 //! suggested step size included: a copy written back gives the same future bit for bit.
 
 mod beam;
+mod change;
 mod contact_point;
 mod error;
 mod events;
 mod motion;
 pub mod oscillator;
 mod propagator;
+mod rates;
 mod step;
 mod trial;
 
 pub use beam::{BeamIntegrator, BeamOutputs, SensorReading};
+pub(crate) use change::{BeamChange, BeamInputChange};
 pub use error::{BeamError, IntegrationError};
 pub use motion::BeamMotion;
+pub(crate) use oscillator::Followed;
 pub use oscillator::{
     Drive, Excitation, LoadedContact, MOST_STEPPED, OscillatorError, OscillatorFlow, OscillatorMotion,
     Passage,
@@ -56,6 +60,7 @@ pub use oscillator::{
     OscillatorIntegrator, OscillatorState, PeriodicMotion, RungeKutta, SampledIntegrator, ShootingSettings,
     Transient, shoot,
 };
+pub(crate) use rates::BeamRates;
 
 use crate::contact::ContactLaw;
 

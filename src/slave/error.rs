@@ -49,6 +49,37 @@ pub enum Error {
     /// The parameters do not make a model; the text begins with the name of one of them.
     #[error("{0}")]
     Parameters(String),
+    /// A derivative with respect to time of an order that this library does not know.
+    #[error("{name}: derivative of order {order}; only the first is known, of order 1")]
+    DerivativeOrder {
+        /// The variable.
+        name: String,
+        /// What was asked for.
+        order: i32,
+    },
+    /// A derivative with respect to time that is infinite, not a number, or beyond all bounds.
+    #[error(
+        "{name}: a derivative of {value:?} is refused; it must be a finite number, at most {most:e} in magnitude"
+    )]
+    DerivativeValue {
+        /// The variable.
+        name: String,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        most: f64,
+    },
+    /// A derivative of something that has none, or by something by which none is known.
+    #[error("{name} has no such derivative: {reason}")]
+    NoDerivative {
+        /// The variable.
+        name: String,
+        /// Why.
+        reason: &'static str,
+    },
+    /// A derivative that cannot be computed.
+    #[error("the derivative could not be computed: {0}")]
+    Derivative(String),
     /// An argument of a call other than a variable's value.
     #[error("{argument} = {value:?} is refused; it must be {allowed}")]
     Argument {
@@ -60,7 +91,7 @@ pub enum Error {
         allowed: String,
     },
     /// Two arrays of different lengths.
-    #[error("{references} value references, but {values} values")]
+    #[error("{references} value references, but {values} values or orders")]
     Lengths {
         /// Number of value references.
         references: usize,

@@ -5,13 +5,14 @@ use super::error::Error;
 use super::parameter::{parameters, with_values};
 use super::snapshot::{Snapshot, SnapshotError};
 use super::{Behaviour, behaviour, describe};
+use crate::integrate::Ramp;
 use crate::model::Model;
 use uuid::Uuid;
 
 /// Relative tolerance of the integration inside, where the simulation sets none.
 const DEFAULT_TOLERANCE: f64 = 1e-6;
 /// No physical input in SI units is larger; products of a few stay finite.
-const LARGEST_INPUT: f64 = 1e30;
+pub(super) const LARGEST_INPUT: f64 = 1e30;
 /// Numbers in a snapshot besides values and state: time, tolerance, stop, and whether time is known.
 const CLOCK: usize = 4;
 
@@ -82,19 +83,26 @@ pub struct Setup {
 #[derive(Debug)]
 pub struct Instance {
     model: Model,
-    description: Description,
+    pub(super) description: Description,
     guid: Uuid,
     paths: Vec<String>,
-    behaviour: Box<dyn Behaviour>,
+    pub(super) behaviour: Box<dyn Behaviour>,
     /// Parameter values the behaviour was built from.
     built: Vec<f64>,
-    stage: Stage,
-    values: Vec<f64>,
-    state: Vec<f64>,
+    pub(super) stage: Stage,
+    pub(super) values: Vec<f64>,
+    pub(super) state: Vec<f64>,
+    /// Derivatives of the inputs with respect to time for the next step, where the master has set one.
+    pub(super) slopes: Vec<Option<f64>>,
+    /// Some slope is set.
+    pub(super) sloped: bool,
+    /// Room for derivatives of all outputs, and for a direction of all inputs.
+    pub(super) rates: Vec<f64>,
+    pub(super) direction: Vec<Ramp>,
     /// Outputs are older than inputs or parameters (only before the first step).
     stale: bool,
     time: Option<f64>,
-    tolerance: f64,
+    pub(super) tolerance: f64,
     stop: f64,
 }
 
@@ -124,6 +132,8 @@ impl Instance {
         let values: Vec<f64> = description.variables.iter().map(|variable| variable.start).collect();
         let state = vec![0.0; behaviour.state_len()];
         let guid = description.guid();
+        let count = |causality| description.references(causality).count();
+        let (inputs, outputs) = (count(Causality::Input), count(Causality::Output));
         Ok(Self {
             model: model.clone(),
             guid,
@@ -134,6 +144,10 @@ impl Instance {
             time: None,
             tolerance: DEFAULT_TOLERANCE,
             stop: f64::INFINITY,
+            slopes: vec![None; inputs],
+            sloped: false,
+            rates: vec![0.0; outputs],
+            direction: vec![Ramp::held(0.0); inputs],
             description,
             behaviour,
             values,
@@ -271,19 +285,28 @@ impl Instance {
         Ok(())
     }
 
-    /// One communication step from `time` to `time + step` (s).
+    /// One communication step from `time` to `time + step` (s). Derivatives set for the inputs
+    /// ([`Instance::set_input_derivatives`]) hold for this step alone: the inputs are then at the values they have
+    /// reached at its end.
     ///
     /// # Errors
     /// `step` not positive, times not finite, `time` not the end of the last step, an end beyond the
-    /// stop time: the instance is unchanged. [`Error::Step`] if the integration fails: values and state
+    /// stop time, an input that its derivative takes beyond its bounds: the instance is unchanged. [`Error::Step`] if the integration fails: values and state
     /// are those at `time` and the stage is [`Stage::StepFailed`].
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<(), Error> {
         self.require(Stage::StepComplete)?;
         self.check_times(time, step)?;
-        let outcome = self.behaviour.step(&mut self.state, &mut self.values, step, self.tolerance);
+        if self.sloped {
+            self.check_reached(step)?;
+        }
+        let slopes = if self.sloped { &self.slopes[..] } else { &[] };
+        let outcome = self.behaviour.step(&mut self.state, &mut self.values, slopes, step, self.tolerance);
         if let Err(reason) = outcome {
             self.stage = Stage::StepFailed;
             return Err(Error::Step { time, reason });
+        }
+        if self.sloped {
+            self.forget_slopes();
         }
         self.time = Some(time + step);
         Ok(())
@@ -307,6 +330,7 @@ impl Instance {
             *value = variable.start;
         }
         self.state.fill(0.0);
+        self.forget_slopes();
         self.stage = Stage::Instantiated;
         self.stale = true;
         self.time = None;
@@ -327,11 +351,18 @@ impl Instance {
         snapshot.stage = self.stage;
         let numbers = &mut snapshot.numbers;
         numbers.clear();
-        numbers.reserve_exact(self.values.len() + self.state.len() + CLOCK);
+        numbers.reserve_exact(self.numbers());
         numbers.extend_from_slice(&self.values);
         numbers.extend_from_slice(&self.state);
+        let slopes = self.slopes.iter();
+        numbers.extend(slopes.flat_map(|slope| [f64::from(u8::from(slope.is_some())), slope.unwrap_or(0.0)]));
         let known = f64::from(u8::from(self.time.is_some()));
         numbers.extend_from_slice(&[self.time.unwrap_or(0.0), known, self.tolerance, self.stop]);
+    }
+
+    /// Numbers in a snapshot.
+    fn numbers(&self) -> usize {
+        self.values.len() + self.state.len() + 2 * self.slopes.len() + CLOCK
     }
 
     /// Makes the instance continue where `snapshot` was saved, bit by bit.
@@ -343,12 +374,13 @@ impl Instance {
             return Err(SnapshotError::OtherModel { found: snapshot.guid, expected: self.guid }.into());
         }
         let (values_len, state_len) = (self.values.len(), self.state.len());
-        let expected = values_len + state_len + CLOCK;
+        let expected = self.numbers();
         if snapshot.numbers.len() != expected {
             return Err(SnapshotError::Corrupt.into());
         }
         let (values, rest) = snapshot.numbers.split_at(values_len);
-        let (state, clock) = rest.split_at(state_len);
+        let (state, rest) = rest.split_at(state_len);
+        let (slopes, clock) = rest.split_at(2 * self.slopes.len());
         // Bytes may come from anywhere. Only the stop time may be infinite.
         let [_, _, tolerance, stop] = *clock else { return Err(SnapshotError::Corrupt.into()) };
         let finite = snapshot.numbers[..expected - 1].iter().all(|number| number.is_finite());
@@ -362,6 +394,10 @@ impl Instance {
         }
         self.values.copy_from_slice(values);
         self.state.copy_from_slice(state);
+        for (slope, saved) in self.slopes.iter_mut().zip(slopes.chunks_exact(2)) {
+            *slope = (saved[0] != 0.0).then_some(saved[1]);
+        }
+        self.sloped = self.slopes.iter().any(Option::is_some);
         self.stage = snapshot.stage;
         self.stale = stale;
         self.time = (clock[1] != 0.0).then_some(clock[0]);
@@ -374,7 +410,7 @@ impl Instance {
         if self.stage == stage { Ok(()) } else { Err(Error::Stage(self.stage)) }
     }
 
-    fn check_rows(&self, references: &[u32], asked: VariableType) -> Result<(), Error> {
+    pub(super) fn check_rows(&self, references: &[u32], asked: VariableType) -> Result<(), Error> {
         for reference in references {
             match self.description.variables.get(*reference as usize) {
                 Some(variable) if variable.variable_type == asked => {}
@@ -407,7 +443,12 @@ impl Instance {
         Error::UnknownReference { reference, largest: self.description.variables.len() - 1 }
     }
 
-    fn check_setting(&self, variable: &Variable, value: f64) -> Result<(), Error> {
+    pub(super) fn check_setting(&self, variable: &Variable, value: f64) -> Result<(), Error> {
+        self.check_settable(variable)?;
+        check_value(variable, value)
+    }
+
+    pub(super) fn check_settable(&self, variable: &Variable) -> Result<(), Error> {
         let open = matches!(self.stage, Stage::Instantiated | Stage::Initialization);
         let reason = match variable.causality {
             Causality::Input if open || self.stage == Stage::StepComplete => None,
@@ -416,18 +457,10 @@ impl Instance {
             Causality::Parameter => Some("a fixed parameter is settled when the initialization ends"),
             Causality::Output => Some("it is an output"),
         };
-        if let Some(reason) = reason {
-            return Err(Error::NotSettable { name: variable.name.to_string(), reason });
+        match reason {
+            Some(reason) => Err(Error::NotSettable { name: variable.name.to_string(), reason }),
+            None => Ok(()),
         }
-        if variable.allows(value) && value.abs() <= LARGEST_INPUT {
-            return Ok(());
-        }
-        let bounds = if value.abs() > LARGEST_INPUT && value.is_finite() {
-            format!("at most {LARGEST_INPUT:e} in magnitude")
-        } else {
-            variable.bounds()
-        };
-        Err(Error::Value { name: variable.name.to_string(), value, bounds })
     }
 
     #[inline]
@@ -459,7 +492,7 @@ impl Instance {
     }
 
     /// Before the first step: outputs from inputs and parameters.
-    fn refresh(&mut self) -> Result<(), Error> {
+    pub(super) fn refresh(&mut self) -> Result<(), Error> {
         if !self.stale {
             return Ok(());
         }
@@ -490,7 +523,20 @@ impl Instance {
     }
 }
 
-fn same_length(references: usize, values: usize) -> Result<(), Error> {
+/// Whether `variable` may be `value`.
+pub(super) fn check_value(variable: &Variable, value: f64) -> Result<(), Error> {
+    if variable.allows(value) && value.abs() <= LARGEST_INPUT {
+        return Ok(());
+    }
+    let bounds = if value.abs() > LARGEST_INPUT && value.is_finite() {
+        format!("at most {LARGEST_INPUT:e} in magnitude")
+    } else {
+        variable.bounds()
+    };
+    Err(Error::Value { name: variable.name.to_string(), value, bounds })
+}
+
+pub(super) fn same_length(references: usize, values: usize) -> Result<(), Error> {
     if references == values { Ok(()) } else { Err(Error::Lengths { references, values }) }
 }
 

@@ -4,7 +4,7 @@ use super::instance::Stage;
 use uuid::Uuid;
 
 const MAGIC: &[u8; 16] = b"stickslip state\0";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Magic, version, stage, GUID, number of numbers.
 const HEADER: usize = 16 + 4 + 4 + 16 + 8;
 const CHECKSUM: usize = 8;
@@ -14,7 +14,7 @@ const CHECKSUM: usize = 8;
 pub struct Snapshot {
     pub(super) guid: Uuid,
     pub(super) stage: Stage,
-    /// Values of all variables, then the behaviour's state, then time, tolerance and limits.
+    /// Values of all variables, then the behaviour's state, derivatives pending for the inputs, time, tolerance and limits.
     pub(super) numbers: Vec<f64>,
 }
 

@@ -103,51 +103,74 @@ pub unsafe extern "C" fn fmi2GetStringStatus(handle: Handle, kind: c_int, value:
     unsafe { status(handle, Function::GetStringStatus, (kind, None), value, |_| c"".as_ptr()) }
 }
 
-/// What the model description says this FMU does not have.
-unsafe fn not_provided(handle: Handle, function: Function, capability: &str) -> Status {
-    let body = |_: &mut Component| {
-        Err(Failure::error(format!("not provided: the model description has {capability}")))
-    };
-    // SAFETY: the caller's promise.
-    unsafe { guarded(handle, function, body) }
-}
-
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     handle: Handle,
-    _references: *const ValueReference,
-    _count: usize,
-    _orders: *const Integer,
-    _values: *const Real,
+    references: *const ValueReference,
+    count: usize,
+    orders: *const Integer,
+    values: *const Real,
 ) -> Status {
+    let body = |component: &mut Component| {
+        // SAFETY: the importer's promise.
+        let (references, orders, values) = unsafe {
+            (
+                ffi::slice(references, count, "vr")?,
+                ffi::slice(orders, count, "order")?,
+                ffi::slice(values, count, "value")?,
+            )
+        };
+        Ok(component.instance.set_input_derivatives(references, orders, values)?)
+    };
     // SAFETY: the importer's promise.
-    unsafe { not_provided(handle, Function::SetRealInputDerivatives, "canInterpolateInputs=\"false\"") }
+    unsafe { guarded(handle, Function::SetRealInputDerivatives, body) }
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     handle: Handle,
-    _references: *const ValueReference,
-    _count: usize,
-    _orders: *const Integer,
-    _values: *mut Real,
+    references: *const ValueReference,
+    count: usize,
+    orders: *const Integer,
+    values: *mut Real,
 ) -> Status {
+    let body = |component: &mut Component| {
+        // SAFETY: the importer's promise.
+        let (references, orders, values) = unsafe {
+            (
+                ffi::slice(references, count, "vr")?,
+                ffi::slice(orders, count, "order")?,
+                ffi::slice_mut(values, count, "value")?,
+            )
+        };
+        Ok(component.instance.output_derivatives(references, orders, values)?)
+    };
     // SAFETY: the importer's promise.
-    unsafe { not_provided(handle, Function::GetRealOutputDerivatives, "maxOutputDerivativeOrder=\"0\"") }
+    unsafe { guarded(handle, Function::GetRealOutputDerivatives, body) }
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     handle: Handle,
-    _unknown: *const ValueReference,
-    _unknown_count: usize,
-    _known: *const ValueReference,
-    _known_count: usize,
-    _known_change: *const Real,
-    _unknown_change: *mut Real,
+    unknowns: *const ValueReference,
+    unknown_count: usize,
+    knowns: *const ValueReference,
+    known_count: usize,
+    direction: *const Real,
+    change: *mut Real,
 ) -> Status {
+    let body = |component: &mut Component| {
+        // SAFETY: the importer's promise.
+        let (unknowns, knowns, direction, change) = unsafe {
+            (
+                ffi::slice(unknowns, unknown_count, "vUnknown_ref")?,
+                ffi::slice(knowns, known_count, "vKnown_ref")?,
+                ffi::slice(direction, known_count, "dvKnown")?,
+                ffi::slice_mut(change, unknown_count, "dvUnknown")?,
+            )
+        };
+        Ok(component.instance.directional_derivative(unknowns, knowns, direction, change)?)
+    };
     // SAFETY: the importer's promise.
-    unsafe {
-        not_provided(handle, Function::GetDirectionalDerivative, "providesDirectionalDerivative=\"false\"")
-    }
+    unsafe { guarded(handle, Function::GetDirectionalDerivative, body) }
 }

@@ -1,6 +1,7 @@
 //! The exported functions, called as an importer calls them.
 
 mod call_table;
+mod derivatives;
 mod fixture;
 mod lifecycle;
 mod panics;

@@ -28,6 +28,7 @@ pub use flow::{OscillatorFlow, OscillatorMotion};
 pub use implicit::{OscillatorIntegrator, OscillatorState};
 pub use passage::Passage;
 pub use runge_kutta::{RungeKutta, Transient};
+pub(crate) use sampled::Followed;
 pub use sampled::{Drive, MOST_STEPPED, SampledIntegrator};
 pub(crate) use shooting::multipliers;
 pub use shooting::{PeriodicMotion, ShootingSettings, shoot};

@@ -3,7 +3,8 @@
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 use quick_xml::writer::Writer;
 use stickslip::slave::{
-    Causality, Dependency, DependencyKind, Description, Initial, Variability, Variable, VariableType,
+    Causality, DERIVATIVE_ORDER, Dependency, DependencyKind, Description, Initial, Variability, Variable,
+    VariableType,
 };
 
 /// Exponents of the base units kg, m, s and rad.
@@ -95,17 +96,17 @@ fn co_simulation(model_identifier: &str) -> Vec<(&'static str, String)> {
     let flags = [
         ("needsExecutionTool", false),
         ("canHandleVariableCommunicationStepSize", true),
-        ("canInterpolateInputs", false),
+        ("canInterpolateInputs", true),
         ("canRunAsynchronuously", false),
         ("canBeInstantiatedOnlyOncePerProcess", false),
         ("canNotUseMemoryManagementFunctions", true),
         ("canGetAndSetFMUstate", true),
         ("canSerializeFMUstate", true),
-        ("providesDirectionalDerivative", false),
+        ("providesDirectionalDerivative", true),
     ];
     let mut attributes = vec![("modelIdentifier", model_identifier.to_owned())];
     attributes.extend(flags.map(|(name, flag)| (name, flag.to_string())));
-    attributes.push(("maxOutputDerivativeOrder", "0".to_owned()));
+    attributes.push(("maxOutputDerivativeOrder", DERIVATIVE_ORDER.to_string()));
     attributes
 }
 

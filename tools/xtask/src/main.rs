@@ -1,4 +1,5 @@
-//! Development tasks: `cargo xtask check`, `cargo xtask test`, `cargo xtask golden`, `cargo xtask hidden-effects`.
+//! Development tasks: `cargo xtask check`, `cargo xtask test`, `cargo xtask golden`, `cargo xtask hidden-effects`,
+//! `cargo xtask cosimulation`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -10,6 +11,7 @@ const USAGE: &str = "usage: cargo xtask TASK
   golden          regenerate the golden files under modelDescription/ (review the diff)
   hidden-effects  find hidden effects in simulated measurements and write benches/hidden-effects.md;
                   with arguments (--help lists them) only what they say, and the table under target/
+  cosimulation    errors of coupled slaves over the communication step; write benches/cosimulation.md and .svg
 ";
 
 fn main() -> ExitCode {
@@ -21,6 +23,9 @@ fn main() -> ExitCode {
             &["test", "--package", "stickslip-fmu-package", "--test", "slave_golden"],
             &[("STICKSLIP_GOLDEN", "write")],
         ),
+        "cosimulation" => {
+            cargo(&["run", "--release", "--package", "stickslip", "--example", "cosimulation"], &[])
+        }
         "hidden-effects" => hidden_effects(std::env::args().skip(2).collect()),
         _ => Err(USAGE.to_owned()),
     };

@@ -63,6 +63,11 @@ impl Balance {
         self.next.len()
     }
 
+    /// The part of `memory` that is law `i`'s.
+    pub fn part<'m>(&self, memory: &'m [f64], i: usize) -> &'m [f64] {
+        &memory[self.offsets[i]..self.offsets[i + 1]]
+    }
+
     /// Calls `visit` with every law, its part of `memory` and its place.
     pub fn remember(
         &self,
@@ -234,7 +239,7 @@ fn size(response: &Response, force: f64, inputs: &Inputs) -> f64 {
 }
 
 /// Solves the system row by row in place by elimination with row pivots; false where it has no single solution.
-fn solve(matrix: &mut [f64], right: &mut [f64]) -> bool {
+pub(super) fn solve(matrix: &mut [f64], right: &mut [f64]) -> bool {
     let n = right.len();
     for k in 0..n {
         let pivot = (k..n)

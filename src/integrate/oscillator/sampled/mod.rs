@@ -1,10 +1,12 @@
 //! A fast integrator of fixed steps for identification: the structure exactly, contact forces as parabolas.
 
 mod balance;
+mod followed;
 mod hold;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use followed::Followed;
 pub use hold::MOST_STEPPED;
 
 use super::OscillatorError;

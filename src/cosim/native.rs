@@ -1,0 +1,201 @@
+//! The library's own models as slaves, without an FMU between.
+
+use super::slave::{Abilities, Causality, Kind, Setup, Severity, Slave, SlaveError, Stepped, Variable};
+use crate::model::Model;
+use crate::slave::{self, Instance, Snapshot, VariableType};
+
+/// An [`Instance`] behind the trait: the same numbers as the FMU of the model.
+#[derive(Debug)]
+pub struct NativeSlave {
+    name: String,
+    instance: Instance,
+    table: Vec<Variable>,
+    /// Whether all variables of a call are Real is looked up here.
+    real: Vec<bool>,
+    references: Vec<u32>,
+    slots: Vec<Option<Snapshot>>,
+}
+
+impl NativeSlave {
+    /// A slave called `name` of `model`.
+    ///
+    /// # Errors
+    /// Parameters that make no model.
+    pub fn new(name: &str, model: &Model) -> Result<Self, slave::Error> {
+        Ok(Self::from_instance(name, Instance::from_model(model)?))
+    }
+
+    /// A slave called `name` of a new or reset `instance`.
+    pub fn from_instance(name: &str, instance: Instance) -> Self {
+        let table: Vec<Variable> = instance
+            .description()
+            .variables
+            .iter()
+            .enumerate()
+            .map(|(reference, row)| Variable {
+                name: row.name.to_string(),
+                reference: reference as u32,
+                kind: match row.variable_type {
+                    VariableType::Real => Kind::Real,
+                    VariableType::Integer => Kind::Integer,
+                },
+                causality: match row.causality {
+                    slave::Causality::Parameter => Causality::Parameter,
+                    slave::Causality::Input => Causality::Input,
+                    slave::Causality::Output => Causality::Output,
+                },
+                unit: Some(row.quantity.unit.to_owned()),
+                start: row.start(),
+                depends_on: (row.causality == slave::Causality::Output)
+                    .then(|| row.dependencies.iter().map(|other| other.on as usize).collect()),
+            })
+            .collect();
+        let real = table.iter().map(|row| row.kind == Kind::Real).collect();
+        Self { name: name.to_owned(), instance, table, real, references: Vec::new(), slots: Vec::new() }
+    }
+
+    /// The instance.
+    pub fn instance(&self) -> &Instance {
+        &self.instance
+    }
+
+    fn error(&self, error: slave::Error) -> SlaveError {
+        failed(&self.name, error)
+    }
+
+    /// Value references are positions; `None` if some variable is not Real.
+    fn real_references(&mut self, variables: &[usize]) -> Option<()> {
+        self.references.clear();
+        for variable in variables {
+            if !self.real.get(*variable).copied().unwrap_or(true) {
+                return None;
+            }
+            self.references.push(*variable as u32);
+        }
+        Some(())
+    }
+}
+
+#[cold]
+fn failed(name: &str, error: slave::Error) -> SlaveError {
+    let severity = if matches!(error, slave::Error::Step { .. }) { Severity::Slave } else { Severity::Call };
+    SlaveError { slave: name.to_owned(), message: error.to_string(), severity }
+}
+
+#[cold]
+fn unable(name: &str, what: &str) -> SlaveError {
+    SlaveError { slave: name.to_owned(), message: format!("it {what}"), severity: Severity::Call }
+}
+
+impl Slave for NativeSlave {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn variables(&self) -> &[Variable] {
+        &self.table
+    }
+
+    fn abilities(&self) -> Abilities {
+        Abilities { saves_state: true, variable_step: true, ..Abilities::default() }
+    }
+
+    fn set_up(&mut self, setup: Setup) -> Result<(), SlaveError> {
+        let setup = slave::Setup { tolerance: setup.tolerance, start: setup.start, stop: setup.stop };
+        self.instance.set_up(setup).map_err(|error| self.error(error))
+    }
+
+    fn enter_initialization(&mut self) -> Result<(), SlaveError> {
+        self.instance.enter_initialization().map_err(|error| self.error(error))
+    }
+
+    fn exit_initialization(&mut self) -> Result<(), SlaveError> {
+        self.instance.exit_initialization().map_err(|error| self.error(error))
+    }
+
+    fn set(&mut self, variables: &[usize], values: &[f64]) -> Result<(), SlaveError> {
+        if self.real_references(variables).is_some() {
+            let set = self.instance.set_real(&self.references, values);
+            return set.map_err(|error| failed(&self.name, error));
+        }
+        for (variable, value) in variables.iter().zip(values) {
+            let reference = [*variable as u32];
+            let set = if self.real[*variable] {
+                self.instance.set_real(&reference, &[*value])
+            } else {
+                self.instance.set_integer(&reference, &[value.round() as i32])
+            };
+            set.map_err(|error| failed(&self.name, error))?;
+        }
+        Ok(())
+    }
+
+    fn get(&mut self, variables: &[usize], values: &mut [f64]) -> Result<(), SlaveError> {
+        if self.real_references(variables).is_some() {
+            let got = self.instance.get_real(&self.references, values);
+            return got.map_err(|error| failed(&self.name, error));
+        }
+        for (variable, value) in variables.iter().zip(values) {
+            let reference = [*variable as u32];
+            let got = if self.real[*variable] {
+                self.instance.get_real(&reference, std::slice::from_mut(value))
+            } else {
+                let mut whole = [0];
+                let got = self.instance.get_integer(&reference, &mut whole);
+                *value = f64::from(whole[0]);
+                got
+            };
+            got.map_err(|error| failed(&self.name, error))?;
+        }
+        Ok(())
+    }
+
+    fn set_input_derivatives(&mut self, _: &[usize], _: &[f64]) -> Result<(), SlaveError> {
+        Err(unable(&self.name, "does not interpolate its inputs"))
+    }
+
+    fn output_derivatives(&mut self, _: &[usize], _: u32, _: &mut [f64]) -> Result<(), SlaveError> {
+        Err(unable(&self.name, "gives no output derivatives"))
+    }
+
+    fn directional_derivative(
+        &mut self,
+        _: &[usize],
+        _: &[usize],
+        _: &[f64],
+        _: &mut [f64],
+    ) -> Result<(), SlaveError> {
+        Err(unable(&self.name, "gives no directional derivatives"))
+    }
+
+    fn do_step(&mut self, time: f64, step: f64) -> Result<Stepped, SlaveError> {
+        match self.instance.do_step(time, step) {
+            Ok(()) => Ok(Stepped::Done),
+            Err(error) => Err(failed(&self.name, error)),
+        }
+    }
+
+    fn save(&mut self, slot: usize) -> Result<(), SlaveError> {
+        if self.slots.len() <= slot {
+            self.slots.resize(slot + 1, None);
+        }
+        match &mut self.slots[slot] {
+            Some(snapshot) => self.instance.save(snapshot),
+            empty => *empty = Some(self.instance.snapshot()),
+        }
+        Ok(())
+    }
+
+    fn restore(&mut self, slot: usize) -> Result<(), SlaveError> {
+        match self.slots.get(slot) {
+            Some(Some(snapshot)) => {
+                self.instance.restore(snapshot).map_err(|error| failed(&self.name, error))
+            }
+            _ => Err(unable(&self.name, "has saved nothing there")),
+        }
+    }
+
+    fn terminate(&mut self) -> Result<(), SlaveError> {
+        self.instance.terminate().map_err(|error| self.error(error))
+    }
+}
