@@ -82,7 +82,8 @@ fn lowest_mode(model: &Model) -> Option<(f64, f64)> {
     let mut structure = model.assembled().ok()?.structure;
     if let (Some(contact), Some(row)) = (&model.contact, structure.contacts.first()) {
         let stiffness = contact.tangential_stiffness;
-        let products = row.iter().flat_map(|(i, a)| row.iter().map(move |(j, b)| (*i, *j, stiffness * a * b)));
+        let products =
+            row.iter().flat_map(|(i, a)| row.iter().map(move |(j, b)| (*i, *j, stiffness * a * b)));
         let products: Vec<_> = products.collect();
         structure.stiffness.extend(products);
     }
@@ -119,9 +120,8 @@ fn summarise(points: &[Seen], given: f64, found: &mut Features) {
         (exponent, Line::through(points.iter().map(point)))
     };
     let best = (1..=30).map(power).max_by(|a, b| a.1.explained.total_cmp(&b.1.explained));
-    found.damping_exponent = best
-        .filter(|(_, line)| line.slope > 0.0 && line.explained > EXPLAINS)
-        .map(|(exponent, _)| exponent);
+    found.damping_exponent =
+        best.filter(|(_, line)| line.slope > 0.0 && line.explained > EXPLAINS).map(|(exponent, _)| exponent);
 }
 
 fn mean_and_deviation(values: &[f64]) -> (f64, f64) {

@@ -92,12 +92,23 @@ impl Search<'_, '_> {
     ///
     /// All are screened; the most promising is refined first, and the others as long as they can come near it.
     pub fn round(&self, base: &State, sets: &[Vec<Candidate>]) -> Vec<Trial> {
-        let screened: Vec<Result<Fitted, String>> =
-            sets.par_iter().map(|set| self.screened(&base.fitted.model, set)).collect();
+        // Most of the time goes here.
+        let screened: Vec<Result<Fitted, String>> = sets
+            .par_iter()
+            .map(|set| {
+                let screened = self.screened(&base.fitted.model, set);
+                let ids: Vec<&str> = set.iter().map(|candidate| candidate.effect.id).collect();
+                (self.told)(&ids.join(" + "));
+                screened
+            })
+            .collect();
         let cost = |index: usize| screened[index].as_ref().map_or(f64::INFINITY, |fitted| fitted.cost);
         let leader = (0..sets.len()).min_by(|a, b| cost(*a).total_cmp(&cost(*b)));
         let refined = |index: usize, effort| -> Result<State, String> {
-            screened[index].as_ref().map_err(Clone::clone).and_then(|fitted| self.refitted(&fitted.model, effort))
+            screened[index]
+                .as_ref()
+                .map_err(Clone::clone)
+                .and_then(|fitted| self.refitted(&fitted.model, effort))
         };
         let first = leader.map(|leader| (leader, refined(leader, Effort::Full)));
         let useful = match &first {
@@ -116,9 +127,7 @@ impl Search<'_, '_> {
                     Ok(state) => blocks::gain(self.bench, &base.scored, &state.scored),
                     Err(_) => Gain { z: 0.0, share: 0.0 },
                 };
-                let trial = Trial { candidates: set.clone(), state, gain };
-                (self.told)(&trial.ids().join(" + "));
-                trial
+                Trial { candidates: set.clone(), state, gain }
             })
             .collect();
         trials.sort_by(|a, b| {
