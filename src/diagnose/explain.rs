@@ -8,11 +8,14 @@ use super::select::Search;
 use super::sensitivity::Sensitivities;
 use super::verdict::thresholds;
 use crate::effects;
+use crate::model::Model;
 
 /// What is told of.
 pub(super) struct Told<'a, 'b, 'd> {
     pub search: &'a Search<'b, 'd>,
     pub outcome: &'a Outcome,
+    /// The model as it came.
+    pub given: &'a Model,
     pub error: &'a Errors,
     pub known: bool,
     pub groups: &'a [Group],
@@ -107,11 +110,14 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
 
 /// What was seen of the effects, and what else could cause the same.
 pub(super) fn evidence(told: &Told, ids: &[&'static str], sensitivities: &Sensitivities) -> Vec<Evidence> {
-    let features = features::of(told.search, &told.outcome.findings.base);
     let mut named: Vec<&'static str> = ids.to_vec();
     for group in told.groups {
         named.extend(group.effects.iter().filter(|id| !ids.contains(*id)));
     }
+    if named.is_empty() {
+        return Vec::new();
+    }
+    let features = features::of(told.search, told.given, &told.outcome.findings.base);
     named
         .into_iter()
         .filter_map(|id| {

@@ -28,6 +28,7 @@ mod periods;
 mod predict;
 mod prehistory;
 mod remainder;
+mod resonance;
 mod score;
 mod select;
 mod sensitivity;

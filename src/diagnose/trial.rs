@@ -39,19 +39,22 @@ pub(super) struct Fitted {
 const STEP: f64 = 1e-5;
 
 /// How thoroughly a fit is made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Effort {
     /// Enough to see which start is best.
     Screen,
     /// To the minimum.
     Full,
+    /// To the minimum, unless it can no longer be hoped to have a cost below this.
+    Below(f64),
 }
 
 impl Effort {
     fn limits(self) -> Limits {
         match self {
-            Self::Screen => Limits { iterations: 6, tolerance: 1e-3 },
-            Self::Full => Limits { iterations: 40, tolerance: 1e-6 },
+            Self::Screen => Limits { iterations: 6, tolerance: 1e-3, useful: f64::INFINITY },
+            Self::Full => Limits { iterations: 40, tolerance: 1e-6, useful: f64::INFINITY },
+            Self::Below(useful) => Limits { useful, ..Self::Full.limits() },
         }
     }
 }
@@ -76,7 +79,15 @@ pub(super) fn fit(
     let end =
         end.ok_or_else(|| joint.failure.clone().unwrap_or_else(|| "the fit cannot start".to_owned()))?;
     let model = joint.model(&end.y)?;
-    let estimates = if effort == Effort::Full { joint.estimates(&end.y, &lower, &upper) } else { Vec::new() };
+    let estimates = match effort {
+        Effort::Screen => Vec::new(),
+        // What is no minimum has no intervals.
+        _ if end.given_up => {
+            let none = vec![None; joint.shared.len()];
+            joint.estimates_with(&end.y, &none)
+        }
+        _ => joint.estimates(&end.y, &lower, &upper),
+    };
     let simulations = joint.simulations;
     bench.count(simulations);
     bench.count_refit();
@@ -179,6 +190,11 @@ impl<'a, 'd> Joint<'a, 'd> {
             Ok(()) => self.deviations(y, lower, upper),
             Err(_) => vec![None; self.shared.len()],
         };
+        self.estimates_with(y, &deviation)
+    }
+
+    /// Estimates with the half-widths `deviation` of their intervals.
+    fn estimates_with(&self, y: &[f64], deviation: &[Option<f64>]) -> Vec<Estimate> {
         let one = |index: usize| {
             let (unknown, coordinate) = (&self.unknowns[index], self.shared[index]);
             let value = coordinate.value(y[index]);

@@ -46,7 +46,8 @@ pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosi
     let groups = groups(&outcome);
     let verdict = judge(&outcome, known, &groups);
     let ids: Vec<&'static str> = found.iter().map(|candidate| candidate.effect.id).collect();
-    let told = Told { search, outcome: &outcome, error: &error, known, groups: &groups, verdict };
+    let told =
+        Told { search, outcome: &outcome, given: model, error: &error, known, groups: &groups, verdict };
     let (effects, surrogates) = match verdict {
         Verdict::EffectFound => (ids.clone(), Vec::new()),
         Verdict::Unexplained => (Vec::new(), surrogates(&outcome)),
