@@ -20,6 +20,7 @@ mod findings;
 mod inputs;
 mod loops;
 mod magnitudes;
+mod maps;
 mod motion;
 mod noise;
 mod oscillator_record;
@@ -35,6 +36,7 @@ mod shown;
 mod simulation;
 mod split;
 mod thinned;
+mod tone;
 mod trial;
 mod verdict;
 

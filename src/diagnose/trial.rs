@@ -136,6 +136,21 @@ impl<'a, 'd> Joint<'a, 'd> {
         Ok(Self { bench, base, unknowns, shared, records: slots, simulations: 0, failure: None })
     }
 
+    /// Makes the starts that fit each record best under `model` the middle of its own coordinates.
+    fn settle(&mut self, model: &Model) -> Result<(), String> {
+        let lanes = &self.bench.lanes;
+        self.records.par_iter_mut().filter(|slot| !slot.own.is_empty()).try_for_each(|slot| {
+            let lane = &lanes[slot.index];
+            let mut parameters = slot.shown.nuisances(model)?;
+            let settled = slot.shown.settle_from(model, &parameters, &lane.measured, &lane.weights);
+            for (index, (parameter, value)) in parameters.iter_mut().zip(settled).enumerate() {
+                parameter.start = value;
+                slot.own[index] = coordinate(index, parameter)?;
+            }
+            Ok(())
+        })
+    }
+
     fn coordinates(&self) -> impl Iterator<Item = &Coordinate> {
         self.shared.iter().chain(self.records.iter().flat_map(|slot| &slot.own))
     }
@@ -195,39 +210,49 @@ impl<'a, 'd> Joint<'a, 'd> {
         (0..self.shared.len()).map(one).collect()
     }
 
-    /// Half-widths of the intervals of the shared coordinates; `None` where the data do not determine one.
-    fn deviations(&self, y: &[f64], lower: &[f64], upper: &[f64]) -> Vec<Option<f64>> {
-        let n = y.len();
+    /// The sums over all records that variances are made of, each of the `n` unknowns where `place` puts the
+    /// `k`-th column of a record.
+    fn products(&self, n: usize, place: impl Fn(&Slot, usize) -> usize) -> Products {
         let lanes = &self.bench.lanes;
         let residuals: Vec<Vec<f64>> =
             self.records.iter().map(|slot| lanes[slot.index].residuals(&slot.predictions)).collect();
         let length = blocks::length(residuals.iter().map(Vec::as_slice));
-        let mut curvature = DMatrix::<f64>::zeros(n, n);
-        let mut outer = DMatrix::<f64>::zeros(n, n);
-        let (mut count, mut blocks, mut square) = (0, 0, 0.0);
+        let zeros = || DMatrix::<f64>::zeros(n, n);
+        let mut sums = Products { curvature: zeros(), outer: zeros(), count: 0, blocks: 0, square: 0.0 };
         for (slot, residuals) in self.records.iter().zip(&residuals) {
             let lane = &lanes[slot.index];
-            let columns = slot.columns(self.shared.len());
-            for (_, range) in &lane.channels {
-                for block in blocks::within(range.clone(), length) {
-                    let mut gradient = vec![0.0; columns.len()];
-                    for i in block {
-                        for (a, (_, da)) in columns.iter().enumerate() {
-                            gradient[a] += da[i] * lane.weights[i] * residuals[i];
-                        }
-                        square += residuals[i] * residuals[i];
-                        count += 1;
+            let columns: Vec<(usize, &[f64])> = slot
+                .derivatives
+                .iter()
+                .enumerate()
+                .map(|(k, column)| (place(slot, k), column.as_slice()))
+                .collect();
+            for block in lane.channels.iter().flat_map(|(_, range)| blocks::within(range.clone(), length)) {
+                let mut gradient = vec![0.0; columns.len()];
+                for i in block {
+                    for (a, (_, da)) in columns.iter().enumerate() {
+                        gradient[a] += da[i] * lane.weights[i] * residuals[i];
                     }
-                    for (a, (ja, _)) in columns.iter().enumerate() {
-                        for (b, (jb, _)) in columns.iter().enumerate() {
-                            outer[(*ja, *jb)] += gradient[a] * gradient[b];
-                        }
-                    }
-                    blocks += 1;
+                    sums.square += residuals[i] * residuals[i];
+                    sums.count += 1;
                 }
+                for (a, (ja, _)) in columns.iter().enumerate() {
+                    for (b, (jb, _)) in columns.iter().enumerate() {
+                        sums.outer[(*ja, *jb)] += gradient[a] * gradient[b];
+                    }
+                }
+                sums.blocks += 1;
             }
-            slot.add_curvature(&columns, &lane.weights, &mut curvature);
+            slot.add_curvature(&columns, &lane.weights, &mut sums.curvature);
         }
+        sums
+    }
+
+    /// Half-widths of the intervals of the shared coordinates; `None` where the data do not determine one.
+    fn deviations(&self, y: &[f64], lower: &[f64], upper: &[f64]) -> Vec<Option<f64>> {
+        let n = y.len();
+        let place = |slot: &Slot, k: usize| slot.place(k, self.shared.len());
+        let Products { curvature, outer, count, blocks, square } = self.products(n, place);
         let free: Vec<usize> =
             (0..n).filter(|&j| curvature[(j, j)] > 0.0 && y[j] > lower[j] && y[j] < upper[j]).collect();
         let mut result = vec![None; self.shared.len()];
@@ -258,6 +283,18 @@ impl<'a, 'd> Joint<'a, 'd> {
     }
 }
 
+/// Sums over records of products of weighted changes.
+pub(super) struct Products {
+    /// Of every two unknowns' changes.
+    pub curvature: DMatrix<f64>,
+    /// Of what the residuals make of every two unknowns' gradients, block by block: the gradients' covariance.
+    pub outer: DMatrix<f64>,
+    /// Samples, blocks of them that count as independent, and the sum of squared residuals.
+    pub count: usize,
+    blocks: usize,
+    square: f64,
+}
+
 /// Products of the weighted changes along every unknown of `model` (those of the records' starts among them), then
 /// of the whole change to each of `probes`; and where the probes begin.
 pub(super) fn products(
@@ -266,8 +303,9 @@ pub(super) fn products(
     unknowns: &[Unknown],
     records: &[usize],
     probes: &[Model],
-) -> Result<(DMatrix<f64>, usize), String> {
+) -> Result<(Products, usize), String> {
     let mut joint = Joint::new(bench, model, unknowns, records)?;
+    joint.settle(model)?;
     let base = joint.coordinates().count();
     let start = vec![0.0; base];
     let here = joint.model(&start)?;
@@ -275,18 +313,13 @@ pub(super) fn products(
     moved.extend(probes.iter().map(|probe| (probe.clone(), 1.0)));
     joint.records.par_iter_mut().try_for_each(|slot| slot.linearise(&here, &moved, &start))?;
     joint.simulations += joint.records.len() * (1 + moved.len());
-    let (shared, total) = (joint.shared.len(), base + probes.len());
-    let mut sums = DMatrix::zeros(total, total);
-    for slot in &joint.records {
-        let place = |k: usize| match k {
-            k if k < shared => k,
-            k if k < shared + probes.len() => base + k - shared,
-            k => slot.offset + k - shared - probes.len(),
-        };
-        let columns: Vec<(usize, &[f64])> =
-            slot.derivatives.iter().enumerate().map(|(k, column)| (place(k), column.as_slice())).collect();
-        slot.add_curvature(&columns, &bench.lanes[slot.index].weights, &mut sums);
-    }
+    let shared = joint.shared.len();
+    let place = |slot: &Slot, k: usize| match k {
+        k if k < shared => k,
+        k if k < shared + probes.len() => base + k - shared,
+        k => slot.offset + k - shared - probes.len(),
+    };
+    let sums = joint.products(base + probes.len(), place);
     bench.count(joint.simulations);
     Ok((sums, base))
 }
@@ -333,9 +366,14 @@ impl Slot<'_> {
         self.shown.linearise(model, &nuisances, &directions, predictions, derivatives)
     }
 
+    /// The unknown that the `k`-th derivative belongs to.
+    fn place(&self, k: usize, shared: usize) -> usize {
+        if k < shared { k } else { self.offset + k - shared }
+    }
+
     /// The derivatives with the index of the unknown each belongs to.
     fn columns(&self, shared: usize) -> Vec<(usize, &[f64])> {
-        let place = |k: usize| if k < shared { k } else { self.offset + k - shared };
+        let place = |k| self.place(k, shared);
         self.derivatives.iter().enumerate().map(|(k, column)| (place(k), column.as_slice())).collect()
     }
 
