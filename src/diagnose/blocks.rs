@@ -137,9 +137,8 @@ mod tests {
 
     #[test]
     fn what_shows_in_one_record_only_is_no_doubt_of_it() {
-        let shaken = |mean: f64| -> Vec<f64> {
-            (0..10).map(|i| mean + if i % 2 == 0 { 1.0 } else { -1.0 }).collect()
-        };
+        let shaken =
+            |mean: f64| -> Vec<f64> { (0..10).map(|i| mean + if i % 2 == 0 { 1.0 } else { -1.0 }).collect() };
         // Both spread by the same: the sum over the root of the sum of the variances.
         let variance = 2.0 * 10.0 * 10.0 / 9.0;
         for [a, b] in [[5.0, 0.0], [2.5, 2.5], [4.0, 1.0]] {

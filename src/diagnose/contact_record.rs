@@ -105,11 +105,7 @@ impl<'r> ContactRecord<'r> {
             Some((motion, load)) => (motion, load),
             None => (&self.displacement, &self.load),
         };
-        Inputs {
-            displacement: motion.values[index],
-            velocity: motion.rates[index],
-            normal_load: load[index],
-        }
+        Inputs { displacement: motion.values[index], velocity: motion.rates[index], normal_load: load[index] }
     }
 
     /// Steps through the samples `0..end` from `states[0]`, which is left behind.

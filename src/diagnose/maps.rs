@@ -37,8 +37,7 @@ enum View {
 /// The view in which the residuals of the `untouched` records are most like those of the `seen`, if in any beyond
 /// chance. Both are scores of one model.
 pub(super) fn repeated(bench: &Bench, seen: &[Scored], untouched: &[Scored]) -> Option<Repeated> {
-    let views =
-        [(View::Place, "the displacement and its direction"), (View::Cycle, "the part of the cycle")];
+    let views = [(View::Place, "the displacement and its direction"), (View::Cycle, "the part of the cycle")];
     let gains = views.into_iter().filter_map(|(view, words)| {
         let range = range(bench, seen.iter().chain(untouched), view);
         let mut left: Vec<Scored> = untouched.to_vec();
@@ -109,7 +108,8 @@ fn each(
     mut visit: impl FnMut(usize, usize),
 ) {
     let lane = &bench.lanes[one.record];
-    let Some(samples) = lane.channels.iter().find(|(channel, _)| *channel == name).map(|(_, range)| range.clone())
+    let Some(samples) =
+        lane.channels.iter().find(|(channel, _)| *channel == name).map(|(_, range)| range.clone())
     else {
         return;
     };

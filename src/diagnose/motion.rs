@@ -243,8 +243,7 @@ mod tests {
                 assert!((rate - TAU / 50.0 * exact.cos()).abs() < 1e-4, "{samples} {i}");
             }
         }
-        let line =
-            Motion { values: (0..9).map(|i| 2.0 + 3.0 * f64::from(i)).collect(), rates: vec![6.0; 9] };
+        let line = Motion { values: (0..9).map(|i| 2.0 + 3.0 * f64::from(i)).collect(), rates: vec![6.0; 9] };
         let straight = line.earlier(2.5, 0.5, Outside::Straight);
         assert!(straight.values.iter().enumerate().all(|(i, v)| (v - 3.0 * i as f64 + 5.5).abs() < 1e-12));
         let still = line.earlier(2.5, 0.5, Outside::Still);

@@ -61,7 +61,8 @@ pub(super) fn around(
         }
     }
     let unknowns = search.unknowns(model);
-    let Gram { sizes, projected, variances, samples } = gram(bench, model, &unknowns, &search.parts.fit, &models)?;
+    let Gram { sizes, projected, variances, samples } =
+        gram(bench, model, &unknowns, &search.parts.fit, &models)?;
     let mut found = Sensitivities::default();
     let noise = detectable::Noise { samples, chi_square };
     for (k, probe) in probes.iter().enumerate() {
@@ -122,7 +123,7 @@ fn gram(
     probes: &[Model],
 ) -> Result<Gram, String> {
     let (products, base) = trial::products(bench, model, unknowns, records, probes)?;
-    let (all, samples) = (products.curvature, products.count);
+    let (all, samples) = (&products.curvature, products.count);
     let total = all.nrows();
     let sizes: Vec<f64> = (base..total).map(|k| all[(k, k)]).collect();
     // Columns of length one; those that change nothing stay out.
@@ -133,7 +134,8 @@ fn gram(
     });
     let cross = DMatrix::from_fn(kept.len(), total - base, |a, k| all[(kept[a], base + k)] / length(kept[a]));
     // What of each unknown a probe's change can be made of.
-    let made = own.cholesky().map_or_else(|| DMatrix::zeros(kept.len(), total - base), |own| own.solve(&cross));
+    let made =
+        own.cholesky().map_or_else(|| DMatrix::zeros(kept.len(), total - base), |own| own.solve(&cross));
     let taken = cross.transpose() * &made;
     let projected =
         DMatrix::from_fn(total - base, total - base, |a, b| all[(base + a, base + b)] - taken[(a, b)]);
@@ -143,6 +145,6 @@ fn gram(
         None if row == base + k => 1.0,
         None => 0.0,
     });
-    let variances = (rest.transpose() * products.outer * rest).diagonal().iter().copied().collect();
+    let variances = products.variances(&rest);
     Ok(Gram { sizes, projected, variances, samples })
 }

@@ -218,7 +218,14 @@ impl<'a, 'd> Joint<'a, 'd> {
             self.records.iter().map(|slot| lanes[slot.index].residuals(&slot.predictions)).collect();
         let length = blocks::length(residuals.iter().map(Vec::as_slice));
         let zeros = || DMatrix::<f64>::zeros(n, n);
-        let mut sums = Products { curvature: zeros(), outer: zeros(), count: 0, blocks: 0, square: 0.0 };
+        let mut sums = Products {
+            curvature: zeros(),
+            outer: zeros(),
+            neighbours: zeros(),
+            count: 0,
+            blocks: 0,
+            square: 0.0,
+        };
         for (slot, residuals) in self.records.iter().zip(&residuals) {
             let lane = &lanes[slot.index];
             let columns: Vec<(usize, &[f64])> = slot
@@ -227,21 +234,26 @@ impl<'a, 'd> Joint<'a, 'd> {
                 .enumerate()
                 .map(|(k, column)| (place(slot, k), column.as_slice()))
                 .collect();
-            for block in lane.channels.iter().flat_map(|(_, range)| blocks::within(range.clone(), length)) {
-                let mut gradient = vec![0.0; columns.len()];
-                for i in block {
-                    for (a, (_, da)) in columns.iter().enumerate() {
-                        gradient[a] += da[i] * lane.weights[i] * residuals[i];
+            for (_, range) in &lane.channels {
+                let mut before = vec![0.0; columns.len()];
+                for block in blocks::within(range.clone(), length) {
+                    let mut gradient = vec![0.0; columns.len()];
+                    for i in block {
+                        for (a, (_, da)) in columns.iter().enumerate() {
+                            gradient[a] += da[i] * lane.weights[i] * residuals[i];
+                        }
+                        sums.square += residuals[i] * residuals[i];
+                        sums.count += 1;
                     }
-                    sums.square += residuals[i] * residuals[i];
-                    sums.count += 1;
-                }
-                for (a, (ja, _)) in columns.iter().enumerate() {
-                    for (b, (jb, _)) in columns.iter().enumerate() {
-                        sums.outer[(*ja, *jb)] += gradient[a] * gradient[b];
+                    for (a, (ja, _)) in columns.iter().enumerate() {
+                        for (b, (jb, _)) in columns.iter().enumerate() {
+                            sums.outer[(*ja, *jb)] += gradient[a] * gradient[b];
+                            sums.neighbours[(*ja, *jb)] += gradient[a] * before[b] + before[a] * gradient[b];
+                        }
                     }
+                    before = gradient;
+                    sums.blocks += 1;
                 }
-                sums.blocks += 1;
             }
             slot.add_curvature(&columns, &lane.weights, &mut sums.curvature);
         }
@@ -252,7 +264,9 @@ impl<'a, 'd> Joint<'a, 'd> {
     fn deviations(&self, y: &[f64], lower: &[f64], upper: &[f64]) -> Vec<Option<f64>> {
         let n = y.len();
         let place = |slot: &Slot, k: usize| slot.place(k, self.shared.len());
-        let Products { curvature, outer, count, blocks, square } = self.products(n, place);
+        let sums = self.products(n, place);
+        let Products { curvature, count, blocks, square, .. } = &sums;
+        let (count, blocks) = (*count, *blocks);
         let free: Vec<usize> =
             (0..n).filter(|&j| curvature[(j, j)] > 0.0 && y[j] > lower[j] && y[j] < upper[j]).collect();
         let mut result = vec![None; self.shared.len()];
@@ -264,14 +278,17 @@ impl<'a, 'd> Joint<'a, 'd> {
             curvature[(free[a], free[b])] / (size[a] * size[b]) + if a == b { 1e-12 } else { 0.0 }
         });
         let Some(inverse) = scaled.try_inverse() else { return result };
-        let spread =
-            DMatrix::from_fn(free.len(), free.len(), |a, b| outer[(free[a], free[b])] / (size[a] * size[b]));
-        let sandwich = &inverse * spread * &inverse;
+        // Each estimate is the gradient along one direction.
+        let mut along = DMatrix::zeros(n, free.len());
+        for (a, &j) in free.iter().enumerate() {
+            (0..free.len()).for_each(|b| along[(j, b)] = inverse[(a, b)] / size[a]);
+        }
+        let sandwich = sums.variances(&along);
         let variance = square / (count - free.len()) as f64;
         let correction = blocks as f64 / (blocks - free.len()) as f64;
         let quantile = student_quantile(0.975, blocks - free.len());
         for (a, &j) in free.iter().enumerate() {
-            let larger = (variance * inverse[(a, a)]).max(correction * sandwich[(a, a)]);
+            let larger = (variance * inverse[(a, a)]).max(correction * sandwich[a]);
             let reach = quantile * larger.sqrt() / size[a];
             // Wider than the range itself is no determination.
             let determined = reach.is_finite() && inverse[(a, a)] < 1e10;
@@ -287,12 +304,24 @@ impl<'a, 'd> Joint<'a, 'd> {
 pub(super) struct Products {
     /// Of every two unknowns' changes.
     pub curvature: DMatrix<f64>,
-    /// Of what the residuals make of every two unknowns' gradients, block by block: the gradients' covariance.
-    pub outer: DMatrix<f64>,
+    /// Of what the residuals make of every two unknowns' gradients, block by block.
+    outer: DMatrix<f64>,
+    /// The same of blocks side by side: noise does not end where a block does.
+    neighbours: DMatrix<f64>,
     /// Samples, blocks of them that count as independent, and the sum of squared residuals.
     pub count: usize,
     blocks: usize,
     square: f64,
+}
+
+impl Products {
+    /// Variance of what the residuals make of the gradient along each column of `along`: of its sums over blocks
+    /// longer than their correlation, and of what neighbouring blocks have in common where that adds to it. Noise of
+    /// a correlation that falls by 1/e in a fifth of a block has a third of its variance there.
+    pub fn variances(&self, along: &DMatrix<f64>) -> Vec<f64> {
+        let of = |sums: &DMatrix<f64>| (along.transpose() * sums * along).diagonal();
+        of(&self.outer).iter().zip(&of(&self.neighbours)).map(|(own, shared)| own + shared.max(0.0)).collect()
+    }
 }
 
 /// Products of the weighted changes along every unknown of `model` (those of the records' starts among them), then

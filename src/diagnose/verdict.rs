@@ -3,6 +3,7 @@
 use super::bench::{Bench, mean_square};
 use super::candidates::{Candidate as Tried, effect_of};
 use super::comparison::Stage;
+use super::confound;
 use super::diagnosis::{Candidate, Cost, Diagnosis, Errors, Estimate, Group, Noise, Step, Untried, Verdict};
 use super::engine::{comparison, cost, errors, stage};
 use super::explain::{self, Told};
@@ -10,7 +11,6 @@ use super::findings::{ADEQUATE, Added, Outcome, UNEXPLAINED};
 use super::select::{PASSING_SHARE, PASSING_Z, Search, Trial};
 use super::sensitivity::{self, Sensitivities};
 use super::split::Parts;
-use super::confound;
 use crate::measure::Dataset;
 use crate::model::Model;
 
@@ -67,11 +67,9 @@ pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosi
         error,
         chi_square: outcome.chi_square,
         steps: outcome.findings.steps.iter().map(step).collect(),
-        candidates: outcome
-            .findings
-            .rounds
-            .first()
-            .map_or_else(Vec::new, |round| settled(reported(search.bench, round, search.given), search, &outcome)),
+        candidates: outcome.findings.rounds.first().map_or_else(Vec::new, |round| {
+            settled(reported(search.bench, round, search.given), search, &outcome)
+        }),
         parameters: last.estimates.clone(),
         rounds: outcome
             .findings
@@ -238,7 +236,9 @@ fn own_parameters(trial: &Trial, estimates: &[Estimate], model: &Model, given: u
 fn parameters_of(estimates: &[Estimate], model: &Model, effects: std::ops::Range<usize>) -> Vec<Estimate> {
     estimates
         .iter()
-        .filter(|estimate| effect_of(&estimate.name, model).is_some_and(|(index, _)| effects.contains(&index)))
+        .filter(|estimate| {
+            effect_of(&estimate.name, model).is_some_and(|(index, _)| effects.contains(&index))
+        })
         .map(|estimate| {
             let name = estimate.name.rsplit('.').next().unwrap_or_default().to_owned();
             Estimate { name, ..estimate.clone() }

@@ -128,7 +128,10 @@ fn what_is_told_of_an_effect_is_told_of_the_model_with_all_that_was_found() {
             let path = format!("effect.{}.{name}", place + 1);
             assert_eq!(diagnosis["parameters"][&path], *told, "{path}");
             let written = model.get(&path).unwrap();
-            assert!((told["value"].as_f64().unwrap() / written - 1.0).abs() < 1e-9, "{path}: {told} {written}");
+            assert!(
+                (told["value"].as_f64().unwrap() / written - 1.0).abs() < 1e-9,
+                "{path}: {told} {written}"
+            );
             assert!((told["low"].as_f64().unwrap()..told["high"].as_f64().unwrap()).contains(&written));
         }
     }

@@ -334,7 +334,9 @@ mod tests {
         let damped = Prescribed::draw(&["contact_damping"], 1.0, &mut Random::new(3)).unwrap();
         let mut plain = damped.clone();
         plain.joint.damping = 0.0;
-        for (motion, (with, without)) in damped.motions.iter().zip(damped.respond().iter().zip(plain.respond())) {
+        for (motion, (with, without)) in
+            damped.motions.iter().zip(damped.respond().iter().zip(plain.respond()))
+        {
             let first = |record: &Record| record.responses().next().unwrap().values[0];
             let speed = match motion.regime {
                 Regime::FromRest => 0.0,
@@ -342,7 +344,10 @@ mod tests {
             };
             let largest = damped.joint.damping * TAU * motion.frequency * motion.amplitude;
             let difference = first(with) - first(&without);
-            assert!((difference - damped.joint.damping * speed).abs() < 2e-3 * largest, "{difference} {speed}");
+            assert!(
+                (difference - damped.joint.damping * speed).abs() < 2e-3 * largest,
+                "{difference} {speed}"
+            );
         }
     }
 }
