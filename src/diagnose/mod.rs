@@ -21,6 +21,7 @@ mod findings;
 mod inputs;
 mod loops;
 mod magnitudes;
+mod maps;
 mod motion;
 mod noise;
 mod oscillator_record;
@@ -37,6 +38,7 @@ mod shown;
 mod simulation;
 mod split;
 mod thinned;
+mod tone;
 mod trial;
 mod verdict;
 
