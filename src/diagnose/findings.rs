@@ -4,6 +4,7 @@ use super::bench::Scored;
 use super::blocks::{self, Gain};
 use super::candidates::Candidate;
 use super::engine::Meter;
+use super::maps::Repeated;
 use super::select::{PASSING_SHARE, PASSING_Z, Search, State, Trial};
 use super::trial::Fitted;
 use crate::model::Model;
@@ -61,6 +62,8 @@ pub(super) struct Outcome {
     pub chi_square: Option<f64>,
     /// What the residual there still follows, where the noise is known.
     pub follows: Vec<&'static str>,
+    /// Whether that residual is the one that the records seen leave at the same places of the motion.
+    pub repeated: Option<Repeated>,
 }
 
 impl Added {

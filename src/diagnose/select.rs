@@ -17,6 +17,8 @@ use crate::model::Model;
 pub(super) const PASSING_Z: f64 = 3.0;
 /// Share of the squared error that it must remove.
 pub(super) const PASSING_SHARE: f64 = 0.03;
+/// Cost over that of the most promising candidate above which another is not refined to the end.
+const USEFUL: f64 = 4.0;
 /// Two candidates whose difference is below this many standard errors are tied.
 const TIED_Z: f64 = 1.0;
 
@@ -77,24 +79,55 @@ impl Search<'_, '_> {
 
     /// Refits `model` and scores it.
     pub fn state(&self, model: &Model) -> Result<State, String> {
-        let fitted = trial::fit(self.bench, model, &self.unknowns(model), &self.parts.fit, Effort::Full)?;
+        self.refitted(model, Effort::Full)
+    }
+
+    fn refitted(&self, model: &Model, effort: Effort) -> Result<State, String> {
+        let fitted = trial::fit(self.bench, model, &self.unknowns(model), &self.parts.fit, effort)?;
         let scored = self.bench.score(&fitted.model, &self.parts.select)?;
         Ok(State { fitted, scored })
     }
 
     /// Tries every set of `sets` beside what `base` has, best first.
+    ///
+    /// All are screened; the most promising is refined first, and the others as long as they can come near it.
     pub fn round(&self, base: &State, sets: &[Vec<Candidate>]) -> Vec<Trial> {
-        let mut trials: Vec<Trial> = sets
+        // Most of the time goes here.
+        let screened: Vec<Result<Fitted, String>> = sets
             .par_iter()
             .map(|set| {
-                let state = self.added(&base.fitted.model, set);
+                let screened = self.screened(&base.fitted.model, set);
+                let ids: Vec<&str> = set.iter().map(|candidate| candidate.effect.id).collect();
+                (self.told)(&ids.join(" + "));
+                screened
+            })
+            .collect();
+        let cost = |index: usize| screened[index].as_ref().map_or(f64::INFINITY, |fitted| fitted.cost);
+        let leader = (0..sets.len()).min_by(|a, b| cost(*a).total_cmp(&cost(*b)));
+        let refined = |index: usize, effort| -> Result<State, String> {
+            screened[index]
+                .as_ref()
+                .map_err(Clone::clone)
+                .and_then(|fitted| self.refitted(&fitted.model, effort))
+        };
+        let first = leader.map(|leader| (leader, refined(leader, Effort::Full)));
+        let useful = match &first {
+            Some((_, Ok(state))) => USEFUL * state.fitted.cost,
+            _ => f64::INFINITY,
+        };
+        let mut trials: Vec<Trial> = sets
+            .par_iter()
+            .enumerate()
+            .map(|(index, set)| {
+                let state = match &first {
+                    Some((leader, state)) if *leader == index => state.clone(),
+                    _ => refined(index, Effort::Below(useful)),
+                };
                 let gain = match &state {
                     Ok(state) => blocks::gain(self.bench, &base.scored, &state.scored),
                     Err(_) => Gain { z: 0.0, share: 0.0 },
                 };
-                let trial = Trial { candidates: set.clone(), state, gain };
-                (self.told)(&trial.ids().join(" + "));
-                trial
+                Trial { candidates: set.clone(), state, gain }
             })
             .collect();
         trials.sort_by(|a, b| {
@@ -107,6 +140,11 @@ impl Search<'_, '_> {
 
     /// `model` with the candidates of `set`, refitted from all their starts.
     pub fn added(&self, model: &Model, set: &[Candidate]) -> Result<State, String> {
+        self.state(&self.screened(model, set)?.model)
+    }
+
+    /// `model` with the candidates of `set`, fitted roughly from all their starts; the best of them.
+    fn screened(&self, model: &Model, set: &[Candidate]) -> Result<Fitted, String> {
         let ranges: Vec<_> =
             set.iter().map(|candidate| candidate.ranges(self.scales, self.bench.dataset)).collect();
         let starts: Vec<usize> =
@@ -121,30 +159,23 @@ impl Search<'_, '_> {
             with
         };
         let (fit, bench) = (&self.parts.fit, self.bench);
-        let best = if combinations == 1 {
-            with(0)
-        } else {
-            let screened: Vec<Result<Fitted, String>> = (0..combinations)
-                .into_par_iter()
-                .map(|number| {
-                    let with = with(number);
-                    trial::fit(bench, &with, &self.unknowns(&with), fit, Effort::Screen)
-                })
-                .collect();
-            let mut best: Option<Fitted> = None;
-            let mut failure = None;
-            for outcome in screened {
-                match outcome {
-                    Ok(fitted) if best.as_ref().is_none_or(|best| fitted.cost < best.cost) => {
-                        best = Some(fitted)
-                    }
-                    Ok(_) => {}
-                    Err(reason) => failure = Some(reason),
-                }
+        let screened: Vec<Result<Fitted, String>> = (0..combinations)
+            .into_par_iter()
+            .map(|number| {
+                let with = with(number);
+                trial::fit(bench, &with, &self.unknowns(&with), fit, Effort::Screen)
+            })
+            .collect();
+        let mut best: Option<Fitted> = None;
+        let mut failure = None;
+        for outcome in screened {
+            match outcome {
+                Ok(fitted) if best.as_ref().is_none_or(|best| fitted.cost < best.cost) => best = Some(fitted),
+                Ok(_) => {}
+                Err(reason) => failure = Some(reason),
             }
-            best.ok_or_else(|| failure.unwrap_or_default())?.model
-        };
-        self.state(&best)
+        }
+        best.ok_or_else(|| failure.unwrap_or_default())
     }
 
     /// Whether `winner` is better than `other` by less than a standard error.
