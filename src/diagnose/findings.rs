@@ -85,6 +85,7 @@ impl Findings {
     ) -> Self {
         let mut findings =
             Self { base, steps: Vec::new(), rounds: Vec::new(), shortened: None, interrupted: false };
+        let mut moved = false;
         while findings.effects().len() < most {
             let present = findings.last().clone();
             let adequate =
@@ -100,6 +101,14 @@ impl Findings {
             }
             let round = search.round(&present, &left);
             findings.interrupted |= search.bench.interrupted();
+            if !(moved || adequate || findings.interrupted || !findings.rounds.is_empty())
+                && let Some(better) = search.elsewhere(&present, &round)
+            {
+                moved = true;
+                meter.expect(left.len());
+                findings.base = better;
+                continue;
+            }
             let step = if adequate { None } else { findings.best_of(search, &present, &round) };
             // Where nobody knows what is noise, any second effect finds something to mend.
             let step = step.filter(|step| known || findings.steps.is_empty() || search.stands_alone(step));

@@ -19,6 +19,8 @@ pub(super) const PASSING_Z: f64 = 3.0;
 pub(super) const PASSING_SHARE: f64 = 0.03;
 /// Cost over that of the most promising candidate above which another is not refined to the end.
 const USEFUL: f64 = 4.0;
+/// Cost over that of the present fit below which a fit from another start has found another minimum.
+const OTHER_MINIMUM: f64 = 0.7;
 /// Two candidates whose difference is below this many standard errors are tied.
 const TIED_Z: f64 = 1.0;
 
@@ -136,6 +138,17 @@ impl Search<'_, '_> {
             left.0.cmp(&right.0).then(left.1.total_cmp(&right.1))
         });
         trials
+    }
+
+    /// The model of `base` at a better minimum than it was found at, if the best fit of `round` leads to one once what
+    /// was added is taken away again. From a poor minimum any effect gains that opens a way out of it.
+    pub fn elsewhere(&self, base: &State, round: &[Trial]) -> Option<State> {
+        let states = round.iter().filter_map(|trial| Some((trial, trial.state.as_ref().ok()?)));
+        let (best, state) = states.min_by(|a, b| a.1.fitted.cost.total_cmp(&b.1.fitted.cost))?;
+        let mut model = state.fitted.model.clone();
+        model.effects.truncate(model.effects.len().saturating_sub(best.candidates.len()));
+        let found = self.state(&model).ok()?;
+        (found.fitted.cost < OTHER_MINIMUM * base.fitted.cost).then_some(found)
     }
 
     /// `model` with the candidates of `set`, refitted from all their starts.
