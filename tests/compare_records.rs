@@ -73,6 +73,22 @@ fn an_unknown_initial_force_is_found_from_the_record() {
 }
 
 #[test]
+fn a_late_force_is_late_from_the_first_sample_on() {
+    let text = "[[effect]]\nid = \"sensor_delay\"\nchannel = \"force\"\ndelay = 0.007\n";
+    let late = Model::parse(&format!("{}\n{text}", contact().to_toml())).unwrap();
+    // The force of seven samples ago, in a record that is cut out of a longer one.
+    let mut record = measured_loop(5e-6, 3, Regime::UnknownInitialState);
+    for (channel, from) in record.channels.iter_mut().zip([150, 150, 143]) {
+        channel.values.drain(..from);
+        channel.values.truncate(440);
+    }
+    let stage = evaluate("", &late, &dataset(vec![record.clone()]));
+    assert!(stage.error < 2e-3, "{}", stage.error);
+    // A model without it is wrong by a stretch of the slope.
+    assert!(evaluate("", &contact(), &dataset(vec![record])).error > 0.05);
+}
+
+#[test]
 fn a_steady_loop_needs_no_start() {
     let mut record = measured_loop(7e-6, 2, Regime::Steady);
     for channel in &mut record.channels {

@@ -68,9 +68,30 @@ fn errors_fall_with_the_order_of_the_algorithm() {
         ] {
             let [error, energy] = orders(&algorithm, [1e-4, 2.5e-5]);
             assert!(error > 1.75, "{algorithm:?} {error}");
-            // Jacobi extrapolates twice around the algebraic loop through the axial spring, which rings.
-            let rings = matches!(algorithm, Algorithm::Jacobi { .. });
+            // What Jacobi expects of Jenkins' force at a corner is far off, and is taken back in the next step.
+            let rings = contact == JENKINS && matches!(algorithm, Algorithm::Jacobi { .. });
             assert!(rings || energy > 1.75, "{algorithm:?} {energy}");
+        }
+    }
+}
+
+#[test]
+fn every_method_finds_the_same_motion_and_derivatives_find_it_soonest() {
+    let run = |method, step| {
+        let settings = Settings::new(strong(method), step, 0.05);
+        let (rows, report) = record(beam_with(VALANIS, FAST), settings).unwrap();
+        assert_eq!(report.unconverged, 0, "{method:?}");
+        (rows, report.evaluations as f64 / report.steps as f64)
+    };
+    for step in [1e-3, 1e-4] {
+        let (expected, newton) = run(Method::Newton, step);
+        for method in [Method::FixedPoint, Method::Aitken, Method::Anderson { depth: 5 }] {
+            let (rows, repetitions) = run(method, step);
+            let size = amplitude(expected.iter().map(|(_, values)| values[3]));
+            for ((_, values), (_, other)) in rows.iter().zip(&expected) {
+                assert!((values[3] - other[3]).abs() < 1e-6 * size, "{method:?}");
+            }
+            assert!(newton < repetitions, "{method:?} {repetitions} {newton}");
         }
     }
 }

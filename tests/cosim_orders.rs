@@ -108,3 +108,34 @@ fn the_wrong_rule_for_inputs_costs_an_order() {
     let errors = errors(&strong(Method::Anderson { depth: 3 }), system);
     assert!(orders(&errors, 0).iter().all(|order| *order < 1.3), "{errors:?}");
 }
+
+#[test]
+fn the_energy_residual_is_the_energy_that_the_coupling_feeds_in() {
+    // An undamped mass on a spring of its own, and another spring as a slave: all energy there is can be told.
+    let TwoMasses { mass: [mass, _], stiffness: [own, _], joint_stiffness: other, .. } = TWO_MASSES;
+    let gained = |algorithm: Algorithm| {
+        let [first, _] = TwoMasses { damping: [0.0; 2], ..TWO_MASSES }.slaves();
+        let inputs = [("displacement", "m"), ("velocity", "m/s")];
+        let answers = [other, 0.0, 1.0, 0.0];
+        let outputs = [("force", "N"), ("position", "m")];
+        let second = Linear::new("second", &inputs, &outputs, [&[], &[], &[], &answers], &[]);
+        let mut system = joined([first, second]);
+        system.observe("second", "force").unwrap();
+        let (rows, report) = record(system, Settings::new(algorithm, 0.01, STOP)).unwrap();
+        let energy = |values: &[f64]| {
+            0.5 * (mass * values[1].powi(2) + own * values[0].powi(2) + values[3].powi(2) / other)
+        };
+        (energy(&rows[rows.len() - 1].1) - energy(&rows[0].1), report.energy[0].sum)
+    };
+    let (jacobi, _) = gained(JACOBI);
+    assert!(jacobi > 0.0, "what is late feeds energy in");
+    for (algorithm, accuracy) in [(JACOBI, 1e-9), (GAUSS_SEIDEL, 1e-9), (strong(Method::Newton), 1e-4)] {
+        let (gain, residual) = gained(algorithm.clone());
+        assert!(
+            (gain - residual).abs() < accuracy * jacobi,
+            "{algorithm:?} {gain:e} {residual:e} {jacobi:e}"
+        );
+    }
+    let (strong, _) = gained(strong(Method::Newton));
+    assert!(strong.abs() < 1e-2 * jacobi, "{strong:e} {jacobi:e}");
+}

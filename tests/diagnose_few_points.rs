@@ -65,7 +65,9 @@ fn diagnosed(model: &Model, dataset: &Dataset, effects: Option<&[&str]>) -> Diag
 #[test]
 fn measured_frequencies_give_steps_with_their_doubt_and_never_a_clean_bill() {
     let model = Model::parse(JENKINS).unwrap();
-    let found = diagnosed(&model, &measured(), Some(&["micro_slip", "residual_stiffness"]));
+    let found = diagnosed(&model, &measured(), Some(&["micro_slip", "residual_stiffness", "sensor_gain"]));
+    assert!(found.untried.iter().any(|untried| untried.effect == "sensor_gain"), "{:?}", found.untried);
+    assert_eq!(found.groups.len(), 1, "eight points cannot tell micro-slip from a residual stiffness");
     let size = |stage: usize| found.comparison.stages[stage].records[0].channels[0].rms;
     assert!((0.2..0.26).contains(&size(1)), "Jenkins refitted: {} Hz", size(1));
     assert!(found.verdict != Verdict::NothingMissing);

@@ -65,14 +65,14 @@ fn cases() -> Vec<Case<'static>> {
         .replace("smoothness = 0.3\n", "")
         .replace("residual_stiffness = 0.0 ", "# ");
     vec![
-        case("Jenkins", JENKINS, (1e-3, 60, 1e-6), OF_A_CONTACT),
-        case("Valanis", VALANIS, (1e-3, 60, 1e-6), OF_A_CONTACT),
-        case("effects", CHANGED, (1e-3, 60, 1e-6), OF_A_CONTACT),
-        case("ModalBeam", MODAL, (5e-4, 60, 1e-12), OF_A_BEAM),
-        case("FrictionalBeam", FRICTIONAL, (5e-4, 60, 1e-12), OF_A_FRICTIONAL_BEAM),
-        case("FrictionalBeam, Jenkins", &stiff, (5e-4, 60, 1e-12), OF_A_FRICTIONAL_BEAM),
-        case("Oscillator", OSCILLATOR, (0.4, 80, 1e-6), OF_AN_OSCILLATOR),
-        case("Oscillator, Valanis", &gradual(OSCILLATOR, "0.2"), (0.4, 80, 1e-6), OF_AN_OSCILLATOR),
+        case("Jenkins", JENKINS, (1e-3, 40, 1e-6), OF_A_CONTACT),
+        case("Valanis", VALANIS, (1e-3, 40, 1e-6), OF_A_CONTACT),
+        case("effects", CHANGED, (1e-3, 40, 1e-6), OF_A_CONTACT),
+        case("ModalBeam", MODAL, (5e-4, 30, 1e-11), OF_A_BEAM),
+        case("FrictionalBeam", FRICTIONAL, (5e-4, 30, 1e-11), OF_A_FRICTIONAL_BEAM),
+        case("FrictionalBeam, Jenkins", &stiff, (5e-4, 30, 1e-11), OF_A_FRICTIONAL_BEAM),
+        case("Oscillator", OSCILLATOR, (0.4, 60, 1e-6), OF_AN_OSCILLATOR),
+        case("Oscillator, Valanis", &gradual(OSCILLATOR, "0.2"), (0.4, 60, 1e-6), OF_AN_OSCILLATOR),
     ]
 }
 
@@ -82,6 +82,8 @@ struct Run<'a> {
     instance: Instance,
     inputs: Vec<u32>,
     outputs: Vec<u32>,
+    /// So many inputs get their derivatives.
+    sloped: usize,
 }
 
 impl<'a> Run<'a> {
@@ -92,7 +94,8 @@ impl<'a> Run<'a> {
             case.waves.iter().map(|(name, _)| description.reference(name).expect(name)).collect();
         let real = |row: &u32| description.variables[*row as usize].variable_type == VariableType::Real;
         let outputs = description.references(Causality::Output).filter(real).collect();
-        let mut run = Self { case, instance, inputs, outputs };
+        let sloped = inputs.len();
+        let mut run = Self { case, instance, inputs, outputs, sloped };
         let setup = Setup { tolerance: Some(case.tolerance), start: 0.0, stop: None };
         run.instance.set_up(setup).unwrap();
         run.instance.enter_initialization().unwrap();
@@ -115,7 +118,17 @@ impl<'a> Run<'a> {
     }
 
     fn slope(&mut self, slopes: &[f64]) {
-        self.instance.set_input_derivatives(&self.inputs, &vec![1; slopes.len()], slopes).unwrap();
+        let inputs = &self.inputs[..self.sloped];
+        self.instance.set_input_derivatives(inputs, &vec![1; self.sloped], &slopes[..self.sloped]).unwrap();
+    }
+
+    /// Leaves the normal load of a frictional beam held: under one that runs, the beam's own steps follow the path of
+    /// displacement and load to a hundred-thousandth of the limit only, and differences show that.
+    fn with_loads_held(mut self) -> Self {
+        if self.case.name.starts_with("FrictionalBeam") {
+            self.sloped = 1;
+        }
+        self
     }
 
     fn step(&mut self, k: usize) {
@@ -173,19 +186,13 @@ impl Comparison {
                 (run.case.waves.get(*input).map_or("time", |wave| wave.0), run.name(*output));
             let (low, high) = (ahead.min(*behind), ahead.max(*behind));
             let error = (low - found).max(found - high).max(0.0) / scale.max(f64::MIN_POSITIVE);
-            if error > tolerance {
-                println!(
-                    "{} {output} by {input}: {found:e}, not {low:e} ... {high:e} ({scale:e}) {error:e}",
-                    run.case.name
-                );
-            }
             if error > worst.0 {
                 let text = format!("{output} by {input}: {found:e}, not {low:e} ... {high:e} ({scale:e})");
                 worst = (error, text);
             }
         }
         let name = run.case.name;
-        println!("{name}: {:e}, {corners} corners of {}", worst.0, self.entries.len());
+        assert!(worst.0 <= tolerance, "{name}: {}, off by {:e}", worst.1, worst.0);
         assert!(corners * 10 <= self.entries.len(), "{name}: {corners} corners");
     }
 }
@@ -211,48 +218,57 @@ fn differences(run: &mut Run, k: usize, input: usize, sloped: bool) -> [Vec<f64>
     [difference(&outputs[1], &outputs[0]), difference(&outputs[0], &outputs[2])]
 }
 
-fn check_directional_derivatives(sloped: bool) {
-    for case in cases() {
-        let mut run = Run::new(&case);
-        let mut comparison = Comparison::default();
-        for k in 0..case.steps {
-            let all: Vec<_> =
-                (0..run.inputs.len()).map(|input| differences(&mut run, k, input, sloped)).collect();
-            let time = if sloped { k as f64 } else { (k + 1) as f64 } * case.step;
-            run.set(&run.waves(time, 0));
-            if sloped {
-                run.slope(&run.waves(time, 1));
-            }
-            run.step(k);
-            for (input, [ahead, behind]) in all.iter().enumerate() {
-                let found = run.changes(input);
-                comparison.add(input, &found, ahead, behind);
-            }
+fn check_directional_derivatives(mut run: Run, sloped: bool, tolerance: f64) {
+    let case = run.case;
+    let mut comparison = Comparison::default();
+    for k in 0..case.steps {
+        let differences = |input| differences(&mut run, k, input, sloped);
+        let all: Vec<_> = (0..case.waves.len()).map(differences).collect();
+        let time = if sloped { k as f64 } else { (k + 1) as f64 } * case.step;
+        run.set(&run.waves(time, 0));
+        if sloped {
+            run.slope(&run.waves(time, 1));
         }
-        comparison.check(&run, 2e-4);
+        run.step(k);
+        for (input, [ahead, behind]) in all.iter().enumerate() {
+            let found = run.changes(input);
+            comparison.add(input, &found, ahead, behind);
+        }
     }
+    comparison.check(&run, tolerance);
 }
 
 #[test]
 fn directional_derivatives_are_those_of_the_step() {
-    check_directional_derivatives(false);
+    for case in cases() {
+        check_directional_derivatives(Run::new(&case), false, 2e-4);
+    }
 }
 
 #[test]
 fn directional_derivatives_of_a_step_with_input_derivatives_too() {
-    check_directional_derivatives(true);
+    for case in cases() {
+        check_directional_derivatives(Run::new(&case).with_loads_held(), true, 2e-4);
+    }
+}
+
+#[test]
+fn directional_derivatives_under_a_load_that_runs_as_far_as_the_beam_follows_it() {
+    for case in &cases()[4..6] {
+        check_directional_derivatives(Run::new(case), true, 0.1);
+    }
 }
 
 #[test]
 fn line_derivatives_are_those_of_a_step_to_other_ends() {
     for case in cases() {
-        let mut run = Run::new(&case);
+        let mut run = Run::new(&case).with_loads_held();
         let mut comparison = Comparison::default();
         for k in 0..case.steps {
             let before = run.instance.snapshot();
             let time = k as f64 * case.step;
             let (values, slopes) = (run.waves(time, 0), run.waves(time, 1));
-            for input in 0..run.inputs.len() {
+            for input in 0..run.sloped {
                 let span = case.span * case.waves[input].1[0];
                 let mut outputs = Vec::new();
                 for by in [span, -span, 0.0] {
@@ -318,7 +334,8 @@ fn output_derivatives_are_slopes_at_the_end_of_the_step() {
             let behind: Vec<f64> = rows.map(|row| at_end(row) - bend(row)).collect();
             comparison.add(usize::MAX, &found, &ahead, &behind);
         }
-        comparison.check(&run, 1e-3);
+        // The oscillator's steps are of fixed length, their error not much below that.
+        comparison.check(&run, if case.name.starts_with("Oscillator") { 5e-3 } else { 1e-3 });
     }
 }
 
@@ -385,7 +402,7 @@ fn error_of_the_beam(steps: usize, sloped: bool, reference: &[f64]) -> f64 {
 
 /// The same run in so small steps that it is exact in comparison.
 fn reference_of_the_beam() -> Vec<f64> {
-    let (steps, total) = (20_000, 0.02);
+    let (steps, total) = (8_000, 0.02);
     let mut cases = cases();
     let case = &mut cases[3];
     case.step = total / steps as f64;
@@ -398,7 +415,7 @@ fn reference_of_the_beam() -> Vec<f64> {
         run.set(&run.waves(time, 0));
         run.slope(&run.waves(time, 1));
         run.step(k);
-        if (k + 1) % 1000 == 0 {
+        if (k + 1) % 400 == 0 {
             reference.push(run.read()[row]);
         }
     }
@@ -490,6 +507,7 @@ fn a_derivative_holds_for_one_step_and_the_input_stays_where_it_led() {
             assert_eq!(*reached, value + slope * case.step, "{}", case.name);
         }
         two.set(&reached);
+        two.slope(&vec![0.0; reached.len()]);
         one.step(1);
         two.step(1);
         assert_eq!(one.read(), two.read(), "{}", case.name);

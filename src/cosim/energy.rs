@@ -13,8 +13,6 @@ struct Bond {
     force: Place,
     displacement: Option<Place>,
     velocity: Option<Place>,
-    /// What the displacement had come to.
-    before: f64,
     /// Largest power so far (W).
     peak: f64,
 }
@@ -39,7 +37,6 @@ impl Energy {
                 force,
                 displacement: connection.displacement.and_then(&place),
                 velocity: connection.velocity.and_then(&place),
-                before: 0.0,
                 peak: 0.0,
             });
             energy.residuals.push(EnergyResidual {
@@ -56,13 +53,6 @@ impl Energy {
         energy
     }
 
-    /// Takes the initial displacements.
-    pub fn begin(&mut self, units: &[Unit]) {
-        for bond in &mut self.bonds {
-            bond.before = bond.displacement.map_or(0.0, |(unit, channel)| units[unit].values[channel]);
-        }
-    }
-
     /// Accounts for a step of `step` (s) that is done but not accepted: the largest residual power over the
     /// largest power so far.
     pub fn measure(&mut self, units: &[Unit], signals: &Signals, plain: bool, step: f64) -> f64 {
@@ -74,7 +64,7 @@ impl Energy {
                 Ends {
                     given: [signals.now[source], signals.next[source]],
                     taken: unit.taken(channel, plain),
-                    travel: unit.reached(channel, plain) - bond.before,
+                    travel: unit.end[channel] - unit.reached[channel],
                     factor: unit.channels[channel].factor,
                 }
             };
@@ -90,13 +80,10 @@ impl Energy {
     }
 
     /// Takes the step measured last as done.
-    pub fn accept(&mut self, units: &[Unit], plain: bool, step: f64) {
+    pub fn accept(&mut self, step: f64) {
         for ((bond, [residual, exchanged]), sums) in
             self.bonds.iter_mut().zip(&self.tried).zip(&mut self.residuals)
         {
-            if let Some((unit, channel)) = bond.displacement {
-                bond.before = units[unit].reached(channel, plain);
-            }
             bond.peak = bond.peak.max(exchanged / step);
             sums.sum += residual;
             sums.magnitude += residual.abs();

@@ -2,7 +2,7 @@
 
 use super::energy::Energy;
 use super::level::{Level, StepFrame, Trouble};
-use super::notes::given;
+use super::notes::Manner;
 use super::schedule::Schedule;
 use super::settings::{Algorithm, Settings, Strong};
 use super::signals::Signals;
@@ -155,7 +155,8 @@ impl Engine {
 
     /// Takes the step tried last as done.
     pub fn accept(&mut self, step: f64) -> Result<(), SlaveError> {
-        self.energy.accept(&self.units, self.plain, step);
+        self.energy.accept(step);
+        self.units.iter_mut().for_each(Unit::accept);
         self.signals.accept(step);
         for repeated in self.blocks.iter_mut().filter_map(|block| block.repeated.as_mut()) {
             repeated.solver.remember(&repeated.assumed);
@@ -219,6 +220,7 @@ impl Wiring {
     }
 
     fn connect(&mut self, system: &System, schedule: &Schedule, unit_of: &[usize], plain: bool) {
+        let manner = Manner::new(system);
         let mut block_of = vec![0; unit_of.len()];
         for (index, block) in schedule.blocks.iter().enumerate() {
             schedule.levels[block.levels.clone()].iter().flatten().for_each(|slave| block_of[*slave] = index);
@@ -239,8 +241,8 @@ impl Wiring {
             };
             let channels = &mut self.channels[to.slave];
             self.places.insert(to, (unit_of[to.slave], channels.len()));
-            let given = given(system, to);
-            channels.push(Channel { input: to.variable, source, factor, offset, via, given });
+            let (given, continued) = (manner.given(system, to), manner.at_once(to));
+            channels.push(Channel { input: to.variable, source, factor, offset, via, given, continued });
         }
     }
 

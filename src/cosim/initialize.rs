@@ -39,13 +39,13 @@ pub(super) fn initialize(
     settle(engine, settings)?;
     for unit in &mut engine.units {
         unit.slave.exit_initialization()?;
+        unit.reached.copy_from_slice(&unit.values);
         unit.read()?;
         let own = unit.first..unit.first + unit.outputs.len();
         engine.signals.next[own].copy_from_slice(&unit.outputs);
     }
     let values = engine.signals.next.clone();
     engine.signals.begin(&values);
-    engine.energy.begin(&engine.units);
     // Before the first step a slave need not know any: then the first step holds its inputs.
     if engine.derive().is_err() {
         engine.signals.derived = false;

@@ -1,8 +1,9 @@
 //! The library's own models as slaves, without an FMU between.
 
 use super::slave::{Abilities, Causality, Kind, Setup, Severity, Slave, SlaveError, Stepped, Variable};
+use crate::integrate::Ramp;
 use crate::model::Model;
-use crate::slave::{self, Instance, Snapshot, VariableType};
+use crate::slave::{self, DERIVATIVE_ORDER, Instance, Snapshot, VariableType};
 
 /// An [`Instance`] behind the trait: the same numbers as the FMU of the model.
 #[derive(Debug)]
@@ -13,6 +14,10 @@ pub struct NativeSlave {
     /// Whether all variables of a call are Real is looked up here.
     real: Vec<bool>,
     references: Vec<u32>,
+    knowns: Vec<u32>,
+    lines: Vec<Ramp>,
+    /// Order 1, as often as there are variables.
+    first_order: Vec<i32>,
     slots: Vec<Option<Snapshot>>,
 }
 
@@ -51,7 +56,17 @@ impl NativeSlave {
             })
             .collect();
         let real = table.iter().map(|row| row.kind == Kind::Real).collect();
-        Self { name: name.to_owned(), instance, table, real, references: Vec::new(), slots: Vec::new() }
+        Self {
+            name: name.to_owned(),
+            instance,
+            first_order: vec![DERIVATIVE_ORDER as i32; table.len()],
+            table,
+            real,
+            references: Vec::new(),
+            knowns: Vec::new(),
+            lines: Vec::new(),
+            slots: Vec::new(),
+        }
     }
 
     /// The instance.
@@ -76,6 +91,12 @@ impl NativeSlave {
     }
 }
 
+/// Value references are positions.
+fn refer(references: &mut Vec<u32>, variables: &[usize]) {
+    references.clear();
+    references.extend(variables.iter().map(|variable| *variable as u32));
+}
+
 #[cold]
 fn failed(name: &str, error: slave::Error) -> SlaveError {
     let severity = if matches!(error, slave::Error::Step { .. }) { Severity::Slave } else { Severity::Call };
@@ -97,7 +118,13 @@ impl Slave for NativeSlave {
     }
 
     fn abilities(&self) -> Abilities {
-        Abilities { saves_state: true, variable_step: true, ..Abilities::default() }
+        Abilities {
+            saves_state: true,
+            variable_step: true,
+            interpolates_inputs: true,
+            output_derivative_order: DERIVATIVE_ORDER,
+            directional_derivatives: true,
+        }
     }
 
     fn set_up(&mut self, setup: Setup) -> Result<(), SlaveError> {
@@ -150,22 +177,56 @@ impl Slave for NativeSlave {
         Ok(())
     }
 
-    fn set_input_derivatives(&mut self, _: &[usize], _: &[f64]) -> Result<(), SlaveError> {
-        Err(unable(&self.name, "does not interpolate its inputs"))
+    fn set_input_derivatives(&mut self, variables: &[usize], derivatives: &[f64]) -> Result<(), SlaveError> {
+        let Self { instance, first_order, .. } = self;
+        refer(&mut self.references, variables);
+        let set =
+            instance.set_input_derivatives(&self.references, &first_order[..variables.len()], derivatives);
+        set.map_err(|error| failed(&self.name, error))
     }
 
-    fn output_derivatives(&mut self, _: &[usize], _: u32, _: &mut [f64]) -> Result<(), SlaveError> {
-        Err(unable(&self.name, "gives no output derivatives"))
+    fn output_derivatives(
+        &mut self,
+        variables: &[usize],
+        order: u32,
+        derivatives: &mut [f64],
+    ) -> Result<(), SlaveError> {
+        if order != DERIVATIVE_ORDER {
+            return Err(unable(&self.name, "gives first derivatives only"));
+        }
+        let Self { instance, first_order, .. } = self;
+        refer(&mut self.references, variables);
+        let read =
+            instance.output_derivatives(&self.references, &first_order[..variables.len()], derivatives);
+        read.map_err(|error| failed(&self.name, error))
     }
 
     fn directional_derivative(
         &mut self,
-        _: &[usize],
-        _: &[usize],
-        _: &[f64],
-        _: &mut [f64],
+        unknowns: &[usize],
+        knowns: &[usize],
+        direction: &[f64],
+        change: &mut [f64],
     ) -> Result<(), SlaveError> {
-        Err(unable(&self.name, "gives no directional derivatives"))
+        refer(&mut self.references, unknowns);
+        refer(&mut self.knowns, knowns);
+        let derived = self.instance.directional_derivative(&self.references, &self.knowns, direction, change);
+        derived.map_err(|error| failed(&self.name, error))
+    }
+
+    fn end_derivative(
+        &mut self,
+        unknowns: &[usize],
+        knowns: &[usize],
+        direction: &[f64],
+        change: &mut [f64],
+    ) -> Result<(), SlaveError> {
+        refer(&mut self.references, unknowns);
+        refer(&mut self.knowns, knowns);
+        self.lines.clear();
+        self.lines.extend(direction.iter().map(|end| Ramp { start: 0.0, end: *end }));
+        let derived = self.instance.line_derivative(&self.references, &self.knowns, &self.lines, change);
+        derived.map_err(|error| failed(&self.name, error))
     }
 
     fn do_step(&mut self, time: f64, step: f64) -> Result<Stepped, SlaveError> {

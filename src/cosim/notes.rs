@@ -2,31 +2,43 @@
 
 use super::schedule::Schedule;
 use super::settings::{Algorithm, Settings};
+use super::slave::{Causality, Kind};
 use super::system::{InputRule, Port, System};
 use super::unit::Given;
 use std::collections::BTreeSet;
 
-/// How `slave` is given its real `input` under more than the first order.
-pub(super) fn given(system: &System, to: Port) -> Given {
-    let abilities = system.slaves[to.slave].abilities();
-    if system.variable(to).kind != super::Kind::Real {
-        return Given::End;
+/// How each slave is given its inputs under more than the first order.
+pub(super) struct Manner {
+    /// Of each variable of each slave: does the slave declare that all it puts out depends on it at once?
+    at_once: Vec<Vec<bool>>,
+}
+
+impl Manner {
+    pub fn new(system: &System) -> Self {
+        let at_once = system.slaves.iter().enumerate().map(|(index, slave)| {
+            let mut rows = slave.variables().iter();
+            let declared = rows.all(|row| row.causality != Causality::Output || row.depends_on.is_some());
+            system.feed_through(index).into_iter().map(|share| declared && share == 1.0).collect()
+        });
+        Self { at_once: at_once.collect() }
     }
-    if abilities.interpolates_inputs {
-        return Given::Ramp;
+
+    /// Does the slave declare that all it puts out depends at once on the input?
+    pub fn at_once(&self, to: Port) -> bool {
+        self.at_once[to.slave][to.variable]
     }
-    match system.rules[to.slave] {
-        InputRule::End => Given::End,
-        InputRule::Middle => Given::Middle,
-        InputRule::Auto => {
-            let rows = system.slaves[to.slave].variables();
-            let declared =
-                rows.iter().all(|row| row.causality != super::Causality::Output || row.depends_on.is_some());
-            if declared && system.feed_through(to.slave, to.variable) == 1.0 {
-                Given::End
-            } else {
-                Given::Middle
-            }
+
+    /// How the input is given.
+    pub fn given(&self, system: &System, to: Port) -> Given {
+        if system.variable(to).kind != Kind::Real {
+            return Given::End;
+        }
+        match system.rules[to.slave] {
+            _ if system.slaves[to.slave].abilities().interpolates_inputs => Given::Ramp,
+            InputRule::End => Given::End,
+            InputRule::Middle => Given::Middle,
+            InputRule::Auto if self.at_once(to) => Given::End,
+            InputRule::Auto => Given::Middle,
         }
     }
 }
@@ -117,13 +129,14 @@ fn past_values(system: &System, schedule: &Schedule, notes: &mut Vec<String>) {
 
 /// Slaves that cannot interpolate.
 fn inputs(system: &System, notes: &mut Vec<String>) {
+    let manner = Manner::new(system);
     for connection in &system.connections {
         let (to, slave) = (connection.to, &system.slaves[connection.to.slave]);
-        if system.variable(to).kind != super::Kind::Real {
+        if system.variable(to).kind != Kind::Real {
             continue;
         }
         let name = system.full_name(to);
-        match given(system, to) {
+        match manner.given(system, to) {
             Given::Ramp => {}
             Given::End => notes.push(format!(
                 "{name} cannot be interpolated: it is given its value at the end of each step, which is right where the \
@@ -133,7 +146,7 @@ fn inputs(system: &System, notes: &mut Vec<String>) {
                 let abilities = slave.abilities();
                 let outputs = slave.variables().iter().enumerate();
                 let touched = outputs
-                    .filter(|(_, row)| row.causality == super::Causality::Output && row.kind == super::Kind::Real)
+                    .filter(|(_, row)| row.causality == Causality::Output && row.kind == Kind::Real)
                     .any(|(output, _)| system.depends(to.slave, output, to.variable));
                 let able = abilities.saves_state || abilities.directional_derivatives;
                 let cost = if touched && !able {

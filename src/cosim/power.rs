@@ -156,3 +156,35 @@ pub(super) fn works(force: Ends, displacement: Option<Ends>, velocity: Option<En
     // In the taker's units, and with its sign.
     [taker, force.factor / motion_factor * mean(force.given) * travel]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_work_of_a_linear_force_along_a_cubic_is_exact() {
+        // F = 3 − 2 t, u = 1 + t + 4 t² − 5 t³ over 0.7 s; ∫ F u̇ dt term by term.
+        let h: f64 = 0.7;
+        let (force, path) = (|t: f64| 3.0 - 2.0 * t, |t: f64| 1.0 + t + 4.0 * t * t - 5.0 * t.powi(3));
+        let rate = |t: f64| 1.0 + 8.0 * t - 15.0 * t * t;
+        let exact = 3.0 * h + 11.0 * h * h - 61.0 * h.powi(3) / 3.0 + 7.5 * h.powi(4);
+        let ends = |value: &dyn Fn(f64) -> f64| Ends {
+            given: [value(0.0), value(h)],
+            taken: [value(0.0), value(h)],
+            travel: value(h) - value(0.0),
+            factor: 1.0,
+        };
+        let [taker, _] = works(ends(&force), Some(ends(&path)), Some(ends(&rate)), h);
+        assert!((taker - exact).abs() < 1e-12, "{taker} {exact}");
+        // A velocity that runs linearly, without the displacement.
+        let velocity = |t: f64| 1.0 - 0.5 * t;
+        let exact = 3.0 * h - 1.75 * h * h + h.powi(3) / 3.0;
+        let [taker, _] = works(ends(&force), None, Some(ends(&velocity)), h);
+        assert!((taker - exact).abs() < 1e-12, "{taker} {exact}");
+        // The other side goes straight, in units of its own: mm and kN of the other sign.
+        let kilo = Ends { given: [-0.003, -0.0016], factor: -1e3, ..ends(&force) };
+        let milli = Ends { travel: 1e3 * h, factor: 1e3, ..ends(&path) };
+        let [_, giver] = works(kilo, Some(milli), None, h);
+        assert!((giver - 2.3 * h).abs() < 1e-12, "{giver}");
+    }
+}

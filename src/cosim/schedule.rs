@@ -3,8 +3,9 @@
 use super::graph;
 use super::jacobi;
 use super::settings::{Algorithm, Settings};
-use super::system::{Port, System, SystemError};
+use super::system::{Connection, Port, System, SystemError};
 use super::{gauss_seidel, strong};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Levels in the order in which they step; the slaves of a level do not wait for each other.
@@ -77,11 +78,12 @@ impl Connected {
         let count = system.slaves.len();
         let (mut after, mut before) = (vec![Vec::new(); count], vec![Vec::new(); count]);
         let mut edges = Vec::with_capacity(system.connections.len());
+        let shares: Vec<_> = (0..count).map(|slave| system.feed_through(slave)).collect();
         for connection in &system.connections {
             let (from, to) = (connection.from.slave, connection.to.slave);
             after[from].push(to);
             before[to].push(from);
-            edges.push((from, to, system.feed_through(to, connection.to.variable)));
+            edges.push((from, to, shares[to][connection.to.variable]));
         }
         for list in after.iter_mut().chain(&mut before) {
             list.sort_unstable();
@@ -124,18 +126,22 @@ impl Connected {
 impl System {
     /// Inputs that depend on themselves at once, through outputs and connections, loop by loop.
     pub fn algebraic_loops(&self) -> Vec<Vec<Port>> {
-        let mut leaving = vec![Vec::new(); self.slaves.len()];
-        for (index, connection) in self.connections.iter().enumerate() {
-            leaving[connection.from.slave].push(index);
+        let into = |(index, connection): (usize, &Connection)| (connection.to, index);
+        let arriving: BTreeMap<Port, usize> = self.connections.iter().enumerate().map(into).collect();
+        let mut next = vec![Vec::new(); self.connections.len()];
+        for (index, Connection { from: Port { slave, variable }, .. }) in self.connections.iter().enumerate()
+        {
+            let inputs = |variable| arriving.get(&Port { slave: *slave, variable }).copied();
+            match &self.slaves[*slave].variables()[*variable].depends_on {
+                Some(on) => {
+                    on.iter().filter_map(|input| inputs(*input)).for_each(|before| next[before].push(index))
+                }
+                None => {
+                    let own = Port { slave: *slave, variable: 0 }..Port { slave: slave + 1, variable: 0 };
+                    arriving.range(own).for_each(|(_, before)| next[*before].push(index));
+                }
+            }
         }
-        let through = |to: Port| {
-            let others = leaving[to.slave].iter().copied();
-            others.filter(move |other| {
-                self.depends(to.slave, self.connections[*other].from.variable, to.variable)
-            })
-        };
-        let next: Vec<Vec<usize>> =
-            self.connections.iter().map(|connection| through(connection.to).collect()).collect();
         let loops = graph::components(&next).into_iter().filter(|nodes| graph::is_cyclic(nodes, &next));
         loops.map(|nodes| nodes.into_iter().map(|node| self.connections[node].to).collect()).collect()
     }

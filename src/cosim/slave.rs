@@ -166,8 +166,9 @@ pub trait Slave: Debug + Send {
         derivatives: &mut [f64],
     ) -> Result<(), SlaveError>;
 
-    /// Change of the outputs `unknowns` when the inputs `knowns` change by `direction`, at the last communication
-    /// point. Only with [`Abilities::directional_derivatives`].
+    /// Change of the outputs `unknowns` at the end of the last step when the inputs `knowns` of that step change by
+    /// `direction`; before the first step, of the initial outputs. A slave may leave out what passes through its
+    /// motion within the step. Only with [`Abilities::directional_derivatives`].
     ///
     /// # Errors
     /// Whatever the slave objects to.
@@ -178,6 +179,22 @@ pub trait Slave: Debug + Send {
         direction: &[f64],
         change: &mut [f64],
     ) -> Result<(), SlaveError>;
+
+    /// As [`Slave::directional_derivative`], where only the ends of the inputs that ran linearly over the last step change
+    /// and their beginnings stay. A slave that cannot tell the two apart answers as there, which is the same but for
+    /// what passes through its motion within the step.
+    ///
+    /// # Errors
+    /// Whatever the slave objects to.
+    fn end_derivative(
+        &mut self,
+        unknowns: &[usize],
+        knowns: &[usize],
+        direction: &[f64],
+        change: &mut [f64],
+    ) -> Result<(), SlaveError> {
+        self.directional_derivative(unknowns, knowns, direction, change)
+    }
 
     /// Steps from `time` to `time + step` (s).
     ///

@@ -112,7 +112,8 @@ impl Solver {
         self.scale.copy_from_slice(&self.peak);
         let mut best = f64::INFINITY;
         let mut first = f64::INFINITY;
-        let mut retreats = 0;
+        // Evaluations for products with the Jacobian do not count here.
+        let (mut rounds, mut retreats) = (0, 0);
         loop {
             let evaluated = coupling.evaluate(assumed, &mut self.residual);
             solved.evaluations += 1;
@@ -140,10 +141,11 @@ impl Solver {
                 first = size;
             }
             let lost = !size.is_finite() || size > HOPELESS * first;
-            if lost || solved.evaluations >= self.settings.iterations {
+            let start = rounds == 0;
+            rounds += 1;
+            if lost || rounds >= self.settings.iterations {
                 break;
             }
-            let start = solved.evaluations == 1;
             match self.settings.method {
                 Method::FixedPoint => add(assumed, &self.residual, 1.0),
                 Method::Aitken => self.aitken(assumed, start),

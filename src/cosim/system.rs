@@ -381,14 +381,24 @@ impl System {
         row.depends_on.as_ref().is_none_or(|inputs| inputs.contains(&input))
     }
 
-    /// Share of the slave's Real outputs that depend at once on its `input`.
-    pub(super) fn feed_through(&self, slave: usize, input: usize) -> f64 {
-        let rows = self.slaves[slave].variables().iter().enumerate();
-        let outputs: Vec<usize> = rows
-            .filter(|(_, row)| row.causality == Causality::Output && row.kind == Kind::Real)
-            .map(|(position, _)| position)
-            .collect();
-        let dependent = outputs.iter().filter(|output| self.depends(slave, **output, input)).count();
-        if outputs.is_empty() { 0.0 } else { dependent as f64 / outputs.len() as f64 }
+    /// Of each variable of a slave: the share of the slave's Real outputs that depend on it at once, as far as it is an
+    /// input.
+    pub(super) fn feed_through(&self, slave: usize) -> Vec<f64> {
+        let rows = self.slaves[slave].variables();
+        let outputs = rows.iter().filter(|row| row.causality == Causality::Output && row.kind == Kind::Real);
+        let (mut counts, mut all, mut number) = (vec![0_usize; rows.len()], 0, 0);
+        for output in outputs {
+            number += 1;
+            match &output.depends_on {
+                None => all += 1,
+                Some(inputs) => inputs.iter().for_each(|input| {
+                    if let Some(count) = counts.get_mut(*input) {
+                        *count += 1;
+                    }
+                }),
+            }
+        }
+        let share = |count: &usize| (count + all) as f64 / f64::from(number.max(1));
+        counts.iter().map(share).collect()
     }
 }

@@ -36,6 +36,9 @@ pub(super) struct Channel {
     pub offset: f64,
     pub via: Via,
     pub given: Given,
+    /// A step begins where the last one ended, also where the source has come to another value than expected since: a
+    /// contact that was led there and back in no time would remember it.
+    pub continued: bool,
 }
 
 impl Channel {
@@ -85,6 +88,8 @@ pub(super) struct Unit {
     /// Inputs at both ends of the step.
     pub begin: Vec<f64>,
     pub end: Vec<f64>,
+    /// What they came to in the last step.
+    pub reached: Vec<f64>,
     /// What was set.
     pub values: Vec<f64>,
     /// Real outputs that feed others: in the table, and in `outputs`.
@@ -132,6 +137,7 @@ impl Unit {
             outputs: vec![0.0; output_positions.len()],
             output_positions,
             begin: zeros(),
+            reached: zeros(),
             end: zeros(),
             values: zeros(),
             direction: zeros(),
@@ -190,10 +196,13 @@ impl Unit {
             };
             self.end[index] = end;
             if frame.plain {
-                (self.begin[index], self.values[index]) = (end, end);
+                self.values[index] = end;
                 continue;
             }
-            let begin = channel.of(frame.signals.now[channel.source]);
+            let begin = match channel.continued {
+                true => self.reached[index],
+                false => channel.of(frame.signals.now[channel.source]),
+            };
             self.begin[index] = begin;
             self.values[index] = match channel.given {
                 Given::End => end,
@@ -272,7 +281,7 @@ impl Unit {
             return Ok(());
         }
         let (inputs, direction) = (&self.input_positions, &self.direction);
-        self.slave.directional_derivative(&self.coupled, inputs, direction, &mut self.change)?;
+        self.slave.end_derivative(&self.coupled, inputs, direction, &mut self.change)?;
         for (place, value) in self.coupled_places.iter().zip(&self.change) {
             change[*place] = *value;
         }
@@ -298,9 +307,9 @@ impl Unit {
         Ok(())
     }
 
-    /// What input `channel` came to in the last step, as far as the outputs know.
-    pub fn reached(&self, channel: usize, plain: bool) -> f64 {
-        if plain { self.values[channel] } else { self.end[channel] }
+    /// Takes the step as done.
+    pub fn accept(&mut self) {
+        self.reached.copy_from_slice(&self.end);
     }
 
     /// Both ends of what input `channel` ran through in the last step.

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{DMatrix, DVector};
 
 use super::beam_record::Attached;
+use super::predict::derivative_order;
 use crate::harmonic::fourier::{self, coefficient_count, time_derivative};
 use crate::harmonic::steady::{Driven, Forcing, Reach, Start};
 use crate::harmonic::{excited_harmonics, whole_periods};
@@ -55,7 +56,7 @@ impl SteadyRecord {
         let beyond = (BEYOND_HIGHEST_MODE * highest / angular_frequency).ceil() as usize + 1;
         let harmonics = beyond.clamp(HARMONICS.0, HARMONICS.1);
         let coefficients = excitation(force, periods, harmonics)?;
-        let orders = channels.iter().map(|channel| order(channel)).collect();
+        let orders = channels.iter().map(|channel| derivative_order(channel)).collect();
         let sensed_harmonics = SENSED * harmonics;
         let count = coefficient_count(sensed_harmonics);
         // Phase 0 of the Fourier coefficients is the first sample.
@@ -130,15 +131,6 @@ impl SteadyRecord {
             let moved = time_derivative(coefficients, *order, self.forcing.angular_frequency);
             out.extend_from_slice((&self.waves * DVector::from_vec(moved)).as_slice());
         }
-    }
-}
-
-/// Time derivative of the displacement that a channel measures.
-fn order(channel: &Channel) -> usize {
-    match channel.quantity() {
-        "acceleration" => 2,
-        "velocity" => 1,
-        _ => 0,
     }
 }
 

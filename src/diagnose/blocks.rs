@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use super::bench::{Bench, Scored};
+use super::select::{PASSING_SHARE, PASSING_Z};
 
 /// Correlation below which samples count as independent.
 const INDEPENDENT: f64 = 0.2;
@@ -19,6 +20,13 @@ pub(super) struct Gain {
     pub z: f64,
     /// Share of the squared error removed.
     pub share: f64,
+}
+
+impl Gain {
+    /// Whether it is beyond doubt and worth having.
+    pub fn passes(&self) -> bool {
+        self.z > PASSING_Z && self.share > PASSING_SHARE
+    }
 }
 
 /// Length of blocks (samples) for `residuals`, one slice per record: twice the lag at which their correlation
@@ -79,27 +87,46 @@ pub(super) fn gain(bench: &Bench, without: &[Scored], with: &[Scored]) -> Gain {
     let (mut gains, mut before) = (Vec::new(), 0.0);
     for (old, new) in without.iter().zip(with) {
         for (_, range) in &bench.lanes[old.record].channels {
-            for block in within(range.clone(), length) {
+            let gained = within(range.clone(), length).map(|block| {
                 let (old, new) = (square(&old.residuals, &block), square(&new.residuals, &block));
                 before += old;
-                gains.push(old - new);
-            }
+                old - new
+            });
+            gains.push(gained.collect::<Vec<_>>());
         }
     }
-    let total: f64 = gains.iter().sum();
+    let total: f64 = gains.iter().flatten().sum();
     let share = if before > 0.0 { total / before } else { 0.0 };
     Gain { z: z_of(&gains), share }
 }
 
-/// Mean of independent numbers over its standard error; zero for fewer than two.
-fn z_of(values: &[f64]) -> f64 {
-    let count = values.len() as f64;
-    if count < 2.0 {
+/// Blocks of a channel from which its own mean is told from chance.
+const STRATUM: usize = 8;
+
+/// Sum of independent numbers over its standard error, which is that of their differences within each stratum: that
+/// an effect shows in one record more than in another (at a higher speed, say) is no doubt of it. Strata of few
+/// numbers are taken together; zero for fewer than two.
+fn z_of(strata: &[Vec<f64>]) -> f64 {
+    let spread = |values: &[f64]| -> f64 {
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        if count < 2.0 { 0.0 } else { count * squares / (count - 1.0) }
+    };
+    let (mut few, mut variance) = (Vec::new(), 0.0);
+    for stratum in strata {
+        if stratum.len() < STRATUM {
+            few.extend_from_slice(stratum);
+        } else {
+            variance += spread(stratum);
+        }
+    }
+    if few.len() == 1 {
         return 0.0;
     }
-    let mean = values.iter().sum::<f64>() / count;
-    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    if variance > 0.0 { mean / (variance / count).sqrt() } else { 0.0 }
+    variance += if few.is_empty() { 0.0 } else { spread(&few) };
+    let total: f64 = strata.iter().flatten().sum();
+    if variance > 0.0 { total / variance.sqrt() } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -114,6 +141,22 @@ mod tests {
         assert!((12..40).contains(&chosen), "{chosen}");
         let quick: Vec<f64> = (0..2000).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
         assert_eq!(length([quick.as_slice()].into_iter()), SHORTEST);
+    }
+
+    #[test]
+    fn what_shows_in_one_record_only_is_no_doubt_of_it() {
+        let shaken =
+            |mean: f64| -> Vec<f64> { (0..10).map(|i| mean + if i % 2 == 0 { 1.0 } else { -1.0 }).collect() };
+        // Both spread by the same: the sum over the root of the sum of the variances.
+        let variance = 2.0 * 10.0 * 10.0 / 9.0;
+        for [a, b] in [[5.0, 0.0], [2.5, 2.5], [4.0, 1.0]] {
+            let z = z_of(&[shaken(a), shaken(b)]);
+            assert!((z - 50.0 / f64::sqrt(variance)).abs() < 1e-12, "{a} {b}: {z}");
+        }
+        assert!(z_of(&[shaken(0.0), shaken(0.0)]).abs() < 1e-12);
+        // A single number, or single numbers of several records, are judged by each other alone.
+        assert_eq!(z_of(&[vec![3.0]]), 0.0);
+        assert!((z_of(&[vec![1.0], vec![3.0]]) - 2.0).abs() < 1e-12);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! A contact driven along a measured displacement.
 
-use super::motion::Motion;
+use super::motion::{Motion, Outside, earlier};
 use super::prehistory::Prehistory;
 use super::sensors;
 use super::simulation::Simulation;
@@ -20,8 +20,12 @@ pub(super) struct ContactRecord<'r> {
     normal_displacement: Option<Motion>,
     prehistory: Prehistory,
     solver: PeriodicSolver,
+    /// Seconds between samples, where they are even.
+    step: Option<f64>,
     /// Normal load (N) at every sample, under the model predicted last.
     load: Vec<f64>,
+    /// Motion and load by as much earlier as that model's force sensor is late.
+    earlier: Option<(Motion, Vec<f64>)>,
     states: [Vec<f64>; 2],
 }
 
@@ -53,9 +57,26 @@ impl<'r> ContactRecord<'r> {
             normal_displacement,
             prehistory,
             solver: PeriodicSolver::new(),
+            step: record.sample_step(),
             load: Vec::new(),
+            earlier: None,
             states: Default::default(),
         })
+    }
+
+    /// What the contact is driven by under `model`.
+    fn drive(&mut self, model: &Model) -> Result<(), String> {
+        self.update_load(model)?;
+        let force = self.channels.iter().copied().find(|channel| self.shows_delay(channel));
+        let delay = force.and_then(|force| sensors::fault(model, force)).map_or(0.0, |fault| fault.delay);
+        self.earlier = self.step.filter(|_| delay != 0.0).map(|step| {
+            let outside = match self.regime {
+                Regime::FromRest => Outside::Still,
+                _ => self.prehistory.period().map_or(Outside::Straight, Outside::Periodic),
+            };
+            (self.displacement.earlier(delay / step, step, outside), earlier(&self.load, delay / step))
+        });
+        Ok(())
     }
 
     /// The normal load at every sample.
@@ -80,11 +101,11 @@ impl<'r> ContactRecord<'r> {
     }
 
     fn inputs(&self, index: usize) -> Inputs {
-        Inputs {
-            displacement: self.displacement.values[index],
-            velocity: self.displacement.rates[index],
-            normal_load: self.load[index],
-        }
+        let (motion, load) = match &self.earlier {
+            Some((motion, load)) => (motion, load),
+            None => (&self.displacement, &self.load),
+        };
+        Inputs { displacement: motion.values[index], velocity: motion.rates[index], normal_load: load[index] }
     }
 
     /// Steps through the samples `0..end` from `states[0]`, which is left behind.
@@ -155,12 +176,17 @@ impl Simulation for ContactRecord<'_> {
         &self.channels
     }
 
+    /// A late force is the force of the earlier motion, which has a past before the record's first sample.
+    fn shows_delay(&self, channel: &Channel) -> bool {
+        channel.quantity() == "force" && self.step.is_some() && self.regime != Regime::Steady
+    }
+
     fn nuisances(&mut self, model: &Model) -> Result<Vec<identify::Parameter>, String> {
         if self.regime != Regime::UnknownInitialState {
             return Ok(Vec::new());
         }
         let law = law_of(model)?;
-        self.update_load(model)?;
+        self.drive(model)?;
         let force = self.channels.iter().copied().find(|channel| channel.quantity() == "force");
         let Some(force) = force else { return Ok(vec![self.prehistory.parameter(0.0)]) };
         let fault = sensors::fault(model, force);
@@ -188,7 +214,7 @@ impl Simulation for ContactRecord<'_> {
 
     fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
         let law = law_of(model)?;
-        self.update_load(model)?;
+        self.drive(model)?;
         self.start(law.as_ref(), nuisances)?;
         let count = self.displacement.values.len();
         out.clear();

@@ -10,14 +10,14 @@ pub(super) struct Noise {
     pub samples: usize,
     /// Mean square of the weighted residuals.
     pub chi_square: f64,
-    /// Samples in a row that count as one.
-    pub correlation: f64,
 }
 
 /// How many times a change of this square sum (of weighted residuals) must be taken to pass: its
 /// estimate must lie three standard errors off zero and it must make three percent of the squared error.
-pub(super) fn multiple(square: f64, noise: &Noise) -> f64 {
-    let error = (noise.chi_square * noise.correlation / square).sqrt();
+/// `variance` is that of the residuals' product with the change. As in the intervals of parameters, the larger
+/// counts of the standard errors with and without the residuals' correlation.
+pub(super) fn multiple(square: f64, variance: f64, noise: &Noise) -> f64 {
+    let error = (noise.chi_square / square).sqrt().max(variance.sqrt() / square);
     let share = (PASSING_SHARE * noise.samples as f64 * noise.chi_square / square).sqrt();
     (PASSING_Z * error).max(share)
 }

@@ -24,8 +24,11 @@ pub struct Diagnosis {
     pub chi_square: Option<f64>,
     /// The steps of the selection, in order: what each added effect gained.
     pub steps: Vec<Step>,
-    /// Every candidate of the first round, best first.
+    /// Every candidate of the first round, best first. The parameters of one that was found and kept are those of
+    /// [`Diagnosis::model`]: beside all else that was found, from all records seen.
     pub candidates: Vec<Candidate>,
+    /// Every fitted parameter of [`Diagnosis::model`], by its path, with its interval.
+    pub parameters: Vec<Estimate>,
     /// The rounds after the first: candidates beside the effects already added, best first.
     pub rounds: Vec<Vec<Candidate>>,
     /// Effects of the catalogue that were not tried, and why.

@@ -12,7 +12,7 @@ use super::noise;
 use super::select::{Search, State};
 use super::split::{self, Parts};
 use super::trial::{self, Effort, Fitted};
-use super::{evaluate, few_points, inputs, magnitudes, remainder, thinned, verdict};
+use super::{evaluate, few_points, inputs, magnitudes, maps, remainder, thinned, verdict};
 use crate::effects::{Effect, Location};
 use crate::identify::InterruptHook;
 use crate::measure::Dataset;
@@ -214,7 +214,9 @@ fn conclude(
     let chi_square = (known && !after.is_empty()).then(|| mean_square(&after));
     let given = whole.normalised_error(&score(given));
     let follows = if known { remainder::follows(whole, &after) } else { Vec::new() };
-    Ok(Outcome { findings, fits, given, before, after, chi_square, follows })
+    let last = fits.last().map(|last| whole.score(&last.model, &seen));
+    let repeated = last.and_then(Result::ok).and_then(|last| maps::repeated(whole, &last, &after));
+    Ok(Outcome { findings, fits, given, before, after, chi_square, follows, repeated })
 }
 
 /// The models from the first effect that was kept to all of them, each one more than the one before, fitted to

@@ -4,15 +4,19 @@ use super::confound;
 use super::diagnosis::{Errors, Evidence, Group, Verdict};
 use super::features;
 use super::findings::{ADEQUATE, Outcome, UNEXPLAINED};
+use super::maps::Repeated;
 use super::select::Search;
 use super::sensitivity::Sensitivities;
 use super::verdict::thresholds;
 use crate::effects;
+use crate::model::Model;
 
 /// What is told of.
 pub(super) struct Told<'a, 'b, 'd> {
     pub search: &'a Search<'b, 'd>,
     pub outcome: &'a Outcome,
+    /// The model as it came.
+    pub given: &'a Model,
     pub error: &'a Errors,
     pub known: bool,
     pub groups: &'a [Group],
@@ -36,10 +40,7 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
              fitted to, and no effect of the catalogue gains {} on the selecting records",
             thresholds()
         )),
-        (Verdict::Unexplained, Some(chi_square)) => reasons.push(format!(
-            "{chi_square:.1} times the noise's mean square remain on records that nothing was fitted to; above \
-             {UNEXPLAINED} a model does not explain its data, and names found on the way are surrogates"
-        )),
+        (Verdict::Unexplained, Some(chi_square)) => reasons.push(unexplained(outcome, chi_square)),
         (Verdict::Unexplained, None) => reasons.push(format!(
             "the refitted model leaves {} of the measured channels' variation, nothing in the catalogue lowers that \
              beyond doubt, and how much of it is noise is not known",
@@ -95,6 +96,9 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
             outcome.follows.join(", ")
         ));
     }
+    if let Some(repeated) = outcome.repeated.filter(|_| told.verdict != Verdict::Unexplained) {
+        reasons.push(format!("{}, though it is small", repeats(repeated)));
+    }
     reasons.extend(told.groups.iter().map(|group| group.reason.clone()));
     if *known && told.verdict == Verdict::NothingMissing && chosen > ADEQUATE {
         reasons.push(format!("on the selecting records {chosen:.2} times the noise's mean square remain"));
@@ -105,13 +109,41 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
     reasons
 }
 
+/// Why the data are not explained, though the noise is known.
+fn unexplained(outcome: &Outcome, untouched: f64) -> String {
+    let selecting = outcome.findings.last().chi_square();
+    let (chi_square, records) = match (untouched > UNEXPLAINED, selecting > UNEXPLAINED, outcome.repeated) {
+        (true, _, _) => (untouched, "records that nothing was fitted to"),
+        (_, true, _) => (selecting, "the selecting records"),
+        (_, _, Some(repeated)) => return format!("{}, so it is not noise", repeats(repeated)),
+        _ => (untouched, "records that nothing was fitted to"),
+    };
+    format!(
+        "{chi_square:.1} times the noise's mean square remain on {records}; above {UNEXPLAINED} a model does not \
+         explain its data, and names found on the way are surrogates"
+    )
+}
+
+fn repeats(repeated: Repeated) -> String {
+    format!(
+        "what the model leaves comes again in records that it was not taken from: a map of it against {} removes {} \
+         of its square there, {:.0} standard errors above nothing",
+        repeated.view,
+        percent(repeated.gain.share),
+        repeated.gain.z
+    )
+}
+
 /// What was seen of the effects, and what else could cause the same.
 pub(super) fn evidence(told: &Told, ids: &[&'static str], sensitivities: &Sensitivities) -> Vec<Evidence> {
-    let features = features::of(told.search, &told.outcome.findings.base);
     let mut named: Vec<&'static str> = ids.to_vec();
     for group in told.groups {
         named.extend(group.effects.iter().filter(|id| !ids.contains(*id)));
     }
+    if named.is_empty() {
+        return Vec::new();
+    }
+    let features = features::of(told.search, told.given, &told.outcome.findings.base);
     named
         .into_iter()
         .filter_map(|id| {

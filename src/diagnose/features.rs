@@ -1,13 +1,15 @@
 //! What the views of the measurements and of the residual show, as numbers.
 
 use super::loops::{self, Measured};
+use super::resonance;
 use super::select::{Search, State};
 use crate::effects::Features;
 use crate::measure::Record;
-use crate::model::Structure;
+use crate::model::{Model, Structure};
 
 /// Of the measurements, and of the residual of the model refitted without effects on the selecting records.
-pub(super) fn of(search: &Search, base: &State) -> Features {
+/// `given` is the model as it came.
+pub(super) fn of(search: &Search, given: &Model, base: &State) -> Features {
     let bench = search.bench;
     let mut found = Features::default();
     let (mut by_velocity, mut by_cube, mut by_rate, mut by_value) =
@@ -67,6 +69,8 @@ pub(super) fn of(search: &Search, base: &State) -> Features {
         let record = |index: &usize| -> &Record { bench.lanes[*index].record };
         let measured: Vec<Measured> = seen.iter().filter_map(|index| Measured::of(record(index))).collect();
         loops::fill(&measured, &mut found);
+    } else {
+        resonance::fill(search, given, base, &mut found);
     }
     found
 }

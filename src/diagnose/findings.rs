@@ -4,10 +4,13 @@ use super::bench::Scored;
 use super::blocks::{self, Gain};
 use super::candidates::Candidate;
 use super::engine::Meter;
+use super::maps::Repeated;
 use super::select::{PASSING_SHARE, PASSING_Z, Search, State, Trial};
 use super::trial::Fitted;
 use crate::model::Model;
 
+/// How many of the best are looked at until one holds.
+const HELD: usize = 3;
 /// Mean square of the weighted residuals below which a model is adequate.
 pub(super) const ADEQUATE: f64 = 1.15;
 /// The same above which it leaves the data unexplained.
@@ -59,6 +62,8 @@ pub(super) struct Outcome {
     pub chi_square: Option<f64>,
     /// What the residual there still follows, where the noise is known.
     pub follows: Vec<&'static str>,
+    /// Whether that residual is the one that the records seen leave at the same places of the motion.
+    pub repeated: Option<Repeated>,
 }
 
 impl Added {
@@ -80,6 +85,7 @@ impl Findings {
     ) -> Self {
         let mut findings =
             Self { base, steps: Vec::new(), rounds: Vec::new(), shortened: None, interrupted: false };
+        let mut moved = false;
         while findings.effects().len() < most {
             let present = findings.last().clone();
             let adequate =
@@ -95,7 +101,15 @@ impl Findings {
             }
             let round = search.round(&present, &left);
             findings.interrupted |= search.bench.interrupted();
-            let step = if adequate { None } else { findings.best_of(search, &round) };
+            if !(moved || adequate || findings.interrupted || !findings.rounds.is_empty())
+                && let Some(better) = search.elsewhere(&present, &round)
+            {
+                moved = true;
+                meter.expect(left.len());
+                findings.base = better;
+                continue;
+            }
+            let step = if adequate { None } else { findings.best_of(search, &present, &round) };
             // Where nobody knows what is noise, any second effect finds something to mend.
             let step = step.filter(|step| known || findings.steps.is_empty() || search.stands_alone(step));
             findings.rounds.push(round);
@@ -136,8 +150,9 @@ impl Findings {
         }
     }
 
-    fn best_of(&self, search: &Search, round: &[Trial]) -> Option<Added> {
-        let best = round.iter().find(|trial| trial.passes())?;
+    fn best_of(&self, search: &Search, base: &State, round: &[Trial]) -> Option<Added> {
+        let best =
+            round.iter().filter(|trial| trial.passes()).take(HELD).find(|trial| search.holds(base, trial))?;
         let state = best.state.as_ref().ok()?.clone();
         let tied = search.tied(round).into_iter().filter(|trial| trial.candidates != best.candidates);
         let tied = tied.filter_map(|trial| trial.candidates.first().cloned()).collect();
@@ -175,9 +190,9 @@ impl Findings {
         meter.expect(pairs.len());
         let round = search.round(&self.base, &pairs);
         self.interrupted |= search.bench.interrupted();
-        if let Some(step) = self.best_of(search, &round) {
+        if let Some(step) = self.best_of(search, &self.base, &round) {
             let over_last = blocks::gain(search.bench, &self.last().scored, &step.state.scored);
-            if over_last.z > PASSING_Z && over_last.share > PASSING_SHARE {
+            if over_last.passes() {
                 self.steps = vec![step];
             }
         }

@@ -95,7 +95,7 @@ fn amplitude(values: &[f64]) -> f64 {
 
 /// Root mean square rate of the drive over its root mean square (rad/s); of a backbone table 2π times its
 /// frequency.
-fn drive_rate(record: &Record) -> Option<f64> {
+pub(super) fn drive_rate(record: &Record) -> Option<f64> {
     if let Some(frequency) = record.channel("frequency") {
         return Some(
             std::f64::consts::TAU * frequency.values.iter().sum::<f64>() / frequency.values.len() as f64,

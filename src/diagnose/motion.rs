@@ -35,7 +35,51 @@ pub(super) fn white_noise(values: &[f64]) -> f64 {
     *median / 0.674_489_75 / 70.0_f64.sqrt()
 }
 
+/// How a motion goes on outside of its samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Outside {
+    /// It stands still where it is.
+    Still,
+    /// At the rate that it has at the end.
+    Straight,
+    /// As so many samples later or earlier.
+    Periodic(f64),
+}
+
 impl Motion {
+    /// What was there `samples` earlier (not always whole) at each of the samples, which are `step` seconds apart.
+    pub fn earlier(&self, samples: f64, step: f64, outside: Outside) -> Self {
+        let last = self.values.len().saturating_sub(1) as f64;
+        let at = |index: usize| {
+            let mut place = index as f64 - samples;
+            if let Outside::Periodic(period) = outside {
+                // A whole period from the nearer end: where noise was smoothed, ends are smoothed least.
+                place += if place < 0.0 { period } else { 0.0 };
+                place -= if place > last { period } else { 0.0 };
+            }
+            let inside = place.clamp(0.0, last);
+            if outside == Outside::Still && inside != place {
+                return (self.values[inside as usize], 0.0);
+            }
+            let (value, rate) = self.between(inside, step);
+            (value + rate * (place - inside) * step, rate)
+        };
+        let (values, rates) = (0..self.values.len()).map(at).unzip();
+        Self { values, rates }
+    }
+
+    /// Value and rate at a place between two samples: Hermite's cubic, and a line between the rates.
+    fn between(&self, place: f64, step: f64) -> (f64, f64) {
+        let left = place as usize;
+        let right = (left + 1).min(self.values.len() - 1);
+        let t = place - left as f64;
+        let [a, b] = [left, right].map(|index| (self.values[index], self.rates[index]));
+        let change = b.0 - a.0;
+        let bends = [step * a.1 - change, change - step * b.1];
+        let value = a.0 + t * change + t * (1.0 - t) * ((1.0 - t) * bends[0] + t * bends[1]);
+        (value, (1.0 - t) * a.1 + t * b.1)
+    }
+
     /// From evenly spaced samples every `step` seconds.
     pub fn even(values: &[f64], step: f64) -> Self {
         let half = half_width(values);
@@ -53,6 +97,17 @@ impl Motion {
         };
         Self { values: values.to_vec(), rates: (0..values.len()).map(rate).collect() }
     }
+}
+
+/// `values` as they were `samples` earlier, on straight lines between them; the first and the last value last.
+pub(super) fn earlier(values: &[f64], samples: f64) -> Vec<f64> {
+    let last = values.len().saturating_sub(1);
+    let at = |index: usize| {
+        let place = (index as f64 - samples).clamp(0.0, last as f64);
+        let (left, part) = (place as usize, place.fract());
+        (1.0 - part) * values[left] + part * values[(left + 1).min(last)]
+    };
+    (0..values.len()).map(at).collect()
 }
 
 /// The widest window that the noise hides.
@@ -171,6 +226,28 @@ mod tests {
         let rate = |i: usize| TAU / 400.0 * (TAU * i as f64 / 400.0).cos();
         let plain = rms(&mut (1..1199).map(|i| 0.5 * (noisy[i + 1] - noisy[i - 1]) - rate(i)));
         assert!(rms(&mut (40..1160).map(|i| motion.rates[i] - rate(i))) < 0.05 * plain);
+    }
+
+    #[test]
+    fn earlier_is_the_past_of_a_motion_before_its_first_sample_too() {
+        let angle = |i: f64| TAU * i / 100.0 + 0.3;
+        let sine = Motion {
+            values: (0..250).map(|i| angle(f64::from(i)).sin()).collect(),
+            rates: (0..250).map(|i| TAU / 100.0 * angle(f64::from(i)).cos() / 0.5).collect(),
+        };
+        for samples in [0.0, 0.4, 7.3, -12.8] {
+            let earlier = sine.earlier(samples, 0.5, Outside::Periodic(100.0));
+            for (i, (value, rate)) in earlier.values.iter().zip(&earlier.rates).enumerate() {
+                let exact = angle(i as f64 - samples);
+                assert!((value - exact.sin()).abs() < 1e-6, "{samples} {i}");
+                assert!((rate - TAU / 50.0 * exact.cos()).abs() < 1e-4, "{samples} {i}");
+            }
+        }
+        let line = Motion { values: (0..9).map(|i| 2.0 + 3.0 * f64::from(i)).collect(), rates: vec![6.0; 9] };
+        let straight = line.earlier(2.5, 0.5, Outside::Straight);
+        assert!(straight.values.iter().enumerate().all(|(i, v)| (v - 3.0 * i as f64 + 5.5).abs() < 1e-12));
+        let still = line.earlier(2.5, 0.5, Outside::Still);
+        assert_eq!((still.values[1], still.rates[1]), (2.0, 0.0));
     }
 
     #[test]

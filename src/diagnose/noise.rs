@@ -4,7 +4,7 @@
 use super::bench::Lane;
 use super::diagnosis::{Noise, NoiseSource};
 use super::motion::white_noise;
-use super::{periods, predict};
+use super::{periods, predict, tone};
 use crate::measure::{Channel, Dataset, Record};
 use crate::model::Model;
 
@@ -110,7 +110,7 @@ fn same(a: &[f64], b: &[f64]) -> bool {
 }
 
 /// The standard deviation between periods of `period` samples. A drift that is linear over three periods
-/// (wear) is taken off where it shows.
+/// (wear) is taken off where it shows, and so is a tone.
 fn from_periods(values: &[f64], period: f64) -> Option<f64> {
     let count = values.len() as f64;
     let whole = period.floor();
@@ -151,6 +151,13 @@ fn from_periods(values: &[f64], period: f64) -> Option<f64> {
     for other in [over(second), thrice].into_iter().flatten() {
         if other < 0.8 * variance {
             variance = other;
+        }
+    }
+    // What repeats at another frequency is no noise.
+    for from in [first, second] {
+        let apart: Vec<f64> = (from..values.len()).map(|i| values[i] - earlier(i, 1)).collect();
+        if let Some(beside) = tone::variance_beside(&apart) {
+            variance = variance.min(beside / (1.0 + kept(part)));
         }
     }
     (variance > 0.0 && variance.is_finite()).then(|| variance.sqrt())

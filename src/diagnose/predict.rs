@@ -54,6 +54,15 @@ pub(super) fn compared<'r>(model: &Model, record: &'r Record) -> Vec<&'r Channel
     channels
 }
 
+/// Time derivative of the displacement that a channel measures.
+pub(super) fn derivative_order(channel: &Channel) -> usize {
+    match channel.quantity() {
+        "acceleration" => 2,
+        "velocity" => 1,
+        _ => 0,
+    }
+}
+
 /// Names of the columns of `record` that a comparison with `model` leaves aside: neither do they drive the
 /// model nor does it predict them. A measured normal load is one, since a model's load is constant.
 pub fn unused_columns<'r>(model: &Model, record: &'r Record) -> Vec<&'r str> {

@@ -14,6 +14,8 @@ pub(super) struct Prehistory {
     kind: Kind,
     /// Samples of the first period, or of the whole record where it does not repeat.
     cycle: usize,
+    /// The period (samples), not always whole.
+    period: Option<f64>,
     /// Half of the range of the motion (m), and its middle.
     reach: f64,
     middle: f64,
@@ -50,16 +52,22 @@ impl Prehistory {
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), u| (low.min(*u), high.max(*u)));
         let count = displacement.len();
-        let cycle =
-            super::periods::period(displacement).map_or(count, |period| (period.round() as usize).min(count));
+        let period = super::periods::period(displacement);
+        let cycle = period.map_or(count, |period| (period.round() as usize).min(count));
         Self {
             kind: Kind::Virgin,
             cycle,
+            period,
             reach: 0.5 * (range.1 - range.0),
             middle: 0.5 * (range.1 + range.0),
             lower: -1.0,
             upper: 1.0,
         }
+    }
+
+    /// The motion's period (samples), where it has one.
+    pub fn period(&self) -> Option<f64> {
+        self.period
     }
 
     /// Samples that tell the start of a record of `count`.

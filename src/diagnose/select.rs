@@ -17,6 +17,10 @@ use crate::model::Model;
 pub(super) const PASSING_Z: f64 = 3.0;
 /// Share of the squared error that it must remove.
 pub(super) const PASSING_SHARE: f64 = 0.03;
+/// Cost over that of the most promising candidate above which another is not refined to the end.
+const USEFUL: f64 = 4.0;
+/// Cost over that of the present fit below which a fit from another start has found another minimum.
+const OTHER_MINIMUM: f64 = 0.7;
 /// Two candidates whose difference is below this many standard errors are tied.
 const TIED_Z: f64 = 1.0;
 
@@ -53,7 +57,7 @@ pub(super) struct Trial {
 impl Trial {
     /// Whether its gain is beyond doubt and worth having.
     pub fn passes(&self) -> bool {
-        self.state.is_ok() && self.gain.z > PASSING_Z && self.gain.share > PASSING_SHARE
+        self.state.is_ok() && self.gain.passes()
     }
 
     /// ids, in order.
@@ -77,24 +81,55 @@ impl Search<'_, '_> {
 
     /// Refits `model` and scores it.
     pub fn state(&self, model: &Model) -> Result<State, String> {
-        let fitted = trial::fit(self.bench, model, &self.unknowns(model), &self.parts.fit, Effort::Full)?;
+        self.refitted(model, Effort::Full)
+    }
+
+    fn refitted(&self, model: &Model, effort: Effort) -> Result<State, String> {
+        let fitted = trial::fit(self.bench, model, &self.unknowns(model), &self.parts.fit, effort)?;
         let scored = self.bench.score(&fitted.model, &self.parts.select)?;
         Ok(State { fitted, scored })
     }
 
     /// Tries every set of `sets` beside what `base` has, best first.
+    ///
+    /// All are screened; the most promising is refined first, and the others as long as they can come near it.
     pub fn round(&self, base: &State, sets: &[Vec<Candidate>]) -> Vec<Trial> {
-        let mut trials: Vec<Trial> = sets
+        // Most of the time goes here.
+        let screened: Vec<Result<Fitted, String>> = sets
             .par_iter()
             .map(|set| {
-                let state = self.added(&base.fitted.model, set);
+                let screened = self.screened(&base.fitted.model, set);
+                let ids: Vec<&str> = set.iter().map(|candidate| candidate.effect.id).collect();
+                (self.told)(&ids.join(" + "));
+                screened
+            })
+            .collect();
+        let cost = |index: usize| screened[index].as_ref().map_or(f64::INFINITY, |fitted| fitted.cost);
+        let leader = (0..sets.len()).min_by(|a, b| cost(*a).total_cmp(&cost(*b)));
+        let refined = |index: usize, effort| -> Result<State, String> {
+            screened[index]
+                .as_ref()
+                .map_err(Clone::clone)
+                .and_then(|fitted| self.refitted(&fitted.model, effort))
+        };
+        let first = leader.map(|leader| (leader, refined(leader, Effort::Full)));
+        let useful = match &first {
+            Some((_, Ok(state))) => USEFUL * state.fitted.cost,
+            _ => f64::INFINITY,
+        };
+        let mut trials: Vec<Trial> = sets
+            .par_iter()
+            .enumerate()
+            .map(|(index, set)| {
+                let state = match &first {
+                    Some((leader, state)) if *leader == index => state.clone(),
+                    _ => refined(index, Effort::Below(useful)),
+                };
                 let gain = match &state {
                     Ok(state) => blocks::gain(self.bench, &base.scored, &state.scored),
                     Err(_) => Gain { z: 0.0, share: 0.0 },
                 };
-                let trial = Trial { candidates: set.clone(), state, gain };
-                (self.told)(&trial.ids().join(" + "));
-                trial
+                Trial { candidates: set.clone(), state, gain }
             })
             .collect();
         trials.sort_by(|a, b| {
@@ -105,8 +140,24 @@ impl Search<'_, '_> {
         trials
     }
 
+    /// The model of `base` at a better minimum than it was found at, if the best fit of `round` leads to one once what
+    /// was added is taken away again. From a poor minimum any effect gains that opens a way out of it.
+    pub fn elsewhere(&self, base: &State, round: &[Trial]) -> Option<State> {
+        let states = round.iter().filter_map(|trial| Some((trial, trial.state.as_ref().ok()?)));
+        let (best, state) = states.min_by(|a, b| a.1.fitted.cost.total_cmp(&b.1.fitted.cost))?;
+        let mut model = state.fitted.model.clone();
+        model.effects.truncate(model.effects.len().saturating_sub(best.candidates.len()));
+        let found = self.state(&model).ok()?;
+        (found.fitted.cost < OTHER_MINIMUM * base.fitted.cost).then_some(found)
+    }
+
     /// `model` with the candidates of `set`, refitted from all their starts.
     pub fn added(&self, model: &Model, set: &[Candidate]) -> Result<State, String> {
+        self.state(&self.screened(model, set)?.model)
+    }
+
+    /// `model` with the candidates of `set`, fitted roughly from all their starts; the best of them.
+    fn screened(&self, model: &Model, set: &[Candidate]) -> Result<Fitted, String> {
         let ranges: Vec<_> =
             set.iter().map(|candidate| candidate.ranges(self.scales, self.bench.dataset)).collect();
         let starts: Vec<usize> =
@@ -121,35 +172,49 @@ impl Search<'_, '_> {
             with
         };
         let (fit, bench) = (&self.parts.fit, self.bench);
-        let best = if combinations == 1 {
-            with(0)
-        } else {
-            let screened: Vec<Result<Fitted, String>> = (0..combinations)
-                .into_par_iter()
-                .map(|number| {
-                    let with = with(number);
-                    trial::fit(bench, &with, &self.unknowns(&with), fit, Effort::Screen)
-                })
-                .collect();
-            let mut best: Option<Fitted> = None;
-            let mut failure = None;
-            for outcome in screened {
-                match outcome {
-                    Ok(fitted) if best.as_ref().is_none_or(|best| fitted.cost < best.cost) => {
-                        best = Some(fitted)
-                    }
-                    Ok(_) => {}
-                    Err(reason) => failure = Some(reason),
-                }
+        let screened: Vec<Result<Fitted, String>> = (0..combinations)
+            .into_par_iter()
+            .map(|number| {
+                let with = with(number);
+                trial::fit(bench, &with, &self.unknowns(&with), fit, Effort::Screen)
+            })
+            .collect();
+        let mut best: Option<Fitted> = None;
+        let mut failure = None;
+        for outcome in screened {
+            match outcome {
+                Ok(fitted) if best.as_ref().is_none_or(|best| fitted.cost < best.cost) => best = Some(fitted),
+                Ok(_) => {}
+                Err(reason) => failure = Some(reason),
             }
-            best.ok_or_else(|| failure.unwrap_or_default())?.model
-        };
-        self.state(&best)
+        }
+        best.ok_or_else(|| failure.unwrap_or_default())
     }
 
     /// Whether `winner` is better than `other` by less than a standard error.
     pub fn is_tied(&self, other: &State, winner: &State) -> bool {
         blocks::gain(self.bench, &other.scored, &winner.scored).z < TIED_Z
+    }
+
+    /// Whether what `trial` gains over `base` stays when both are refitted to all records seen, the effects just
+    /// added held at what the fitted records gave them. A record for selecting may depend on a parameter that
+    /// those hardly show; an effect that happens to correct it then gains there from every block at once.
+    pub fn holds(&self, base: &State, trial: &Trial) -> bool {
+        let Ok(state) = &trial.state else { return false };
+        let seen = self.parts.seen();
+        let refitted = |model: &Model, first: usize| -> Result<Vec<Scored>, String> {
+            let mut unknowns = self.unknowns(model);
+            unknowns.retain(|unknown| {
+                candidates::effect_of(&unknown.path, model).is_none_or(|(index, _)| index < first)
+            });
+            let fitted = trial::fit(self.bench, model, &unknowns, &seen, Effort::Full)?;
+            self.bench.score(&fitted.model, &seen)
+        };
+        let first = state.fitted.model.effects.len().saturating_sub(trial.candidates.len());
+        match (refitted(&base.fitted.model, usize::MAX), refitted(&state.fitted.model, first)) {
+            (Ok(without), Ok(with)) => blocks::gain(self.bench, &without, &with).passes(),
+            _ => false,
+        }
     }
 
     /// Whether no other effect does what `step` does, and its parameters have found values within their bounds.

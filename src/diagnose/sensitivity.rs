@@ -37,14 +37,12 @@ pub(super) struct Sensitivities {
     pub invisible: Vec<&'static str>,
 }
 
-/// Around `model`, over the fitted records. `chi_square` is the mean square of the weighted residuals there,
-/// `correlation` how many samples in a row count as one.
+/// Around `model`, over the fitted records. `chi_square` is the mean square of the weighted residuals there.
 pub(super) fn around(
     search: &Search,
     model: &Model,
     candidates: &[Candidate],
     chi_square: f64,
-    correlation: f64,
 ) -> Result<Sensitivities, String> {
     let bench: &Bench = search.bench;
     let mut probes = Vec::new();
@@ -63,16 +61,17 @@ pub(super) fn around(
         }
     }
     let unknowns = search.unknowns(model);
-    let Gram { sizes, projected, samples } = gram(bench, model, &unknowns, &search.parts.fit, &models)?;
+    let Gram { sizes, projected, variances, samples } =
+        gram(bench, model, &unknowns, &search.parts.fit, &models)?;
     let mut found = Sensitivities::default();
-    let noise = detectable::Noise { samples, chi_square, correlation };
+    let noise = detectable::Noise { samples, chi_square };
     for (k, probe) in probes.iter().enumerate() {
         let visible = sizes[k] > 0.0 && projected[(k, k)] > VISIBLE * sizes[k];
         let id = probe.candidate.effect.id;
         if !visible && !found.invisible.contains(&id) {
             found.invisible.push(id);
         }
-        let multiple = visible.then(|| detectable::multiple(projected[(k, k)], &noise));
+        let multiple = visible.then(|| detectable::multiple(projected[(k, k)], variances[k], &noise));
         let size = multiple.map(|multiple| {
             if probe.inverse { probe.size / multiple } else { (probe.size - probe.neutral).abs() * multiple }
         });
@@ -111,6 +110,8 @@ struct Gram {
     sizes: Vec<f64>,
     /// Products of what is left beside the base.
     projected: DMatrix<f64>,
+    /// Variance of the residuals' product with each, their correlation in time taken into account.
+    variances: Vec<f64>,
     samples: usize,
 }
 
@@ -121,7 +122,8 @@ fn gram(
     records: &[usize],
     probes: &[Model],
 ) -> Result<Gram, String> {
-    let (all, base) = trial::products(bench, model, unknowns, records, probes)?;
+    let (products, base) = trial::products(bench, model, unknowns, records, probes)?;
+    let (all, samples) = (&products.curvature, products.count);
     let total = all.nrows();
     let sizes: Vec<f64> = (base..total).map(|k| all[(k, k)]).collect();
     // Columns of length one; those that change nothing stay out.
@@ -131,12 +133,18 @@ fn gram(
         all[(kept[a], kept[b])] / (length(kept[a]) * length(kept[b])) + if a == b { 1e-10 } else { 0.0 }
     });
     let cross = DMatrix::from_fn(kept.len(), total - base, |a, k| all[(kept[a], base + k)] / length(kept[a]));
-    let taken = match own.cholesky() {
-        Some(factor) => cross.transpose() * factor.solve(&cross),
-        None => DMatrix::zeros(total - base, total - base),
-    };
+    // What of each unknown a probe's change can be made of.
+    let made =
+        own.cholesky().map_or_else(|| DMatrix::zeros(kept.len(), total - base), |own| own.solve(&cross));
+    let taken = cross.transpose() * &made;
     let projected =
         DMatrix::from_fn(total - base, total - base, |a, b| all[(base + a, base + b)] - taken[(a, b)]);
-    let samples = records.iter().map(|record| bench.lanes[*record].measured.len()).sum();
-    Ok(Gram { sizes, projected, samples })
+    // The gradient along what is left beside the base, and its variance.
+    let rest = DMatrix::from_fn(total, total - base, |row, k| match kept.iter().position(|at| *at == row) {
+        Some(a) => -made[(a, k)] / length(row),
+        None if row == base + k => 1.0,
+        None => 0.0,
+    });
+    let variances = products.variances(&rest);
+    Ok(Gram { sizes, projected, variances, samples })
 }

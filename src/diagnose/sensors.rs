@@ -15,10 +15,11 @@ pub(super) fn fault(model: &Model, channel: &Channel) -> Option<SensorFault> {
 /// Turns the true motion `values` of `channel` into what the model's faulty sensors show of it.
 ///
 /// A delay is linear between samples. A steady record is periodic; elsewhere the first and the last value
-/// last.
-pub(super) fn apply(model: &Model, record: &Record, channel: &Channel, values: &mut [f64]) {
+/// last. With `delayed` false the values are late already.
+pub(super) fn apply(model: &Model, record: &Record, channel: &Channel, delayed: bool, values: &mut [f64]) {
     let Some(fault) = fault(model, channel) else { return };
-    if fault.delay != 0.0
+    if delayed
+        && fault.delay != 0.0
         && let Some(step) = record.sample_step()
     {
         delay(values, fault.delay / step, record.regime == Regime::Steady);

@@ -52,7 +52,7 @@ impl<'r> Shown<'r> {
         for channel in self.simulation.channels() {
             let length = channel.values.len();
             let (here, after) = rest.split_at_mut_checked(length).ok_or("the prediction is too short")?;
-            sensors::apply(model, self.record, channel, here);
+            sensors::apply(model, self.record, channel, !self.simulation.shows_delay(channel), here);
             rest = after;
         }
         Ok(())
@@ -131,7 +131,7 @@ impl<'r> Shown<'r> {
             predictions: Vec::new(),
             derivatives: Vec::new(),
         };
-        let limits = Limits { iterations: 20, tolerance: 1e-8 };
+        let limits = Limits { iterations: 20, tolerance: 1e-8, useful: f64::INFINITY };
         match minimise(&mut start, vec![0.0; nuisances.len()], &lower, &upper, limits) {
             Some(end) => coordinates.iter().zip(&end.y).map(|(c, y)| c.value(*y)).collect(),
             None => starts(),

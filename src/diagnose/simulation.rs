@@ -47,6 +47,12 @@ pub(super) trait Simulation: Send {
         None
     }
 
+    /// Whether the predictions of `channel` are already as late as its sensor under the model.
+    fn shows_delay(&self, channel: &Channel) -> bool {
+        let _ = channel;
+        false
+    }
+
     /// What the record leaves unknown besides the model's parameters: the state of the contact at its start.
     /// The starts are found by a search over the first part of the record under `model`. Empty where nothing
     /// is unknown. How many there are depends on the record alone.

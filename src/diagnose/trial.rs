@@ -39,19 +39,22 @@ pub(super) struct Fitted {
 const STEP: f64 = 1e-5;
 
 /// How thoroughly a fit is made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Effort {
     /// Enough to see which start is best.
     Screen,
     /// To the minimum.
     Full,
+    /// To the minimum, unless it can no longer be hoped to have a cost below this.
+    Below(f64),
 }
 
 impl Effort {
     fn limits(self) -> Limits {
         match self {
-            Self::Screen => Limits { iterations: 6, tolerance: 1e-3 },
-            Self::Full => Limits { iterations: 40, tolerance: 1e-6 },
+            Self::Screen => Limits { iterations: 6, tolerance: 1e-3, useful: f64::INFINITY },
+            Self::Full => Limits { iterations: 40, tolerance: 1e-6, useful: f64::INFINITY },
+            Self::Below(useful) => Limits { useful, ..Self::Full.limits() },
         }
     }
 }
@@ -76,7 +79,15 @@ pub(super) fn fit(
     let end =
         end.ok_or_else(|| joint.failure.clone().unwrap_or_else(|| "the fit cannot start".to_owned()))?;
     let model = joint.model(&end.y)?;
-    let estimates = if effort == Effort::Full { joint.estimates(&end.y, &lower, &upper) } else { Vec::new() };
+    let estimates = match effort {
+        Effort::Screen => Vec::new(),
+        // What is no minimum has no intervals.
+        _ if end.given_up => {
+            let none = vec![None; joint.shared.len()];
+            joint.estimates_with(&end.y, &none)
+        }
+        _ => joint.estimates(&end.y, &lower, &upper),
+    };
     let simulations = joint.simulations;
     bench.count(simulations);
     bench.count_refit();
@@ -136,6 +147,21 @@ impl<'a, 'd> Joint<'a, 'd> {
         Ok(Self { bench, base, unknowns, shared, records: slots, simulations: 0, failure: None })
     }
 
+    /// Makes the starts that fit each record best under `model` the middle of its own coordinates.
+    fn settle(&mut self, model: &Model) -> Result<(), String> {
+        let lanes = &self.bench.lanes;
+        self.records.par_iter_mut().filter(|slot| !slot.own.is_empty()).try_for_each(|slot| {
+            let lane = &lanes[slot.index];
+            let mut parameters = slot.shown.nuisances(model)?;
+            let settled = slot.shown.settle_from(model, &parameters, &lane.measured, &lane.weights);
+            for (index, (parameter, value)) in parameters.iter_mut().zip(settled).enumerate() {
+                parameter.start = value;
+                slot.own[index] = coordinate(index, parameter)?;
+            }
+            Ok(())
+        })
+    }
+
     fn coordinates(&self) -> impl Iterator<Item = &Coordinate> {
         self.shared.iter().chain(self.records.iter().flat_map(|slot| &slot.own))
     }
@@ -179,6 +205,11 @@ impl<'a, 'd> Joint<'a, 'd> {
             Ok(()) => self.deviations(y, lower, upper),
             Err(_) => vec![None; self.shared.len()],
         };
+        self.estimates_with(y, &deviation)
+    }
+
+    /// Estimates with the half-widths `deviation` of their intervals.
+    fn estimates_with(&self, y: &[f64], deviation: &[Option<f64>]) -> Vec<Estimate> {
         let one = |index: usize| {
             let (unknown, coordinate) = (&self.unknowns[index], self.shared[index]);
             let value = coordinate.value(y[index]);
@@ -195,39 +226,63 @@ impl<'a, 'd> Joint<'a, 'd> {
         (0..self.shared.len()).map(one).collect()
     }
 
-    /// Half-widths of the intervals of the shared coordinates; `None` where the data do not determine one.
-    fn deviations(&self, y: &[f64], lower: &[f64], upper: &[f64]) -> Vec<Option<f64>> {
-        let n = y.len();
+    /// The sums over all records that variances are made of, each of the `n` unknowns where `place` puts the
+    /// `k`-th column of a record.
+    fn products(&self, n: usize, place: impl Fn(&Slot, usize) -> usize) -> Products {
         let lanes = &self.bench.lanes;
         let residuals: Vec<Vec<f64>> =
             self.records.iter().map(|slot| lanes[slot.index].residuals(&slot.predictions)).collect();
         let length = blocks::length(residuals.iter().map(Vec::as_slice));
-        let mut curvature = DMatrix::<f64>::zeros(n, n);
-        let mut outer = DMatrix::<f64>::zeros(n, n);
-        let (mut count, mut blocks, mut square) = (0, 0, 0.0);
+        let zeros = || DMatrix::<f64>::zeros(n, n);
+        let mut sums = Products {
+            curvature: zeros(),
+            outer: zeros(),
+            neighbours: zeros(),
+            count: 0,
+            blocks: 0,
+            square: 0.0,
+        };
         for (slot, residuals) in self.records.iter().zip(&residuals) {
             let lane = &lanes[slot.index];
-            let columns = slot.columns(self.shared.len());
+            let columns: Vec<(usize, &[f64])> = slot
+                .derivatives
+                .iter()
+                .enumerate()
+                .map(|(k, column)| (place(slot, k), column.as_slice()))
+                .collect();
             for (_, range) in &lane.channels {
+                let mut before = vec![0.0; columns.len()];
                 for block in blocks::within(range.clone(), length) {
                     let mut gradient = vec![0.0; columns.len()];
                     for i in block {
                         for (a, (_, da)) in columns.iter().enumerate() {
                             gradient[a] += da[i] * lane.weights[i] * residuals[i];
                         }
-                        square += residuals[i] * residuals[i];
-                        count += 1;
+                        sums.square += residuals[i] * residuals[i];
+                        sums.count += 1;
                     }
                     for (a, (ja, _)) in columns.iter().enumerate() {
                         for (b, (jb, _)) in columns.iter().enumerate() {
-                            outer[(*ja, *jb)] += gradient[a] * gradient[b];
+                            sums.outer[(*ja, *jb)] += gradient[a] * gradient[b];
+                            sums.neighbours[(*ja, *jb)] += gradient[a] * before[b] + before[a] * gradient[b];
                         }
                     }
-                    blocks += 1;
+                    before = gradient;
+                    sums.blocks += 1;
                 }
             }
-            slot.add_curvature(&columns, &lane.weights, &mut curvature);
+            slot.add_curvature(&columns, &lane.weights, &mut sums.curvature);
         }
+        sums
+    }
+
+    /// Half-widths of the intervals of the shared coordinates; `None` where the data do not determine one.
+    fn deviations(&self, y: &[f64], lower: &[f64], upper: &[f64]) -> Vec<Option<f64>> {
+        let n = y.len();
+        let place = |slot: &Slot, k: usize| slot.place(k, self.shared.len());
+        let sums = self.products(n, place);
+        let Products { curvature, count, blocks, square, .. } = &sums;
+        let (count, blocks) = (*count, *blocks);
         let free: Vec<usize> =
             (0..n).filter(|&j| curvature[(j, j)] > 0.0 && y[j] > lower[j] && y[j] < upper[j]).collect();
         let mut result = vec![None; self.shared.len()];
@@ -239,14 +294,17 @@ impl<'a, 'd> Joint<'a, 'd> {
             curvature[(free[a], free[b])] / (size[a] * size[b]) + if a == b { 1e-12 } else { 0.0 }
         });
         let Some(inverse) = scaled.try_inverse() else { return result };
-        let spread =
-            DMatrix::from_fn(free.len(), free.len(), |a, b| outer[(free[a], free[b])] / (size[a] * size[b]));
-        let sandwich = &inverse * spread * &inverse;
+        // Each estimate is the gradient along one direction.
+        let mut along = DMatrix::zeros(n, free.len());
+        for (a, &j) in free.iter().enumerate() {
+            (0..free.len()).for_each(|b| along[(j, b)] = inverse[(a, b)] / size[a]);
+        }
+        let sandwich = sums.variances(&along);
         let variance = square / (count - free.len()) as f64;
         let correction = blocks as f64 / (blocks - free.len()) as f64;
         let quantile = student_quantile(0.975, blocks - free.len());
         for (a, &j) in free.iter().enumerate() {
-            let larger = (variance * inverse[(a, a)]).max(correction * sandwich[(a, a)]);
+            let larger = (variance * inverse[(a, a)]).max(correction * sandwich[a]);
             let reach = quantile * larger.sqrt() / size[a];
             // Wider than the range itself is no determination.
             let determined = reach.is_finite() && inverse[(a, a)] < 1e10;
@@ -258,6 +316,30 @@ impl<'a, 'd> Joint<'a, 'd> {
     }
 }
 
+/// Sums over records of products of weighted changes.
+pub(super) struct Products {
+    /// Of every two unknowns' changes.
+    pub curvature: DMatrix<f64>,
+    /// Of what the residuals make of every two unknowns' gradients, block by block.
+    outer: DMatrix<f64>,
+    /// The same of blocks side by side: noise does not end where a block does.
+    neighbours: DMatrix<f64>,
+    /// Samples, blocks of them that count as independent, and the sum of squared residuals.
+    pub count: usize,
+    blocks: usize,
+    square: f64,
+}
+
+impl Products {
+    /// Variance of what the residuals make of the gradient along each column of `along`: of its sums over blocks
+    /// longer than their correlation, and of what neighbouring blocks have in common where that adds to it. Noise of
+    /// a correlation that falls by 1/e in a fifth of a block has a third of its variance there.
+    pub fn variances(&self, along: &DMatrix<f64>) -> Vec<f64> {
+        let of = |sums: &DMatrix<f64>| (along.transpose() * sums * along).diagonal();
+        of(&self.outer).iter().zip(&of(&self.neighbours)).map(|(own, shared)| own + shared.max(0.0)).collect()
+    }
+}
+
 /// Products of the weighted changes along every unknown of `model` (those of the records' starts among them), then
 /// of the whole change to each of `probes`; and where the probes begin.
 pub(super) fn products(
@@ -266,8 +348,9 @@ pub(super) fn products(
     unknowns: &[Unknown],
     records: &[usize],
     probes: &[Model],
-) -> Result<(DMatrix<f64>, usize), String> {
+) -> Result<(Products, usize), String> {
     let mut joint = Joint::new(bench, model, unknowns, records)?;
+    joint.settle(model)?;
     let base = joint.coordinates().count();
     let start = vec![0.0; base];
     let here = joint.model(&start)?;
@@ -275,18 +358,13 @@ pub(super) fn products(
     moved.extend(probes.iter().map(|probe| (probe.clone(), 1.0)));
     joint.records.par_iter_mut().try_for_each(|slot| slot.linearise(&here, &moved, &start))?;
     joint.simulations += joint.records.len() * (1 + moved.len());
-    let (shared, total) = (joint.shared.len(), base + probes.len());
-    let mut sums = DMatrix::zeros(total, total);
-    for slot in &joint.records {
-        let place = |k: usize| match k {
-            k if k < shared => k,
-            k if k < shared + probes.len() => base + k - shared,
-            k => slot.offset + k - shared - probes.len(),
-        };
-        let columns: Vec<(usize, &[f64])> =
-            slot.derivatives.iter().enumerate().map(|(k, column)| (place(k), column.as_slice())).collect();
-        slot.add_curvature(&columns, &bench.lanes[slot.index].weights, &mut sums);
-    }
+    let shared = joint.shared.len();
+    let place = |slot: &Slot, k: usize| match k {
+        k if k < shared => k,
+        k if k < shared + probes.len() => base + k - shared,
+        k => slot.offset + k - shared - probes.len(),
+    };
+    let sums = joint.products(base + probes.len(), place);
     bench.count(joint.simulations);
     Ok((sums, base))
 }
@@ -333,9 +411,14 @@ impl Slot<'_> {
         self.shown.linearise(model, &nuisances, &directions, predictions, derivatives)
     }
 
+    /// The unknown that the `k`-th derivative belongs to.
+    fn place(&self, k: usize, shared: usize) -> usize {
+        if k < shared { k } else { self.offset + k - shared }
+    }
+
     /// The derivatives with the index of the unknown each belongs to.
     fn columns(&self, shared: usize) -> Vec<(usize, &[f64])> {
-        let place = |k: usize| if k < shared { k } else { self.offset + k - shared };
+        let place = |k| self.place(k, shared);
         self.derivatives.iter().enumerate().map(|(k, column)| (place(k), column.as_slice())).collect()
     }
 

@@ -3,16 +3,20 @@
 use super::bench::{Bench, mean_square};
 use super::candidates::{Candidate as Tried, effect_of};
 use super::comparison::Stage;
+use super::confound;
 use super::diagnosis::{Candidate, Cost, Diagnosis, Errors, Estimate, Group, Noise, Step, Untried, Verdict};
 use super::engine::{comparison, cost, errors, stage};
 use super::explain::{self, Told};
-use super::findings::{ADEQUATE, Added, Outcome, UNEXPLAINED};
+use super::findings::{Added, Outcome, UNEXPLAINED};
 use super::select::{PASSING_SHARE, PASSING_Z, Search, Trial};
 use super::sensitivity::{self, Sensitivities};
 use super::split::Parts;
-use super::{blocks, confound};
 use crate::measure::Dataset;
 use crate::model::Model;
+
+/// Share of the squared residual above which a part of it that repeats from record to record says that something
+/// is missing, though the whole is of the noise's size.
+const STRUCTURED: f64 = 0.1;
 
 /// What a verdict is made of.
 pub(super) struct Material<'a> {
@@ -46,7 +50,8 @@ pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosi
     let groups = groups(&outcome);
     let verdict = judge(&outcome, known, &groups);
     let ids: Vec<&'static str> = found.iter().map(|candidate| candidate.effect.id).collect();
-    let told = Told { search, outcome: &outcome, error: &error, known, groups: &groups, verdict };
+    let told =
+        Told { search, outcome: &outcome, given: model, error: &error, known, groups: &groups, verdict };
     let (effects, surrogates) = match verdict {
         Verdict::EffectFound => (ids.clone(), Vec::new()),
         Verdict::Unexplained => (Vec::new(), surrogates(&outcome)),
@@ -63,11 +68,10 @@ pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosi
         error,
         chi_square: outcome.chi_square,
         steps: outcome.findings.steps.iter().map(step).collect(),
-        candidates: outcome
-            .findings
-            .rounds
-            .first()
-            .map_or_else(Vec::new, |round| reported(search.bench, round, search.given)),
+        candidates: outcome.findings.rounds.first().map_or_else(Vec::new, |round| {
+            settled(reported(search.bench, round, search.given), search, &outcome)
+        }),
+        parameters: last.estimates.clone(),
         rounds: outcome
             .findings
             .rounds
@@ -157,6 +161,10 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group]) -> Verdict {
     if known && (untouched > UNEXPLAINED || selecting > UNEXPLAINED) {
         return Verdict::Unexplained;
     }
+    // A part that comes again at the same places of the motion is no noise, however small.
+    if none && known && outcome.repeated.is_some_and(|repeated| repeated.gain.share > STRUCTURED) {
+        return Verdict::Unexplained;
+    }
     if none {
         // A model whose error nothing lowers is not thereby right: without the noise nobody knows.
         return if known { Verdict::NothingMissing } else { Verdict::Unexplained };
@@ -164,8 +172,6 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group]) -> Verdict {
     if !groups.is_empty() {
         return Verdict::NotDistinguishable;
     }
-    // An effect must also gain on the records that nothing was chosen by.
-    let _ = ADEQUATE;
     Verdict::EffectFound
 }
 
@@ -174,9 +180,7 @@ fn sensitivities(search: &Search, outcome: &Outcome, tried: &[Tried]) -> Sensiti
     let last = outcome.findings.last();
     let present = outcome.findings.effects();
     let left: Vec<Tried> = tried.iter().filter(|candidate| !present.contains(candidate)).cloned().collect();
-    let correlation = blocks::correlation(last.scored.iter().map(|one| one.residuals.as_slice()));
-    sensitivity::around(search, &last.fitted.model, &left, mean_square(&last.scored), correlation)
-        .unwrap_or_default()
+    sensitivity::around(search, &last.fitted.model, &left, mean_square(&last.scored)).unwrap_or_default()
 }
 
 /// A round for the report.
@@ -206,12 +210,34 @@ pub(super) fn reported_one(bench: &Bench, trial: &Trial, given: usize) -> Candid
     }
 }
 
+/// The first round with what was found put right: a candidate that was alone in its refit has taken over part of
+/// what was found later, and its interval knows nothing of that.
+fn settled(mut round: Vec<Candidate>, search: &Search, outcome: &Outcome) -> Vec<Candidate> {
+    let last = &outcome.fits[outcome.fits.len() - 1];
+    for (index, found) in outcome.findings.effects().iter().enumerate() {
+        let place = found.location.as_ref().map(ToString::to_string);
+        let of_it = |one: &&mut Candidate| one.effects == [found.effect.id] && one.location == place;
+        if let Some(candidate) = round.iter_mut().find(of_it) {
+            let index = search.given + index;
+            candidate.parameters = parameters_of(&last.estimates, &last.model, index..index + 1);
+        }
+    }
+    round
+}
+
 /// The parameters of a trial's own effects, by their names alone.
 fn own_parameters(trial: &Trial, estimates: &[Estimate], model: &Model, given: usize) -> Vec<Estimate> {
     let first = model.effects.len().saturating_sub(trial.candidates.len()).max(given);
+    parameters_of(estimates, model, first..usize::MAX)
+}
+
+/// The parameters of the effects of `model` with these numbers, by their names alone.
+fn parameters_of(estimates: &[Estimate], model: &Model, effects: std::ops::Range<usize>) -> Vec<Estimate> {
     estimates
         .iter()
-        .filter(|estimate| effect_of(&estimate.name, model).is_some_and(|(index, _)| index >= first))
+        .filter(|estimate| {
+            effect_of(&estimate.name, model).is_some_and(|(index, _)| effects.contains(&index))
+        })
         .map(|estimate| {
             let name = estimate.name.rsplit('.').next().unwrap_or_default().to_owned();
             Estimate { name, ..estimate.clone() }
@@ -247,6 +273,7 @@ pub(super) fn insufficient(
         chi_square: None,
         steps: Vec::new(),
         candidates: Vec::new(),
+        parameters: Vec::new(),
         rounds: Vec::new(),
         untried: crate::effects::CATALOGUE
             .iter()

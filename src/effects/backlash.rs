@@ -14,7 +14,11 @@ pub(super) const EFFECT: Effect = Effect {
           gap and repeat.",
     parameters: &[EffectParameter {
         quantity: &v::HALF_GAP,
-        range: |scales| from_zero(0.95 * scales.displacement, &[0.05, 0.2, 0.5]),
+        // On a structure the largest displacement may be far beyond what the contact needs to yield.
+        range: |scales| {
+            let yielding = 0.3 * scales.limit / (scales.stiffness * scales.displacement);
+            from_zero(0.95 * scales.displacement, &[0.05, 0.2, 0.5, yielding.min(0.9)])
+        },
     }],
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,

@@ -14,7 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
           grows in proportion to the frequency.",
     parameters: &[EffectParameter {
         quantity: &v::CONTACT_DAMPING,
-        range: |scales| both_signs(3.0 * scales.limit / scales.velocity, 0.03),
+        range: |scales| both_signs(30.0 * scales.limit / scales.velocity, 0.003),
     }],
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,

@@ -15,7 +15,7 @@ pub(super) const EFFECT: Effect = Effect {
     parameters: &[EffectParameter {
         quantity: &v::CUBIC_STIFFNESS,
         range: |scales| {
-            both_signs(10.0 * scales.structure_force / scales.structure_displacement.powi(3), 0.02)
+            both_signs(100.0 * scales.structure_force / scales.structure_displacement.powi(3), 0.002)
         },
     }],
     place: PlaceKind::Nowhere,

@@ -13,7 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
           speed.",
     parameters: &[EffectParameter {
         quantity: &v::IMPACT_DAMPING,
-        range: |scales| both_signs(3.0 / scales.normal_velocity, 0.05),
+        range: |scales| both_signs(30.0 / scales.normal_velocity, 0.005),
     }],
     place: PlaceKind::Nowhere,
     kinds: &[Kind::Contact],

@@ -19,11 +19,21 @@ pub(super) const EFFECT: Effect = Effect {
     needs: Needs::Nothing,
     apply: |values, _, changes| changes.joint.spread = values[0],
     signature: |seen| {
-        seen.corner_share.filter(|share| *share > 0.15).map(|share| {
+        let bend = seen.corner_share.filter(|share| *share > 0.15).map(|share| {
             format!(
                 "the loop bends over gradually: its slope falls by {:.0} % before slip is complete",
                 100.0 * share
             )
+        });
+        let fall = seen.frequency_by_level.filter(|change| *change < -0.002);
+        bend.or_else(|| {
+            fall.map(|change| {
+                format!(
+                    "the resonance falls by {:.1} % more with the level than the model's: some of the contact slips \
+                     long before the limit",
+                    -100.0 * change
+                )
+            })
         })
     },
 };

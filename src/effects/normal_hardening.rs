@@ -13,7 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
     confirmation: "Press the contact quasi-statically and plot load against approach.",
     parameters: &[EffectParameter {
         quantity: &v::NORMAL_CUBIC_STIFFNESS,
-        range: |scales| both_signs(10.0 * scales.normal_load / scales.normal_displacement.powi(3), 0.02),
+        range: |scales| both_signs(100.0 * scales.normal_load / scales.normal_displacement.powi(3), 0.002),
     }],
     place: PlaceKind::Nowhere,
     kinds: &[Kind::Contact],

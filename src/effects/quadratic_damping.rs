@@ -13,7 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
           the amplitude. Change the medium (vacuum, a cover plate).",
     parameters: &[EffectParameter {
         quantity: &v::QUADRATIC_DAMPING,
-        range: |scales| both_signs(3.0 * scales.structure_force / scales.structure_velocity.powi(2), 0.05),
+        range: |scales| both_signs(30.0 * scales.structure_force / scales.structure_velocity.powi(2), 0.005),
     }],
     place: PlaceKind::Nowhere,
     kinds: &[Kind::Oscillator, Kind::Beam],

@@ -16,9 +16,9 @@ pub(super) const EFFECT: Effect = Effect {
         quantity: &v::CUBIC_STIFFNESS,
         range: |scales| {
             both_signs(
-                10.0 * (scales.limit / scales.displacement + 0.1 * scales.stiffness)
+                100.0 * (scales.limit / scales.displacement + 0.1 * scales.stiffness)
                     / scales.displacement.powi(2),
-                0.03,
+                0.003,
             )
         },
     }],

@@ -42,6 +42,7 @@ pub fn from_samples(samples: &[f64], periods: usize, harmonics: usize) -> Vec<f6
         return coefficients;
     }
     coefficients[0] = samples.iter().sum::<f64>() / count as f64;
+    let circle = circle(count);
     for h in 1..=harmonics {
         if 2 * h * periods >= count {
             break;
@@ -49,7 +50,7 @@ pub fn from_samples(samples: &[f64], periods: usize, harmonics: usize) -> Vec<f6
         let (mut cosine, mut sine) = (0.0, 0.0);
         for (k, x) in samples.iter().enumerate() {
             // The exact integer remainder keeps the phase accurate for long records.
-            let (sin, cos) = (TAU * ((h * periods * k) % count) as f64 / count as f64).sin_cos();
+            let (sin, cos) = circle[(h * periods * k) % count];
             cosine += x * cos;
             sine += x * sin;
         }
@@ -57,6 +58,11 @@ pub fn from_samples(samples: &[f64], periods: usize, harmonics: usize) -> Vec<f6
         coefficients[2 * h] = 2.0 * sine / count as f64;
     }
     coefficients
+}
+
+/// Sine and cosine at `count` equal steps round the circle.
+fn circle(count: usize) -> Vec<(f64, f64)> {
+    (0..count).map(|k| (TAU * k as f64 / count as f64).sin_cos()).collect()
 }
 
 /// `(h, c_h, s_h)` for `h ≥ 1`.
@@ -84,8 +90,7 @@ pub(crate) struct Basis {
 impl Basis {
     pub fn new(harmonics: usize, samples: usize) -> Self {
         let count = coefficient_count(harmonics);
-        let circle: Vec<(f64, f64)> =
-            (0..samples).map(|k| (TAU * k as f64 / samples as f64).sin_cos()).collect();
+        let circle = circle(samples);
         let mut at_samples = DMatrix::zeros(count, samples);
         let mut projection = DMatrix::zeros(samples, count);
         for k in 0..samples {

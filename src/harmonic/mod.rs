@@ -26,6 +26,7 @@ pub mod fourier;
 mod frequency_response;
 mod guess;
 mod implicit;
+mod krylov;
 mod modal;
 mod modes;
 mod parameter;

@@ -6,13 +6,15 @@
 //! `modes × coefficients`.
 //!
 //! Solved by iteration: the low harmonics, where the response is resonant and the force strong, are inverted
-//! together, the rest mode by mode. What is left out converges within a few rounds; where it does not,
-//! more harmonics join the low ones, in the end all of them.
+//! together, the rest mode by mode. What is left out converges within a few rounds; where it does not, under a force
+//! that nearly buckles the beam or more, minimal residuals find the way, and where they do not, more harmonics join
+//! the low ones, in the end all of them.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::factors::Factors;
 use super::fourier::{coefficient_count, multiplication};
+use super::krylov::Krylov;
 use super::system::Operating;
 use crate::structure::ModalBeam;
 
@@ -24,6 +26,8 @@ const ROUNDS: usize = 10;
 const FINISHED: f64 = 1e-12;
 /// Change above which the ratio of two changes tells the contraction.
 const TELLING: f64 = 1e-8;
+/// Share left by a round above which the rounds are too many.
+const SLOW: f64 = 0.5;
 /// Error of the derivatives that Newton's method does not notice.
 const DERIVATIVE_ERROR: f64 = 1e-3;
 
@@ -43,6 +47,8 @@ pub(crate) struct ModalEquations {
     product_columns: Vec<f64>,
     joint: usize,
     inverse: DMatrix<f64>,
+    /// Whether it is that of the present factors.
+    inverted: bool,
     factors: Factors,
     /// Share of the error that a round leaves.
     contraction: f64,
@@ -53,6 +59,10 @@ pub(crate) struct ModalEquations {
     many: DMatrix<f64>,
     many_coupled: DMatrix<f64>,
     low: DMatrix<f64>,
+    krylov: Krylov,
+    /// What [`Krylov`] works on: a product with A, and the right side.
+    multiplied: Vec<f64>,
+    prepared: Vec<f64>,
 }
 
 impl ModalEquations {
@@ -75,6 +85,7 @@ impl ModalEquations {
             product_columns: vec![0.0; count * count],
             joint: FIRST_JOINT.min(harmonics),
             inverse: DMatrix::zeros(0, 0),
+            inverted: false,
             factors: Factors::default(),
             contraction: 0.0,
             derivative_error: DERIVATIVE_ERROR,
@@ -83,6 +94,9 @@ impl ModalEquations {
             many: DMatrix::zeros(0, 0),
             many_coupled: DMatrix::zeros(0, 0),
             low: DMatrix::zeros(0, 0),
+            krylov: Krylov::default(),
+            multiplied: vec![0.0; modes * count],
+            prepared: vec![0.0; modes * count],
         }
     }
 
@@ -100,58 +114,64 @@ impl ModalEquations {
         for (k, column) in self.product_columns.chunks_exact(count).enumerate() {
             column.iter().enumerate().for_each(|(row, value)| self.product[(k, row)] = *value);
         }
-        self.invert_joint()
+        self.factor_joint()
     }
 
     /// Dynamic stiffness and damping force per displacement of mode `mode` in harmonic `order`.
     fn dynamic(&self, mode: usize, order: usize) -> (f64, f64) {
-        let speed = order as f64 * self.at.angular_frequency;
-        let sustained = 2.0 * self.at.self_excitation * self.at.angular_frequency;
-        (self.stiffness[mode] - speed * speed, (self.damping[mode] - sustained) * speed)
+        dynamic(self.stiffness[mode], self.damping[mode], &self.at, order)
     }
 
-    fn invert_joint(&mut self) -> bool {
+    /// Factors the low harmonics' equations; false where they are singular.
+    fn factor_joint(&mut self) -> bool {
         let modes = self.modes;
         let size = modes * coefficient_count(self.joint);
-        let mut matrix = std::mem::take(&mut self.inverse);
-        if matrix.nrows() != size {
-            matrix = DMatrix::zeros(size, size);
-        }
+        let matrix = self.factors.reset(size);
         for l in 0..coefficient_count(self.joint) {
             for k in 0..coefficient_count(self.joint) {
                 let weight = -self.product[(l, k)];
                 for j in 0..modes {
                     for i in 0..modes {
-                        matrix[(k * modes + i, l * modes + j)] = weight * self.shortening[(i, j)];
+                        matrix[(l * modes + j) * size + k * modes + i] = weight * self.shortening[(i, j)];
                     }
                 }
             }
         }
         for i in 0..modes {
-            matrix[(i, i)] += self.stiffness[i];
+            let mut add = |row: usize, column: usize, value: f64| matrix[column * size + row] += value;
+            add(i, i, self.stiffness[i]);
             for order in 1..=self.joint {
-                let (dynamic, damping) = self.dynamic(i, order);
+                let (dynamic, damping) = dynamic(self.stiffness[i], self.damping[i], &self.at, order);
                 let (c, s) = ((2 * order - 1) * modes + i, 2 * order * modes + i);
-                matrix[(c, c)] += dynamic;
-                matrix[(s, s)] += dynamic;
-                matrix[(c, s)] += damping;
-                matrix[(s, c)] -= damping;
+                add(c, c, dynamic);
+                add(s, s, dynamic);
+                add(c, s, damping);
+                add(s, c, -damping);
             }
         }
-        self.factors.reset(size).copy_from_slice(matrix.as_slice());
-        let regular = self.factors.factor();
-        if regular {
-            matrix.fill_with_identity();
-            matrix.as_mut_slice().chunks_exact_mut(size).for_each(|column| self.factors.solve(column));
+        self.inverted = false;
+        self.factors.factor()
+    }
+
+    /// Makes the inverse of the low harmonics' equations, with which many columns are solved faster.
+    fn invert_joint(&mut self) {
+        if self.inverted {
+            return;
         }
-        self.inverse = matrix;
-        regular
+        let size = self.modes * coefficient_count(self.joint);
+        if self.inverse.nrows() != size {
+            self.inverse = DMatrix::zeros(size, size);
+        }
+        self.inverse.fill_with_identity();
+        let columns = self.inverse.as_mut_slice().chunks_exact_mut(size);
+        columns.for_each(|column| self.factors.solve(column));
+        self.inverted = true;
     }
 
     /// `out += P⁻¹ right`, P being A without the coupling of the higher harmonics.
     fn add_preconditioned(&mut self, right: &[f64], out: &mut [f64], columns: usize) {
         let (modes, size) = (self.modes, self.modes * coefficient_count(self.harmonics));
-        let low = self.inverse.nrows();
+        let low = modes * coefficient_count(self.joint);
         if self.low.shape() != (low, columns) {
             self.low = DMatrix::zeros(low, columns);
         }
@@ -162,7 +182,13 @@ impl ModalEquations {
             nalgebra::Dyn(1),
             nalgebra::Dyn(size),
         );
-        self.low.gemm(1.0, &self.inverse, &source, 0.0);
+        if columns < low {
+            self.low.copy_from(&source);
+            self.low.as_mut_slice().chunks_exact_mut(low).for_each(|column| self.factors.solve(column));
+        } else {
+            self.invert_joint();
+            self.low.gemm(1.0, &self.inverse, &source, 0.0);
+        }
         for m in 0..columns {
             let target = &mut out[m * size..(m + 1) * size];
             let solved = &self.low.as_slice()[m * low..(m + 1) * low];
@@ -203,18 +229,48 @@ impl ModalEquations {
             if self.iterate(right, q) {
                 return true;
             }
+            self.contraction = f64::INFINITY;
+            if self.joint < self.harmonics && self.minimise(right, q, FINISHED) {
+                return true;
+            }
             if self.joint == self.harmonics {
                 return false;
             }
             self.joint = (2 * self.joint).min(self.harmonics);
-            if !self.invert_joint() {
+            if !self.factor_joint() {
                 return false;
             }
         }
     }
 
-    fn iterate(&mut self, right: &[f64], q: &mut [f64]) -> bool {
+    /// `out = A q`.
+    fn multiply(&mut self, q: &[f64], out: &mut [f64]) {
         let (modes, count) = (self.modes, coefficient_count(self.harmonics));
+        self.multiply_dynamic(q, out);
+        let view = nalgebra::DMatrixView::from_slice(q, modes, count);
+        self.coupled.gemm(1.0, &self.shortening, &view, 0.0);
+        let mut matrix = nalgebra::DMatrixViewMut::from_slice(out, modes, count);
+        matrix.gemm(-1.0, &self.coupled, &self.product, 1.0);
+    }
+
+    /// Solves `P⁻¹ A q = P⁻¹ right` by minimal residuals.
+    fn minimise(&mut self, right: &[f64], q: &mut [f64], tolerance: f64) -> bool {
+        let mut krylov = std::mem::take(&mut self.krylov);
+        let mut multiplied = std::mem::take(&mut self.multiplied);
+        let mut prepared = std::mem::take(&mut self.prepared);
+        prepared.fill(0.0);
+        self.add_preconditioned(right, &mut prepared, 1);
+        let apply = |v: &[f64], out: &mut [f64]| {
+            self.multiply(v, &mut multiplied);
+            out.fill(0.0);
+            self.add_preconditioned(&multiplied, out, 1);
+        };
+        let solved = krylov.solve(apply, &prepared, q, tolerance);
+        (self.krylov, self.multiplied, self.prepared) = (krylov, multiplied, prepared);
+        solved
+    }
+
+    fn iterate(&mut self, right: &[f64], q: &mut [f64]) -> bool {
         q.fill(0.0);
         self.contraction = 0.0;
         let mut residual = std::mem::replace(&mut self.residual, DVector::zeros(0));
@@ -236,12 +292,11 @@ impl ModalEquations {
                 finished |= self.joint == self.harmonics && change.is_finite();
                 break;
             }
+            if change > before {
+                break;
+            }
             before = change;
-            self.multiply_dynamic(q, residual.as_mut_slice());
-            let view = nalgebra::DMatrixView::from_slice(q, modes, count);
-            self.coupled.gemm(1.0, &self.shortening, &view, 0.0);
-            let mut matrix = nalgebra::DMatrixViewMut::from_slice(residual.as_mut_slice(), modes, count);
-            matrix.gemm(-1.0, &self.coupled, &self.product, 1.0);
+            self.multiply(q, residual.as_mut_slice());
             residual.iter_mut().zip(right).for_each(|(r, b)| *r = b - *r);
         }
         self.residual = residual;
@@ -252,6 +307,14 @@ impl ModalEquations {
     /// [`Self::solve`], which tells how fast the iteration converges.
     pub fn solve_many(&mut self, right: &DMatrix<f64>, out: &mut DMatrix<f64>) {
         let (modes, count, columns) = (self.modes, coefficient_count(self.harmonics), right.ncols());
+        if self.contraction > SLOW {
+            let (size, tolerance) = (modes * count, self.derivative_error);
+            let pairs = right.as_slice().chunks_exact(size).zip(out.as_mut_slice().chunks_exact_mut(size));
+            for (right, out) in pairs {
+                self.minimise(right, out, tolerance);
+            }
+            return;
+        }
         out.fill(0.0);
         self.add_preconditioned(right.as_slice(), out.as_mut_slice(), columns);
         let mut error = self.contraction;
@@ -320,6 +383,13 @@ impl ModalEquations {
             }
         }
     }
+}
+
+/// Dynamic stiffness and damping force per displacement of a mode with the stiffness ω² and the damping 2 ζ ω.
+fn dynamic(stiffness: f64, damping: f64, at: &Operating, order: usize) -> (f64, f64) {
+    let speed = order as f64 * at.angular_frequency;
+    let sustained = 2.0 * at.self_excitation * at.angular_frequency;
+    (stiffness - speed * speed, (damping - sustained) * speed)
 }
 
 fn largest(v: &[f64]) -> f64 {

@@ -37,7 +37,12 @@ pub(crate) struct Limits {
     pub iterations: usize,
     /// Relative fall of the sum of squares that counts as none.
     pub tolerance: f64,
+    /// Cost above which the end is of no use: a search that cannot come below it any more is given up.
+    pub useful: f64,
 }
+
+/// Times faster than in its last step that a search may go on falling before it counts as hopeless.
+const HOPE: f64 = 2.0;
 
 /// Where a fit ended.
 #[derive(Debug, Clone)]
@@ -46,6 +51,8 @@ pub(crate) struct End {
     pub y: Vec<f64>,
     /// The sums there.
     pub sums: Sums,
+    /// Whether the search was given up, above [`Limits::useful`].
+    pub given_up: bool,
 }
 
 /// Failed trials of a step before the point is taken for a minimum.
@@ -66,11 +73,11 @@ pub(crate) fn minimise(
     let mut sums = problem.sums(&y).filter(|sums| sums.cost.is_finite())?;
     let mut damping = FIRST_DAMPING;
     let mut trial = y.clone();
-    for _ in 0..limits.iterations {
+    for iteration in 1..=limits.iterations {
         let mut accepted = None;
         for _ in 0..TRIALS {
             if problem.interrupted() {
-                return Some(End { y, sums });
+                return Some(End { y, sums, given_up: false });
             }
             let Some(step) = step(&sums, &y, lower, upper, damping) else { break };
             for (trial, (y, step)) in trial.iter_mut().zip(y.iter().zip(&step)) {
@@ -89,20 +96,23 @@ pub(crate) fn minimise(
                 break;
             }
         }
-        let Some(cost) = accepted else { return Some(End { y, sums }) };
+        let Some(cost) = accepted else { return Some(End { y, sums, given_up: false }) };
         let fall = sums.cost - cost;
+        let left = (limits.iterations - iteration) as f64;
+        let reachable = cost * (cost / sums.cost).powf(HOPE * left);
         let enough = fall <= limits.tolerance * sums.cost;
+        let given_up = !enough && reachable > limits.useful;
         y.copy_from_slice(&trial);
         match problem.sums(&y) {
             Some(there) if there.cost.is_finite() => sums = there,
             // Derivatives failed where the value did not: the point stands, without a way on.
-            _ => return Some(End { y, sums: Sums { cost, ..sums } }),
+            _ => return Some(End { y, sums: Sums { cost, ..sums }, given_up }),
         }
-        if enough {
-            return Some(End { y, sums });
+        if enough || given_up {
+            return Some(End { y, sums, given_up });
         }
     }
-    Some(End { y, sums })
+    Some(End { y, sums, given_up: false })
 }
 
 fn into_bounds(y: &mut [f64], lower: &[f64], upper: &[f64]) {
@@ -192,12 +202,46 @@ mod tests {
         }
     }
 
-    const LIMITS: Limits = Limits { iterations: 200, tolerance: 1e-14 };
+    const LIMITS: Limits = Limits { iterations: 200, tolerance: 1e-14, useful: f64::INFINITY };
 
     #[test]
     fn a_curved_valley_is_followed_to_its_bottom() {
         let end = minimise(&mut Valley, vec![-1.2, 1.0], &[-5.0; 2], &[5.0; 2], LIMITS).unwrap();
         assert!((end.y[0] - 1.0).abs() < 1e-6 && (end.y[1] - 1.0).abs() < 1e-6, "{:?}", end.y);
+    }
+
+    /// `y → y − share · y` a step: a parabola so flat at its bottom that steps only shrink the distance.
+    struct Slow {
+        exponent: i32,
+        steps: usize,
+    }
+
+    impl SumOfSquares for Slow {
+        fn cost(&mut self, y: &[f64]) -> Option<f64> {
+            Some(0.5 * (1.0 + y[0].powi(2 * self.exponent)))
+        }
+
+        fn sums(&mut self, y: &[f64]) -> Option<Sums> {
+            self.steps += 1;
+            let slope = f64::from(self.exponent) * y[0].powi(self.exponent - 1);
+            let gradient = vec![slope * y[0].powi(self.exponent)];
+            Some(Sums { cost: self.cost(y)?, gradient, curvature: vec![slope * slope] })
+        }
+    }
+
+    #[test]
+    fn a_search_that_cannot_become_useful_is_given_up_and_one_that_can_is_not() {
+        let steps = |useful: f64| {
+            let mut slow = Slow { exponent: 4, steps: 0 };
+            let limits = Limits { useful, tolerance: 1e-9, ..LIMITS };
+            let end = minimise(&mut slow, vec![2.0], &[-5.0], &[5.0], limits).unwrap();
+            (slow.steps, end.sums.cost)
+        };
+        // The bottom is at one half.
+        let (all, cost) = steps(f64::INFINITY);
+        assert!((cost - 0.5).abs() < 1e-6 && steps(0.6) == (all, cost));
+        let (few, above) = steps(0.4);
+        assert!(few < all && above >= cost, "{few} of {all}");
     }
 
     #[test]

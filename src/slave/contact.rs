@@ -182,11 +182,13 @@ impl Behaviour for ContactBehaviour {
             return Ok(());
         }
         let rate = |input: usize| (last.ends[input] - last.starts[input]) / last.step;
-        let mut memory = last.before.to_vec();
+        let (starts, ends) = (self.inputs(&last.starts), self.inputs(&last.ends));
+        self.carried.begin(last.before);
+        let memory = &mut self.carried.memory;
         if last.flags & JUMPED != 0 {
-            self.law.advance(&mut memory, self.inputs(&last.starts));
+            self.law.advance(memory, starts);
         }
-        let response = self.law.step(&memory, self.inputs(&last.ends), &mut self.next);
+        let response = self.law.step(memory, ends, &mut self.next);
         let Tangents { displacement, velocity, normal_load } = response.tangents;
         rates[FORCE - INPUTS] = displacement * rate(DISPLACEMENT)
             + velocity * rate(VELOCITY)

@@ -367,17 +367,16 @@ impl Behaviour for OscillatorBehaviour {
         let motion = (velocity, &self.accelerations[..]);
         let force_rates = &mut self.trial[2 * n..];
         self.integrator.force_rates(last.tangents, motion, &self.load_changes, force_rates);
-        let mut row = 0;
+        let row = if self.has_contact { OF_CONTACT } else { 0 };
         if self.has_contact {
             rates[..OF_CONTACT].copy_from_slice(&[force_rates[0], last.dissipated * per_second, 0.0]);
-            row = OF_CONTACT;
         }
         self.row.clear();
         self.row.extend((0..self.masses).map(rate));
         self.integrator.acceleration(&self.trial, &self.row, &mut self.jerk);
-        for mass in 0..self.masses {
-            rates[row..row + 3].copy_from_slice(&[velocity[mass], self.accelerations[mass], self.jerk[mass]]);
-            row += 3;
+        let motion = velocity.iter().zip(&self.accelerations).zip(&self.jerk);
+        for (rates, ((v, a), jerk)) in rates[row..].chunks_exact_mut(3).zip(motion) {
+            rates.copy_from_slice(&[*v, *a, *jerk]);
         }
         Ok(())
     }

@@ -297,12 +297,12 @@ impl TwoMasses {
         let second = Linear::new(
             "second",
             &[("displacement", "m"), ("velocity", "m/s")],
-            &[("force", "N"), ("position", "m")],
+            &[("force", "N"), ("position", "m"), ("rate", "m/s")],
             [
                 &[0.0, 1.0, -(k2 + k) / m2, -(c2 + c) / m2],
                 &[0.0, 0.0, k / m2, c / m2],
-                &[-k, -c, 1.0, 0.0],
-                &[k, c, 0.0, 0.0],
+                &[-k, -c, 1.0, 0.0, 0.0, 1.0],
+                &[k, c, 0.0, 0.0, 0.0, 0.0],
             ],
             &self.start[2..],
         );

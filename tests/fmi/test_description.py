@@ -30,6 +30,8 @@ def test_capabilities_and_default_experiment_are_complete(model):
     slave = model.description.coSimulation
     assert slave.canGetAndSetFMUstate and slave.canSerializeFMUstate
     assert slave.canHandleVariableCommunicationStepSize
+    assert slave.canInterpolateInputs and slave.providesDirectionalDerivative
+    assert slave.maxOutputDerivativeOrder == 1
     assert not slave.canBeInstantiatedOnlyOncePerProcess
     experiment = model.description.defaultExperiment
     given = [experiment.startTime, experiment.stopTime, experiment.tolerance, experiment.stepSize]

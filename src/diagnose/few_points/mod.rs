@@ -19,6 +19,7 @@ use super::engine::{DiagnoseOptions, comparison, cost, stage};
 use super::select::{Search, State, Trial};
 use super::split::{FEWEST_RECORDS, Parts};
 use super::verdict;
+use crate::effects::Location;
 use crate::identify::InterruptHook;
 use crate::measure::{Dataset, Regime};
 use crate::model::Model;
@@ -124,6 +125,9 @@ pub(super) fn diagnose(search: &Search, material: Material) -> Result<Diagnosis,
 fn unseen_in(dataset: &Dataset, candidate: &Candidate) -> Option<String> {
     let damping = dataset.records.iter().any(|record| record.channel("damping_ratio").is_some());
     match candidate.effect.id {
+        "sensor_gain" | "sensor_offset" if candidate.location == Some(Location::Channel("frequency".to_owned())) => {
+            Some("a frequency is counted against a clock: it has no gain and no offset".to_owned())
+        }
         "sensor_delay" => Some("a table of resonances has no time in which a sensor could be late".to_owned()),
         "quadratic_damping" | "contact_damping" if !damping => Some(
             "damping does not shift a frequency measured at phase resonance; it needs the column `damping_ratio`"

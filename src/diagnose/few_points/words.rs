@@ -70,7 +70,9 @@ impl Rounds<'_, '_> {
                     .to_owned(),
             );
         }
-        reasons.extend((0..self.kept.len()).map(|index| self.step(index)));
+        let titled =
+            |index: usize| format!("{}: {}", self.kept[index].candidate.effect.title, self.step(index));
+        reasons.extend((0..self.kept.len()).map(titled));
         if self.exact() {
             reasons.push(
                 "The error left is that of the computation itself; no effect can lower it. Whether that is a \
@@ -114,10 +116,9 @@ impl Rounds<'_, '_> {
         let squares = before.unseen.squares.iter().zip(&kept.standing.unseen.squares);
         let better = squares.filter(|(old, new)| new < old).count();
         format!(
-            "{}: the error at points left out falls from {old_unseen:.3} to {unseen:.3} {unit} ({:.0} % of its square, \
+            "the error at points left out falls from {old_unseen:.3} to {unseen:.3} {unit} ({:.0} % of its square, \
              {:.1} standard errors; {better} of {} points are predicted better), that of the fit from \
              {old_fitted:.3} to {fitted:.3} {unit}. {}",
-            kept.candidate.effect.title,
             100.0 * kept.gain.share,
             kept.gain.z,
             before.unseen.squares.len(),
@@ -132,13 +133,16 @@ impl Rounds<'_, '_> {
         }
         let best = self.rounds.last()?.iter().find(|tried| tried.standing.is_some())?;
         let more = if self.kept.is_empty() { "No effect" } else { "No further effect" };
+        let gain = best.trial.gain;
+        let does = match gain.share {
+            share if share < 0.005 => "does not lower it".to_owned(),
+            share => format!("lowers it by {:.0} % at {:.1} standard errors", 100.0 * share, gain.z),
+        };
         Some(format!(
             "{more} lowers the error at points left out by more than its standard error and by {:.0} % of its square; \
-             the best, {}, changes it by {:+.0} % at {:.1} standard errors",
+             the best, {}, {does}",
             100.0 * PASSING_SHARE,
             best.trial.ids().join(" + "),
-            -100.0 * best.trial.gain.share,
-            best.trial.gain.z
         ))
     }
 

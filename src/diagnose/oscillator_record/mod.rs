@@ -7,6 +7,7 @@ mod steady;
 #[cfg(test)]
 mod tests;
 
+use super::predict::derivative_order;
 use super::simulation::{Direction, Simulation};
 use crate::identify;
 use crate::measure::{Channel, Record, Regime};
@@ -93,12 +94,7 @@ impl<'r> OscillatorRecord<'r> {
 }
 
 fn observed(channel: &Channel, names: &[&str]) -> Result<Observed, String> {
-    let order = match channel.quantity() {
-        "acceleration" => 2,
-        "velocity" => 1,
-        _ => 0,
-    };
-    Ok(Observed { mass: mass_of(&channel.name, names)?, order })
+    Ok(Observed { mass: mass_of(&channel.name, names)?, order: derivative_order(channel) })
 }
 
 impl Simulation for OscillatorRecord<'_> {

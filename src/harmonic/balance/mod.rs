@@ -122,6 +122,9 @@ pub(crate) struct Balance<'a> {
     jacobian: DMatrix<f64>,
     /// Whether the Jacobian is that of the last evaluation: it costs two large products, and a solution needs none.
     complete: bool,
+    /// Angular frequency (rad/s) of the last evaluation, while its derivatives are not made: a trial step that is
+    /// refused needs none.
+    undifferentiated: Option<f64>,
     by: [Vec<f64>; 4],
     /// ∂q/∂scalar at fixed u.
     modal_by: [Vec<f64>; 4],
@@ -193,6 +196,7 @@ impl<'a> Balance<'a> {
             residual: vec![0.0; unknowns],
             jacobian: DMatrix::identity(unknowns, unknowns),
             complete: false,
+            undifferentiated: None,
             by: std::array::from_fn(|_| vec![0.0; unknowns]),
             modal_by: std::array::from_fn(|_| vec![0.0; size]),
         })
@@ -386,6 +390,14 @@ impl<'a> Balance<'a> {
         self.differentiate_laws(angular_frequency);
         self.equations.solve_many(&self.adjoint, &mut self.moved);
         self.complete = false;
+        self.undifferentiated = None;
+    }
+
+    /// Makes the derivatives of the last evaluation if they are not made yet.
+    fn catch_up(&mut self) {
+        if let Some(angular_frequency) = self.undifferentiated {
+            self.differentiate(angular_frequency);
+        }
     }
 
     /// a + W A⁻¹ B and ∂r/∂unknowns.

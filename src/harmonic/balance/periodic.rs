@@ -10,7 +10,10 @@ impl PeriodicSystem for Balance<'_> {
     fn evaluate(&mut self, x: &[f64], at: &Operating, scalars: &[Scalar]) -> Result<f64, HarmonicError> {
         let scale = self.balance(x, at)?;
         if !self.is_linear() {
-            self.differentiate(at.angular_frequency);
+            self.undifferentiated = Some(at.angular_frequency);
+            if !scalars.is_empty() {
+                self.catch_up();
+            }
         }
         scalars.iter().for_each(|scalar| self.differentiate_by(*scalar, at));
         Ok(scale)
@@ -21,6 +24,7 @@ impl PeriodicSystem for Balance<'_> {
     }
 
     fn jacobian(&mut self) -> &DMatrix<f64> {
+        self.catch_up();
         if !self.is_linear() && !self.complete {
             self.complete_jacobian();
         }
@@ -32,6 +36,7 @@ impl PeriodicSystem for Balance<'_> {
     }
 
     fn observe(&mut self, node: usize, order: usize, out: &mut Observation) {
+        self.catch_up();
         let (modes, unknowns) = (self.modes(), self.unknowns());
         let shape = self.output_shape(node);
         out.value = [0.0; 2];
@@ -87,6 +92,7 @@ impl PeriodicSystem for Balance<'_> {
     }
 
     fn nodes_along(&mut self, unknowns: &[f64], scalars: &[f64; 4], out: &mut [Vec<f64>]) {
+        self.catch_up();
         let modes = self.modes();
         self.right.fill(0.0);
         if !self.is_linear() {

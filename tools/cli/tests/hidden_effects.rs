@@ -116,6 +116,28 @@ fn every_effect_a_contact_can_show_is_found_and_what_was_seen_of_it_is_said() {
 }
 
 #[test]
+fn what_is_told_of_an_effect_is_told_of_the_model_with_all_that_was_found() {
+    let folder = hidden(&["backlash", "stiffening"], 0.03);
+    let diagnosis = diagnose(folder.path());
+    assert_eq!(diagnosis["verdict"], "effect-found", "{diagnosis:#}");
+    let model = Model::parse(&fs::read_to_string(folder.path().join("found.toml")).unwrap()).unwrap();
+    for (place, effect) in diagnosis["effects"].as_array().unwrap().iter().enumerate() {
+        let candidates = diagnosis["candidates"].as_array().unwrap();
+        let candidate = candidates.iter().find(|one| one["effect"] == *effect).unwrap();
+        for (name, told) in candidate["parameters"].as_object().unwrap() {
+            let path = format!("effect.{}.{name}", place + 1);
+            assert_eq!(diagnosis["parameters"][&path], *told, "{path}");
+            let written = model.get(&path).unwrap();
+            assert!(
+                (told["value"].as_f64().unwrap() / written - 1.0).abs() < 1e-9,
+                "{path}: {told} {written}"
+            );
+            assert!((told["low"].as_f64().unwrap()..told["high"].as_f64().unwrap()).contains(&written));
+        }
+    }
+}
+
+#[test]
 fn what_no_entry_of_the_catalogue_explains_is_not_given_a_name() {
     let found = found(&["unknown:position_dependent_friction"], 0.003);
     assert_eq!(found[0], "unexplained", "{found}");

@@ -148,7 +148,7 @@ fn bad_input_is_told_with_names_and_nothing_is_written() {
         (&[system, "--set", "contact.nix=1"], "contact (resources/JenkinsContact.fmu) has no variable `nix`"),
         (&[system, "--set", "gear.nix=1"], "the system has beam, contact"),
         (&[system, "--set", "contact.normal_load=much"], "`much`"),
-        (&[system, "--step", "-1"], "step"),
+        (&[system, "--step=-1"], "step"),
         (&[system, "--out", "r.xlsx"], ".parquet"),
         (&[system, "--out", "BeamWithJenkins.ssp"], "would replace the input"),
     ];
@@ -197,4 +197,29 @@ fn discarded_steps_are_repeated_shorter_or_told() {
         ["simulate", "Unruly.fmu", "--stop", "1", "--step", "0.1", "--set", "behaviour=4", "--out", "r.csv"];
     let (out, _) = ended(folder.path(), 1, &arguments);
     assert!(out.contains("gave up") && out.contains("0.45"), "{out}");
+}
+
+#[test]
+fn two_contacts_on_one_beam_share_it_and_take_its_energy() {
+    let folder = tempfile::tempdir().unwrap();
+    ended(folder.path(), 0, &["fmu", "BeamWithTwoContacts"]);
+    let arguments =
+        ["simulate", "BeamWithTwoContacts.ssp", "--stop", "0.02", "--step", "2e-5", "--out", "r.json"];
+    ended(folder.path(), 0, &arguments);
+    let json = json(&folder, "r.json");
+    let energy = json["energy"].as_array().unwrap();
+    assert_eq!(energy.len(), 2, "{energy:?}");
+    for one in energy {
+        let (magnitude, exchanged) = (one["magnitude"].as_f64().unwrap(), one["exchanged"].as_f64().unwrap());
+        assert!(exchanged > 0.0 && magnitude < 0.01 * exchanged, "{one}");
+    }
+    // The damper starts beyond its limit: it pulls with the friction force and then gives energy to friction.
+    let force = column(&json, "damper.force");
+    assert!((force[0] + 0.6 * 147.15).abs() < 1e-9, "{}", force[0]);
+    for contact in ["contact", "damper"] {
+        let dissipated = column(&json, &format!("{contact}.dissipated_energy"));
+        assert!(
+            dissipated.windows(2).all(|pair| pair[1] >= pair[0] - 1e-15) && *dissipated.last().unwrap() > 0.0
+        );
+    }
 }

@@ -4,7 +4,7 @@ use stickslip::slave::Instance;
 use stickslip_readers::ssp::{
     Outline, OutlineComponent, OutlineConnection, OutlineConnector, OutlineParameter,
 };
-use stickslip_readers::units::{BASE_UNITS, Unit};
+use stickslip_readers::units::{BASE_UNITS, Linear, Unit};
 
 use crate::xml::{BASES, exponents};
 use crate::{Error, standard_models, write_fmu};
@@ -14,25 +14,63 @@ struct Standard {
     name: &'static str,
     description: &'static str,
     beam: &'static str,
-    /// Component, FMU, and the beam's input for its force.
-    contacts: &'static [(&'static str, &'static str, &'static str)],
+    contacts: &'static [Contact],
+    /// Force of the exciter (N) at the start; none where a contact acts through that input.
+    excitation: Option<f64>,
+}
+
+/// A contact on the beam.
+struct Contact {
+    name: &'static str,
+    fmu: &'static str,
+    /// The beam's output that moves it.
+    motion: &'static str,
+    /// How far what it rubs against is from its place (m).
+    displaced: f64,
+    /// The beam's input that takes its force, and the sign of restoring forces there.
+    force: (&'static str, f64),
+}
+
+/// The beam's support.
+const fn support(fmu: &'static str) -> Contact {
+    Contact { name: "contact", fmu, motion: "displacement", displaced: 0.0, force: ("contact_force", 1.0) }
 }
 
 /// Force of the exciter (N) that the systems start with: enough to make the contact slip.
 const EXCITATION: f64 = 20.0;
 
-const SYSTEMS: [Standard; 2] = [
+const SYSTEMS: [Standard; 3] = [
     Standard {
         name: "BeamWithValanis",
         description: "Beam in modal coordinates whose support is a contact with Valanis' law",
         beam: "ModalBeam",
-        contacts: &[("contact", "ValanisContact", "contact_force")],
+        contacts: &[support("ValanisContact")],
+        excitation: Some(EXCITATION),
     },
     Standard {
         name: "BeamWithJenkins",
         description: "Beam in modal coordinates whose support is a contact with Jenkins' element",
         beam: "ModalBeam",
-        contacts: &[("contact", "JenkinsContact", "contact_force")],
+        contacts: &[support("JenkinsContact")],
+        excitation: Some(EXCITATION),
+    },
+    Standard {
+        name: "BeamWithTwoContacts",
+        description: "Beam in modal coordinates with a frictional support and a friction damper at x = 0.55 m, which \
+                      is pulled 0.02 mm aside at the start",
+        beam: "ModalBeam",
+        contacts: &[
+            support("ValanisContact"),
+            Contact {
+                name: "damper",
+                fmu: "JenkinsContact",
+                motion: "displacement:x=0.55",
+                displaced: 2e-5,
+                // The exciter pushes where the damper resists.
+                force: ("excitation", -1.0),
+            },
+        ],
+        excitation: None,
     },
 ];
 
@@ -55,7 +93,8 @@ pub fn write_system(name: &str) -> Result<Vec<u8>, Error> {
     let system = SYSTEMS.iter().find(|system| system.name == name);
     let system = system.ok_or_else(|| Error::UnknownSystem(name.to_owned()))?;
     let mut fmus = vec![system.beam];
-    fmus.extend(system.contacts.iter().map(|(_, fmu, _)| *fmu));
+    fmus.extend(system.contacts.iter().map(|contact| contact.fmu));
+    fmus.sort_unstable();
     fmus.dedup();
     let mut files = Vec::new();
     for fmu in fmus {
@@ -84,15 +123,26 @@ fn outline(system: &Standard) -> Result<Outline, Error> {
     // The excitation is a start value and no connector: not every program knows connectors of the system.
     let (mut beam, mut connections) = (Vec::new(), Vec::new());
     let mut contacts = Vec::new();
-    for (name, fmu, force) in system.contacts {
+    for Contact { name, fmu, motion, displaced, force: (force, sign) } in system.contacts {
         beam.push(connector(force, true, "N"));
+        beam.push(connector(motion, false, "m"));
         let own = vec![connector("displacement", true, "m"), connector("force", false, "N")];
         contacts.push(component(name, fmu, own));
-        connections
-            .push(OutlineConnection { start: end("beam", "displacement"), end: end(name, "displacement") });
-        connections.push(OutlineConnection { start: end(name, "force"), end: end("beam", force) });
+        let linear = |factor: f64, offset: f64| {
+            let linear = Linear { factor, offset };
+            (linear != Linear::IDENTITY).then_some(linear)
+        };
+        connections.push(OutlineConnection {
+            start: end("beam", motion),
+            end: end(name, "displacement"),
+            transformation: linear(1.0, -displaced),
+        });
+        connections.push(OutlineConnection {
+            start: end(name, "force"),
+            end: end("beam", force),
+            transformation: linear(*sign, 0.0),
+        });
     }
-    beam.push(connector("displacement", false, "m"));
     let experiment = Instance::new(model(system.beam)?)?.description().experiment;
     Ok(Outline {
         name: system.name.to_owned(),
@@ -100,11 +150,11 @@ fn outline(system: &Standard) -> Result<Outline, Error> {
         connectors: Vec::new(),
         components: std::iter::once(component("beam", system.beam, beam)).chain(contacts).collect(),
         connections,
-        parameters: vec![OutlineParameter {
-            name: "beam.excitation".to_owned(),
-            value: EXCITATION,
-            unit: "N".to_owned(),
-        }],
+        parameters: system
+            .excitation
+            .map(|value| OutlineParameter { name: "beam.excitation".to_owned(), value, unit: "N".to_owned() })
+            .into_iter()
+            .collect(),
         units: ["N", "m"].into_iter().map(unit).collect(),
         experiment: (experiment.start, experiment.stop),
     })

@@ -27,6 +27,9 @@ struct Arguments {
     /// Only cases whose name holds this text; several: each must be in it
     #[arg(long)]
     filter: Vec<String>,
+    /// Another set of the same cases, all numbers and all noise drawn anew
+    #[arg(long, default_value_t = 0)]
+    set: usize,
     /// Runs side by side; with one the program takes all cores
     #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
     jobs: usize,
@@ -106,6 +109,9 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     score(arguments, &tasks, &format!("sealed-{}", files::GENERATION))
 }
 
+/// More than any set has of one case.
+const REPLICAS: usize = 100;
+
 fn chosen(arguments: &Arguments) -> Result<Vec<Case>, String> {
     if let Some(word) =
         arguments.kind.as_deref().filter(|word| Kind::ALL.iter().all(|kind| kind.word() != *word))
@@ -114,6 +120,7 @@ fn chosen(arguments: &Arguments) -> Result<Vec<Case>, String> {
     }
     let cases: Vec<Case> = case::sealed()
         .into_iter()
+        .map(|case| Case { replica: case.replica + REPLICAS * arguments.set, ..case })
         .filter(|case| wanted(arguments, case.kind.word(), &case.name()))
         .take(arguments.cases.unwrap_or(usize::MAX))
         .collect();

@@ -196,7 +196,8 @@ impl Prescribed {
     /// The contact force on the fine grid, from before the record's start as far as a late sensor looks back.
     fn force(&self, motion: &Motion, period: f64, step: f64) -> Fine {
         let late = self.fault.as_ref().map_or(0.0, |fault| fault.delay);
-        let before = (late / period).ceil() as usize * STEPS;
+        // One sample at least: a contact that is put down at the first sample has no speed there yet.
+        let before = ((late / period).ceil() as usize).max(1) * STEPS;
         let history = match motion.stretch {
             None => 800 * STEPS,
             Some(_) => before,
@@ -322,4 +323,31 @@ pub fn contact_table(
         "[contact]\n{at}law = \"jenkins\"\ntangential_stiffness = {stiffness}\n\
          friction_coefficient = {friction_coefficient}\nnormal_load = {normal_load}\n"
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn at_its_first_sample_a_record_is_in_motion_already() {
+        let damped = Prescribed::draw(&["contact_damping"], 1.0, &mut Random::new(3)).unwrap();
+        let mut plain = damped.clone();
+        plain.joint.damping = 0.0;
+        for (motion, (with, without)) in
+            damped.motions.iter().zip(damped.respond().iter().zip(plain.respond()))
+        {
+            let first = |record: &Record| record.responses().next().unwrap().values[0];
+            let speed = match motion.regime {
+                Regime::FromRest => 0.0,
+                _ => TAU * motion.frequency * motion.amplitude * motion.phase.cos(),
+            };
+            let largest = damped.joint.damping * TAU * motion.frequency * motion.amplitude;
+            let difference = first(with) - first(&without);
+            assert!(
+                (difference - damped.joint.damping * speed).abs() < 2e-3 * largest,
+                "{difference} {speed}"
+            );
+        }
+    }
 }

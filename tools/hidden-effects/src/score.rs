@@ -18,10 +18,23 @@ pub struct Diagnosis {
     pub untouched: Option<f64>,
     /// Floor of the noise on them.
     pub noise_floor: Option<f64>,
-    /// Effect, parameter, interval.
-    pub intervals: Vec<(String, String, [f64; 2])>,
+    /// Intervals of the candidates' parameters.
+    pub intervals: Vec<Interval>,
     /// Duration (s).
     pub seconds: f64,
+}
+
+/// The interval of a parameter of a candidate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interval {
+    /// The candidate's effect.
+    pub effect: String,
+    /// Where it was tried, if somewhere.
+    pub place: Option<String>,
+    /// The parameter.
+    pub name: String,
+    /// Lower and upper end.
+    pub ends: [f64; 2],
 }
 
 impl Diagnosis {
@@ -88,15 +101,21 @@ fn names(list: &Value) -> Vec<String> {
     list.as_array().into_iter().flatten().filter_map(name).collect()
 }
 
-fn intervals(json: &Value) -> Vec<(String, String, [f64; 2])> {
+fn intervals(json: &Value) -> Vec<Interval> {
     let mut intervals = Vec::new();
     for candidate in json.get("candidates").and_then(Value::as_array).into_iter().flatten() {
         let Some(effect) = candidate.get("effect").and_then(Value::as_str) else { continue };
+        let place = candidate.get("location").and_then(Value::as_str);
         let parameters = candidate.get("parameters").and_then(Value::as_object).into_iter().flatten();
         for (name, parameter) in parameters {
             let number = |key: &str| parameter.get(key).and_then(Value::as_f64);
             if let (Some(low), Some(high)) = (number("low"), number("high")) {
-                intervals.push((effect.to_owned(), name.clone(), [low, high]));
+                intervals.push(Interval {
+                    effect: effect.to_owned(),
+                    place: place.map(str::to_owned),
+                    name: name.clone(),
+                    ends: [low, high],
+                });
             }
         }
     }
@@ -128,10 +147,13 @@ pub fn score(truth: &Truth, diagnosis: &Diagnosis) -> Score {
         Class::Single | Class::Pair => 0.0,
     };
     let (mut covered, mut told) = (0, 0);
-    for (effect, name, [low, high]) in &diagnosis.intervals {
+    for Interval { effect, place, name, ends: [low, high] } in &diagnosis.intervals {
         let value = truth.parameters.get(effect).and_then(|parameters| parameters.get(name));
         let named = found && diagnosis.effects.contains(effect) && truth.effects.contains(effect);
-        if let Some(value) = value.filter(|_| named) {
+        // The same effect was tried at other places, too: a mass at m2 says nothing of one at m1.
+        let elsewhere = |at: &String| place.as_ref().is_some_and(|place| place != at);
+        let there = !truth.places.get(effect).is_some_and(elsewhere);
+        if let Some(value) = value.filter(|_| named && there) {
             told += 1;
             covered += usize::from((low..=high).contains(&value));
         }

@@ -19,6 +19,8 @@ pub struct Truth {
     pub coloured: bool,
     /// `full`, `half`, `quarter`.
     pub strength: String,
+    /// Where effects sit that sit somewhere.
+    pub places: BTreeMap<String, String>,
     /// Parameters of each effect, SI.
     pub parameters: BTreeMap<String, BTreeMap<String, f64>>,
 }
@@ -46,6 +48,7 @@ impl Truth {
         };
         effects.retain(|name| name != "none" && !name.is_empty());
         effects.sort();
+        let places = entry.get("places").and_then(Value::as_object).into_iter().flatten();
         let parameters = entry.get("parameters").and_then(Value::as_object).into_iter().flatten();
         Ok(Truth {
             kind,
@@ -53,6 +56,9 @@ impl Truth {
             noise: entry.get("noise").and_then(Value::as_f64).unwrap_or(f64::NAN),
             coloured: entry.get("coloured").and_then(Value::as_bool).unwrap_or(false),
             strength: word("strength").unwrap_or_else(|| "full".to_owned()),
+            places: places
+                .filter_map(|(effect, place)| Some((effect.clone(), place.as_str()?.to_owned())))
+                .collect(),
             parameters: parameters.map(|(effect, values)| (effect.clone(), numbers(values))).collect(),
         })
     }

@@ -44,6 +44,28 @@ fn a_named_effect_counts_one_and_a_group_that_holds_it_half() {
 }
 
 #[test]
+fn an_interval_counts_for_what_is_hidden_where_it_sits() {
+    let candidate = |place: &str, low: f64| {
+        json!({"effect": "added_mass", "location": place, "error": 0.02, "gain_z": 9.0, "parameters":
+            {"mass": {"value": low + 0.1, "low": low, "high": low + 0.2, "unit": "kg"}}})
+    };
+    let said = json!({
+        "schema": "stickslip.diagnosis/1", "verdict": "effect-found", "effects": ["added_mass"], "groups": [],
+        "candidates": [candidate("m1", 0.9), candidate("m2", 3.0)],
+    });
+    let covered = |places: Value| {
+        let truth = Truth::read(&json!({
+            "family": "oscillator", "effect": "added_mass", "places": places,
+            "parameters": {"added_mass": {"mass": 1.0}},
+        }));
+        score(&truth.unwrap(), &Diagnosis::read(&said).unwrap()).covered
+    };
+    assert_eq!(covered(json!({"added_mass": "m1"})), (1, 1));
+    assert_eq!(covered(json!({"added_mass": "m2"})), (0, 1));
+    assert_eq!(covered(json!({})), (1, 2));
+}
+
+#[test]
 fn a_pair_counts_when_both_are_named_in_any_order() {
     let pair = "wear+backlash";
     assert_eq!(truth(pair).class(), Class::Pair);

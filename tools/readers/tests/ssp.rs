@@ -282,10 +282,14 @@ fn outline() -> Outline {
             component("b", vec![connector("x", true, "m"), connector("f", false, "N")]),
         ],
         connections: vec![
-            OutlineConnection { start: end("a", "x"), end: end("b", "x") },
-            OutlineConnection { start: end("b", "f"), end: end("a", "f") },
-            OutlineConnection { start: end("", "push"), end: end("a", "push") },
-            OutlineConnection { start: end("a", "x"), end: end("", "seen") },
+            OutlineConnection {
+                start: end("a", "x"),
+                end: end("b", "x"),
+                transformation: Some(Linear { factor: -1.0, offset: 2e-6 }),
+            },
+            OutlineConnection { start: end("b", "f"), end: end("a", "f"), transformation: None },
+            OutlineConnection { start: end("", "push"), end: end("a", "push"), transformation: None },
+            OutlineConnection { start: end("a", "x"), end: end("", "seen"), transformation: None },
         ],
         parameters: vec![OutlineParameter { name: "b.k".to_owned(), value: 7.9e6, unit: "N".to_owned() }],
         units: vec![unit("m", [0, 1, 0, 0, 0, 0, 0, 0]), unit("N", [1, 1, -2, 0, 0, 0, 0, 0])],
@@ -306,6 +310,8 @@ fn a_package_that_was_written_is_read_back() {
     assert_eq!(system.remarks, Vec::<String>::new());
     assert_eq!(system.name, "pair");
     assert_eq!(std::fs::read(&system.components[1].file).unwrap(), b"b");
+    let x = system.connections.iter().find(|one| one.to.variable == "x").unwrap();
+    assert_eq!(x.route.linear(None, None).unwrap(), Linear { factor: -1.0, offset: 2e-6 });
     assert_eq!((system.connections.len(), system.inputs.len(), system.outputs.len()), (2, 1, 1));
     assert_eq!(system.parameters[0].value, Value::Real(7.9e6));
     assert_eq!(system.parameters[0].target, End { component: 1, variable: "k".to_owned() });

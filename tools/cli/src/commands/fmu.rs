@@ -12,7 +12,7 @@ pub struct Fmu {
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
     /// Standard models (JenkinsContact, ValanisContact, ModalBeam, FrictionalBeam) and systems of them as .ssp
-    /// (BeamWithValanis, BeamWithJenkins) to write; all when none is named
+    /// (BeamWithValanis, BeamWithJenkins, BeamWithTwoContacts) to write; all when none is named
     #[arg(value_name = "MODEL")]
     models: Vec<String>,
 }

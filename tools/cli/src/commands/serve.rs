@@ -21,6 +21,7 @@ pub struct Serve {
 impl Serve {
     /// Serves until the other side goes away.
     pub fn run(self) -> Result<(), Failure> {
-        stickslip_fmi_host::serve(&self.folder, &self.fmu, &self.name).map_err(|error| Failure::other(error.to_string()))
+        stickslip_fmi_host::serve(&self.folder, &self.fmu, &self.name)
+            .map_err(|error| Failure::other(error.to_string()))
     }
 }

@@ -8,7 +8,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 use super::STRUCTURE;
-use crate::units::{BASE_UNITS, Unit};
+use crate::units::{BASE_UNITS, Linear, Unit};
 
 /// A system to be written. It declares inputs and outputs of Real variables.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -60,6 +60,8 @@ pub struct OutlineConnection {
     pub start: (Option<String>, String),
     /// Element and connector where it goes.
     pub end: (Option<String>, String),
+    /// What happens to the value; not every program does it.
+    pub transformation: Option<Linear>,
 }
 
 /// A Real value.
@@ -233,7 +235,13 @@ impl Xml {
             attributes.push(("endElement", element.as_str()));
         }
         attributes.push(("endConnector", connection.end.1.as_str()));
-        self.empty("ssd:Connection", &attributes)
+        let Some(Linear { factor, offset }) = connection.transformation else {
+            return self.empty("ssd:Connection", &attributes);
+        };
+        self.open("ssd:Connection", &attributes)?;
+        let (factor, offset) = (number(factor), number(offset));
+        self.empty("ssc:LinearTransformation", &[("factor", &factor), ("offset", &offset)])?;
+        self.close("ssd:Connection")
     }
 
     fn units(&mut self, list: &str, units: &[Unit]) -> std::io::Result<()> {

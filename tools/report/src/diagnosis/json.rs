@@ -33,6 +33,7 @@ pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
         "groups": groups,
         "error": errors(diagnosis),
         "candidates": diagnosis.candidates.iter().map(candidate).collect::<Vec<_>>(),
+        "parameters": estimates(&diagnosis.parameters),
         "detectable": detectable(diagnosis),
         "next_experiment": next,
         "seconds": run.seconds,

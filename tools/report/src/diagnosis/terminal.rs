@@ -133,6 +133,9 @@ pub fn gain(candidate: &Candidate) -> String {
     if !candidate.gain_share.is_finite() {
         return format::ABSENT.to_owned();
     }
+    if candidate.gain_share < -1.0 {
+        return "worse".to_owned();
+    }
     format::Scale { factor: 100.0, unit: "%".to_owned(), decimals: 1 }.with_unit(candidate.gain_share)
 }
 

@@ -169,6 +169,7 @@ fn of(comparison: Comparison) -> Diagnosis {
             dropped: false,
         }],
         candidates: candidates(),
+        parameters: candidates().remove(0).parameters,
         rounds: vec![candidates().split_off(3)],
         untried: vec![
             Untried { effect: "normal_hardening", reason: "no record has a normal displacement".into() },
@@ -278,6 +279,7 @@ pub fn insufficient() -> Diagnosis {
         effects: vec![],
         steps: vec![],
         candidates: vec![],
+        parameters: vec![],
         rounds: vec![],
         confounding: vec![],
         detectable: vec![],
