@@ -321,11 +321,11 @@ fn number(name: &str, text: &str) -> Result<f64, Failure> {
 
 /// The component and variable that `component.variable` names; a lone FMU's variables go by their names alone, too.
 pub(super) fn find(parts: &[Part], name: &str) -> Result<(usize, String), Failure> {
-    let ends = parts.iter().enumerate().filter_map(|(index, part)| {
+    let mut ends = parts.iter().enumerate().filter_map(|(index, part)| {
         let rest = name.strip_prefix(part.name.as_str())?.strip_prefix('.')?;
         part.variable(rest).is_ok().then(|| (index, rest.to_owned()))
     });
-    if let Some(found) = ends.last() {
+    if let Some(found) = ends.next_back() {
         return Ok(found);
     }
     if let [part] = parts
@@ -354,10 +354,10 @@ fn observe(system: &mut System, names: &[String], more: &[String]) -> Result<(),
         system.observe(&slave, &variable).map_err(refused)?;
     }
     for name in more {
-        let ends = names.iter().filter_map(|component| {
+        let mut ends = names.iter().filter_map(|component| {
             Some((component, name.strip_prefix(component.as_str())?.strip_prefix('.')?))
         });
-        let Some((component, variable)) = ends.last() else {
+        let Some((component, variable)) = ends.next_back() else {
             return Err(Failure::input(format!(
                 "there is no component of `{name}`; the system has {}",
                 names.join(", ")
