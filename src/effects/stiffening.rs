@@ -15,11 +15,11 @@ pub(super) const EFFECT: Effect = Effect {
     parameters: &[EffectParameter {
         quantity: &v::CUBIC_STIFFNESS,
         range: |scales| {
-            both_signs(
-                100.0 * (scales.limit / scales.displacement + 0.1 * scales.stiffness)
-                    / scales.displacement.powi(2),
-                0.003,
-            )
+            let stiffness = scales.limit / scales.displacement + 0.1 * scales.stiffness;
+            let mut range = both_signs(100.0 * stiffness / scales.displacement.powi(2), 0.003);
+            // A strong spring moves a structure's resonance so far that no weak one shows the way.
+            range.starts.push(10.0 * range.starts[0]);
+            range
         },
     }],
     place: PlaceKind::Nowhere,
