@@ -361,35 +361,52 @@ fn an_interrupted_refit_writes_what_it_has() {
 }
 
 /// The measured loops of a friction device have a licence of their own and stay where they are.
-#[test]
-fn measured_friction_damper_is_compared_where_its_data_are_present() {
+fn friction_damper() -> Option<PathBuf> {
     let data = std::env::var_os("STICKSLIP_DATA")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), PathBuf::from);
     let folder = data.join("friction-damper");
-    if !folder.is_dir() {
+    let there = folder.is_dir();
+    if !there {
         eprintln!("SKIPPED: {} is not there (set STICKSLIP_DATA)", folder.display());
-        return;
     }
+    there.then_some(folder)
+}
+
+#[test]
+fn measured_friction_damper_is_compared_where_its_data_are_present() {
+    let Some(folder) = friction_damper() else { return };
     let out = tempfile::tempdir().unwrap();
     let (model, dataset) = (folder.join("model.toml"), folder.join("dataset.toml"));
-    let output = stickslip(
-        out.path(),
-        &[
-            "compare",
-            model.to_str().unwrap(),
-            dataset.to_str().unwrap(),
-            "--json",
-            "c.json",
-            "--report",
-            "r.html",
-        ],
-    );
+    let (model, dataset) = (model.to_str().unwrap(), dataset.to_str().unwrap());
+    let output =
+        stickslip(out.path(), &["compare", model, dataset, "--json", "c.json", "--report", "r.html"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let json: serde_json::Value =
         serde_json::from_slice(&fs::read(out.path().join("c.json")).unwrap()).unwrap();
     let error = |name: &str| json["error"][name].as_f64().unwrap();
     assert!(error("refitted") < 0.5 * error("baseline"), "{} {}", error("baseline"), error("refitted"));
     assert_eq!(json["stages"][1]["records"].as_array().unwrap().len(), 10);
+}
+
+#[test]
+fn the_measured_friction_damper_lacks_backlash() {
+    let Some(folder) = friction_damper() else { return };
+    let out = tempfile::tempdir().unwrap();
+    let (model, dataset) = (folder.join("model.toml"), folder.join("dataset.toml"));
+    let (model, dataset) = (model.to_str().unwrap(), dataset.to_str().unwrap());
+    let tried = ["--effects", "backlash,residual_stiffness"];
+    let output =
+        stickslip(out.path(), &[&["diagnose", model, dataset, "--json", "d.json"], &tried[..]].concat());
+    assert_eq!(output.status.code(), Some(10), "{}", String::from_utf8_lossy(&output.stderr));
+    let json: serde_json::Value =
+        serde_json::from_slice(&fs::read(out.path().join("d.json")).unwrap()).unwrap();
+    assert_eq!(json["effects"], serde_json::json!(["backlash"]));
+    let error = |name: &str| json["error"][name].as_f64().unwrap();
+    assert!(
+        error("untouched") < 0.75 * error("untouched_refitted")
+            && error("untouched") < 0.5 * error("baseline")
+    );
+    assert!(json["error"]["noise_floor"].is_null(), "nothing tells the noise of these records");
 }
 
 /// Exit code 2, one message that holds every one of `hints`, and every file as it was.
