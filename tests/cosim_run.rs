@@ -292,6 +292,9 @@ fn the_last_step_is_as_long_as_what_is_left() {
     let (rows, _) = record(joined(TWO_MASSES.slaves()), settings.clone()).unwrap();
     assert_eq!((rows.len(), rows.last().unwrap().0), (35, 1.0));
     assert!((rows[34].1[0] - exact[0]).abs() < 1e-3);
+    let settings_of_one = Settings::new(strong(Method::Newton), 1e7, 1.0);
+    let (rows, _) = record(joined(TWO_MASSES.slaves()), settings_of_one).unwrap();
+    assert_eq!((rows.len(), rows.last().unwrap().0), (2, 1.0), "a step longer than the run is cut to it");
     let fixed = Abilities { variable_step: false, ..EVERYTHING };
     let (rows, report) =
         record(joined(TWO_MASSES.slaves().map(|slave| slave.with(fixed))), settings).unwrap();

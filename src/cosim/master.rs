@@ -168,7 +168,8 @@ impl Master {
         let Settings { start, step, stop, .. } = self.settings;
         let whole = (stop - start) / step;
         let nearest = whole.round();
-        if (whole - nearest).abs() < SAME || whole == 0.0 {
+        // A step longer than the whole run is cut to it.
+        if whole == 0.0 || nearest >= 1.0 && (whole - nearest).abs() < SAME {
             return (nearest as u64, step);
         }
         if self.variable {

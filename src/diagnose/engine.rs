@@ -121,11 +121,18 @@ pub fn diagnose(
     meter.expect(1 + tried.len());
     let findings = Findings::search(&search, base, &tried, options.max_effects, known, &meter);
     let outcome = conclude(&search, &whole, model, findings, known)?;
-    Ok(verdict::of(
+    let mut diagnosis = verdict::of(
         &search,
         &whole,
         verdict::Material { model, dataset, baseline, measured, known, tried, untried, outcome },
-    ))
+    );
+    if let Some(only) = &options.effects {
+        let only = only.join(", ");
+        diagnosis
+            .reasons
+            .push(format!("only {only} was tried: what is said of the catalogue holds for that alone"));
+    }
+    Ok(diagnosis)
 }
 
 /// The diagnosis of a table of few points.

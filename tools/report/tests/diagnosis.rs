@@ -71,7 +71,7 @@ fn every_verdict_is_said_first_and_with_a_next_step() {
     let said = [
         ("Effect found", "Residual stiffness is missing"),
         ("Not distinguishable", "Asymmetric limit or Sensor offset"),
-        ("Unexplained", "no effect of the catalogue explains"),
+        ("Unexplained", "no effect tried explains"),
         ("Nothing is missing", "Nothing is missing that these data could show"),
         ("Insufficient data", "cannot carry an answer"),
     ];

@@ -61,7 +61,7 @@ pub fn verdict(diagnosis: &Diagnosis) -> String {
             floor(diagnosis)
         ),
         Verdict::Unexplained => format!(
-            "Something is missing that no effect of the catalogue explains.{}{}",
+            "Something is missing that no effect tried explains.{}{}",
             if diagnosis.surrogates.is_empty() { String::new() } else { format!(" {}", fall(diagnosis)) },
             floor(diagnosis)
         ),

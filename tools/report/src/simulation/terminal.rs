@@ -56,7 +56,8 @@ fn energy(out: &mut Text, simulation: &Simulation) {
         ]);
     }
     out.grid(&left, &cells, 0);
-    out.paragraph("positive sums: the coupling fed energy in", "");
+    out.paragraph("a positive sum was fed in by the coupling, a negative one taken out; whether the step is short enough for the \
+         FMUs themselves it does not tell: halve it and compare", "");
 }
 
 /// Two significant digits.

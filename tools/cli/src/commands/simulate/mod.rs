@@ -24,14 +24,14 @@ pub struct Simulate {
     /// The system: an SSP 1.0 package (.ssp) or description (.ssd), or a single FMU
     system: PathBuf,
     /// Stop (s); the system's own where it proposes one
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     stop: Option<f64>,
     /// Start (s)
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     start: Option<f64>,
     /// Communication step (s), under `adaptive` the first one; the least that the FMUs propose, or a thousandth of the
     /// span
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     step: Option<f64>,
     /// How the FMUs exchange their values
     #[arg(long, value_enum, default_value_t)]
@@ -44,10 +44,10 @@ pub struct Simulate {
     iteration: Iteration,
     /// Of the coupling: relative error of a step under `adaptive` (1e-4 unless given), end of the repetition under
     /// `strong` (1e-8 unless given)
-    #[arg(long, value_name = "RELATIVE")]
+    #[arg(long, value_name = "RELATIVE", allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Relative tolerance inside the FMUs; their own unless given
-    #[arg(long, value_name = "RELATIVE")]
+    #[arg(long, value_name = "RELATIVE", allow_negative_numbers = true)]
     fmu_tolerance: Option<f64>,
     /// Sets a parameter, or the start value of an input: `contact.normal_load=120`; can be given several times
     #[arg(long = "set", value_name = "NAME=VALUE")]
