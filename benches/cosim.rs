@@ -7,7 +7,7 @@ use divan::counter::ItemsCount;
 use divan::{AllocProfiler, Bencher, black_box};
 use std::ops::ControlFlow;
 use stickslip::cosim::{
-    Abilities, Algorithm, Causality, Kind, Master, NativeSlave, Parallel, Settings, Setup, Slave, SlaveError,
+    Abilities, Algorithm, Causality, Kind, Master, NativeSlave, Parallel, Settings, Slave, SlaveError,
     Stepped, Strong, System, Variable,
 };
 use stickslip::model::Model;
@@ -62,36 +62,12 @@ impl Slave for Structure {
     fn abilities(&self) -> Abilities {
         Abilities { saves_state: true, variable_step: true, ..Abilities::default() }
     }
-    fn set_up(&mut self, _: Setup) -> Result<(), SlaveError> {
-        Ok(())
-    }
-    fn enter_initialization(&mut self) -> Result<(), SlaveError> {
-        Ok(())
-    }
-    fn exit_initialization(&mut self) -> Result<(), SlaveError> {
-        Ok(())
-    }
     fn set(&mut self, variables: &[usize], values: &[f64]) -> Result<(), SlaveError> {
         variables.iter().zip(values).for_each(|(variable, value)| self.forces[*variable] = *value);
         Ok(())
     }
     fn get(&mut self, _: &[usize], values: &mut [f64]) -> Result<(), SlaveError> {
         values.fill(self.state[0]);
-        Ok(())
-    }
-    fn set_input_derivatives(&mut self, _: &[usize], _: &[f64]) -> Result<(), SlaveError> {
-        Ok(())
-    }
-    fn output_derivatives(&mut self, _: &[usize], _: u32, _: &mut [f64]) -> Result<(), SlaveError> {
-        Ok(())
-    }
-    fn directional_derivative(
-        &mut self,
-        _: &[usize],
-        _: &[usize],
-        _: &[f64],
-        _: &mut [f64],
-    ) -> Result<(), SlaveError> {
         Ok(())
     }
     fn do_step(&mut self, _: f64, step: f64) -> Result<Stepped, SlaveError> {
@@ -107,9 +83,6 @@ impl Slave for Structure {
     }
     fn restore(&mut self, slot: usize) -> Result<(), SlaveError> {
         self.state = self.saved[slot];
-        Ok(())
-    }
-    fn terminate(&mut self) -> Result<(), SlaveError> {
         Ok(())
     }
 }

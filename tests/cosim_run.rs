@@ -406,15 +406,6 @@ impl Slave for Square {
     fn abilities(&self) -> Abilities {
         Abilities { saves_state: true, variable_step: true, ..Abilities::default() }
     }
-    fn set_up(&mut self, _: Setup) -> Result<(), SlaveError> {
-        Ok(())
-    }
-    fn enter_initialization(&mut self) -> Result<(), SlaveError> {
-        Ok(())
-    }
-    fn exit_initialization(&mut self) -> Result<(), SlaveError> {
-        Ok(())
-    }
     fn set(&mut self, variables: &[usize], values: &[f64]) -> Result<(), SlaveError> {
         if values.iter().any(|value| value.abs() > 100.0) {
             self.0.note("refused");
@@ -430,21 +421,6 @@ impl Slave for Square {
         values.fill(self.1 * self.1);
         Ok(())
     }
-    fn set_input_derivatives(&mut self, _: &[usize], _: &[f64]) -> Result<(), SlaveError> {
-        Ok(())
-    }
-    fn output_derivatives(&mut self, _: &[usize], _: u32, _: &mut [f64]) -> Result<(), SlaveError> {
-        Ok(())
-    }
-    fn directional_derivative(
-        &mut self,
-        _: &[usize],
-        _: &[usize],
-        _: &[f64],
-        _: &mut [f64],
-    ) -> Result<(), SlaveError> {
-        Ok(())
-    }
     fn do_step(&mut self, _: f64, _: f64) -> Result<Stepped, SlaveError> {
         Ok(Stepped::Done)
     }
@@ -452,9 +428,6 @@ impl Slave for Square {
         Ok(())
     }
     fn restore(&mut self, _: usize) -> Result<(), SlaveError> {
-        Ok(())
-    }
-    fn terminate(&mut self) -> Result<(), SlaveError> {
         Ok(())
     }
 }

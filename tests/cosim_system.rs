@@ -5,8 +5,8 @@ mod cosim_support;
 use cosim_support::lumped::*;
 use cosim_support::*;
 use stickslip::cosim::{
-    Abilities, Algorithm, Causality, Kind, Master, Settings, Setup, Slave, SlaveError, Stepped, System,
-    SystemError, Variable,
+    Abilities, Algorithm, Causality, Kind, Master, Settings, Slave, SlaveError, Stepped, System, SystemError,
+    Variable,
 };
 
 fn refused(connect: impl Fn(&mut System) -> Result<(), SystemError>) -> SystemError {
@@ -94,15 +94,6 @@ impl Slave for Switch {
     fn abilities(&self) -> Abilities {
         Abilities::default()
     }
-    fn set_up(&mut self, _: Setup) -> Result<(), SlaveError> {
-        Ok(())
-    }
-    fn enter_initialization(&mut self) -> Result<(), SlaveError> {
-        Ok(())
-    }
-    fn exit_initialization(&mut self) -> Result<(), SlaveError> {
-        Ok(())
-    }
     fn set(&mut self, _: &[usize], _: &[f64]) -> Result<(), SlaveError> {
         Ok(())
     }
@@ -110,32 +101,8 @@ impl Slave for Switch {
         values.fill(1.0);
         Ok(())
     }
-    fn set_input_derivatives(&mut self, _: &[usize], _: &[f64]) -> Result<(), SlaveError> {
-        Ok(())
-    }
-    fn output_derivatives(&mut self, _: &[usize], _: u32, _: &mut [f64]) -> Result<(), SlaveError> {
-        Ok(())
-    }
-    fn directional_derivative(
-        &mut self,
-        _: &[usize],
-        _: &[usize],
-        _: &[f64],
-        _: &mut [f64],
-    ) -> Result<(), SlaveError> {
-        Ok(())
-    }
     fn do_step(&mut self, _: f64, _: f64) -> Result<Stepped, SlaveError> {
         Ok(Stepped::Done)
-    }
-    fn save(&mut self, _: usize) -> Result<(), SlaveError> {
-        Ok(())
-    }
-    fn restore(&mut self, _: usize) -> Result<(), SlaveError> {
-        Ok(())
-    }
-    fn terminate(&mut self) -> Result<(), SlaveError> {
-        Ok(())
     }
 }
 

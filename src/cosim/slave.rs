@@ -104,8 +104,14 @@ pub struct SlaveError {
     pub severity: Severity,
 }
 
+/// What a slave without the ability answers.
+fn unable(slave: &str, what: &str) -> SlaveError {
+    SlaveError { slave: slave.to_owned(), message: format!("it cannot {what}"), severity: Severity::Call }
+}
+
 /// A slave: a model, or an FMU. Calls come in the order of FMI 2.0 co-simulation: [`Slave::set_up`],
 /// [`Slave::enter_initialization`], [`Slave::exit_initialization`], steps, [`Slave::terminate`].
+/// What needs an ability fails unless the slave has it.
 pub trait Slave: Debug + Send {
     /// Its name in the system.
     fn name(&self) -> &str;
@@ -120,19 +126,26 @@ pub trait Slave: Debug + Send {
     ///
     /// # Errors
     /// Whatever the slave objects to.
-    fn set_up(&mut self, setup: Setup) -> Result<(), SlaveError>;
+    fn set_up(&mut self, setup: Setup) -> Result<(), SlaveError> {
+        let _ = setup;
+        Ok(())
+    }
 
     /// Begins the initialization.
     ///
     /// # Errors
     /// Whatever the slave objects to.
-    fn enter_initialization(&mut self) -> Result<(), SlaveError>;
+    fn enter_initialization(&mut self) -> Result<(), SlaveError> {
+        Ok(())
+    }
 
     /// Ends the initialization.
     ///
     /// # Errors
     /// Whatever the slave objects to.
-    fn exit_initialization(&mut self) -> Result<(), SlaveError>;
+    fn exit_initialization(&mut self) -> Result<(), SlaveError> {
+        Ok(())
+    }
 
     /// Sets variables of any kind, by their positions in the table.
     ///
@@ -152,7 +165,10 @@ pub trait Slave: Debug + Send {
     ///
     /// # Errors
     /// Whatever the slave objects to.
-    fn set_input_derivatives(&mut self, variables: &[usize], derivatives: &[f64]) -> Result<(), SlaveError>;
+    fn set_input_derivatives(&mut self, variables: &[usize], derivatives: &[f64]) -> Result<(), SlaveError> {
+        let _ = (variables, derivatives);
+        Err(unable(self.name(), "interpolate inputs"))
+    }
 
     /// Reads derivatives of Real outputs with respect to time at the end of the last step, of `order` 1 up to
     /// [`Abilities::output_derivative_order`].
@@ -164,7 +180,10 @@ pub trait Slave: Debug + Send {
         variables: &[usize],
         order: u32,
         derivatives: &mut [f64],
-    ) -> Result<(), SlaveError>;
+    ) -> Result<(), SlaveError> {
+        let _ = (variables, order, derivatives);
+        Err(unable(self.name(), "give derivatives of outputs"))
+    }
 
     /// Change of the outputs `unknowns` at the end of the last step when the inputs `knowns` of that step change by
     /// `direction`; before the first step, of the initial outputs. A slave may leave out what passes through its
@@ -178,7 +197,10 @@ pub trait Slave: Debug + Send {
         knowns: &[usize],
         direction: &[f64],
         change: &mut [f64],
-    ) -> Result<(), SlaveError>;
+    ) -> Result<(), SlaveError> {
+        let _ = (unknowns, knowns, direction, change);
+        Err(unable(self.name(), "give directional derivatives"))
+    }
 
     /// As [`Slave::directional_derivative`], where only the ends of the inputs that ran linearly over the last step change
     /// and their beginnings stay. A slave that cannot tell the two apart answers as there, which is the same but for
@@ -207,17 +229,25 @@ pub trait Slave: Debug + Send {
     ///
     /// # Errors
     /// Whatever the slave objects to.
-    fn save(&mut self, slot: usize) -> Result<(), SlaveError>;
+    fn save(&mut self, slot: usize) -> Result<(), SlaveError> {
+        let _ = slot;
+        Err(unable(self.name(), "save its state"))
+    }
 
     /// Goes on from where slot `slot` was saved.
     ///
     /// # Errors
     /// An empty slot, or whatever the slave objects to.
-    fn restore(&mut self, slot: usize) -> Result<(), SlaveError>;
+    fn restore(&mut self, slot: usize) -> Result<(), SlaveError> {
+        let _ = slot;
+        Err(unable(self.name(), "restore its state"))
+    }
 
     /// Ends the simulation; values can still be read.
     ///
     /// # Errors
     /// Whatever the slave objects to.
-    fn terminate(&mut self) -> Result<(), SlaveError>;
+    fn terminate(&mut self) -> Result<(), SlaveError> {
+        Ok(())
+    }
 }
