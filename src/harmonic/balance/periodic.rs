@@ -1,6 +1,8 @@
 //! The beam's balance as a [`PeriodicSystem`]: what continuation, tracking and conditions ask of it.
 
 use super::*;
+use crate::harmonic::stability::beam_is_stable;
+use crate::integrate::LoadedContact;
 
 impl PeriodicSystem for Balance<'_> {
     fn unknowns(&self) -> usize {
@@ -134,6 +136,13 @@ impl PeriodicSystem for Balance<'_> {
         solve: &mut dyn FnMut(&mut [f64]),
     ) -> Result<f64, HarmonicError> {
         Ok(self.left_out(at, point, solve))
+    }
+
+    fn stable(&mut self, point: &Point) -> Option<bool> {
+        let contact =
+            self.contact.map(|ContactOnBeam { law, normal_load }| LoadedContact { law, normal_load });
+        let displacement = point.contacts.first().map_or(&[][..], |contact| &contact.displacement);
+        beam_is_stable(self.beam, contact, &self.modal_coefficients(), displacement, point.angular_frequency)
     }
 
     fn describe(&mut self, x: &[f64], at: &Operating) -> Result<Point, HarmonicError> {
