@@ -10,6 +10,9 @@ impl PeriodicSystem for Balance<'_> {
     }
 
     fn evaluate(&mut self, x: &[f64], at: &Operating, scalars: &[Scalar]) -> Result<f64, HarmonicError> {
+        if scalars.contains(&Scalar::Parameter) {
+            self.vary_force(at.angular_frequency, &x[..self.wide], at.parameter)?;
+        }
         let scale = self.balance(x, at)?;
         if !self.is_linear() {
             self.undifferentiated = Some(at.angular_frequency);
@@ -139,8 +142,8 @@ impl PeriodicSystem for Balance<'_> {
     }
 
     fn stable(&mut self, point: &Point) -> Option<bool> {
-        let contact =
-            self.contact.map(|ContactOnBeam { law, normal_load }| LoadedContact { law, normal_load });
+        let contact = attached(&self.contact, &self.varied);
+        let contact = contact.map(|(law, normal_load)| LoadedContact { law, normal_load });
         let displacement = point.contacts.first().map_or(&[][..], |contact| &contact.displacement);
         beam_is_stable(self.beam, contact, &self.modal_coefficients(), displacement, point.angular_frequency)
     }
