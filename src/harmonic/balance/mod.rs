@@ -137,9 +137,12 @@ pub(crate) struct Balance<'a> {
     jacobian: DMatrix<f64>,
     /// Whether the Jacobian is that of the last evaluation: it costs two large products, and a solution needs none.
     complete: bool,
-    /// Angular frequency (rad/s) of the last evaluation, while its derivatives are not made: a trial step that is
-    /// refused needs none.
-    undifferentiated: Option<f64>,
+    /// Where the last evaluation was, while its derivatives are not made: a trial step that is refused needs none, nor
+    /// does a solution. With the scalars by which they are asked for.
+    undifferentiated: Option<Operating>,
+    asked: Vec<Scalar>,
+    /// Whether there are derivatives, of whichever evaluation.
+    differentiated: bool,
     by: [Vec<f64>; 4],
     /// ∂q/∂scalar at fixed u.
     modal_by: [Vec<f64>; 4],
@@ -215,6 +218,8 @@ impl<'a> Balance<'a> {
             jacobian: DMatrix::identity(unknowns, unknowns),
             complete: false,
             undifferentiated: None,
+            asked: Vec::new(),
+            differentiated: false,
             by: std::array::from_fn(|_| vec![0.0; unknowns]),
             modal_by: std::array::from_fn(|_| vec![0.0; size]),
         })
@@ -420,9 +425,14 @@ impl<'a> Balance<'a> {
 
     /// Makes the derivatives of the last evaluation if they are not made yet.
     fn catch_up(&mut self) {
-        if let Some(angular_frequency) = self.undifferentiated {
-            self.differentiate(angular_frequency);
+        let Some(at) = self.undifferentiated.take() else { return };
+        if !self.is_linear() {
+            self.differentiate(at.angular_frequency);
         }
+        for k in 0..self.asked.len() {
+            self.differentiate_by(self.asked[k], &at);
+        }
+        self.differentiated = true;
     }
 
     /// a + W A⁻¹ B and ∂r/∂unknowns.

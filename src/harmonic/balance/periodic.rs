@@ -14,13 +14,9 @@ impl PeriodicSystem for Balance<'_> {
             self.vary_force(at.angular_frequency, &x[..self.wide], at.parameter)?;
         }
         let scale = self.balance(x, at)?;
-        if !self.is_linear() {
-            self.undifferentiated = Some(at.angular_frequency);
-            if !scalars.is_empty() {
-                self.catch_up();
-            }
-        }
-        scalars.iter().for_each(|scalar| self.differentiate_by(*scalar, at));
+        self.undifferentiated = Some(*at);
+        self.asked.clear();
+        self.asked.extend_from_slice(scalars);
         Ok(scale)
     }
 
@@ -38,6 +34,19 @@ impl PeriodicSystem for Balance<'_> {
 
     fn by(&self, scalar: Scalar) -> &[f64] {
         &self.by[scalar.index()]
+    }
+
+    fn glance(&mut self, node: usize, order: usize) -> [f64; 2] {
+        let (modes, shape) = (self.modes(), self.output_shape(node));
+        let seen = |place: usize| -> f64 {
+            let q = &self.q[place * modes..(place + 1) * modes];
+            q.iter().zip(shape).map(|(q, phi)| q * phi).sum()
+        };
+        match order {
+            0 => [seen(0), 0.0],
+            _ if order <= self.harmonics => [seen(2 * order - 1), seen(2 * order)],
+            _ => [0.0; 2],
+        }
     }
 
     fn observe(&mut self, node: usize, order: usize, out: &mut Observation) {
@@ -78,6 +87,7 @@ impl PeriodicSystem for Balance<'_> {
     fn forget(&mut self) {
         self.cycle.forget();
         self.equations.forget();
+        self.differentiated = false;
     }
 
     fn nodes(&self) -> usize {
@@ -97,7 +107,9 @@ impl PeriodicSystem for Balance<'_> {
     }
 
     fn nodes_along(&mut self, unknowns: &[f64], scalars: &[f64; 4], out: &mut [Vec<f64>]) {
-        self.catch_up();
+        if !self.differentiated {
+            self.catch_up();
+        }
         let modes = self.modes();
         self.right.fill(0.0);
         if !self.is_linear() {

@@ -396,6 +396,10 @@ impl PeriodicSystem for Condensed<'_> {
         &self.by[scalar.index()]
     }
 
+    fn glance(&mut self, node: usize, order: usize) -> [f64; 2] {
+        self.seen(node, order)
+    }
+
     fn observe(&mut self, node: usize, order: usize, out: &mut Observation) {
         self.look(node, order, out);
     }
