@@ -23,8 +23,8 @@ const SAME_PHASE: f64 = 1e-10;
 /// Most steps of a period.
 const MOST_STEPS: usize = 1 << 16;
 
-/// The multipliers over a period. `enough` sees all that are better than the last and tells whether they are good
-/// enough.
+/// The multipliers over a period. `enough` sees them all, each better than the last, and tells whether they are good
+/// enough, which they can be only on a grid that resolves the structure's own motion.
 pub(super) fn multipliers_of(
     motion: &dyn Disturbed,
     enough: &mut dyn FnMut(&[Complex<f64>]) -> bool,
@@ -45,10 +45,9 @@ pub(super) fn multipliers_of(
             let better = &row[k] + (&row[k] - &before[k]) * factor;
             row.push(better);
         }
-        if let (Some(last), Some(previous)) = (row.last(), before.last())
-            && resolved(&grid)
-        {
-            levels += 1;
+        if let (Some(last), Some(previous)) = (row.last(), before.last()) {
+            let fine = resolved(&grid);
+            levels += usize::from(fine);
             let (last, kept) = without_conserved(last, 2 * system.size);
             let previous = previous.select_rows(&kept).select_columns(&kept);
             let (last, scales) = balance(last);
@@ -60,7 +59,8 @@ pub(super) fn multipliers_of(
                 .ok_or(OscillatorError::Diverged { time: TAU / motion.angular_frequency() })?;
             // A map may differ in what the period forgets at once.
             change = of_map.min(distance(&found, &known));
-            if change <= SETTLED || enough(&found) || (levels == LEVELS && change <= ACCEPTED) {
+            let enough = enough(&found);
+            if fine && (change <= SETTLED || enough || (levels == LEVELS && change <= ACCEPTED)) {
                 return Ok(found);
             }
             known = found;
