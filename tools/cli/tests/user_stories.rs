@@ -309,7 +309,8 @@ fn what_could_never_be_done_is_bad_input_and_told_before_the_work() {
     let with = format!("{CONTACT}\n[[effect]]\nid = \"backlash\"\nhalf_gap = 1e-6\n");
     fs::write(path.join("with.toml"), with).unwrap();
     fs::write(path.join("file"), "").unwrap();
-    let cases: [(&[&str], &str); 4] = [
+    let cases: [(&[&str], &str); 5] = [
+        (&["compare", "model.toml", "data", "--report", "r.pdf"], "should end in .html"),
         (&["add", "with.toml", "backlash", "--fit", "data", "-o", "new.toml"], "`backlash` already"),
         (&["fmu", "--out", "file"], "file cannot be a folder"),
         (&["compare", "model.toml", "data", "-o", "/proc/new.toml"], "cannot write /proc/new.toml"),
@@ -456,7 +457,7 @@ fn no_result_replaces_what_it_was_made_from() {
     with(&["--json", "model.toml"], &["model.toml", replaced]);
     with(&["--report", "./data/../model.toml"], &["data/../model.toml", replaced, "model.toml;"]);
     with(&["--json", "data/dataset.toml"], &["data/dataset.toml", replaced]);
-    with(&["--report", "data/loop.csv"], &["data/loop.csv", replaced]);
+    with(&["--json", "data/loop.csv"], &["data/loop.csv", replaced]);
     with(&["--out", "data/loop.csv"], &["data/loop.csv", replaced]);
     refused(&["export", "model.toml", "--out", "x.fmu", "--json", "model.toml"], &["model.toml", replaced]);
     let frf = ["frf", "model.toml", "--from", "1", "--to", "2", "--report", "model.toml"];

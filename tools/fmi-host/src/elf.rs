@@ -173,3 +173,21 @@ fn check_dynamic(file: &File, layout: &Layout, segments: &[Segment]) -> Result<(
 fn number(bytes: &[u8], at: usize, size: usize) -> u64 {
     bytes[at..at + size].iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_libraries_of_this_system_are_whole() {
+        let folders = [format!("/usr/lib/{}-linux-gnu", std::env::consts::ARCH), "/usr/lib64".to_owned()];
+        let files = folders.iter().filter_map(|folder| std::fs::read_dir(folder).ok()).flatten().flatten();
+        let libraries = files.map(|file| file.path()).filter(|path| {
+            let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            name.contains(".so") && std::fs::read(path).is_ok_and(|bytes| bytes.starts_with(b"\x7fELF"))
+        });
+        for library in libraries {
+            assert!(check(&library).is_ok(), "{}: {:?}", library.display(), check(&library));
+        }
+    }
+}
