@@ -220,6 +220,25 @@ fn common_units_are_converted_without_a_definition_and_unknown_ones_refused() {
     assert!(errors.contains("`furlong`") && errors.contains("parameters.ssv:1"), "{errors}");
 }
 
+#[test]
+fn a_variable_without_a_unit_has_that_of_its_connector() {
+    let description = unruly::DESCRIPTION.replace("<Real unit=\"N\" start", "<Real start");
+    let binary = "binaries/linux64/Unruly.so";
+    let fmu =
+        unruly::archive(&[("modelDescription.xml", description.as_bytes()), (binary, &unruly::library())]);
+    let (folder, _file) = unruly::written("Unruly.fmu", &fmu);
+    let system = "<SystemStructureDescription version=\"1.0\" name=\"s\"><System name=\"s\"><Elements>\
+        <Component name=\"one\" source=\"Unruly.fmu\"><Connectors><Connector name=\"u\" kind=\"input\"><Real unit=\"N\"/>\
+        </Connector></Connectors></Component></Elements></System></SystemStructureDescription>";
+    fs::write(folder.path().join("s.ssd"), system).unwrap();
+    fs::write(folder.path().join("push.csv"), "time [s],one.u [kN]\n0,2\n1,2\n").unwrap();
+    let arguments =
+        ["simulate", "s.ssd", "--stop", "1", "--step", "0.1", "--input", "push.csv", "--out", "r.json"];
+    ended(folder.path(), 0, &arguments);
+    let last = *column(&json(&folder, "r.json"), "one.y").last().unwrap();
+    assert!((last - 2000.0).abs() < 1e-6, "{last}");
+}
+
 /// The last force of the contact.
 fn column_of(json: &Value) -> f64 {
     *column(json, "JenkinsContact.force").last().unwrap()

@@ -31,6 +31,8 @@ pub(super) struct Assembly {
 pub(super) struct Part {
     pub name: String,
     pub fmu: Arc<Fmu>,
+    /// Units that the system declares.
+    units: Vec<(String, Unit)>,
     instance: Instance,
 }
 
@@ -89,8 +91,10 @@ impl Part {
         format!("{} ({}) has no variable `{name}`{meant}", self.name, self.fmu.name())
     }
 
+    /// The unit of a variable, as the FMU says or else the system.
     pub fn unit(&self, name: &str) -> Result<Option<Unit>, Failure> {
-        Ok(self.fmu.description().unit(self.variable(name)?))
+        let declared = || self.units.iter().find(|(other, _)| other == name).map(|(_, unit)| unit.clone());
+        Ok(self.fmu.description().unit(self.variable(name)?).or_else(declared))
     }
 }
 
@@ -199,7 +203,7 @@ fn instantiate(
         for (variable, unit) in &component.units {
             instance.name_unit(variable, &unit.name);
         }
-        parts.push(Part { name, fmu, instance });
+        parts.push(Part { name, fmu, units: component.units.clone(), instance });
     }
     Ok(parts)
 }
@@ -273,11 +277,10 @@ impl Starts {
     ) -> Result<(), Failure> {
         let End { component, variable } = &parameter.target;
         let part = &parts[*component];
-        let Ok(row) = part.variable(variable) else {
+        let Ok(own) = part.unit(variable) else {
             remarks.push(format!("{}: the value is left aside: {}", parameter.place, part.unknown(variable)));
             return Ok(());
         };
-        let own = part.fmu.description().unit(row);
         let from = parameter.unit.as_ref().map(|unit| defined(unit, parts)).transpose();
         let linear = from.and_then(|from| converted(from.as_ref(), own.as_ref())).map_err(|reason| {
             Failure::input(format!("{}: `{}.{variable}`: {reason}", parameter.place, part.name))
