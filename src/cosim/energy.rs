@@ -54,10 +54,10 @@ impl Energy {
     }
 
     /// Accounts for a step of `step` (s) that is done but not accepted: the largest residual power over the
-    /// largest power so far.
-    pub fn measure(&mut self, units: &[Unit], signals: &Signals, plain: bool, step: f64) -> f64 {
-        let mut worst = 0.0_f64;
-        for (bond, tried) in self.bonds.iter().zip(&mut self.tried) {
+    /// largest power so far, and which power connection has it.
+    pub fn measure(&mut self, units: &[Unit], signals: &Signals, plain: bool, step: f64) -> (f64, usize) {
+        let mut worst = (0.0_f64, 0);
+        for (index, (bond, tried)) in self.bonds.iter().zip(&mut self.tried).enumerate() {
             let ends = |(unit, channel): Place| {
                 let unit: &Unit = &units[unit];
                 let source = unit.channels[channel].source;
@@ -72,8 +72,9 @@ impl Energy {
                 works(ends(bond.force), bond.displacement.map(ends), bond.velocity.map(ends), step);
             *tried = [giver - taker, taker.abs().max(giver.abs())];
             let power = bond.peak.max(tried[1] / step);
-            if power > 0.0 {
-                worst = worst.max(tried[0].abs() / step / power);
+            let residual = tried[0].abs() / step / power;
+            if power > 0.0 && residual > worst.0 {
+                worst = (residual, index);
             }
         }
         worst
