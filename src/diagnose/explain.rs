@@ -177,15 +177,23 @@ fn unexplained(outcome: &Outcome, search: &Search, untouched: f64) -> String {
     };
     format!(
         "{} times the noise's mean square remain on {records}; above {UNEXPLAINED} a model does not \
-         explain its data, and names found on the way are surrogates",
-        times(chi_square)
+         explain its data, and names found on the way are surrogates; most are left in `{}`: {} times",
+        times(chi_square),
+        worst(outcome, search).0,
+        times(worst(outcome, search).1)
     )
+}
+
+/// Name of the record that the model describes worst, and what it leaves there.
+fn worst<'d>(outcome: &Outcome, search: &Search<'_, 'd>) -> (&'d str, f64) {
+    let (record, left) = outcome.left.map_or((0, f64::NAN), |left| left.worst);
+    (search.bench.dataset.records.get(record).map_or("", |record| &record.name), left)
 }
 
 /// The record that the model describes worst, where the others look explained.
 fn at_worst(outcome: &Outcome, search: &Search) -> String {
     let Some(left) = outcome.left else { return String::new() };
-    let name = &search.bench.dataset.records[left.worst.0].name;
+    let name = worst(outcome, search).0;
     format!(
         "{} times the noise's mean square remain over all records that were seen, and {} times in `{name}`: look at that \
          record first, at what only it has (its level, its speed, a fault of its measurement)",

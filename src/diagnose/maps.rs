@@ -178,7 +178,7 @@ mod tests {
         };
         assert_eq!(of(&|_| 0.0), None);
         // A record of so slow a noise holds about sixty values: what repeats must be larger than it to be beyond chance.
-        let found = of(&|i| if i % 400 < 200 { 1.5 } else { -1.5 }).unwrap();
+        let found = of(&|i| if i % 400 < 200 { 2.0 } else { -2.0 }).unwrap();
         assert!((0.4..0.8).contains(&found.gain.share), "{found:?}");
     }
 }
