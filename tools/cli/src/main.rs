@@ -1,5 +1,13 @@
 //! The program: compares models with measurements and exports them as FMUs.
 
+/// Writes a line to standard error, if anybody is there to read it: a terminal that was closed does not cost the results.
+macro_rules! tell {
+    ($($text:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stderr(), $($text)*);
+    }};
+}
+
 mod commands;
 mod output;
 mod progress;
@@ -104,7 +112,7 @@ fn main() -> ExitCode {
         Ok(_) if progress::interrupted() => ExitCode::from(130),
         Ok(code) => ExitCode::from(code),
         Err(failure) => {
-            eprintln!("{}", failure.message.trim_end());
+            tell!("{}", failure.message.trim_end());
             ExitCode::from(failure.code)
         }
     }

@@ -102,12 +102,19 @@ impl Outputs {
     }
 }
 
-/// Writes to standard output. A reader that has seen enough and closed the pipe does not stop the program:
-/// the files are still to be written.
+/// What is written to a terminal that was closed fails with this (Unix).
+const INPUT_OUTPUT_ERROR: i32 = 5;
+
+/// Writes to standard output. A reader that has seen enough and closed the pipe, or the terminal, does not stop the
+/// program: the files are still to be written.
 pub fn say(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
+    let gone = |error: &std::io::Error| {
+        error.kind() == std::io::ErrorKind::BrokenPipe
+            || cfg!(unix) && error.raw_os_error() == Some(INPUT_OUTPUT_ERROR)
+    };
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+        Err(error) if !gone(&error) => {
             Err(Failure::other(format!("cannot write to standard output: {error}")))
         }
         _ => Ok(()),

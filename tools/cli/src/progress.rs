@@ -25,7 +25,7 @@ pub fn catch_interrupts() {
         }
         std::thread::spawn(|| {
             std::thread::sleep(PATIENCE);
-            eprintln!(
+            tell!(
                 "note: interrupted; still waiting for a calculation or an FMU to come back; Ctrl-C again ends at once, \
                  without results"
             );
@@ -108,7 +108,7 @@ impl Meter {
             && last.elapsed() >= LINES
         {
             *last = Instant::now();
-            eprintln!("{done}/{of} {what} ({:.0} s)", self.start.elapsed().as_secs_f64());
+            tell!("{done}/{of} {what} ({:.0} s)", self.start.elapsed().as_secs_f64());
         }
     }
 

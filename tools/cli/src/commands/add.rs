@@ -67,7 +67,7 @@ impl Add {
 
         let done = watched(|watch| add(&model, effect, location.clone(), &dataset, watch)).map_err(failed)?;
         if progress::interrupted() {
-            eprintln!("note: interrupted; these are the results so far");
+            tell!("note: interrupted; these are the results so far");
         }
         let data = dataset.title.clone().unwrap_or_else(|| self.fit.display().to_string());
         let title = format!("{} added: {data}", effect.title);

@@ -73,7 +73,7 @@ impl Compare {
     fn fits(&self, model: &Model) -> bool {
         let nothing_free = !model.parameters().iter().any(|parameter| parameter.free);
         if !self.no_fit && self.out.is_none() && nothing_free {
-            eprintln!("note: nothing is free in `[fit] free`; the model is compared as it is");
+            tell!("note: nothing is free in `[fit] free`; the model is compared as it is");
             return false;
         }
         !self.no_fit

@@ -98,7 +98,7 @@ impl Diagnose {
                 Some(path.display().to_string())
             }
             verdict => {
-                eprintln!("note: {} is not written: the verdict is {}", path.display(), verdict.id());
+                tell!("note: {} is not written: the verdict is {}", path.display(), verdict.id());
                 None
             }
         }

@@ -130,10 +130,10 @@ fn refitted(name: &str, model: &Model, dataset: &Dataset) -> Result<Option<Refit
     };
     match done.as_ref().map_or(Ending::Interrupted, |done| done.ending) {
         Ending::Converged => {}
-        Ending::Interrupted => eprintln!("note: {name}: interrupted; these are the results so far"),
-        Ending::StepLimit => eprintln!("note: {name}: the fit was still improving when its steps ran out"),
+        Ending::Interrupted => tell!("note: {name}: interrupted; these are the results so far"),
+        Ending::StepLimit => tell!("note: {name}: the fit was still improving when its steps ran out"),
         Ending::Stalled => {
-            eprintln!("note: {name}: the fit ended where no step lowered the error, short of convergence");
+            tell!("note: {name}: the fit ended where no step lowered the error, short of convergence");
         }
     }
     Ok(done)
@@ -156,7 +156,7 @@ fn tell_unused(model: &Model, dataset: &Dataset) {
             1 => String::new(),
             count => format!(" and {} more", count - 1),
         };
-        eprintln!("note: {}{others}: column `{column}` is not used{reason}", records[0]);
+        tell!("note: {}{others}: column `{column}` is not used{reason}", records[0]);
     }
 }
 

@@ -120,7 +120,7 @@ impl Frf {
         };
         self.present(&responses)?;
         if progress::interrupted() {
-            eprintln!("note: interrupted; these are the results so far");
+            tell!("note: interrupted; these are the results so far");
         } else if !responses.complete() {
             return Err(Failure::other("a curve ended before its end; what was found is shown"));
         }

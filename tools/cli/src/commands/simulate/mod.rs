@@ -120,7 +120,7 @@ impl Simulate {
         }
         let assembly = assemble(&self)?;
         for remark in &assembly.remarks {
-            eprintln!("note: {remark}");
+            tell!("note: {remark}");
         }
         let settings = self.settings(&assembly)?;
         let algorithm = self.algorithm_name();
@@ -196,7 +196,7 @@ impl Simulate {
         let columns = master.observed().len() + 1;
         let bytes = steps / self.every as f64 * columns as f64 * 8.0;
         if bytes > LARGE {
-            eprintln!(
+            tell!(
                 "note: {steps:.1e} steps with {columns} columns need about {:.1} GB of memory, and more in a file; \
                  --every {:.0} records a thousandth of that",
                 bytes * 1e-9,
