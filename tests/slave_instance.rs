@@ -8,6 +8,7 @@ const MODELS: [(&str, &str); 4] = [
     ("JenkinsContact", include_str!("../modelDescription/JenkinsContact.toml")),
     ("ValanisContact", include_str!("../modelDescription/ValanisContact.toml")),
     ("ModalBeam", include_str!("../modelDescription/ModalBeam.toml")),
+    ("ModalBeamTwoContacts", include_str!("../modelDescription/ModalBeamTwoContacts.toml")),
     ("FrictionalBeam", include_str!("../modelDescription/FrictionalBeam.toml")),
 ];
 

@@ -94,6 +94,7 @@ pub fn monolithic(contact: &str, shaker: Shaker, step: f64, stop: f64, every: u6
         let inputs = BeamInputs {
             excitation: Ramp { start: shaker.force(from), end: shaker.force(to) },
             contact: Contact::Friction { law: &*law, normal_load: Ramp::held(load) },
+            at_points: &[],
         };
         integrator.advance(&mut motion, step, &inputs, &accuracy).unwrap();
         if (index + 1) % every == 0 {
