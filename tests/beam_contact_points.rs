@@ -5,12 +5,13 @@ mod cosim_support;
 
 use cosim_support::*;
 use stickslip::contact::Jenkins;
-use stickslip::cosim::{Algorithm, Method, Settings, Source, System};
+use stickslip::cosim::{Algorithm, Method, Settings, Source, Strong, System};
 use stickslip::integrate::{
     BeamInputs, BeamIntegrator, Contact, Excitation, LoadedContact, OscillatorFlow, Ramp,
     Settings as Accuracy,
 };
 use stickslip::model::{Damping, Model, Structure};
+use stickslip::slave::Instance;
 use stickslip::structure::{LinearStructure, ModalBeam, Sensor};
 
 /// The standard beam with contact points at `places`, which are its sensors as well.
@@ -228,9 +229,11 @@ fn two_coupled_contacts_approach_the_two_in_one_piece_with_the_order_of_the_algo
         let (rows, report) = record(coupled(&text, SHAKER, &contacts), settings).unwrap();
         assert_eq!(report.unconverged, 0);
         let every = (interval / step).round() as usize;
-        let squares = rows.iter().step_by(every).zip(&exact).map(|((_, values), exact)| {
-            (values[0] - exact[0]).powi(2) + (values[1] - exact[1]).powi(2)
-        });
+        let squares = rows
+            .iter()
+            .step_by(every)
+            .zip(&exact)
+            .map(|((_, values), exact)| (values[0] - exact[0]).powi(2) + (values[1] - exact[1]).powi(2));
         (squares.sum::<f64>() / count as f64).sqrt() / size
     };
     for (algorithm, least) in [
@@ -243,5 +246,63 @@ fn two_coupled_contacts_approach_the_two_in_one_piece_with_the_order_of_the_algo
         let order = (coarse / fine).log(4.0);
         println!("{algorithm:?}: {coarse:e} {fine:e} order {order}");
         assert!(order > least && fine < 0.02, "{algorithm:?}: {coarse:e} {fine:e} order {order}");
+    }
+}
+
+/// Displacement at the exciter and forces of both contacts of the shipped system BeamWithTwoContacts under the default
+/// algorithm, from `start` (s) on.
+fn shipped(step: f64, stop: f64, start: f64, force: impl Fn(f64) -> f64 + Send + 'static) -> Vec<Vec<f64>> {
+    let mut system = System::new();
+    system.add(Box::new(Source::new("shaker", "force", "N", force))).unwrap();
+    system.add(native("beam", TWO_CONTACTS)).unwrap();
+    system.add(native("contact", VALANIS)).unwrap();
+    system.add(native("damper", &damper(15.0))).unwrap();
+    for (from, to) in [
+        (("shaker", "force"), ("beam", "excitation")),
+        (("beam", "displacement"), ("contact", "displacement")),
+        (("contact", "force"), ("beam", "contact_force")),
+        (("beam", "displacement:x=0.3"), ("damper", "displacement")),
+        (("damper", "force"), ("beam", "contact_force:x=0.3")),
+    ] {
+        system.connect(from, to, 1.0, 0.0).unwrap();
+    }
+    for (slave, variable) in [("beam", "displacement:x=0.55"), ("contact", "force"), ("damper", "force")] {
+        system.observe(slave, variable).unwrap();
+    }
+    let settings = Settings::new(Algorithm::Strong(Strong::default()), step, stop);
+    let (rows, report) = record(system, settings).unwrap();
+    assert_eq!(report.unconverged, 0);
+    rows.into_iter().filter(|(time, _)| *time > start - 0.5 * step).map(|(_, values)| values).collect()
+}
+
+/// The communication step that the beam of the shipped system proposes (s).
+fn proposed() -> f64 {
+    Instance::new(TWO_CONTACTS).unwrap().description().experiment.step
+}
+
+#[test]
+fn the_proposed_step_gives_the_steady_amplitude_under_a_shaker() {
+    let shaker = Shaker { amplitude: 20.0, omega: 1000.0, growth: 0.05 };
+    let steady = |step: f64| {
+        let rows = shipped(step, 0.15, 0.13, move |time| shaker.force(time));
+        [0, 1, 2].map(|column| amplitude(rows.iter().map(|row| row[column])))
+    };
+    let [found, half] = [proposed(), 0.5 * proposed()].map(steady);
+    for (found, half) in found.iter().zip(half) {
+        // Of second order: a third of the difference is left.
+        assert!((found / half - 1.0).abs() < 1e-3, "{found:e} {half:e}");
+    }
+}
+
+#[test]
+fn the_proposed_step_follows_the_ring_of_the_shipped_start() {
+    let step = proposed();
+    let (found, fine) = (shipped(step, 0.08, 0.0, |_| 20.0), shipped(0.25 * step, 0.08, 0.0, |_| 20.0));
+    for (column, most) in [(0, 1e-3), (1, 1e-3), (2, 1e-2)] {
+        let pairs = found.iter().zip(fine.iter().step_by(4));
+        let worst = pairs.map(|(a, b)| (a[column] - b[column]).abs()).fold(0.0, f64::max);
+        let size = amplitude(fine.iter().map(|row| row[column]));
+        println!("{column}: {:e}", worst / size);
+        assert!(worst < most * size, "{column}: {:e}", worst / size);
     }
 }

@@ -22,8 +22,9 @@ const NORMAL_LOAD: usize = 1;
 /// First of the forces at the contact points.
 const AT_POINTS: usize = 2;
 
-/// Communication step (s) proposed for a beam whose contact is at its end alone, and for one with contact points: a
-/// contact there is coupled to all modes, the highest included, which a step must resolve.
+/// Communication step (s) proposed for a beam whose contact is at its end alone, and for one with contact points. A
+/// contact there holds the highest modes too: on the standard beam under strong coupling 1e-4 s leaves 1 % of the
+/// displacement and 16 % of a friction damper's force, 1e-5 s 0.02 % and 0.2 %.
 const STEPS: (f64, f64) = (1e-4, 1e-5);
 
 /// Tolerances the integrator takes; a simulation's is moved to the nearest.

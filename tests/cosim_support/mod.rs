@@ -12,6 +12,7 @@ use stickslip::model::{Model, Structure};
 use stickslip::structure::ModalBeam;
 
 pub const BEAM: &str = include_str!("../../modelDescription/ModalBeam.toml");
+pub const TWO_CONTACTS: &str = include_str!("../../modelDescription/ModalBeamTwoContacts.toml");
 pub const VALANIS: &str = include_str!("../../modelDescription/ValanisContact.toml");
 pub const JENKINS: &str = include_str!("../../modelDescription/JenkinsContact.toml");
 

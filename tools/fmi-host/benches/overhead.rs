@@ -310,7 +310,9 @@ fn main() {
         let [held, moving] = [0, 1].map(|which| (turns.shortest(which), turns.median(which)));
         println!("{name:<34}{:>14.1}{:>8.1}{:>18.1}{:>8.1}", held.0, held.1, moving.0, moving.1);
     }
-    println!("\nper call of an FMU (ns)           bare: shortest  median    master: shortest  median    beyond: shortest  median");
+    println!(
+        "\nper call of an FMU (ns)           bare: shortest  median    master: shortest  median    beyond: shortest  median"
+    );
     for name in ["JenkinsContact", "ValanisContact"] {
         for count in [1, 10, 100] {
             let turns = beyond_the_fmus(name, count);

@@ -127,10 +127,9 @@ fn outline(system: &Standard) -> Result<Outline, Error> {
         let own = vec![connector("displacement", true, "m"), connector("force", false, "N")];
         contacts.push(component(name, fmu, own));
         // Without transformations, which not every program makes.
-        for (start, end) in [
-            (end("beam", motion), end(name, "displacement")),
-            (end(name, "force"), end("beam", force)),
-        ] {
+        for (start, end) in
+            [(end("beam", motion), end(name, "displacement")), (end(name, "force"), end("beam", force))]
+        {
             connections.push(OutlineConnection { start, end, transformation: None });
         }
     }
