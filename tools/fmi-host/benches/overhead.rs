@@ -9,7 +9,6 @@
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 use std::hint::black_box;
 use std::ops::ControlFlow;
-use std::sync::Arc;
 use std::time::Instant;
 
 use stickslip::cosim::{
@@ -172,35 +171,18 @@ impl cosim::Slave for Structure {
     }
 }
 
-/// Nanoseconds per item of both, turn by turn.
-#[derive(Default)]
-struct Turns {
-    times: [Vec<f64>; 2],
-}
-
-impl Turns {
-    fn shortest(&self, which: usize) -> f64 {
-        self.times[which].iter().copied().fold(f64::INFINITY, f64::min)
-    }
-
-    fn median(&self, which: usize) -> f64 {
-        median(self.times[which].clone())
-    }
-
-    /// Of the differences of turns that follow each other.
-    fn median_difference(&self) -> f64 {
-        median(self.times[0].iter().zip(&self.times[1]).map(|(bare, through)| through - bare).collect())
-    }
-}
-
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
 }
 
-/// The same calls by `count` contacts and their structure, bare and through the master.
-fn beyond_the_fmus(name: &str, count: usize) -> Turns {
-    let fmu = Arc::new(Fmu::read(name, &write_fmu(name, model(name)).expect("an FMU")).expect("an FMU"));
+/// Nanoseconds per call of each turn: the same calls by `count` contacts and their structure, bare and through the
+/// master.
+fn beyond_the_fmus(name: &str, count: usize) -> [Vec<f64>; 2] {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join(format!("{name}.fmu"));
+    std::fs::write(&file, write_fmu(name, model(name)).expect("an FMU")).expect("written");
+    let fmu = Fmu::open(&file).expect("an FMU");
     let mut system = System::new();
     system.add(Box::new(Structure::new(count))).expect("a name");
     for index in 0..count {
@@ -218,7 +200,8 @@ fn beyond_the_fmus(name: &str, count: usize) -> Turns {
     let mut structure: Box<dyn cosim::Slave> = Box::new(Structure::new(count));
     let inputs: Vec<usize> = (0..count).collect();
     let (mut forces, mut given, mut moved) = (vec![0.0; count], vec![0.0; count], [0.0]);
-    let (mut done, mut point_number, mut turns) = (0_u64, 0, Turns::default());
+    let (mut done, mut point_number) = (0_u64, 0);
+    let (mut bare_times, mut times) = (Vec::with_capacity(TURNS), Vec::with_capacity(TURNS));
 
     let algorithm = Algorithm::Jacobi { extrapolation: 0 };
     let stop = STEP * ((TURNS + UNTIMED) * steps) as f64;
@@ -245,88 +228,86 @@ fn beyond_the_fmus(name: &str, count: usize) -> Turns {
             }
             let alone = alone.elapsed();
             if (point_number - 1) / steps > UNTIMED {
-                turns.times[0].push(alone.as_secs_f64() * per_call);
-                turns.times[1].push(through.as_secs_f64() * per_call);
+                bare_times.push(alone.as_secs_f64() * per_call);
+                times.push(through.as_secs_f64() * per_call);
             }
             begin = Instant::now();
         }
         ControlFlow::Continue(())
     });
     report.expect("a run");
-    turns
+    [bare_times, times]
 }
 
-/// `fmi2DoStep` with the inputs held, and with a displacement that sticks and slips set before (its setting not timed).
-fn steps_alone(name: &str) -> Turns {
+/// `fmi2DoStep` with the inputs held; `fmi2SetReal` of a displacement that sticks and slips; and both.
+fn steps_alone(name: &str) -> [Vec<f64>; 3] {
     const CALLS: usize = 400;
     let bare = Bare::new(name, 1);
     let component = bare.components[0];
-    let (mut done, mut turns) = (0_u64, Turns::default());
+    let mut done = 0_u64;
     let mut time = || {
         done += 1;
         STEP * (done - 1) as f64
     };
+    let value = |index: usize| {
+        let fraction = (index % 64) as f64 / 32.0;
+        30e-6 * if fraction < 1.0 { 2.0 * fraction - 1.0 } else { 3.0 - 2.0 * fraction }
+    };
+    let mut times = [const { Vec::new() }; 3];
     for turn in 0..TURNS + UNTIMED {
-        let begin = Instant::now();
-        for _ in 0..CALLS {
-            // SAFETY: as in `Bare::new`.
-            assert_eq!(unsafe { (bare.do_step)(component, time(), STEP, 1) }, 0);
-        }
-        let held = begin.elapsed();
-        // The same with a displacement before each, and the setting of it alone.
-        let value = |index: usize| {
-            let fraction = (index % 64) as f64 / 32.0;
-            30e-6 * if fraction < 1.0 { 2.0 * fraction - 1.0 } else { 3.0 - 2.0 * fraction }
-        };
-        let begin = Instant::now();
-        for index in 0..CALLS {
-            let value = value(index);
-            // SAFETY: as in `Bare::new`.
-            unsafe {
-                (bare.set)(component, &bare.displacement, 1, &value);
-                assert_eq!((bare.do_step)(component, time(), STEP, 1), 0);
+        for (which, times) in times.iter_mut().enumerate() {
+            let (step, set) = [(true, false), (false, true), (true, true)][which];
+            let begin = Instant::now();
+            for index in 0..CALLS {
+                let value = value(index);
+                // SAFETY: as in `Bare::new`.
+                unsafe {
+                    if set {
+                        assert_eq!((bare.set)(component, &bare.displacement, 1, &value), 0);
+                    }
+                    if step {
+                        assert_eq!((bare.do_step)(component, time(), STEP, 1), 0);
+                    }
+                }
+            }
+            if turn >= UNTIMED {
+                times.push(begin.elapsed().as_secs_f64() * 1e9 / CALLS as f64);
             }
         }
-        let moving = begin.elapsed();
-        let begin = Instant::now();
-        for index in 0..CALLS {
-            let value = value(index);
-            // SAFETY: as in `Bare::new`.
-            unsafe { (bare.set)(component, &bare.displacement, 1, &value) };
-        }
-        let moving = moving.saturating_sub(begin.elapsed());
-        if turn >= UNTIMED {
-            turns.times[0].push(held.as_secs_f64() * 1e9 / CALLS as f64);
-            turns.times[1].push(moving.as_secs_f64() * 1e9 / CALLS as f64);
-        }
     }
-    turns
+    times
 }
 
+fn shortest(times: &[f64]) -> f64 {
+    times.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+/// Of the lines, those with the first argument in them.
 fn main() {
-    println!("fmi2DoStep alone (ns)             held: shortest  median    moving: shortest  median");
-    for name in ["JenkinsContact", "ValanisContact"] {
-        let turns = steps_alone(name);
-        let [held, moving] = [0, 1].map(|which| (turns.shortest(which), turns.median(which)));
-        println!("{name:<34}{:>14.1}{:>8.1}{:>18.1}{:>8.1}", held.0, held.1, moving.0, moving.1);
+    let wanted = std::env::args().nth(1).filter(|word| !word.starts_with('-')).unwrap_or_default();
+    let models = ["JenkinsContact", "ValanisContact"];
+    println!("fmi2DoStep alone (ns)              held: shortest  median   moving: shortest  median");
+    for name in models.into_iter().filter(|name| name.contains(&wanted)) {
+        let [held, set, both] = steps_alone(name).map(|times| (shortest(&times), median(times)));
+        let moving = (both.0 - set.0, both.1 - set.1);
+        println!("{name:<35}{:>14.1}{:>8.1}{:>18.1}{:>8.1}", held.0, held.1, moving.0, moving.1);
     }
     println!(
-        "\nper call of an FMU (ns)           bare: shortest  median    master: shortest  median    beyond: shortest  median"
+        "\nper call (ns)                      bare: shortest  median   master: shortest  median   beyond: shortest  median"
     );
-    for name in ["JenkinsContact", "ValanisContact"] {
-        for count in [1, 10, 100] {
-            let turns = beyond_the_fmus(name, count);
-            let [bare, master] = [0, 1].map(|which| (turns.shortest(which), turns.median(which)));
-            println!(
-                "{:<34}{:>14.1}{:>8.1}{:>18.1}{:>8.1}{:>18.1}{:>8.1}",
-                format!("{count} x {name}"),
-                bare.0,
-                bare.1,
-                master.0,
-                master.1,
-                master.0 - bare.0,
-                turns.median_difference(),
-            );
+    for (name, count) in models.into_iter().flat_map(|name| [1, 10, 100].map(|count| (name, count))) {
+        let label = format!("{count} x {name}");
+        if !label.contains(&wanted) {
+            continue;
         }
+        let [bare, through] = beyond_the_fmus(name, count);
+        // Of the differences of turns that follow each other.
+        let usual = median(bare.iter().zip(&through).map(|(bare, through)| through - bare).collect());
+        let beyond = shortest(&through) - shortest(&bare);
+        let [bare, through] = [bare, through].map(|times| (shortest(&times), median(times)));
+        println!(
+            "{label:<35}{:>14.1}{:>8.1}{:>18.1}{:>8.1}{beyond:>18.1}{usual:>8.1}",
+            bare.0, bare.1, through.0, through.1
+        );
     }
 }
