@@ -34,23 +34,28 @@ pub struct FmuSlave {
 /// Real variables and their value references: a master sets and reads the same ones step by step.
 #[derive(Debug, Default)]
 struct Reals {
-    variables: Vec<usize>,
-    references: Vec<u32>,
+    count: usize,
+    /// Positions in the table, then value references: side by side in memory.
+    numbers: Vec<u32>,
 }
 
 impl Reals {
-    /// Are they `variables`, of which there is one at least?
+    /// The value references, if these are `variables`, of which there is one at least.
     #[inline]
-    fn are(&self, variables: &[usize]) -> bool {
-        let same = || self.variables.iter().zip(variables).all(|(one, other)| one == other);
-        !variables.is_empty() && self.variables.len() == variables.len() && same()
+    fn references_of(&self, variables: &[usize]) -> Option<&[u32]> {
+        if variables.len() != self.count || self.count == 0 {
+            return None;
+        }
+        let (positions, references) = self.numbers.split_at(self.count);
+        let same = positions.iter().zip(variables).all(|(one, other)| *one as usize == *other);
+        same.then_some(references)
     }
 
     fn note(&mut self, variables: &[usize], references: &[u32]) {
-        self.variables.clear();
-        self.variables.extend_from_slice(variables);
-        self.references.clear();
-        self.references.extend_from_slice(references);
+        self.count = variables.len();
+        self.numbers.clear();
+        self.numbers.extend(variables.iter().map(|variable| *variable as u32));
+        self.numbers.extend_from_slice(references);
     }
 }
 
@@ -420,19 +425,23 @@ impl cosim::Slave for FmuSlave {
     }
 
     fn set(&mut self, variables: &[usize], values: &[f64]) -> Result<(), SlaveError> {
-        if self.inputs.are(variables) && variables.len() == values.len() {
-            let done = self.slave.set_real(&self.inputs.references, values);
-            return done.map_err(|error| self.not_set(error, variables, values));
+        match self.inputs.references_of(variables) {
+            Some(references) if references.len() == values.len() => {
+                let done = self.slave.set_real(references, values);
+                done.map_err(|error| self.not_set(error, variables, values))
+            }
+            _ => self.set_of_all_kinds(variables, values),
         }
-        self.set_of_all_kinds(variables, values)
     }
 
     fn get(&mut self, variables: &[usize], values: &mut [f64]) -> Result<(), SlaveError> {
-        if self.outputs.are(variables) && variables.len() == values.len() {
-            let done = self.slave.get_real(&self.outputs.references, values);
-            return done.map_err(|error| self.not_read(error, variables));
+        match self.outputs.references_of(variables) {
+            Some(references) if references.len() == values.len() => {
+                let done = self.slave.get_real(references, values);
+                done.map_err(|error| self.not_read(error, variables))
+            }
+            _ => self.get_of_all_kinds(variables, values),
         }
-        self.get_of_all_kinds(variables, values)
     }
 
     fn set_input_derivatives(&mut self, variables: &[usize], derivatives: &[f64]) -> Result<(), SlaveError> {
