@@ -110,6 +110,26 @@ fn a_smaller_tolerance_takes_more_steps_and_gives_less_error() {
 }
 
 #[test]
+fn what_nothing_is_connected_to_does_not_shorten_the_step() {
+    let run = |jump: bool| {
+        let mut system = joined(TWO_MASSES.slaves());
+        if jump {
+            let jump = Source::new("jump", "value", "1", |time| f64::from(u8::from(time > 0.7)));
+            system.add(Box::new(jump)).unwrap();
+        }
+        let settings = Settings {
+            adaptive: Some(adaptive(Control::Error, 3e-4)),
+            ..Settings::new(strong(Method::Anderson { depth: 3 }), 0.2, 2.0)
+        };
+        record(system, settings).unwrap().1
+    };
+    let (with, without) = (run(true), run(false));
+    assert_eq!((with.steps, with.forced), (without.steps, 0));
+    assert!(with.rejected > 0 && with.limits == without.limits, "{:?}", with.limits);
+    assert_eq!(with.limits.iter().map(|(_, steps)| steps).sum::<u64>(), with.rejected);
+}
+
+#[test]
 fn a_step_that_a_slave_gives_up_is_repeated_shorter() {
     let system = || {
         let mut slaves = TWO_MASSES.slaves();

@@ -5,8 +5,8 @@ mod cosim_support;
 use cosim_support::lumped::*;
 use cosim_support::*;
 use stickslip::cosim::{
-    Abilities, Algorithm, Causality, Kind, Master, Settings, Slave, SlaveError, Stepped, System, SystemError,
-    Variable,
+    Abilities, Adaptive, Algorithm, Causality, Control, Kind, Master, Settings, Slave, SlaveError, Stepped,
+    System, SystemError, Variable,
 };
 
 fn refused(connect: impl Fn(&mut System) -> Result<(), SystemError>) -> SystemError {
@@ -128,7 +128,13 @@ fn settings_out_of_range_are_refused() {
         change(&mut settings);
         Master::new(joined(TWO_MASSES.slaves()), settings).unwrap_err().to_string()
     };
-    assert_eq!(check(|settings| settings.step = 0.0), "step = 0 is refused; it must be finite, above 0");
+    assert_eq!(check(|settings| settings.step = 0.0), "step = 0.0 is refused; it must be finite, above 0");
+    // No step meets what rounding errors alone exceed.
+    let refused = check(|settings| {
+        let (smallest, largest, control) = (1e-6, 0.2, Control::Both);
+        settings.adaptive = Some(Adaptive { tolerance: 1e-30, smallest, largest, control });
+    });
+    assert!(refused.contains("1e-30") && refused.contains("from 1e-10 to 1"), "{refused}");
     assert!(check(|settings| settings.stop = -1.0).starts_with("stop = -1"));
     let order = |names: &[&str]| {
         let order = Some(names.iter().map(|name| (*name).to_owned()).collect());

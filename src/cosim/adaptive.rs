@@ -2,7 +2,6 @@
 
 use super::engine::Engine;
 use super::settings::{Adaptive, Control};
-use super::signals::Signals;
 
 /// Part of the step that the measures allow which is taken.
 const CAUTION: f64 = 0.9;
@@ -35,38 +34,53 @@ impl StepControl {
         self.step = (part.max(GROWTH.0) * step).max(self.settings.smallest);
     }
 
-    /// Is the step tried last good enough? Sets the length of the next.
-    pub fn judge(&mut self, engine: &mut Engine, step: f64, settled: bool) -> bool {
-        let energy = engine.measure_energy(step);
-        let measure = match self.settings.control {
-            Control::Discards => 0.0,
-            Control::Energy => energy,
-            Control::Error => missed(&engine.signals),
-            Control::Both => energy.max(missed(&engine.signals)),
-        } / self.settings.tolerance;
+    /// What of the step tried last is beyond its tolerance, if anything. Sets the length of the next.
+    pub fn judge(&mut self, engine: &mut Engine, step: f64, settled: bool) -> Option<String> {
+        let (residual, connection) = engine.measure_energy(step);
+        let (missed, unit, place) = missed(engine);
+        let (measure, by_energy) = match self.settings.control {
+            Control::Discards => (0.0, false),
+            Control::Energy => (residual, true),
+            Control::Both if residual > missed => (residual, true),
+            Control::Error | Control::Both => (missed, false),
+        };
+        let measure = measure / self.settings.tolerance;
+        let limit = |engine: &Engine| match by_energy {
+            true => format!("the energy at {}", engine.energy.residuals[connection].force),
+            false => engine.units[unit].output_name(place),
+        };
         let Adaptive { smallest, largest, .. } = self.settings;
         if !settled || measure.is_nan() {
             self.retreat(step, 0.0);
-            return false;
+            return Some(if settled { limit(engine) } else { "the repetition of the step".to_owned() });
         }
         // What is held misses by the first order, what is extrapolated by the second.
         let exponent = -1.0 / f64::from(engine.order.min(1) + 1);
         let factor = (CAUTION * measure.powf(exponent)).clamp(GROWTH.0, GROWTH.1);
         let good = measure <= 1.0;
+        if !good {
+            engine.signals.size_up();
+        }
         // One that was good does not make the next one try again.
         self.step = (if good { factor } else { factor.min(CAUTION) } * step).clamp(smallest, largest);
-        good
+        (!good).then(|| limit(engine))
     }
 }
 
-/// Largest difference between what was expected of a signal and what came, over its largest magnitude so far.
-fn missed(signals: &Signals) -> f64 {
-    let mut worst = 0.0_f64;
-    for index in (0..signals.now.len()).filter(|index| signals.real[*index]) {
-        let missed = (signals.next[index] - signals.predicted[index]).abs();
-        let size = signals.peak[index].max(signals.next[index].abs());
-        if missed > 0.0 {
-            worst = worst.max(missed / size);
+/// Largest difference between what was expected of a connected output and what came, over its largest magnitude so far;
+/// which output of which unit that is.
+fn missed(engine: &Engine) -> (f64, usize, usize) {
+    let signals = &engine.signals;
+    let mut worst = (0.0_f64, 0, 0);
+    for (number, unit) in engine.units.iter().enumerate() {
+        for place in &unit.coupled_places {
+            let index = unit.first + place;
+            let missed = (signals.next[index] - signals.predicted[index]).abs();
+            let relative = missed / signals.peak[index].max(signals.next[index].abs());
+            // NaN must not be lost in the comparison.
+            if missed > 0.0 && relative > worst.0 || missed.is_nan() {
+                worst = (relative, number, *place);
+            }
         }
     }
     worst

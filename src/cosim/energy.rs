@@ -75,10 +75,10 @@ impl Energy {
     }
 
     /// Accounts for a step of `step` (s) that is done but not accepted: the largest residual power over the
-    /// largest power so far.
-    pub fn measure(&mut self, units: &[Unit], signals: &Signals, plain: bool, step: f64) -> f64 {
-        let (mut worst, per_second) = (0.0, 1.0 / step);
-        for (bond, tried) in self.bonds.iter().zip(&mut self.tried) {
+    /// largest power so far, and which power connection has it.
+    pub fn measure(&mut self, units: &[Unit], signals: &Signals, plain: bool, step: f64) -> (f64, usize) {
+        let (mut worst, per_second) = ((0.0, 0), 1.0 / step);
+        for (index, (bond, tried)) in self.bonds.iter().zip(&mut self.tried).enumerate() {
             let ends = |place: &Place| place.ends(units, signals, plain);
             let displacement = bond.displacement.as_ref().map(|place| {
                 let unit = &units[place.unit];
@@ -89,8 +89,8 @@ impl Energy {
             *tried = [giver - taker, taker.abs().max(giver.abs())];
             let (power, residual) = (bond.peak.max(tried[1] * per_second), tried[0].abs() * per_second);
             // Divisions take longer than all the rest.
-            if residual > worst * power {
-                worst = residual / power;
+            if residual > worst.0 * power {
+                worst = (residual / power, index);
             }
         }
         worst

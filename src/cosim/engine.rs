@@ -143,8 +143,8 @@ impl Engine {
         Ok(evaluations)
     }
 
-    /// Largest energy residual of the step tried last, as power over the largest power so far.
-    pub fn measure_energy(&mut self, step: f64) -> f64 {
+    /// Largest energy residual of the step tried last, as power over the largest power so far, and its power connection.
+    pub fn measure_energy(&mut self, step: f64) -> (f64, usize) {
         self.energy.measure(&self.units, &self.signals, self.plain, step)
     }
 

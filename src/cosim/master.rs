@@ -10,6 +10,7 @@ use super::schedule::Schedule;
 use super::settings::Settings;
 use super::slave::{Severity, SlaveError};
 use super::system::{Port, System, SystemError};
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 /// How many unconverged steps are listed.
@@ -56,6 +57,8 @@ pub struct Master {
     observed: Vec<Observed>,
     report: Report,
     control: Option<StepControl>,
+    /// What was beyond its tolerance, and how often.
+    limits: BTreeMap<String, u64>,
     /// All slaves take steps of any length.
     variable: bool,
     /// The slaves have begun to step.
@@ -90,7 +93,8 @@ impl Master {
         let report = Report { notes: notes(&system, &settings, &schedule), ..Report::default() };
         let starts = std::mem::take(&mut system.starts);
         let engine = Engine::new(system, &settings, &schedule);
-        Ok(Self { engine, settings, starts, observed, report, control, variable, initialized: false })
+        let (limits, initialized) = (BTreeMap::new(), false);
+        Ok(Self { engine, settings, starts, observed, report, control, limits, variable, initialized })
     }
 
     /// What the observer is told, in this order.
@@ -112,6 +116,8 @@ impl Master {
         let result = self.simulate(&mut observer);
         self.terminate(result.as_ref().err());
         self.report.energy = std::mem::take(&mut self.engine.energy.residuals);
+        self.report.limits = self.limits.into_iter().collect();
+        self.report.limits.sort_by_key(|(_, steps)| std::cmp::Reverse(*steps));
         match result {
             Ok(()) => Ok(self.report),
             Err(cause) => {
@@ -280,7 +286,10 @@ impl Master {
             Ok(evaluations) => {
                 self.report.evaluations += u64::from(evaluations);
                 let settled = self.engine.unsettled().is_none();
-                control.judge(&mut self.engine, step, settled)
+                let limit = control.judge(&mut self.engine, step, settled);
+                let good = limit.is_none();
+                limit.into_iter().for_each(|limit| *self.limits.entry(limit).or_default() += 1);
+                good
             }
             Err(Trouble::Failed(SlaveError { severity: Severity::Fatal, slave, message })) => {
                 return Err(Cause::Slave(SlaveError { severity: Severity::Fatal, slave, message }));

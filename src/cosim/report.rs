@@ -16,6 +16,9 @@ pub struct Report {
     pub evaluations: u64,
     /// Steps accepted although a measure was beyond its tolerance, because they could not be shorter.
     pub forced: u64,
+    /// Where the step is adapted: what was beyond its tolerance, and how often that rejected a step or would have; the
+    /// most frequent first.
+    pub limits: Vec<(String, u64)>,
     /// Steps whose repetition did not end within its tolerance.
     pub unconverged: u64,
     /// The first of them.

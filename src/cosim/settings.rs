@@ -54,14 +54,18 @@ impl Settings {
         }
         if let Some(adaptive) = self.adaptive {
             let Adaptive { tolerance, smallest, largest, .. } = adaptive;
-            numbers.push(("adaptive tolerance", tolerance, positive(tolerance), "finite, above 0"));
+            // Below, rounding errors reject every step.
+            let fits = (1e-10..=1.0).contains(&tolerance);
+            numbers.push(("adaptive tolerance", tolerance, fits, "from 1e-10 to 1 (1e-4 is usual)"));
             numbers.push(("smallest step", smallest, positive(smallest), "finite, above 0"));
             let fits = largest.is_finite() && largest >= smallest;
             numbers.push(("largest step", largest, fits, "finite, not below the smallest"));
         }
         if let Algorithm::Strong(strong) = &self.algorithm {
-            let fits = strong.tolerance > 0.0 && strong.tolerance < 1.0;
-            numbers.push(("iteration tolerance", strong.tolerance, fits, "between 0 and 1"));
+            // Below, rounding errors keep the repetition from its end.
+            let fits = strong.tolerance >= 1e-14 && strong.tolerance < 1.0;
+            let allowed = "from 1e-14 to below 1 (1e-8 is usual)";
+            numbers.push(("iteration tolerance", strong.tolerance, fits, allowed));
             let limit = f64::from(strong.iterations);
             numbers.push(("iterations", limit, strong.iterations > 0, "at least 1"));
         }

@@ -95,6 +95,15 @@ impl Signals {
         now + step * (slope + (step + h1) * curvature)
     }
 
+    /// Takes a rejected first step for what it tells of the sizes to come: what begins at zero has none.
+    pub fn size_up(&mut self) {
+        if self.known == 0 {
+            for (peak, value) in self.peak.iter_mut().zip(&self.next) {
+                *peak = peak.max(value.abs());
+            }
+        }
+    }
+
     /// Takes the step of length `step` (s) as done.
     pub fn accept(&mut self, step: f64) {
         let [last, before] = &mut self.past;

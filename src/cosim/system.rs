@@ -156,7 +156,7 @@ pub enum SystemError {
         variables: Vec<String>,
     },
     /// A number among the settings is not what it must be.
-    #[error("{name} = {value} is refused; it must be {allowed}")]
+    #[error("{name} = {value:?} is refused; it must be {allowed}")]
     Setting {
         /// Which.
         name: &'static str,

@@ -103,7 +103,7 @@ pub(super) struct Unit {
     pub values: Vec<f64>,
     /// Real outputs that feed others: in the table, and in `outputs`.
     coupled: Vec<usize>,
-    coupled_places: Vec<usize>,
+    pub coupled_places: Vec<usize>,
     change: Vec<f64>,
     input_positions: Vec<usize>,
     ramp_positions: Vec<usize>,
@@ -158,6 +158,12 @@ impl Unit {
             outcome: Ok(Stepped::Done),
             slave,
         }
+    }
+
+    /// The full name of the output at `place` of what is read.
+    pub fn output_name(&self, place: usize) -> String {
+        let row = self.output_positions.get(place).map(|position| &self.slave.variables()[*position].name);
+        format!("{}.{}", self.slave.name(), row.map_or("", String::as_str))
     }
 
     /// Steps, and leaves in `outcome` how it went and in `outputs` the values at the end.

@@ -16,7 +16,7 @@ const FEWEST: usize = 10;
 /// What one model gains over another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Gain {
-    /// Mean gain of the blocks over its standard error.
+    /// The gain over its standard error.
     pub z: f64,
     /// Share of the squared error removed.
     pub share: f64,
@@ -33,8 +33,7 @@ impl Gain {
 /// has died away.
 pub(super) fn length<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> usize {
     let series: Vec<&[f64]> = residuals.collect();
-    let shortest = series.iter().map(|one| one.len()).min().unwrap_or(0);
-    let longest = (shortest / FEWEST).max(1);
+    let longest = (typical(&series) / FEWEST).max(1);
     let product = |lag: usize| -> f64 {
         series
             .iter()
@@ -49,10 +48,17 @@ pub(super) fn length<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> usize {
     (2 * lag).max(SHORTEST).min(longest.max(SHORTEST))
 }
 
+/// Middle one of the lengths: a single short record does not set the measure of all.
+fn typical(series: &[&[f64]]) -> usize {
+    let mut lengths: Vec<usize> = series.iter().map(|one| one.len()).collect();
+    lengths.sort_unstable();
+    lengths.get(lengths.len().saturating_sub(1) / 2).copied().unwrap_or(0)
+}
+
 /// How many samples in a row of `residuals` count as one: the sum of their correlation until it dies away.
 pub(super) fn correlation<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> f64 {
     let series: Vec<&[f64]> = residuals.collect();
-    let longest = series.iter().map(|one| one.len()).min().unwrap_or(0) / FEWEST;
+    let longest = typical(&series) / FEWEST;
     let product = |lag: usize| -> f64 {
         series
             .iter()
@@ -78,40 +84,52 @@ pub(super) fn within(range: Range<usize>, length: usize) -> impl Iterator<Item =
     (0..count).map(move |k| range.start + k * total / count..range.start + (k + 1) * total / count)
 }
 
-/// What `with` gains over `without`; both are scores of the same records in the same order. What is left to chance
-/// in a gain is the residual of the better model: its correlation sets the blocks.
+/// What `with` gains over `without`; both are scores of the same records in the same order.
+///
+/// Of a gain `old² − new² = Δ² + 2 Δ·new` with `Δ = old − new` only the second term is chance, where `new` is what is
+/// left beside the effect: that an effect shows in one stretch of a record more than in another is no doubt of it.
 pub(super) fn gain(bench: &Bench, without: &[Scored], with: &[Scored]) -> Gain {
     let length = length(with.iter().map(|one| one.residuals.as_slice()));
-    let square =
-        |residuals: &[f64], block: &Range<usize>| residuals[block.clone()].iter().map(|r| r * r).sum::<f64>();
-    let (mut gains, mut before) = (Vec::new(), 0.0);
+    let (mut chances, mut before, mut total) = (Vec::new(), 0.0, 0.0);
     for (old, new) in without.iter().zip(with) {
         for (_, range) in &bench.lanes[old.record].channels {
-            let gained = within(range.clone(), length).map(|block| {
-                let (old, new) = (square(&old.residuals, &block), square(&new.residuals, &block));
-                before += old;
-                old - new
+            let chance = within(range.clone(), length).map(|block| {
+                let pairs = old.residuals[block.clone()].iter().zip(&new.residuals[block]);
+                let (mut squares, mut product) = ([0.0, 0.0], 0.0);
+                for (old, new) in pairs {
+                    squares = [squares[0] + old * old, squares[1] + new * new];
+                    product += 2.0 * (old - new) * new;
+                }
+                before += squares[0];
+                total += squares[0] - squares[1];
+                product
             });
-            gains.push(gained.collect::<Vec<_>>());
+            chances.push(chance.collect::<Vec<_>>());
         }
     }
-    let total: f64 = gains.iter().flatten().sum();
-    let share = if before > 0.0 { total / before } else { 0.0 };
-    Gain { z: z_of(&gains), share }
+    if before == 0.0 {
+        return Gain { z: 0.0, share: 0.0 };
+    }
+    // Rounding is a doubt of data without noise.
+    let doubt = variance_of(&chances).sqrt().max(1e-9 * before);
+    Gain { z: total / doubt, share: total / before }
 }
 
 /// Blocks of a channel from which its own mean is told from chance.
 const STRATUM: usize = 8;
 
-/// Sum of independent numbers over its standard error, which is that of their differences within each stratum: that
-/// an effect shows in one record more than in another (at a higher speed, say) is no doubt of it. Strata of few
-/// numbers are taken together; zero for fewer than two.
-fn z_of(strata: &[Vec<f64>]) -> f64 {
+/// Variance of a sum of independent numbers, from their differences within each stratum. Strata of few numbers are
+/// taken together; a single number that is left doubts itself.
+fn variance_of(strata: &[Vec<f64>]) -> f64 {
     let spread = |values: &[f64]| -> f64 {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
         let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-        if count < 2.0 { 0.0 } else { count * squares / (count - 1.0) }
+        match values {
+            [] => 0.0,
+            [one] => one * one,
+            _ => count * squares / (count - 1.0),
+        }
     };
     let (mut few, mut variance) = (Vec::new(), 0.0);
     for stratum in strata {
@@ -121,12 +139,7 @@ fn z_of(strata: &[Vec<f64>]) -> f64 {
             variance += spread(stratum);
         }
     }
-    if few.len() == 1 {
-        return 0.0;
-    }
-    variance += if few.is_empty() { 0.0 } else { spread(&few) };
-    let total: f64 = strata.iter().flatten().sum();
-    if variance > 0.0 { total / variance.sqrt() } else { 0.0 }
+    variance + spread(&few)
 }
 
 #[cfg(test)]
@@ -144,19 +157,17 @@ mod tests {
     }
 
     #[test]
-    fn what_shows_in_one_record_only_is_no_doubt_of_it() {
+    fn the_variance_of_a_sum_is_that_within_the_records() {
         let shaken =
             |mean: f64| -> Vec<f64> { (0..10).map(|i| mean + if i % 2 == 0 { 1.0 } else { -1.0 }).collect() };
-        // Both spread by the same: the sum over the root of the sum of the variances.
         let variance = 2.0 * 10.0 * 10.0 / 9.0;
         for [a, b] in [[5.0, 0.0], [2.5, 2.5], [4.0, 1.0]] {
-            let z = z_of(&[shaken(a), shaken(b)]);
-            assert!((z - 50.0 / f64::sqrt(variance)).abs() < 1e-12, "{a} {b}: {z}");
+            assert!((variance_of(&[shaken(a), shaken(b)]) - variance).abs() < 1e-12, "{a} {b}");
         }
-        assert!(z_of(&[shaken(0.0), shaken(0.0)]).abs() < 1e-12);
-        // A single number, or single numbers of several records, are judged by each other alone.
-        assert_eq!(z_of(&[vec![3.0]]), 0.0);
-        assert!((z_of(&[vec![1.0], vec![3.0]]) - 2.0).abs() < 1e-12);
+        // A single number is its own doubt, beside others as well; two are judged by each other.
+        assert_eq!(variance_of(&[vec![3.0]]), 9.0);
+        assert!((variance_of(&[shaken(5.0), vec![3.0]]) - 0.5 * variance - 9.0).abs() < 1e-12);
+        assert!((variance_of(&[vec![1.0], vec![3.0]]) - 4.0).abs() < 1e-12);
     }
 
     #[test]

@@ -31,6 +31,31 @@ impl Candidate {
     }
 }
 
+/// Values of a parameter that are looked at on each side of none before a fit is made.
+const SCANNED: i32 = 10;
+
+impl Candidate {
+    /// The effect at sizes from a tenth of its first start up to its bounds, on both sides where there are two; the
+    /// other parameters where they start.
+    pub fn scan(&self, ranges: &[Range]) -> Vec<AppliedEffect> {
+        let Some(first) = ranges.first() else { return Vec::new() };
+        let least = 0.1 * first.starts[0].abs();
+        let sides = [(1.0, first.upper), (-1.0, -first.lower)].into_iter().filter(|(_, most)| *most > least);
+        sides
+            .flat_map(|(sign, most)| {
+                let growth = (most / least).powf(1.0 / f64::from(SCANNED));
+                (0..=SCANNED).map(move |k| sign * least * growth.powi(k))
+            })
+            .filter(|value| (first.lower..=first.upper).contains(value))
+            .map(|value| {
+                let mut applied = self.applied(ranges, 0);
+                applied.values[0] = value;
+                applied
+            })
+            .collect()
+    }
+}
+
 /// The candidates beside what `model` has, and the effects left out.
 pub(super) fn of(model: &Model, bench: &Bench) -> (Vec<Candidate>, Vec<Untried>) {
     let (mut candidates, mut untried) = (Vec::new(), Vec::new());

@@ -1,6 +1,10 @@
 //! The result of comparing models with measurements, as data for tables, JSON and reports.
 
-use crate::measure::Record;
+use super::nested::Nested;
+use crate::measure::{Record, Regime};
+
+/// Values of all tables together up to which the gain of a step is told with its doubt.
+const FEW: usize = 40;
 
 /// One or more models (or the same before and after a refit) against one dataset.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +31,75 @@ pub struct Stage {
     pub records: Vec<RecordResult>,
     /// Model evaluations spent on the fit; 0 where nothing was fitted.
     pub evaluations: usize,
+}
+
+/// What a fitted stage gains over a fitted one before it that has fewer free parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepGain {
+    /// Index of the stage before, and of this one.
+    pub stages: [usize; 2],
+    /// Free parameters of the two.
+    pub parameters: [usize; 2],
+    /// F of the fall of the squares; `None` where no degree of freedom is left.
+    pub ratio: Option<f64>,
+    /// Probability of so large an F by chance alone, for one or two parameters more.
+    pub chance: Option<f64>,
+    /// Change of AICc: negative speaks for the step. `None` where the values are too few for it.
+    pub criterion: Option<f64>,
+    /// The same in words.
+    pub words: String,
+}
+
+impl Comparison {
+    /// What each step gains and how much it rests on, where tables of few points are all there is: the scatter of their
+    /// values is not known, and a parameter more always lowers the error.
+    pub fn steps(&self) -> Vec<StepGain> {
+        let tables = self.records.iter().all(|record| record.regime == Regime::Backbone);
+        let fitted: Vec<(usize, usize, f64, usize)> = (self.stages.iter().enumerate())
+            .filter_map(|(index, stage)| {
+                let free =
+                    stage.parameters.iter().filter(|parameter| parameter.fitted_from.is_some()).count();
+                let (squares, values) = stage.squares()?;
+                (free > 0).then_some((index, free, squares, values))
+            })
+            .collect();
+        let few = |values: usize| tables && (1..=FEW).contains(&values);
+        fitted
+            .windows(2)
+            .filter(|pair| pair[1].1 > pair[0].1 && pair[0].3 == pair[1].3 && few(pair[1].3))
+            .map(|pair| {
+                let (before, after) = (pair[0], pair[1]);
+                let parameters = [before.1, after.1];
+                let nested = Nested { values: after.3, parameters, squares: [before.2, after.2] };
+                StepGain {
+                    stages: [before.0, after.0],
+                    parameters,
+                    ratio: nested.ratio(),
+                    chance: nested.chance(),
+                    criterion: nested.criterion(),
+                    words: nested.words(),
+                }
+            })
+            .collect()
+    }
+}
+
+impl Stage {
+    /// Sum of the normalised squared residuals of all records, and the number of values; `None` where a record has no
+    /// prediction.
+    fn squares(&self) -> Option<(f64, usize)> {
+        let mut sum = (0.0, 0);
+        for record in &self.records {
+            if record.failure.is_some() {
+                return None;
+            }
+            for channel in &record.channels {
+                let count = channel.predicted.len();
+                sum = (sum.0 + channel.error.powi(2) * count as f64, sum.1 + count);
+            }
+        }
+        Some(sum)
+    }
 }
 
 /// A parameter of a stage.

@@ -29,6 +29,27 @@ pub(super) struct ContactRecord<'r> {
     states: [Vec<f64>; 2],
 }
 
+/// Share of the range, and multiple of the largest step between samples, above which the end of a record does not lead
+/// to its beginning.
+const OPEN: [f64; 2] = [0.2, 3.0];
+
+/// Refuses a motion that cannot be periodic.
+fn closes(values: &[f64]) -> Result<(), String> {
+    let (Some(first), Some(last)) = (values.first(), values.last()) else { return Ok(()) };
+    let [low, high] =
+        values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(*x), high.max(*x)]);
+    let step = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+    let jump = (last - first).abs();
+    if jump > OPEN[0] * (high - low) && jump > OPEN[1] * step {
+        return Err(format!(
+            "it is marked steady, but its `displacement` ends {:.0} % of its range away from where it begins: a steady \
+             record holds whole periods; otherwise mark it `unknown-initial-state`",
+            100.0 * jump / (high - low)
+        ));
+    }
+    Ok(())
+}
+
 impl<'r> ContactRecord<'r> {
     /// Of `record`, predicting `channels`.
     pub fn new(record: &'r Record, channels: Vec<&'r Channel>) -> Result<Self, String> {
@@ -46,6 +67,9 @@ impl<'r> ContactRecord<'r> {
             Some(rates) => Motion { values: values.to_vec(), rates: rates.to_vec() },
             None => motion(values)?,
         };
+        if record.regime == Regime::Steady {
+            closes(&displacement.values)?;
+        }
         let measured_load = column("normal_load").map(motion).transpose()?;
         let normal_displacement = column("normal_displacement").map(motion).transpose()?;
         let prehistory = Prehistory::new(&displacement.values);

@@ -7,16 +7,19 @@ use super::candidates::{self, Candidate};
 use super::compare::RefitError;
 use super::comparison::{Comparison, Stage};
 use super::diagnosis::{Cost, Diagnosis, Errors, Noise, Verdict};
-use super::findings::{Findings, Outcome};
+use super::findings::{Findings, Left, Outcome};
 use super::noise;
 use super::select::{Search, State};
 use super::split::{self, Parts};
 use super::trial::{self, Effort, Fitted};
-use super::{evaluate, few_points, inputs, magnitudes, maps, remainder, thinned, verdict};
+use super::{blocks, evaluate, few_points, inputs, magnitudes, maps, remainder, thinned, verdict};
 use crate::effects::{Effect, Location};
 use crate::identify::InterruptHook;
 use crate::measure::Dataset;
 use crate::model::Model;
+
+/// Mean square of the weighted residuals below which the noise must be smaller than it is said to be.
+const INCREDIBLE: f64 = 0.5;
 
 /// What a diagnosis tries.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -68,8 +71,8 @@ pub struct Added {
 /// Finds which physical effect `model` lacks to predict `dataset`.
 ///
 /// The records are split in three. Every effect of the catalogue is added to the full simulator and refitted
-/// together with all else on the first part, and chosen by the second; the third is read once, at the end,
-/// and decides whether the data are explained.
+/// together with all else on the first part, and chosen by the second; the third is read once, at the end: it may
+/// take back effects, and decides whether the data are explained.
 ///
 /// # Errors
 /// [`DiagnoseError`]: an unknown effect, a model without a free parameter, records that cannot be predicted.
@@ -110,10 +113,12 @@ pub fn diagnose(
     };
     bench.reseed(&first.model);
     let through = inputs::through(&first.model, &bench);
-    let known = noise::weigh(&mut bench.lanes, &measured, &through);
+    let stated = noise::weigh(&mut bench.lanes, &measured, &through);
     noise::weigh(&mut whole.lanes, &measured, &through);
-    let search = Search { bench: &bench, parts: &parts, scales: &scales, given, told: &told };
+    let search = Search { bench: &bench, parts: &parts, scales: &scales, origin: model, given, told: &told };
     let base = search.state(&first.model).map_err(|reason| unpredictable(dataset, reason))?;
+    let smallest = base.chi_square().min(search.fitted_chi_square(&base));
+    let known = stated && smallest > INCREDIBLE;
     let (mut tried, untried) = candidates::of(model, &bench);
     if let Some(only) = &options.effects {
         tried.retain(|candidate| only.iter().any(|id| id == candidate.effect.id));
@@ -126,11 +131,21 @@ pub fn diagnose(
         &whole,
         verdict::Material { model, dataset, baseline, measured, known, tried, untried, outcome },
     );
+    let reasons = &mut diagnosis.reasons;
+    if stated && !known {
+        reasons.push(format!(
+            "the refitted model leaves {smallest:.2} times the mean square of the noise that is stated or that repeats \
+             show: so large a noise is not believed, and counts as unknown"
+        ));
+    }
+    reasons.extend(split::copies(dataset));
     if let Some(only) = &options.effects {
         let only = only.join(", ");
-        diagnosis
-            .reasons
-            .push(format!("only {only} was tried: what is said of the catalogue holds for that alone"));
+        reasons.push(format!("only {only} was tried: what is said of the catalogue holds for that alone"));
+    }
+    if options.max_effects == 0 {
+        reasons
+            .push("no effect was allowed to be added: the candidates are listed, none was taken".to_owned());
     }
     Ok(diagnosis)
 }
@@ -147,8 +162,14 @@ fn table(
     noise::weigh(&mut bench.lanes, &measured, &vec![Vec::new(); dataset.records.len()]);
     let parts = few_points::whole(dataset);
     let told = |what: &str| meter.tell(what);
-    let search =
-        Search { bench: &bench, parts: &parts, scales: &scales, given: model.effects.len(), told: &told };
+    let search = Search {
+        bench: &bench,
+        parts: &parts,
+        scales: &scales,
+        origin: model,
+        given: model.effects.len(),
+        told: &told,
+    };
     let material =
         few_points::Material { model, dataset, baseline, measured, options, interrupt: watch.interrupt };
     few_points::diagnose(&search, material).map_err(|reason| unpredictable(dataset, reason))
@@ -173,8 +194,11 @@ fn unpredictable(dataset: &Dataset, reason: String) -> DiagnoseError {
     RefitError::Unpredictable { record, reason }.into()
 }
 
+/// Standard errors by which the first effect must worsen the untouched records to be taken back.
+const HARMFUL_Z: f64 = 1.0;
+
 /// The last fits, to all samples of all records that were seen, and the one look at those that were not. It may
-/// take back effects after the first that do not hold there.
+/// take back effects that do not hold there.
 fn conclude(
     search: &Search,
     whole: &Bench,
@@ -206,9 +230,12 @@ fn conclude(
         false => whole.normalised_error(scored),
     };
     let errors: Vec<f64> = scores.iter().map(error).collect();
-    let rising = (1..errors.len()).find(|k| errors[*k] >= errors[k - 1]);
+    // A first effect that changes nothing there may still be small; one that does harm is none.
+    let harmful = scores.first().is_some_and(|first| blocks::gain(whole, &before, first).z < -HARMFUL_Z);
+    let rising = if harmful { Some(0) } else { (1..errors.len()).find(|k| errors[*k] >= errors[k - 1]) };
     if let Some(rising) = rising {
-        let (count, fitted) = &chain[rising - 1];
+        let without = (0, fits[0].clone());
+        let (count, fitted) = if rising == 0 { &without } else { &chain[rising - 1] };
         // What the backward drop left is no longer the end.
         if findings.dropped() {
             fits.pop();
@@ -222,8 +249,10 @@ fn conclude(
     let given = whole.normalised_error(&score(given));
     let follows = if known { remainder::follows(whole, &after) } else { Vec::new() };
     let last = fits.last().map(|last| whole.score(&last.model, &seen));
-    let repeated = last.and_then(Result::ok).and_then(|last| maps::repeated(whole, &last, &after));
-    Ok(Outcome { findings, fits, given, before, after, chi_square, follows, repeated })
+    let last = last.and_then(Result::ok).unwrap_or_default();
+    let repeated = maps::repeated(whole, &last, &after);
+    let left = known.then(|| Left::of(&last, &after));
+    Ok(Outcome { findings, fits, given, before, after, chi_square, left, follows, repeated })
 }
 
 /// The models from the first effect that was kept to all of them, each one more than the one before, fitted to
@@ -287,8 +316,14 @@ pub fn add(
     let meter = Meter { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(2) };
     let told = |what: &str| meter.tell(what);
     let parts = Parts { fit, ..Parts::default() };
-    let search =
-        Search { bench: &bench, parts: &parts, scales: &scales, given: model.effects.len(), told: &told };
+    let search = Search {
+        bench: &bench,
+        parts: &parts,
+        scales: &scales,
+        origin: model,
+        given: model.effects.len(),
+        told: &told,
+    };
     let failed = |reason| unpredictable(dataset, reason);
     let base: State = search.state(model).map_err(failed)?;
     meter.tell("refitted");
@@ -301,7 +336,7 @@ pub fn add(
     {
         stages.push(stage(name, fitted, start, dataset));
     }
-    Ok(Added { model: with.fitted.model, stages })
+    Ok(Added { model: with.fitted.model.with_effects_free(model.effects.len()), stages })
 }
 
 /// The evaluation of a fitted model, its parameters marked with where they started.

@@ -5,11 +5,15 @@ use super::diagnosis::{Errors, Evidence, Group, Verdict};
 use super::features;
 use super::findings::{ADEQUATE, Outcome, UNEXPLAINED};
 use super::maps::Repeated;
+use super::remainder::Relation;
 use super::select::Search;
 use super::sensitivity::Sensitivities;
 use super::verdict::thresholds;
 use crate::effects;
 use crate::model::Model;
+
+/// Correlation of prediction and measurement below which one of them has the wrong sign.
+const OPPOSED: f64 = -0.3;
 
 /// What is told of.
 pub(super) struct Told<'a, 'b, 'd> {
@@ -37,14 +41,24 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
     match (told.verdict, outcome.chi_square) {
         (Verdict::NothingMissing, Some(chi_square)) => reasons.push(format!(
             "the refitted model leaves {chi_square:.2} times the noise's mean square on records that nothing was \
-             fitted to, and no effect of the catalogue gains {} on the selecting records",
-            thresholds()
+             fitted to, and {}",
+            nothing_gained(outcome)
         )),
-        (Verdict::Unexplained, Some(chi_square)) => reasons.push(unexplained(outcome, chi_square)),
+        (Verdict::NothingMissing, None) => reasons.push(format!(
+            "the refitted model leaves {} of the measured channels' variation on records that nothing was fitted to: \
+             whatever their noise, there is nothing to be explained",
+            percent(error.untouched)
+        )),
+        (Verdict::Unexplained, Some(chi_square)) => reasons.push(unexplained(outcome, told.search, chi_square)),
         (Verdict::Unexplained, None) => reasons.push(format!(
-            "the refitted model leaves {} of the measured channels' variation, nothing in the catalogue lowers that \
-             beyond doubt, and how much of it is noise is not known",
-            percent(error.refitted)
+            "the model leaves {} of the measured channels' variation, and how much of it is noise is not known: whether \
+             something is missing cannot be said. {}",
+            percent(error.last),
+            if findings.effects().is_empty() {
+                "Nothing in the catalogue lowers it beyond doubt"
+            } else {
+                "What was added leaves most of it, and no name is claimed"
+            }
         )),
         _ => {}
     }
@@ -67,7 +81,7 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
     }
     if !findings.effects().is_empty() {
         reasons.push(format!(
-            "on the untouched records the error falls from {} with the model as it came, and {} with that refitted, \
+            "on the untouched records the error goes from {} with the model as it came, and {} with that refitted, \
              to {} of the channels' own variation",
             percent(outcome.given),
             percent(error.untouched_refitted),
@@ -103,24 +117,80 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
     if *known && told.verdict == Verdict::NothingMissing && chosen > ADEQUATE {
         reasons.push(format!("on the selecting records {chosen:.2} times the noise's mean square remain"));
     }
+    reasons.extend(opposed(told.search, outcome));
     if findings.interrupted {
         reasons.push("the search was interrupted: what was not tried may do better".to_owned());
     }
     reasons
 }
 
+/// Channels that are measured the other way round than they are predicted.
+fn opposed(search: &Search, outcome: &Outcome) -> Vec<String> {
+    let mut names: Vec<&str> = Vec::new();
+    for one in &outcome.findings.base.scored {
+        let lane = &search.bench.lanes[one.record];
+        for (name, range) in &lane.channels {
+            let (predicted, measured) = (&one.predictions[range.clone()], &lane.measured[range.clone()]);
+            let mut relation = Relation::default();
+            relation.add(predicted, measured);
+            if relation.value() < OPPOSED && !names.contains(name) {
+                names.push(name);
+            }
+        }
+    }
+    let of = |name: &str| {
+        format!(
+            "`{name}` is measured in the opposite direction to the prediction: look at the sign of its sensor, and at \
+             that of what drives the record"
+        )
+    };
+    names.into_iter().map(of).collect()
+}
+
+/// What the candidates of the first round came to, where the noise explains what is left.
+fn nothing_gained(outcome: &Outcome) -> String {
+    let best = outcome.findings.rounds.first().and_then(|round| round.iter().find(|trial| trial.passes()));
+    match best {
+        None => format!("no effect of the catalogue gains {} on the selecting records", thresholds()),
+        Some(best) => format!(
+            "the best effect of the catalogue, {}, removes {} of what is no more than noise already",
+            best.ids().join(" + "),
+            percent(best.gain.share)
+        ),
+    }
+}
+
+/// A multiple of the noise's mean square.
+fn times(chi_square: f64) -> String {
+    if chi_square < 1e4 { format!("{chi_square:.1}") } else { format!("{chi_square:.0e}") }
+}
+
 /// Why the data are not explained, though the noise is known.
-fn unexplained(outcome: &Outcome, untouched: f64) -> String {
+fn unexplained(outcome: &Outcome, search: &Search, untouched: f64) -> String {
     let selecting = outcome.findings.last().chi_square();
     let (chi_square, records) = match (untouched > UNEXPLAINED, selecting > UNEXPLAINED, outcome.repeated) {
         (true, _, _) => (untouched, "records that nothing was fitted to"),
         (_, true, _) => (selecting, "the selecting records"),
+        _ if outcome.left.is_some_and(|left| left.is_too_much()) => return at_worst(outcome, search),
         (_, _, Some(repeated)) => return format!("{}, so it is not noise", repeats(repeated)),
         _ => (untouched, "records that nothing was fitted to"),
     };
     format!(
-        "{chi_square:.1} times the noise's mean square remain on {records}; above {UNEXPLAINED} a model does not \
-         explain its data, and names found on the way are surrogates"
+        "{} times the noise's mean square remain on {records}; above {UNEXPLAINED} a model does not \
+         explain its data, and names found on the way are surrogates",
+        times(chi_square)
+    )
+}
+
+/// The record that the model describes worst, where the others look explained.
+fn at_worst(outcome: &Outcome, search: &Search) -> String {
+    let Some(left) = outcome.left else { return String::new() };
+    let name = &search.bench.dataset.records[left.worst.0].name;
+    format!(
+        "{} times the noise's mean square remain over all records that were seen, and {} times in `{name}`: look at that \
+         record first, at what only it has (its level, its speed, a fault of its measurement)",
+        times(left.seen),
+        times(left.worst.1)
     )
 }
 

@@ -1,6 +1,6 @@
 //! The rounds of the selection, and what came of them.
 
-use super::bench::Scored;
+use super::bench::{Scored, mean_square};
 use super::blocks::{self, Gain};
 use super::candidates::Candidate;
 use super::engine::Meter;
@@ -15,6 +15,8 @@ const HELD: usize = 3;
 pub(super) const ADEQUATE: f64 = 1.15;
 /// The same above which it leaves the data unexplained.
 pub(super) const UNEXPLAINED: f64 = 1.5;
+/// The same in a single record, whose noise is less well known.
+const RECORD_UNEXPLAINED: f64 = 3.0;
 /// Singles from which pairs are made.
 const PAIRED: usize = 5;
 /// Share of the squared error that a single must remove to be paired.
@@ -60,10 +62,35 @@ pub(super) struct Outcome {
     pub after: Vec<Scored>,
     /// Mean square of the weighted residuals on the untouched records, where the noise is known.
     pub chi_square: Option<f64>,
+    /// What the last model leaves of the noise's mean square elsewhere, where the noise is known.
+    pub left: Option<Left>,
     /// What the residual there still follows, where the noise is known.
     pub follows: Vec<&'static str>,
     /// Whether that residual is the one that the records seen leave at the same places of the motion.
     pub repeated: Option<Repeated>,
+}
+
+/// What a model leaves, as multiples of the noise's mean square.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Left {
+    /// Over all records seen.
+    pub seen: f64,
+    /// In the record it describes worst, and that record's index.
+    pub worst: (usize, f64),
+}
+
+impl Left {
+    /// Of scores of the records seen and of the untouched ones.
+    pub fn of(seen: &[Scored], untouched: &[Scored]) -> Self {
+        let worst =
+            seen.iter().chain(untouched).map(|one| (one.record, mean_square(std::slice::from_ref(one))));
+        Self { seen: mean_square(seen), worst: worst.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0)) }
+    }
+
+    /// Whether so much is left that the model does not explain its data.
+    pub fn is_too_much(&self) -> bool {
+        self.seen > UNEXPLAINED || self.worst.1 > RECORD_UNEXPLAINED
+    }
 }
 
 impl Added {
@@ -99,8 +126,21 @@ impl Findings {
             if !findings.rounds.is_empty() {
                 meter.expect(left.len());
             }
-            let round = search.round(&present, &left);
+            let mut round = search.round(&present, &left);
             findings.interrupted |= search.bench.interrupted();
+            let unexplained = |round: &[Trial]| {
+                let fits = round.iter().filter_map(|trial| trial.state.as_ref().ok());
+                known
+                    && fits.fold(f64::INFINITY, |least, s| least.min(search.fitted_chi_square(s)))
+                        > UNEXPLAINED
+            };
+            if !(moved || adequate || findings.interrupted)
+                && findings.rounds.is_empty()
+                && unexplained(&round)
+            {
+                meter.expect(left.len());
+                round = search.from_origin(&present, &left, round);
+            }
             if !(moved || adequate || findings.interrupted || !findings.rounds.is_empty())
                 && let Some(better) = search.elsewhere(&present, &round)
             {

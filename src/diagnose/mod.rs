@@ -23,6 +23,7 @@ mod loops;
 mod magnitudes;
 mod maps;
 mod motion;
+mod nested;
 mod noise;
 mod oscillator_record;
 mod periods;
@@ -43,7 +44,7 @@ mod trial;
 mod verdict;
 
 pub use compare::{Refit, RefitError, Watch, evaluate, refit};
-pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Stage};
+pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Stage, StepGain};
 pub use diagnosis::{
     Candidate, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group, Noise,
     NoiseSource, Step, Untried, Verdict,

@@ -63,23 +63,24 @@ fn seen(lanes: &[Lane], record: usize, name: &str, values: &[f64]) -> (Option<f6
     {
         return (Some(deviation), NoiseSource::Periods);
     }
-    let repeats = lanes.iter().enumerate().filter(|(other, lane)| {
-        *other != record
-            && lane.record.regime == lanes[record].record.regime
-            && driver(lane.record).is_some_and(|other| same(&other.values, &drive.values))
-    });
+    let repeats = lanes
+        .iter()
+        .enumerate()
+        .filter(|(other, lane)| *other != record && is_repeat(lane.record, lanes[record].record));
     let differences: Vec<f64> = repeats
         .filter_map(|(_, lane)| lane.record.channel(name))
         .map(|other| {
             let square: f64 = other.values.iter().zip(values).map(|(a, b)| (a - b).powi(2)).sum();
             square / (2.0 * values.len() as f64)
         })
+        // The same file twice says nothing of the noise.
+        .filter(|square| *square > 0.0)
         .collect();
     if differences.is_empty() {
         return (None, NoiseSource::Unknown);
     }
     let mean = differences.iter().sum::<f64>() / differences.len() as f64;
-    (Some(mean.sqrt()).filter(|deviation| *deviation > 0.0), NoiseSource::Repeats)
+    (Some(mean.sqrt()), NoiseSource::Repeats)
 }
 
 /// Whether the other inputs repeat with the drive: a normal load that swings at its own frequency makes periods
@@ -100,13 +101,50 @@ fn inputs_repeat(record: &Record, period: f64) -> bool {
     })
 }
 
-/// Two drives are one when they differ by less than this share of their size.
+/// Two motions are one when they differ by less than this share of their size.
 const SAME: f64 = 0.01;
+/// Two other inputs are: a measured load has its own noise.
+const ALIKE: f64 = 0.02;
 
+/// Whether two records are one experiment done twice: the same regime and sampling, drive and all other inputs.
+fn is_repeat(a: &Record, b: &Record) -> bool {
+    let sampling = match (a.sample_step(), b.sample_step()) {
+        (Some(a), Some(b)) => (a - b).abs() < 1e-3 * a,
+        (None, None) => true,
+        _ => false,
+    };
+    let others = |record: &Record| -> Vec<usize> {
+        let is = |c: &Channel| c.name.starts_with("normal_") || c.quantity() == "excitation";
+        (0..record.channels.len()).filter(|index| is(&record.channels[*index])).collect()
+    };
+    let inputs = |record: &Record, of: &Record| {
+        others(record).into_iter().all(|index| {
+            let input = &record.channels[index];
+            of.channel(&input.name).is_some_and(|other| alike(&input.values, &other.values))
+        })
+    };
+    let drives = match (driver(a), driver(b)) {
+        (Some(a), Some(b)) => a.name == b.name && same(&a.values, &b.values),
+        _ => false,
+    };
+    a.regime == b.regime && sampling && drives && inputs(a, b) && inputs(b, a)
+}
+
+/// Whether two motions are one, about their means: a sensor's zero is no part of a motion.
 fn same(a: &[f64], b: &[f64]) -> bool {
-    let square = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
-    a.len() == b.len()
-        && square(&mut a.iter().zip(b).map(|(a, b)| a - b)) < SAME * SAME * square(&mut a.iter().copied())
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let size: f64 = a.iter().map(|x| (x - mean_a).powi(2)).sum();
+    let apart: f64 = a.iter().zip(b).map(|(x, y)| (x - mean_a - y + mean_b).powi(2)).sum();
+    let shift = (mean_a - mean_b).powi(2) * a.len() as f64;
+    a.len() == b.len() && apart < SAME * SAME * size && shift < 0.01 * size
+}
+
+/// Whether two inputs are one, their size included.
+fn alike(a: &[f64], b: &[f64]) -> bool {
+    let size: f64 = a.iter().map(|x| x * x).sum();
+    let apart: f64 = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum();
+    a.len() == b.len() && (apart < ALIKE * ALIKE * size || apart == 0.0)
 }
 
 /// The standard deviation between periods of `period` samples. A drift that is linear over three periods

@@ -10,14 +10,14 @@ const BEYOND: f64 = 3.0;
 
 /// Products of a residual with something else, both about their means.
 #[derive(Default)]
-struct Relation {
+pub(super) struct Relation {
     product: f64,
     squares: [f64; 2],
     count: f64,
 }
 
 impl Relation {
-    fn add(&mut self, a: &[f64], b: &[f64]) {
+    pub fn add(&mut self, a: &[f64], b: &[f64]) {
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
         let (means, count) = ([mean(a), mean(b)], a.len().min(b.len()));
         for (a, b) in a.iter().zip(b) {
@@ -28,7 +28,8 @@ impl Relation {
         self.count += count as f64;
     }
 
-    fn value(&self) -> f64 {
+    /// Their correlation.
+    pub fn value(&self) -> f64 {
         let size = (self.squares[0] * self.squares[1]).sqrt();
         if size > 0.0 { self.product / size } else { 0.0 }
     }

@@ -45,6 +45,9 @@ pub(super) fn around(
     chi_square: f64,
 ) -> Result<Sensitivities, String> {
     let bench: &Bench = search.bench;
+    if bench.interrupted() {
+        return Err("interrupted".to_owned());
+    }
     let mut probes = Vec::new();
     let mut models = Vec::new();
     for candidate in candidates {

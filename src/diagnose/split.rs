@@ -68,8 +68,8 @@ pub(super) fn too_little(dataset: &Dataset, parts: &Parts) -> Option<String> {
 /// Where a record stands among the others: each coordinate about one across the dataset.
 type Place = [f64; 3];
 
-/// By the records' marks where any has one: a record without a mark is then fitted. Otherwise half are
-/// fitted: the largest motion, the smallest, of ten or so records the fastest and the slowest, then always the one farthest from those already taken in level,
+/// By the records' marks where any is marked for choosing or confirming: a record without a mark is then fitted.
+/// Otherwise half are fitted, those marked so among them: the largest motion, the smallest, of ten or so records the fastest and the slowest, then always the one farthest from those already taken in level,
 /// frequency and regime; the others are dealt out in the order of regime and level.
 pub(super) fn split(dataset: &Dataset, driver: impl Fn(&Record) -> Vec<f64>) -> Parts {
     let records = &dataset.records;
@@ -80,10 +80,16 @@ pub(super) fn split(dataset: &Dataset, driver: impl Fn(&Record) -> Vec<f64>) -> 
         };
         return Parts { fit: of(Use::Fit), select: of(Use::Select), untouched: of(Use::Confirm) };
     }
+    // Copies of a record stay together: no part may see what another was fitted to.
+    let originals = originals(records);
+    let distinct: Vec<usize> = (0..records.len()).filter(|index| originals[*index] == *index).collect();
+    let marked =
+        |index: &usize| (0..records.len()).any(|i| originals[i] == *index && records[i].use_for.is_some());
+    let begun: Vec<usize> = distinct.iter().copied().filter(marked).collect();
     let places = places(records, driver);
-    let fitted = records.len().div_ceil(2).min(records.len().saturating_sub(2)).max(1);
-    let fit = spread(&places, fitted);
-    let mut rest: Vec<usize> = (0..records.len()).filter(|index| !fit.contains(index)).collect();
+    let fitted = distinct.len().div_ceil(2).min(distinct.len().saturating_sub(2)).max(1);
+    let fit = spread(&places, &distinct, begun, fitted);
+    let mut rest: Vec<usize> = distinct.into_iter().filter(|index| !fit.contains(index)).collect();
     rest.sort_by(|a, b| {
         let key = |index: &usize| (places[*index][2], places[*index][0]);
         let (left, right) = (key(a), key(b));
@@ -94,9 +100,34 @@ pub(super) fn split(dataset: &Dataset, driver: impl Fn(&Record) -> Vec<f64>) -> 
     for (position, index) in rest.into_iter().enumerate() {
         if position % 2 == 0 { parts.select.push(index) } else { parts.untouched.push(index) }
     }
-    parts.select.sort_unstable();
-    parts.untouched.sort_unstable();
+    for part in [&mut parts.fit, &mut parts.select, &mut parts.untouched] {
+        let copies = (0..records.len()).filter(|index| originals[*index] != *index);
+        let more: Vec<usize> = copies.filter(|index| part.contains(&originals[*index])).collect();
+        part.extend(more);
+        part.sort_unstable();
+    }
     parts
+}
+
+/// Of every record the first that is the same measurement.
+fn originals(records: &[Record]) -> Vec<usize> {
+    let same = |a: usize, b: usize| records[a].channels == records[b].channels;
+    (0..records.len()).map(|index| (0..index).find(|other| same(*other, index)).unwrap_or(index)).collect()
+}
+
+/// Which records are copies of others, in words.
+pub(super) fn copies(dataset: &Dataset) -> Option<String> {
+    let names: Vec<String> = originals(&dataset.records)
+        .into_iter()
+        .enumerate()
+        .filter(|(index, original)| index != original)
+        .map(|(index, original)| {
+            format!("{} of {}", dataset.records[index].name, dataset.records[original].name)
+        })
+        .collect();
+    (!names.is_empty()).then(|| {
+        format!("some records are copies, and count as one each with what they copy: {}", names.join(", "))
+    })
 }
 
 /// Level, frequency and regime of every record.
@@ -127,24 +158,18 @@ fn places(records: &[Record], driver: impl Fn(&Record) -> Vec<f64>) -> Vec<Place
     places
 }
 
-/// `count` of the places, spread out.
-fn spread(places: &[Place], count: usize) -> Vec<usize> {
-    let by_level = |sign: f64| {
-        (0..places.len())
-            .max_by(|a, b| (sign * places[*a][0]).total_cmp(&(sign * places[*b][0])).then(b.cmp(a)))
+/// `count` of the places `among`, spread out, those `taken` among them.
+fn spread(places: &[Place], among: &[usize], mut taken: Vec<usize>, count: usize) -> Vec<usize> {
+    let extreme = |coordinate: usize, sign: f64| {
+        let size = |index: &usize| sign * places[*index][coordinate];
+        among.iter().copied().max_by(|a, b| size(a).total_cmp(&size(b)).then(b.cmp(a)))
     };
-    let mut taken: Vec<usize> = by_level(1.0).into_iter().collect();
-    if count > 1
-        && let Some(lowest) = by_level(-1.0).filter(|lowest| !taken.contains(lowest))
-    {
-        taken.push(lowest);
-    }
-    // Where there is room, neither the fastest nor the slowest is left to be extrapolated to.
-    for sign in [1.0, -1.0] {
-        let extreme = (0..places.len())
-            .max_by(|a, b| (sign * places[*a][1]).total_cmp(&(sign * places[*b][1])).then(b.cmp(a)));
-        if let Some(extreme) = extreme.filter(|extreme| count > 4 && !taken.contains(extreme)) {
-            taken.push(extreme);
+    // The largest and the smallest level; where there is room, neither the fastest nor the slowest is left to be
+    // extrapolated to.
+    for (coordinate, sign, room) in [(0, 1.0, 1), (0, -1.0, 2), (1, 1.0, 5), (1, -1.0, 5)] {
+        let next = extreme(coordinate, sign).filter(|next| !taken.contains(next));
+        if let Some(next) = next.filter(|_| count >= room && taken.len() < count) {
+            taken.push(next);
         }
     }
     let distance = |a: usize, b: usize| -> f64 {
@@ -154,7 +179,9 @@ fn spread(places: &[Place], count: usize) -> Vec<usize> {
     };
     while taken.len() < count {
         let nearest = |index: usize| taken.iter().map(|t| distance(index, *t)).fold(f64::INFINITY, f64::min);
-        let next = (0..places.len())
+        let next = among
+            .iter()
+            .copied()
             .filter(|index| !taken.contains(index))
             .max_by(|a, b| nearest(*a).total_cmp(&nearest(*b)).then(b.cmp(a)));
         match next {
@@ -227,6 +254,34 @@ mod tests {
         let dataset = Dataset { title: None, records };
         let parts = split(&dataset, driver);
         assert!(parts.fit.contains(&0) && parts.fit.contains(&9) && parts.fit.len() == 5, "{parts:?}");
+    }
+
+    #[test]
+    fn what_is_marked_to_be_fitted_is_and_the_rest_is_split() {
+        let mut records: Vec<Record> =
+            (0..8).map(|i| record(1.0 + f64::from(i), Regime::Steady, 0.1)).collect();
+        records[3].use_for = Some(Use::Fit);
+        records[4].use_for = Some(Use::Fit);
+        let parts = split(&Dataset { title: None, records }, driver);
+        assert!(
+            [0, 3, 4, 7].iter().all(|index| parts.fit.contains(index)) && parts.fit.len() == 4,
+            "{parts:?}"
+        );
+        assert_eq!(parts.all(), (0..8).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn copies_of_a_record_stay_in_one_part() {
+        let once: Vec<Record> = (0..5).map(|i| record(1.0 + f64::from(i), Regime::Steady, 0.1)).collect();
+        let records = [once.clone(), once].concat();
+        let parts = split(&Dataset { title: None, records }, driver);
+        for part in [&parts.fit, &parts.select, &parts.untouched] {
+            assert!(
+                !part.is_empty() && part.iter().all(|index| part.contains(&((index + 5) % 10))),
+                "{parts:?}"
+            );
+        }
+        assert_eq!(parts.all(), (0..10).collect::<Vec<_>>());
     }
 
     #[test]

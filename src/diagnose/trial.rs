@@ -70,6 +70,10 @@ pub(super) fn fit(
     records: &[usize],
     effort: Effort,
 ) -> Result<Fitted, String> {
+    // Who interrupts waits for the end; what was begun is finished roughly, nothing more is tried.
+    if effort != Effort::Full && bench.interrupted() {
+        return Err("interrupted".to_owned());
+    }
     let mut joint = Joint::new(bench, model, unknowns, records)?;
     let (lower, upper): (Vec<f64>, Vec<f64>) = joint.coordinates().map(|c| (c.lower, c.upper)).unzip();
     let start = vec![0.0; lower.len()];
@@ -82,7 +86,7 @@ pub(super) fn fit(
     let estimates = match effort {
         Effort::Screen => Vec::new(),
         // What is no minimum has no intervals.
-        _ if end.given_up => {
+        _ if end.given_up || bench.interrupted() => {
             let none = vec![None; joint.shared.len()];
             joint.estimates_with(&end.y, &none)
         }

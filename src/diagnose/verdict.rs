@@ -18,6 +18,11 @@ use crate::model::Model;
 /// is missing, though the whole is of the noise's size.
 const STRUCTURED: f64 = 0.1;
 
+/// Error over the channels' variation below which there is nothing to explain, whatever the noise.
+const NOTHING_LEFT: f64 = 1e-3;
+/// The same above which, the noise unknown, what was added explains too little to be named.
+const MOST_LEFT: f64 = 0.6;
+
 /// What a verdict is made of.
 pub(super) struct Material<'a> {
     pub model: &'a Model,
@@ -48,13 +53,18 @@ pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosi
         });
     }
     let groups = groups(&outcome);
-    let verdict = judge(&outcome, known, &groups);
+    let verdict = judge(&outcome, known, &groups, error.untouched);
     let ids: Vec<&'static str> = found.iter().map(|candidate| candidate.effect.id).collect();
     let told =
         Told { search, outcome: &outcome, given: model, error: &error, known, groups: &groups, verdict };
     let (effects, surrogates) = match verdict {
         Verdict::EffectFound => (ids.clone(), Vec::new()),
         Verdict::Unexplained => (Vec::new(), surrogates(&outcome)),
+        // What is beyond doubt beside those that are not told apart.
+        Verdict::NotDistinguishable => {
+            let doubtful = |id: &&&str| groups.iter().any(|group| group.effects.contains(*id));
+            (ids.iter().filter(|id| !doubtful(id)).copied().collect(), Vec::new())
+        }
         _ => (Vec::new(), Vec::new()),
     };
     Diagnosis {
@@ -85,7 +95,7 @@ pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosi
         split: search.parts.uses(dataset.records.len()),
         noise: measured,
         comparison: comparison(dataset, stages),
-        model: last.model.clone(),
+        model: last.model.clone().with_effects_free(search.given),
         cost: cost(&[search.bench, whole]),
     }
 }
@@ -154,11 +164,13 @@ fn groups(outcome: &Outcome) -> Vec<Group> {
     groups
 }
 
-fn judge(outcome: &Outcome, known: bool, groups: &[Group]) -> Verdict {
+/// The verdict; `error` is the last model's on the untouched records, over their own variation.
+fn judge(outcome: &Outcome, known: bool, groups: &[Group], error: f64) -> Verdict {
     let none = outcome.findings.effects().is_empty();
     let untouched = outcome.chi_square.unwrap_or(f64::NAN);
     let selecting = if known { outcome.findings.last().chi_square() } else { f64::NAN };
-    if known && (untouched > UNEXPLAINED || selecting > UNEXPLAINED) {
+    let elsewhere = outcome.left.is_some_and(|left| left.is_too_much());
+    if known && (untouched > UNEXPLAINED || selecting > UNEXPLAINED || elsewhere) {
         return Verdict::Unexplained;
     }
     // A part that comes again at the same places of the motion is no noise, however small.
@@ -167,7 +179,10 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group]) -> Verdict {
     }
     if none {
         // A model whose error nothing lowers is not thereby right: without the noise nobody knows.
-        return if known { Verdict::NothingMissing } else { Verdict::Unexplained };
+        return if known || error < NOTHING_LEFT { Verdict::NothingMissing } else { Verdict::Unexplained };
+    }
+    if !known && error > MOST_LEFT {
+        return Verdict::Unexplained;
     }
     if !groups.is_empty() {
         return Verdict::NotDistinguishable;

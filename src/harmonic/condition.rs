@@ -1,7 +1,7 @@
 //! Conditions that stand beside the balance: a held response, a phase, a value, a place along a curve.
 
-use super::problem::{Condition, ConditionRow};
-use super::system::{Observation, Operating, PeriodicSystem, Scalar};
+use super::problem::{Condition, ConditionRow, Seen};
+use super::system::{Operating, PeriodicSystem, Scalar};
 
 /// `|(i k Ω)^d X_k| = amplitude` for harmonic `k` of an output: displacement (d = 0), velocity (1) or
 /// acceleration (2) held, as a controlled shaker does.
@@ -15,13 +15,12 @@ pub(crate) struct HeldAmplitude {
     pub derivative: usize,
     /// Amplitude held (m/s^d), positive.
     pub amplitude: f64,
-    seen: Observation,
 }
 
 impl HeldAmplitude {
     /// The condition with its buffers.
     pub fn new(node: usize, order: usize, derivative: usize, amplitude: f64) -> Self {
-        Self { node, order, derivative, amplitude, seen: Observation::default() }
+        Self { node, order, derivative, amplitude }
     }
 }
 
@@ -34,19 +33,14 @@ impl Condition for HeldAmplitude {
         at: &Operating,
         row: &mut ConditionRow,
     ) -> f64 {
-        system.observe(self.node, self.order, &mut self.seen);
+        let value = system.glance(self.node, self.order);
         let speed = self.order as f64 * at.angular_frequency;
         let factor = (speed.powi(self.derivative as i32) / self.amplitude).powi(2);
-        let mut squares = 0.0;
         let parts = if self.order == 0 { 1 } else { 2 };
-        for part in 0..parts {
-            let value = self.seen.value[part];
-            squares += factor * value * value;
-            let gradient = row.by_unknowns.iter_mut().zip(&self.seen.by_unknowns[part]);
-            gradient.for_each(|(r, d)| *r += factor * value * d);
-            let gradient = row.by_scalars.iter_mut().zip(&self.seen.by_scalars[part]);
-            gradient.for_each(|(r, d)| *r += factor * value * d);
-        }
+        let squares: f64 = value[..parts].iter().map(|value| factor * value * value).sum();
+        let mut weights = [0.0; 2];
+        weights.iter_mut().zip(&value[..parts]).for_each(|(weight, value)| *weight = factor * value);
+        row.seen = Some(Seen { node: self.node, order: self.order, weights });
         row.by_scalars[Scalar::AngularFrequency.index()] +=
             self.derivative as f64 * squares / at.angular_frequency;
         0.5 * (squares - 1.0)
@@ -65,7 +59,6 @@ pub(crate) struct Phase {
     pub order: usize,
     /// Direction wanted: cosine and sine part of a unit vector.
     direction: [f64; 2],
-    seen: Observation,
 }
 
 impl Phase {
@@ -80,7 +73,7 @@ impl Phase {
         let (sin, cos) = lag.sin_cos();
         let [c, s] = excitation.map(|part| if size > 0.0 { part / size } else { 0.0 });
         let direction = [c * cos - s * sin, c * sin + s * cos];
-        Self { node, order, direction, seen: Observation::default() }
+        Self { node, order, direction }
     }
 }
 
@@ -92,8 +85,7 @@ impl Condition for Phase {
         _at: &Operating,
         row: &mut ConditionRow,
     ) -> f64 {
-        system.observe(self.node, self.order, &mut self.seen);
-        let [c, s] = self.seen.value;
+        let [c, s] = system.glance(self.node, self.order);
         let size = c.hypot(s);
         if size == 0.0 {
             return 1.0;
@@ -101,12 +93,7 @@ impl Condition for Phase {
         let across = (c * self.direction[1] - s * self.direction[0]) / size;
         let weights =
             [(self.direction[1] - across * c / size) / size, (-self.direction[0] - across * s / size) / size];
-        for (part, weight) in weights.iter().enumerate() {
-            let gradient = row.by_unknowns.iter_mut().zip(&self.seen.by_unknowns[part]);
-            gradient.for_each(|(r, d)| *r += weight * d);
-            let gradient = row.by_scalars.iter_mut().zip(&self.seen.by_scalars[part]);
-            gradient.for_each(|(r, d)| *r += weight * d);
-        }
+        row.seen = Some(Seen { node: self.node, order: self.order, weights });
         across
     }
 }

@@ -443,10 +443,20 @@ impl<'s> Recorder<'s> {
                 });
             }
         }
+        let first = curve.peaks.len();
         for node in 0..self.now.slopes.len() {
             let Some(before) = self.before.slopes.get(node).copied() else { continue };
             let now = self.now.slopes[node];
             if before > 0.0 && now < 0.0 {
+                // A node that moves as another does has its peak there too.
+                let same = |slopes: &[f64], other: usize| slopes[other] == slopes[node];
+                let twin = (0..node)
+                    .find(|other| same(&self.before.slopes, *other) && same(&self.now.slopes, *other));
+                if let Some(twin) = twin {
+                    let known = curve.peaks[first..].iter().find(|peak| peak.node == twin).cloned();
+                    curve.peaks.extend(known.map(|peak| Peak { node, ..peak }));
+                    continue;
+                }
                 let mut extremum = Extremum::default();
                 let mut along = Vec::new();
                 let mut test = |system: &mut dyn PeriodicSystem, location: &Location| {

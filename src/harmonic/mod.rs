@@ -42,6 +42,7 @@ mod tracker;
 mod tracking;
 mod transfer;
 mod unit;
+mod variation;
 
 pub use assembly::{Assembly, AttachedContact, Body, Control, CurveSettings, UNRESOLVED};
 pub use contact_cycle::{ContactCycle, ContactMapping, CycleSummary, contact_cycle};

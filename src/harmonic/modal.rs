@@ -100,6 +100,11 @@ impl ModalEquations {
         }
     }
 
+    /// Adds a damper (1/s) to a mode.
+    pub fn add_damping(&mut self, mode: usize, rate: f64) {
+        self.damping[mode] += rate;
+    }
+
     /// Makes the number of rounds depend on the next arguments alone.
     pub fn forget(&mut self) {
         self.joint = FIRST_JOINT.min(self.harmonics);

@@ -5,17 +5,19 @@
 //! solution for every amplitude, with the mode's frequency Ω, damping ratio ζ and shape, harmonics included.
 //! Where ζ is small and modes are apart, the resonances of the forced structure lie on it.
 
-use super::HarmonicError;
-use super::assembly::{Assembly, Body, CurveSettings};
+use super::assembly::{Assembly, AttachedContact, Body, CurveSettings};
+use super::balance::{Balance, Extent, Signals};
 use super::condensed::Condensed;
 use super::condition::{HeldAmplitude, Phase};
 use super::curve::Point;
+use super::fourier::coefficient_count;
 use super::problem::{Condition, Newton, Stopping};
 use super::system::{Operating, PeriodicSystem, Scalar};
 use super::tracker::{Solution, describe_by, more_harmonics};
 use super::tracking::{LARGEST_CHANGE, LEAST_SHARE, between};
+use super::{ContactOnBeam, HarmonicError};
 use crate::contact::{ContactLaw, Inputs};
-use crate::structure::{LinearStructure, Row};
+use crate::structure::{LinearStructure, ModalBeam, Output, Row};
 
 const FREE: [Scalar; 2] = [Scalar::AngularFrequency, Scalar::SelfExcitation];
 
@@ -92,10 +94,11 @@ pub fn nonlinear_mode(
     settings: &CurveSettings,
 ) -> Result<NonlinearMode, HarmonicError> {
     let amplitudes = range.checked()?;
-    let Body::Linear(structure) = assembly.body else {
-        return Err(HarmonicError::InvalidInput(
-            "nonlinear modes are those of a linear structure with contacts",
-        ));
+    assembly.check()?;
+    settings.check()?;
+    let structure = match assembly.body {
+        Body::Linear(structure) => structure,
+        Body::Beam(beam) => return mode_of_beam(assembly, beam, range, &amplitudes, settings),
     };
     if assembly.contacts.is_empty() {
         return Err(HarmonicError::InvalidInput("a structure without contacts has linear modes"));
@@ -110,11 +113,62 @@ pub fn nonlinear_mode(
     system.relieve(relief);
     let mut x = vec![0.0; system.unknowns()];
     let set = system.set();
-    for (u, share) in x.chunks_exact_mut(set.len()).zip(&start.contacts) {
+    for (u, row) in x.chunks_exact_mut(set.len()).zip(&structure.contacts) {
         if let Some(place) = set.place(1) {
-            u[place] = share * amplitudes[0];
+            u[place] = start.displacement(row) * amplitudes[0];
         }
     }
+    follow(&mut system, &start, x, range.node, &amplitudes, settings)
+}
+
+/// A nonlinear mode of a beam.
+fn mode_of_beam(
+    assembly: &Assembly,
+    beam: &ModalBeam,
+    range: &ModeRange,
+    amplitudes: &[f64],
+    settings: &CurveSettings,
+) -> Result<NonlinearMode, HarmonicError> {
+    if assembly.contacts.is_empty() && beam.stretching_stiffness == 0.0 {
+        return Err(HarmonicError::InvalidInput("a beam without a contact has linear modes"));
+    }
+    let contact = assembly.contacts.first();
+    let contact = contact
+        .map(|AttachedContact { law, normal_load }| ContactOnBeam { law: *law, normal_load: *normal_load });
+    let mut structure = LinearStructure::from_beam(beam);
+    let at_excitation = Output { name: "excitation".into(), row: structure.excitation.clone() };
+    structure.outputs.push(at_excitation);
+    let behind = |stiffness: f64| stiffness / (1.0 + beam.axial_flexibility * stiffness);
+    let stiffness = contact.map(|contact| behind(tangent_stiffness(contact.law, contact.normal_load)));
+    let start = LinearStart::new(&structure, stiffness.into_iter(), range)?;
+    // As for a linear structure, but for the damper: it sits in the mode that takes most part.
+    let strongest = start.shape.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    let mode = strongest.map(|(mode, _)| mode);
+    let signals = Signals { mode, ..Signals::of(beam) };
+    let harmonics = settings.harmonics;
+    let extent = Extent { harmonics, contact: 2 * harmonics, signals };
+    let mut system = Balance::with(beam, contact, &[], &extent, settings.method)?;
+    system.relieve(start.angular_frequency);
+    let count = coefficient_count(harmonics);
+    let mut modal = vec![0.0; count * start.shape.len()];
+    for (mode, share) in modal.chunks_exact_mut(count).zip(&start.shape) {
+        mode[1] = share * amplitudes[0];
+    }
+    let mut force = vec![0.0; coefficient_count(2 * harmonics)];
+    force[1] = stiffness.unwrap_or(0.0) * start.displacement(&structure.contacts[0]) * amplitudes[0];
+    let x = system.unknowns_of(&modal, &force);
+    follow(&mut system, &start, x, range.node, amplitudes, settings)
+}
+
+/// The mode over its amplitudes, from the unknowns `x` of the linear one of the first amplitude.
+fn follow(
+    system: &mut dyn PeriodicSystem,
+    start: &LinearStart,
+    x: Vec<f64>,
+    node: usize,
+    amplitudes: &[f64],
+    settings: &CurveSettings,
+) -> Result<NonlinearMode, HarmonicError> {
     let at = Operating {
         angular_frequency: start.angular_frequency,
         level: 0.0,
@@ -122,18 +176,18 @@ pub fn nonlinear_mode(
         parameter: 0.0,
     };
     let mut vibration = FreeVibration {
-        system: &mut system,
+        system,
         settings: *settings,
         newton: Newton::default(),
         stopping: settings.stopping(),
-        node: range.node,
+        node,
         reached: Vec::new(),
     };
     let first = Solution { x, at };
     let mut mode =
         NonlinearMode { angular_frequency: start.angular_frequency, points: Vec::new(), lost: None };
     for amplitude in amplitudes {
-        match vibration.reach(amplitude, &first) {
+        match vibration.reach(*amplitude, &first) {
             Ok(point) => mode.points.push(point),
             Err(error) if !mode.points.is_empty() && error.is_of_the_step() => {
                 mode.lost = Some(error);
@@ -169,8 +223,8 @@ impl ModeRange {
 struct LinearStart {
     angular_frequency: f64,
     damping_ratio: f64,
-    /// Displacement of each contact where that of the node is 1.
-    contacts: Vec<f64>,
+    /// Degrees of freedom where the node's displacement is 1.
+    shape: Vec<f64>,
     /// Sum of the squares of the contacts' displacements in the mode of unit modal mass (1/kg).
     contact_share: f64,
 }
@@ -214,9 +268,14 @@ impl LinearStart {
         Ok(Self {
             angular_frequency,
             damping_ratio: 0.5 * rate / angular_frequency,
-            contacts: structure.contacts.iter().map(|row| of(row) / node).collect(),
+            shape: shape.iter().map(|x| x / node).collect(),
             contact_share,
         })
+    }
+
+    /// Displacement of a row where that of the node is 1.
+    fn displacement(&self, row: &Row) -> f64 {
+        row.iter().map(|(i, factor)| factor * self.shape[*i]).sum()
     }
 }
 

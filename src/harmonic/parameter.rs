@@ -1,13 +1,15 @@
 //! Contacts that depend on a parameter, and responses at a constant frequency over it.
 
-use super::HarmonicError;
 use super::assembly::{Assembly, AttachedContact, Body, CurveSettings};
-use super::condensed::{Condensed, Rebuild};
+use super::balance::Balance;
+use super::condensed::Condensed;
 use super::continuation::{Advance, Path, Route, Verdict};
 use super::curve::{Ending, Point};
 use super::start::at_level;
 use super::system::{Operating, PeriodicSystem, Scalar};
 use super::tracker::{Solution, describe, more_harmonics};
+use super::variation::Rebuild;
+use super::{ContactOnBeam, HarmonicError};
 use crate::contact::{ContactLaw, LawError};
 
 /// A contact law that belongs to its holder, under its constant normal load.
@@ -177,19 +179,32 @@ pub(super) fn varied_balance<'a>(
     least: f64,
     settings: &CurveSettings,
 ) -> Result<Box<dyn PeriodicSystem + 'a>, HarmonicError> {
+    assembly.check()?;
     assembly.check_excitation(settings)?;
+    let rebuild = |number: usize| -> Rebuild<'a> {
+        Box::new(move |value| {
+            let OwnedContact { law, normal_load } = contact(number, value)?;
+            Ok((law, normal_load))
+        })
+    };
     match assembly.body {
         Body::Linear(_) => {
             let mut system = Condensed::new(assembly, settings)?;
-            for number in 0..assembly.contacts.len() {
-                let rebuild: Rebuild<'a> = Box::new(move |value| {
-                    let OwnedContact { law, normal_load } = contact(number, value)?;
-                    Ok((law, normal_load))
-                });
-                system.vary(number, least, rebuild);
+            (0..assembly.contacts.len()).for_each(|number| system.vary(number, least, rebuild(number)));
+            Ok(Box::new(system))
+        }
+        Body::Beam(beam) => {
+            let contact = assembly.contacts.first();
+            let contact = contact.map(|AttachedContact { law, normal_load }| ContactOnBeam {
+                law: *law,
+                normal_load: *normal_load,
+            });
+            let mut system =
+                Balance::new(beam, contact, &assembly.waveform, settings.harmonics, settings.method)?;
+            if contact.is_some() {
+                system.vary(least, rebuild(0));
             }
             Ok(Box::new(system))
         }
-        Body::Beam(_) => Err(HarmonicError::InvalidInput("the contact of a beam cannot be varied yet")),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::HarmonicError;
 use super::factors::Factors;
-use super::system::{Operating, PeriodicSystem, Scalar};
+use super::system::{Observation, Operating, PeriodicSystem, Scalar};
 
 /// Gradient of a condition.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -11,6 +11,20 @@ pub(crate) struct ConditionRow {
     pub by_unknowns: Vec<f64>,
     /// By the scalars, in the order of [`Scalar`].
     pub by_scalars: [f64; 4],
+    /// What it sees of an output, beside the above.
+    pub seen: Option<Seen>,
+}
+
+/// Weights of the cosine and the sine of an output's harmonic in a gradient: their derivatives take an effort that a
+/// solution does not ask for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Seen {
+    /// Which output.
+    pub node: usize,
+    /// Which harmonic.
+    pub order: usize,
+    /// The weights.
+    pub weights: [f64; 2],
 }
 
 /// A scalar equation beside the balance.
@@ -74,6 +88,7 @@ pub(crate) struct Newton {
     step: Vec<f64>,
     trial: Vec<f64>,
     rows: Vec<ConditionRow>,
+    observation: Observation,
     scale: f64,
     factored: bool,
 }
@@ -221,15 +236,32 @@ impl Newton {
             row.by_unknowns.clear();
             row.by_unknowns.resize(x.len(), 0.0);
             row.by_scalars = [0.0; 4];
+            row.seen = None;
             self.residual.push(condition.evaluate(system, x, at, row));
         }
         Ok(())
+    }
+
+    /// Completes the conditions' gradients by what they see of the outputs.
+    fn look(&mut self, system: &mut dyn PeriodicSystem) {
+        for row in &mut self.rows {
+            let Some(Seen { node, order, weights }) = row.seen.take() else { continue };
+            system.observe(node, order, &mut self.observation);
+            for (part, weight) in weights.into_iter().enumerate().filter(|(_, weight)| *weight != 0.0) {
+                let gradient = row.by_unknowns.iter_mut().zip(&self.observation.by_unknowns[part]);
+                gradient.for_each(|(r, d)| *r += weight * d);
+                let gradient = row.by_scalars.iter_mut().zip(&self.observation.by_scalars[part]);
+                gradient.for_each(|(r, d)| *r += weight * d);
+            }
+        }
     }
 
     fn factor(&mut self, system: &mut dyn PeriodicSystem, free: &[Scalar]) -> bool {
         let n = system.unknowns();
         let size = n + free.len();
         let weight = 1.0 / self.scale;
+        system.jacobian();
+        self.look(system);
         let matrix = self.factors.reset(size);
         for (k, source) in system.jacobian().as_slice().chunks_exact(n.max(1)).enumerate() {
             let column = &mut matrix[k * size..(k + 1) * size];

@@ -2,8 +2,8 @@
 
 use super::balance::Balance;
 use super::follow::{Family, State, find};
-use super::problem::{Condition, ConditionRow, Effort, Newton, Stopping};
-use super::system::{Observation, Operating, PeriodicSystem, Scalar};
+use super::problem::{Condition, ConditionRow, Effort, Newton, Seen, Stopping};
+use super::system::{Operating, PeriodicSystem, Scalar};
 use super::{ContactOnBeam, HarmonicError, Settings, guess};
 use crate::structure::ModalBeam;
 
@@ -156,8 +156,8 @@ impl Family for PhaseResonance {
         stopping: &Stopping,
     ) -> Result<Effort, HarmonicError> {
         let node = balance.nodes() - 1;
-        let mut cosine = InQuadrature { node, part: 0, acceleration: amount, seen: Observation::default() };
-        let mut sine = InQuadrature { node, part: 1, acceleration: amount, seen: Observation::default() };
+        let mut cosine = InQuadrature { node, part: 0, acceleration: amount };
+        let mut sine = InQuadrature { node, part: 1, acceleration: amount };
         let free = [Scalar::AngularFrequency, Scalar::Level];
         newton.solve(balance, &mut state.x, &mut state.at, &free, &mut [&mut cosine, &mut sine], stopping)
     }
@@ -174,7 +174,6 @@ struct InQuadrature {
     /// 0 for the cosine, 1 for the sine.
     part: usize,
     acceleration: f64,
-    seen: Observation,
 }
 
 impl Condition for InQuadrature {
@@ -185,13 +184,11 @@ impl Condition for InQuadrature {
         at: &Operating,
         row: &mut ConditionRow,
     ) -> f64 {
-        system.observe(self.node, 1, &mut self.seen);
         let factor = at.angular_frequency * at.angular_frequency / self.acceleration;
-        let value = factor * self.seen.value[self.part];
-        let by_unknowns = row.by_unknowns.iter_mut().zip(&self.seen.by_unknowns[self.part]);
-        by_unknowns.for_each(|(r, d)| *r = factor * d);
-        let by_scalars = row.by_scalars.iter_mut().zip(self.seen.by_scalars[self.part]);
-        by_scalars.for_each(|(r, d)| *r = factor * d);
+        let value = factor * system.glance(self.node, 1)[self.part];
+        let mut weights = [0.0; 2];
+        weights[self.part] = factor;
+        row.seen = Some(Seen { node: self.node, order: 1, weights });
         row.by_scalars[Scalar::AngularFrequency.index()] += 2.0 * value / at.angular_frequency;
         value - self.part as f64
     }

@@ -89,11 +89,14 @@ pub(crate) trait PeriodicSystem {
     /// ∂residual/∂unknowns of the last evaluation.
     fn jacobian(&mut self) -> &DMatrix<f64>;
 
-    /// ∂residual/∂scalar of the last evaluation; valid for the scalars it was asked for.
+    /// ∂residual/∂scalar of the last evaluation; valid for the scalars it was asked for, once the Jacobian was.
     fn by(&self, scalar: Scalar) -> &[f64];
 
-    /// Displacement harmonic `order` of output `node` at the last evaluation. Zeros for a harmonic that
-    /// the system has not.
+    /// Cosine and sine coefficient (m) of output `node` in harmonic `order` at the last evaluation; zeros for a harmonic
+    /// that the system has not.
+    fn glance(&mut self, node: usize, order: usize) -> [f64; 2];
+
+    /// As [`PeriodicSystem::glance`], with derivatives.
     fn observe(&mut self, node: usize, order: usize, out: &mut Observation);
 
     /// Makes the next evaluation depend on its arguments alone.
@@ -128,7 +131,8 @@ pub(crate) trait PeriodicSystem {
     fn describe(&mut self, x: &[f64], at: &Operating) -> Result<Point, HarmonicError>;
 
     /// Derivatives of the nodes' coefficients (those of [`Point::nodes`]) where the unknowns change by
-    /// `unknowns` and the scalars by `scalars`, at the last evaluation.
+    /// `unknowns` and the scalars by `scalars`, at the last evaluation or, as Newton's factors, at the last one whose
+    /// Jacobian was asked for.
     fn nodes_along(&mut self, unknowns: &[f64], scalars: &[f64; 4], out: &mut [Vec<f64>]) {
         let mut seen = Observation::default();
         for (node, coefficients) in out.iter_mut().enumerate() {

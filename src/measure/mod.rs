@@ -5,7 +5,7 @@ mod record;
 mod unit;
 
 pub use channel::{COLUMNS, ChannelName, ChannelNameError, Place};
-pub use unit::{UnitError, unit_factor};
+pub use unit::{UnitError, unit_factor, unit_size};
 
 /// How a record begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -110,6 +110,19 @@ pub fn unit_factor(unit: &str, quantity: &Quantity) -> Result<f64, UnitError> {
     Err(UnitError::Dimension { unit: unit.to_owned(), quantity: quantity.name, expected: expected(quantity) })
 }
 
+/// Exponents of length, mass, time and angle of `unit`, and its size in m, kg, s and rad; `g` is the gram. `None` for what
+/// is no unit.
+///
+/// ```
+/// use stickslip::measure::unit_size;
+///
+/// assert_eq!(unit_size("kN/mm"), Some(([0, 1, -2, 0], 1e6)));
+/// assert_eq!(unit_size("furlong"), None);
+/// ```
+pub fn unit_size(unit: &str) -> Option<([i32; 4], f64)> {
+    parse(unit, Gram::Mass).ok()
+}
+
 fn expected(quantity: &Quantity) -> String {
     match quantity.unit {
         "m" => "m, mm, µm",

@@ -47,6 +47,23 @@ fn matches(pattern: &str, text: &str) -> bool {
     rest.ends_with(last)
 }
 
+impl Model {
+    /// The model with the parameters of its effects from number `first` (from 0) on free, where `[fit] free` lists
+    /// what is: what was added is part of every later fit.
+    pub fn with_effects_free(mut self, first: usize) -> Self {
+        let added = (first + 1..=self.effects.len()).map(|number| format!("effect.{number}.*"));
+        let paths: Vec<String> = self.values().into_iter().map(|parameter| parameter.path).collect();
+        if let Some(free) = &mut self.free {
+            let fixed = |path: &String| !free.iter().any(|pattern| frees(pattern, path));
+            let missing: Vec<String> = added
+                .filter(|pattern| paths.iter().any(|path| matches(pattern, path) && fixed(path)))
+                .collect();
+            free.extend(missing);
+        }
+        self
+    }
+}
+
 /// Refuses patterns that free nothing.
 pub(super) fn check_patterns(model: &Model) -> Result<(), ParameterError> {
     let patterns = model.free.iter().flatten();

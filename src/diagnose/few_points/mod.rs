@@ -1,13 +1,11 @@
 //! The diagnosis of a table of few points: one backbone with a handful of frequencies cannot be split in three.
 //! Each point is predicted by a model fitted to the others, and what that gains is told with its doubt.
 
-mod evidence;
 mod leave_out;
 mod words;
 
 use rayon::prelude::*;
 
-use self::evidence::Nested;
 use self::leave_out::LeftOut;
 use super::bench::mean_square;
 use super::blocks::Gain;
@@ -16,6 +14,7 @@ use super::comparison::Stage;
 use super::confound;
 use super::diagnosis::{Diagnosis, Group, Noise, Step, Untried, Verdict};
 use super::engine::{DiagnoseOptions, comparison, cost, stage};
+use super::nested::Nested;
 use super::select::{Search, State, Trial};
 use super::split::{FEWEST_RECORDS, Parts};
 use super::verdict;
@@ -216,7 +215,7 @@ impl Rounds<'_, '_> {
                     Err(reason) => (None, Err(reason)),
                 };
                 (self.search.told)(candidate.effect.id);
-                let none = Gain { z: 0.0, share: 0.0 };
+                let none = Gain { z: f64::NAN, share: f64::NAN };
                 let gain = standing.as_ref().map_or(none, |after| after.unseen.gain_over(&before.unseen));
                 Tried { trial: Trial { candidates: set, state, gain }, standing }
             })
@@ -349,7 +348,7 @@ impl Rounds<'_, '_> {
             untried,
             next_experiment: Some(words::next_experiment()),
             comparison: comparison(dataset, stages),
-            model: self.last().state.fitted.model.clone(),
+            model: self.last().state.fitted.model.clone().with_effects_free(self.search.given),
             cost: cost(&[self.search.bench]),
             ..insufficient
         }

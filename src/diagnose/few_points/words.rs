@@ -1,7 +1,6 @@
 //! What few points carry, in words.
 
 use super::super::diagnosis::{Evidence, Verdict};
-use super::evidence::Nested;
 use super::leave_out;
 use super::{FEWEST_FREE, PASSING_SHARE, Rounds, Standing};
 use crate::model::Model;
@@ -70,9 +69,6 @@ impl Rounds<'_, '_> {
                     .to_owned(),
             );
         }
-        let titled =
-            |index: usize| format!("{}: {}", self.kept[index].candidate.effect.title, self.step(index));
-        reasons.extend((0..self.kept.len()).map(titled));
         if self.exact() {
             reasons.push(
                 "The error left is that of the computation itself; no effect can lower it. Whether that is a \
@@ -122,7 +118,7 @@ impl Rounds<'_, '_> {
             100.0 * kept.gain.share,
             kept.gain.z,
             before.unseen.squares.len(),
-            weight(&self.nested(index))
+            self.nested(index).words()
         )
     }
 
@@ -159,24 +155,4 @@ impl Rounds<'_, '_> {
         };
         (0..self.kept.len()).map(of).collect()
     }
-}
-
-/// F and AICc in words.
-fn weight(nested: &Nested) -> String {
-    let mut text = match (nested.ratio(), nested.chance()) {
-        (Some(ratio), Some(chance)) => format!(
-            "F = {ratio:.1} with {} and {} degrees of freedom: by chance in {:.0} % of cases, more often for the best of \
-             several candidates",
-            nested.parameters[1] - nested.parameters[0],
-            nested.freedom(),
-            (100.0 * chance).max(1.0)
-        ),
-        _ => "Too few values for an F".to_owned(),
-    };
-    match nested.criterion() {
-        Some(change) if change < 0.0 => text += &format!("; AICc falls by {:.1}, for the step", -change),
-        Some(change) => text += &format!("; AICc rises by {change:.1}, against the step"),
-        None => text += "; too few values for AICc",
-    }
-    text
 }

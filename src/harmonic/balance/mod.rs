@@ -20,11 +20,14 @@
 //! their form with W, the weights of `G q` and `φ(S)` stacked, and the three forces stacked.
 
 mod beyond;
+mod check;
 mod drag;
 mod periodic;
+mod relief;
 #[cfg(test)]
 mod tests;
 mod truncation;
+mod varied;
 
 use nalgebra::DMatrix;
 
@@ -38,7 +41,10 @@ use crate::harmonic::set::HarmonicSet;
 use crate::harmonic::system::{Observation, Operating, PeriodicSystem, Scalar};
 use crate::harmonic::{ContactOnBeam, HarmonicError, Method, Point, guess};
 use crate::structure::ModalBeam;
+use check::check_beam;
 use drag::Drag;
+use relief::Relief;
+use varied::{Varied, attached};
 
 /// What the balance is condensed to besides the contact's displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -47,12 +53,18 @@ pub(crate) struct Signals {
     pub shortening: bool,
     /// The displacement at the excitation, for drag.
     pub excitation: bool,
+    /// That of a mode from whose equation a damper is moved.
+    pub mode: Option<usize>,
 }
 
 impl Signals {
     /// What `beam` needs.
     pub fn of(beam: &ModalBeam) -> Self {
-        Self { shortening: beam.stretching_stiffness != 0.0, excitation: beam.quadratic_damping != 0.0 }
+        Self {
+            shortening: beam.stretching_stiffness != 0.0,
+            excitation: beam.quadratic_damping != 0.0,
+            mode: None,
+        }
     }
 
     /// What either needs.
@@ -60,6 +72,7 @@ impl Signals {
         Self {
             shortening: self.shortening || other.shortening,
             excitation: self.excitation || other.excitation,
+            mode: self.mode.or(other.mode),
         }
     }
 }
@@ -97,6 +110,8 @@ pub(crate) struct Balance<'a> {
     wide: usize,
     signals: Signals,
     drag: Option<Box<Drag>>,
+    relief: Option<Relief>,
+    varied: Option<Varied<'a>>,
     /// Coefficients of the contact force (N).
     force: Vec<f64>,
     /// Contact force less the force of stretching.
@@ -122,9 +137,12 @@ pub(crate) struct Balance<'a> {
     jacobian: DMatrix<f64>,
     /// Whether the Jacobian is that of the last evaluation: it costs two large products, and a solution needs none.
     complete: bool,
-    /// Angular frequency (rad/s) of the last evaluation, while its derivatives are not made: a trial step that is
-    /// refused needs none.
-    undifferentiated: Option<f64>,
+    /// Where the last evaluation was, while its derivatives are not made: a trial step that is refused needs none, nor
+    /// does a solution. With the scalars by which they are asked for.
+    undifferentiated: Option<Operating>,
+    asked: Vec<Scalar>,
+    /// Whether there are derivatives, of whichever evaluation.
+    differentiated: bool,
     by: [Vec<f64>; 4],
     /// ∂q/∂scalar at fixed u.
     modal_by: [Vec<f64>; 4],
@@ -162,7 +180,8 @@ impl<'a> Balance<'a> {
         debug_assert!((harmonics..=2 * harmonics).contains(&highest));
         let (count, wide) = (coefficient_count(harmonics), coefficient_count(highest));
         let size = count * beam.angular_frequency.len();
-        let more = usize::from(signals.shortening) + usize::from(signals.excitation);
+        let signal_count = [signals.shortening, signals.excitation, signals.mode.is_some()];
+        let more = signal_count.into_iter().filter(|there| *there).count();
         let unknowns = wide + more * count;
         let law = if more == 0 { 0 } else { unknowns };
         let mut kept = waveform.to_vec();
@@ -181,6 +200,8 @@ impl<'a> Balance<'a> {
             wide,
             signals,
             drag: signals.excitation.then(|| Box::new(Drag::new(harmonics))),
+            relief: signals.mode.map(|mode| Relief::new(mode, count)),
+            varied: None,
             force: vec![0.0; wide],
             tension: vec![0.0; wide],
             shortening: vec![0.0; count],
@@ -197,6 +218,8 @@ impl<'a> Balance<'a> {
             jacobian: DMatrix::identity(unknowns, unknowns),
             complete: false,
             undifferentiated: None,
+            asked: Vec::new(),
+            differentiated: false,
             by: std::array::from_fn(|_| vec![0.0; unknowns]),
             modal_by: std::array::from_fn(|_| vec![0.0; size]),
         })
@@ -245,6 +268,7 @@ impl<'a> Balance<'a> {
         if self.signals.excitation {
             unknowns.extend(self.output(&self.beam.excitation_shape));
         }
+        unknowns.extend(self.relieved_mode());
         unknowns
     }
 
@@ -292,7 +316,7 @@ impl<'a> Balance<'a> {
         u: &[f64],
         series: f64,
     ) -> Result<&[f64], HarmonicError> {
-        if let Some(ContactOnBeam { law, normal_load }) = self.contact {
+        if let Some((law, normal_load)) = attached(&self.contact, &self.varied) {
             let contact = PeriodicContact { law, normal_load, compliance: series };
             self.cycle.evaluate(&contact, angular_frequency, u)?;
             self.force.copy_from_slice(self.cycle.force());
@@ -305,9 +329,11 @@ impl<'a> Balance<'a> {
         let (modes, wide, count) = (self.modes(), self.wide, self.count);
         let (rows, shortening, excitation) =
             (self.weights.nrows(), self.shortening_row(), self.excitation_row());
+        let relief = self.relief_row();
         // u = ½ Σ (w_i + c_i) q_i.
         self.displacement.fill(0.0);
         for i in 0..modes {
+            let relieved = self.relief_weight(i);
             self.shape.fill(0.0);
             self.shape[0] = self.beam.contact_shape[i];
             let row = &self.beam.shortening[i * modes..(i + 1) * modes];
@@ -326,6 +352,9 @@ impl<'a> Balance<'a> {
                 }
                 if self.signals.excitation {
                     weights[excitation + k] = self.beam.excitation_shape[i];
+                }
+                if let Some(weight) = relieved {
+                    weights[relief + k] = weight;
                 }
                 let q = 0.5 * self.q[place];
                 self.displacement.iter_mut().zip(column).for_each(|(u, w)| *u += w * q);
@@ -368,6 +397,7 @@ impl<'a> Balance<'a> {
             let shapes = beam.excitation_shape.iter().zip(&beam.contact_shape);
             right.iter_mut().zip(shapes).for_each(|(r, (e, c))| *r = excitation * e - force * c);
         }
+        self.relieve_right();
         if !self.equations.solve(&self.right, &mut self.q) {
             return Err(singular);
         }
@@ -395,9 +425,14 @@ impl<'a> Balance<'a> {
 
     /// Makes the derivatives of the last evaluation if they are not made yet.
     fn catch_up(&mut self) {
-        if let Some(angular_frequency) = self.undifferentiated {
-            self.differentiate(angular_frequency);
+        let Some(at) = self.undifferentiated.take() else { return };
+        if !self.is_linear() {
+            self.differentiate(at.angular_frequency);
         }
+        for k in 0..self.asked.len() {
+            self.differentiate_by(self.asked[k], &at);
+        }
+        self.differentiated = true;
     }
 
     /// a + W A⁻¹ B and ∂r/∂unknowns.
@@ -429,6 +464,7 @@ impl<'a> Balance<'a> {
             drag.differentiate(self.beam.quadratic_damping, angular_frequency);
             self.law.view_mut((excitation, excitation), (count, count)).copy_from(&drag.jacobian);
         }
+        self.relief_law(angular_frequency);
     }
 
     /// ∂forces/∂Ω at fixed unknowns; false where it vanishes.
@@ -443,16 +479,20 @@ impl<'a> Balance<'a> {
             let rates = self.rates[excitation..].iter_mut().zip(&drag.force);
             rates.for_each(|(rate, force)| *rate = 2.0 * force / angular_frequency);
         }
+        self.relief_rates(angular_frequency);
         self.rates.iter().any(|rate| *rate != 0.0)
     }
 
     /// The residual alone; returns the size of its terms.
     pub fn balance(&mut self, x: &[f64], at: &Operating) -> Result<f64, HarmonicError> {
-        let (shortening, excitation) = (self.shortening_row(), self.excitation_row());
+        let (shortening, excitation, relief) =
+            (self.shortening_row(), self.excitation_row(), self.relief_row());
+        self.build(at.parameter)?;
         self.contact_force(at.angular_frequency, &x[..self.wide], 0.0)?;
         if let Some(drag) = &mut self.drag {
-            drag.evaluate(self.beam.quadratic_damping, at.angular_frequency, &x[excitation..]);
+            drag.evaluate(self.beam.quadratic_damping, at.angular_frequency, &x[excitation..relief]);
         }
+        self.relieve_force(x, at.angular_frequency);
         self.respond(at, &x[shortening..excitation])?;
         let series = self.beam.axial_flexibility;
         let mut scale = 0.0_f64;
@@ -469,6 +509,9 @@ impl<'a> Balance<'a> {
             let rest = self.residual[excitation..].iter_mut().zip(&x[excitation..]);
             rest.zip(&found).for_each(|((r, x), y)| *r = x - y);
         }
+        let found = self.relieved_mode();
+        let rest = self.residual[relief..].iter_mut().zip(&x[relief..]);
+        rest.zip(&found).for_each(|((r, x), p)| *r = x - p);
         Ok(scale)
     }
 
@@ -485,6 +528,10 @@ impl<'a> Balance<'a> {
                     right.iter_mut().zip(&forces).for_each(|(r, c)| *r += c);
                     self.modal_by[index] = forces;
                 }
+                right.iter_mut().for_each(|r| *r = -*r);
+            }
+            Scalar::Parameter if self.force_by_parameter() => {
+                self.project(&self.rates, &mut right);
                 right.iter_mut().for_each(|r| *r = -*r);
             }
             Scalar::Level => {
@@ -509,9 +556,10 @@ impl<'a> Balance<'a> {
         for (column, q) in self.weights.as_slice().chunks_exact(by.len()).zip(&self.modal_by[index]) {
             by.iter_mut().zip(column).for_each(|(b, w)| *b -= w * q);
         }
-        if scalar == Scalar::AngularFrequency && self.contact.is_some() {
+        // What the forces themselves change by is at hand in both cases.
+        if matches!(scalar, Scalar::AngularFrequency | Scalar::Parameter) && self.contact.is_some() {
             let series = self.beam.axial_flexibility;
-            by.iter_mut().zip(self.cycle.by_frequency()).for_each(|(b, rate)| *b += series * rate);
+            by.iter_mut().zip(&self.rates[..self.wide]).for_each(|(b, rate)| *b += series * rate);
         }
     }
 
@@ -548,26 +596,4 @@ impl<'a> Balance<'a> {
 /// Mean square of the basis function with coefficient `k`: 1 for the bias, ½ for the rest.
 fn mean_square(k: usize) -> f64 {
     if k == 0 { 1.0 } else { 0.5 }
-}
-
-fn check_beam(beam: &ModalBeam) -> Result<(), HarmonicError> {
-    let modes = beam.angular_frequency.len();
-    if modes == 0 {
-        return Err(HarmonicError::InvalidInput("the beam has no modes"));
-    }
-    let same_length = [&beam.damping_ratio, &beam.contact_shape, &beam.excitation_shape];
-    if same_length.iter().any(|v| v.len() != modes) || beam.shortening.len() != modes * modes {
-        return Err(HarmonicError::InvalidInput("the beam's arrays do not have one entry per mode"));
-    }
-    let all =
-        same_length.iter().flat_map(|v| v.iter()).chain(&beam.angular_frequency).chain(&beam.shortening);
-    if all.chain([&beam.axial_flexibility]).any(|x| !x.is_finite()) {
-        return Err(HarmonicError::InvalidInput("the beam has a value that is not finite"));
-    }
-    if beam.angular_frequency.iter().any(|w| *w <= 0.0) || beam.axial_flexibility < 0.0 {
-        return Err(HarmonicError::InvalidInput(
-            "a natural frequency or the axial flexibility is not positive",
-        ));
-    }
-    Ok(())
 }

@@ -1,6 +1,8 @@
 //! The beam's balance as a [`PeriodicSystem`]: what continuation, tracking and conditions ask of it.
 
 use super::*;
+use crate::harmonic::stability::beam_is_stable;
+use crate::integrate::LoadedContact;
 
 impl PeriodicSystem for Balance<'_> {
     fn unknowns(&self) -> usize {
@@ -8,14 +10,13 @@ impl PeriodicSystem for Balance<'_> {
     }
 
     fn evaluate(&mut self, x: &[f64], at: &Operating, scalars: &[Scalar]) -> Result<f64, HarmonicError> {
-        let scale = self.balance(x, at)?;
-        if !self.is_linear() {
-            self.undifferentiated = Some(at.angular_frequency);
-            if !scalars.is_empty() {
-                self.catch_up();
-            }
+        if scalars.contains(&Scalar::Parameter) {
+            self.vary_force(at.angular_frequency, &x[..self.wide], at.parameter)?;
         }
-        scalars.iter().for_each(|scalar| self.differentiate_by(*scalar, at));
+        let scale = self.balance(x, at)?;
+        self.undifferentiated = Some(*at);
+        self.asked.clear();
+        self.asked.extend_from_slice(scalars);
         Ok(scale)
     }
 
@@ -33,6 +34,19 @@ impl PeriodicSystem for Balance<'_> {
 
     fn by(&self, scalar: Scalar) -> &[f64] {
         &self.by[scalar.index()]
+    }
+
+    fn glance(&mut self, node: usize, order: usize) -> [f64; 2] {
+        let (modes, shape) = (self.modes(), self.output_shape(node));
+        let seen = |place: usize| -> f64 {
+            let q = &self.q[place * modes..(place + 1) * modes];
+            q.iter().zip(shape).map(|(q, phi)| q * phi).sum()
+        };
+        match order {
+            0 => [seen(0), 0.0],
+            _ if order <= self.harmonics => [seen(2 * order - 1), seen(2 * order)],
+            _ => [0.0; 2],
+        }
     }
 
     fn observe(&mut self, node: usize, order: usize, out: &mut Observation) {
@@ -73,6 +87,7 @@ impl PeriodicSystem for Balance<'_> {
     fn forget(&mut self) {
         self.cycle.forget();
         self.equations.forget();
+        self.differentiated = false;
     }
 
     fn nodes(&self) -> usize {
@@ -92,7 +107,9 @@ impl PeriodicSystem for Balance<'_> {
     }
 
     fn nodes_along(&mut self, unknowns: &[f64], scalars: &[f64; 4], out: &mut [Vec<f64>]) {
-        self.catch_up();
+        if !self.differentiated {
+            self.catch_up();
+        }
         let modes = self.modes();
         self.right.fill(0.0);
         if !self.is_linear() {
@@ -134,6 +151,13 @@ impl PeriodicSystem for Balance<'_> {
         solve: &mut dyn FnMut(&mut [f64]),
     ) -> Result<f64, HarmonicError> {
         Ok(self.left_out(at, point, solve))
+    }
+
+    fn stable(&mut self, point: &Point) -> Option<bool> {
+        let contact = attached(&self.contact, &self.varied);
+        let contact = contact.map(|(law, normal_load)| LoadedContact { law, normal_load });
+        let displacement = point.contacts.first().map_or(&[][..], |contact| &contact.displacement);
+        beam_is_stable(self.beam, contact, &self.modal_coefficients(), displacement, point.angular_frequency)
     }
 
     fn describe(&mut self, x: &[f64], at: &Operating) -> Result<Point, HarmonicError> {

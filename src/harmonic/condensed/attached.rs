@@ -4,9 +4,7 @@ use crate::contact::ContactLaw;
 use crate::harmonic::HarmonicError;
 use crate::harmonic::cycle::relieved::RelievedMap;
 use crate::harmonic::cycle::{Cycle, PeriodicContact};
-
-/// Makes a contact of the value of the model's parameter.
-pub(crate) type Rebuild<'a> = Box<dyn FnMut(f64) -> Result<(Box<dyn ContactLaw>, f64), HarmonicError> + 'a>;
+use crate::harmonic::variation::{Rebuild, differentiate};
 
 pub(super) enum Law<'a> {
     Given(&'a dyn ContactLaw),
@@ -59,46 +57,16 @@ impl Attached<'_> {
     }
 
     /// The contact at `parameter` under `u`, and how its force changes with the parameter.
-    ///
-    /// Forces have kinks where a contact begins to slip, which a response reaches just there. A difference across
-    /// one is no derivative of either side, so the step shrinks until none is in sight.
-    pub fn vary(
-        &mut self,
-        angular_frequency: f64,
-        u: &[f64],
-        parameter: f64,
-        sample: &mut Vec<f64>,
-    ) -> Result<(), HarmonicError> {
-        const LONGEST: f64 = 1e-5;
-        const SHORTEST: f64 = 1e-9;
-        /// Second difference over first that is a kink's, and what rounding makes of the force.
-        const KINK: f64 = 1e-3;
-        const ROUNDING: f64 = 1e-13;
-        let size = parameter.abs().max(self.least);
-        let size = if size > 0.0 { size } else { 1.0 };
-        let mut step = LONGEST * size;
-        loop {
-            self.build(parameter + step)?;
+    pub fn vary(&mut self, angular_frequency: f64, u: &[f64], parameter: f64) -> Result<(), HarmonicError> {
+        let mut by = std::mem::take(&mut self.by_parameter);
+        let varied = differentiate(parameter, self.least, &mut by, &mut |value, force| {
+            self.build(value)?;
             self.evaluate(angular_frequency, u)?;
-            self.by_parameter.copy_from_slice(self.cycle.force());
-            self.build(parameter - step)?;
-            self.evaluate(angular_frequency, u)?;
-            sample.clear();
-            sample.extend_from_slice(self.cycle.force());
-            self.build(parameter)?;
-            self.evaluate(angular_frequency, u)?;
-            let (mut change, mut bend, mut largest) = (0.0_f64, 0.0_f64, 0.0_f64);
-            let sides = self.by_parameter.iter_mut().zip(&*sample).zip(self.cycle.force());
-            for ((above, below), here) in sides {
-                change = change.max((*above - below).abs());
-                bend = bend.max((*above - 2.0 * here + below).abs());
-                largest = largest.max(here.abs());
-                *above = (*above - below) / (2.0 * step);
-            }
-            if bend <= KINK * change + ROUNDING * largest || step <= SHORTEST * size {
-                return Ok(());
-            }
-            step *= 0.1;
-        }
+            force.clear();
+            force.extend_from_slice(self.cycle.force());
+            Ok(())
+        });
+        self.by_parameter = by;
+        varied
     }
 }

@@ -17,7 +17,6 @@ mod outcome;
 
 use nalgebra::DMatrix;
 
-pub(crate) use attached::Rebuild;
 use attached::{Attached, Law, contact_of};
 
 use super::assembly::{Assembly, AttachedContact, Body, CurveSettings};
@@ -27,6 +26,7 @@ use super::extremum::Extremum;
 use super::set::HarmonicSet;
 use super::system::{Observation, Operating, PeriodicSystem, Scalar};
 use super::transfer::{Of, Transfer, add_product};
+use super::variation::Rebuild;
 use super::{HarmonicError, Method, Point};
 use crate::structure::{LinearStructure, Output, Receptance, Rows};
 
@@ -243,7 +243,7 @@ impl<'a> Condensed<'a> {
         let built = std::mem::replace(&mut self.built, f64::NAN);
         for (contact, u) in self.contacts.iter_mut().zip(x.chunks_exact(width)) {
             if varied && contact.rebuild.is_some() {
-                contact.vary(at.angular_frequency, u, at.parameter, &mut self.scratch.along)?;
+                contact.vary(at.angular_frequency, u, at.parameter)?;
                 continue;
             }
             if built != at.parameter {
@@ -394,6 +394,10 @@ impl PeriodicSystem for Condensed<'_> {
 
     fn by(&self, scalar: Scalar) -> &[f64] {
         &self.by[scalar.index()]
+    }
+
+    fn glance(&mut self, node: usize, order: usize) -> [f64; 2] {
+        self.seen(node, order)
     }
 
     fn observe(&mut self, node: usize, order: usize, out: &mut Observation) {

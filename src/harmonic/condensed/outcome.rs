@@ -13,6 +13,19 @@ use crate::harmonic::{HarmonicError, Point};
 use crate::integrate::LoadedContact;
 
 impl Condensed<'_> {
+    /// One harmonic of an output.
+    pub(super) fn seen(&mut self, node: usize, order: usize) -> [f64; 2] {
+        let Some(place) = self.set.place(order) else { return [0.0; 2] };
+        if self.one.evaluate_one(&mut self.receptance, &self.at, order).is_err() {
+            return [0.0; 2];
+        }
+        let span = span(order, place);
+        let forces = self.contacts.iter().enumerate();
+        let forces = forces.map(|(j, contact)| (j, pair(&contact.cycle.force()[span.clone()])));
+        let excitation = (&self.excitation[span.clone()], self.at.level);
+        Self::displace(&self.one, 0, self.contacts.len() + node, Of::Value, excitation, forces)
+    }
+
     /// One harmonic of an output with all its derivatives.
     pub(super) fn look(&mut self, node: usize, order: usize, out: &mut Observation) {
         let (p, width, unknowns) = (self.contacts.len(), self.set.len(), self.residual.len());

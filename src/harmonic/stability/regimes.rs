@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use nalgebra::DMatrix;
 
 use super::signal::{evaluate, root, turning_points};
-use super::{as_matrix, unit_columns};
 use crate::integrate::oscillator::elements::{Branch, Element, Memory, elements};
 use crate::integrate::oscillator::system::{System, dot};
 use crate::integrate::{LoadedContact, OscillatorError};
@@ -14,7 +13,7 @@ use crate::integrate::{LoadedContact, OscillatorError};
 const SAME_PHASE: f64 = 1e-14;
 
 /// One contact along its periodic displacement.
-struct Path<'a> {
+pub(super) struct Path<'a> {
     contact: usize,
     coefficients: &'a [f64],
     turns: Vec<f64>,
@@ -90,10 +89,18 @@ pub(super) fn monodromy(
 }
 
 impl<'a> Path<'a> {
-    fn new(contact: usize, coefficients: &'a [f64], first_slot: usize, elements: Vec<Element>) -> Self {
+    pub fn new(contact: usize, coefficients: &'a [f64], first_slot: usize, elements: Vec<Element>) -> Self {
         let turns = turning_points(coefficients);
         let slot = vec![None; elements.len()];
         Self { contact, coefficients, turns, first_slot, elements, memory: vec![], slot }
+    }
+
+    /// Phases of a period at which a slider begins to slip, or leaves or enters its play.
+    pub fn jumps(mut self) -> Vec<f64> {
+        let mut changes = Vec::new();
+        self.settle();
+        self.run(0.0, TAU, &mut Some(&mut changes));
+        changes.iter().filter(|change| change.remembered.is_none()).map(|change| change.phase).collect()
     }
 
     fn displacement(&self, phase: f64) -> f64 {
@@ -259,4 +266,13 @@ impl Walk<'_> {
         self.stiffness[change.contact] = change.stiffness;
         self.weights[change.contact] = change.weights;
     }
+}
+
+/// Disturbances of displacement and velocity as columns of a square matrix with `memory` more rows.
+fn unit_columns(size: usize) -> Vec<Vec<f64>> {
+    (0..size).map(|k| (0..size).map(|i| if i == k { 1.0 } else { 0.0 }).collect()).collect()
+}
+
+fn as_matrix(columns: &[Vec<f64>]) -> DMatrix<f64> {
+    DMatrix::from_fn(columns.len(), columns.len(), |i, j| columns[j][i])
 }

@@ -1,80 +1,101 @@
-//! The variational equation of any law: the tangents of its steps.
+//! The variational equation of any law: the tangents of its steps on a grid, the structure exactly between two
+//! phases under forces that run linearly, extrapolated until the map settles.
 
 use std::f64::consts::TAU;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Complex, DMatrix};
 
-use super::signal::{evaluate, turning_points};
-use super::{as_matrix, unit_columns};
-use crate::contact::{ContactLaw, Inputs, Period, PeriodicSolver, StateTangents};
+use super::balancing::balance;
+use super::feedback::{Disturbed, Feedback};
+use crate::integrate::OscillatorError;
+use crate::integrate::oscillator::multipliers;
 use crate::integrate::oscillator::polynomial::{DEGREE, Series};
-use crate::integrate::oscillator::system::{System, dot};
-use crate::integrate::{LoadedContact, OscillatorError};
+use crate::integrate::oscillator::system::System;
 
-/// Grids tried, each with half the steps of the one before.
+/// Grids tried that resolve the structure's own motion, each with half the steps of the one before.
 const LEVELS: usize = 7;
-/// The map has settled where the last extrapolations differ by this share of it.
+/// The multipliers have settled where the last extrapolations differ by so much.
 const SETTLED: f64 = 1e-10;
 /// Still accepted on the finest grid.
 const ACCEPTED: f64 = 1e-6;
+/// Phases (rad) closer than this are the same.
+const SAME_PHASE: f64 = 1e-10;
+/// Most steps of a period.
+const MOST_STEPS: usize = 1 << 16;
 
-/// Derivatives of one step of a law.
-#[derive(Default)]
-struct Step {
-    by_displacement: f64,
-    by_velocity: f64,
-    state: StateTangents,
+/// The multipliers over a period. `enough` sees them all, each better than the last, and tells whether they are good
+/// enough, which they can be only on a grid that resolves the structure's own motion.
+pub(super) fn multipliers_of(
+    motion: &dyn Disturbed,
+    enough: &mut dyn FnMut(&[Complex<f64>]) -> bool,
+) -> Result<Vec<Complex<f64>>, OscillatorError> {
+    let system = motion.system();
+    let mut grid = first_grid(motion);
+    // The structure's own motion must be resolved by every step.
+    let longest = system.longest_step(&vec![0.0; system.contacts.len()], 0.0) * motion.angular_frequency();
+    let resolved = |grid: &[f64]| grid.windows(2).all(|pair| pair[1] - pair[0] <= longest);
+    let base: f64 = if motion.first_order() { 2.0 } else { 4.0 };
+    let mut before: Vec<DMatrix<f64>> = Vec::new();
+    let mut known: Vec<Complex<f64>> = Vec::new();
+    let (mut change, mut levels) = (f64::INFINITY, 0);
+    while levels < LEVELS && grid.len() < MOST_STEPS {
+        let mut row = vec![on_grid(motion, &grid)?];
+        for k in 0..before.len() {
+            let factor = 1.0 / (base.powi(k as i32 + 1) - 1.0);
+            let better = &row[k] + (&row[k] - &before[k]) * factor;
+            row.push(better);
+        }
+        if let (Some(last), Some(previous)) = (row.last(), before.last()) {
+            let fine = resolved(&grid);
+            levels += usize::from(fine);
+            let (last, kept) = without_conserved(last, 2 * system.size);
+            let previous = previous.select_rows(&kept).select_columns(&kept);
+            let (last, scales) = balance(last);
+            let scaled = |i: usize, j: usize| previous[(i, j)] * scales[j] / scales[i];
+            let of_map = (0..kept.len()).flat_map(|j| (0..kept.len()).map(move |i| (i, j)));
+            let of_map = of_map.map(|(i, j)| (scaled(i, j) - last[(i, j)]).abs()).fold(0.0, f64::max);
+            let of_map = of_map / last.amax().max(1.0);
+            let found = multipliers(last)
+                .ok_or(OscillatorError::Diverged { time: TAU / motion.angular_frequency() })?;
+            // A map may differ in what the period forgets at once.
+            change = of_map.min(distance(&found, &known));
+            let enough = enough(&found);
+            if fine && (change <= SETTLED || enough || (levels == LEVELS && change <= ACCEPTED)) {
+                return Ok(found);
+            }
+            known = found;
+        }
+        before = row;
+        grid = halved(&grid);
+    }
+    Err(OscillatorError::NotPeriodic { iterations: levels, mismatch: change })
 }
 
-pub(super) fn monodromy(
-    system: &System,
-    contacts: &[LoadedContact],
-    displacement: &[&[f64]],
-    angular_frequency: f64,
-) -> Result<DMatrix<f64>, OscillatorError> {
-    let longest = displacement.iter().map(|c| c.len()).max().unwrap_or(1);
-    let base = (2 * longest).max(32);
+/// Largest distance of a multiplier from all those known, of those that matter.
+fn distance(found: &[Complex<f64>], known: &[Complex<f64>]) -> f64 {
+    const VANISHING: f64 = 1e-6;
+    let nearest = |m: &Complex<f64>| known.iter().map(|k| (m - k).norm()).fold(f64::INFINITY, f64::min);
+    let largest = found.first().map_or(0.0, |first| first.norm()).max(1.0);
+    found.iter().filter(|m| m.norm() > VANISHING * largest).map(nearest).fold(0.0, f64::max) / largest
+}
+
+fn first_grid(motion: &dyn Disturbed) -> Vec<f64> {
+    let base = (2 * motion.coefficients()).max(32);
     let mut grid: Vec<f64> = (0..=base).map(|k| TAU * k as f64 / base as f64).collect();
-    displacement.iter().for_each(|c| grid.extend(turning_points(c)));
+    grid.extend(motion.events().into_iter().map(|phase| phase.rem_euclid(TAU)));
     grid.sort_by(f64::total_cmp);
-    grid.dedup_by(|a, b| *a - *b < 1e-9);
-    // The structure's own motion must be resolved by every step.
-    let rate = system.longest_step(&vec![0.0; contacts.len()], 0.0) * angular_frequency;
-    while grid.windows(2).any(|pair| pair[1] - pair[0] > rate) && grid.len() < 1 << 14 {
-        grid = halved(&grid);
-    }
-    let mut rows: Vec<Vec<DMatrix<f64>>> = Vec::new();
-    let mut change = f64::INFINITY;
-    for level in 0..LEVELS {
-        let mut row = vec![on_grid(system, contacts, displacement, angular_frequency, &grid)?];
-        if let Some(before) = rows.last() {
-            for k in 0..before.len() {
-                let factor = 1.0 / (4f64.powi(k as i32 + 1) - 1.0);
-                let better = &row[k] + (&row[k] - &before[k]) * factor;
-                row.push(better);
-            }
-            let (last, previous) = (&row[row.len() - 1], &before[before.len() - 1]);
-            change = (last - previous).amax() / last.amax().max(1.0);
-        }
-        rows.push(row);
-        if change <= SETTLED || (level + 1 == LEVELS && change <= ACCEPTED) {
-            let mut last = rows.pop().unwrap_or_default();
-            let map = last.pop().ok_or(OscillatorError::Diverged { time: 0.0 })?;
-            return Ok(without_conserved(&map, 2 * system.size));
-        }
-        grid = halved(&grid);
-    }
-    Err(OscillatorError::NotPeriodic { iterations: LEVELS, mismatch: change })
+    grid.dedup_by(|a, b| *a - *b < SAME_PHASE);
+    grid
 }
 
 /// The map without the memory, from row `first` on, that a period leaves exactly as it was: what a stuck slider
-/// remembers is neutral and no disturbance of the motion.
-fn without_conserved(map: &DMatrix<f64>, first: usize) -> DMatrix<f64> {
+/// remembers is neutral and no disturbance of the motion. With the rows kept.
+fn without_conserved(map: &DMatrix<f64>, first: usize) -> (DMatrix<f64>, Vec<usize>) {
     const EXACT: f64 = 1e-12;
     let unit = |i: usize, j: usize| f64::from(u8::from(i == j));
     let conserved = |i: usize| (0..map.ncols()).all(|j| (map[(i, j)] - unit(i, j)).abs() <= EXACT);
     let kept: Vec<usize> = (0..map.nrows()).filter(|i| *i < first || !conserved(*i)).collect();
-    map.select_rows(&kept).select_columns(&kept)
+    (map.select_rows(&kept).select_columns(&kept), kept)
 }
 
 fn halved(grid: &[f64]) -> Vec<f64> {
@@ -86,129 +107,118 @@ fn halved(grid: &[f64]) -> Vec<f64> {
     out
 }
 
-/// The map over the period on one grid.
-fn on_grid(
-    system: &System,
-    contacts: &[LoadedContact],
-    displacement: &[&[f64]],
-    angular_frequency: f64,
-    grid: &[f64],
-) -> Result<DMatrix<f64>, OscillatorError> {
-    let histories = contacts
-        .iter()
-        .zip(displacement)
-        .map(|(contact, coefficients)| history(contact, coefficients, angular_frequency, grid))
-        .collect::<Result<Vec<_>, _>>()?;
-    let n = system.size;
-    let count = contacts.len();
-    let mut place = 2 * n;
-    let places: Vec<usize> = contacts
-        .iter()
-        .map(|contact| {
-            place += contact.law.state_len();
-            place - contact.law.state_len()
-        })
-        .collect();
-    // Forces of unit rise over a step, along each contact.
-    let ramps: Vec<System> = (0..count).map(|i| system.driven_by_contact(i)).collect();
-    let mut rise: Series = [0.0; DEGREE + 1];
-    rise[1] = 1.0;
-    let (none, zero) = (vec![0.0; count], vec![0.0; n]);
-    let mut series = system.series();
-    let mut columns = unit_columns(place);
-    let mut forces = vec![vec![0.0; count]; place];
-    let mut answers = vec![(vec![0.0; n], vec![0.0; n]); count];
-    for k in 0..grid.len() {
-        let h = if k == 0 { 0.0 } else { (grid[k] - grid[k - 1]) / angular_frequency };
-        if k > 0 {
-            for (ramp, (x, v)) in ramps.iter().zip(&mut answers) {
-                ramp.expand(h, &zero, &zero, (&none, &none), Some(&rise), &mut series);
-                system.at(&series, h, 1.0, x, v);
-            }
+/// The structure's motion over a step: displacements above velocities.
+struct Propagator {
+    /// Length of the step (s).
+    duration: f64,
+    /// Without forces.
+    free: DMatrix<f64>,
+    /// Under constant forces along the channels, and under forces that rise by 1.
+    held: DMatrix<f64>,
+    rising: DMatrix<f64>,
+    /// Displacements and velocities of the channels under rising forces.
+    seen: DMatrix<f64>,
+}
+
+impl Propagator {
+    fn new(system: &System, driven: &[System], channels: &DMatrix<f64>, duration: f64) -> Self {
+        let (n, m) = (system.size, channels.nrows());
+        let none = vec![0.0; m];
+        // Long steps are doubled from short ones, whose series converges.
+        let longest = system.longest_step(&none, 0.0);
+        let doublings = (duration / longest).log2().ceil().max(0.0) as i32;
+        let h = duration / 2f64.powi(doublings);
+        let mut rise: Series = [0.0; DEGREE + 1];
+        let mut series = system.series();
+        let (mut x, mut v) = (vec![0.0; n], vec![0.0; n]);
+        let zero = vec![0.0; n];
+        let mut column = |system: &System, x0: &[f64], v0: &[f64], force: &Series| {
+            system.expand(h, x0, v0, (&none, &none), Some(force), &mut series);
+            system.at(&series, h, 1.0, &mut x, &mut v);
+            [x.as_slice(), &v].concat()
+        };
+        let unforced = rise;
+        let mut free = Vec::with_capacity(2 * n);
+        for k in 0..2 * n {
+            let mut unit = vec![0.0; 2 * n];
+            unit[k] = 1.0;
+            free.push(column(system, &unit[..n], &unit[n..], &unforced));
         }
-        let coupling = DMatrix::from_fn(count, count, |i, j| {
-            let (step, row) = (&histories[i][k], &system.contacts[i]);
-            let answer =
-                step.by_displacement * dot(row, &answers[j].0) + step.by_velocity * dot(row, &answers[j].1);
-            f64::from(u8::from(i == j)) - if k == 0 { 0.0 } else { answer }
-        });
-        let factors = coupling.lu();
-        for (column, force) in columns.iter_mut().zip(&mut forces) {
-            let (moving, memory) = column.split_at_mut(2 * n);
-            let (x, v) = moving.split_at_mut(n);
-            if k > 0 {
-                system.expand(h, x, v, (&none, force), None, &mut series);
-                system.at(&series, h, 1.0, x, v);
-            }
-            let mut change = DVector::from_fn(count, |i, _| {
-                let (step, row) = (&histories[i][k], &system.contacts[i]);
-                let state = &memory[places[i] - 2 * n..];
-                let remembered = dot(&step.state.force_by_state, state);
-                remembered + step.by_displacement * dot(row, x) + step.by_velocity * dot(row, v) - force[i]
+        let mut under = |force: &Series| -> Vec<Vec<f64>> {
+            driven.iter().map(|system| column(system, &zero, &zero, force)).collect()
+        };
+        rise[1] = 1.0;
+        let rising = under(&rise);
+        (rise[0], rise[1]) = (1.0, 0.0);
+        let held = under(&rise);
+        let matrix = |columns: &[Vec<f64>]| DMatrix::from_fn(2 * n, columns.len(), |i, j| columns[j][i]);
+        let (mut free, mut held, mut rising) = (matrix(&free), matrix(&held), matrix(&rising));
+        for _ in 0..doublings {
+            // Half the rise in the first half; then what it has reached, held, and the other half.
+            rising = (&free * &rising + &held + &rising) * 0.5;
+            held = &free * &held + &held;
+            free = &free * &free;
+        }
+        let mut seen = DMatrix::zeros(2 * m, m);
+        seen.rows_mut(0, m).copy_from(&(channels * rising.rows(0, n)));
+        seen.rows_mut(m, m).copy_from(&(channels * rising.rows(n, n)));
+        Self { duration, free, held, rising, seen }
+    }
+}
+
+/// The map over the period on one grid.
+fn on_grid(motion: &dyn Disturbed, grid: &[f64]) -> Result<DMatrix<f64>, OscillatorError> {
+    const SAME_STEP: f64 = 1e-11;
+    let (system, angular_frequency) = (motion.system(), motion.angular_frequency());
+    let feedback = motion.feedback(grid)?;
+    let (n, m) = (system.size, system.contacts.len());
+    let size = 2 * n + motion.memory();
+    let channels = DMatrix::from_fn(m, n, |i, j| system.contacts[i][j]);
+    let driven: Vec<System> = (0..m).map(|i| system.driven_by_contact(i)).collect();
+    let mut propagators: Vec<Propagator> = Vec::new();
+    let mut moving = DMatrix::<f64>::identity(2 * n, size);
+    // Displacements and velocities of the channels, then memory.
+    let mut seen = DMatrix::<f64>::zeros(2 * m + motion.memory(), size);
+    (0..motion.memory()).for_each(|k| seen[(2 * m + k, 2 * n + k)] = 1.0);
+    let mut force = DMatrix::<f64>::zeros(m, size);
+    let (mut ahead, mut change) = (moving.clone(), force.clone());
+    let mut memory = DMatrix::<f64>::zeros(motion.memory(), size);
+    for (k, Feedback { force: forces, memory: memories, .. }) in feedback.iter().enumerate() {
+        let step = if k == 0 {
+            None
+        } else {
+            let h = (grid[k] - grid[k - 1]) / angular_frequency;
+            let known = propagators.iter().position(|p| (p.duration - h).abs() <= SAME_STEP * h);
+            let place = known.unwrap_or_else(|| {
+                propagators.push(Propagator::new(system, &driven, &channels, h));
+                propagators.len() - 1
             });
-            if !factors.solve_mut(&mut change) {
+            Some(&propagators[place])
+        };
+        if let Some(step) = step {
+            ahead.gemm(1.0, &step.free, &moving, 0.0);
+            ahead.gemm(1.0, &step.held, &force, 1.0);
+            std::mem::swap(&mut ahead, &mut moving);
+        }
+        seen.rows_mut(0, m).gemm(1.0, &channels, &moving.rows(0, n), 0.0);
+        seen.rows_mut(m, m).gemm(1.0, &channels, &moving.rows(n, n), 0.0);
+        change.copy_from(&force);
+        change.gemm(1.0, forces, &seen, -1.0);
+        if let Some(step) = step {
+            let mut coupling = DMatrix::<f64>::identity(m, m);
+            coupling.gemm(-1.0, &forces.columns(0, 2 * m), &step.seen, 1.0);
+            if !coupling.lu().solve_mut(&mut change) {
                 return Err(OscillatorError::Diverged { time: grid[k] / angular_frequency });
             }
-            if k > 0 {
-                for (j, (by_x, by_v)) in answers.iter().enumerate() {
-                    x.iter_mut().zip(by_x).for_each(|(x, by)| *x += by * change[j]);
-                    v.iter_mut().zip(by_v).for_each(|(v, by)| *v += by * change[j]);
-                }
-            }
-            force.iter_mut().zip(change.iter()).for_each(|(force, change)| *force += change);
-            for (i, row) in system.contacts.iter().enumerate() {
-                let length = contacts[i].law.state_len();
-                let state = &mut memory[places[i] - 2 * n..][..length];
-                remember(&histories[i][k].state, dot(row, x), dot(row, v), state);
-            }
+            moving.gemm(1.0, &step.rising, &change, 1.0);
+            seen.rows_mut(0, 2 * m).gemm(1.0, &step.seen, &change, 1.0);
         }
+        force += &change;
+        memory.gemm(1.0, memories, &seen, 0.0);
+        seen.rows_mut(2 * m, memory.nrows()).copy_from(&memory);
     }
-    Ok(as_matrix(&columns))
-}
-
-/// The disturbed memory after a step.
-fn remember(step: &StateTangents, displacement: f64, velocity: f64, state: &mut [f64]) {
-    let before = state.to_vec();
-    for (i, next) in state.iter_mut().enumerate() {
-        let row = &step.next_by_state[i * before.len()..][..before.len()];
-        *next = dot(row, &before)
-            + step.next_by_displacement[i] * displacement
-            + step.next_by_velocity[i] * velocity;
-    }
-}
-
-/// Tangents at every point of the grid along the periodic state; the first point's step has no length.
-fn history(
-    contact: &LoadedContact,
-    coefficients: &[f64],
-    angular_frequency: f64,
-    grid: &[f64],
-) -> Result<Vec<Step>, OscillatorError> {
-    let law: &dyn ContactLaw = contact.law;
-    let (mut displacement, mut velocity) = (Vec::new(), Vec::new());
-    for phase in grid {
-        let (u, slope) = evaluate(coefficients, *phase);
-        displacement.push(u);
-        velocity.push(angular_frequency * slope);
-    }
-    let loads = [contact.normal_load];
-    let period = Period { displacement: &displacement[1..], velocity: &velocity[1..], normal_load: &loads };
-    let mut state = vec![0.0; law.state_len()];
-    law.set_state(0.0, contact.normal_load, 0.0, &mut state);
-    PeriodicSolver::new()
-        .solve(law, &period, &mut state)
-        .map_err(|_| OscillatorError::NotPeriodic { iterations: 1, mismatch: f64::INFINITY })?;
-    let mut next = state.clone();
-    let mut out = Vec::with_capacity(grid.len());
-    for (u, v) in displacement.iter().zip(&velocity) {
-        let inputs = Inputs { displacement: *u, velocity: *v, normal_load: contact.normal_load };
-        let mut step = Step::default();
-        law.state_tangents(&state, inputs, &mut step.state);
-        let response = law.step(&state, inputs, &mut next);
-        step.by_displacement = response.tangents.displacement;
-        step.by_velocity = response.tangents.velocity;
-        state.copy_from_slice(&next);
-        out.push(step);
-    }
-    Ok(out)
+    let mut map = DMatrix::zeros(size, size);
+    map.rows_mut(0, 2 * n).copy_from(&moving);
+    map.rows_mut(2 * n, memory.nrows()).copy_from(&memory);
+    Ok(map)
 }

@@ -11,9 +11,9 @@ use clap::{Args, Parser, Subcommand};
 
 /// Friction contacts: compare models with measurements, export them as FMUs.
 ///
-/// Exit codes: 0 done, 1 failed (a file could not be written, a solver gave up), 2 bad input (nothing
-/// was written), 130 interrupted. What `simulate` came to is written even if it ends early (1) or is
-/// interrupted (130). `diagnose` ends with its verdict: 0 nothing missing, 10 effect found,
+/// Exit codes: 0 done, 1 failed (a disk was full, a solver gave up), 2 bad input or an output that could never be
+/// written (nothing was written), 130 interrupted. What `simulate` came to is written even if it ends early (1) or
+/// is interrupted (130), once it made a step. `diagnose` ends with its verdict: 0 nothing missing, 10 effect found,
 /// 11 not distinguishable, 12 unexplained, 13 insufficient data.
 #[derive(Parser)]
 #[command(name = "stickslip", version)]
@@ -84,7 +84,10 @@ impl Failure {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    progress::catch_interrupts();
+    // The process of one FMU is ended by its master.
+    if !matches!(cli.command, Some(Command::ServeFmu(_))) {
+        progress::catch_interrupts();
+    }
     let done = match cli.command.unwrap_or_else(|| Command::Demo(Default::default())) {
         Command::Demo(command) => command.run().map(|()| 0),
         Command::Compare(command) => command.run().map(|()| 0),

@@ -45,7 +45,16 @@ impl Outputs {
                 folder.display()
             )));
         }
-        Ok(())
+        // Whether a folder takes files is known for certain only when one is made; it is removed at once.
+        match tempfile::Builder::new().prefix(".stickslip-").tempfile_in(&folder) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(Failure::input(format!(
+                "cannot write {}: no file can be made in {} ({})",
+                path.display(),
+                folder.display(),
+                error.kind()
+            ))),
+        }
     }
 
     /// Links and other spellings of an input are that input.

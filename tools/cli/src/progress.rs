@@ -1,4 +1,4 @@
-//! Progress on the terminal, and Ctrl-C.
+//! Progress on the terminal, and signals that ask the program to end.
 
 use std::io::IsTerminal as _;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,16 +12,54 @@ fn flag() -> &'static AtomicBool {
     INTERRUPTED.get_or_init(|| AtomicBool::new(false))
 }
 
-/// From here on the first Ctrl-C asks long work to stop with what it has; the second ends the program.
+/// After an interrupt, the user is told what is waited for after so long.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// From here on the first Ctrl-C (or SIGTERM or SIGHUP) asks long work to stop with what it has; the second ends the
+/// program.
 pub fn catch_interrupts() {
-    let _ = ctrlc::set_handler(|| {
+    on_signals(|| {
         if flag().swap(true, Ordering::SeqCst) {
+            stickslip_readers::archive::remove_unpacked();
             std::process::exit(130);
         }
+        std::thread::spawn(|| {
+            std::thread::sleep(PATIENCE);
+            eprintln!(
+                "note: interrupted; still waiting for a calculation or an FMU to come back; Ctrl-C again ends at once, \
+                 without results"
+            );
+        });
     });
 }
 
-/// Whether Ctrl-C was pressed.
+#[cfg(unix)]
+fn on_signals(handle: impl Fn() + Send + 'static) {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let mut wanted = vec![SIGINT, SIGTERM];
+    if !hangups_are_ignored() {
+        wanted.push(SIGHUP);
+    }
+    if let Ok(mut signals) = signal_hook::iterator::Signals::new(wanted) {
+        std::thread::spawn(move || signals.forever().for_each(|_| handle()));
+    }
+}
+
+/// Whether the program was started by `nohup`, to go on when its terminal is closed.
+#[cfg(unix)]
+fn hangups_are_ignored() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    // SIGHUP is the first signal.
+    ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask & 1 != 0)
+}
+
+#[cfg(not(unix))]
+fn on_signals(handle: impl Fn() + Send + 'static) {
+    let _ = ctrlc::set_handler(handle);
+}
+
+/// Whether the program was asked to end.
 pub fn interrupted() -> bool {
     flag().load(Ordering::SeqCst)
 }

@@ -84,6 +84,28 @@ fn a_finer_explicit_coupling_approaches_the_strong_one_and_so_does_its_energy() 
 }
 
 #[test]
+fn adapted_steps_are_few_from_rest_on_and_what_limits_them_is_told() {
+    let folder = systems();
+    let run = |tolerance: &str| {
+        let arguments = ["simulate", "BeamWithJenkins.ssp", "--stop", "0.02", "--algorithm", "adaptive"];
+        let (out, _) = ended(
+            folder.path(),
+            0,
+            &[&arguments[..], &["--tolerance", tolerance, "--out", "r.json"]].concat(),
+        );
+        (json(&folder, "r.json"), out)
+    };
+    let (usual, _) = run("1e-4");
+    assert!(usual["steps"].as_u64().unwrap() < 2500 && usual["forced"] == 0, "{}", usual["steps"]);
+    let (_, table) = run("1e-7");
+    let table = table.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        table.contains("because of beam.displacement") && table.contains("--algorithm strong"),
+        "{table}"
+    );
+}
+
+#[test]
 fn tables_have_units_and_reports_the_energy() {
     let folder = systems();
     let (table, _) = ended(
@@ -134,21 +156,119 @@ fn values_from_the_command_line_and_from_a_file_act() {
     assert!((driven[2] - 7.9e6 * 2e-6).abs() < 1e-9 && (driven[9] - 31.6).abs() < 1e-9, "{driven:?}");
 }
 
+/// BeamWithJenkins.ssp unpacked, with this parameter set.
+fn with_parameters(folder: &TempDir, parameters: &str) -> std::path::PathBuf {
+    let mut archive =
+        zip::ZipArchive::new(fs::File::open(folder.path().join("BeamWithJenkins.ssp")).unwrap()).unwrap();
+    let unpacked = folder.path().join("unpacked");
+    archive.extract(&unpacked).unwrap();
+    let set = format!(
+        "<ssv:ParameterSet xmlns:ssv=\"http://ssp-standard.org/SSP1/SystemStructureParameterValues\" version=\"1.0\" \
+         name=\"p\"><ssv:Parameters>{parameters}</ssv:Parameters></ssv:ParameterSet>"
+    );
+    fs::write(unpacked.join("resources/parameters.ssv"), set).unwrap();
+    unpacked.join("SystemStructure.ssd")
+}
+
+#[test]
+fn a_parameter_that_belongs_to_nothing_is_one_note() {
+    let folder = systems();
+    let parameter = "<ssv:Parameter name=\"contact.normal_laod\"><ssv:Real value=\"1\"/></ssv:Parameter>";
+    let system = with_parameters(&folder, parameter);
+    let arguments = ["simulate", system.to_str().unwrap(), "--stop", "0.001", "--out", "r.json"];
+    let (out, errors) = ended(folder.path(), 0, &arguments);
+    assert_eq!(format!("{out}{errors}").matches("normal_laod").count(), 1, "{out}{errors}");
+    assert!(
+        errors.contains("did you mean `normal_load`?") && errors.contains("parameters.ssv:1"),
+        "{errors}"
+    );
+    assert!(json(&folder, "r.json")["notes"][0].as_str().unwrap().contains("normal_laod"));
+}
+
+#[test]
+fn common_units_are_converted_without_a_definition_and_unknown_ones_refused() {
+    let folder = systems();
+    let path = folder.path();
+    let force = |column: &str, scale: f64| {
+        let table = format!("time [s],{column}\n0,0\n0.004,{}\n0.1,{}\n", 4.0 * scale, 4.0 * scale);
+        fs::write(path.join("push.csv"), table).unwrap();
+        let arguments =
+            ["simulate", "JenkinsContact.fmu", "--stop", "0.01", "--step", "1e-3", "--input", "push.csv"];
+        ended(path, 0, &[&arguments[..], &["--out", "r.json"]].concat());
+        column_of(&json(&folder, "r.json"))
+    };
+    let metres = force("displacement [m]", 1e-6);
+    for (column, scale) in
+        [("displacement [mm]", 1e-3), ("displacement [um]", 1.0), ("displacement [µm]", 1.0)]
+    {
+        assert!((force(column, scale) - metres).abs() < 1e-9 * metres.abs(), "{column}");
+    }
+    let load = |unit: &str, value: &str| {
+        format!(
+            "<ssv:Parameter name=\"contact.normal_load\"><ssv:Real value=\"{value}\" unit=\"{unit}\"/></ssv:Parameter>"
+        )
+    };
+    let dissipated = |parameter: &str| {
+        let system = with_parameters(&folder, parameter);
+        let arguments = ["simulate", system.to_str().unwrap(), "--stop", "0.002", "--out", "r.json"];
+        ended(path, 0, &arguments);
+        column(&json(&folder, "r.json"), "contact.force")
+    };
+    assert_eq!(dissipated(&load("kN", "0.125")), dissipated(&load("N", "125")));
+    let system = with_parameters(&folder, &load("furlong", "1"));
+    let (_, errors) = ended(path, 2, &["simulate", system.to_str().unwrap(), "--stop", "0.002"]);
+    assert!(errors.contains("`furlong`") && errors.contains("parameters.ssv:1"), "{errors}");
+}
+
+#[test]
+fn a_variable_without_a_unit_has_that_of_its_connector() {
+    let description = unruly::DESCRIPTION.replace("<Real unit=\"N\" start", "<Real start");
+    let binary = "binaries/linux64/Unruly.so";
+    let fmu =
+        unruly::archive(&[("modelDescription.xml", description.as_bytes()), (binary, &unruly::library())]);
+    let (folder, _file) = unruly::written("Unruly.fmu", &fmu);
+    let system = "<SystemStructureDescription version=\"1.0\" name=\"s\"><System name=\"s\"><Elements>\
+        <Component name=\"one\" source=\"Unruly.fmu\"><Connectors><Connector name=\"u\" kind=\"input\"><Real unit=\"N\"/>\
+        </Connector></Connectors></Component></Elements></System></SystemStructureDescription>";
+    fs::write(folder.path().join("s.ssd"), system).unwrap();
+    fs::write(folder.path().join("push.csv"), "time [s],one.u [kN]\n0,2\n1,2\n").unwrap();
+    let arguments =
+        ["simulate", "s.ssd", "--stop", "1", "--step", "0.1", "--input", "push.csv", "--out", "r.json"];
+    ended(folder.path(), 0, &arguments);
+    let last = *column(&json(&folder, "r.json"), "one.y").last().unwrap();
+    assert!((last - 2000.0).abs() < 1e-6, "{last}");
+}
+
+/// The last force of the contact.
+fn column_of(json: &Value) -> f64 {
+    *column(json, "JenkinsContact.force").last().unwrap()
+}
+
 #[test]
 fn bad_input_is_told_with_names_and_nothing_is_written() {
     let folder = systems();
     let path = folder.path();
     fs::write(path.join("broken.ssd"), "<a>").unwrap();
     fs::write(path.join("broken.fmu"), "PK").unwrap();
+    fs::write(path.join("driven.csv"), "time [s],contact.displacement [mm]\n0,0\n1,1\n").unwrap();
+    fs::write(path.join("furlong.csv"), "time [s],beam.excitation [furlong]\n0,0\n1,1\n").unwrap();
     let system = "BeamWithJenkins.ssp";
-    let cases: [(&[&str], &str); 9] = [
-        (&["nowhere.ssp"], "nowhere.ssp"),
+    let cases: [(&[&str], &str); 17] = [
+        (&["nowhere.ssp"], "there is no such file"),
         (&["broken.ssd"], "broken.ssd"),
         (&["broken.fmu"], "broken.fmu"),
         (&[system, "--set", "contact.nix=1"], "contact (resources/JenkinsContact.fmu) has no variable `nix`"),
         (&[system, "--set", "gear.nix=1"], "the system has beam, contact"),
         (&[system, "--set", "contact.normal_load=much"], "`much`"),
+        (&[system, "--set", "contact.friction_coefficient=-1", "--out", "r.csv"], "friction_coefficient"),
+        (&[system, "--set", "contact.normal_laod=1"], "did you mean `normal_load`?"),
+        (&[system, "--set", "contact.displacement=1"], "takes its values from `beam.displacement`"),
+        (&[system, "--input", "driven.csv"], "takes its values from `beam.displacement`"),
+        (&[system, "--input", "furlong.csv"], "`furlong` is no unit"),
+        (&[system, "--algorithm", "adaptive", "--tolerance", "1e-30"], "from 1e-10 to 1"),
+        (&[system, "--report", "r.pdf"], ".html"),
         (&[system, "--step=-1"], "step"),
+        (&[system, "--step=1e-15"], "longer --step"),
         (&[system, "--out", "r.xlsx"], ".parquet"),
         (&[system, "--out", "BeamWithJenkins.ssp"], "would replace the input"),
     ];
@@ -157,7 +277,7 @@ fn bad_input_is_told_with_names_and_nothing_is_written() {
         let (_, errors) = ended(path, 2, &whole);
         assert!(errors.contains(message), "{arguments:?}: {errors}");
     }
-    assert!(!path.join("r.xlsx").exists());
+    assert!(!path.join("r.xlsx").exists() && !path.join("r.csv").exists());
 }
 
 #[test]
@@ -188,6 +308,16 @@ fn a_crash_in_its_own_process_ends_the_run_in_order() {
         assert_eq!(csv.lines().count(), 1 + 5, "{csv}");
         assert!((last[0] - 0.4).abs() < 1e-12 && (last[1] - 0.8).abs() < 1e-12, "{last:?}");
     }
+}
+
+#[test]
+fn a_run_that_fails_in_its_first_step_writes_nothing() {
+    let (folder, _file) = unruly::file();
+    let arguments =
+        ["simulate", "Unruly.fmu", "--stop", "1", "--step", "0.5", "--set", "behaviour=5", "--out", "r.csv"];
+    let (_, errors) = ended(folder.path(), 1, &arguments);
+    assert!(errors.contains("gave up") && errors.contains("nothing was written"), "{errors}");
+    assert!(!folder.path().join("r.csv").exists());
 }
 
 #[test]

@@ -289,17 +289,41 @@ fn columns_that_are_left_aside_are_named() {
 }
 
 #[test]
-fn a_comparison_without_any_prediction_fails_and_says_why() {
+fn a_channel_that_never_changes_is_bad_input() {
     let folder = example();
     let table = "time [s],displacement [mm],force [N]\n0,0,0.1\n1,0.01,0.1\n2,0,0.1\n";
     fs::write(folder.path().join("data/loop.csv"), table).unwrap();
-    let output = stickslip(folder.path(), &["compare", "model.toml", "data", "--no-fit"]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(stdout(&output).contains("the same number throughout"), "{}", stdout(&output));
-    let output = stickslip(folder.path(), &["compare", "model.toml", "data"]);
-    assert_eq!(output.status.code(), Some(1));
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(message.contains("loop.csv") && message.contains("the same number"), "{message}");
+    for arguments in [&["compare", "model.toml", "data"][..], &["diagnose", "model.toml", "data"]] {
+        let output = stickslip(folder.path(), arguments);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains("loop.csv") && message.contains("`force`"), "{message}");
+        assert!(message.contains("the same number throughout"), "{message}");
+    }
+}
+
+#[test]
+fn what_could_never_be_done_is_bad_input_and_told_before_the_work() {
+    let folder = example();
+    let path = folder.path();
+    let with = format!("{CONTACT}\n[[effect]]\nid = \"backlash\"\nhalf_gap = 1e-6\n");
+    fs::write(path.join("with.toml"), with).unwrap();
+    fs::write(path.join("file"), "").unwrap();
+    let cases: [(&[&str], &str); 5] = [
+        (&["compare", "model.toml", "data", "--report", "r.pdf"], "should end in .html"),
+        (&["add", "with.toml", "backlash", "--fit", "data", "-o", "new.toml"], "`backlash` already"),
+        (&["fmu", "--out", "file"], "file cannot be a folder"),
+        (&["compare", "model.toml", "data", "-o", "/proc/new.toml"], "cannot write /proc/new.toml"),
+        (&["export", "model.toml", "-o", "/proc/New.fmu"], "cannot write /proc/New.fmu"),
+    ];
+    let before = entries(path);
+    for (arguments, message) in cases {
+        let output = stickslip(path, arguments);
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?} {errors}");
+        assert!(errors.contains(message), "{arguments:?} {errors}");
+    }
+    assert_eq!(entries(path), before);
 }
 
 #[test]
@@ -433,7 +457,7 @@ fn no_result_replaces_what_it_was_made_from() {
     with(&["--json", "model.toml"], &["model.toml", replaced]);
     with(&["--report", "./data/../model.toml"], &["data/../model.toml", replaced, "model.toml;"]);
     with(&["--json", "data/dataset.toml"], &["data/dataset.toml", replaced]);
-    with(&["--report", "data/loop.csv"], &["data/loop.csv", replaced]);
+    with(&["--json", "data/loop.csv"], &["data/loop.csv", replaced]);
     with(&["--out", "data/loop.csv"], &["data/loop.csv", replaced]);
     refused(&["export", "model.toml", "--out", "x.fmu", "--json", "model.toml"], &["model.toml", replaced]);
     let frf = ["frf", "model.toml", "--from", "1", "--to", "2", "--report", "model.toml"];

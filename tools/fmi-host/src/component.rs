@@ -17,6 +17,9 @@ pub enum Error {
     /// It cannot be loaded, or a function is missing.
     #[error("the library cannot be used: {0}")]
     Load(#[from] libloading::Error),
+    /// It is damaged, or for another kind of computer.
+    #[error("{0}")]
+    Damaged(String),
     /// A name with a zero byte.
     #[error("{0}")]
     Name(#[from] NulError),
@@ -61,6 +64,8 @@ impl Library {
     /// # Errors
     /// A file that is no library of this platform, or lacks a function of FMI 2.0 co-simulation.
     pub fn load(path: &Path) -> Result<Arc<Self>, Error> {
+        #[cfg(all(target_os = "linux", target_endian = "little"))]
+        crate::elf::check(path).map_err(|problem| Error::Damaged(problem.to_string()))?;
         // SAFETY: loading runs the library's constructors. The user chose to run this FMU.
         let library = unsafe { open(path)? };
         // SAFETY: the names have the signatures of the FMI 2.0 headers.

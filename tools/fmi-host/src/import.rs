@@ -6,9 +6,8 @@ use std::process::Command;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use stickslip_readers::InputError;
-use stickslip_readers::archive::{ArchiveProblem, Limits, unpack};
+use stickslip_readers::archive::{ArchiveProblem, Limits, Unpacked, unpack};
 use stickslip_readers::xml::XmlFile;
-use tempfile::TempDir;
 
 use crate::component::{Error, Library, Slave};
 use crate::description::{ModelDescription, TypeOfVariable};
@@ -70,7 +69,13 @@ pub enum ImportProblem {
 }
 
 fn said(words: &Option<String>) -> String {
-    words.as_ref().map_or_else(String::new, |words| format!("; it says: {words}"))
+    let Some(words) = words else { return String::new() };
+    let help = if words.to_lowercase().contains("guid") {
+        "; its modelDescription.xml and what else is in it do not belong together: export the FMU again"
+    } else {
+        ""
+    };
+    format!("; it says: {words}{help}")
 }
 
 /// Folders in `binaries/` whose library runs here, the best first.
@@ -110,7 +115,7 @@ pub struct Fmu {
 #[derive(Debug)]
 enum Folder {
     /// To be removed.
-    Own(TempDir),
+    Own(Unpacked),
     /// Somebody else's.
     Other(PathBuf),
 }
@@ -200,12 +205,17 @@ impl Fmu {
     }
 
     /// An instance called `name` in a process of its own. `command` starts a program that calls [`crate::serve`] with
-    /// [`Fmu::folder`], [`Fmu::name`] and `name`.
+    /// [`Fmu::folder`], [`Fmu::name`] and `name`. Once `interrupted`, a process that does not answer is ended.
     ///
     /// # Errors
     /// [`ImportProblem::Process`], and what [`Fmu::instantiate`] fails with over there.
-    pub fn isolated(self: &Arc<Self>, name: &str, command: Command) -> Result<IsolatedSlave, ImportError> {
-        IsolatedSlave::start(Arc::clone(self), name, command)
+    pub fn isolated(
+        self: &Arc<Self>,
+        name: &str,
+        command: Command,
+        interrupted: fn() -> bool,
+    ) -> Result<IsolatedSlave, ImportError> {
+        IsolatedSlave::start(Arc::clone(self), name, command, interrupted)
             .map_err(|problem| ImportError { fmu: self.name.clone(), problem })
     }
 

@@ -9,6 +9,8 @@
 mod binding;
 mod component;
 mod description;
+#[cfg(all(target_os = "linux", target_endian = "little"))]
+mod elf;
 mod import;
 mod isolate;
 mod log;

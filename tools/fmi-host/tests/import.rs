@@ -151,6 +151,41 @@ fn a_library_that_is_none_is_refused_and_the_folder_removed() {
     assert!(!folder.exists());
 }
 
+/// An FMU with this library; what it says when it is to be run.
+fn loaded(library: &[u8]) -> Result<(), String> {
+    let binary = format!("binaries/{}/Unruly.so", platforms()[0]);
+    let fmu =
+        opened(&archive(&[("modelDescription.xml", DESCRIPTION.as_bytes()), (&binary, library)])).unwrap();
+    fmu.instantiate("one").map(drop).map_err(|error| error.to_string())
+}
+
+#[test]
+fn a_library_that_is_cut_off_is_refused_before_the_system_maps_it() {
+    let whole = unruly::library();
+    assert_eq!(loaded(&whole), Ok(()));
+    // Behind the last segment are tables that nobody needs at run time.
+    for length in (0..whole.len() / 2).step_by(whole.len() / 40) {
+        let error = loaded(&whole[..length]).unwrap_err();
+        assert!(error.starts_with("Broken.fmu") || error.contains("Broken.fmu: "), "{error}");
+        assert!(error.contains("get the FMU again"), "{length}: {error}");
+    }
+    let mut zeros = whole.clone();
+    zeros[0x1000..].fill(0);
+    assert!(loaded(&zeros).unwrap_err().contains("table of symbols"));
+}
+
+#[test]
+fn a_library_for_another_computer_or_none_is_told_as_such() {
+    let with = |at: usize, byte: u8| {
+        let mut library = unruly::library();
+        library[at] = byte;
+        loaded(&library).unwrap_err()
+    };
+    assert!(with(18, 40).contains("is for arm, this program for x86_64"), "{}", with(18, 40));
+    assert!(with(16, 2).contains("a program or an object file"), "{}", with(16, 2));
+    assert!(with(0, b'M').contains("does not begin as one"), "{}", with(0, b'M'));
+}
+
 #[test]
 fn a_wrong_guid_is_refused_in_the_words_of_the_fmu() {
     let binary = format!("binaries/{}/Unruly.so", platforms()[0]);
@@ -158,7 +193,9 @@ fn a_wrong_guid_is_refused_in_the_words_of_the_fmu() {
     let bytes = archive(&[("modelDescription.xml", description.as_bytes()), (&binary, &unruly::library())]);
     let fmu = opened(&bytes).unwrap();
     let error = fmu.instantiate("one").unwrap_err();
-    assert!(error.to_string().contains("the GUID is not other-guid"), "{error}");
+    for words in ["the GUID is not other-guid", "export the FMU again"] {
+        assert!(error.to_string().contains(words), "{error}");
+    }
 }
 
 #[test]

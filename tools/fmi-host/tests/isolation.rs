@@ -26,7 +26,7 @@ fn isolated(fmu: &Arc<Fmu>) -> IsolatedSlave {
     let mut command = Command::new(std::env::current_exe().unwrap());
     command.args(["--exact", "the_other_process"]);
     command.env("STICKSLIP_SERVE_FOLDER", fmu.folder()).env("STICKSLIP_SERVE_NAME", "unruly");
-    fmu.isolated("unruly", command).unwrap()
+    fmu.isolated("unruly", command, || false).unwrap()
 }
 
 /// Steps of 0.1 s until something happens; the outputs so far.

@@ -1,5 +1,7 @@
 //! One diagnosis against the truth.
 
+use std::collections::BTreeMap;
+
 use serde_json::Value;
 
 use crate::truth::{Class, Truth};
@@ -12,12 +14,12 @@ pub struct Diagnosis {
     pub verdict: String,
     /// Effects named as found, sorted.
     pub effects: Vec<String>,
+    /// Where those sit that sit somewhere.
+    pub places: BTreeMap<String, String>,
     /// Groups of effects that the data cannot tell apart.
     pub groups: Vec<Vec<String>>,
     /// Error on the untouched records.
     pub untouched: Option<f64>,
-    /// Floor of the noise on them.
-    pub noise_floor: Option<f64>,
     /// Intervals of the candidates' parameters.
     pub intervals: Vec<Interval>,
     /// Duration (s).
@@ -49,6 +51,7 @@ impl Diagnosis {
         }
         let verdict = json.get("verdict").and_then(Value::as_str).ok_or("no `verdict`")?.to_owned();
         let error = |key: &str| json.get("error").and_then(|error| error.get(key)).and_then(Value::as_f64);
+        let places = json.get("places").and_then(Value::as_object).into_iter().flatten();
         let groups = json.get("groups").and_then(Value::as_array).into_iter().flatten();
         let mut effects = json.get("effects").map(names).unwrap_or_default();
         effects.sort();
@@ -56,9 +59,9 @@ impl Diagnosis {
         Ok(Diagnosis {
             verdict,
             effects,
+            places: places.filter_map(|(id, place)| Some((id.clone(), place.as_str()?.to_owned()))).collect(),
             groups: groups.map(names).collect(),
             untouched: error("untouched"),
-            noise_floor: error("noise_floor"),
             intervals: intervals(json),
             seconds: json.get("seconds").and_then(Value::as_f64).unwrap_or(f64::NAN),
         })
@@ -69,9 +72,9 @@ impl Diagnosis {
         Diagnosis {
             verdict: "failed".to_owned(),
             effects: Vec::new(),
+            places: BTreeMap::new(),
             groups: Vec::new(),
             untouched: None,
-            noise_floor: None,
             intervals: Vec::new(),
             seconds,
         }
@@ -131,7 +134,7 @@ pub struct Score {
     pub named_falsely: bool,
     /// Parameters of truly hidden effects whose interval holds the true value, and how many were told.
     pub covered: (usize, usize),
-    /// Error on untouched records over the floor of the noise, when the verdict is right and both are told.
+    /// Error on untouched records over the noise that was added, when the verdict is right.
     pub untouched: Option<f64>,
 }
 
@@ -142,7 +145,9 @@ pub fn score(truth: &Truth, diagnosis: &Diagnosis) -> Score {
     let right = match truth.class() {
         Class::Null => f64::from(diagnosis.verdict == "nothing-missing"),
         Class::Outside => f64::from(diagnosis.verdict == "unexplained"),
-        Class::Single | Class::Pair if found => f64::from(diagnosis.effects == truth.effects),
+        Class::Single | Class::Pair if found => {
+            f64::from(diagnosis.effects == truth.effects && in_place(truth, diagnosis))
+        }
         Class::Single | Class::Pair if grouped && in_groups(truth, diagnosis) => 0.5,
         Class::Single | Class::Pair => 0.0,
     };
@@ -158,13 +163,19 @@ pub fn score(truth: &Truth, diagnosis: &Diagnosis) -> Score {
             covered += usize::from((low..=high).contains(&value));
         }
     }
-    let ratio = diagnosis.untouched.zip(diagnosis.noise_floor).map(|(error, floor)| error / floor);
+    // The noise as it was made, not as the program sees it.
+    let ratio = diagnosis.untouched.map(|error| error / truth.noise);
     Score {
         right,
         named_falsely: matches!(truth.class(), Class::Null | Class::Outside) && (found || grouped),
         covered: (covered, told),
         untouched: ratio.filter(|ratio| right == 1.0 && truth.class() != Class::Outside && ratio.is_finite()),
     }
+}
+
+/// Whether what was found sits where it was hidden, as far as the answer says where.
+fn in_place(truth: &Truth, diagnosis: &Diagnosis) -> bool {
+    truth.places.iter().all(|(effect, place)| diagnosis.places.get(effect).is_none_or(|found| found == place))
 }
 
 /// Every hidden effect is named or in a group, every group holds one, and nothing else is named.

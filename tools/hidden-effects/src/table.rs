@@ -42,7 +42,7 @@ impl<'a> Figures<'a> {
         (covered as f64, told)
     }
 
-    /// Errors on untouched records over the floor, rising.
+    /// Errors on untouched records over the noise added, rising.
     fn untouched(&self) -> Vec<f64> {
         let mut ratios: Vec<f64> =
             self.outcomes.iter().filter_map(|outcome| outcome.score.untouched).collect();
@@ -131,8 +131,8 @@ fn clear_cases(text: &mut String, outcomes: &[Outcome]) {
         ("effects outside the catalogue called unexplained", told(clear.right(Class::Outside)), ""),
         ("effects outside the catalogue named as found", told(clear.named_falsely(Class::Outside)), "≤ 5 %"),
         ("parameters inside their interval", told(clear.coverage()), ""),
-        ("untouched error ≤ 1.15 × floor", told(clear.untouched_near_floor()), "all"),
-        ("largest untouched error over floor", largest, "≤ 1.15"),
+        ("untouched error ≤ 1.15 × the noise added", told(clear.untouched_near_floor()), "all"),
+        ("largest untouched error over the noise added", largest, "≤ 1.15"),
     ];
     text.push_str("\n## Noise of at most 3 %, full strength\n\n| | measured | goal |\n|---|---|---|\n");
     for (what, measured, goal) in rows {
@@ -142,8 +142,8 @@ fn clear_cases(text: &mut String, outcomes: &[Outcome]) {
 
 fn breakdown(text: &mut String, outcomes: &[Outcome]) {
     text.push_str(
-        "\n## By kind, noise and strength\n\nUntouched error over the floor and seconds are medians.\n\n\
-         | | single | pairs | false alarms | outside: unexplained | outside: named | intervals hold | untouched/floor | s |\n\
+        "\n## By kind, noise and strength\n\nUntouched error over the noise that was added, and seconds, are medians.\n\n\
+         | | single | pairs | false alarms | outside: unexplained | outside: named | intervals hold | untouched/noise | s |\n\
          |---|---|---|---|---|---|---|---|---|\n",
     );
     let mut groups: Vec<(String, Vec<&Outcome>)> = Vec::new();

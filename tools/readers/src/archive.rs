@@ -1,8 +1,10 @@
 //! Zip archives from anywhere (FMUs, SSP packages), unpacked without trusting them.
 
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::{Component, Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use tempfile::TempDir;
 use thiserror::Error;
@@ -35,8 +37,13 @@ impl Default for Limits {
 /// What is wrong with an archive.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum ArchiveProblem {
+    /// The file is not there, or not for us.
+    #[error("the file cannot be read: {0}")]
+    Unreadable(String),
     /// No zip, or a damaged one.
-    #[error("not a whole zip archive: {0}")]
+    #[error(
+        "not a whole zip archive, as FMUs and .ssp files are: it is cut off or something else; copy or export it again ({0})"
+    )]
     Damaged(String),
     /// A file inside cannot be read: its check sum is wrong, it ends too early, or its method is not known.
     #[error("`{entry}` in the archive cannot be read: {reason}")]
@@ -63,24 +70,59 @@ pub enum ArchiveProblem {
     System(String),
 }
 
+/// A temporary folder with the content of an archive. It is removed when the value is dropped, or by
+/// [`remove_unpacked`].
+#[derive(Debug)]
+pub struct Unpacked(TempDir);
+
+/// The folders that are there now.
+static UNPACKED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+impl Unpacked {
+    fn new() -> io::Result<Self> {
+        let folder = tempfile::Builder::new().prefix("stickslip-").tempdir()?;
+        UNPACKED.lock().unwrap_or_else(PoisonError::into_inner).insert(folder.path().to_owned());
+        Ok(Self(folder))
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        self.0.path()
+    }
+}
+
+impl Drop for Unpacked {
+    fn drop(&mut self) {
+        UNPACKED.lock().unwrap_or_else(PoisonError::into_inner).remove(self.path());
+    }
+}
+
+/// Removes the folders of all archives that are unpacked, for a program that ends without dropping its values.
+pub fn remove_unpacked() {
+    for folder in UNPACKED.lock().unwrap_or_else(PoisonError::into_inner).iter() {
+        // Another thread may be writing to it.
+        let _ = (0..3).find(|_| std::fs::remove_dir_all(folder).is_ok());
+    }
+}
+
 /// Unpacks the archive at `path` to a new temporary folder, which is removed when the value is dropped.
 ///
 /// Nothing is written outside of that folder, whatever the archive says, and no link is made.
 ///
 /// # Errors
 /// [`ArchiveProblem`].
-pub fn unpack(path: &Path, limits: Limits) -> Result<TempDir, ArchiveProblem> {
-    let file = File::open(path).map_err(|error| ArchiveProblem::System(error.to_string()))?;
+pub fn unpack(path: &Path, limits: Limits) -> Result<Unpacked, ArchiveProblem> {
+    let file = File::open(path).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => ArchiveProblem::Unreadable("there is no such file".to_owned()),
+        _ => ArchiveProblem::Unreadable(error.to_string()),
+    })?;
     let packed = file.metadata().map_or(0, |metadata| metadata.len());
     let mut archive =
         ZipArchive::new(BufReader::new(file)).map_err(|error| ArchiveProblem::Damaged(error.to_string()))?;
     if archive.len() > limits.entries {
         return Err(ArchiveProblem::TooLarge(format!("{} files", limits.entries)));
     }
-    let folder = tempfile::Builder::new()
-        .prefix("stickslip-")
-        .tempdir()
-        .map_err(|error| ArchiveProblem::System(error.to_string()))?;
+    let folder = Unpacked::new().map_err(|error| ArchiveProblem::System(error.to_string()))?;
     let allowed = limits.bytes.min(Limits::FREE.saturating_add(packed.saturating_mul(limits.expansion)));
     let mut left = allowed;
     for index in 0..archive.len() {

@@ -14,8 +14,8 @@ use crate::error::{Excerpt, InputError, Problem};
 /// one or several masses (`excitation:m1`) and the motion of at least one mass (`displacement:m2`), in time.
 ///
 /// # Errors
-/// The first record that lacks a column, has one that does not fit the model, or has a regime the model
-/// cannot have. The path is the record's name as the dataset writes it.
+/// The first record that lacks a column, has one that does not fit the model or is compared but never changes, or has a
+/// regime the model cannot have. The path is the record's name as the dataset writes it.
 pub fn check_columns(dataset: &Dataset, model: &Model) -> Result<(), InputError> {
     for record in &dataset.records {
         let problem = match &model.structure {
@@ -23,6 +23,7 @@ pub fn check_columns(dataset: &Dataset, model: &Model) -> Result<(), InputError>
             Structure::Beam(beam) => beam_problem(record, beam),
             Structure::Oscillator(oscillator) => oscillator_problem(record, oscillator),
         };
+        let problem = problem.or_else(|| constant_problem(record, model));
         if let Some(problem) = problem {
             // The header is not at hand any more, but it is the first line.
             let header = Excerpt { line: 1, column: 1, text: String::new(), span: 0..0 };
@@ -104,6 +105,19 @@ fn oscillator_problem(record: &Record, oscillator: &Oscillator) -> Option<Proble
         listed => format!("the model's masses are {}", listed.join(", ")),
     };
     Some(Problem::UnsuitableColumn { column: stray.name.clone(), reason })
+}
+
+/// Errors are measured by how much a channel varies.
+fn constant_problem(record: &Record, model: &Model) -> Option<Problem> {
+    let mut compared = match &model.structure {
+        _ if record.regime == Regime::Backbone => record.channels_of("frequency").collect(),
+        Structure::Prescribed => record.channels_of("force").collect(),
+        _ => motions(record),
+    }
+    .into_iter();
+    let constant = compared.find(|channel| channel.values.windows(2).all(|pair| pair[0] == pair[1]))?;
+    let reason = "it is the same number throughout: there is nothing to compare";
+    Some(Problem::UnsuitableColumn { column: constant.name.clone(), reason: reason.to_owned() })
 }
 
 fn unsuitable_motion(channel: &Channel, beam: &Beam) -> Option<Problem> {

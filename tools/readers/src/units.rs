@@ -1,5 +1,8 @@
 //! Units as FMI 2.0 and SSP 1.0 define them: exponents of the base units, a factor and an offset.
 
+use std::f64::consts::TAU;
+
+use stickslip::measure::unit_size;
 use thiserror::Error;
 
 use crate::error::InputError;
@@ -57,8 +60,12 @@ pub enum UnitMismatch {
         to: String,
     },
     /// Different names, of which at least one is not defined by base units.
-    #[error("`{from}` cannot be converted to `{to}`: not both are defined by base units")]
+    #[error(
+        "`{from}` cannot be converted to `{to}`: `{unknown}` is no unit that is known here or defined in the files"
+    )]
     Undefined {
+        /// The one that is not defined.
+        unknown: String,
         /// The unit there is.
         from: String,
         /// The unit there should be.
@@ -72,25 +79,46 @@ impl Unit {
         Self { name: name.to_owned(), exponents: None, factor: 1.0, offset: 0.0 }
     }
 
+    /// The unit that engineers call so (`mm`, `kN`, `N/mm`, `Hz`), if there is one.
+    pub fn common(name: &str) -> Option<Self> {
+        let ([length, mass, time, mut angle], mut factor) = unit_size(name)?;
+        // FMI counts a frequency in hertz as 1/s, without the angle.
+        if name.ends_with("Hz") && angle == 1 {
+            (angle, factor) = (0, factor / TAU);
+        }
+        let exponents = Some([mass, length, time, 0, 0, 0, 0, angle]);
+        Some(Self { name: name.to_owned(), exponents, factor, offset: 0.0 })
+    }
+
+    /// The same, as commonly defined where only the name is known.
+    fn defined(&self) -> Self {
+        if self.exponents.is_some() { self.clone() } else { Self::common(&self.name).unwrap_or(self.clone()) }
+    }
+
     /// How values of this unit become values of `to`.
     ///
     /// # Errors
     /// Units of different dimensions, or of different names without definitions.
     pub fn conversion(&self, to: &Unit) -> Result<Linear, UnitMismatch> {
-        let (from, target) = (self.name.clone(), to.name.clone());
-        match (self.exponents, to.exponents) {
+        // One name is one unit, whatever it is.
+        if self.name == to.name && (self.exponents.is_none() || to.exponents.is_none()) {
+            return Ok(Linear::IDENTITY);
+        }
+        let (own, to) = (self.defined(), to.defined());
+        let (from, target) = (own.name, to.name);
+        match (own.exponents, to.exponents) {
             // Two files may define one name with factors that differ in the last digit.
-            (Some(own), Some(other))
-                if own == other && self.factor == to.factor && self.offset == to.offset =>
+            (Some(dimension), Some(other))
+                if dimension == other && own.factor == to.factor && own.offset == to.offset =>
             {
                 Ok(Linear::IDENTITY)
             }
-            (Some(own), Some(other)) if own == other => {
-                Ok(Linear { factor: self.factor / to.factor, offset: (self.offset - to.offset) / to.factor })
+            (Some(dimension), Some(other)) if dimension == other => {
+                Ok(Linear { factor: own.factor / to.factor, offset: (own.offset - to.offset) / to.factor })
             }
             (Some(_), Some(_)) => Err(UnitMismatch::Dimension { from, to: target }),
-            _ if self.name == to.name => Ok(Linear::IDENTITY),
-            _ => Err(UnitMismatch::Undefined { from, to: target }),
+            (None, _) => Err(UnitMismatch::Undefined { unknown: from.clone(), from, to: target }),
+            (_, None) => Err(UnitMismatch::Undefined { unknown: target.clone(), from, to: target }),
         }
     }
 }
@@ -142,11 +170,25 @@ mod tests {
     }
 
     #[test]
+    fn names_that_engineers_use_need_no_definition() {
+        let factor = |from: &str, to: &Unit| Unit::named(from).conversion(to).unwrap().factor;
+        let metre = unit("m", [0, 1, 0, 0, 0, 0, 0, 0], 1.0, 0.0);
+        assert_eq!(factor("mm", &metre), 1e-3);
+        assert!((factor("um", &Unit::named("mm")) - 1e-3).abs() < 1e-18);
+        assert_eq!(factor("N/mm", &unit("N/m", [1, 0, -2, 0, 0, 0, 0, 0], 1.0, 0.0)), 1e3);
+        assert!((factor("kHz", &unit("Hz", [0, 0, -1, 0, 0, 0, 0, 0], 1.0, 0.0)) - 1e3).abs() < 1e-9);
+        assert!(
+            (factor("deg", &unit("rad", [0, 0, 0, 0, 0, 0, 0, 1], 1.0, 0.0)) - TAU / 360.0).abs() < 1e-15
+        );
+    }
+
+    #[test]
     fn different_dimensions_do_not_convert() {
         let metre = unit("m", [0, 1, 0, 0, 0, 0, 0, 0], 1.0, 0.0);
         let second = unit("s", [0, 0, 1, 0, 0, 0, 0, 0], 1.0, 0.0);
         assert!(matches!(metre.conversion(&second), Err(UnitMismatch::Dimension { .. })));
-        assert!(matches!(metre.conversion(&Unit::named("inch")), Err(UnitMismatch::Undefined { .. })));
+        let unknown = metre.conversion(&Unit::named("inch"));
+        assert!(matches!(unknown, Err(UnitMismatch::Undefined { unknown, .. }) if unknown == "inch"));
         assert_eq!(Unit::named("inch").conversion(&Unit::named("inch")), Ok(Linear::IDENTITY));
     }
 }

@@ -231,10 +231,11 @@ fn datasets_must_have_what_the_model_needs() {
         check_columns(&dataset, model)
     };
     assert_eq!(check(&contact, "steady", TABLE), Ok(()));
-    assert_eq!(check(&beam, "steady", "time [s],excitation [N],acceleration:x=0.5 [g]\n0,1,1\n"), Ok(()));
-    let masses = "time [s],excitation:m2 [N],displacement:m1 [mm]\n0,1,1\n";
+    let motion = "time [s],excitation [N],acceleration:x=0.5 [g]\n0,1,1\n1,1,2\n";
+    assert_eq!(check(&beam, "steady", motion), Ok(()));
+    let masses = "time [s],excitation:m2 [N],displacement:m1 [mm]\n0,1,1\n1,1,2\n";
     assert_eq!(check(&oscillator, "steady", masses), Ok(()));
-    let backbone = "amplitude [g],frequency [Hz]\n1,50\n";
+    let backbone = "amplitude [g],frequency [Hz]\n1,50\n2,49\n";
     assert_eq!(check(&beam, "backbone", backbone), Ok(()));
     for (model, regime, table, words) in [
         (&contact, "steady", "time [s],force [N]\n0,1\n", "`displacement [m]` is missing"),
@@ -245,6 +246,9 @@ fn datasets_must_have_what_the_model_needs() {
             "time [s],displacement:m1 [m],force [N]\n0,1,1\n",
             "`displacement [m]` is missing",
         ),
+        (&contact, "steady", "time [s],displacement [m],force [N]\n0,1,5\n1,2,5\n", "same number throughout"),
+        (&beam, "steady", &motion.replace(",2\n", ",1\n"), "same number throughout"),
+        (&beam, "backbone", &backbone.replace("49", "50"), "same number throughout"),
         (&contact, "backbone", backbone, "kind is \"contact\""),
         (&beam, "steady", TABLE, "`excitation [N]` is missing"),
         (&beam, "steady", "time [s],excitation [N]\n0,1\n", "`acceleration:x=... [m/s^2]` is missing"),

@@ -1,7 +1,7 @@
 //! A comparison as JSON.
 
 use serde_json::{Map, Value, json};
-use stickslip::diagnose::{Comparison, Noise, NoiseSource, RecordResult, Stage};
+use stickslip::diagnose::{Comparison, Noise, NoiseSource, RecordResult, Stage, StepGain};
 use stickslip::measure::{Record, Regime, Use};
 
 use crate::explorer::Harmonics;
@@ -17,7 +17,8 @@ use crate::{floors, summary, tables};
 ///    "parameters": {"contact.normal_load": {"value": 162.0, "unit": "N", "fitted_from": null}},
 ///    "records": [{"file": "r0.csv", "regime": "from-rest", "use": "fit", "error": 0.4, "failure": null,
 ///      "channels": {"force": {"unit": "N", "error": 0.4, "rms": 31.0}}}]}],
-///  "noise": [{"file": "r0.csv", "channel": "force", "deviation": 0.5, "source": "periods", "error": 0.01}],
+///  "steps": [{"from": "Jenkins", "to": "Valanis", "parameters": [2, 3], "f": 8.1, "chance": 0.036, "aicc": -2.3}],
+/// "noise": [{"file": "r0.csv", "channel": "force", "deviation": 0.5, "source": "periods", "error": 0.01}],
 ///  "harmonics": [{"file": "r0.csv", "channel": "force", "fundamental": 10.0, "errors": [[0.0, 0.3]]}]}
 /// ```
 ///
@@ -42,6 +43,7 @@ pub fn json(comparison: &Comparison, noise: &[Noise]) -> Value {
             "noise_floor": floors::total(comparison, noise) },
         "rms": rms,
         "stages": comparison.stages.iter().map(|one| stage(comparison, one)).collect::<Vec<_>>(),
+        "steps": comparison.steps().iter().map(|one| step(comparison, one)).collect::<Vec<_>>(),
         "noise": noise.iter().map(|one| self::noise(comparison, one)).collect::<Vec<_>>(),
         "harmonics": tables::all_harmonics(comparison).iter().map(|one| harmonics(comparison, one)).collect::<Vec<_>>(),
     })
@@ -55,6 +57,15 @@ fn noise(comparison: &Comparison, noise: &Noise) -> Value {
     json!({
         "file": record.map(|record| &record.name), "channel": noise.channel, "deviation": noise.deviation,
         "source": source(noise.source), "error": share,
+    })
+}
+
+/// What a step gains where the values are few.
+fn step(comparison: &Comparison, step: &StepGain) -> Value {
+    let [from, to] = step.stages.map(|index| &comparison.stages[index].name);
+    json!({
+        "from": from, "to": to, "parameters": step.parameters, "f": step.ratio, "chance": step.chance,
+        "aicc": step.criterion,
     })
 }
 

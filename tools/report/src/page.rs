@@ -140,6 +140,7 @@ fn stage_section(
         section id="stages" {
             h2 { "Error of each stage" }
             (stages::stage_table(comparison, summary, levels))
+            (stages::step_list(comparison))
             p.note {
                 "What the noise alone would leave (normalised): "
                 @match floors::total(comparison, noise) {

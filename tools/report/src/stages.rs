@@ -59,6 +59,22 @@ pub fn stage_table(comparison: &Comparison, summary: &Summary, levels: &[Levels]
     }
 }
 
+/// What each step rests on, where the values are few.
+pub fn step_list(comparison: &Comparison) -> Markup {
+    let steps = comparison.steps();
+    html! {
+        @if !steps.is_empty() {
+            h3 { "What each step gains, and how far chance would do the same" }
+            ul { @for step in &steps {
+                li {
+                    strong { (name(&comparison.stages[step.stages[0]].name)) " → " (name(&comparison.stages[step.stages[1]].name)) }
+                    ": " (name(&step.words)) "."
+                }
+            } }
+        }
+    }
+}
+
 fn failed(comparison: &Comparison, record: usize) -> bool {
     comparison.stages.iter().any(|stage| summary::failure(stage, record).is_some())
 }

@@ -30,6 +30,7 @@ pub fn terminal_table(comparison: &Comparison, noise: &[Noise], width: usize, co
         out.paragraph(note, RED);
     }
     stages(&mut out, comparison, &summary);
+    steps(&mut out, comparison);
     for table in &levels {
         level_table(&mut out, comparison, table);
     }
@@ -134,6 +135,20 @@ impl Text {
 }
 
 const FAILED: &str = "failed";
+
+/// What each step rests on, where the values are few.
+fn steps(out: &mut Text, comparison: &Comparison) {
+    let steps = comparison.steps();
+    if steps.is_empty() {
+        return;
+    }
+    out.line("");
+    out.paragraph("Steps: what each gains, and how far chance would do the same", BOLD);
+    for step in steps {
+        let [from, to] = step.stages.map(|index| comparison.stages[index].name.as_str());
+        out.paragraph(&format!("{from} → {to}: {}", step.words), "");
+    }
+}
 
 fn stages(out: &mut Text, comparison: &Comparison, summary: &Summary) {
     if comparison.stages.is_empty() {

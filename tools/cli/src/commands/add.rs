@@ -53,6 +53,13 @@ impl Add {
         let dataset = read_dataset(&self.fit, &model)?;
         check_kind(effect, &model)?;
         let location = location(effect, place, &model, &dataset)?;
+        if model.effects.iter().any(|other| other.effect == effect && other.location == location) {
+            return Err(Failure::input(format!(
+                "{} has the effect `{}` already; `stickslip compare` fits its values",
+                self.model.display(),
+                self.effect
+            )));
+        }
         let mut read = vec![self.model.clone()];
         read.extend(dataset_files(&self.fit, &dataset));
         check_destinations(&self.files, [&self.out], &read)?;

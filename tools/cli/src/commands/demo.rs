@@ -17,8 +17,9 @@ macro_rules! example {
 }
 
 /// What the demonstration tries, in this order: name, model file, whether to refit it.
-const STAGES: [(&str, &str, bool); 5] = [
+const STAGES: [(&str, &str, bool); 6] = [
     ("linear beam", "linear.toml", false),
+    ("linear, refitted", "linear.toml", true),
     ("Valanis, published", "published.toml", false),
     ("Jenkins, refitted", "jenkins.toml", true),
     ("Valanis, refitted", "valanis.toml", true),
@@ -57,7 +58,7 @@ pub struct Demo {
 /// What there is to be shown.
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum Subject {
-    /// A beam on a frictional support: five models against measured resonance frequencies
+    /// A beam on a frictional support: the models against measured resonance frequencies
     FrictionalSupport,
     /// Two masses with a Jenkins element: every figure of a published study, computed, and what its text makes of them
     FrictionVibration,

@@ -13,7 +13,9 @@ use stickslip::measure::Dataset;
 use stickslip::model::Model;
 use stickslip_report::diagnosis::{Run, diagnosis_html, diagnosis_json, diagnosis_table};
 
-use super::{check_destinations, dataset_file, dataset_files, list, read_dataset, read_model, settings};
+use super::{
+    check_destinations, dataset_file, dataset_files, list, read_dataset, read_model, settings, tell_unused,
+};
 use crate::output::{Outputs, say};
 use crate::{Failure, ResultFiles, progress};
 
@@ -53,6 +55,7 @@ impl Diagnose {
         }
         let model = read_model(&self.model)?;
         let dataset = read_dataset(&self.dataset, &model)?;
+        tell_unused(&model, &dataset);
         let mut read = vec![self.model.clone()];
         read.extend(dataset_files(&self.dataset, &dataset));
         check_destinations(&self.files, &self.out, &read)?;

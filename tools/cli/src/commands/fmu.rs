@@ -30,19 +30,26 @@ impl Fmu {
             )));
         }
         let wanted = |name: &str| self.models.is_empty() || self.models.iter().any(|model| model == name);
-        let mut outputs = Outputs::default();
-        for (name, toml) in standard.iter().filter(|(name, _)| wanted(name)) {
-            let bytes = stickslip_fmu_package::write_fmu(name, toml)
-                .map_err(|error| Failure::other(error.to_string()))?;
-            outputs.add(&self.out.join(format!("{name}.fmu")), bytes);
-        }
-        for name in systems.iter().filter(|name| wanted(name)) {
-            let bytes = stickslip_fmu_package::write_system(name)
-                .map_err(|error| Failure::other(error.to_string()))?;
-            outputs.add(&self.out.join(format!("{name}.ssp")), bytes);
-        }
+        let standard: Vec<_> = standard.into_iter().filter(|(name, _)| wanted(name)).collect();
+        let systems: Vec<_> = systems.into_iter().filter(|name| wanted(name)).collect();
+        let fmu = |name: &str| self.out.join(format!("{name}.fmu"));
+        let system = |name: &str| self.out.join(format!("{name}.ssp"));
         std::fs::create_dir_all(&self.out)
-            .map_err(|error| Failure::other(format!("cannot make {}: {error}", self.out.display())))?;
+            .map_err(|error| Failure::input(format!("{} cannot be a folder: {error}", self.out.display())))?;
+        let files: Vec<PathBuf> = standard
+            .iter()
+            .map(|(name, _)| fmu(name))
+            .chain(systems.iter().map(|name| system(name)))
+            .collect();
+        Outputs::check(&files, &[] as &[PathBuf])?;
+        let failed = |error: stickslip_fmu_package::Error| Failure::other(error.to_string());
+        let mut outputs = Outputs::default();
+        for (name, toml) in standard {
+            outputs.add(&fmu(name), stickslip_fmu_package::write_fmu(name, toml).map_err(failed)?);
+        }
+        for name in systems {
+            outputs.add(&system(name), stickslip_fmu_package::write_system(name).map_err(failed)?);
+        }
         super::list(&outputs.write()?)
     }
 }

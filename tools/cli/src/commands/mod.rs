@@ -177,5 +177,18 @@ fn check_destinations<'p>(
     other: impl IntoIterator<Item = &'p PathBuf>,
     inputs: &[impl AsRef<Path>],
 ) -> Result<(), Failure> {
-    Outputs::check(files.json.iter().chain(&files.report).chain(other), inputs)
+    Outputs::check(files.json.iter().chain(&files.report).chain(other), inputs)?;
+    check_page(files.report.as_deref())
+}
+
+/// Refuses a report that a browser would not know as an HTML page.
+fn check_page(report: Option<&Path>) -> Result<(), Failure> {
+    let extension = |path: &Path| Some(path.extension()?.to_string_lossy().to_lowercase());
+    match report.and_then(|path| Some((path, extension(path)?))) {
+        Some((path, other)) if !["html", "htm"].contains(&other.as_str()) => Err(Failure::input(format!(
+            "{}: reports are HTML pages; the name should end in .html",
+            path.display()
+        ))),
+        _ => Ok(()),
+    }
 }

@@ -43,13 +43,20 @@ impl fmt::Debug for IsolatedSlave {
 
 /// How long a process may take to end when it is told to.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// How long a process may take to answer once the run is interrupted.
+const GRACE: Duration = Duration::from_secs(1);
 /// Bytes of what a process writes to standard error that are kept: the last ones.
 const LAST_WORDS: usize = 2000;
 
 impl IsolatedSlave {
-    pub(crate) fn start(fmu: Arc<Fmu>, name: &str, command: Command) -> Result<Self, ImportProblem> {
+    pub(crate) fn start(
+        fmu: Arc<Fmu>,
+        name: &str,
+        command: Command,
+        interrupted: fn() -> bool,
+    ) -> Result<Self, ImportProblem> {
         let failed = |error: io::Error| ImportProblem::Process(error.to_string());
-        let process = Process::start(command).map_err(failed)?;
+        let process = Process::start(command, interrupted).map_err(failed)?;
         let mut slave = Self {
             name: name.to_owned(),
             table: table(fmu.description()),
@@ -166,8 +173,12 @@ impl IsolatedSlave {
 
     /// The process does not answer any more.
     fn gone(&mut self, error: &io::Error, what: impl FnOnce() -> String) -> SlaveError {
-        let mut reason = match self.process.end() {
+        let unanswered = error.kind() == io::ErrorKind::TimedOut;
+        let mut reason = match self.process.end(if unanswered { Duration::ZERO } else { PATIENCE }) {
             Some(status) => format!("its process has ended ({status})"),
+            None if unanswered => {
+                "the run was interrupted, the FMU did not answer, and its process was ended".to_owned()
+            }
             None => format!("its process cannot be reached: {error}"),
         };
         let words = self.process.last_words();
@@ -291,12 +302,12 @@ struct Process {
 }
 
 impl Process {
-    fn start(mut command: Command) -> io::Result<Self> {
+    fn start(mut command: Command, interrupted: fn() -> bool) -> io::Result<Self> {
         command.stderr(Stdio::piped());
         // Ctrl-C is for the master, which then ends its slaves in order.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let (mut child, to, from) = connected(command)?;
+        let (mut child, to, from) = connected(command, interrupted)?;
         let words = Arc::new(Mutex::new(VecDeque::new()));
         let listener = child.stderr.take().map(|errors| {
             let words = Arc::clone(&words);
@@ -306,9 +317,9 @@ impl Process {
     }
 
     /// Waits until the process has ended, or ends it; how it ended by itself.
-    fn end(&mut self) -> Option<std::process::ExitStatus> {
+    fn end(&mut self, patience: Duration) -> Option<std::process::ExitStatus> {
         let begin = Instant::now();
-        while begin.elapsed() < PATIENCE {
+        while begin.elapsed() < patience {
             match self.child.try_wait() {
                 Ok(Some(status)) => return Some(status),
                 Ok(None) => std::thread::sleep(Duration::from_millis(5)),
@@ -338,7 +349,7 @@ impl Drop for Process {
         // The process ends when it is not connected any more.
         self.to = Box::new(io::sink());
         self.from = Box::new(io::empty());
-        self.end();
+        self.end(PATIENCE);
     }
 }
 
@@ -356,18 +367,46 @@ type Connected = (Child, Box<dyn Write + Send>, Box<dyn Read + Send>);
 
 /// Starts the process with a socket for its standard input, which works both ways.
 #[cfg(unix)]
-fn connected(mut command: Command) -> io::Result<Connected> {
+fn connected(mut command: Command, interrupted: fn() -> bool) -> io::Result<Connected> {
     use std::os::fd::OwnedFd;
     use std::os::unix::net::UnixStream;
+    /// How often it is looked whether there is an interrupt.
+    const LOOK: Duration = Duration::from_millis(100);
     let (here, there) = UnixStream::pair()?;
     let child = command.stdin(OwnedFd::from(there)).stdout(Stdio::null()).spawn()?;
     // The command keeps its end of the socket open, and the end of the process would not be noticed.
     drop(command);
-    Ok((child, Box::new(here.try_clone()?), Box::new(io::BufReader::new(here))))
+    let to = here.try_clone()?;
+    here.set_read_timeout(Some(LOOK))?;
+    Ok((child, Box::new(to), Box::new(io::BufReader::new(Answers { socket: here, interrupted }))))
+}
+
+/// What the process answers. It may take as long as it likes, until there is an interrupt.
+#[cfg(unix)]
+struct Answers {
+    socket: std::os::unix::net::UnixStream,
+    interrupted: fn() -> bool,
+}
+
+#[cfg(unix)]
+impl Read for Answers {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let mut since = None;
+        loop {
+            match self.socket.read(buffer) {
+                Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => {
+                    if (self.interrupted)() && since.get_or_insert_with(Instant::now).elapsed() >= GRACE {
+                        return Err(io::ErrorKind::TimedOut.into());
+                    }
+                }
+                other => return other,
+            }
+        }
+    }
 }
 
 #[cfg(not(unix))]
-fn connected(mut command: Command) -> io::Result<Connected> {
+fn connected(mut command: Command, _interrupted: fn() -> bool) -> io::Result<Connected> {
     let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
     match (child.stdin.take(), child.stdout.take()) {
         (Some(to), Some(from)) => Ok((child, Box::new(to), Box::new(io::BufReader::new(from)))),

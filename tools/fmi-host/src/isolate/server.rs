@@ -15,6 +15,8 @@ use crate::slave::FmuSlave;
 /// # Errors
 /// A standard input that is not the connection [`crate::Fmu::isolated`] made.
 pub fn serve(folder: &Path, fmu: &str, name: &str) -> io::Result<()> {
+    #[cfg(unix)]
+    std::thread::spawn(end_with_the_master);
     let (mut from, mut to) = connection()?;
     let mut answer = Frame::default();
     let slave = Fmu::in_folder(folder, fmu).and_then(|fmu| fmu.instantiate(name));
@@ -44,6 +46,17 @@ pub fn serve(folder: &Path, fmu: &str, name: &str) -> io::Result<()> {
         respond(&mut answer, Some(&slave), done, |answer| answer.numbers(&space.results));
         answer.write(&mut to)?;
     }
+}
+
+/// Ends this process with the one that started it, whatever the FMU is doing: it may never come back from a call.
+#[cfg(unix)]
+fn end_with_the_master() {
+    use std::os::unix::process::parent_id;
+    let master = parent_id();
+    while parent_id() == master {
+        std::thread::sleep(std::time::Duration::from_millis(500));
+    }
+    crate::binding::end_at_once()
 }
 
 /// Room for the numbers of a call.

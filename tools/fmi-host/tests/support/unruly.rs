@@ -23,6 +23,7 @@ pub const FATAL: f64 = 6.0;
 pub const FLOOD: f64 = 7.0;
 pub const PRINT: f64 = 8.0;
 pub const END: f64 = 9.0;
+pub const HANG: f64 = 10.0;
 
 /// Its library.
 pub fn library() -> Vec<u8> {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::parse::{Files, resolve, transformation};
 use super::route::{Hop, Route};
-use super::{Component, Connection, End, SspProblem, SystemInput, SystemOutput};
+use super::{Component, Connection, End, SspProblem, SystemInput, SystemOutput, unit_called};
 use crate::error::InputError;
 use crate::units::Unit;
 use crate::xml::{Element, XmlFile};
@@ -149,13 +149,8 @@ impl<'e> Flat<'e> {
         Ok(())
     }
 
-    /// A unit of the file; its name alone where the file defines no units at all.
-    pub(super) fn unit(&self, element: &Element, name: &str) -> Result<Unit, InputError> {
-        match self.units.iter().find(|unit| unit.name == name) {
-            Some(unit) => Ok(unit.clone()),
-            None if self.units.is_empty() => Ok(Unit::named(name)),
-            None => Err(self.file.error(element, SspProblem::UnknownUnit(name.to_owned()))),
-        }
+    fn unit(&self, element: &Element, name: &str) -> Result<Unit, InputError> {
+        unit_called(name, self.units).map_err(|problem| self.file.error(element, problem))
     }
 
     fn connection(&mut self, element: &'e Element, path: &str, names: &[&str]) -> Result<(), InputError> {

@@ -13,13 +13,11 @@ mod route;
 
 use std::path::{Path, PathBuf};
 
-use tempfile::TempDir;
-
 pub use outline::{Outline, OutlineComponent, OutlineConnection, OutlineConnector, OutlineParameter};
 pub use problem::SspProblem;
 pub use route::Route;
 
-use crate::archive::{self, Limits};
+use crate::archive::{self, Limits, Unpacked};
 use crate::error::{InputError, Problem};
 use crate::units::{Linear, Unit};
 use crate::xml::XmlFile;
@@ -46,7 +44,7 @@ pub struct SystemStructure {
     /// What the user should know: elements that were left aside, parameters that belong to nothing.
     pub remarks: Vec<String>,
     /// Keeps the unpacked files.
-    _folder: Option<TempDir>,
+    _folder: Option<Unpacked>,
 }
 
 impl SystemStructure {
@@ -154,6 +152,16 @@ pub enum Value {
     Boolean(bool),
     /// String.
     Text(String),
+}
+
+/// The unit called `name`: one of the file's `units`, one that engineers call so, or, where the file defines no units at
+/// all, its name alone, which an FMU may define.
+fn unit_called(name: &str, units: &[Unit]) -> Result<Unit, SspProblem> {
+    match units.iter().find(|unit| unit.name == name) {
+        Some(unit) => Ok(unit.clone()),
+        None if units.is_empty() => Ok(Unit::named(name)),
+        None => Unit::common(name).ok_or_else(|| SspProblem::UnknownUnit(name.to_owned())),
+    }
 }
 
 /// Name of the description inside a package.

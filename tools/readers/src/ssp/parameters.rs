@@ -2,7 +2,7 @@
 
 use super::flatten::{Flat, inside};
 use super::parse::{check_version, resolve, transformation};
-use super::{End, Parameter, SspProblem, Value};
+use super::{End, Parameter, SspProblem, Value, unit_called};
 use crate::error::InputError;
 use crate::units::{Linear, Unit, read_units};
 use crate::xml::{Element, XmlFile, truth};
@@ -192,11 +192,7 @@ fn values(file: &XmlFile, set: &Element, outer: Option<&Element>) -> Result<Vec<
         let (value, unit) = value(file, parameter, [Some(set), outer])?;
         let unit = match unit {
             None => None,
-            Some(name) => Some(match units.iter().find(|unit| unit.name == name) {
-                Some(unit) => unit.clone(),
-                None if units.is_empty() => Unit::named(name),
-                None => return Err(file.error(parameter, SspProblem::UnknownUnit(name.to_owned()))),
-            }),
+            Some(name) => Some(unit_called(name, &units).map_err(|problem| file.error(parameter, problem))?),
         };
         Ok(Given { name, value, unit, place: file.place(parameter) })
     };

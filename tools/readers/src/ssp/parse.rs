@@ -2,10 +2,9 @@
 
 use std::path::{Component as Part, Path, PathBuf};
 
-use tempfile::TempDir;
-
 use super::flatten::Flat;
 use super::{SspProblem, SystemStructure, parameters};
+use crate::archive::Unpacked;
 use crate::error::InputError;
 use crate::units::{Linear, read_units};
 use crate::xml::{Element, XmlFile};
@@ -24,7 +23,7 @@ pub(super) struct Files {
 pub(super) fn structure(
     file: &XmlFile,
     files: &Files,
-    folder: Option<TempDir>,
+    folder: Option<Unpacked>,
 ) -> Result<SystemStructure, InputError> {
     let root = file.root("SystemStructureDescription")?;
     check_version(file, root)?;

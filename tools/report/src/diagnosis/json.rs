@@ -17,10 +17,9 @@ use super::Run;
 ///  "next_experiment": null, "seconds": 1.9}
 /// ```
 ///
-/// and more keys, which say what stands behind these. `effects` is empty unless the verdict is
-/// `effect-found`; `groups` are lists of ids. Units are SI. Numbers that are unknown or not finite are `null`.
+/// and more keys, which say what stands behind these. `effects` are those beyond doubt, where the verdict
+/// is `effect-found` or `not-distinguishable`; `places` says where they sit; `groups` are lists of ids. Units are SI. Numbers that are unknown or not finite are `null`.
 pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
-    let found = diagnosis.verdict == Verdict::EffectFound;
     let groups: Vec<&[&str]> = diagnosis.groups.iter().map(|group| &group.effects[..]).collect();
     let next = diagnosis.next_experiment.clone().or_else(|| {
         let open = diagnosis.verdict == Verdict::NotDistinguishable;
@@ -29,7 +28,8 @@ pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
     json!({
         "schema": "stickslip.diagnosis/1",
         "verdict": diagnosis.verdict.id(),
-        "effects": if found { &diagnosis.effects[..] } else { &[] },
+        "effects": diagnosis.effects,
+        "places": places(diagnosis),
         "groups": groups,
         "error": errors(diagnosis),
         "candidates": diagnosis.candidates.iter().map(candidate).collect::<Vec<_>>(),
@@ -60,6 +60,14 @@ pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
         "cost": cost(diagnosis, run),
         "interrupted": run.interrupted,
     })
+}
+
+/// Where the effects sit that were found and sit somewhere.
+fn places(diagnosis: &Diagnosis) -> Map<String, Value> {
+    let found = diagnosis.model.effects.iter().filter(|one| diagnosis.effects.contains(&one.effect.id));
+    found
+        .filter_map(|one| Some((one.effect.id.to_owned(), one.location.as_ref()?.to_string().into())))
+        .collect()
 }
 
 /// An added effect: the stages before and after, schema `stickslip.added/1`.

@@ -117,7 +117,7 @@ fn candidates(out: &mut Text, candidates: &[Candidate]) {
                 format::fixed(one.gain_z, 2),
                 one.parameters
                     .first()
-                    .map(|one| format::engineering(one.value, one.unit))
+                    .map(|one| format!("{} {}", one.name, format::engineering(one.value, one.unit)))
                     .unwrap_or_default(),
             ],
         });

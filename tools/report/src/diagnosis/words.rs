@@ -61,8 +61,17 @@ pub fn verdict(diagnosis: &Diagnosis) -> String {
             floor(diagnosis)
         ),
         Verdict::Unexplained => format!(
-            "Something is missing that no effect tried explains.{}{}",
-            if diagnosis.surrogates.is_empty() { String::new() } else { format!(" {}", fall(diagnosis)) },
+            "{}{}{}",
+            if diagnosis.error.noise_floor.is_some() {
+                "Something is missing that no effect tried explains."
+            } else {
+                "No effect tried explains what the model leaves, and whether that is more than noise cannot be said."
+            },
+            if diagnosis.steps.iter().any(|step| !step.dropped) {
+                format!(" {}", fall(diagnosis))
+            } else {
+                String::new()
+            },
             floor(diagnosis)
         ),
         Verdict::InsufficientData => {
@@ -92,7 +101,8 @@ fn fall(diagnosis: &Diagnosis) -> String {
     };
     let change = format::change(before, after).map(|change| format!(" ({change})")).unwrap_or_default();
     format!(
-        "{with} the error{whose} falls from {} to {}{change}.",
+        "{with} the error{whose} {} from {} to {}{change}.",
+        if after < before { "falls" } else { "goes" },
         format::error(before),
         format::error(after)
     )

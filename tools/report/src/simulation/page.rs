@@ -44,20 +44,19 @@ fn count(number: u64) -> Cell {
 
 fn run_table(simulation: &Simulation) -> Block {
     let report = &simulation.report;
-    let heading = ["Algorithm", "Steps", "Rejected", "Evaluations", "Per step", "Seconds"];
-    let row = vec![
-        Cell::text(&simulation.algorithm),
-        count(report.steps),
-        count(report.rejected),
-        count(report.evaluations),
-        Cell::Number(simulation.evaluations(), 2),
-        Cell::Number(simulation.seconds, 3),
+    let mut row = vec![
+        ("Algorithm", Cell::text(&simulation.algorithm)),
+        ("Steps", count(report.steps)),
+        ("Rejected", count(report.rejected)),
     ];
-    Block::Table(Table {
-        label: "Steps of the run".to_owned(),
-        heading: heading.map(str::to_owned).to_vec(),
-        rows: vec![row],
-    })
+    // An explicit algorithm repeats nothing.
+    if report.evaluations > 0 {
+        row.push(("Evaluations", count(report.evaluations)));
+        row.push(("Per step", Cell::Number(simulation.evaluations(), 2)));
+    }
+    row.push(("Seconds", Cell::Number(simulation.seconds, 3)));
+    let (heading, row) = row.into_iter().map(|(name, cell)| (name.to_owned(), cell)).unzip();
+    Block::Table(Table { label: "Steps of the run".to_owned(), heading, rows: vec![row] })
 }
 
 fn energy_table(simulation: &Simulation) -> Block {

@@ -25,15 +25,15 @@ pub fn simulation_table(simulation: &Simulation, width: usize, color: bool) -> S
 fn steps(out: &mut Text, simulation: &Simulation) {
     let report = &simulation.report;
     out.line("");
-    let heading = ["steps", "rejected", "evaluations", "per step", "seconds"];
-    let row = [
-        report.steps.to_string(),
-        report.rejected.to_string(),
-        report.evaluations.to_string(),
-        format::significant(simulation.evaluations(), 3),
-        format::significant(simulation.seconds, 3),
-    ];
-    let cells = [heading.map(str::to_owned).to_vec(), row.to_vec()];
+    let mut row = vec![("steps", report.steps.to_string()), ("rejected", report.rejected.to_string())];
+    if report.evaluations > 0 {
+        row.push(("evaluations", report.evaluations.to_string()));
+        row.push(("per step", format::significant(simulation.evaluations(), 3)));
+    }
+    row.push(("seconds", format::significant(simulation.seconds, 3)));
+    let (heading, row): (Vec<_>, Vec<_>) =
+        row.into_iter().map(|(name, cell)| (name.to_owned(), cell)).unzip();
+    let cells = [heading, row];
     out.grid(&[String::new(), "run".to_owned()], &cells, 0);
 }
 

@@ -6,12 +6,14 @@ use std::process::Command;
 use std::sync::Arc;
 
 use stickslip::cosim::{Slave, SlaveError, System};
+use stickslip::document::nearest;
 use stickslip_fmi_host::{Fmu, FmuSlave, ImportError, IsolatedSlave, Log, ScalarVariable, TypeOfVariable};
 use stickslip_readers::ssp::{self, End, Parameter, SystemStructure, Value};
 use stickslip_readers::units::{Linear, Unit};
 
-use super::{Simulate, inputs, refused};
-use crate::Failure;
+use super::inputs::{self, Driven};
+use super::{Simulate, not_begun, refused};
+use crate::{Failure, progress};
 
 /// A system ready to run.
 pub(super) struct Assembly {
@@ -29,6 +31,8 @@ pub(super) struct Assembly {
 pub(super) struct Part {
     pub name: String,
     pub fmu: Arc<Fmu>,
+    /// Units that the system declares.
+    units: Vec<(String, Unit)>,
     instance: Instance,
 }
 
@@ -74,14 +78,23 @@ impl Part {
         let description = self.fmu.description();
         match description.position(name) {
             Some(position) => Ok(&description.variables[position]),
-            None => {
-                Err(Failure::input(format!("{} ({}) has no variable `{name}`", self.name, self.fmu.name())))
-            }
+            None => Err(Failure::input(self.unknown(name))),
         }
     }
 
-    fn unit(&self, name: &str) -> Result<Option<Unit>, Failure> {
-        Ok(self.fmu.description().unit(self.variable(name)?))
+    /// That there is no variable called `name`, and which may be meant.
+    fn unknown(&self, name: &str) -> String {
+        let names: Vec<&str> =
+            self.fmu.description().variables.iter().map(|variable| variable.name.as_str()).collect();
+        let meant =
+            nearest(name, &names).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+        format!("{} ({}) has no variable `{name}`{meant}", self.name, self.fmu.name())
+    }
+
+    /// The unit of a variable, as the FMU says or else the system.
+    pub fn unit(&self, name: &str) -> Result<Option<Unit>, Failure> {
+        let declared = || self.units.iter().find(|(other, _)| other == name).map(|(_, unit)| unit.clone());
+        Ok(self.fmu.description().unit(self.variable(name)?).or_else(declared))
     }
 }
 
@@ -103,18 +116,20 @@ pub(super) fn assemble(arguments: &Simulate) -> Result<Assembly, Failure> {
     for parameter in &structure.parameters {
         starts.parameter(&parts, parameter, &mut remarks)?;
     }
+    let sources = match &arguments.input {
+        Some(file) => inputs::sources(file, &parts, &structure)?,
+        None => Vec::new(),
+    };
     for assignment in &arguments.set {
-        starts.assignment(&parts, &structure, assignment)?;
+        starts.assignment(&parts, &structure, &sources, assignment)?;
     }
     for (component, variable, text) in &starts.texts {
         parts[*component].set_text(variable, text).map_err(|error| Failure::input(error.to_string()))?;
     }
     let experiment = Experiment::of(&structure, &parts);
     let connections = connections(&structure, &parts)?;
-    let sources = match &arguments.input {
-        Some(file) => inputs::sources(file, &parts, &structure)?,
-        None => Vec::new(),
-    };
+    let records = arguments.record.iter().map(|name| find(&parts, name));
+    let records = records.collect::<Result<Vec<_>, Failure>>()?;
     let names: Vec<String> = parts.iter().map(|part| part.name.clone()).collect();
     let logs = parts.iter().map(|part| (part.name.clone(), part.log())).collect();
     let mut system = System::new();
@@ -128,7 +143,7 @@ pub(super) fn assemble(arguments: &Simulate) -> Result<Assembly, Failure> {
     for ((component, variable), value) in &starts.numbers {
         system.start(&names[*component], variable, *value).map_err(refused)?;
     }
-    observe(&mut system, &names, &arguments.record)?;
+    observe(&mut system, &names, &records)?;
     inputs::connect(&mut system, sources, &names)?;
     let Experiment { start, stop, step } = experiment;
     Ok(Assembly { title: structure.name.clone(), system, start, stop, step, remarks, logs })
@@ -165,7 +180,7 @@ fn instantiate(
     arguments: &Simulate,
     remarks: &mut Vec<String>,
 ) -> Result<Vec<Part>, Failure> {
-    let failed = |error: ImportError| Failure::input(error.to_string());
+    let failed = |error: ImportError| not_begun(error.to_string());
     let mut opened: BTreeMap<PathBuf, Arc<Fmu>> = BTreeMap::new();
     let mut parts = Vec::new();
     for component in &structure.components {
@@ -180,14 +195,15 @@ fn instantiate(
         };
         let name = component.name.clone();
         let mut instance = if arguments.isolate {
-            Instance::Elsewhere(fmu.isolated(&name, own_process(&fmu, &name)?).map_err(failed)?)
+            let process = own_process(&fmu, &name)?;
+            Instance::Elsewhere(fmu.isolated(&name, process, progress::interrupted).map_err(failed)?)
         } else {
             Instance::Here(fmu.instantiate(&name).map_err(failed)?)
         };
         for (variable, unit) in &component.units {
             instance.name_unit(variable, &unit.name);
         }
-        parts.push(Part { name, fmu, instance });
+        parts.push(Part { name, fmu, units: component.units.clone(), instance });
     }
     Ok(parts)
 }
@@ -226,6 +242,24 @@ fn connections(structure: &SystemStructure, parts: &[Part]) -> Result<Vec<Resolv
     resolved.collect()
 }
 
+/// A unit as its file, one of the FMUs or common use defines it.
+pub(super) fn defined(unit: &Unit, parts: &[Part]) -> Result<Unit, String> {
+    let units = || parts.iter().flat_map(|part| &part.fmu.description().units);
+    if unit.exponents.is_some() {
+        return Ok(unit.clone());
+    }
+    let found = units().find(|other| other.name == unit.name).cloned().or_else(|| Unit::common(&unit.name));
+    found.ok_or_else(|| format!("`{}` is no unit that is known here or defined in the files", unit.name))
+}
+
+/// From unit to unit; numbers without a unit, or for a variable without one, are taken as they are.
+pub(super) fn converted(from: Option<&Unit>, to: Option<&Unit>) -> Result<Linear, String> {
+    match (from, to) {
+        (Some(from), Some(to)) => from.conversion(to).map_err(|error| error.to_string()),
+        _ => Ok(Linear::IDENTITY),
+    }
+}
+
 /// Start values: the last one given for a variable holds.
 #[derive(Default)]
 struct Starts {
@@ -243,17 +277,14 @@ impl Starts {
     ) -> Result<(), Failure> {
         let End { component, variable } = &parameter.target;
         let part = &parts[*component];
-        let Ok(row) = part.variable(variable) else {
-            remarks.push(format!("{}: {} has no variable `{variable}`", parameter.place, part.name));
+        let Ok(own) = part.unit(variable) else {
+            remarks.push(format!("{}: the value is left aside: {}", parameter.place, part.unknown(variable)));
             return Ok(());
         };
-        let own = part.fmu.description().unit(row);
-        let linear = match (&parameter.unit, &own) {
-            (Some(from), Some(to)) => from.conversion(to).map_err(|error| {
-                Failure::input(format!("{}: `{}.{variable}`: {error}", parameter.place, part.name))
-            })?,
-            _ => Linear::IDENTITY,
-        };
+        let from = parameter.unit.as_ref().map(|unit| defined(unit, parts)).transpose();
+        let linear = from.and_then(|from| converted(from.as_ref(), own.as_ref())).map_err(|reason| {
+            Failure::input(format!("{}: `{}.{variable}`: {reason}", parameter.place, part.name))
+        })?;
         let number = match &parameter.value {
             Value::Real(value) => *value,
             Value::Integer(value) => f64::from(*value),
@@ -273,6 +304,7 @@ impl Starts {
         &mut self,
         parts: &[Part],
         structure: &SystemStructure,
+        sources: &[Driven],
         assignment: &str,
     ) -> Result<(), Failure> {
         let Some((name, text)) = assignment.split_once('=') else {
@@ -282,6 +314,7 @@ impl Starts {
         if let Some(input) = structure.inputs.iter().find(|input| input.name == name) {
             let value = number(name, text)?;
             for (end, route) in &input.targets {
+                check_free(parts, structure, sources, end)?;
                 let unit = parts[end.component].unit(&end.variable)?;
                 let linear = route.linear(None, unit.as_ref());
                 let linear = linear.map_err(|error| Failure::input(format!("`{name}`: {error}")))?;
@@ -290,6 +323,7 @@ impl Starts {
             return Ok(());
         }
         let (component, variable) = find(parts, name)?;
+        check_free(parts, structure, sources, &End { component, variable: variable.clone() })?;
         let row = parts[component].variable(&variable)?;
         let value = match &row.kind {
             TypeOfVariable::String => {
@@ -334,12 +368,10 @@ pub(super) fn find(parts: &[Part], name: &str) -> Result<(usize, String), Failur
         return Ok((0, name.to_owned()));
     }
     let named = parts.iter().find(|part| name.starts_with(&format!("{}.", part.name)));
-    Err(Failure::input(match named {
-        Some(part) => {
-            let variable = &name[part.name.len() + 1..];
-            format!("{} ({}) has no variable `{variable}`", part.name, part.fmu.name())
-        }
-        None => {
+    Err(Failure::input(match (named, parts) {
+        (Some(part), _) => part.unknown(&name[part.name.len() + 1..]),
+        (None, [part]) => part.unknown(name),
+        (None, _) => {
             let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
             format!("there is no component of `{name}`; the system has {}", names.join(", "))
         }
@@ -347,23 +379,34 @@ pub(super) fn find(parts: &[Part], name: &str) -> Result<(usize, String), Failur
 }
 
 /// All outputs, and what else is asked for.
-fn observe(system: &mut System, names: &[String], more: &[String]) -> Result<(), Failure> {
+fn observe(system: &mut System, names: &[String], more: &[(usize, String)]) -> Result<(), Failure> {
     for port in system.observed() {
         let variable = system.slaves()[port.slave].variables()[port.variable].name.clone();
         let slave = system.slaves()[port.slave].name().to_owned();
         system.observe(&slave, &variable).map_err(refused)?;
     }
-    for name in more {
-        let mut ends = names.iter().filter_map(|component| {
-            Some((component, name.strip_prefix(component.as_str())?.strip_prefix('.')?))
-        });
-        let Some((component, variable)) = ends.next_back() else {
-            return Err(Failure::input(format!(
-                "there is no component of `{name}`; the system has {}",
-                names.join(", ")
-            )));
-        };
-        system.observe(component, variable).map_err(refused)?;
-    }
-    Ok(())
+    more.iter()
+        .try_for_each(|(component, variable)| system.observe(&names[*component], variable).map_err(refused))
+}
+
+/// Refuses a value for an input that a connection or a column gives its values.
+pub(super) fn check_free(
+    parts: &[Part],
+    structure: &SystemStructure,
+    sources: &[Driven],
+    end: &End,
+) -> Result<(), Failure> {
+    let name = |end: &End| format!("`{}.{}`", parts[end.component].name, end.variable);
+    let connection = structure.connections.iter().find(|connection| connection.to == *end);
+    let driver = match connection {
+        Some(connection) => format!("{} ({})", name(&connection.from), connection.place),
+        None => match sources.iter().find(|source| source.drives(end)) {
+            Some(source) => format!("the column `{}` of --input", source.name()),
+            None => return Ok(()),
+        },
+    };
+    Err(Failure::input(format!(
+        "{} takes its values from {driver}: another value for it would be overwritten",
+        name(end)
+    )))
 }

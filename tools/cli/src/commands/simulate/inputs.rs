@@ -7,7 +7,7 @@ use stickslip_readers::Signal;
 use stickslip_readers::ssp::{End, SystemStructure};
 use stickslip_readers::units::{Linear, Unit};
 
-use super::assemble::{Part, find};
+use super::assemble::{Part, check_free, converted, defined, find};
 use super::refused;
 use crate::Failure;
 
@@ -18,6 +18,18 @@ pub(super) struct Driven {
     targets: Vec<(End, Linear)>,
 }
 
+impl Driven {
+    /// Name of the column.
+    pub fn name(&self) -> &str {
+        &self.signal.name
+    }
+
+    /// Whether it is for this input.
+    pub fn drives(&self, end: &End) -> bool {
+        self.targets.iter().any(|(target, _)| target == end)
+    }
+}
+
 /// The columns of `file`, each for an input of the system or of a component.
 pub(super) fn sources(
     file: &Path,
@@ -25,12 +37,18 @@ pub(super) fn sources(
     structure: &SystemStructure,
 ) -> Result<Vec<Driven>, Failure> {
     let (time, signals) = stickslip_readers::read_signals(file).map_err(super::super::shown)?;
-    let driven = signals.into_iter().map(|signal| {
-        let targets = targets(&signal, parts, structure)
-            .map_err(|failure| Failure::rendered(format!("{} ({})", failure.message, file.display())))?;
-        Ok(Driven { time: time.clone(), signal, targets })
-    });
-    driven.collect()
+    let mut driven = Vec::new();
+    for signal in signals {
+        let targets = targets(&signal, parts, structure).and_then(|targets| {
+            targets.iter().try_for_each(|(end, _)| check_free(parts, structure, &driven, end))?;
+            Ok(targets)
+        });
+        let targets = targets.map_err(|failure| {
+            Failure::rendered(format!("{} (column `{}` of {})", failure.message, signal.name, file.display()))
+        })?;
+        driven.push(Driven { time: time.clone(), signal, targets });
+    }
+    Ok(driven)
 }
 
 fn targets(
@@ -38,32 +56,20 @@ fn targets(
     parts: &[Part],
     structure: &SystemStructure,
 ) -> Result<Vec<(End, Linear)>, Failure> {
-    let name = &signal.name;
-    let failed = |error: stickslip_readers::units::UnitMismatch| Failure::input(format!("`{name}`: {error}"));
-    if let Some(input) = structure.inputs.iter().find(|input| input.name == *name) {
+    let from = signal.unit.as_deref().map(|name| defined(&Unit::named(name), parts));
+    let from = from.transpose().map_err(Failure::input)?;
+    if let Some(input) = structure.inputs.iter().find(|input| input.name == signal.name) {
         let ends = input.targets.iter().map(|(end, route)| {
-            let own =
-                parts[end.component].fmu.description().unit(parts[end.component].variable(&end.variable)?);
-            let from = unit_of(signal, parts);
-            Ok((end.clone(), route.linear(from.as_ref(), own.as_ref()).map_err(failed)?))
+            let own = parts[end.component].unit(&end.variable)?;
+            let linear = route.linear(from.as_ref(), own.as_ref());
+            Ok((end.clone(), linear.map_err(|error| Failure::input(error.to_string()))?))
         });
         return ends.collect();
     }
-    let (component, variable) = find(parts, name)?;
-    let own = parts[component].fmu.description().unit(parts[component].variable(&variable)?);
-    let linear = match (unit_of(signal, parts), own) {
-        (Some(from), Some(to)) => from.conversion(&to).map_err(failed)?,
-        _ => Linear::IDENTITY,
-    };
+    let (component, variable) = find(parts, &signal.name)?;
+    let own = parts[component].unit(&variable)?;
+    let linear = converted(from.as_ref(), own.as_ref()).map_err(Failure::input)?;
     Ok(vec![(End { component, variable }, linear)])
-}
-
-/// The unit of a column, as one of the FMUs or the vocabulary of measurements defines it.
-fn unit_of(signal: &Signal, parts: &[Part]) -> Option<Unit> {
-    let name = signal.unit.as_ref()?;
-    let units = parts.iter().flat_map(|part| &part.fmu.description().units);
-    let defined = units.clone().find(|unit| unit.name == *name).cloned();
-    Some(defined.unwrap_or_else(|| Unit::named(name)))
 }
 
 /// Adds a source for each column and connects it.

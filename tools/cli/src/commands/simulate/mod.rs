@@ -11,11 +11,11 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use stickslip::cosim::{Adaptive, Algorithm, Control, Master, Method, Settings, Strong, SystemError};
-use stickslip_report::simulation::{simulation_html, simulation_table};
+use stickslip_report::simulation::{Simulation, simulation_html, simulation_table};
 
-use super::{colored, list, settings};
-use crate::Failure;
+use super::{check_page, colored, list, settings};
 use crate::output::{Outputs, say};
+use crate::{Failure, progress};
 use assemble::{Assembly, assemble};
 
 /// Arguments of `stickslip simulate`.
@@ -103,13 +103,18 @@ enum Iteration {
 
 /// Without a proposal, an experiment has so many steps.
 const STEPS: f64 = 1000.0;
+/// So many steps take hours, whatever the FMUs do in them.
+const MOST_STEPS: f64 = 1e9;
+/// Bytes of results that the user should know of.
+const LARGE: f64 = 5e8;
 
 impl Simulate {
-    /// Simulates, and writes what it came to, whole or so far.
+    /// Simulates, and writes what it came to, whole or so far; nothing where it made no step.
     pub fn run(self) -> Result<u8, Failure> {
         let destinations: Vec<&PathBuf> = self.out.iter().chain(&self.report).collect();
         let inputs: Vec<&PathBuf> = std::iter::once(&self.system).chain(&self.input).collect();
         Outputs::check(destinations, &inputs)?;
+        check_page(self.report.as_deref())?;
         if let Some(out) = &self.out {
             files::check_kind(out)?;
         }
@@ -122,19 +127,24 @@ impl Simulate {
         let Assembly { title, system, remarks, logs, .. } = assembly;
         let begin = Instant::now();
         let master = Master::new(system, settings.clone()).map_err(refused)?;
+        self.tell_size(&master, &settings)?;
         let mut simulation = run::simulate(master, &settings, self.every);
         simulation.seconds = begin.elapsed().as_secs_f64();
         simulation.title = title;
         simulation.algorithm = algorithm;
-        simulation.notes = remarks;
         simulation.notes.extend(logs.into_iter().flat_map(|(name, log)| said(&name, &log)));
-        self.present(&simulation)?;
+        simulation.notes.extend(self.advice(&settings, &simulation));
+        if simulation.report.steps == 0 && (simulation.failure.is_some() || simulation.report.interrupted) {
+            return Err(nothing_done(&simulation));
+        }
+        self.present(&mut simulation, remarks)?;
         Ok(u8::from(simulation.failure.is_some()))
     }
 
-    /// Prints the table and writes the files.
-    fn present(&self, simulation: &stickslip_report::simulation::Simulation) -> Result<(), Failure> {
+    /// Prints the table and writes the files, with the remarks that were printed before the run.
+    fn present(&self, simulation: &mut Simulation, remarks: Vec<String>) -> Result<(), Failure> {
         say(&simulation_table(simulation, 100, colored()))?;
+        simulation.notes.splice(..0, remarks);
         let mut outputs = Outputs::default();
         if let Some(path) = &self.out {
             outputs.add(path, files::written(path, simulation));
@@ -167,6 +177,56 @@ impl Simulate {
             });
         }
         Ok(settings)
+    }
+
+    /// Refuses steps that nobody could wait for, and tells of results that hardly fit anywhere.
+    fn tell_size(&self, master: &Master, settings: &Settings) -> Result<(), Failure> {
+        let Settings { start, stop, step, adaptive, .. } = settings;
+        let steps = ((stop - start) / step).ceil();
+        if adaptive.is_some() {
+            return Ok(());
+        }
+        if steps > MOST_STEPS {
+            return Err(Failure::input(format!(
+                "a step of {step:e} s makes {steps:.0e} steps from {start} s to {stop} s; give a longer --step \
+                 ({:e} s makes {STEPS} steps)",
+                (stop - start) / STEPS
+            )));
+        }
+        let columns = master.observed().len() + 1;
+        let bytes = steps / self.every as f64 * columns as f64 * 8.0;
+        if bytes > LARGE {
+            eprintln!(
+                "note: {steps:.1e} steps with {columns} columns need about {:.1} GB of memory, and more in a file; \
+                 --every {:.0} records a thousandth of that",
+                bytes * 1e-9,
+                self.every as f64 * 1000.0
+            );
+        }
+        Ok(())
+    }
+
+    /// What to try where an adapted step is short for long.
+    fn advice(&self, settings: &Settings, simulation: &Simulation) -> Option<String> {
+        let adaptive = settings.adaptive.as_ref()?;
+        let report = &simulation.report;
+        let (limit, times) = report.limits.first()?;
+        let mean = (report.time - settings.start) / report.steps.max(1) as f64;
+        if report.forced == 0 && mean > 0.1 * settings.step {
+            return None;
+        }
+        let forced = match report.forced {
+            0 => String::new(),
+            forced => format!(
+                "; {forced} of {} were beyond it but could not be shorter than {:.0e} s",
+                report.steps, adaptive.smallest
+            ),
+        };
+        Some(format!(
+            "the tolerance of {:e} makes the steps {mean:.1e} s on average, most often because of {limit} ({times} \
+             times){forced}; try a larger --tolerance, or --algorithm strong with a --step that resolves the motion",
+            adaptive.tolerance
+        ))
     }
 
     fn coupling(&self) -> Algorithm {
@@ -205,6 +265,22 @@ impl Simulate {
 /// A system that cannot be what is asked for.
 fn refused(error: SystemError) -> Failure {
     Failure::input(error.to_string())
+}
+
+/// The end of a run before its start, for which the input is to blame if nobody interrupted it.
+fn not_begun(message: String) -> Failure {
+    Failure { code: if progress::interrupted() { 130 } else { 2 }, ..Failure::input(message) }
+}
+
+/// The end of a run that made no step, and so came to nothing.
+fn nothing_done(simulation: &Simulation) -> Failure {
+    let reason = simulation.failure.as_deref().unwrap_or("interrupted before the first step");
+    let message = format!("{reason}; nothing was written");
+    if simulation.time.is_empty() || progress::interrupted() {
+        not_begun(message)
+    } else {
+        Failure::other(message)
+    }
 }
 
 /// What an FMU said that the user should know.

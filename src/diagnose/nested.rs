@@ -38,6 +38,26 @@ impl Nested {
         }
     }
 
+    /// F and AICc in words.
+    pub fn words(&self) -> String {
+        let mut text = match (self.ratio(), self.chance()) {
+            (Some(ratio), Some(chance)) => format!(
+                "F = {ratio:.1} with {} and {} degrees of freedom: by chance in {:.0} % of cases, more often for the best \
+                 of several candidates",
+                self.parameters[1] - self.parameters[0],
+                self.freedom(),
+                (100.0 * chance).max(1.0)
+            ),
+            _ => "Too few values for an F".to_owned(),
+        };
+        match self.criterion() {
+            Some(change) if change < 0.0 => text += &format!("; AICc falls by {:.1}, for the step", -change),
+            Some(change) => text += &format!("; AICc rises by {change:.1}, against the step"),
+            None => text += "; too few values for AICc",
+        }
+        text
+    }
+
     /// Change of Akaike's criterion with the correction for few values (AICc); the variance counts as a
     /// parameter. Negative speaks for the larger model. `None` where the values are too few for it.
     pub fn criterion(&self) -> Option<f64> {

@@ -10,8 +10,10 @@
 //! with the tangent below them keeps its sign along a piecewise smooth curve (Eaves 1976, Allgower &
 //! Georg 2003): it tells which way the curve leaves a corner, even by more than a right angle.
 
+mod correction;
+mod location;
+
 use super::HarmonicError;
-use super::bracket::Bracket;
 use super::condition::ArcLength;
 use super::curve::Ending;
 use super::problem::{Condition, Newton, Stopping};
@@ -181,60 +183,6 @@ impl<'s> Path<'s> {
         Ok(())
     }
 
-    /// Solves `next` with the scalar continued held.
-    fn solve_fixed(&mut self) -> Result<(), HarmonicError> {
-        let Location { x, at, iterations, .. } = &mut self.next;
-        let mut all: Vec<&mut dyn Condition> = Vec::new();
-        all.extend(self.conditions.iter_mut().map(|condition| &mut **condition as &mut dyn Condition));
-        let effort =
-            self.newton.solve(self.system, x, at, &self.free[1..], &mut all, &self.route.stopping)?;
-        *iterations = effort.iterations;
-        Ok(())
-    }
-
-    /// Solves `next` on the plane set in `arc`.
-    fn solve_on_plane(&mut self, stopping: &Stopping) -> Result<(), HarmonicError> {
-        let Location { x, at, iterations, .. } = &mut self.next;
-        let mut all: Vec<&mut dyn Condition> = Vec::new();
-        all.extend(self.conditions.iter_mut().map(|condition| &mut **condition as &mut dyn Condition));
-        all.push(&mut self.arc);
-        // The scalar continued comes first among the free ones, its condition last: order does not matter.
-        let effort = self.newton.solve(self.system, x, at, &self.free, &mut all, stopping)?;
-        *iterations = effort.iterations;
-        Ok(())
-    }
-
-    /// Direction of the curve at `next`, along which `arc` grows by 1. With `fresh` the derivatives are
-    /// evaluated there; else those of the last Newton step do.
-    fn find_direction(&mut self, fresh: bool) -> Result<(), HarmonicError> {
-        if fresh {
-            self.arc.target = self.arc.at(&self.next.x, &self.next.at);
-            let Location { x, at, .. } = &mut self.next;
-            let mut all: Vec<&mut dyn Condition> = Vec::new();
-            all.extend(self.conditions.iter_mut().map(|condition| &mut **condition as &mut dyn Condition));
-            all.push(&mut self.arc);
-            // Nothing to be solved: an infinite tolerance leaves the evaluation.
-            let stopping = Stopping { tolerance: f64::INFINITY, max_iterations: 0 };
-            self.newton.solve(self.system, x, at, &self.free, &mut all, &stopping)?;
-        }
-        let n = self.next.x.len();
-        self.right.clear();
-        self.right.resize(n + self.free.len(), 0.0);
-        if let Some(last) = self.right.last_mut() {
-            *last = 1.0;
-        }
-        if !self.newton.prepare(self.system, &self.free) || !self.newton.solve_linear(&mut self.right) {
-            return Err(HarmonicError::NotConverged { residual: f64::INFINITY, iterations: 0 });
-        }
-        self.next.unknowns.clear();
-        self.next.unknowns.extend_from_slice(&self.right[..n]);
-        self.next.scalars = [0.0; 4];
-        for (scalar, value) in self.free.iter().zip(&self.right[n..]) {
-            self.next.scalars[scalar.index()] = *value;
-        }
-        Ok(())
-    }
-
     /// Sizes of the unknowns and scalars at the present point.
     fn measure(&mut self) {
         let size = length(&self.present.x);
@@ -351,72 +299,6 @@ impl<'s> Path<'s> {
         self.arc.target = self.arc.at(&here.x, &here.at) + step;
     }
 
-    /// The end of the range that `next` has passed.
-    fn edge_ahead(&self) -> Option<Ending> {
-        let Route { along, from, to, .. } = self.route;
-        let share = (self.next.at.get(along) - from) / (to - from);
-        let forward = self.present.scalars[along.index()] * (to - from) > 0.0;
-        if share.is_nan() || (share >= 1.0 && forward) {
-            Some(Ending::Complete)
-        } else if share <= 0.0 && !forward {
-            Some(Ending::Returned)
-        } else {
-            None
-        }
-    }
-
-    fn correct(&mut self) -> Result<Option<Ending>, HarmonicError> {
-        let predicted = (std::mem::take(&mut self.right), self.next.at);
-        let mut predicted_x = predicted.0;
-        predicted_x.clear();
-        predicted_x.extend_from_slice(&self.next.x);
-        let stopping = Stopping {
-            max_iterations: self.route.stopping.max_iterations.min(MOST_ITERATIONS),
-            ..self.route.stopping
-        };
-        let solved = self.solve_on_plane(&stopping);
-        let correction = self.unit.distance(&self.next, &predicted_x, &predicted.1);
-        self.right = predicted_x;
-        solved?;
-        // Beyond a corner the curve may run almost within the plane, a long way from the prediction.
-        let corner = if self.step < CORNER_STEP { CORNER_STEP } else { 0.0 };
-        if correction > corner.max(LARGEST_CORRECTION * self.step) {
-            return Err(HarmonicError::NotConverged {
-                residual: correction,
-                iterations: self.next.iterations,
-            });
-        }
-        if let Some(edge) = self.edge_ahead() {
-            return self.land(edge);
-        }
-        self.find_direction(false)?;
-        Ok(None)
-    }
-
-    /// Solves at the end of the range, which `next` has passed.
-    fn land(&mut self, edge: Ending) -> Result<Option<Ending>, HarmonicError> {
-        let along = self.route.along;
-        let end = if edge == Ending::Complete { self.route.to } else { self.route.from };
-        let (here, there) = (self.present.at.get(along), self.next.at.get(along));
-        let share = if there == here { 1.0 } else { ((end - here) / (there - here)).clamp(0.0, 1.0) };
-        let here = &self.present;
-        self.next.x.iter_mut().zip(&here.x).for_each(|(n, x)| *n = x + share * (*n - x));
-        for scalar in &self.free {
-            let start = here.at.get(*scalar);
-            self.next.at.set(*scalar, start + share * (self.next.at.get(*scalar) - start));
-        }
-        self.next.at.set(along, end);
-        let (guess, guess_at) = (self.next.x.clone(), self.next.at);
-        self.solve_fixed()?;
-        if self.unit.distance(&self.next, &guess, &guess_at) > self.step {
-            return Err(HarmonicError::NotConverged { residual: 1.0, iterations: self.next.iterations });
-        }
-        let iterations = self.next.iterations;
-        self.find_direction(true)?;
-        self.next.iterations = iterations;
-        Ok(Some(edge))
-    }
-
     /// Judges `next` and takes it, or says that the step was too long.
     fn settle(
         &mut self,
@@ -479,107 +361,6 @@ impl<'s> Path<'s> {
         let unit = self.unit;
         unit.normalise(&mut self.next);
         Ok(())
-    }
-
-    /// Finds the point between the previous and the present one where `test`, a function of the location,
-    /// passes through zero (its values there are `low` and `high`, of opposite sign); the present point and
-    /// the step are left alone. `None` where the solution is lost on the way.
-    pub fn locate(
-        &mut self,
-        (low, high): (f64, f64),
-        test: &mut dyn FnMut(&mut dyn PeriodicSystem, &Location) -> f64,
-    ) -> Option<Location> {
-        const ROUNDS: usize = 60;
-        /// Share of the way at which the place is known well enough: what is largest there is known to the square.
-        const SHARPEST: f64 = 1e-11;
-        const NEAR_END: f64 = 1e-6;
-        let stopping =
-            Stopping { tolerance: self.route.stopping.tolerance.min(1e-12), ..self.route.stopping };
-        std::mem::swap(&mut self.previous, &mut self.present);
-        let kept = (self.step, self.last_step);
-        self.unit.normalise(&mut self.present);
-        self.unit.normalise(&mut self.previous);
-        self.set_plane();
-        let base = self.arc.at(&self.present.x, &self.present.at);
-        let reach = self.arc.at(&self.previous.x, &self.previous.at) - base;
-        let mut bracket = Bracket::new((0.0, low), (reach, high));
-        let mut found = None;
-        for _ in 0..ROUNDS {
-            let place = bracket.next();
-            if found.is_some() && (place - bracket.latest.0).abs() <= SHARPEST * reach.abs() {
-                break;
-            }
-            let Some(value) = self.test_at(base, place, reach, &stopping, test) else { break };
-            found = Some(self.next.clone());
-            if value == 0.0 {
-                break;
-            }
-            bracket.take((place, value));
-        }
-        // The directions along a curve are those of the last Newton step: close to an extremum the sign at an end
-        // may have been wrong, and that end is what was found.
-        for (end, expected) in [(0.0, low), (reach, high)] {
-            if (bracket.latest.0 - end).abs() <= NEAR_END * reach.abs() && bracket.latest.1 * expected < 0.0 {
-                let exact = self.test_at(base, end, reach, &stopping, test);
-                found = found.filter(|_| exact.is_some_and(|exact| exact * expected >= 0.0));
-            }
-        }
-        std::mem::swap(&mut self.previous, &mut self.present);
-        self.next.clone_from(&self.present);
-        (self.step, self.last_step) = kept;
-        found
-    }
-
-    /// `test` at `place` on the way of length `reach` from `base`, where `next` is left; `None` where there is no
-    /// solution.
-    fn test_at(
-        &mut self,
-        base: f64,
-        place: f64,
-        reach: f64,
-        stopping: &Stopping,
-        test: &mut dyn FnMut(&mut dyn PeriodicSystem, &Location) -> f64,
-    ) -> Option<f64> {
-        self.set_plane();
-        self.interpolate(place / reach, reach);
-        self.arc.target = base + place;
-        self.solve_loosely(stopping).ok()?;
-        if !self.newton.refactor(self.system, &self.free) {
-            return None;
-        }
-        self.find_direction(false).ok()?;
-        let unit = self.unit;
-        unit.normalise(&mut self.next);
-        Some(test(self.system, &self.next)).filter(|value| value.is_finite())
-    }
-
-    /// The plane's solution, or the best there is at the accuracy of rounding.
-    fn solve_loosely(&mut self, stopping: &Stopping) -> Result<(), HarmonicError> {
-        let guess = (self.next.x.clone(), self.next.at);
-        if self.solve_on_plane(stopping).is_ok() {
-            return Ok(());
-        }
-        (self.next.x, self.next.at) = guess;
-        let stopping = self.route.stopping;
-        self.solve_on_plane(&stopping)
-    }
-
-    /// Puts `next` between the present and the previous point (swapped: the present one comes first) on
-    /// Hermite's cubic.
-    fn interpolate(&mut self, share: f64, reach: f64) {
-        let (s2, s3) = (share * share, share * share * share);
-        let (h0, h1) = (2.0 * s3 - 3.0 * s2 + 1.0, 3.0 * s2 - 2.0 * s3);
-        let (g0, g1) = (reach * (s3 - 2.0 * s2 + share), reach * (s3 - s2));
-        let (a, b) = (&self.present, &self.previous);
-        self.next.x.clear();
-        let ends = a.x.iter().zip(&a.unknowns).zip(b.x.iter().zip(&b.unknowns));
-        self.next.x.extend(ends.map(|((xa, da), (xb, db))| h0 * xa + g0 * da + h1 * xb + g1 * db));
-        self.next.at = a.at;
-        for scalar in &self.free {
-            let k = scalar.index();
-            let ends = h0 * a.at.get(*scalar) + h1 * b.at.get(*scalar);
-            self.next.at.set(*scalar, ends + g0 * a.scalars[k] + g1 * b.scalars[k]);
-        }
     }
 
     /// Has the first point judged.

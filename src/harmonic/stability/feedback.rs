@@ -1,0 +1,196 @@
+//! What contacts answer to a disturbance, at every phase of a grid.
+
+use nalgebra::DMatrix;
+
+use super::history::{Step, history, jumps};
+use super::signal::turning_points;
+use crate::integrate::oscillator::system::System;
+use crate::integrate::{LoadedContact, OscillatorError};
+
+/// A structure in a periodic motion, as a disturbance of it sees it: constant, with forces fed back.
+pub(super) trait Disturbed {
+    /// The structure; its contacts are the channels along which forces are fed back.
+    fn system(&self) -> &System;
+
+    /// Fundamental Ω (rad/s) of the motion.
+    fn angular_frequency(&self) -> f64;
+
+    /// Numbers that the contacts remember.
+    fn memory(&self) -> usize;
+
+    /// Coefficients of the finest signal of the motion.
+    fn coefficients(&self) -> usize;
+
+    /// Phases that a grid must meet: where memory is made or the feedback jumps.
+    fn events(&self) -> Vec<f64>;
+
+    /// Whether the feedback takes differences backwards in time, whose error is of first order.
+    fn first_order(&self) -> bool;
+
+    /// The feedback at every phase of the grid, from 0 to 2π; the first step has no length.
+    fn feedback(&self, grid: &[f64]) -> Result<Vec<Feedback>, OscillatorError>;
+}
+
+/// Forces and memory at the end of a step, linear in the disturbances `[y, ẏ, memory]`: displacements and velocities
+/// of the channels there, memory before it.
+#[derive(Debug)]
+pub(super) struct Feedback {
+    /// Forces (N), a row per channel.
+    pub force: DMatrix<f64>,
+    /// Memory, a row for each number.
+    pub memory: DMatrix<f64>,
+    channels: usize,
+}
+
+/// Where a contact sits.
+pub(super) struct Seat<'a> {
+    /// Its displacement by those of the channels, and the rate of that.
+    pub arm: &'a [f64],
+    pub arm_rate: &'a [f64],
+    /// First place of its memory.
+    pub memory: usize,
+    /// The spring in front of it.
+    pub series: Series,
+}
+
+/// A spring in front of a contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Series {
+    Rigid,
+    /// Compliance (m/N), where the contact does not answer to its velocity.
+    Spring(f64),
+    /// Compliance (m/N) and the step (s), over which the velocity is a difference: the contact's displacement is
+    /// remembered behind the rest of its memory.
+    Yielding(f64, f64),
+}
+
+impl Feedback {
+    pub fn new(channels: usize, memory: usize) -> Self {
+        let width = 2 * channels + memory;
+        Self { force: DMatrix::zeros(channels, width), memory: DMatrix::zeros(memory, width), channels }
+    }
+
+    /// Adds a contact.
+    pub fn attach(&mut self, step: &Step, seat: &Seat) {
+        let (m, width) = (self.channels, self.force.ncols());
+        let place = 2 * m + seat.memory;
+        let states = step.state.force_by_state.len();
+        let mut moved = vec![0.0; width];
+        moved[..m].copy_from_slice(seat.arm);
+        let mut remembered = vec![0.0; width];
+        remembered[place..place + states].copy_from_slice(&step.state.force_by_state);
+        let (stiffness, damping) = (step.by_displacement, step.by_velocity);
+        let (displacement, velocity, force);
+        match seat.series {
+            Series::Rigid => {
+                let mut rate = vec![0.0; width];
+                rate[..m].copy_from_slice(seat.arm_rate);
+                rate[m..2 * m].copy_from_slice(seat.arm);
+                force = sum([(stiffness, &moved), (damping, &rate), (1.0, &remembered)]);
+                (displacement, velocity) = (moved, rate);
+            }
+            Series::Spring(compliance) => {
+                let share = 1.0 / (1.0 + compliance * stiffness);
+                displacement = sum([(share, &moved), (-share * compliance, &remembered)]);
+                velocity = vec![0.0; width];
+                force = sum([(stiffness, &displacement), (1.0, &remembered)]);
+            }
+            Series::Yielding(compliance, duration) => {
+                let mut before = vec![0.0; width];
+                before[place + states] = 1.0;
+                if duration > 0.0 {
+                    let rate = damping / duration;
+                    let share = 1.0 / (1.0 + compliance * (stiffness + rate));
+                    let (held, drawn) = (share * compliance * rate, -share * compliance);
+                    displacement = sum([(share, &moved), (held, &before), (drawn, &remembered)]);
+                    velocity = sum([(1.0 / duration, &displacement), (-1.0 / duration, &before)]);
+                } else {
+                    (displacement, velocity) = (before, vec![0.0; width]);
+                }
+                force = sum([(1.0 / compliance, &moved), (-1.0 / compliance, &displacement)]);
+            }
+        }
+        for (i, arm) in seat.arm.iter().enumerate().filter(|(_, arm)| **arm != 0.0) {
+            self.force.row_mut(i).iter_mut().zip(&force).for_each(|(into, f)| *into += arm * f);
+        }
+        let laws = step.state.next_by_displacement.iter().zip(&step.state.next_by_velocity);
+        for (i, (by_displacement, by_velocity)) in laws.enumerate() {
+            let mut row = sum([(*by_displacement, &displacement), (*by_velocity, &velocity)]);
+            let states = step.state.next_by_state[i * states..(i + 1) * states].iter();
+            row[place..].iter_mut().zip(states).for_each(|(into, by)| *into += by);
+            self.memory.row_mut(seat.memory + i).iter_mut().zip(row).for_each(|(into, value)| *into = value);
+        }
+        if let Series::Yielding(..) = seat.series {
+            let row = self.memory.row_mut(seat.memory + states);
+            row.into_iter().zip(displacement).for_each(|(into, value)| *into = value);
+        }
+    }
+}
+
+fn sum<const N: usize>(terms: [(f64, &Vec<f64>); N]) -> Vec<f64> {
+    let mut out = vec![0.0; terms[0].1.len()];
+    for (factor, row) in terms.into_iter().filter(|(factor, _)| *factor != 0.0) {
+        out.iter_mut().zip(row).for_each(|(out, value)| *out += factor * value);
+    }
+    out
+}
+
+/// A linear structure whose contacts move by given coefficients.
+pub(super) struct Linear<'a> {
+    pub system: &'a System,
+    pub contacts: &'a [LoadedContact<'a>],
+    pub displacement: &'a [&'a [f64]],
+    pub angular_frequency: f64,
+}
+
+impl Disturbed for Linear<'_> {
+    fn system(&self) -> &System {
+        self.system
+    }
+
+    fn angular_frequency(&self) -> f64 {
+        self.angular_frequency
+    }
+
+    fn memory(&self) -> usize {
+        self.contacts.iter().map(|contact| contact.law.state_len()).sum()
+    }
+
+    fn coefficients(&self) -> usize {
+        self.displacement.iter().map(|coefficients| coefficients.len()).max().unwrap_or(1)
+    }
+
+    fn events(&self) -> Vec<f64> {
+        let pairs = self.contacts.iter().zip(self.displacement);
+        pairs.flat_map(|(contact, u)| events_of(contact, u)).collect()
+    }
+
+    fn first_order(&self) -> bool {
+        false
+    }
+
+    fn feedback(&self, grid: &[f64]) -> Result<Vec<Feedback>, OscillatorError> {
+        let (channels, memory) = (self.contacts.len(), self.memory());
+        let mut out: Vec<Feedback> = grid.iter().map(|_| Feedback::new(channels, memory)).collect();
+        let still = vec![0.0; channels];
+        let mut first = 0;
+        for (channel, (contact, u)) in self.contacts.iter().zip(self.displacement).enumerate() {
+            let mut arm = still.clone();
+            arm[channel] = 1.0;
+            let seat = Seat { arm: &arm, arm_rate: &still, memory: first, series: Series::Rigid };
+            let steps = history(contact, u, self.angular_frequency, grid)?;
+            out.iter_mut().zip(&steps).for_each(|(feedback, step)| feedback.attach(step, &seat));
+            first += contact.law.state_len();
+        }
+        Ok(out)
+    }
+}
+
+/// Phases that a grid must meet for a contact: its turning points, and both sides of the jumps of its tangents.
+pub(super) fn events_of(contact: &LoadedContact, displacement: &[f64]) -> Vec<f64> {
+    /// Half the step over a jump.
+    const BESIDE: f64 = 1e-9;
+    let mut phases = turning_points(displacement);
+    phases.extend(jumps(contact, displacement).into_iter().flat_map(|at| [at - BESIDE, at + BESIDE]));
+    phases
+}

@@ -1,0 +1,76 @@
+//! A contact along its periodic displacement: force and tangents at every phase of a grid, and the phases at which
+//! its tangents jump.
+
+use std::f64::consts::TAU;
+
+use super::regimes::Path;
+use super::signal::evaluate;
+use crate::contact::{ContactLaw, Inputs, Period, PeriodicSolver, Slider, StateTangents};
+use crate::integrate::oscillator::elements::Element;
+use crate::integrate::{LoadedContact, OscillatorError};
+
+/// Derivatives of one step of a law.
+#[derive(Debug, Default)]
+pub(super) struct Step {
+    /// The force itself (N).
+    pub force: f64,
+    pub by_displacement: f64,
+    pub by_velocity: f64,
+    pub state: StateTangents,
+}
+
+impl Step {
+    /// Whether force or memory answer to the velocity.
+    pub fn follows_velocity(&self) -> bool {
+        self.by_velocity != 0.0 || self.state.next_by_velocity.iter().any(|by| *by != 0.0)
+    }
+}
+
+/// Tangents at every point of the grid along the periodic state; the first point's step has no length.
+pub(super) fn history(
+    contact: &LoadedContact,
+    coefficients: &[f64],
+    angular_frequency: f64,
+    grid: &[f64],
+) -> Result<Vec<Step>, OscillatorError> {
+    let law: &dyn ContactLaw = contact.law;
+    let (mut displacement, mut velocity) = (Vec::new(), Vec::new());
+    for phase in grid {
+        let (u, slope) = evaluate(coefficients, *phase);
+        displacement.push(u);
+        velocity.push(angular_frequency * slope);
+    }
+    let loads = [contact.normal_load];
+    let period = Period { displacement: &displacement[1..], velocity: &velocity[1..], normal_load: &loads };
+    let mut state = vec![0.0; law.state_len()];
+    law.set_state(0.0, contact.normal_load, 0.0, &mut state);
+    PeriodicSolver::new()
+        .solve(law, &period, &mut state)
+        .map_err(|_| OscillatorError::NotPeriodic { iterations: 1, mismatch: f64::INFINITY })?;
+    let mut next = state.clone();
+    let mut out = Vec::with_capacity(grid.len());
+    for (u, v) in displacement.iter().zip(&velocity) {
+        let inputs = Inputs { displacement: *u, velocity: *v, normal_load: contact.normal_load };
+        let mut step = Step::default();
+        law.state_tangents(&state, inputs, &mut step.state);
+        let response = law.step(&state, inputs, &mut next);
+        step.force = response.force;
+        step.by_displacement = response.tangents.displacement;
+        step.by_velocity = response.tangents.velocity;
+        state.copy_from_slice(&next);
+        out.push(step);
+    }
+    Ok(out)
+}
+
+/// Phases in [0, 2π) at which sliders begin to slip or leave their play: what a disturbance of the displacement does
+/// to the force jumps there. None for laws without sliders.
+pub(super) fn jumps(contact: &LoadedContact, coefficients: &[f64]) -> Vec<f64> {
+    let mut sliders: Vec<Slider> = Vec::new();
+    if contact.law.sliders_and_damper(contact.normal_load, &mut sliders).is_none() {
+        return Vec::new();
+    }
+    let acts = |slider: &Slider| slider.upper_limit > 0.0 || slider.lower_limit > 0.0;
+    let elements = sliders.into_iter().filter(acts).map(|slider| Element { contact: 0, slider }).collect();
+    Path::new(0, coefficients, 0, elements).jumps().into_iter().map(|phase| phase.rem_euclid(TAU)).collect()
+}

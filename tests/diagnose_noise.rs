@@ -1,0 +1,181 @@
+//! What counts as a repeat of an experiment, and what is made of noise that cannot be.
+
+use std::f64::consts::TAU;
+
+use stickslip::diagnose::{
+    DiagnoseOptions, DiagnoseWatch, Diagnosis, NoiseSource, Verdict, diagnose, noise_of,
+};
+use stickslip::measure::{Channel, Dataset, Record, Regime};
+use stickslip::model::Model;
+
+const STIFFNESS: f64 = 5e6;
+const LIMIT: f64 = 50.0;
+const SAMPLES: usize = 400;
+
+fn model() -> Model {
+    let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+                tangential_stiffness = 5e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";
+    Model::parse(text).unwrap()
+}
+
+/// A sine from rest of `amplitude` (m) about `offset` (m), over two periods, on an ideal Jenkins element with a spring
+/// beside it.
+struct Test {
+    amplitude: f64,
+    offset: f64,
+    step: f64,
+    spring: f64,
+    stated: Option<f64>,
+}
+
+const PLAIN: Test = Test { amplitude: 3e-5, offset: 0.0, step: 1e-3, spring: 0.0, stated: None };
+
+/// Noise of deviation one from a counter: the same for the same seed.
+fn noise(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    move || {
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    }
+}
+
+impl Test {
+    /// With force noise of `deviation` (N).
+    fn record(&self, name: &str, seed: u64, deviation: f64) -> Record {
+        let motion: Vec<f64> =
+            (0..SAMPLES).map(|i| self.amplitude * (2.0 * TAU * i as f64 / SAMPLES as f64).sin()).collect();
+        let (mut slider, mut noise) = (0.0, noise(seed));
+        let force = motion.iter().map(|u: &f64| {
+            let trial: f64 = STIFFNESS * (u - slider);
+            let friction = trial.clamp(-LIMIT, LIMIT);
+            slider = u - friction / STIFFNESS;
+            friction + self.spring * u + deviation * noise()
+        });
+        let channel = |name: &str, unit, values, noise| Channel { name: name.into(), unit, values, noise };
+        let channels = vec![
+            channel("time", "s", (0..SAMPLES).map(|i| i as f64 * self.step).collect(), None),
+            channel("force", "N", force.collect(), self.stated),
+            channel("displacement", "m", motion.iter().map(|u| u + self.offset).collect(), None),
+        ];
+        Record { name: name.into(), regime: Regime::FromRest, use_for: None, channels }
+    }
+}
+
+fn sources(records: Vec<Record>) -> Vec<NoiseSource> {
+    noise_of(&model(), &Dataset { title: None, records }).iter().map(|noise| noise.source).collect()
+}
+
+/// One period alone, so that nothing is to be seen within a record.
+fn short(mut record: Record) -> Record {
+    for channel in &mut record.channels {
+        channel.values.truncate(SAMPLES / 2);
+    }
+    record
+}
+
+#[test]
+fn a_repeat_shows_the_noise_and_another_experiment_does_not() {
+    let first = || short(PLAIN.record("a", 1, 0.5));
+    let again = short(PLAIN.record("b", 2, 0.5));
+    let noise = noise_of(&model(), &Dataset { title: None, records: vec![first(), again] });
+    assert_eq!(noise[0].source, NoiseSource::Repeats);
+    assert!((noise[0].deviation.unwrap() - 0.5).abs() < 0.05, "{noise:?}");
+    // Ten times as fast; at another level about a large offset; under another load; the same file.
+    let quick = short(Test { step: 1e-4, ..PLAIN }.record("b", 2, 0.5));
+    assert_eq!(sources(vec![first(), quick]), [NoiseSource::Unknown; 2]);
+    let lifted = |amplitude, seed| short(Test { offset: 1e-3, amplitude, ..PLAIN }.record("b", seed, 0.5));
+    assert_eq!(sources(vec![lifted(3e-5, 1), lifted(2e-5, 2)]), [NoiseSource::Unknown; 2]);
+    let loaded = |load: f64, seed| {
+        let mut record = short(PLAIN.record("b", seed, 0.5));
+        let values = vec![load; SAMPLES / 2];
+        record.channels.push(Channel { name: "normal_load".into(), unit: "N", values, noise: None });
+        record
+    };
+    assert_eq!(sources(vec![loaded(100.0, 1), loaded(120.0, 2)]), [NoiseSource::Unknown; 2]);
+    assert_eq!(sources(vec![loaded(100.0, 1), loaded(100.0, 2)]), [NoiseSource::Repeats; 2]);
+    assert_eq!(sources(vec![first(), first()]), [NoiseSource::Unknown; 2]);
+}
+
+fn diagnosed(records: Vec<Record>) -> Diagnosis {
+    let options = DiagnoseOptions {
+        effects: Some(["residual_stiffness", "backlash", "sensor_offset"].map(str::to_owned).to_vec()),
+        ..DiagnoseOptions::default()
+    };
+    diagnose(&model(), &Dataset { title: None, records }, &options, DiagnoseWatch::default()).unwrap()
+}
+
+fn levels(of: impl Fn(usize) -> Test) -> Vec<Record> {
+    (0..8).map(|i| of(i).record(&format!("r{i}"), i as u64, 0.3)).collect()
+}
+
+#[test]
+fn noise_that_is_stated_a_hundred_times_too_large_hides_no_effect() {
+    let found = diagnosed(levels(|i| Test {
+        amplitude: 1e-5 * (2.0 + i as f64),
+        spring: 5e5,
+        stated: Some(30.0),
+        ..PLAIN
+    }));
+    assert_eq!((found.verdict, found.effects), (Verdict::EffectFound, vec!["residual_stiffness"]));
+}
+
+#[test]
+fn what_only_the_record_of_the_largest_motion_shows_is_not_passed_over() {
+    // An end stop that is reached at the highest level alone.
+    let mut records = levels(|i| Test { amplitude: 1e-5 * (2.0 + i as f64), stated: Some(0.3), ..PLAIN });
+    let last = records.last_mut().unwrap();
+    let motion = last.channels[2].values.clone();
+    for (force, u) in last.channels[1].values.iter_mut().zip(motion) {
+        *force += 2e6 * (u - 8e-5).max(0.0);
+    }
+    let found = diagnosed(records);
+    assert_eq!(found.verdict, Verdict::Unexplained);
+    assert!(found.reasons.iter().any(|reason| reason.contains("`r7`")), "{:?}", found.reasons);
+}
+
+#[test]
+fn an_effect_that_the_untouched_records_speak_against_is_taken_back() {
+    let mut records = levels(|i| Test { amplitude: 1e-5 * (2.0 + i as f64), ..PLAIN });
+    for (index, record) in records.iter_mut().enumerate() {
+        record.use_for = Some(match index {
+            1 | 4 => stickslip::measure::Use::Confirm,
+            2 | 5 => stickslip::measure::Use::Select,
+            _ => stickslip::measure::Use::Fit,
+        });
+        if index != 1 && index != 4 {
+            record.channels[1].values.iter_mut().for_each(|force| *force += 5.0);
+        }
+    }
+    let found = diagnosed(records);
+    assert!(found.effects.is_empty(), "{:?}", found.effects);
+    assert!(found.error.untouched <= found.error.untouched_refitted);
+}
+
+#[test]
+fn a_ramp_is_as_good_as_a_steady_level() {
+    // A sine whose amplitude grows: the effect shows at its end alone, which is no doubt of it.
+    let records: Vec<Record> =
+        (0..8)
+            .map(|i| {
+                let mut record =
+                    Test { amplitude: 1e-5 * (2.0 + i as f64), spring: 2e5, stated: Some(0.3), ..PLAIN }
+                        .record(&format!("r{i}"), i as u64, 0.0);
+                let motion: Vec<f64> = record.channels[2].values.clone();
+                let ramp = |k: usize| (k as f64 / SAMPLES as f64).powi(2);
+                let (mut slider, mut noise) = (0.0, noise(i as u64));
+                for (k, u) in motion.iter().enumerate() {
+                    let u = u * ramp(k);
+                    let friction = (STIFFNESS * (u - slider)).clamp(-LIMIT, LIMIT);
+                    slider = u - friction / STIFFNESS;
+                    record.channels[2].values[k] = u;
+                    record.channels[1].values[k] = friction + 2e5 * u + 0.3 * noise();
+                }
+                record
+            })
+            .collect();
+    let found = diagnosed(records);
+    assert_eq!((found.verdict, found.effects), (Verdict::EffectFound, vec!["residual_stiffness"]));
+}
