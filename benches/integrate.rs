@@ -61,6 +61,7 @@ fn modal_beam_external_force(bencher: Bencher, modes: usize) {
         let inputs = BeamInputs {
             excitation: Ramp::held(excitation(step)),
             contact: Contact::Force(Ramp::held(force)),
+            at_points: &[],
         };
         step += 1;
         integrator.advance(&mut motion, STEP, &inputs, &settings).expect("legal step");

@@ -199,6 +199,7 @@ prop_compose! {
             clamp_stiffness: clamp.map(|size| 10_f64.powf(size)),
             excitation_position: 0.0,
             sensors: vec![],
+            contact_points: vec![],
             ..bare
         }
     }

@@ -27,6 +27,7 @@ fn steel(modes: usize) -> Beam {
         clamp_stiffness: None,
         excitation_position: 0.55,
         sensors: vec![],
+        contact_points: vec![],
     }
 }
 
@@ -171,7 +172,7 @@ fn time_integration_settles_to_the_balance_with_stretching_and_drag() {
     let tight = integrate::Settings { tolerance: 1e-8, ..Default::default() };
     for k in 0..40 * parts {
         let excitation = Ramp { start: force(k), end: force(k + 1) };
-        let inputs = BeamInputs { excitation, contact: Contact::Force(Ramp::held(0.0)) };
+        let inputs = BeamInputs { excitation, contact: Contact::Force(Ramp::held(0.0)), at_points: &[] };
         integrator.advance(&mut motion, period / parts as f64, &inputs, &tight).unwrap();
     }
     let expected: f64 = (0..=9).map(|h| periodic.coefficients[if h == 0 { 0 } else { 2 * h - 1 }]).sum();

@@ -190,6 +190,7 @@ fn by_integration(beam: &ModalBeam, law: &dyn ContactLaw, response: &Resonance) 
             let inputs = BeamInputs {
                 excitation: Ramp { start: force(k), end: force(k + 1) },
                 contact: Contact::Friction { law, normal_load: Ramp::held(LOAD) },
+                at_points: &[],
             };
             integrator.advance(&mut motion, TAU / omega / STEPS as f64, &inputs, &settings).unwrap();
         }

@@ -28,6 +28,7 @@ fn single_mode(damping_ratio: f64) -> ModalBeam {
         stretching_stiffness: 0.0,
         quadratic_damping: 0.0,
         sensors: Vec::new(),
+        contact_points: Vec::new(),
     }
 }
 
@@ -43,6 +44,7 @@ fn three_modes() -> ModalBeam {
         stretching_stiffness: 0.0,
         quadratic_damping: 0.0,
         sensors: Vec::new(),
+        contact_points: Vec::new(),
     }
 }
 

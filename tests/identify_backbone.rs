@@ -21,6 +21,7 @@ fn valanis_parameters_are_recovered_from_exact_frequencies() {
         stretching_stiffness: 0.0,
         quadratic_damping: 0.0,
         sensors: Vec::new(),
+        contact_points: Vec::new(),
     };
     let settings = Settings { harmonics: 3, method: Method::Sampled { samples: 64 }, ..Settings::default() };
     let amplitudes = [1.0, 12.0, 30.0, 70.0];

@@ -64,6 +64,7 @@ fn inputs_that_are_no_numbers_are_named_and_change_nothing() {
     let force = BeamInputs {
         excitation: Ramp::held(0.0),
         contact: Contact::Force(Ramp { start: 0.0, end: f64::NEG_INFINITY }),
+        at_points: &[],
     };
     let error = integrator.advance(&mut motion, 1e-3, &force, &settings).unwrap_err();
     assert!(error.to_string().contains("contact_force"), "{error}");

@@ -203,6 +203,7 @@ fn a_normal_load_that_lifts_off_and_returns_is_followed_at_any_communication_ste
                         law,
                         normal_load: Ramp { start: load(time), end: load(time + duration) },
                     },
+                    at_points: &[],
                 };
                 integrator.advance(&mut motion, duration, &inputs, &tolerance(relative)).unwrap();
                 separated += usize::from(motion.slip_state() == SlipState::Separated as i32 as f64);
@@ -277,7 +278,7 @@ fn six_modes_with_valanis_reach_a_steady_and_repeatable_amplitude() {
                 let t = (cycle * 100 + i) as f64 * duration;
                 let excitation = Ramp { start: force(t), end: force(t + duration) };
                 let contact = Contact::Friction { law: &law, normal_load: Ramp::held(LOAD) };
-                let inputs = BeamInputs { excitation, contact };
+                let inputs = BeamInputs { excitation, contact, at_points: &[] };
                 integrator.advance(&mut motion, duration, &inputs, &tolerance(1e-5)).unwrap();
                 peak = peak.max(motion.displacement());
             }

@@ -12,7 +12,7 @@ fn a_free_mode_decays_as_the_closed_form_says() {
     let (omega, zeta) = (330.0, 0.02);
     let mut integrator = BeamIntegrator::new(&one_mode(omega, zeta, 0.06, 1.2, 0.0)).unwrap();
     let mut motion = integrator.moving(&[1e-3], &[0.4], None).unwrap();
-    let inputs = BeamInputs { excitation: Ramp::held(0.0), contact: FREE };
+    let inputs = BeamInputs { excitation: Ramp::held(0.0), contact: FREE, at_points: &[] };
     let damped = omega * (1.0 - zeta * zeta).sqrt();
     for i in 1..=200 {
         integrator.advance(&mut motion, 1e-3, &inputs, &Settings::default()).unwrap();
@@ -31,7 +31,7 @@ fn a_linear_mode_answers_a_force_ramp_exactly_whatever_the_step() {
         let mut motion = integrator.rest(None);
         for i in 0..steps {
             let excitation = Ramp::with_slope(3.0 + 500.0 * i as f64 * duration, 500.0, duration);
-            let inputs = BeamInputs { excitation, contact: FREE };
+            let inputs = BeamInputs { excitation, contact: FREE, at_points: &[] };
             integrator.advance(&mut motion, duration, &inputs, &Settings::default()).unwrap();
         }
         let (s, c) = (omega * 1e-2).sin_cos();
@@ -91,7 +91,7 @@ fn external_force_and_geometric_stiffness_match_runge_kutta() {
     let beam = steel_beam(3, 0.003);
     let (force, excitation) = (Ramp { start: 80.0, end: -60.0 }, Ramp { start: 0.0, end: 30.0 });
     let duration = 5e-3;
-    let inputs = BeamInputs { excitation, contact: Contact::Force(force) };
+    let inputs = BeamInputs { excitation, contact: Contact::Force(force), at_points: &[] };
     let (q0, v0) = ([2e-3, -1e-4, 3e-5], [0.1, 0.5, -0.2]);
     let mut integrator = BeamIntegrator::new(&beam).unwrap();
     let mut motion = integrator.moving(&q0, &v0, None).unwrap();
@@ -139,7 +139,8 @@ fn a_jump_of_the_external_force_passes_to_the_displacement_at_once() {
     let motion = integrator.moving(&[1e-3], &[0.0], None).unwrap();
     let mut out = integrator.new_outputs();
     let mut displacement = |force: f64| {
-        let inputs = BeamInputs { excitation: Ramp::held(0.0), contact: Contact::Force(Ramp::held(force)) };
+        let contact = Contact::Force(Ramp::held(force));
+        let inputs = BeamInputs { excitation: Ramp::held(0.0), contact, at_points: &[] };
         integrator.outputs(&motion, f64::INFINITY, &inputs, &mut out).unwrap();
         (out.displacement, out.sensors[0].acceleration)
     };
@@ -154,7 +155,7 @@ fn a_jump_of_the_external_force_passes_to_the_displacement_at_once() {
 fn decayed_amplitudes_are_zero_and_not_denormal() {
     let mut integrator = BeamIntegrator::new(&one_mode(330.0, 0.9, 0.06, 1.2, 0.0)).unwrap();
     let mut motion = integrator.moving(&[1e-3], &[0.0], None).unwrap();
-    let inputs = BeamInputs { excitation: Ramp::held(0.0), contact: FREE };
+    let inputs = BeamInputs { excitation: Ramp::held(0.0), contact: FREE, at_points: &[] };
     for _ in 0..200 {
         integrator.advance(&mut motion, 1e-2, &inputs, &Settings::default()).unwrap();
     }

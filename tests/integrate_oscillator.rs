@@ -199,6 +199,7 @@ fn valanis_moves_as_on_the_beam_of_one_mode() {
         stretching_stiffness: 0.0,
         quadratic_damping: 0.0,
         sensors: vec![],
+        contact_points: vec![],
     };
     let mut structure = single(1.0, 2.0 * 0.003 * 330.0, 330.0 * 330.0, 1);
     structure.contacts[0][0].1 = 0.057;
@@ -214,6 +215,7 @@ fn valanis_moves_as_on_the_beam_of_one_mode() {
         let inputs = BeamInputs {
             excitation: Ramp { start: pair[0], end: pair[1] },
             contact: Contact::Friction { law: &law, normal_load: Ramp::held(load) },
+            at_points: &[],
         };
         reference.advance(&mut motion, interval, &inputs, &settings).unwrap();
     }

@@ -89,6 +89,27 @@ fn the_samples_are_read_as_they_stand() {
 }
 
 #[test]
+fn contact_points_are_read_and_stand_on_the_moving_part_of_the_beam() {
+    let with = |points: &[f64]| {
+        let points: String =
+            points.iter().map(|place| format!("\n[[contact_point]]\nposition = {place}\n")).collect();
+        Model::parse(&format!("{BEAM}{points}"))
+    };
+    let Structure::Beam(beam) = with(&[0.3, 0.2]).unwrap().structure else { panic!("not a beam") };
+    assert_eq!(beam.contact_points, [0.3, 0.2]);
+    for (points, message) in [
+        (&[0.3, 0.3][..], "listed twice"),
+        (&[0.7], "is not on the beam"),
+        (&[0.0], "does not move there"),
+        (&[beam.length], "does not move there"),
+    ] {
+        let error = with(points).unwrap_err();
+        assert!(error.message.contains(message), "{}", error.message);
+        assert!(error.span.is_some());
+    }
+}
+
+#[test]
 fn a_byte_order_mark_and_carriage_returns_change_nothing() {
     let model = Model::parse(BEAM).unwrap();
     assert_eq!(Model::parse(&format!("\u{feff}{BEAM}")).unwrap(), model);
@@ -248,8 +269,9 @@ fn beam() -> impl Strategy<Value = Beam> {
     let place = 0.0..=1.0f64;
     let masses = prop::collection::vec((place.clone(), positive()), 0..4);
     let sensors = prop::option::of(prop::collection::vec(place.clone(), 0..4));
-    (numbers, damping(), masses, sensors, prop::option::of(positive()), place).prop_map(
-        |(numbers, (modes, damping), masses, sensors, clamp_stiffness, excitation)| {
+    let points = prop::collection::btree_set(1u8..100, 0..3);
+    (numbers, damping(), masses, sensors, points, prop::option::of(positive()), place).prop_map(
+        |(numbers, (modes, damping), masses, sensors, points, clamp_stiffness, excitation)| {
             let (length, width, thickness, density, youngs_modulus, offset, rotational_stiffness) = numbers;
             let mass = |(place, mass)| PointMass { position: place * length, mass };
             let point_masses: Vec<_> = masses.into_iter().map(mass).collect();
@@ -272,6 +294,7 @@ fn beam() -> impl Strategy<Value = Beam> {
                 clamp_stiffness,
                 excitation_position: excitation * length,
                 sensors,
+                contact_points: points.into_iter().map(|place| f64::from(place) / 100.0 * length).collect(),
             }
         },
     )

@@ -100,7 +100,7 @@ fn directional_derivatives_of_a_step_with_input_derivatives_too() {
 
 #[test]
 fn directional_derivatives_under_a_load_that_runs_as_far_as_the_beam_follows_it() {
-    for case in &cases()[4..6] {
+    for case in cases().iter().filter(|case| case.name.starts_with("FrictionalBeam")) {
         check_directional_derivatives(Run::new(case), true, 0.1);
     }
 }

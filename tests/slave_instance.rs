@@ -4,10 +4,11 @@ use std::collections::BTreeSet;
 use stickslip::model::Model;
 use stickslip::slave::{Causality, Error, Instance, Setup, Snapshot, Stage, VariableType};
 
-const MODELS: [(&str, &str); 4] = [
+const MODELS: [(&str, &str); 5] = [
     ("JenkinsContact", include_str!("../modelDescription/JenkinsContact.toml")),
     ("ValanisContact", include_str!("../modelDescription/ValanisContact.toml")),
     ("ModalBeam", include_str!("../modelDescription/ModalBeam.toml")),
+    ("ModalBeamTwoContacts", include_str!("../modelDescription/ModalBeamTwoContacts.toml")),
     ("FrictionalBeam", include_str!("../modelDescription/FrictionalBeam.toml")),
 ];
 
@@ -114,7 +115,7 @@ fn the_guid_is_the_same_for_the_same_model_only() {
     let seven = Instance::new(&MODELS[2].1.replace("modes = 6", "modes = 7")).unwrap().guid();
     assert_ne!(six, seven, "what no variable shows counts too");
     let all: BTreeSet<_> = MODELS.iter().map(|(name, _)| new(name).guid()).collect();
-    assert_eq!(all.len(), 4);
+    assert_eq!(all.len(), MODELS.len());
 }
 
 #[test]

@@ -41,6 +41,7 @@ fn drive(
         let inputs = BeamInputs {
             excitation: Ramp { start: force(k), end: force(k + 1) },
             contact: Contact::Friction { law: &law, normal_load: Ramp::held(LOAD) },
+            at_points: &[],
         };
         integrator.advance(motion, 1.0 / (FREQUENCY * steps as f64), &inputs, &settings).unwrap();
         visit(k + 1, motion);

@@ -3,10 +3,31 @@
 use super::power::{Ends, EnergyResidual, PowerConnection, works};
 use super::signals::Signals;
 use super::system::{Port, System};
-use super::unit::Unit;
+use super::unit::{Channel, Unit};
 
-/// A connected input: its unit and its place among the unit's channels.
-type Place = (usize, usize);
+/// A connected input: its unit and its place among the unit's channels, with what of the channel never changes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    unit: usize,
+    channel: usize,
+    source: usize,
+    factor: f64,
+}
+
+impl Place {
+    pub fn new((unit, number): (usize, usize), channel: &Channel) -> Self {
+        Self { unit, channel: number, source: channel.source, factor: channel.factor }
+    }
+
+    fn ends(&self, units: &[Unit], signals: &Signals, plain: bool) -> Ends {
+        Ends {
+            given: [signals.now[self.source], signals.next[self.source]],
+            taken: units[self.unit].taken(self.channel, plain),
+            travel: 0.0,
+            factor: self.factor,
+        }
+    }
+}
 
 #[derive(Debug)]
 struct Bond {
@@ -56,25 +77,20 @@ impl Energy {
     /// Accounts for a step of `step` (s) that is done but not accepted: the largest residual power over the
     /// largest power so far, and which power connection has it.
     pub fn measure(&mut self, units: &[Unit], signals: &Signals, plain: bool, step: f64) -> (f64, usize) {
-        let mut worst = (0.0_f64, 0);
+        let (mut worst, per_second) = ((0.0, 0), 1.0 / step);
         for (index, (bond, tried)) in self.bonds.iter().zip(&mut self.tried).enumerate() {
-            let ends = |(unit, channel): Place| {
-                let unit: &Unit = &units[unit];
-                let source = unit.channels[channel].source;
-                Ends {
-                    given: [signals.now[source], signals.next[source]],
-                    taken: unit.taken(channel, plain),
-                    travel: unit.end[channel] - unit.reached[channel],
-                    factor: unit.channels[channel].factor,
-                }
-            };
+            let ends = |place: &Place| place.ends(units, signals, plain);
+            let displacement = bond.displacement.as_ref().map(|place| {
+                let unit = &units[place.unit];
+                Ends { travel: unit.end[place.channel] - unit.reached[place.channel], ..ends(place) }
+            });
             let [taker, giver] =
-                works(ends(bond.force), bond.displacement.map(ends), bond.velocity.map(ends), step);
+                works(ends(&bond.force), displacement, bond.velocity.as_ref().map(ends), step);
             *tried = [giver - taker, taker.abs().max(giver.abs())];
-            let power = bond.peak.max(tried[1] / step);
-            let residual = tried[0].abs() / step / power;
-            if power > 0.0 && residual > worst.0 {
-                worst = (residual, index);
+            let (power, residual) = (bond.peak.max(tried[1] * per_second), tried[0].abs() * per_second);
+            // Divisions take longer than all the rest.
+            if residual > worst.0 * power {
+                worst = (residual / power, index);
             }
         }
         worst
@@ -82,10 +98,11 @@ impl Energy {
 
     /// Takes the step measured last as done.
     pub fn accept(&mut self, step: f64) {
+        let per_second = 1.0 / step;
         for ((bond, [residual, exchanged]), sums) in
             self.bonds.iter_mut().zip(&self.tried).zip(&mut self.residuals)
         {
-            bond.peak = bond.peak.max(exchanged / step);
+            bond.peak = bond.peak.max(exchanged * per_second);
             sums.sum += residual;
             sums.magnitude += residual.abs();
             sums.largest = sums.largest.max(residual.abs());

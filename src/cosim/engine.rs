@@ -1,6 +1,6 @@
 //! A system made ready to step: slaves in the order of their levels, connections as indices.
 
-use super::energy::Energy;
+use super::energy::{Energy, Place};
 use super::level::{Level, StepFrame, Trouble};
 use super::notes::Manner;
 use super::schedule::Schedule;
@@ -63,7 +63,10 @@ impl Engine {
         let wiring = Wiring::new(&system, schedule, plain);
         let observed = system.observed();
         let reported = observed.iter().map(|port| wiring.signal(*port)).collect();
-        let place = |port: Port| wiring.places.get(&port).copied();
+        let place = |port: Port| {
+            let place = wiring.places.get(&port)?;
+            Some(Place::new(*place, &wiring.channels[port.slave][place.1]))
+        };
         let energy = Energy::new(&system, &system.power_connections(), place);
         let Wiring { order: slaves, read, first, channels, assumptions, real, derivative_order, .. } = wiring;
         let (mut levels, mut start) = (Vec::new(), 0);

@@ -3,7 +3,7 @@
 use super::settings::Parallel;
 use super::signals::Signals;
 use super::slave::{SlaveError, Stepped};
-use super::unit::{Frame, Unit};
+use super::unit::{Frame, Unit, copy_few};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -55,42 +55,49 @@ impl Level {
         assumed: &[f64],
     ) -> Result<(), Trouble> {
         let level = &mut units[self.units.clone()];
-        let StepFrame { time, step, plain, signals } = frame;
-        let now = Frame { time: *time, step: *step, plain: *plain, restore, signals, assumed };
-        match self.parallel {
-            Parallel::Never => level.iter_mut().for_each(|unit| unit.advance(&now)),
-            Parallel::Always => {
-                let parts = PARTS * rayon::current_num_threads();
-                let size = level.len().div_ceil(parts).max(1);
-                level
-                    .par_chunks_mut(size)
-                    .for_each(|units| units.iter_mut().for_each(|unit| unit.advance(&now)));
-            }
-            Parallel::Auto => {
-                let start = Instant::now();
-                level.iter_mut().for_each(|unit| unit.advance(&now));
-                self.taken += start.elapsed();
-                self.timed += 1;
-                if self.timed == TIMED {
-                    let pays = self.taken > TIMED * WORTH_THREADS && rayon::current_num_threads() > 1;
-                    self.parallel = if pays { Parallel::Always } else { Parallel::Never };
-                }
-            }
+        let first = self.units.start;
+        if self.parallel == Parallel::Always {
+            let size = level.len().div_ceil(PARTS * rayon::current_num_threads()).max(1);
+            let now = frame.seen(restore, assumed);
+            level.par_chunks_mut(size).for_each(|units| units.iter_mut().for_each(|unit| unit.advance(&now)));
+            return level
+                .iter_mut()
+                .enumerate()
+                .try_for_each(|(place, unit)| collect(unit, first + place, frame.signals));
         }
+        let start = (self.parallel == Parallel::Auto).then(Instant::now);
+        let mut told = Ok(());
         for (place, unit) in level.iter_mut().enumerate() {
-            match &unit.outcome {
-                Ok(Stepped::Done) => {}
-                Ok(Stepped::Discarded(reached)) => {
-                    return Err(Trouble::Discarded(self.units.start + place, *reached));
-                }
-                Err(_) => {
-                    let outcome = std::mem::replace(&mut unit.outcome, Ok(Stepped::Done));
-                    return outcome.map_or_else(|error| Err(Trouble::Failed(error)), |_| Ok(()));
-                }
+            unit.advance(&frame.seen(restore, assumed));
+            // While it is still in the cache. None waits for another, so none reads this.
+            if told.is_ok() {
+                told = collect(unit, first + place, frame.signals);
             }
-            signals.next[unit.first..unit.first + unit.outputs.len()].copy_from_slice(&unit.outputs);
         }
-        Ok(())
+        if let Some(start) = start {
+            self.taken += start.elapsed();
+            self.timed += 1;
+            if self.timed == TIMED {
+                let pays = self.taken > TIMED * WORTH_THREADS && rayon::current_num_threads() > 1;
+                self.parallel = if pays { Parallel::Always } else { Parallel::Never };
+            }
+        }
+        told
+    }
+}
+
+/// Writes the outputs of a unit that has stepped to `signals`, or tells its trouble.
+fn collect(unit: &mut Unit, place: usize, signals: &mut Signals) -> Result<(), Trouble> {
+    match &unit.outcome {
+        Ok(Stepped::Done) => {
+            copy_few(&mut signals.next[unit.first..unit.first + unit.outputs.len()], &unit.outputs);
+            Ok(())
+        }
+        Ok(Stepped::Discarded(reached)) => Err(Trouble::Discarded(place, *reached)),
+        Err(_) => {
+            let outcome = std::mem::replace(&mut unit.outcome, Ok(Stepped::Done));
+            outcome.map_or_else(|error| Err(Trouble::Failed(error)), |_| Ok(()))
+        }
     }
 }
 
@@ -101,4 +108,11 @@ pub(super) struct StepFrame<'a> {
     pub step: f64,
     pub plain: bool,
     pub signals: &'a mut Signals,
+}
+
+impl StepFrame<'_> {
+    /// What a slave is told.
+    fn seen<'f>(&'f self, restore: bool, assumed: &'f [f64]) -> Frame<'f> {
+        Frame { time: self.time, step: self.step, plain: self.plain, restore, signals: self.signals, assumed }
+    }
 }

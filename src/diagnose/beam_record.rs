@@ -34,7 +34,8 @@ impl Attached {
         let Structure::Beam(beam) = &model.structure else {
             return Err("the model is not a beam".into());
         };
-        let beam = Beam { sensors: sensors.to_vec(), ..beam.clone() };
+        // Nothing is known of forces at contact points, and models of measurements have none.
+        let beam = Beam { sensors: sensors.to_vec(), contact_points: Vec::new(), ..beam.clone() };
         let beam =
             ModalBeam::with_changes(&beam, &model.changes().structure).map_err(|error| error.to_string())?;
         let law = model.law().map_err(|error| error.to_string())?;
@@ -220,6 +221,7 @@ fn from_rest(
             }
             None => integrate::Contact::Force(Ramp::held(0.0)),
         },
+        at_points: &[],
     };
     out.clear();
     out.resize(channels.len() * time.len(), 0.0);

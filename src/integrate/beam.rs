@@ -41,6 +41,7 @@ const SMALLEST_ANGLE: f64 = 1e-9;
 ///     stretching_stiffness: 0.0,
 ///     quadratic_damping: 0.0,
 ///     sensors: vec![],
+///     contact_points: vec![],
 /// };
 /// let law = Jenkins::new(7.9e6, 0.6)?;
 /// let mut integrator = BeamIntegrator::new(&beam)?;
@@ -48,6 +49,7 @@ const SMALLEST_ANGLE: f64 = 1e-9;
 /// let inputs = BeamInputs {
 ///     excitation: Ramp::held(5.0),
 ///     contact: Contact::Friction { law: &law, normal_load: Ramp::held(150.0) },
+///     at_points: &[],
 /// };
 /// integrator.advance(&mut motion, 1e-3, &inputs, &Settings::default())?;
 /// assert!(motion.contact_force() > 0.0);
@@ -350,6 +352,10 @@ impl BeamIntegrator {
         if motion.modes() != modes || motion.state_len() != expected {
             return Err(IntegrationError::MotionLength { expected, found: motion.state_len() });
         }
+        let (expected, found) = (self.beam().contact_points.len(), inputs.at_points.len());
+        if expected != found {
+            return Err(IntegrationError::ContactPoints { expected, found });
+        }
         self.solver.reserve_contact(contact_len);
         match motion.state().iter().position(|value| !value.is_finite()) {
             Some(index) => Err(IntegrationError::MotionNotFinite { index }),
@@ -404,7 +410,8 @@ pub(super) fn check_inputs(
         Contact::Force(force) => ("contact_force", force),
         Contact::Friction { normal_load, .. } => ("normal_load", normal_load),
     };
-    for (name, ramp) in [("excitation", inputs.excitation), contact] {
+    let at_points = inputs.at_points.iter().map(|force| ("force at a contact point", *force));
+    for (name, ramp) in [("excitation", inputs.excitation), contact].into_iter().chain(at_points) {
         for value in [ramp.start, ramp.end] {
             if !value.is_finite() {
                 return illegal(name, value);
@@ -428,6 +435,9 @@ fn check_beam(beam: &ModalBeam) -> Result<(), BeamError> {
     check_list("axial_flexibility", &[beam.axial_flexibility], 1, positive)?;
     for sensor in &beam.sensors {
         check_list("sensor shape", &sensor.shape, modes, f64::is_finite)?;
+    }
+    for point in &beam.contact_points {
+        check_list("contact point's shape", &point.shape, modes, f64::is_finite)?;
     }
     let largest = beam.shortening.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
     for row in 0..modes {

@@ -14,11 +14,13 @@ const SETTLED: f64 = 1e-13;
 
 /// Change of the inputs of a beam over a communication step, to first order.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct BeamInputChange {
+pub(crate) struct BeamInputChange<'a> {
     /// Of the exciter's force (N).
     pub excitation: Ramp,
     /// Of the contact force, or of the normal load where the beam has a contact (N).
     pub contact: Ramp,
+    /// Of the forces at the contact points (N).
+    pub at_points: &'a [Ramp],
 }
 
 /// Change of the motion, to first order: the linearised step, with the coefficients of the step itself.
@@ -123,7 +125,7 @@ impl BeamChange {
             times(&solver.beam.shortening, &solver.v[node], &mut self.turning[node]);
         }
         let at = |ramp: Ramp, node: usize| ramp.at(span.fraction(NODES[node]));
-        self.force_without_contact(solver, 0, solver.nodes[0].force, at(by.excitation, 0));
+        self.force_without_contact(solver, 0, by, span.from);
         self.add_contact(0, self.force);
         let mut nodes = [NodeChange::default(); 5];
         for (node, contact) in nodes.iter_mut().enumerate().skip(1) {
@@ -145,7 +147,7 @@ impl BeamChange {
                 nodes[node].force =
                     own / (1.0 + solver.beam.axial_flexibility * nodes[node].tangents.displacement);
             }
-            self.force_without_contact(solver, node, solver.nodes[node].force, at(by.excitation, node));
+            self.force_without_contact(solver, node, by, span.fraction(NODES[node]));
             self.add_contact(node, nodes[node].force);
         }
         self.finish(solver, span, &nodes);
@@ -204,8 +206,7 @@ impl BeamChange {
         for _ in 0..SWEEPS {
             let mut moved = 0.0_f64;
             for node in pair {
-                let excitation = by.excitation.at(span.fraction(NODES[node]));
-                self.force_without_contact(solver, node, solver.nodes[node].force, excitation);
+                self.force_without_contact(solver, node, by, span.fraction(NODES[node]));
             }
             if friction {
                 for node in pair {
@@ -264,10 +265,16 @@ impl BeamChange {
         )
     }
 
-    /// Change of the forcing at a node where the contact carries `force` (N), but for that of the contact force.
-    fn force_without_contact(&mut self, solver: &StepSolver, node: usize, force: f64, excitation: f64) {
-        let beam = &solver.beam;
-        let mut excitation = excitation;
+    /// Change of the forcing at a node, at `fraction` of the communication step, but for that of the contact force.
+    fn force_without_contact(
+        &mut self,
+        solver: &StepSolver,
+        node: usize,
+        by: &BeamInputChange,
+        fraction: f64,
+    ) {
+        let (beam, force) = (&solver.beam, solver.nodes[node].force);
+        let mut excitation = by.excitation.at(fraction);
         if beam.quadratic_damping != 0.0 {
             let speed = dot(&beam.excitation_shape, &solver.v[node]);
             excitation -=
@@ -282,11 +289,11 @@ impl BeamChange {
             tension.0 *= beam.stretching_stiffness;
             tension.1 *= beam.stretching_stiffness;
         }
-        for i in 0..self.product.len() {
+        let rest = &mut self.rest[node];
+        beam.push(excitation, by.at_points.iter().map(|ramp| ramp.at(fraction)), rest);
+        for (i, rest) in rest.iter_mut().enumerate() {
             let pull = beam.contact_shape[i] - self.direction[node][i];
-            self.rest[node][i] = excitation * beam.excitation_shape[i]
-                + (force - tension.0) * self.product[i]
-                - tension.1 * pull;
+            *rest = *rest + (force - tension.0) * self.product[i] - tension.1 * pull;
         }
     }
 
@@ -327,7 +334,7 @@ impl BeamChange {
                 self.contact_step(solver, *law, 0, normal_load.at(fraction), change);
             }
         }
-        self.force_without_contact(solver, 0, solver.nodes[0].force, by.excitation.at(fraction));
+        self.force_without_contact(solver, 0, by, fraction);
         self.add_contact(0, self.force);
     }
 

@@ -52,6 +52,14 @@ pub enum IntegrationError {
         /// Numbers present.
         found: usize,
     },
+    /// As many forces are needed as the beam has contact points.
+    #[error("{found} forces for {expected} contact points")]
+    ContactPoints {
+        /// Contact points of the beam.
+        expected: usize,
+        /// Forces given.
+        found: usize,
+    },
     /// The motion holds NaN or infinities.
     #[error("the motion's number {index} is not finite")]
     MotionNotFinite {

@@ -1,9 +1,9 @@
 //! Time integration of the modal beam, with a friction contact or under an external contact force.
 //!
 //! # Equations
-//! `q̈ᵢ + 2 ζᵢ ωᵢ q̇ᵢ + ωᵢ² qᵢ + T [cᵢ − Σⱼ Gᵢⱼ qⱼ] = f φᵢ(S)` with the contact displacement
+//! `q̈ᵢ + 2 ζᵢ ωᵢ q̇ᵢ + ωᵢ² qᵢ + T [cᵢ − Σⱼ Gᵢⱼ qⱼ] + Σₖ Tₖ φᵢ(xₖ) = f φᵢ(S)` with the contact displacement
 //! `u = c·q − ½ qᵀG q − a T` and velocity `u̇ = c·q̇ − qᵀG q̇ − a Ṫ`, `a` the axial flexibility.
-//! The contact force `T` is restoring. It either comes from outside ([`Contact::Force`]) or from a
+//! The forces `Tₖ` at further contact points come from outside. The contact force `T` is restoring. It either comes from outside ([`Contact::Force`]) or from a
 //! law ([`Contact::Friction`]), where `T = law(u)` is an equation for `T` as soon as `a > 0`. A law in
 //! series with the axial spring has the tangent `D/(1 + a D)`.
 //!
@@ -14,7 +14,7 @@
 //! # Method
 //! The twentieth mode lies two to three decades above the first and would set the step of an explicit
 //! Runge–Kutta method, though it carries little. So each mode's linear part is solved
-//! exactly, and only the forcing `p = f φ − T (c − G q)` is approximated, by a polynomial over the step:
+//! exactly, and only the forcing `p = f φ − Σ Tₖ φₖ − T (c − G q)` is approximated, by a polynomial over the step:
 //!
 //! 1. *Collocation* with a quadratic through the start, the middle and the end of the step (Lobatto's
 //!    points, order 4). The middle's force answers to itself implicitly, the rest by sweeps; a stuck
@@ -111,6 +111,8 @@ pub struct BeamInputs<'a> {
     pub excitation: Ramp,
     /// What acts at the contact.
     pub contact: Contact<'a>,
+    /// Restoring forces Tₖ (N) at the beam's [contact points](crate::structure::ModalBeam::contact_points), in their order.
+    pub at_points: &'a [Ramp],
 }
 
 /// How accurate, and how much work at most.

@@ -59,7 +59,7 @@ impl BeamIntegrator {
             }
         };
         [out.displacement, out.velocity, out.contact_force] = rates;
-        modal_jerk(solver, rate(inputs.excitation), out);
+        modal_jerk(solver, rate(inputs.excitation), inputs.at_points.iter().map(|ramp| rate(*ramp)), out);
         out.sensors.clear();
         for sensor in &solver.beam.sensors {
             let (v, a) = (&solver.v[0], solver.accelerations());
@@ -140,7 +140,12 @@ fn contact_rates(
 }
 
 /// `q⃛ = ṗ − 2ζω q̈ − ω² q̇` with `ṗ` the rate of the forcing; `out.product` holds `G q̇`.
-fn modal_jerk(solver: &StepSolver, excitation_rate: f64, out: &mut BeamRates) {
+fn modal_jerk(
+    solver: &StepSolver,
+    excitation_rate: f64,
+    force_rates: impl Iterator<Item = f64>,
+    out: &mut BeamRates,
+) {
     let (beam, acceleration) = (&solver.beam, solver.accelerations());
     let (q, v) = (&solver.q[0], &solver.v[0]);
     let mut excitation_rate = excitation_rate;
@@ -158,15 +163,15 @@ fn modal_jerk(solver: &StepSolver, excitation_rate: f64, out: &mut BeamRates) {
         }
     }
     let force = solver.nodes[0].force;
-    out.jerk.clear();
-    out.jerk.extend((0..q.len()).map(|i| {
+    out.jerk.resize(q.len(), 0.0);
+    beam.push(excitation_rate, force_rates, &mut out.jerk);
+    for (i, jerk) in out.jerk.iter_mut().enumerate() {
         let (omega, zeta) = (beam.angular_frequency[i], beam.damping_ratio[i]);
-        excitation_rate * beam.excitation_shape[i] - out.contact_force * solver.direction[i]
-            + (force - tension) * turning[i]
+        *jerk = *jerk - out.contact_force * solver.direction[i] + (force - tension) * turning[i]
             - tension_rate * (beam.contact_shape[i] - solver.direction[i])
             - 2.0 * zeta * omega * acceleration[i]
-            - omega * omega * v[i]
-    }));
+            - omega * omega * v[i];
+    }
 }
 
 /// `G x`, G symmetric, in `out`.

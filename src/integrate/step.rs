@@ -90,6 +90,8 @@ pub(crate) struct StepSolver {
     pub v_end: Vec<f64>,
     /// c − G q at the node evaluated last.
     pub direction: Vec<f64>,
+    /// f φ − Σ Tₖ φₖ at the node evaluated last, of a beam with contact points.
+    pushed: Vec<f64>,
     /// Coefficients for the two step sizes used last.
     pub propagators: [Propagator; 2],
     pub current: usize,
@@ -119,6 +121,7 @@ impl StepSolver {
             q_end: vec![0.0; modes],
             v_end: vec![0.0; modes],
             direction: vec![0.0; modes],
+            pushed: vec![0.0; modes],
             propagators: [Propagator::new(modes), Propagator::new(modes)],
             current: 0,
         }
@@ -165,7 +168,7 @@ impl StepSolver {
                 }
             }
         }
-        self.force_modes(0, span.inputs.excitation.at(fraction));
+        self.force_modes(0, span.inputs, fraction);
         self.energy_norm = self.energy(&self.q[0], &self.v[0]);
         true
     }
@@ -212,7 +215,7 @@ impl StepSolver {
                 std::mem::swap(&mut self.contact, &mut self.contact_next);
             }
         }
-        self.force_modes(0, span.inputs.excitation.at(span.to));
+        self.force_modes(0, span.inputs, span.to);
         self.energy_norm = self.energy(&self.q[0], &self.v[0]);
         true
     }
@@ -315,10 +318,11 @@ impl StepSolver {
         contact.displacement = displacement;
     }
 
-    /// Modal forcing at the node whose geometry was computed last; squared change.
-    pub fn force_modes(&mut self, node: usize, excitation: f64) -> f64 {
+    /// Modal forcing at the node whose geometry was computed last, at `fraction` of the communication step; squared
+    /// change.
+    pub fn force_modes(&mut self, node: usize, inputs: &BeamInputs, fraction: f64) -> f64 {
         let beam = &self.beam;
-        let mut excitation = excitation;
+        let mut excitation = inputs.excitation.at(fraction);
         if beam.quadratic_damping != 0.0 {
             let velocity: f64 = beam.excitation_shape.iter().zip(&self.v[node]).map(|(phi, v)| phi * v).sum();
             excitation -= beam.quadratic_damping * velocity.abs() * velocity;
@@ -330,8 +334,13 @@ impl StepSolver {
             let lever = beam.contact_shape.iter().zip(&self.direction).zip(&self.q[node]);
             tension = beam.stretching_stiffness * lever.map(|((c, d), q)| (c - d) * q).sum::<f64>();
         }
+        let mut across = &beam.excitation_shape;
+        if !beam.contact_points.is_empty() {
+            beam.push(excitation, inputs.at_points.iter().map(|ramp| ramp.at(fraction)), &mut self.pushed);
+            (across, excitation) = (&self.pushed, 1.0);
+        }
         let mut change = 0.0;
-        let shapes = beam.excitation_shape.iter().zip(&self.direction).zip(&beam.contact_shape);
+        let shapes = across.iter().zip(&self.direction).zip(&beam.contact_shape);
         for (p, ((phi, d), c)) in self.forcing[node].iter_mut().zip(shapes) {
             let value = excitation * phi - force * d - tension * (c - d);
             change += (value - *p) * (value - *p);
@@ -344,6 +353,16 @@ impl StepSolver {
     pub fn energy(&self, q: &[f64], v: &[f64]) -> f64 {
         let terms = self.beam.angular_frequency.iter().zip(q).zip(v);
         terms.map(|((omega, q), v)| omega * omega * q * q + v * v).sum::<f64>().sqrt()
+    }
+}
+
+impl ModalBeam {
+    /// `f φᵢ(S) − Σ Tₖ φᵢ(xₖ)`: what `excitation` and the `forces` at the contact points do to the modes.
+    pub(super) fn push(&self, excitation: f64, forces: impl Iterator<Item = f64>, out: &mut [f64]) {
+        out.iter_mut().zip(&self.excitation_shape).for_each(|(out, phi)| *out = excitation * phi);
+        for (force, point) in forces.zip(&self.contact_points) {
+            out.iter_mut().zip(&point.shape).for_each(|(out, phi)| *out -= force * phi);
+        }
     }
 }
 

@@ -139,7 +139,7 @@ impl StepSolver {
                 self.store(node, response, displacement, load);
             }
         }
-        Some(self.force_modes(node, span.inputs.excitation.at(fraction)))
+        Some(self.force_modes(node, span.inputs, fraction))
     }
 
     /// End state from the quartic through all five nodes; returns the error estimate relative to

@@ -155,5 +155,18 @@ fn check_beam(beam: &Beam) -> Result<(), ParameterError> {
     for (index, position) in beam.sensors.iter().enumerate() {
         on_beam(format!("sensor.{}.position", index + 1), *position)?;
     }
+    for (index, position) in beam.contact_points.iter().enumerate() {
+        let path = format!("contact_point.{}.position", index + 1);
+        on_beam(path.clone(), *position)?;
+        if [0.0, beam.length].contains(position) {
+            let message = format!("a contact at {position} m does nothing: the beam does not move there");
+            return Err(ParameterError::new(path, message)
+                .with_help("the contact of the pin at the end is there without being listed"));
+        }
+        if beam.contact_points[..index].contains(position) {
+            return Err(ParameterError::new(path, format!("position {position} m is listed twice"))
+                .with_help("variables are named after positions"));
+        }
+    }
     on_beam("excitation.position".to_owned(), beam.excitation_position)
 }

@@ -172,6 +172,9 @@ pub struct Beam {
     pub excitation_position: f64,
     /// Positions of sensors (m): `[[sensor]] position`; the point masses' positions when absent.
     pub sensors: Vec<f64>,
+    /// Where contacts besides the support push across the beam (m): `[[contact_point]] position`. Their forces come
+    /// from outside, in a co-simulation; elsewhere the beam is free there.
+    pub contact_points: Vec<f64>,
 }
 
 /// A mass at a position of the beam.

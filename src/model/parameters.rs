@@ -2,7 +2,7 @@
 //!
 //! Paths follow the file: `contact.smoothness`, `beam.damping_ratio` (one for all modes) or
 //! `beam.damping_ratio.3` (the third mode's), `beam.point_mass.1.mass`, `support.offset`, `mass.1.mass`,
-//! `spring.2.stiffness`, `effect.1.half_gap`. Elements are counted from 1. Where the sensors sit is no parameter.
+//! `spring.2.stiffness`, `effect.1.half_gap`. Elements are counted from 1. Where sensors and contact points sit is no parameter.
 
 use super::{Beam, Damping, Law, Model, ParameterError, Structure};
 use crate::document::suggestion;
@@ -248,7 +248,7 @@ impl Beam {
     /// The largest distance from the clamp at which anything sits: the beam cannot be shorter.
     fn farthest_position(&self) -> f64 {
         let masses = self.point_masses.iter().map(|mass| mass.position);
-        let sensors = self.sensors.iter().copied();
+        let sensors = self.sensors.iter().chain(&self.contact_points).copied();
         masses.chain(sensors).fold(self.excitation_position, f64::max)
     }
 }

@@ -46,7 +46,8 @@ impl Model {
             }
             "beam" => {
                 refuse_foreign_tables(&root, kind.value)?;
-                let keys = ["beam", "support", "excitation", "sensor", "contact", "effect", "fit"];
+                let keys =
+                    ["beam", "support", "excitation", "sensor", "contact_point", "contact", "effect", "fit"];
                 root.allow(&[&["schema", "kind"][..], &keys[..]].concat())?;
                 Structure::Beam(beam(&root)?)
             }
@@ -97,10 +98,11 @@ fn check_schema(root: &Table<'_>) -> Result<(), ModelError> {
 }
 
 /// The tables that not every kind has, with the kinds that have them.
-const TABLES: [(&str, &[&str]); 6] = [
+const TABLES: [(&str, &[&str]); 7] = [
     ("beam", &["beam"]),
     ("support", &["beam"]),
     ("sensor", &["beam"]),
+    ("contact_point", &["beam"]),
     ("excitation", &["beam", "oscillator"]),
     ("mass", &["oscillator"]),
     ("spring", &["oscillator"]),
@@ -183,6 +185,7 @@ fn beam(root: &Table<'_>) -> Result<Beam, ModelError> {
         None => point_masses.iter().map(|mass| mass.position).collect(),
         Some(sensors) => sensors.iter().map(position).collect::<Result<_, _>>()?,
     };
+    let contact_points = root.tables("contact_point")?.unwrap_or_default();
     let excitation = root.table("excitation")?.ok_or_else(|| root.missing("excitation"))?;
     let support = root.table("support")?;
     if let Some(support) = &support {
@@ -207,6 +210,7 @@ fn beam(root: &Table<'_>) -> Result<Beam, ModelError> {
         clamp_stiffness: spring(v::CLAMP_STIFFNESS.name)?,
         excitation_position: position(&excitation)?,
         sensors,
+        contact_points: contact_points.iter().map(position).collect::<Result<_, _>>()?,
     })
 }
 

@@ -126,4 +126,8 @@ fn write_beam(text: &mut String, beam: &Beam) {
             write_quantity(text, &v::POSITION, *position);
         }
     }
+    for position in &beam.contact_points {
+        line(text, format_args!("\n[[contact_point]]"));
+        write_quantity(text, &v::POSITION, *position);
+    }
 }

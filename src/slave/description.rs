@@ -69,7 +69,7 @@ pub struct Dependency {
 /// One row of the table. Its value reference is its position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
-    /// Unique name: a [`Quantity::name`], for sensors and masses with a place, as `displacement:x=0.55`.
+    /// Unique name: a [`Quantity::name`], for sensors, masses and further contacts with a place, as `displacement:x=0.55`.
     pub name: Cow<'static, str>,
     /// One line for an engineer.
     pub description: Cow<'static, str>,
@@ -125,6 +125,18 @@ impl Variable {
             name: Cow::Owned(format!("{}:x={position}", quantity.name)),
             description: Cow::Owned(format!("Transverse {noun} of the beam at x = {position} m")),
             ..Self::output(quantity)
+        }
+    }
+
+    /// A continuous input, the force of a contact at `position` (m from the clamp).
+    pub(crate) fn contact_force_at(quantity: &'static Quantity, position: f64) -> Self {
+        Self {
+            name: Cow::Owned(format!("{}:x={position}", quantity.name)),
+            description: Cow::Owned(format!(
+                "Restoring force of a contact on the beam at x = {position} m, positive when it resists positive \
+                 displacement there"
+            )),
+            ..Self::input(quantity, 0.0)
         }
     }
 

@@ -14,7 +14,9 @@
 //!
 //! # Beams
 //! A beam starts at rest and undeformed. Its inputs are held constant over a step. Its outputs belong
-//! to the end of the step and change in [`Instance::do_step`] only.
+//! to the end of the step and change in [`Instance::do_step`] only. A contact point of the model file,
+//! `[[contact_point]] position = 0.3`, takes the force of another contact, `contact_force:x=0.3`, and is a sensor as well:
+//! `displacement:x=0.3`, `velocity:x=0.3`, `acceleration:x=0.3`. The force is restoring, as that of the support.
 //!
 //! # Oscillators
 //! Masses start at rest. As with a contact, the inputs set before a step are those reached at its end, on a straight

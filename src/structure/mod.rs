@@ -44,9 +44,12 @@ pub struct ModalBeam {
     pub quadratic_damping: f64,
     /// Sensors.
     pub sensors: Vec<Sensor>,
+    /// Where forces from outside push across the beam besides the contact at its end: each adds `Tₖ φᵢ(xₖ)` to the
+    /// left-hand side of mode i.
+    pub contact_points: Vec<Sensor>,
 }
 
-/// A sensor on a [`ModalBeam`].
+/// A sensor on a [`ModalBeam`], or another place of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {
     /// Distance from the clamp (m).

@@ -20,6 +20,7 @@ pub fn bare() -> Beam {
         clamp_stiffness: None,
         excitation_position: 0.55,
         sensors: vec![0.55, 0.3, 0.1],
+        contact_points: vec![],
     }
 }
 

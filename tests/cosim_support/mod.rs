@@ -12,6 +12,7 @@ use stickslip::model::{Model, Structure};
 use stickslip::structure::ModalBeam;
 
 pub const BEAM: &str = include_str!("../../modelDescription/ModalBeam.toml");
+pub const TWO_CONTACTS: &str = include_str!("../../modelDescription/ModalBeamTwoContacts.toml");
 pub const VALANIS: &str = include_str!("../../modelDescription/ValanisContact.toml");
 pub const JENKINS: &str = include_str!("../../modelDescription/JenkinsContact.toml");
 
@@ -94,6 +95,7 @@ pub fn monolithic(contact: &str, shaker: Shaker, step: f64, stop: f64, every: u6
         let inputs = BeamInputs {
             excitation: Ramp { start: shaker.force(from), end: shaker.force(to) },
             contact: Contact::Friction { law: &*law, normal_load: Ramp::held(load) },
+            at_points: &[],
         };
         integrator.advance(&mut motion, step, &inputs, &accuracy).unwrap();
         if (index + 1) % every == 0 {

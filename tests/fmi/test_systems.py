@@ -21,8 +21,13 @@ from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssd, read_ssv
 
 EXAMPLE = Path(__file__).parents[2] / "examples/external-structure"
-SYSTEMS = ["BeamWithValanis", "BeamWithJenkins"]
 STEP, STOP, EXCITATION = 1e-4, 0.02, 20.0
+# Step, contacts and start values of each system.
+SYSTEMS = {
+    "BeamWithValanis": (STEP, ["contact"], {"beam.excitation": EXCITATION}),
+    "BeamWithJenkins": (STEP, ["contact"], {"beam.excitation": EXCITATION}),
+    "BeamWithTwoContacts": (1e-5, ["contact", "damper"], {"beam.excitation": EXCITATION, "damper.normal_load": 15.0}),
+}
 
 
 def program() -> str:
@@ -61,7 +66,7 @@ def ours(systems: Path, name: str, tmp_path: Path, *more) -> dict[str, np.ndarra
     """As other masters couple: all at once, inputs held."""
     out = tmp_path / "ours.csv"
     stickslip(
-        tmp_path, "simulate", systems / f"{name}.ssp", "--stop", STOP, "--step", STEP,
+        tmp_path, "simulate", systems / f"{name}.ssp", "--stop", STOP, "--step", SYSTEMS[name][0],
         "--algorithm", "jacobi", "--extrapolation", 0, "--out", out, *more,
     )
     return table(out)
@@ -79,24 +84,28 @@ def agree(found: np.ndarray, expected: np.ndarray, tolerance: float) -> None:
 def test_fmpy_runs_the_same_package_to_the_same_trajectories(systems, name, tmp_path):
     file = systems / f"{name}.ssp"
     read_ssd(str(file), validate=True)
+    step, contacts, values = SYSTEMS[name]
     start = read_ssv(str(file), "resources/parameters.ssv")
-    theirs = simulate_ssp(str(file), stop_time=STOP, step_size=STEP, parameter_set=start)
+    assert {one.name: float(one.value) for one in start.parameters} == values
+    theirs = simulate_ssp(str(file), stop_time=STOP, step_size=step, parameter_set=start)
     own = ours(systems, name, tmp_path)
     # FMPy labels the end of a step with its beginning.
     agree(theirs["beam.displacement"], own["beam.displacement [m]"][1:], 1e-9)
-    agree(theirs["contact.force"], own["contact.force [N]"][1:], 1e-9)
+    for contact in contacts:
+        agree(theirs[f"{contact}.force"], own[f"{contact}.force [N]"][1:], 1e-9)
 
 
 ECOS = """
-import sys
+import json, sys
 from ecospy import EcosSimulation
-file, step, count, excitation = sys.argv[1], float(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4])
+file, step, count, values, names = sys.argv[1], float(sys.argv[2]), int(sys.argv[3]), json.loads(sys.argv[4]), json.loads(sys.argv[5])
 with EcosSimulation(ssp_path=file, step_size=step) as simulation:
     simulation.init()
-    simulation.set_real("beam::excitation", excitation)
+    for name, value in values.items():
+        simulation.set_real(name.replace(".", "::"), value)
     for _ in range(count):
         simulation.step()
-        print("ROW", repr(simulation.get_time()), repr(simulation.get_real("beam::displacement")), repr(simulation.get_real("contact::force")))
+        print("ROW", *[repr(simulation.get_real(name.replace(".", "::"))) for name in names])
     simulation.terminate()
 """
 
@@ -115,11 +124,13 @@ def ecos(script: str, *arguments) -> list[list[float]]:
 
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_ecos_runs_the_same_package_to_the_same_trajectories(systems, name, tmp_path):
-    count = round(STOP / STEP)
-    rows = np.array(ecos(ECOS, systems / f"{name}.ssp", STEP, count, EXCITATION))
+    step, contacts, values = SYSTEMS[name]
+    count = round(STOP / step)
+    names = ["beam.displacement"] + [f"{contact}.force" for contact in contacts]
+    rows = np.array(ecos(ECOS, systems / f"{name}.ssp", step, count, json.dumps(values), json.dumps(names)))
     own = ours(systems, name, tmp_path)
-    agree(rows[:, 1], own["beam.displacement [m]"][1:], 1e-9)
-    agree(rows[:, 2], own["contact.force [N]"][1:], 1e-9)
+    for column, unit in enumerate(["m"] + ["N"] * len(contacts)):
+        agree(rows[:, column], own[f"{names[column]} [{unit}]"][1:], 1e-9)
 
 
 def test_cofmupy_runs_our_beams(systems, tmp_path, monkeypatch):

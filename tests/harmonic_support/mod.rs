@@ -103,5 +103,6 @@ pub fn beam(
         stretching_stiffness: 0.0,
         quadratic_damping: 0.0,
         sensors: [0.55, 0.3, 0.1].iter().map(|x| Sensor { position: *x, shape: at(*x) }).collect(),
+        contact_points: vec![],
     }
 }

@@ -17,6 +17,7 @@ pub fn one_mode(omega: f64, zeta: f64, contact: f64, excitation: f64, flexibilit
         stretching_stiffness: 0.0,
         quadratic_damping: 0.0,
         sensors: vec![Sensor { position: 0.0, shape: vec![1.0] }],
+        contact_points: vec![],
     }
 }
 
@@ -50,6 +51,7 @@ pub fn steel_beam(modes: usize, zeta: f64) -> ModalBeam {
         stretching_stiffness: 0.0,
         quadratic_damping: 0.0,
         sensors: vec![sensor(0.55), sensor(0.3), sensor(0.1)],
+        contact_points: vec![],
     }
 }
 
@@ -115,6 +117,7 @@ pub fn held(excitation: f64, law: &dyn ContactLaw, normal_load: f64) -> BeamInpu
     BeamInputs {
         excitation: Ramp::held(excitation),
         contact: Contact::Friction { law, normal_load: Ramp::held(normal_load) },
+        at_points: &[],
     }
 }
 

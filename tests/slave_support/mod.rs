@@ -6,6 +6,7 @@ use stickslip::slave::{Causality, Instance, Setup, VariableType};
 pub const JENKINS: &str = include_str!("../../modelDescription/JenkinsContact.toml");
 pub const VALANIS: &str = include_str!("../../modelDescription/ValanisContact.toml");
 pub const MODAL: &str = include_str!("../../modelDescription/ModalBeam.toml");
+pub const TWO_CONTACTS: &str = include_str!("../../modelDescription/ModalBeamTwoContacts.toml");
 pub const FRICTIONAL: &str = include_str!("../../modelDescription/FrictionalBeam.toml");
 pub const OSCILLATOR: &str = include_str!("../../examples/friction-vibration/model.toml");
 
@@ -37,6 +38,16 @@ pub const OF_A_CONTACT: Waves = &[
 ];
 pub const OF_A_BEAM: Waves =
     &[("excitation", [20.0, 330.0, 0.2, 0.0]), ("contact_force", [60.0, 200.0, 0.0, 10.0])];
+pub const OF_TWO_CONTACTS: Waves = &[
+    ("excitation", [20.0, 330.0, 0.2, 0.0]),
+    ("contact_force", [60.0, 200.0, 0.0, 10.0]),
+    ("contact_force:x=0.3", [8.0, 260.0, 0.9, -3.0]),
+];
+pub const OF_A_FRICTIONAL_BEAM_WITH_ANOTHER: Waves = &[
+    ("excitation", [30.0, 330.0, 0.2, 0.0]),
+    ("normal_load", [40.0, 90.0, 0.0, 140.0]),
+    ("contact_force:x=0.2", [8.0, 260.0, 0.9, -3.0]),
+];
 pub const OF_A_FRICTIONAL_BEAM: Waves =
     &[("excitation", [30.0, 330.0, 0.2, 0.0]), ("normal_load", [40.0, 90.0, 0.0, 140.0])];
 pub const OF_AN_OSCILLATOR: Waves = &[
@@ -64,13 +75,20 @@ pub fn cases() -> Vec<Case<'static>> {
         .replace("law = \"valanis\"", "law = \"jenkins\"")
         .replace("smoothness = 0.3\n", "")
         .replace("residual_stiffness = 0.0 ", "# ");
+    // With drag, stretching and a mass that hangs, too.
+    let another = format!(
+        "{FRICTIONAL}\n[[contact_point]]\nposition = 0.2\n\n[[effect]]\nid = \"quadratic_damping\"\n\
+         quadratic_damping = 3.0\n\n[[effect]]\nid = \"geometric_stiffening\"\ncubic_stiffness = 1e8\n"
+    );
     vec![
         case("Jenkins", JENKINS, (1e-3, 40, 1e-6), OF_A_CONTACT),
         case("Valanis", VALANIS, (1e-3, 40, 1e-6), OF_A_CONTACT),
         case("effects", CHANGED, (1e-3, 40, 1e-6), OF_A_CONTACT),
         case("ModalBeam", MODAL, (5e-4, 30, 1e-11), OF_A_BEAM),
+        case("two contacts", TWO_CONTACTS, (5e-4, 30, 1e-11), OF_TWO_CONTACTS),
         case("FrictionalBeam", FRICTIONAL, (5e-4, 30, 1e-11), OF_A_FRICTIONAL_BEAM),
         case("FrictionalBeam, Jenkins", &stiff, (5e-4, 30, 1e-11), OF_A_FRICTIONAL_BEAM),
+        case("FrictionalBeam, another", &another, (5e-4, 30, 1e-11), OF_A_FRICTIONAL_BEAM_WITH_ANOTHER),
         case("Oscillator", OSCILLATOR, (0.4, 60, 1e-6), OF_AN_OSCILLATOR),
         case("Oscillator, Valanis", &gradual(OSCILLATOR, "0.2"), (0.4, 60, 1e-6), OF_AN_OSCILLATOR),
     ]

@@ -14,6 +14,7 @@ fn beam() -> ModalBeam {
         stretching_stiffness: 0.0,
         quadratic_damping: 0.0,
         sensors: Vec::new(),
+        contact_points: Vec::new(),
     }
 }
 

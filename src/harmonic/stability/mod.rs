@@ -92,6 +92,7 @@ pub fn floquet(
 ///     stretching_stiffness: 0.0,
 ///     quadratic_damping: 0.0,
 ///     sensors: vec![],
+///     contact_points: vec![],
 /// };
 /// let multipliers = floquet_of_beam(&beam, None, &[0.0, 1e-3, 0.0], &[], 300.0)?;
 /// let decay = (-0.003 * 330.0 * std::f64::consts::TAU / 300.0_f64).exp();

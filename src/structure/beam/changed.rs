@@ -27,7 +27,7 @@ impl ModalBeam {
     ///     length: 0.6, width: 0.04, thickness: 0.005, density: 7850.0, youngs_modulus: 2e11,
     ///     modes: 4, static_correction: false, damping: Damping::Uniform(0.003), point_masses: vec![],
     ///     offset: 0.006, rotational_stiffness: 0.0, clamp_stiffness: None,
-    ///     excitation_position: 0.55, sensors: vec![0.3],
+    ///     excitation_position: 0.55, sensors: vec![0.3], contact_points: vec![],
     /// };
     /// let added = StructureChanges {
     ///     added_masses: vec![(Location::Position(0.3), 0.02)],
@@ -131,7 +131,7 @@ impl ModalBeam {
         let shortening = kept.transpose() * DMatrix::from_row_slice(modes, modes, &self.shortening) * kept;
         self.contact_shape = turned(&self.contact_shape);
         self.excitation_shape = turned(&self.excitation_shape);
-        for sensor in &mut self.sensors {
+        for sensor in self.sensors.iter_mut().chain(&mut self.contact_points) {
             sensor.shape = turned(&sensor.shape);
         }
         self.angular_frequency = (0..=modes).map(&frequency).collect();

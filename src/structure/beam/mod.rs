@@ -61,7 +61,7 @@ impl ModalBeam {
     ///     length: 0.6, width: 0.04, thickness: 0.005, density: 7850.0, youngs_modulus: 2e11,
     ///     modes: 4, static_correction: false, damping: Damping::Uniform(0.003), point_masses: vec![],
     ///     offset: 0.006, rotational_stiffness: 0.0, clamp_stiffness: None,
-    ///     excitation_position: 0.55, sensors: vec![0.3],
+    ///     excitation_position: 0.55, sensors: vec![0.3], contact_points: vec![],
     /// };
     /// let modal = stickslip::structure::ModalBeam::new(&steel).unwrap();
     /// // A bare clamped–pinned beam: ω = 3.926602² √(EI/ρA)/L².
@@ -100,6 +100,7 @@ impl ModalBeam {
             stretching_stiffness: 0.0,
             quadratic_damping: 0.0,
             sensors,
+            contact_points: beam.contact_points.iter().map(|&position| sensor(position)).collect(),
             angular_frequency: modes.angular_frequency().to_vec(),
         })
     }
@@ -215,6 +216,9 @@ fn check_attachments(beam: &Beam) -> Result<(), StructureError> {
     check_position("excitation.position".into(), beam.excitation_position, beam.length)?;
     for (index, &position) in beam.sensors.iter().enumerate() {
         check_position(format!("sensor[{index}].position"), position, beam.length)?;
+    }
+    for (index, &position) in beam.contact_points.iter().enumerate() {
+        check_position(format!("contact_point[{index}].position"), position, beam.length)?;
     }
     Ok(())
 }

@@ -237,6 +237,7 @@ fn a_beam_in_modal_coordinates_has_its_modal_compliances() {
         stretching_stiffness: 0.0,
         quadratic_damping: 0.0,
         sensors: vec![crate::structure::Sensor { position: 0.55, shape: vec![2.0, -1.0] }],
+        contact_points: vec![],
     };
     let structure = LinearStructure::from_beam(&beam);
     assert_eq!(structure.outputs[0].name, "x=0.55");

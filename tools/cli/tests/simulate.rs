@@ -333,8 +333,8 @@ fn discarded_steps_are_repeated_shorter_or_told() {
 fn two_contacts_on_one_beam_share_it_and_take_its_energy() {
     let folder = tempfile::tempdir().unwrap();
     ended(folder.path(), 0, &["fmu", "BeamWithTwoContacts"]);
-    let arguments =
-        ["simulate", "BeamWithTwoContacts.ssp", "--stop", "0.02", "--step", "2e-5", "--out", "r.json"];
+    // With the step that the beam proposes.
+    let arguments = ["simulate", "BeamWithTwoContacts.ssp", "--stop", "0.02", "--out", "r.json"];
     ended(folder.path(), 0, &arguments);
     let json = json(&folder, "r.json");
     let energy = json["energy"].as_array().unwrap();
@@ -343,9 +343,9 @@ fn two_contacts_on_one_beam_share_it_and_take_its_energy() {
         let (magnitude, exchanged) = (one["magnitude"].as_f64().unwrap(), one["exchanged"].as_f64().unwrap());
         assert!(exchanged > 0.0 && magnitude < 0.01 * exchanged, "{one}");
     }
-    // The damper starts beyond its limit: it pulls with the friction force and then gives energy to friction.
     let force = column(&json, "damper.force");
-    assert!((force[0] + 0.6 * 147.15).abs() < 1e-9, "{}", force[0]);
+    let largest = force.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
+    assert!((largest - 0.6 * 15.0).abs() < 1e-9, "the damper slips at its limit: {largest}");
     for contact in ["contact", "damper"] {
         let dissipated = column(&json, &format!("{contact}.dissipated_energy"));
         assert!(

@@ -18,6 +18,9 @@ pub struct FmuSlave {
     table: Vec<Variable>,
     abilities: Abilities,
     slots: Vec<Option<State>>,
+    /// What was set last, and what was read.
+    inputs: Reals,
+    outputs: Reals,
     /// Value references and whole numbers of a call.
     references: Vec<u32>,
     others: Vec<u32>,
@@ -26,6 +29,34 @@ pub struct FmuSlave {
     lost: Option<Severity>,
     fmu: Arc<Fmu>,
     _lone: Option<Lone>,
+}
+
+/// Real variables and their value references: a master sets and reads the same ones step by step.
+#[derive(Debug, Default)]
+struct Reals {
+    count: usize,
+    /// Positions in the table, then value references: side by side in memory.
+    numbers: Vec<u32>,
+}
+
+impl Reals {
+    /// The value references, if these are `variables`, of which there is one at least.
+    #[inline]
+    fn references_of(&self, variables: &[usize]) -> Option<&[u32]> {
+        if variables.len() != self.count || self.count == 0 {
+            return None;
+        }
+        let (positions, references) = self.numbers.split_at(self.count);
+        let same = positions.iter().zip(variables).all(|(one, other)| *one as usize == *other);
+        same.then_some(references)
+    }
+
+    fn note(&mut self, variables: &[usize], references: &[u32]) {
+        self.count = variables.len();
+        self.numbers.clear();
+        self.numbers.extend(variables.iter().map(|variable| *variable as u32));
+        self.numbers.extend_from_slice(references);
+    }
 }
 
 /// The variables that are numbers, in the order of the description, as the master sees them.
@@ -98,6 +129,8 @@ impl FmuSlave {
             abilities: abilities(description),
             slave,
             slots: Vec::new(),
+            inputs: Reals::default(),
+            outputs: Reals::default(),
             references: Vec::new(),
             others: Vec::new(),
             numbers: Vec::new(),
@@ -257,6 +290,89 @@ impl FmuSlave {
         Ok(())
     }
 
+    /// Runs of variables of one kind after another.
+    #[cold]
+    fn set_of_all_kinds(&mut self, variables: &[usize], values: &[f64]) -> Result<(), SlaveError> {
+        if variables.len() != values.len() {
+            return Err(self.refused(format!("{} variables, but {} values", variables.len(), values.len())));
+        }
+        let mut at = 0;
+        while at < variables.len() {
+            let (kind, count) = self.run(&variables[at..])?;
+            let (these, numbers) = (&variables[at..at + count], &values[at..at + count]);
+            let done = if kind == Kind::Real {
+                self.slave.set_real(&self.references, numbers)
+            } else {
+                self.whole(kind, these, numbers)?;
+                match kind {
+                    Kind::Boolean => self.slave.set_boolean(&self.references, &self.numbers),
+                    _ => self.slave.set_integer(&self.references, &self.numbers),
+                }
+            };
+            if let Err(error) = done {
+                return Err(self.not_set(error, these, numbers));
+            }
+            if kind == Kind::Real && count == variables.len() {
+                self.inputs.note(variables, &self.references);
+            }
+            at += count;
+        }
+        Ok(())
+    }
+
+    /// Runs of variables of one kind after another.
+    #[cold]
+    fn get_of_all_kinds(&mut self, variables: &[usize], values: &mut [f64]) -> Result<(), SlaveError> {
+        if variables.len() != values.len() {
+            return Err(self.refused(format!("{} variables, but {} values", variables.len(), values.len())));
+        }
+        let mut at = 0;
+        while at < variables.len() {
+            let (kind, count) = self.run(&variables[at..])?;
+            let these = &variables[at..at + count];
+            let numbers = &mut values[at..at + count];
+            let done = if kind == Kind::Real {
+                self.slave.get_real(&self.references, numbers)
+            } else {
+                self.numbers.clear();
+                self.numbers.resize(count, 0);
+                let done = match kind {
+                    Kind::Boolean => self.slave.get_boolean(&self.references, &mut self.numbers),
+                    _ => self.slave.get_integer(&self.references, &mut self.numbers),
+                };
+                for (value, number) in numbers.iter_mut().zip(&self.numbers) {
+                    // Any number but zero is true.
+                    *value = if kind == Kind::Boolean {
+                        f64::from(u8::from(*number != 0))
+                    } else {
+                        f64::from(*number)
+                    };
+                }
+                done
+            };
+            if let Err(error) = done {
+                return Err(self.not_read(error, these));
+            }
+            if kind == Kind::Real && count == variables.len() {
+                self.outputs.note(variables, &self.references);
+            }
+            at += count;
+        }
+        Ok(())
+    }
+
+    #[cold]
+    fn not_set(&mut self, error: Error, variables: &[usize], values: &[f64]) -> SlaveError {
+        let (names, shown) = (self.named(variables), &values[..values.len().min(6)]);
+        self.failed(error, || format!("setting {names} to {shown:?}"))
+    }
+
+    #[cold]
+    fn not_read(&mut self, error: Error, variables: &[usize]) -> SlaveError {
+        let names = self.named(variables);
+        self.failed(error, || format!("reading {names}"))
+    }
+
     fn references_of(&mut self, variables: &[usize]) -> Result<(), SlaveError> {
         let (_, count) = self.run(variables)?;
         if count == variables.len()
@@ -309,66 +425,23 @@ impl cosim::Slave for FmuSlave {
     }
 
     fn set(&mut self, variables: &[usize], values: &[f64]) -> Result<(), SlaveError> {
-        if variables.len() != values.len() {
-            return Err(self.refused(format!("{} variables, but {} values", variables.len(), values.len())));
-        }
-        let mut at = 0;
-        while at < variables.len() {
-            let (kind, count) = self.run(&variables[at..])?;
-            let (these, numbers) = (&variables[at..at + count], &values[at..at + count]);
-            let done = if kind == Kind::Real {
-                self.slave.set_real(&self.references, numbers)
-            } else {
-                self.whole(kind, these, numbers)?;
-                match kind {
-                    Kind::Boolean => self.slave.set_boolean(&self.references, &self.numbers),
-                    _ => self.slave.set_integer(&self.references, &self.numbers),
-                }
-            };
-            if let Err(error) = done {
-                let (names, shown) = (self.named(these), &numbers[..numbers.len().min(6)]);
-                return Err(self.failed(error, || format!("setting {names} to {shown:?}")));
+        match self.inputs.references_of(variables) {
+            Some(references) if references.len() == values.len() => {
+                let done = self.slave.set_real(references, values);
+                done.map_err(|error| self.not_set(error, variables, values))
             }
-            at += count;
+            _ => self.set_of_all_kinds(variables, values),
         }
-        Ok(())
     }
 
     fn get(&mut self, variables: &[usize], values: &mut [f64]) -> Result<(), SlaveError> {
-        if variables.len() != values.len() {
-            return Err(self.refused(format!("{} variables, but {} values", variables.len(), values.len())));
-        }
-        let mut at = 0;
-        while at < variables.len() {
-            let (kind, count) = self.run(&variables[at..])?;
-            let these = &variables[at..at + count];
-            let numbers = &mut values[at..at + count];
-            let done = if kind == Kind::Real {
-                self.slave.get_real(&self.references, numbers)
-            } else {
-                self.numbers.clear();
-                self.numbers.resize(count, 0);
-                let done = match kind {
-                    Kind::Boolean => self.slave.get_boolean(&self.references, &mut self.numbers),
-                    _ => self.slave.get_integer(&self.references, &mut self.numbers),
-                };
-                for (value, number) in numbers.iter_mut().zip(&self.numbers) {
-                    // Any number but zero is true.
-                    *value = if kind == Kind::Boolean {
-                        f64::from(u8::from(*number != 0))
-                    } else {
-                        f64::from(*number)
-                    };
-                }
-                done
-            };
-            if let Err(error) = done {
-                let names = self.named(these);
-                return Err(self.failed(error, || format!("reading {names}")));
+        match self.outputs.references_of(variables) {
+            Some(references) if references.len() == values.len() => {
+                let done = self.slave.get_real(references, values);
+                done.map_err(|error| self.not_read(error, variables))
             }
-            at += count;
+            _ => self.get_of_all_kinds(variables, values),
         }
-        Ok(())
     }
 
     fn set_input_derivatives(&mut self, variables: &[usize], derivatives: &[f64]) -> Result<(), SlaveError> {

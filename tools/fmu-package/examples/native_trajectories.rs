@@ -77,6 +77,7 @@ mod native {
             }
             None => names.push("contact_force".to_owned()),
         }
+        names.extend(beam.contact_points.iter().map(|place| format!("contact_force:x={place}")));
         names.extend(["displacement", "velocity"].map(String::from));
         // The force transducer and an accelerometer may share a place: one sensor there is enough.
         let mut places: Vec<(usize, f64)> = Vec::new();
@@ -102,13 +103,17 @@ mod native {
                 Some(law) => Acting::Friction { law, normal_load: Ramp::held(other) },
                 None => Acting::Force(Ramp::held(other)),
             };
-            let inputs = BeamInputs { excitation: Ramp::held(excitation), contact: acting };
+            let across = 5.0 * (2.0 * std::f64::consts::PI * 140.0 * time).sin();
+            let at_points = vec![Ramp::held(across); beam.contact_points.len()];
+            let inputs =
+                BeamInputs { excitation: Ramp::held(excitation), contact: acting, at_points: &at_points };
             if index > 0 {
                 let settings = Settings { tolerance: 1e-6, ..Settings::default() };
                 integrator.advance(&mut motion, step, &inputs, &settings).expect("a step");
             }
             integrator.outputs(&motion, f64::INFINITY, &inputs, &mut outputs).expect("outputs");
             let mut row = vec![time, excitation, other];
+            row.extend(at_points.iter().map(|force| force.start));
             if contact.is_some() {
                 let slip = f64::from(outputs.slip_state as i32);
                 row.extend([outputs.contact_force, outputs.dissipated_energy, slip]);

@@ -4,7 +4,7 @@ use stickslip::slave::Instance;
 use stickslip_readers::ssp::{
     Outline, OutlineComponent, OutlineConnection, OutlineConnector, OutlineParameter,
 };
-use stickslip_readers::units::{BASE_UNITS, Linear, Unit};
+use stickslip_readers::units::{BASE_UNITS, Unit};
 
 use crate::xml::{BASES, exponents};
 use crate::{Error, standard_models, write_fmu};
@@ -15,8 +15,6 @@ struct Standard {
     description: &'static str,
     beam: &'static str,
     contacts: &'static [Contact],
-    /// Force of the exciter (N) at the start; none where a contact acts through that input.
-    excitation: Option<f64>,
 }
 
 /// A contact on the beam.
@@ -25,19 +23,21 @@ struct Contact {
     fmu: &'static str,
     /// The beam's output that moves it.
     motion: &'static str,
-    /// How far what it rubs against is from its place (m).
-    displaced: f64,
-    /// The beam's input that takes its force, and the sign of restoring forces there.
-    force: (&'static str, f64),
+    /// The beam's input that takes its force.
+    force: &'static str,
+    /// Its normal load (N) where it is not that of the FMU.
+    normal_load: Option<f64>,
 }
 
 /// The beam's support.
 const fn support(fmu: &'static str) -> Contact {
-    Contact { name: "contact", fmu, motion: "displacement", displaced: 0.0, force: ("contact_force", 1.0) }
+    Contact { name: "contact", fmu, motion: "displacement", force: "contact_force", normal_load: None }
 }
 
 /// Force of the exciter (N) that the systems start with: enough to make the contact slip.
 const EXCITATION: f64 = 20.0;
+/// Normal load of the friction damper (N): a tenth of the support's, so that it slips.
+const DAMPER_LOAD: f64 = 15.0;
 
 const SYSTEMS: [Standard; 3] = [
     Standard {
@@ -45,32 +45,27 @@ const SYSTEMS: [Standard; 3] = [
         description: "Beam in modal coordinates whose support is a contact with Valanis' law",
         beam: "ModalBeam",
         contacts: &[support("ValanisContact")],
-        excitation: Some(EXCITATION),
     },
     Standard {
         name: "BeamWithJenkins",
         description: "Beam in modal coordinates whose support is a contact with Jenkins' element",
         beam: "ModalBeam",
         contacts: &[support("JenkinsContact")],
-        excitation: Some(EXCITATION),
     },
     Standard {
         name: "BeamWithTwoContacts",
-        description: "Beam in modal coordinates with a frictional support and a friction damper at x = 0.55 m, which \
-                      is pulled 0.02 mm aside at the start",
-        beam: "ModalBeam",
+        description: "Beam in modal coordinates with a frictional support and a friction damper at midspan",
+        beam: "ModalBeamTwoContacts",
         contacts: &[
             support("ValanisContact"),
             Contact {
                 name: "damper",
                 fmu: "JenkinsContact",
-                motion: "displacement:x=0.55",
-                displaced: 2e-5,
-                // The exciter pushes where the damper resists.
-                force: ("excitation", -1.0),
+                motion: "displacement:x=0.3",
+                force: "contact_force:x=0.3",
+                normal_load: Some(DAMPER_LOAD),
             },
         ],
-        excitation: None,
     },
 ];
 
@@ -123,25 +118,20 @@ fn outline(system: &Standard) -> Result<Outline, Error> {
     // The excitation is a start value and no connector: not every program knows connectors of the system.
     let (mut beam, mut connections) = (Vec::new(), Vec::new());
     let mut contacts = Vec::new();
-    for Contact { name, fmu, motion, displaced, force: (force, sign) } in system.contacts {
+    let value = |name: String, value| OutlineParameter { name, value, unit: "N".to_owned() };
+    let mut parameters = vec![value("beam.excitation".to_owned(), EXCITATION)];
+    for Contact { name, fmu, motion, force, normal_load } in system.contacts {
+        parameters.extend(normal_load.map(|load| value(format!("{name}.normal_load"), load)));
         beam.push(connector(force, true, "N"));
         beam.push(connector(motion, false, "m"));
         let own = vec![connector("displacement", true, "m"), connector("force", false, "N")];
         contacts.push(component(name, fmu, own));
-        let linear = |factor: f64, offset: f64| {
-            let linear = Linear { factor, offset };
-            (linear != Linear::IDENTITY).then_some(linear)
-        };
-        connections.push(OutlineConnection {
-            start: end("beam", motion),
-            end: end(name, "displacement"),
-            transformation: linear(1.0, -displaced),
-        });
-        connections.push(OutlineConnection {
-            start: end(name, "force"),
-            end: end("beam", force),
-            transformation: linear(*sign, 0.0),
-        });
+        // Without transformations, which not every program makes.
+        for (start, end) in
+            [(end("beam", motion), end(name, "displacement")), (end(name, "force"), end("beam", force))]
+        {
+            connections.push(OutlineConnection { start, end, transformation: None });
+        }
     }
     let experiment = Instance::new(model(system.beam)?)?.description().experiment;
     Ok(Outline {
@@ -150,11 +140,7 @@ fn outline(system: &Standard) -> Result<Outline, Error> {
         connectors: Vec::new(),
         components: std::iter::once(component("beam", system.beam, beam)).chain(contacts).collect(),
         connections,
-        parameters: system
-            .excitation
-            .map(|value| OutlineParameter { name: "beam.excitation".to_owned(), value, unit: "N".to_owned() })
-            .into_iter()
-            .collect(),
+        parameters,
         units: ["N", "m"].into_iter().map(unit).collect(),
         experiment: (experiment.start, experiment.stop),
     })

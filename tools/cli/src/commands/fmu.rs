@@ -11,8 +11,8 @@ pub struct Fmu {
     /// Folder to write to; made if it is not there
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
-    /// Standard models (JenkinsContact, ValanisContact, ModalBeam, FrictionalBeam) and systems of them as .ssp
-    /// (BeamWithValanis, BeamWithJenkins, BeamWithTwoContacts) to write; all when none is named
+    /// Standard models (JenkinsContact, ValanisContact, ModalBeam, ModalBeamTwoContacts, FrictionalBeam) and systems of
+    /// them as .ssp (BeamWithValanis, BeamWithJenkins, BeamWithTwoContacts) to write; all when none is named
     #[arg(value_name = "MODEL")]
     models: Vec<String>,
 }
