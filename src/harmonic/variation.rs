@@ -6,6 +6,9 @@ use crate::contact::ContactLaw;
 /// Makes a contact of the value of the model's parameter.
 pub(crate) type Rebuild<'a> = Box<dyn FnMut(f64) -> Result<(Box<dyn ContactLaw>, f64), HarmonicError> + 'a>;
 
+/// Writes a force at a value of the parameter.
+pub(crate) type ForceAt<'f> = dyn FnMut(f64, &mut Vec<f64>) -> Result<(), HarmonicError> + 'f;
+
 /// Writes the change of a force with the parameter; `force` writes that at a value, last of all at `parameter`.
 /// Steps take the parameter for no smaller than `least`.
 ///
@@ -15,7 +18,7 @@ pub(crate) fn differentiate(
     parameter: f64,
     least: f64,
     by: &mut [f64],
-    force: &mut dyn FnMut(f64, &mut Vec<f64>) -> Result<(), HarmonicError>,
+    force: &mut ForceAt,
 ) -> Result<(), HarmonicError> {
     const LONGEST: f64 = 1e-5;
     const SHORTEST: f64 = 1e-9;

@@ -7,11 +7,10 @@ use nalgebra::DMatrix;
 pub(super) fn balance(mut map: DMatrix<f64>) -> (DMatrix<f64>, Vec<f64>) {
     const WORTHWHILE: f64 = 0.95;
     const MOST_ROUNDS: usize = 100;
-    let size = map.nrows();
-    let mut scales = vec![1.0; size];
+    let mut scales = vec![1.0; map.nrows()];
     for _ in 0..MOST_ROUNDS {
         let mut settled = true;
-        for k in 0..size {
+        for (k, scale) in scales.iter_mut().enumerate() {
             let others = |values: &mut dyn Iterator<Item = f64>| -> f64 {
                 values.enumerate().filter(|(i, _)| *i != k).map(|(_, value)| value.abs()).sum()
             };
@@ -23,7 +22,7 @@ pub(super) fn balance(mut map: DMatrix<f64>) -> (DMatrix<f64>, Vec<f64>) {
             let factor = (0.5 * (row / column).log2()).round().exp2();
             if column * factor + row / factor < WORTHWHILE * (column + row) {
                 settled = false;
-                scales[k] *= factor;
+                *scale *= factor;
                 map.column_mut(k).scale_mut(factor);
                 map.row_mut(k).unscale_mut(factor);
             }

@@ -45,26 +45,27 @@ pub(super) fn multipliers_of(
             let better = &row[k] + (&row[k] - &before[k]) * factor;
             row.push(better);
         }
-        if let (Some(last), Some(previous)) = (row.last(), before.last()) {
-            let fine = resolved(&grid);
-            levels += usize::from(fine);
-            let (last, kept) = without_conserved(last, 2 * system.size);
-            let previous = previous.select_rows(&kept).select_columns(&kept);
-            let (last, scales) = balance(last);
-            let scaled = |i: usize, j: usize| previous[(i, j)] * scales[j] / scales[i];
-            let of_map = (0..kept.len()).flat_map(|j| (0..kept.len()).map(move |i| (i, j)));
-            let of_map = of_map.map(|(i, j)| (scaled(i, j) - last[(i, j)]).abs()).fold(0.0, f64::max);
-            let of_map = of_map / last.amax().max(1.0);
-            let found = multipliers(last)
-                .ok_or(OscillatorError::Diverged { time: TAU / motion.angular_frequency() })?;
-            // A map may differ in what the period forgets at once.
-            change = of_map.min(distance(&found, &known));
-            let enough = enough(&found);
-            if fine && (change <= SETTLED || enough || (levels == LEVELS && change <= ACCEPTED)) {
+        let fine = resolved(&grid);
+        let (last, kept) = without_conserved(row.last().unwrap_or(&row[0]), 2 * system.size);
+        let (last, scales) = balance(last);
+        let of_map = before.last().map_or(f64::INFINITY, |previous| {
+            let scaled = |i: usize, j: usize| previous[(kept[i], kept[j])] * scales[j] / scales[i];
+            let places = (0..kept.len()).flat_map(|j| (0..kept.len()).map(move |i| (i, j)));
+            let changes = places.map(|(i, j)| (scaled(i, j) - last[(i, j)]).abs());
+            changes.fold(0.0, f64::max) / last.amax().max(1.0)
+        });
+        let found =
+            multipliers(last).ok_or(OscillatorError::Diverged { time: TAU / motion.angular_frequency() })?;
+        // A map may differ in what the period forgets at once.
+        change = of_map.min(distance(&found, &known));
+        let enough = enough(&found);
+        if fine && !before.is_empty() {
+            levels += 1;
+            if change <= SETTLED || enough || (levels == LEVELS && change <= ACCEPTED) {
                 return Ok(found);
             }
-            known = found;
         }
+        known = found;
         before = row;
         grid = halved(&grid);
     }
