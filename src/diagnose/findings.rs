@@ -139,7 +139,7 @@ impl Findings {
                 && unexplained(&round)
             {
                 meter.expect(left.len());
-                round = search.from_origin(&present, &left, round);
+                round = search.begun_at_origin(&present, &left, round);
             }
             if !(moved || adequate || findings.interrupted || !findings.rounds.is_empty())
                 && let Some(better) = search.elsewhere(&present, &round)

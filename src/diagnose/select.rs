@@ -99,7 +99,7 @@ impl Search<'_, '_> {
 
     /// The round of `first`, or one from the model as it came, where that leads to a far better fit. A refit without an
     /// effect that is there bends all other parameters, and those that the engineer gave may be the nearer ones.
-    pub fn from_origin(&self, base: &State, sets: &[Vec<Candidate>], first: Vec<Trial>) -> Vec<Trial> {
+    pub fn begun_at_origin(&self, base: &State, sets: &[Vec<Candidate>], first: Vec<Trial>) -> Vec<Trial> {
         let best = |round: &[Trial]| {
             let states = round.iter().filter_map(|trial| trial.state.as_ref().ok());
             states.map(|state| state.fitted.cost).fold(f64::INFINITY, f64::min)
