@@ -42,11 +42,11 @@ impl Nested {
     pub fn words(&self) -> String {
         let mut text = match (self.ratio(), self.chance()) {
             (Some(ratio), Some(chance)) => format!(
-                "F = {ratio:.1} with {} and {} degrees of freedom: by chance in {:.0} % of cases, more often for the best \
-                 of several candidates",
+                "F = {ratio:.1} with {} and {} degrees of freedom: by chance in {} of cases, more often for the best of \
+                 several candidates",
                 self.parameters[1] - self.parameters[0],
                 self.freedom(),
-                (100.0 * chance).max(1.0)
+                if chance < 0.01 { "less than 1 %".to_owned() } else { format!("{:.0} %", 100.0 * chance) }
             ),
             _ => "Too few values for an F".to_owned(),
         };

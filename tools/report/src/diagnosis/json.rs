@@ -20,6 +20,7 @@ use super::Run;
 /// and more keys, which say what stands behind these. `effects` are those beyond doubt, where the verdict
 /// is `effect-found` or `not-distinguishable`; `places` says where they sit; `groups` are lists of ids. Units are SI. Numbers that are unknown or not finite are `null`.
 pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
+    let named = matches!(diagnosis.verdict, Verdict::EffectFound | Verdict::NotDistinguishable);
     let groups: Vec<&[&str]> = diagnosis.groups.iter().map(|group| &group.effects[..]).collect();
     let next = diagnosis.next_experiment.clone().or_else(|| {
         let open = diagnosis.verdict == Verdict::NotDistinguishable;
@@ -28,7 +29,7 @@ pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
     json!({
         "schema": "stickslip.diagnosis/1",
         "verdict": diagnosis.verdict.id(),
-        "effects": diagnosis.effects,
+        "effects": if named { &diagnosis.effects[..] } else { &[] },
         "places": places(diagnosis),
         "groups": groups,
         "error": errors(diagnosis),
