@@ -12,7 +12,9 @@ use super::noise;
 use super::select::{Search, State};
 use super::split::{self, Parts};
 use super::trial::{self, Effort, Fitted};
-use super::{blocks, evaluate, few_points, inputs, magnitudes, maps, remainder, thinned, verdict};
+use super::{
+    beginnings, blocks, evaluate, few_points, inputs, magnitudes, maps, remainder, thinned, verdict,
+};
 use crate::effects::{Effect, Location};
 use crate::identify::InterruptHook;
 use crate::measure::Dataset;
@@ -115,7 +117,14 @@ pub fn diagnose(
     let through = inputs::through(&first.model, &bench);
     let stated = noise::weigh(&mut bench.lanes, &measured, &through);
     noise::weigh(&mut whole.lanes, &measured, &through);
-    let search = Search { bench: &bench, parts: &parts, scales: &scales, origin: model, given, told: &told };
+    let beginnings = beginnings::of(model, dataset);
+    let mut beginnings = beginnings.as_ref().and_then(|cut| Bench::new(model, cut, watch.interrupt).ok());
+    if let Some(beginnings) = &mut beginnings {
+        beginnings.reseed(&first.model);
+        noise::weigh(&mut beginnings.lanes, &measured, &through);
+    }
+    let search =
+        Search { beginnings: beginnings.as_ref(), ..Search::new(&bench, &parts, &scales, model, &told) };
     let base = search.state(&first.model).map_err(|reason| unpredictable(dataset, reason))?;
     let smallest = base.chi_square().min(search.fitted_chi_square(&base));
     let known = stated && smallest > INCREDIBLE;
@@ -162,14 +171,7 @@ fn table(
     noise::weigh(&mut bench.lanes, &measured, &vec![Vec::new(); dataset.records.len()]);
     let parts = few_points::whole(dataset);
     let told = |what: &str| meter.tell(what);
-    let search = Search {
-        bench: &bench,
-        parts: &parts,
-        scales: &scales,
-        origin: model,
-        given: model.effects.len(),
-        told: &told,
-    };
+    let search = Search::new(&bench, &parts, &scales, model, &told);
     let material =
         few_points::Material { model, dataset, baseline, measured, options, interrupt: watch.interrupt };
     few_points::diagnose(&search, material).map_err(|reason| unpredictable(dataset, reason))
@@ -316,14 +318,7 @@ pub fn add(
     let meter = Meter { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(2) };
     let told = |what: &str| meter.tell(what);
     let parts = Parts { fit, ..Parts::default() };
-    let search = Search {
-        bench: &bench,
-        parts: &parts,
-        scales: &scales,
-        origin: model,
-        given: model.effects.len(),
-        told: &told,
-    };
+    let search = Search::new(&bench, &parts, &scales, model, &told);
     let failed = |reason| unpredictable(dataset, reason);
     let base: State = search.state(model).map_err(failed)?;
     meter.tell("refitted");
@@ -405,8 +400,9 @@ pub(super) fn errors(
 }
 
 /// What was spent.
-pub(super) fn cost(benches: &[&Bench]) -> Cost {
-    let total = |of: fn((usize, usize)) -> usize| benches.iter().map(|bench| of(bench.spent())).sum();
+pub(super) fn cost(benches: &[Option<&Bench>]) -> Cost {
+    let total =
+        |of: fn((usize, usize)) -> usize| benches.iter().flatten().map(|bench| of(bench.spent())).sum();
     Cost { refits: total(|spent| spent.0), simulations: total(|spent| spent.1) }
 }
 

@@ -4,6 +4,7 @@ mod beam_record;
 mod beam_steady;
 #[cfg(test)]
 mod beam_tests;
+mod beginnings;
 mod bench;
 mod blocks;
 mod candidates;

@@ -9,7 +9,7 @@ use super::candidates::{self, Candidate};
 use super::findings::Added;
 use super::split::Parts;
 use super::trial::{self, Effort, Fitted, Unknown};
-use crate::effects::{AppliedEffect, Scales};
+use crate::effects::Scales;
 use crate::identify::{Parameter, Scale};
 use crate::model::Model;
 
@@ -21,6 +21,8 @@ pub(super) const PASSING_SHARE: f64 = 0.03;
 const USEFUL: f64 = 4.0;
 /// Cost over that of the present fit below which a fit from another start has found another minimum.
 const OTHER_MINIMUM: f64 = 0.7;
+/// Starts that a fit is begun from; of more, those are that come nearest to the data as they are.
+const MOST_STARTS: usize = 4;
 /// Two candidates whose difference is below this many standard errors are tied.
 const TIED_Z: f64 = 1.0;
 
@@ -30,6 +32,8 @@ const AT_BOUND: f64 = 1e-3;
 /// What all rounds have in common.
 pub(super) struct Search<'a, 'd> {
     pub bench: &'a Bench<'d>,
+    /// The beginnings of the same records, where those say more to a fit that starts far away.
+    pub beginnings: Option<&'a Bench<'d>>,
     pub parts: &'a Parts,
     pub scales: &'a Scales,
     /// The model as it came.
@@ -75,7 +79,18 @@ impl State {
     }
 }
 
-impl Search<'_, '_> {
+impl<'a, 'd> Search<'a, 'd> {
+    /// For effects beside those of `origin`, without beginnings.
+    pub fn new(
+        bench: &'a Bench<'d>,
+        parts: &'a Parts,
+        scales: &'a Scales,
+        origin: &'a Model,
+        told: &'a (dyn Fn(&str) + Sync),
+    ) -> Self {
+        Self { bench, beginnings: None, parts, scales, origin, given: origin.effects.len(), told }
+    }
+
     /// The model's unknowns.
     pub fn unknowns(&self, model: &Model) -> Vec<Unknown> {
         candidates::unknowns(model, self.given, self.scales, self.bench.dataset)
@@ -109,14 +124,14 @@ impl Search<'_, '_> {
     }
 
     /// The same from the parameters of `from`. All are screened; the most promising is refined first, and the others
-    /// as long as they can come near it. With `scan`, the size of each effect that is nearest to the data as it
-    /// is makes one more start.
-    fn round_from(&self, from: &Model, base: &State, sets: &[Vec<Candidate>], scan: bool) -> Vec<Trial> {
+    /// as long as they can come near it. With `far`, the screen looks at the beginnings of the records, and the size of
+    /// each effect that is nearest to the data as it is makes one more start.
+    fn round_from(&self, from: &Model, base: &State, sets: &[Vec<Candidate>], far: bool) -> Vec<Trial> {
         // Most of the time goes here.
         let screened: Vec<Result<Fitted, String>> = sets
             .par_iter()
             .map(|set| {
-                let screened = self.screened(from, set, scan);
+                let screened = self.screened(from, set, far);
                 let ids: Vec<&str> = set.iter().map(|candidate| candidate.effect.id).collect();
                 (self.told)(&ids.join(" + "));
                 screened
@@ -175,7 +190,8 @@ impl Search<'_, '_> {
     }
 
     /// `model` with the candidates of `set`, fitted roughly from all their starts; the best of them.
-    fn screened(&self, model: &Model, set: &[Candidate], scan: bool) -> Result<Fitted, String> {
+    fn screened(&self, model: &Model, set: &[Candidate], far: bool) -> Result<Fitted, String> {
+        let (fit, bench) = (&self.parts.fit, self.beginnings.filter(|_| far).unwrap_or(self.bench));
         let ranges: Vec<_> =
             set.iter().map(|candidate| candidate.ranges(self.scales, self.bench.dataset)).collect();
         let starts: Vec<usize> =
@@ -189,11 +205,15 @@ impl Search<'_, '_> {
             }
             with
         };
-        let mut models: Vec<Model> = (0..combinations).map(with).collect();
-        if let ([candidate], true) = (set, scan) {
-            models.extend(self.scanned(model, candidate.scan(&ranges[0])));
+        let mut models = self.nearest(bench, (0..combinations).map(with).collect(), MOST_STARTS);
+        if let ([candidate], true) = (set, far) {
+            let sizes = candidate.scan(&ranges[0]).into_iter().map(|applied| {
+                let mut with = model.clone();
+                with.effects.push(applied);
+                with
+            });
+            models.extend(self.nearest(bench, sizes.collect(), 1));
         }
-        let (fit, bench) = (&self.parts.fit, self.bench);
         let screened: Vec<Result<Fitted, String>> = models
             .par_iter()
             .map(|with| trial::fit(bench, with, &self.unknowns(with), fit, Effort::Screen))
@@ -210,22 +230,20 @@ impl Search<'_, '_> {
         best.ok_or_else(|| failure.unwrap_or_default())
     }
 
-    /// `model` with that one of `effects` that comes nearest to the fitted records as it is.
-    fn scanned(&self, model: &Model, effects: Vec<AppliedEffect>) -> Option<Model> {
-        let with = |applied: &AppliedEffect| {
-            let mut with = model.clone();
-            with.effects.push(applied.clone());
-            with
-        };
-        let apart: Vec<f64> = effects
-            .par_iter()
-            .map(|applied| {
-                let scored = self.bench.score(&with(applied), &self.parts.fit);
-                scored.map_or(f64::INFINITY, |scored| mean_square(&scored))
+    /// The `count` of `models` that come nearest to the fitted records of `bench` as they are.
+    fn nearest(&self, bench: &Bench, models: Vec<Model>, count: usize) -> Vec<Model> {
+        if models.len() <= count {
+            return models;
+        }
+        let mut apart: Vec<(f64, Model)> = models
+            .into_par_iter()
+            .map(|model| {
+                let scored = bench.score(&model, &self.parts.fit);
+                (scored.map_or(f64::INFINITY, |scored| mean_square(&scored)), model)
             })
             .collect();
-        let nearest = (0..effects.len()).min_by(|a, b| apart[*a].total_cmp(&apart[*b]))?;
-        apart[nearest].is_finite().then(|| with(&effects[nearest]))
+        apart.sort_by(|a, b| a.0.total_cmp(&b.0));
+        apart.into_iter().take(count).map(|(_, model)| model).collect()
     }
 
     /// Whether `winner` is better than `other` by less than a standard error.

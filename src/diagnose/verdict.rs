@@ -96,7 +96,7 @@ pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosi
         noise: measured,
         comparison: comparison(dataset, stages),
         model: last.model.clone().with_effects_free(search.given),
-        cost: cost(&[search.bench, whole]),
+        cost: cost(&[Some(search.bench), search.beginnings, Some(whole)]),
     }
 }
 

@@ -3,6 +3,26 @@
 use super::{Effect, EffectParameter, HangingMass, Kind, Needs, PlaceKind, magnitudes};
 use crate::vocabulary as v;
 
+/// Shares of the structure's mass to start from, each with every frequency.
+const SHARES: [f64; 3] = [0.01, 0.03, 0.08];
+/// Frequencies to start from, each `STEP` times the one before. What a resonator does is narrow: a fit finds its
+/// frequency only from nearby.
+const FREQUENCIES: usize = 25;
+const STEP: f64 = 1.1;
+
+fn share(start: usize) -> f64 {
+    SHARES[start / FREQUENCIES]
+}
+
+/// Over that of the drive.
+fn frequency(start: usize) -> f64 {
+    STEP.powi((start % FREQUENCIES) as i32 - FREQUENCIES as i32 / 2)
+}
+
+fn starts(of: impl Fn(usize) -> f64) -> Vec<f64> {
+    (0..SHARES.len() * FREQUENCIES).map(of).collect()
+}
+
 pub(super) const EFFECT: Effect = Effect {
     id: "hanging_mass",
     title: "Hanging mass",
@@ -18,18 +38,15 @@ pub(super) const EFFECT: Effect = Effect {
                 magnitudes(
                     1e-4 * scales.structure_mass,
                     10.0 * scales.structure_mass,
-                    &[0.05 * scales.structure_mass, 0.05 * scales.structure_mass],
+                    &starts(|start| share(start) * scales.structure_mass),
                 )
             },
         },
         EffectParameter {
             quantity: &v::HANGING_FREQUENCY,
             range: |scales| {
-                magnitudes(
-                    0.05 * scales.frequency,
-                    20.0 * scales.frequency,
-                    &[0.7 * scales.frequency, 1.6 * scales.frequency],
-                )
+                let starts = starts(|start| frequency(start) * scales.frequency);
+                magnitudes(0.05 * scales.frequency, 20.0 * scales.frequency, &starts)
             },
         },
     ],

@@ -349,7 +349,7 @@ impl Rounds<'_, '_> {
             next_experiment: Some(words::next_experiment()),
             comparison: comparison(dataset, stages),
             model: self.last().state.fitted.model.clone().with_effects_free(self.search.given),
-            cost: cost(&[self.search.bench]),
+            cost: cost(&[Some(self.search.bench)]),
             ..insufficient
         }
     }
