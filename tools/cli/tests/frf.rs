@@ -130,6 +130,20 @@ fn a_held_response_is_held_and_its_force_found() {
     }
 }
 
+/// Sticking and slipping take energy out: where nothing hardens or softens enough to fold, every response is stable.
+#[test]
+fn the_stability_of_a_beam_is_told() {
+    let folder = example();
+    let arguments =
+        ["frf", "beam.toml", "--from", "53.5", "--to", "54.5", "--force", "1", "--harmonics", "3"];
+    let output = stickslip(folder.path(), &[&arguments[..], &["--json", "frf.json"]].concat());
+    assert!(output.status.success(), "{output:?}");
+    let json = read(&folder, "frf.json");
+    let points = json["points"].as_array().unwrap();
+    assert!(points.len() > 20 && points.iter().all(|point| point["stable"] == true), "{}", points.len());
+    assert!(String::from_utf8_lossy(&output.stdout).contains("unstable"));
+}
+
 #[test]
 fn the_phase_is_that_of_the_work() {
     let (_folder, _, json) = response(&["--force", "0.4"]);
