@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map, Value, json};
 
 use crate::case::{Case, Drawn};
+use crate::motion::Drive;
 use crate::record::{Column, Record};
 
 /// Changes when the same name no longer gives the same case: files of another generation are left alone.
@@ -105,7 +106,7 @@ pub fn truth(case: &Case) -> Result<Value, String> {
             places.insert(hidden.id.clone(), json!(hidden.place));
         }
     }
-    Ok(json!({
+    let mut truth = json!({
         "family": case.kind.word(),
         "effect": effect,
         "effects": case.effects,
@@ -114,7 +115,12 @@ pub fn truth(case: &Case) -> Result<Value, String> {
         "strength": case.strength.word(),
         "parameters": parameters,
         "places": places,
-    }))
+    });
+    // Told only where it is so, as in names.
+    if case.drive == Drive::Moving {
+        truth["moving"] = json!(true);
+    }
+    Ok(truth)
 }
 
 /// Writes `truth.json` beside the folders of `cases`.
