@@ -223,19 +223,18 @@ pub struct Drawn {
 }
 
 impl Case {
-    /// The name, which is the folder's. Stationary records are not told: a case is its name, and most are older
-    /// than the word.
+    /// The name, which is the folder's.
     pub fn name(&self) -> String {
         let effects = if self.effects.is_empty() { "none".to_owned() } else { self.effects.join("+") };
         let colour = if self.noise.coloured { "coloured" } else { "white" };
-        let drive = if self.drive == Drive::Moving { "-moving" } else { "" };
         format!(
-            "{}-{}-{}-{}%-{colour}-{}{drive}",
+            "{}-{}-{}-{}%-{colour}-{}{}",
             self.kind,
             effects.replace(':', "-"),
             self.strength.word(),
             self.noise.share * 100.0,
-            self.replica
+            self.replica,
+            self.drive.suffix()
         )
     }
 
@@ -247,7 +246,7 @@ impl Case {
         let mut random = Random::new(fingerprint(&self.name()));
         let mut system = random.fork();
         let strength = self.strength.factor();
-        if self.kind != Kind::Contact && self.drive == Drive::Moving {
+        if self.kind != Kind::Contact && self.drive.is_moving() {
             return Err(format!("a case of kind {} has stationary records only", self.kind));
         }
         let rig: Box<dyn Rig> = match self.kind {
@@ -400,21 +399,25 @@ fn outside(kind: Kind, cases: &mut Vec<Case>) {
     }
 }
 
-/// One of each kind of question, asked of records that are not stationary.
+/// One of each kind of question, asked of records that are not stationary; where the noise is not told, those that can
+/// be answered without it.
 fn moving(kind: Kind, cases: &mut Vec<Case>) {
     const NULLS: [(f64, bool); 4] = [(0.003, false), (0.01, false), (0.01, true), (0.03, true)];
     const PAIRS: [(f64, bool); 3] = [(0.01, false), (0.003, true), (0.03, false)];
-    let mut push = |effects: &[&'static str], noise| {
+    let mut push = |drive, effects: &[&'static str], noise| {
         let case = case(kind, effects, Strength::Full, noise, 1);
-        cases.push(Case { drive: Drive::Moving, ..case });
+        cases.push(Case { drive, ..case });
     };
-    NULLS.into_iter().for_each(|noise| push(&[], noise));
+    NULLS.into_iter().for_each(|noise| push(Drive::Moving, &[], noise));
     for id in kind.effects() {
-        push(&[id], (0.01, false));
-        push(&[id], (0.03, true));
+        push(Drive::Moving, &[id], (0.01, false));
+        push(Drive::Moving, &[id], (0.03, true));
     }
-    kind.pairs().iter().zip(PAIRS).for_each(|(pair, noise)| push(pair, noise));
-    kind.outside().iter().for_each(|id| push(&[id], (0.01, false)));
+    kind.pairs().iter().zip(PAIRS).for_each(|(pair, noise)| push(Drive::Moving, pair, noise));
+    for drive in [Drive::Moving, Drive::MovingUntold] {
+        kind.outside().iter().for_each(|id| push(drive, &[id], (0.01, false)));
+    }
+    kind.effects().iter().for_each(|id| push(Drive::MovingUntold, &[id], (0.01, false)));
 }
 
 #[cfg(test)]
@@ -434,15 +437,13 @@ mod tests {
 
     #[test]
     fn cases_that_were_there_before_keep_their_names() {
-        let old: Vec<String> = sealed()
-            .into_iter()
-            .filter(|case| case.drive == Drive::Stationary)
-            .map(|case| case.name())
-            .collect();
+        let old: Vec<String> =
+            sealed().into_iter().filter(|case| !case.drive.is_moving()).map(|case| case.name()).collect();
         assert_eq!(old.len(), 301);
         assert_eq!(format!("{:016x}", fingerprint(&old.join("\n"))), "5d1cd47880136401");
-        let moving = sealed().into_iter().filter(|case| case.drive == Drive::Moving);
-        assert!(moving.clone().count() == 39 && moving.clone().all(|case| case.name().ends_with("-moving")));
+        let moving: Vec<String> =
+            sealed().iter().filter(|case| case.drive.is_moving()).map(Case::name).collect();
+        assert!(moving.len() == 58 && moving.iter().all(|name| name.contains("-moving")));
         // Those of one kind stand together.
         assert!(sealed().is_sorted_by_key(|case| case.kind));
     }

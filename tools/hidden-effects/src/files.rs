@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map, Value, json};
 
 use crate::case::{Case, Drawn};
-use crate::motion::Drive;
 use crate::record::{Column, Record};
 
 /// Changes when the same name no longer gives the same case: files of another generation are left alone.
@@ -117,7 +116,7 @@ pub fn truth(case: &Case) -> Result<Value, String> {
         "places": places,
     });
     // Told only where it is so, as in names.
-    if case.drive == Drive::Moving {
+    if case.drive.is_moving() {
         truth["moving"] = json!(true);
     }
     Ok(truth)

@@ -15,6 +15,24 @@ pub enum Drive {
     /// Ramps with holds, sweeps, sines that grow and fall, small cycles on a large motion: hardly a cycle is
     /// like the one before.
     Moving,
+    /// The same, and nobody has looked at the noise: neither repeats nor the dataset tell it.
+    MovingUntold,
+}
+
+impl Drive {
+    /// Whether its records are not stationary.
+    pub fn is_moving(self) -> bool {
+        self != Drive::Stationary
+    }
+
+    /// What a case's name ends with. Stationary records are not told: most names are older than the word.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Drive::Stationary => "",
+            Drive::Moving => "-moving",
+            Drive::MovingUntold => "-moving-untold",
+        }
+    }
 }
 
 /// Samples of a stationary record over three periods, the last instant included.
@@ -59,7 +77,7 @@ impl Drive {
             Drive::Stationary => {
                 PLAN.map(|plan| stationary(plan, yield_displacement, &mut random.fork())).to_vec()
             }
-            Drive::Moving => {
+            Drive::Moving | Drive::MovingUntold => {
                 moving::PLAN.map(|plan| in_motion(plan, yield_displacement, &mut random.fork())).to_vec()
             }
         }
@@ -69,7 +87,7 @@ impl Drive {
     pub fn travel(self) -> f64 {
         match self {
             Drive::Stationary => 55.0,
-            Drive::Moving => moving::TRAVEL,
+            Drive::Moving | Drive::MovingUntold => moving::TRAVEL,
         }
     }
 }

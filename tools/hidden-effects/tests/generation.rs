@@ -82,7 +82,10 @@ fn where_no_motion_repeats_the_noise_is_told_that_standstill_shows() {
     for record in drawn.measure() {
         assert_eq!(record.told.len(), usize::from(record.regime.word() == "from-rest"));
     }
-    assert!(few()[2].draw().unwrap().measure().iter().all(|record| record.told.is_empty()));
+    let untold = named("contact-backlash-full-1%-white-1-moving-untold");
+    for case in [&few()[2], &untold] {
+        assert!(case.draw().unwrap().measure().iter().all(|record| record.told.is_empty()));
+    }
 }
 
 #[test]
