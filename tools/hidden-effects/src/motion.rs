@@ -19,22 +19,6 @@ pub enum Drive {
     MovingUntold,
 }
 
-impl Drive {
-    /// Whether its records are not stationary.
-    pub fn is_moving(self) -> bool {
-        self != Drive::Stationary
-    }
-
-    /// What a case's name ends with. Stationary records are not told: most names are older than the word.
-    pub fn suffix(self) -> &'static str {
-        match self {
-            Drive::Stationary => "",
-            Drive::Moving => "-moving",
-            Drive::MovingUntold => "-moving-untold",
-        }
-    }
-}
-
 /// Samples of a stationary record over three periods, the last instant included.
 const SAMPLES: usize = 1201;
 const PERIODS: f64 = 3.0;
@@ -71,6 +55,20 @@ pub struct Motion {
 }
 
 impl Drive {
+    /// Whether its records are not stationary.
+    pub fn is_moving(self) -> bool {
+        self != Drive::Stationary
+    }
+
+    /// What a case's name ends with. Stationary records are not told: most names are older than the word.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Drive::Stationary => "",
+            Drive::Moving => "-moving",
+            Drive::MovingUntold => "-moving-untold",
+        }
+    }
+
     /// The records of an experiment whose contact yields at `yield_displacement` (m).
     pub fn motions(self, yield_displacement: f64, random: &mut Random) -> Vec<Motion> {
         match self {
