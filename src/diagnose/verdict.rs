@@ -22,7 +22,8 @@ const STRUCTURED: f64 = 0.1;
 const NOTHING_LEFT: f64 = 1e-3;
 /// The same above which, the noise unknown, what was added explains too little to be named.
 const MOST_LEFT: f64 = 0.6;
-/// And share of the refitted model's squared error: whoever removes less may stand in for something else.
+/// And share of the refitted model's squared error, where a part of what is left repeats: whoever removes less may
+/// stand in for something else.
 const MOST_SHARE_LEFT: f64 = 1.0 / 3.0;
 
 /// What a verdict is made of.
@@ -173,11 +174,12 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group], errors: &Errors) -> V
     let untouched = outcome.chi_square.unwrap_or(f64::NAN);
     let selecting = if known { outcome.findings.last().chi_square() } else { f64::NAN };
     let elsewhere = outcome.left.is_some_and(|left| left.is_too_much());
+    // A part that comes again at the same places of the motion is no noise, however small.
+    let structured = outcome.repeated.is_some_and(|repeated| repeated.gain.share > STRUCTURED);
     if known && (untouched > UNEXPLAINED || selecting > UNEXPLAINED || elsewhere) {
         return Verdict::Unexplained;
     }
-    // A part that comes again at the same places of the motion is no noise, however small.
-    if none && known && outcome.repeated.is_some_and(|repeated| repeated.gain.share > STRUCTURED) {
+    if none && known && structured {
         return Verdict::Unexplained;
     }
     if none {
@@ -185,7 +187,7 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group], errors: &Errors) -> V
         return if known || error < NOTHING_LEFT { Verdict::NothingMissing } else { Verdict::Unexplained };
     }
     let share = (error / errors.untouched_refitted).powi(2);
-    if !known && (error > MOST_LEFT || share > MOST_SHARE_LEFT) {
+    if !known && (error > MOST_LEFT || (structured && share > MOST_SHARE_LEFT)) {
         return Verdict::Unexplained;
     }
     if !groups.is_empty() {
