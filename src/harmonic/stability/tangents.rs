@@ -55,7 +55,9 @@ pub(super) fn multipliers_of(
     let mut known: Vec<Complex<f64>> = Vec::new();
     let (mut change, mut levels) = (f64::INFINITY, 0);
     while levels < LEVELS && grid.len() < MOST_STEPS {
-        budget.spend(grid.len() as f64 * step, period)?;
+        if let Err(too_long) = budget.spend(grid.len() as f64 * step, period) {
+            return if levels > 0 && change <= ACCEPTED { Ok(known) } else { Err(too_long) };
+        }
         let mut row = vec![on_grid(motion, &grid)?];
         for k in 0..before.len() {
             let factor = 1.0 / (base.powi(k as i32 + 1) - 1.0);
