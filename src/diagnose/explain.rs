@@ -57,7 +57,7 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
             if findings.effects().is_empty() {
                 "Nothing in the catalogue lowers it beyond doubt"
             } else {
-                "What was added leaves most of it, and no name is claimed"
+                "What was added leaves too much of it, and no name is claimed"
             }
         )),
         _ => {}

@@ -147,6 +147,10 @@ fn alike(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && (apart < ALIKE * ALIKE * size || apart == 0.0)
 }
 
+/// Share of a variance between two periods below which that of their second halves tells that the start was still felt
+/// in the first: chance does not make so much of half a period.
+const FORGOTTEN: f64 = 0.25;
+
 /// The standard deviation between periods of `period` samples. A drift that is linear over three periods
 /// (wear) is taken off where it shows, and so is a tone.
 fn from_periods(values: &[f64], period: f64) -> Option<f64> {
@@ -185,7 +189,14 @@ fn from_periods(values: &[f64], period: f64) -> Option<f64> {
         square / (values.len() - second) as f64 / (1.0 + 4.0 * kept(part) + kept(part_2))
     });
     // Later periods have forgotten the start; second differences do not see a drift.
-    let mut variance = over(first).or_else(|| over(values.len().saturating_sub(lag / 2)))?;
+    let mut variance = over(first)?;
+    // Of two periods alone the first remembers how it began, which the second half of it hardly does.
+    if over(second).is_none()
+        && let Some(late) = over(values.len().saturating_sub(lag / 2 + 1))
+        && late < FORGOTTEN * variance
+    {
+        variance = late;
+    }
     for other in [over(second), thrice].into_iter().flatten() {
         if other < 0.8 * variance {
             variance = other;

@@ -25,8 +25,8 @@ pub(super) fn period(values: &[f64]) -> Option<f64> {
         let next = misfit(lag + 1);
         left |= here > 0.2;
         // Near a valley the misfit is a parabola, whose bottom may lie between two lags.
-        if left && next >= here && here < 50.0 * REPEATS {
-            let before = misfit(lag - 1);
+        let before = misfit(lag - 1);
+        if left && here <= before && here <= next && here < 50.0 * REPEATS {
             let (slope, curvature) = (before - next, before - 2.0 * here + next);
             let (offset, bottom) = match curvature {
                 c if c > 0.0 => (0.5 * slope / c, here - slope * slope / (8.0 * c)),
@@ -95,6 +95,22 @@ mod tests {
         for lag in [0, 1, 2, 50, 199, 300] {
             let sum: f64 = values[lag..].iter().zip(&values).map(|(later, x)| (later - x).powi(2)).sum();
             assert!((found[lag] - sum).abs() < 1e-9 * 301.0, "{lag}: {} {sum}", found[lag]);
+        }
+    }
+
+    /// Small cycles on a slow large motion: the misfit rises and falls without ever coming near zero.
+    #[test]
+    fn the_flank_of_a_valley_is_no_period() {
+        for small in [0.1, 0.2, 0.3] {
+            for cycles in [9.0, 13.5, 21.0] {
+                let values: Vec<f64> = (0..1200)
+                    .map(|i| {
+                        let t = TAU * f64::from(i) / 1200.0;
+                        (1.3 * t).sin() + small * (cycles * t).sin()
+                    })
+                    .collect();
+                assert_eq!(period(&values), None, "{small} {cycles}");
+            }
         }
     }
 

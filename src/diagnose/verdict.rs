@@ -22,6 +22,8 @@ const STRUCTURED: f64 = 0.1;
 const NOTHING_LEFT: f64 = 1e-3;
 /// The same above which, the noise unknown, what was added explains too little to be named.
 const MOST_LEFT: f64 = 0.6;
+/// And share of the refitted model's squared error: whoever removes less may stand in for something else.
+const MOST_SHARE_LEFT: f64 = 1.0 / 3.0;
 
 /// What a verdict is made of.
 pub(super) struct Material<'a> {
@@ -53,7 +55,7 @@ pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosi
         });
     }
     let groups = groups(&outcome);
-    let verdict = judge(&outcome, known, &groups, error.untouched);
+    let verdict = judge(&outcome, known, &groups, &error);
     let ids: Vec<&'static str> = found.iter().map(|candidate| candidate.effect.id).collect();
     let told =
         Told { search, outcome: &outcome, given: model, error: &error, known, groups: &groups, verdict };
@@ -164,8 +166,9 @@ fn groups(outcome: &Outcome) -> Vec<Group> {
     groups
 }
 
-/// The verdict; `error` is the last model's on the untouched records, over their own variation.
-fn judge(outcome: &Outcome, known: bool, groups: &[Group], error: f64) -> Verdict {
+/// The verdict.
+fn judge(outcome: &Outcome, known: bool, groups: &[Group], errors: &Errors) -> Verdict {
+    let error = errors.untouched;
     let none = outcome.findings.effects().is_empty();
     let untouched = outcome.chi_square.unwrap_or(f64::NAN);
     let selecting = if known { outcome.findings.last().chi_square() } else { f64::NAN };
@@ -181,7 +184,8 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group], error: f64) -> Verdic
         // A model whose error nothing lowers is not thereby right: without the noise nobody knows.
         return if known || error < NOTHING_LEFT { Verdict::NothingMissing } else { Verdict::Unexplained };
     }
-    if !known && error > MOST_LEFT {
+    let share = (error / errors.untouched_refitted).powi(2);
+    if !known && (error > MOST_LEFT || share > MOST_SHARE_LEFT) {
         return Verdict::Unexplained;
     }
     if !groups.is_empty() {

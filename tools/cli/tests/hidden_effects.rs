@@ -14,6 +14,7 @@ use stickslip_fmi_host::{Library, Slave};
 use stickslip_fmu_package::{library_extension, platform};
 use stickslip_hidden_effects::case::{Case, Kind, Noise, Strength};
 use stickslip_hidden_effects::files;
+use stickslip_hidden_effects::motion::Drive;
 use tempfile::TempDir;
 
 fn stickslip(folder: &Path, arguments: &[&str]) -> Output {
@@ -42,6 +43,7 @@ fn hidden_in(kind: Kind, effects: &[&'static str], share: f64) -> TempDir {
         effects: effects.to_vec(),
         strength: Strength::Full,
         noise: Noise { share, coloured: false },
+        drive: Drive::Stationary,
         replica: 1,
     };
     let folder = tempfile::tempdir().unwrap();

@@ -481,7 +481,7 @@ impl Rig for Beam {
         &self.hidden
     }
 
-    fn tells_noise(&self) -> bool {
+    fn tells_noise(&self, _: Regime) -> bool {
         false
     }
 }

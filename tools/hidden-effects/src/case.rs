@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::beam::Beam;
 use crate::effect::{Hidden, UNKNOWN};
+use crate::motion::Drive;
 use crate::oscillator::Oscillator;
 use crate::prescribed::Prescribed;
 use crate::random::Random;
@@ -205,6 +206,8 @@ pub struct Case {
     pub strength: Strength,
     /// The noise.
     pub noise: Noise,
+    /// How its records move.
+    pub drive: Drive,
     /// Distinguishes cases that are otherwise alike.
     pub replica: usize,
 }
@@ -225,25 +228,29 @@ impl Case {
         let effects = if self.effects.is_empty() { "none".to_owned() } else { self.effects.join("+") };
         let colour = if self.noise.coloured { "coloured" } else { "white" };
         format!(
-            "{}-{}-{}-{}%-{colour}-{}",
+            "{}-{}-{}-{}%-{colour}-{}{}",
             self.kind,
             effects.replace(':', "-"),
             self.strength.word(),
             self.noise.share * 100.0,
-            self.replica
+            self.replica,
+            self.drive.suffix()
         )
     }
 
     /// Draws the numbers of the case, always the same.
     ///
     /// # Errors
-    /// An effect that cannot be hidden in the kind.
+    /// An effect that cannot be hidden in the kind, a kind that has no such records.
     pub fn draw(&self) -> Result<Drawn, String> {
         let mut random = Random::new(fingerprint(&self.name()));
         let mut system = random.fork();
         let strength = self.strength.factor();
+        if self.kind != Kind::Contact && self.drive.is_moving() {
+            return Err(format!("a case of kind {} has stationary records only", self.kind));
+        }
         let rig: Box<dyn Rig> = match self.kind {
-            Kind::Contact => Box::new(Prescribed::draw(&self.effects, strength, &mut system)?),
+            Kind::Contact => Box::new(Prescribed::draw(self.drive, &self.effects, strength, &mut system)?),
             Kind::Oscillator => Box::new(Oscillator::draw(&self.effects, strength, &mut system)?),
             Kind::Beam => Box::new(Beam::draw(&self.effects, strength, &mut system)?),
         };
@@ -265,7 +272,8 @@ impl Drawn {
         let mut random = Random::new(self.noise_seed);
         let correlation = if self.noise.coloured { random.between(0.9, 0.95) } else { 0.0 };
         for record in &mut records {
-            record.measure(self.noise.share, correlation, self.rig.tells_noise(), &mut random.fork());
+            let tell = self.rig.tells_noise(record.regime);
+            record.measure(self.noise.share, correlation, tell, &mut random.fork());
         }
         records
     }
@@ -297,6 +305,9 @@ pub fn sealed() -> Vec<Case> {
         singles(kind, &mut cases);
         pairs(kind, &mut cases);
         outside(kind, &mut cases);
+        if kind == Kind::Contact {
+            moving(kind, &mut cases);
+        }
     }
     cases
 }
@@ -308,7 +319,14 @@ fn case(
     (share, coloured): (f64, bool),
     replica: usize,
 ) -> Case {
-    Case { kind, effects: effects.to_vec(), strength, noise: Noise { share, coloured }, replica }
+    Case {
+        kind,
+        effects: effects.to_vec(),
+        strength,
+        noise: Noise { share, coloured },
+        drive: Drive::Stationary,
+        replica,
+    }
 }
 
 const NOISES: [(f64, bool); 8] = [
@@ -381,6 +399,27 @@ fn outside(kind: Kind, cases: &mut Vec<Case>) {
     }
 }
 
+/// One of each kind of question, asked of records that are not stationary; where the noise is not told, those that can
+/// be answered without it.
+fn moving(kind: Kind, cases: &mut Vec<Case>) {
+    const NULLS: [(f64, bool); 4] = [(0.003, false), (0.01, false), (0.01, true), (0.03, true)];
+    const PAIRS: [(f64, bool); 3] = [(0.01, false), (0.003, true), (0.03, false)];
+    let mut push = |drive, effects: &[&'static str], noise| {
+        let case = case(kind, effects, Strength::Full, noise, 1);
+        cases.push(Case { drive, ..case });
+    };
+    NULLS.into_iter().for_each(|noise| push(Drive::Moving, &[], noise));
+    for id in kind.effects() {
+        push(Drive::Moving, &[id], (0.01, false));
+        push(Drive::Moving, &[id], (0.03, true));
+    }
+    kind.pairs().iter().zip(PAIRS).for_each(|(pair, noise)| push(Drive::Moving, pair, noise));
+    for drive in [Drive::Moving, Drive::MovingUntold] {
+        kind.outside().iter().for_each(|id| push(drive, &[id], (0.01, false)));
+    }
+    kind.effects().iter().for_each(|id| push(Drive::MovingUntold, &[id], (0.01, false)));
+}
+
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
@@ -394,6 +433,19 @@ mod tests {
         assert_eq!(names.len(), cases.len());
         assert!(cases.len() >= 200);
         assert!(cases.iter().filter(|case| case.effects.is_empty()).count() >= 60);
+    }
+
+    #[test]
+    fn cases_that_were_there_before_keep_their_names() {
+        let old: Vec<String> =
+            sealed().into_iter().filter(|case| !case.drive.is_moving()).map(|case| case.name()).collect();
+        assert_eq!(old.len(), 301);
+        assert_eq!(format!("{:016x}", fingerprint(&old.join("\n"))), "5d1cd47880136401");
+        let moving: Vec<String> =
+            sealed().iter().filter(|case| case.drive.is_moving()).map(Case::name).collect();
+        assert!(moving.len() == 58 && moving.iter().all(|name| name.contains("-moving")));
+        // Those of one kind stand together.
+        assert!(sealed().is_sorted_by_key(|case| case.kind));
     }
 
     #[test]

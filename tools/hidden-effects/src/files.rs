@@ -105,7 +105,7 @@ pub fn truth(case: &Case) -> Result<Value, String> {
             places.insert(hidden.id.clone(), json!(hidden.place));
         }
     }
-    Ok(json!({
+    let mut truth = json!({
         "family": case.kind.word(),
         "effect": effect,
         "effects": case.effects,
@@ -114,7 +114,12 @@ pub fn truth(case: &Case) -> Result<Value, String> {
         "strength": case.strength.word(),
         "parameters": parameters,
         "places": places,
-    }))
+    });
+    // Told only where it is so, as in names.
+    if case.drive.is_moving() {
+        truth["moving"] = json!(true);
+    }
+    Ok(truth)
 }
 
 /// Writes `truth.json` beside the folders of `cases`.

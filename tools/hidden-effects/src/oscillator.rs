@@ -370,7 +370,7 @@ impl Rig for Oscillator {
         &self.hidden
     }
 
-    fn tells_noise(&self) -> bool {
+    fn tells_noise(&self, _: Regime) -> bool {
         true
     }
 }

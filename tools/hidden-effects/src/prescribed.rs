@@ -1,4 +1,4 @@
-//! Kind `contact`: a bare contact whose displacement is prescribed; slow sines at several levels.
+//! Kind `contact`: a bare contact whose displacement is prescribed.
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -6,30 +6,17 @@ use std::fmt::Write;
 use crate::effect::Hidden;
 use crate::friction::{Contact, Joint};
 use crate::joint_effects::{self, Measures};
+use crate::motion::{Drive, Motion};
 use crate::random::Random;
 use crate::record::{Column, Fault, Fine, Record, Regime, Role};
 use crate::rig::Rig;
 
-/// Samples of a record over three periods, the last instant included.
-const SAMPLES: usize = 1201;
-const PERIODS: f64 = 3.0;
 /// Steps of the simulation between samples.
 const STEPS: usize = 32;
-/// Level over the yield displacement, frequency (Hz) and regime of each record.
-const PLAN: [(f64, f64, Regime); 8] = [
-    (0.8, 1.0, Regime::FromRest),
-    (1.6, 1.0, Regime::UnknownInitialState),
-    (3.0, 1.0, Regime::FromRest),
-    (6.0, 1.0, Regime::UnknownInitialState),
-    (6.0, 0.2, Regime::UnknownInitialState),
-    (6.0, 5.0, Regime::UnknownInitialState),
-    (3.0, 5.0, Regime::UnknownInitialState),
-    (4.5, 1.0, Regime::FromRest),
-];
-
 /// A contact in a test machine.
 #[derive(Clone)]
 pub struct Prescribed {
+    drive: Drive,
     joint: Joint,
     normal_load: f64,
     normal: Option<Normal>,
@@ -49,29 +36,21 @@ enum Normal {
     Approach { amplitude: f64, multiple: f64, stiffness: f64, cubic: f64, impact: f64 },
 }
 
-#[derive(Clone)]
-struct Motion {
-    amplitude: f64,
-    frequency: f64,
-    phase: f64,
-    regime: Regime,
-    /// Stretch of the sliders at the start, over the yield displacement; `None`: cut out of a steady motion.
-    stretch: Option<f64>,
-    /// Phases of the normal load and of a disturbance.
-    phases: [f64; 2],
-}
-
 impl Prescribed {
     /// Draws an experiment in which `effects` are hidden at `strength`.
-    pub fn draw(effects: &[&str], strength: f64, random: &mut Random) -> Result<Self, String> {
+    ///
+    /// # Errors
+    /// An effect that cannot be hidden in a bare contact.
+    pub fn draw(drive: Drive, effects: &[&str], strength: f64, random: &mut Random) -> Result<Self, String> {
         let mut numbers = random.fork();
         let stiffness = numbers.magnitude(3e6, 9e6);
         let joint = Joint::jenkins(stiffness, numbers.between(0.35, 0.7));
         let normal_load = numbers.between(50.0, 180.0);
         let limit = joint.friction_coefficient * normal_load;
         let yield_displacement = limit / stiffness;
-        let motions = PLAN.map(|plan| motion(plan, yield_displacement, &mut random.fork())).to_vec();
+        let motions = drive.motions(yield_displacement, random);
         let mut rig = Self {
+            drive,
             joint,
             normal_load,
             normal: None,
@@ -86,7 +65,7 @@ impl Prescribed {
             reach: 6.0,
             slow_speed: TAU * yield_displacement,
             high_speed: TAU * 5.0 * 6.0 * yield_displacement,
-            travel: 55.0 * yield_displacement,
+            travel: drive.travel() * yield_displacement,
             duration: 3.0,
             residual: 0.12,
         };
@@ -157,7 +136,7 @@ impl Prescribed {
 
     /// Normal load and approach at a time.
     fn normal(&self, motion: &Motion, time: f64) -> (f64, f64) {
-        let angle = |multiple: f64| TAU * multiple * motion.frequency * time + motion.phases[0];
+        let angle = |multiple: f64| TAU * multiple * motion.pace * time + motion.phases[0];
         match &self.normal {
             None => (self.normal_load, 0.0),
             Some(Normal::Swing { share, multiple }) => {
@@ -165,7 +144,7 @@ impl Prescribed {
             }
             Some(Normal::Approach { amplitude, multiple, stiffness, cubic, impact }) => {
                 let approach = amplitude * angle(*multiple).sin();
-                let speed = TAU * multiple * motion.frequency * amplitude * angle(*multiple).cos();
+                let speed = TAU * multiple * motion.pace * amplitude * angle(*multiple).cos();
                 let elastic = self.normal_load + stiffness * approach + cubic * approach.powi(3);
                 ((elastic * (1.0 + impact * speed)).max(0.0), approach)
             }
@@ -173,14 +152,13 @@ impl Prescribed {
     }
 
     fn record(&self, motion: &Motion) -> Record {
-        let period = PERIODS / motion.frequency / (SAMPLES - 1) as f64;
-        let step = period / STEPS as f64;
-        let times: Vec<f64> = (0..SAMPLES).map(|index| index as f64 * period).collect();
-        let force = self.force(motion, period, step);
+        let step = motion.period / STEPS as f64;
+        let times = motion.times();
+        let force = self.force(motion, step);
         let normals = times.iter().map(|time| self.normal(motion, *time));
         let (loads, approaches): (Vec<f64>, Vec<f64>) = normals.unzip();
         let displacement = times.iter().map(|time| motion.displacement(*time)).collect();
-        let shown = force.sample("force", SAMPLES, period, self.fault.as_ref());
+        let shown = force.sample("force", motion.samples, motion.period, self.fault.as_ref());
         let mut columns = vec![
             Column::new("time", "s", Role::Exact, times),
             Column::new("displacement", "m", Role::Prescribed, displacement),
@@ -194,10 +172,10 @@ impl Prescribed {
     }
 
     /// The contact force on the fine grid, from before the record's start as far as a late sensor looks back.
-    fn force(&self, motion: &Motion, period: f64, step: f64) -> Fine {
+    fn force(&self, motion: &Motion, step: f64) -> Fine {
         let late = self.fault.as_ref().map_or(0.0, |fault| fault.delay);
         // One sample at least: a contact that is put down at the first sample has no speed there yet.
-        let before = ((late / period).ceil() as usize).max(1) * STEPS;
+        let before = ((late / motion.period).ceil() as usize).max(1) * STEPS;
         let history = match motion.stretch {
             None => 800 * STEPS,
             Some(_) => before,
@@ -211,7 +189,7 @@ impl Prescribed {
             }
             _ => Contact::at_rest(&self.joint, 0.0),
         };
-        let count = history + (SAMPLES - 1) * STEPS + 1;
+        let count = history + (motion.samples - 1) * STEPS + 1;
         let values = (0..count)
             .map(|index| {
                 let time = (index as f64 - history as f64) * step;
@@ -226,38 +204,6 @@ impl Prescribed {
             })
             .collect();
         Fine { values, step, start }
-    }
-}
-
-fn motion(
-    (level, frequency, regime): (f64, f64, Regime),
-    yield_displacement: f64,
-    random: &mut Random,
-) -> Motion {
-    let amplitude = level * random.about_one(0.1) * yield_displacement;
-    let turned = if random.unit() < 0.5 { 0.0 } else { TAU / 2.0 };
-    let phase = if regime == Regime::FromRest { turned } else { random.phase() };
-    let stretch = random.between(-0.95, 0.95);
-    let steady = random.unit() < 0.25 && regime == Regime::UnknownInitialState;
-    Motion {
-        amplitude,
-        frequency,
-        phase,
-        regime,
-        stretch: (!steady).then_some(stretch),
-        phases: [random.phase(), random.phase()],
-    }
-}
-
-impl Motion {
-    fn displacement(&self, time: f64) -> f64 {
-        let wave = self.amplitude * (TAU * self.frequency * time + self.phase).sin();
-        if self.regime != Regime::FromRest {
-            return wave;
-        }
-        // Up to the full level within half of the record, without a jerk.
-        let part = (2.0 * time * self.frequency / PERIODS).clamp(0.0, 1.0);
-        wave * part * part * (3.0 - 2.0 * part)
     }
 }
 
@@ -305,8 +251,10 @@ impl Rig for Prescribed {
         &self.hidden
     }
 
-    fn tells_noise(&self) -> bool {
-        false
+    /// Periods show the noise of stationary records. Where nothing repeats it is read off while the machine stands
+    /// still, before a record from rest.
+    fn tells_noise(&self, regime: Regime) -> bool {
+        self.drive == Drive::Moving && regime == Regime::FromRest
     }
 }
 
@@ -331,23 +279,26 @@ mod tests {
 
     #[test]
     fn at_its_first_sample_a_record_is_in_motion_already() {
-        let damped = Prescribed::draw(&["contact_damping"], 1.0, &mut Random::new(3)).unwrap();
-        let mut plain = damped.clone();
-        plain.joint.damping = 0.0;
-        for (motion, (with, without)) in
-            damped.motions.iter().zip(damped.respond().iter().zip(plain.respond()))
-        {
-            let first = |record: &Record| record.responses().next().unwrap().values[0];
-            let speed = match motion.regime {
-                Regime::FromRest => 0.0,
-                _ => TAU * motion.frequency * motion.amplitude * motion.phase.cos(),
-            };
-            let largest = damped.joint.damping * TAU * motion.frequency * motion.amplitude;
-            let difference = first(with) - first(&without);
-            assert!(
-                (difference - damped.joint.damping * speed).abs() < 2e-3 * largest,
-                "{difference} {speed}"
-            );
+        for drive in [Drive::Stationary, Drive::Moving] {
+            let damped = Prescribed::draw(drive, &["contact_damping"], 1.0, &mut Random::new(3)).unwrap();
+            let mut plain = damped.clone();
+            plain.joint.damping = 0.0;
+            for (motion, (with, without)) in
+                damped.motions.iter().zip(damped.respond().iter().zip(plain.respond()))
+            {
+                let first = |record: &Record| record.responses().next().unwrap().values[0];
+                let around = 1e-4 * motion.period;
+                let speed = |time: f64| {
+                    (motion.displacement(time + around) - motion.displacement(time - around)) / (2.0 * around)
+                };
+                let fastest =
+                    motion.times().into_iter().map(speed).fold(0.0_f64, |most, v| most.max(v.abs()));
+                let difference = first(with) - first(&without);
+                assert!(
+                    (difference / damped.joint.damping - speed(0.0)).abs() < 2e-3 * fastest,
+                    "{difference} {fastest}"
+                );
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What the three kinds of experiment have in common.
 
 use crate::effect::Hidden;
-use crate::record::Record;
+use crate::record::{Record, Regime};
 
 /// An experiment: a true system, and what is done to it.
 pub trait Rig {
@@ -27,6 +27,6 @@ pub trait Rig {
     /// What is hidden, with its parameters.
     fn hidden(&self) -> &[Hidden];
 
-    /// Whether the dataset file tells the standard deviation of the noise.
-    fn tells_noise(&self) -> bool;
+    /// Whether the dataset file tells the standard deviation of the noise of records that begin so.
+    fn tells_noise(&self, regime: Regime) -> bool;
 }

@@ -168,6 +168,9 @@ fn breakdown(text: &mut String, outcomes: &[Outcome]) {
     for outcome in outcomes.iter().filter(|outcome| outcome.truth.class() != Class::Null) {
         add(format!("{} strength", outcome.truth.strength), outcome);
     }
+    for outcome in outcomes.iter().filter(|outcome| outcome.truth.moving) {
+        add("records not stationary".to_owned(), outcome);
+    }
     for (label, members) in groups {
         let _ = writeln!(text, "| {label} | {} |", Figures { outcomes: members }.row().join(" | "));
     }

@@ -19,6 +19,8 @@ pub struct Truth {
     pub coloured: bool,
     /// `full`, `half`, `quarter`.
     pub strength: String,
+    /// Whether its records are not stationary.
+    pub moving: bool,
     /// Where effects sit that sit somewhere.
     pub places: BTreeMap<String, String>,
     /// Parameters of each effect, SI.
@@ -55,6 +57,7 @@ impl Truth {
             effects,
             noise: entry.get("noise").and_then(Value::as_f64).unwrap_or(f64::NAN),
             coloured: entry.get("coloured").and_then(Value::as_bool).unwrap_or(false),
+            moving: entry.get("moving").and_then(Value::as_bool).unwrap_or(false),
             strength: word("strength").unwrap_or_else(|| "full".to_owned()),
             places: places
                 .filter_map(|(effect, place)| Some((effect.clone(), place.as_str()?.to_owned())))

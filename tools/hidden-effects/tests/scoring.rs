@@ -136,6 +136,9 @@ fn truths_are_read_as_their_authors_write_them() {
         assert_eq!(Truth::read(&entry).unwrap().effects, ["backlash", "wear"]);
     }
     assert_eq!(Truth::read(&json!({"family": "beam", "effect": "none"})).unwrap().class(), Class::Null);
+    let moving = |entry: Value| Truth::read(&entry).unwrap().moving;
+    assert!(moving(json!({"family": "contact", "effect": "none", "moving": true})));
+    assert!(!moving(json!({"family": "contact", "effect": "none"})));
     assert!(Truth::read(&json!({"family": "beam"})).is_err());
     assert!(Diagnosis::read(&json!({"schema": "other/1", "verdict": "unexplained"})).is_err());
 }

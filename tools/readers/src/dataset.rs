@@ -91,7 +91,7 @@ fn read_record(source: &Source, folder: &Path, table: &Table<'_>) -> Result<Reco
     Ok(Record { name: file.value.to_owned(), regime: regime.value, use_for, channels })
 }
 
-/// Refuses a table without the columns that its regime needs, whatever the model.
+/// Refuses a table without the columns that its regime needs, whatever the model, and a load that could never press.
 fn check_regime(csv: &Source, regime: Regime, columns: &[Column]) -> Result<(), InputError> {
     let (needed, reason): (&[&str], _) = match regime {
         Regime::Backbone => {
@@ -105,6 +105,10 @@ fn check_regime(csv: &Source, regime: Regime, columns: &[Column]) -> Result<(), 
             let problem = Problem::MissingColumn { column: (*column).to_owned(), reason: reason.to_owned() };
             return Err(csv.error_at_start(problem));
         }
+    }
+    let pulling = |column: &Column| column.values.iter().all(|load| *load < 0.0);
+    if columns.iter().any(|column| column.name.quantity.name == "normal_load" && pulling(column)) {
+        return Err(csv.error_at_start(Problem::PullingLoad));
     }
     Ok(())
 }

@@ -129,6 +129,9 @@ pub enum Problem {
         /// Who needs it.
         reason: String,
     },
+    /// A normal load that pulls from beginning to end.
+    #[error("column `normal_load` is below zero throughout: a load that presses counts as positive")]
+    PullingLoad,
     /// A column that does not fit the model.
     #[error("column `{column}` does not fit the model: {reason}")]
     UnsuitableColumn {
@@ -168,6 +171,7 @@ impl Problem {
                 let unit = stickslip::vocabulary::find(name.split(':').next().unwrap_or(name));
                 format!("write the unit in brackets: `{name} [{}]`", unit.map_or("unit", |unit| unit.unit))
             }
+            Problem::PullingLoad => "change the sign of the column".into(),
             Problem::Name(ChannelNameError::Quantity { help, .. }) => help.clone(),
             _ => return None,
         };

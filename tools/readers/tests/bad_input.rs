@@ -156,6 +156,15 @@ fn columns_that_the_regime_needs_are_asked_for() {
 }
 
 #[test]
+fn a_load_that_only_pulls_has_the_wrong_sign() {
+    let table = "time [s],displacement [mm],normal_load [kN]\n0,0,-0.1\n0.1,1,-0.2\n";
+    table_says(table, 1, &["`normal_load`", "change the sign"]);
+    // Lift-off in part of a record is what contacts do.
+    let lifted = table.replace("-0.1", "0.1");
+    assert!(read_dataset(folder(DATASET.as_bytes(), lifted.as_bytes()).path()).is_ok());
+}
+
+#[test]
 fn dataset_files_are_refused_at_the_line() {
     dataset_says(&DATASET.replace("dataset/1", "dataset/9"), 1, &["stickslip.dataset/1"]);
     dataset_says(&DATASET.replace("schema", "scheme"), 1, &["`schema` is missing"]);
