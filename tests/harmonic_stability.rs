@@ -7,9 +7,9 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Complex, DMatrix, DVector};
 use oscillator_support::{chain, single, two_mass};
-use stickslip::contact::{ContactLaw, CubicSpring, Jenkins, ParallelSliders, Valanis};
+use stickslip::contact::{ContactLaw, CubicSpring, Jenkins, ParallelSliders, Unilateral, Valanis};
 use stickslip::harmonic::fourier::from_samples;
-use stickslip::harmonic::stability::{Multipliers, floquet, is_stable};
+use stickslip::harmonic::stability::{Multipliers, Undecided, decide, floquet, is_stable};
 use stickslip::integrate::{Excitation, LoadedContact, OscillatorFlow, ShootingSettings, shoot};
 
 fn attached(law: &dyn ContactLaw) -> LoadedContact<'_> {
@@ -279,9 +279,11 @@ fn valanis_near_one_has_the_multipliers_of_its_limit_jenkins() {
 #[test]
 fn structures_too_large_and_lists_that_do_not_fit_are_not_judged() {
     let law = Jenkins::new(1.0, 1.0).unwrap();
+    let hardening = CubicSpring::new(1.0, 1.0).unwrap();
     let large = chain(61, 0.01);
     let u: &[f64] = &[0.0, 1.0, 0.0];
-    assert_eq!(is_stable(&large, &[attached(&law); 2], &[u, u], 1.0), None);
+    assert_eq!(decide(&large, &[attached(&hardening); 2], &[u, u], 1.0), Err(Undecided::TooLarge));
+    assert_eq!(is_stable(&large, &[attached(&hardening); 2], &[u, u], 1.0), None);
     let small = chain(6, 0.01);
     assert_eq!(is_stable(&small, &[attached(&law)], &[u], 1.0), None);
     assert_eq!(is_stable(&small, &[attached(&law); 2], &[u, &[f64::NAN]], 1.0), None);
@@ -289,4 +291,74 @@ fn structures_too_large_and_lists_that_do_not_fit_are_not_judged() {
     // Stuck throughout: the neutral positions of the sliders are not counted.
     let half: &[f64] = &[0.0, 0.5, 0.0];
     assert_eq!(is_stable(&small, &[attached(&law); 2], &[half, half], 1.0), Some(true));
+}
+
+/// No disturbance of sliders without play grows where the structure gains energy nowhere.
+#[test]
+fn friction_on_a_passive_structure_is_stable_at_any_frequency_and_size() {
+    let law = Jenkins::new(1.0, 0.1).unwrap();
+    let u: &[f64] = &[0.0, 1.0, 0.2];
+    for masses in [6, 61, 2000] {
+        for omega in [1e-9, 1e-3, 1.0, 1e6] {
+            assert_eq!(decide(&chain(masses, 0.01), &[attached(&law); 2], &[u, u], omega), Ok(true));
+        }
+    }
+    // As the multipliers have it, which are computed in full.
+    for omega in [0.2, 0.9] {
+        assert!(floquet(&chain(6, 0.01), &[attached(&law); 2], &[u, u], omega).unwrap().stable());
+    }
+    let mut linear = chain(3, 0.0);
+    linear.contacts.clear();
+    assert_eq!(decide(&linear, &[], &[], 1e-6), Ok(true));
+}
+
+/// Where no slider changes its branch the poles tell: a spring of −0.5 N/m is held by one of 0.7 N/m, not by 0.2 N/m.
+#[test]
+fn a_stuck_contact_holds_what_would_fall_alone() {
+    let u: &[f64] = &[0.0, 0.4, 0.2];
+    let falling = single(1.0, 0.1, -0.5, 1);
+    for (stiffness, stable) in [(0.7, true), (0.2, false)] {
+        let stuck = Jenkins::new(stiffness, 5.0).unwrap();
+        for omega in [1e-7, 1.0, 100.0] {
+            assert_eq!(decide(&falling, &[attached(&stuck)], &[u], omega), Ok(stable), "{stiffness} {omega}");
+        }
+    }
+    // A gap that stays open.
+    let gap = Unilateral::new(50.0, 1.0).unwrap();
+    assert_eq!(decide(&falling, &[attached(&gap)], &[u], 1e-7), Ok(false));
+    assert_eq!(decide(&single(1.0, 0.1, 0.5, 1), &[attached(&gap)], &[u], 1e-7), Ok(true));
+}
+
+/// A body without ground drifts: two multipliers are one, and rounding must not make them more.
+#[test]
+fn a_floating_structure_does_not_flicker() {
+    let mut floating = chain(3, 0.0);
+    let pairs =
+        |k: f64| vec![(0, 0, k), (0, 1, -k), (1, 0, -k), (1, 1, 2.0 * k), (1, 2, -k), (2, 1, -k), (2, 2, k)];
+    (floating.stiffness, floating.damping) = (pairs(3.0), pairs(0.05));
+    floating.contacts = vec![vec![(0, 1.0), (1, -1.0)]];
+    let u: &[f64] = &[0.0, 0.4, 0.2];
+    let sliding = Jenkins::new(0.7, 0.1).unwrap();
+    let smooth = Valanis::new(0.2, 0.02, 0.5, 0.0).unwrap();
+    let gap = Unilateral::new(0.5, 0.1).unwrap();
+    for k in 1..=12 {
+        let omega = 0.21 * f64::from(k);
+        for law in [&sliding as &dyn ContactLaw, &smooth, &gap] {
+            assert_eq!(decide(&floating, &[attached(law)], &[u], omega), Ok(true), "{omega}");
+        }
+    }
+}
+
+/// A long period costs a few squarings more; where it would cost steps without end, that is said.
+#[test]
+fn a_long_period_is_judged_or_called_too_long() {
+    let u: &[f64] = &[0.0, 0.4, 0.2];
+    let structure = chain(6, 0.01);
+    let gap = Unilateral::new(0.5, 0.1).unwrap();
+    for omega in [1e-2, 1e-4] {
+        assert_eq!(decide(&structure, &[attached(&gap); 2], &[u, u], omega), Ok(true));
+    }
+    let hardening = CubicSpring::new(0.0, 0.1).unwrap();
+    let found = decide(&structure, &[attached(&hardening); 2], &[u, u], 1e-6);
+    assert_eq!(found, Err(Undecided::TooLong));
 }

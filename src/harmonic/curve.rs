@@ -1,5 +1,7 @@
 //! Response curves: what is known at each of their points.
 
+use super::stability::Undecided;
+
 /// A contact at a point of a curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contacting {
@@ -32,6 +34,8 @@ pub struct Point {
     pub work: f64,
     /// Whether a small disturbance dies out; `None` where it was not asked for or cannot be told.
     pub stable: Option<bool>,
+    /// Why it cannot be told; `None` where it was not asked for or is told.
+    pub undecided: Option<Undecided>,
     /// Estimated error of the displacements from the harmonics left out, as share of the amplitude of
     /// the node it is largest at.
     pub error_estimate: f64,
@@ -48,6 +52,11 @@ impl Point {
     /// Amplitude of the first harmonic of each node's displacement (m).
     pub fn first_harmonic(&self) -> Vec<f64> {
         self.nodes.iter().map(|c| if c.len() > 2 { c[1].hypot(c[2]) } else { 0.0 }).collect()
+    }
+
+    /// Notes whether the point is stable, or why that cannot be told.
+    pub(crate) fn settle(&mut self, stable: Result<bool, Undecided>) {
+        (self.stable, self.undecided) = (stable.ok(), stable.err());
     }
 
     /// Energy all contacts take per cycle (J).

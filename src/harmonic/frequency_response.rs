@@ -345,7 +345,7 @@ impl<'s> Recorder<'s> {
         }
         self.grown = false;
         if self.settings.stability {
-            point.stable = system.stable(&point);
+            point.settle(system.stable(&point));
         }
         point.iterations = location.iterations;
         self.pending = Some(point);

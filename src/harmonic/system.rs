@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use super::HarmonicError;
 use super::curve::Point;
+use super::stability::Undecided;
 
 /// Numbers besides the Fourier coefficients on which the balance depends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -181,10 +182,9 @@ pub(crate) trait PeriodicSystem {
         false
     }
 
-    /// Whether a small disturbance of `point`, the solution last evaluated, dies out; `None` where it cannot be
-    /// told.
-    fn stable(&mut self, point: &Point) -> Option<bool> {
+    /// Whether a small disturbance of `point`, the solution last evaluated, dies out, or why that cannot be told.
+    fn stable(&mut self, point: &Point) -> Result<bool, Undecided> {
         let _ = point;
-        None
+        Err(Undecided::NoResponse)
     }
 }

@@ -341,7 +341,7 @@ pub(crate) fn describe_by(
     point.error_estimate = system.truncation_error(x, at, &point, solve)?;
     point.resolved = point.error_estimate <= settings.truncation.unwrap_or(UNRESOLVED);
     if settings.stability {
-        point.stable = system.stable(&point);
+        point.settle(system.stable(&point));
     }
     Ok(point)
 }

@@ -1,7 +1,7 @@
 //! The beam's balance as a [`PeriodicSystem`]: what continuation, tracking and conditions ask of it.
 
 use super::*;
-use crate::harmonic::stability::beam_is_stable;
+use crate::harmonic::stability::{Undecided, decide_for_beam};
 use crate::integrate::LoadedContact;
 
 impl PeriodicSystem for Balance<'_> {
@@ -153,11 +153,11 @@ impl PeriodicSystem for Balance<'_> {
         Ok(self.left_out(at, point, solve))
     }
 
-    fn stable(&mut self, point: &Point) -> Option<bool> {
+    fn stable(&mut self, point: &Point) -> Result<bool, Undecided> {
         let contact = attached(&self.contact, &self.varied);
         let contact = contact.map(|(law, normal_load)| LoadedContact { law, normal_load });
         let displacement = point.contacts.first().map_or(&[][..], |contact| &contact.displacement);
-        beam_is_stable(self.beam, contact, &self.modal_coefficients(), displacement, point.angular_frequency)
+        decide_for_beam(self.beam, contact, &self.modal_coefficients(), displacement, point.angular_frequency)
     }
 
     fn describe(&mut self, x: &[f64], at: &Operating) -> Result<Point, HarmonicError> {
@@ -185,6 +185,7 @@ impl PeriodicSystem for Balance<'_> {
             contacts,
             work: at.level * work_per_cycle(&self.waveform, &driven),
             stable: None,
+            undecided: None,
             error_estimate: 0.0,
             resolved: true,
             harmonics: self.harmonics,

@@ -24,6 +24,7 @@ use super::cycle::Cycle;
 use super::cycle::relieved::RelievedMap;
 use super::extremum::Extremum;
 use super::set::HarmonicSet;
+use super::stability::Undecided;
 use super::system::{Observation, Operating, PeriodicSystem, Scalar};
 use super::transfer::{Of, Transfer, add_product};
 use super::variation::Rebuild;
@@ -455,7 +456,7 @@ impl PeriodicSystem for Condensed<'_> {
         self.left_out(x, at, point, solve)
     }
 
-    fn stable(&mut self, point: &Point) -> Option<bool> {
+    fn stable(&mut self, point: &Point) -> Result<bool, Undecided> {
         self.lasts(point)
     }
 

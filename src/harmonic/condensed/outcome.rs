@@ -6,7 +6,7 @@ use crate::harmonic::cycle::relieved::RelievedMap;
 use crate::harmonic::cycle::{Cycle, PeriodicContact};
 use crate::harmonic::fourier::work_per_cycle;
 use crate::harmonic::set::HarmonicSet;
-use crate::harmonic::stability::is_stable;
+use crate::harmonic::stability::{Undecided, decide};
 use crate::harmonic::system::{Observation, Operating, Scalar};
 use crate::harmonic::transfer::{Of, add_product};
 use crate::harmonic::{HarmonicError, Point};
@@ -110,6 +110,7 @@ impl Condensed<'_> {
             contacts: self.contacts.iter_mut().zip(x.chunks_exact(set.len())).map(contacting).collect(),
             work,
             stable: None,
+            undecided: None,
             error_estimate: 0.0,
             resolved: true,
             harmonics: set.highest(),
@@ -118,9 +119,9 @@ impl Condensed<'_> {
     }
 
     /// Whether the response lasts. A free vibration sustained by its artificial damping is no response.
-    pub(super) fn lasts(&self, point: &Point) -> Option<bool> {
+    pub(super) fn lasts(&self, point: &Point) -> Result<bool, Undecided> {
         if self.relief != 0.0 {
-            return None;
+            return Err(Undecided::NoResponse);
         }
         let contacts: Vec<LoadedContact> = self
             .contacts
@@ -132,7 +133,7 @@ impl Condensed<'_> {
             .collect();
         let displacement: Vec<&[f64]> =
             point.contacts.iter().map(|contact| contact.displacement.as_slice()).collect();
-        is_stable(self.structure, &contacts, &displacement, point.angular_frequency)
+        decide(self.structure, &contacts, &displacement, point.angular_frequency)
     }
 
     /// Derivatives of the outputs' coefficients along a direction.

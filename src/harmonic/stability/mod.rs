@@ -4,8 +4,11 @@
 //! what the contact answers to `δuᵢ = Bᵢ δq` and to what its memory was disturbed by. The eigenvalues of
 //! the map over one period are the multipliers; the motion is stable where all are smaller than one.
 //!
-//! - Piecewise-linear laws (`regimes`): the displacement tells which slider sticks when; each regime is
-//!   a linear system, solved to rounding. Sliders remember the displacement of their last reversal, so that a
+//! - Sliders without play on a structure that gains energy nowhere, and no contact at all (`monotone`): no
+//!   disturbance can grow, whatever the motion; nothing has to be computed. Motions along which no slider changes its
+//!   branch: the poles of the linear structure tell.
+//! - Other piecewise-linear laws (`regimes`): the displacement tells which slider sticks when; each regime is
+//!   a linear system, solved to rounding by the exponential of its matrix. Sliders remember the displacement of their last reversal, so that a
 //!   disturbance of memory has one component per turning point, whatever the number of sliders.
 //! - Any other law (`tangents`): the tangents of its steps on a grid that meets all turning points,
 //!   the structure exactly between two, extrapolated (Romberg) until the map settles.
@@ -15,13 +18,16 @@
 
 mod balancing;
 mod beam;
+mod budget;
+mod exponential;
 mod feedback;
 mod history;
+mod monotone;
 mod regimes;
 mod signal;
 mod tangents;
 
-use nalgebra::Complex;
+use nalgebra::{Complex, DMatrix};
 
 use crate::contact::Slider;
 use crate::integrate::oscillator::multipliers;
@@ -29,9 +35,10 @@ use crate::integrate::oscillator::system::System;
 use crate::integrate::{LoadedContact, OscillatorError};
 use crate::structure::{LinearStructure, ModalBeam};
 use beam::Bent;
+use budget::Budget;
 use feedback::Linear;
 
-/// Most degrees of freedom for which [`is_stable`] answers.
+/// Most degrees of freedom for which multipliers are computed.
 const LARGEST: usize = 60;
 
 /// How far beyond the unit circle a multiplier may lie by rounding, that of the map and the root of it that is left
@@ -72,7 +79,7 @@ pub fn floquet(
     angular_frequency: f64,
 ) -> Result<Multipliers, OscillatorError> {
     let motion = Motion { structure, contacts, displacement, angular_frequency };
-    Ok(Multipliers { values: motion.multipliers(&mut |_| false)? })
+    Ok(Multipliers { values: motion.multipliers(&motion.system()?, &mut |_| false, Budget::unlimited())? })
 }
 
 /// Multipliers of the periodic motion of `beam` at `angular_frequency` (rad/s) whose modes move by the Fourier
@@ -110,25 +117,106 @@ pub fn floquet_of_beam(
     angular_frequency: f64,
 ) -> Result<Multipliers, OscillatorError> {
     let bent = bent(beam, contact, modes, displacement, angular_frequency)?;
-    Ok(Multipliers { values: tangents::multipliers_of(&bent, &mut |_| false)? })
+    Ok(Multipliers { values: tangents::multipliers_of(&bent, &mut |_| false, Budget::unlimited())? })
 }
 
-/// Whether the motion that [`floquet`] describes is stable; `None` for structures of more than 60 degrees of
-/// freedom and where the multipliers cannot be told.
+/// Why it cannot be told whether a motion is stable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Undecided {
+    /// The structure has more than 60 degrees of freedom, and contacts of other than sliders without play.
+    TooLarge,
+    /// The fastest motion of the structure goes round too often in a period: the multipliers would take a second or
+    /// more.
+    TooLong,
+    /// The multipliers do not settle, or are not finite.
+    NotSettled,
+    /// The motion is no response: a free vibration that artificial damping sustains.
+    NoResponse,
+}
+
+impl From<OscillatorError> for Undecided {
+    fn from(error: OscillatorError) -> Self {
+        match error {
+            OscillatorError::TooManySteps { .. } => Undecided::TooLong,
+            _ => Undecided::NotSettled,
+        }
+    }
+}
+
+/// Whether the motion that [`floquet`] describes is stable; `None` where it cannot be told. [`decide`] says why.
 pub fn is_stable(
     structure: &LinearStructure,
     contacts: &[LoadedContact],
     displacement: &[&[f64]],
     angular_frequency: f64,
 ) -> Option<bool> {
-    if structure.size > LARGEST {
-        return None;
-    }
-    let motion = Motion { structure, contacts, displacement, angular_frequency };
-    verdict(|enough| motion.multipliers(enough))
+    decide(structure, contacts, displacement, angular_frequency).ok()
 }
 
-/// Whether the motion that [`floquet_of_beam`] describes is stable; `None` where the multipliers cannot be told.
+/// Whether the motion that [`floquet`] describes is stable. Sliders without play, as no contact at all, make every
+/// motion stable, whatever the structure's size, unless it gains energy by itself.
+///
+/// # Errors
+/// Why it cannot be told.
+pub fn decide(
+    structure: &LinearStructure,
+    contacts: &[LoadedContact],
+    displacement: &[&[f64]],
+    angular_frequency: f64,
+) -> Result<bool, Undecided> {
+    let motion = Motion { structure, contacts, displacement, angular_frequency };
+    motion.check()?;
+    if monotone::only_loses(structure, contacts) {
+        return Ok(true);
+    }
+    if structure.size > LARGEST {
+        return Err(Undecided::TooLarge);
+    }
+    let system = motion.system()?;
+    if motion.has_sliders()
+        && let Some(stiffness) = regimes::constant_stiffness(contacts, displacement)?
+    {
+        return poles_are_stable(structure, &system, &stiffness);
+    }
+    verdict(system.floats(), |enough| motion.multipliers(&system, enough, Budget::of_a_point()))
+}
+
+/// Whether no pole lies to the right of the imaginary axis, where the contacts are springs.
+fn poles_are_stable(
+    structure: &LinearStructure,
+    system: &System,
+    contacts: &[f64],
+) -> Result<bool, Undecided> {
+    /// Real part of a pole that is rounding, as share of the fastest motion: two that fall together are off by the
+    /// root of it.
+    const ON_THE_AXIS: f64 = 1e-7;
+    let mut stiffness = structure.stiffness.clone();
+    for (row, k) in structure.contacts.iter().zip(contacts) {
+        let pairs = row.iter().flat_map(|a| row.iter().map(move |b| (a.0, b.0, a.1 * k * b.1)));
+        stiffness.extend(pairs);
+    }
+    if monotone::is_passive(structure, &stiffness) {
+        return Ok(true);
+    }
+    let (n, rate) = (system.size, system.fastest());
+    let (springs, dampers) = system.matrices();
+    let mut map = DMatrix::zeros(2 * n, 2 * n);
+    for i in 0..n {
+        map[(i, n + i)] = rate;
+        for j in 0..n {
+            let held = system.contacts.iter().zip(contacts).map(|(b, k)| b[i] * k * b[j]).sum::<f64>();
+            map[(n + i, j)] = -(springs[i * n + j] + held) / rate;
+            map[(n + i, n + j)] = -dampers[i * n + j];
+        }
+    }
+    let limit = ON_THE_AXIS * map.amax();
+    let poles = multipliers(map).ok_or(Undecided::NotSettled)?;
+    Ok(poles.iter().all(|pole| pole.re <= limit))
+}
+
+/// Whether the motion that [`floquet_of_beam`] describes is stable; `None` where it cannot be told.
+/// [`decide_for_beam`] says why.
 pub fn beam_is_stable(
     beam: &ModalBeam,
     contact: Option<LoadedContact>,
@@ -136,24 +224,51 @@ pub fn beam_is_stable(
     displacement: &[f64],
     angular_frequency: f64,
 ) -> Option<bool> {
-    let bent = bent(beam, contact, modes, displacement, angular_frequency).ok()?;
-    verdict(|enough| tangents::multipliers_of(&bent, enough))
+    decide_for_beam(beam, contact, modes, displacement, angular_frequency).ok()
+}
+
+/// Whether the motion that [`floquet_of_beam`] describes is stable.
+///
+/// # Errors
+/// Why it cannot be told.
+pub fn decide_for_beam(
+    beam: &ModalBeam,
+    contact: Option<LoadedContact>,
+    modes: &[f64],
+    displacement: &[f64],
+    angular_frequency: f64,
+) -> Result<bool, Undecided> {
+    let bent = bent(beam, contact, modes, displacement, angular_frequency)?;
+    let linear = contact.is_none() && beam.stretching_stiffness == 0.0 && beam.quadratic_damping == 0.0;
+    if linear && beam.damping_ratio.iter().all(|ratio| *ratio >= 0.0) {
+        return Ok(true);
+    }
+    verdict(false, |enough| tangents::multipliers_of(&bent, enough, Budget::of_a_point()))
 }
 
 /// Tells whether multipliers are good enough.
 type Enough<'e> = dyn FnMut(&[Complex<f64>]) -> bool + 'e;
 
 /// Whether all multipliers are stable, made no better than it takes to tell.
-fn verdict(found: impl FnOnce(&mut Enough) -> Result<Vec<Complex<f64>>, OscillatorError>) -> Option<bool> {
+fn verdict(
+    floats: bool,
+    found: impl FnOnce(&mut Enough) -> Result<Vec<Complex<f64>>, OscillatorError>,
+) -> Result<bool, Undecided> {
     /// Change of the largest multiplier from one map to a better one, as share of its distance from the unit circle.
     const CLEAR: f64 = 0.1;
+    /// What floats has two multipliers at one, which rounding drives apart by its root.
+    const OF_FLOATING: f64 = 1e-4;
     let mut last = f64::NAN;
     let mut clear = |found: &[Complex<f64>]| {
         let largest = found.first().map_or(0.0, |first| first.norm());
         let change = (largest - std::mem::replace(&mut last, largest)).abs();
         change <= CLEAR * (largest - 1.0).abs()
     };
-    found(&mut clear).ok().map(|values| Multipliers { values }.stable())
+    let mut values = found(&mut clear)?;
+    if floats {
+        values.retain(|multiplier| (multiplier - 1.0).norm() > OF_FLOATING);
+    }
+    Ok(Multipliers { values }.stable())
 }
 
 /// A periodic motion of a linear structure.
@@ -165,24 +280,41 @@ struct Motion<'a> {
 }
 
 impl Motion<'_> {
-    fn multipliers(&self, enough: &mut Enough) -> Result<Vec<Complex<f64>>, OscillatorError> {
-        let Self { structure, contacts, displacement, angular_frequency } = *self;
-        let system = &System::new(structure)?;
-        let expected = system.contacts.len();
-        for (name, found) in [("contacts", contacts.len()), ("displacement", displacement.len())] {
+    fn check(&self) -> Result<(), OscillatorError> {
+        let expected = self.structure.contacts.len();
+        for (name, found) in [("contacts", self.contacts.len()), ("displacement", self.displacement.len())] {
             if found != expected {
                 return Err(OscillatorError::Length { name, expected, found });
             }
         }
-        displacement.iter().try_for_each(|coefficients| check("displacement", coefficients))?;
-        check_frequency(angular_frequency)?;
+        self.displacement.iter().try_for_each(|coefficients| check("displacement", coefficients))?;
+        check_frequency(self.angular_frequency)
+    }
+
+    fn system(&self) -> Result<System, OscillatorError> {
+        System::new(self.structure)
+    }
+
+    fn has_sliders(&self) -> bool {
         let mut sliders: Vec<Slider> = Vec::new();
-        if contacts.iter().all(|contact| contact.law.sliders(contact.normal_load, &mut sliders)) {
-            let map = regimes::monodromy(system, contacts, displacement, angular_frequency)?;
+        self.contacts.iter().all(|contact| contact.law.sliders(contact.normal_load, &mut sliders))
+    }
+
+    fn multipliers(
+        &self,
+        system: &System,
+        enough: &mut Enough,
+        budget: Budget,
+    ) -> Result<Vec<Complex<f64>>, OscillatorError> {
+        self.check()?;
+        let Self { contacts, displacement, angular_frequency, .. } = *self;
+        if self.has_sliders() {
+            let map = regimes::monodromy(system, contacts, displacement, angular_frequency, budget)?;
             let diverged = OscillatorError::Diverged { time: std::f64::consts::TAU / angular_frequency };
             return multipliers(map).ok_or(diverged);
         }
-        tangents::multipliers_of(&Linear { system, contacts, displacement, angular_frequency }, enough)
+        let motion = Linear { system, contacts, displacement, angular_frequency };
+        tangents::multipliers_of(&motion, enough, budget)
     }
 }
 

@@ -4,9 +4,11 @@ use std::f64::consts::TAU;
 
 use nalgebra::DMatrix;
 
+use super::budget::Budget;
+use super::exponential::{PRODUCTS, exponential, norm, squarings};
 use super::signal::{evaluate, root, turning_points};
 use crate::integrate::oscillator::elements::{Branch, Element, Memory, elements};
-use crate::integrate::oscillator::system::{System, dot};
+use crate::integrate::oscillator::system::System;
 use crate::integrate::{LoadedContact, OscillatorError};
 
 /// Phases (rad) closer than this are the same: rounding of a few periods.
@@ -41,6 +43,7 @@ pub(super) fn monodromy(
     contacts: &[LoadedContact],
     displacement: &[&[f64]],
     angular_frequency: f64,
+    budget: Budget,
 ) -> Result<DMatrix<f64>, OscillatorError> {
     let all = elements(contacts)?;
     let mut changes: Vec<Change> = Vec::new();
@@ -70,22 +73,38 @@ pub(super) fn monodromy(
         compact(&mut change.weights);
         change.remembered = change.remembered.and_then(|slot| place[slot]);
     }
-    let mut walk = Walk {
-        system,
-        columns: unit_columns(2 * system.size + used),
-        series: system.series(),
-        constant: vec![0.0; contacts.len()],
-        stiffness,
-        weights,
-    };
+    let size = 2 * system.size + used;
+    let (map, rate) = (DMatrix::identity(size, size), system.fastest());
+    let mut walk = Walk { system, rate, map, stiffness, weights, budget };
     let mut phase = 0.0;
     for change in changes {
-        walk.advance((change.phase - phase) / angular_frequency);
+        walk.advance((change.phase - phase) / angular_frequency)?;
         phase = change.phase;
         walk.change(change);
     }
-    walk.advance((TAU - phase) / angular_frequency);
-    Ok(as_matrix(&walk.columns))
+    walk.advance((TAU - phase) / angular_frequency)?;
+    Ok(walk.map)
+}
+
+/// Stiffness of every contact (N/m) where no slider changes its branch all along the period; `None` where one does.
+pub(super) fn constant_stiffness(
+    contacts: &[LoadedContact],
+    displacement: &[&[f64]],
+) -> Result<Option<Vec<f64>>, OscillatorError> {
+    let all = elements(contacts)?;
+    let mut stiffness = Vec::with_capacity(contacts.len());
+    for (contact, coefficients) in displacement.iter().enumerate() {
+        let elements = all.iter().filter(|element| element.contact == contact).copied().collect();
+        let mut path = Path::new(contact, coefficients, 0, elements);
+        let mut changes = Vec::new();
+        path.settle();
+        stiffness.push(path.tangent().0);
+        path.run(0.0, TAU, &mut Some(&mut changes));
+        if !changes.is_empty() {
+            return Ok(None);
+        }
+    }
+    Ok(Some(stiffness))
 }
 
 impl<'a> Path<'a> {
@@ -221,58 +240,66 @@ impl<'a> Path<'a> {
     }
 }
 
-/// Disturbances on their way through a period.
+/// Disturbances on their way through a period: displacements times `rate`, velocities, remembered displacements times
+/// `rate`, so that all are velocities.
 struct Walk<'a> {
     system: &'a System,
-    /// Displacement, velocity, remembered displacements.
-    columns: Vec<Vec<f64>>,
-    series: Vec<f64>,
-    constant: Vec<f64>,
+    rate: f64,
+    map: DMatrix<f64>,
     stiffness: Vec<f64>,
     weights: Vec<Vec<(usize, f64)>>,
+    budget: Budget,
 }
 
 impl Walk<'_> {
-    fn advance(&mut self, duration: f64) {
+    /// `d/dt` of the disturbances in the regime now.
+    fn generator(&self) -> DMatrix<f64> {
+        let (n, size) = (self.system.size, self.map.nrows());
+        let mut out = DMatrix::zeros(size, size);
+        let (stiffness, damping) = self.system.matrices();
+        for i in 0..n {
+            out[(i, n + i)] = self.rate;
+            for j in 0..n {
+                out[(n + i, j)] = -stiffness[i * n + j] / self.rate;
+                out[(n + i, n + j)] = -damping[i * n + j];
+            }
+        }
+        for ((b, stiffness), weights) in self.system.contacts.iter().zip(&self.stiffness).zip(&self.weights) {
+            for (i, along) in b.iter().enumerate().filter(|(_, along)| **along != 0.0) {
+                for (j, b) in b.iter().enumerate() {
+                    out[(n + i, j)] -= along * stiffness * b / self.rate;
+                }
+                for (slot, weight) in weights {
+                    out[(n + i, 2 * n + slot)] += along * weight / self.rate;
+                }
+            }
+        }
+        out
+    }
+
+    fn advance(&mut self, duration: f64) -> Result<(), OscillatorError> {
         if duration <= 0.0 {
-            return;
+            return Ok(());
         }
-        let n = self.system.size;
-        let longest = self.system.longest_step(&self.stiffness, 0.0);
-        let steps = (duration / longest).ceil().max(1.0);
-        for column in &mut self.columns {
-            let (moving, memory) = column.split_at_mut(2 * n);
-            let (x, v) = moving.split_at_mut(n);
-            for (constant, weights) in self.constant.iter_mut().zip(&self.weights) {
-                *constant = -weights.iter().map(|(slot, weight)| weight * memory[*slot]).sum::<f64>();
-            }
-            let h = duration / steps;
-            for _ in 0..steps as usize {
-                let forces = (self.stiffness.as_slice(), self.constant.as_slice());
-                self.system.expand(h, x, v, forces, None, &mut self.series);
-                self.system.at(&self.series, h, 1.0, x, v);
-            }
+        let generator = self.generator() * duration;
+        let (size, norm) = (self.map.nrows() as f64, norm(&generator));
+        if !norm.is_finite() {
+            return Err(OscillatorError::Diverged { time: duration });
         }
+        let products = PRODUCTS as f64 + f64::from(squarings(norm)) + 1.0;
+        self.budget.spend(products * size.powi(3), duration)?;
+        self.map = exponential(generator, norm) * &self.map;
+        Ok(())
     }
 
     fn change(&mut self, change: Change) {
         let n = self.system.size;
         if let Some(slot) = change.remembered {
-            let row = &self.system.contacts[change.contact];
-            for column in &mut self.columns {
-                column[2 * n + slot] = dot(row, &column[..n]);
-            }
+            let row = DMatrix::from_row_slice(1, n, &self.system.contacts[change.contact]);
+            let moved = row * self.map.rows(0, n);
+            self.map.row_mut(2 * n + slot).copy_from(&moved.row(0));
         }
         self.stiffness[change.contact] = change.stiffness;
         self.weights[change.contact] = change.weights;
     }
-}
-
-/// Disturbances of displacement and velocity as columns of a square matrix with `memory` more rows.
-fn unit_columns(size: usize) -> Vec<Vec<f64>> {
-    (0..size).map(|k| (0..size).map(|i| if i == k { 1.0 } else { 0.0 }).collect()).collect()
-}
-
-fn as_matrix(columns: &[Vec<f64>]) -> DMatrix<f64> {
-    DMatrix::from_fn(columns.len(), columns.len(), |i, j| columns[j][i])
 }

@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Complex, DMatrix};
 
 use super::balancing::balance;
+use super::budget::Budget;
 use super::feedback::{Disturbed, Feedback};
 use crate::integrate::OscillatorError;
 use crate::integrate::oscillator::multipliers;
@@ -23,22 +24,40 @@ const SAME_PHASE: f64 = 1e-10;
 /// Most steps of a period.
 const MOST_STEPS: usize = 1 << 16;
 
+/// Cost of a step beyond its products, in multiplications.
+const LEAST_STEP: usize = 4000;
+
 /// The multipliers over a period. `enough` sees them all, each better than the last, and tells whether they are good
 /// enough, which they can be only on a grid that resolves the structure's own motion.
 pub(super) fn multipliers_of(
     motion: &dyn Disturbed,
     enough: &mut dyn FnMut(&[Complex<f64>]) -> bool,
+    mut budget: Budget,
 ) -> Result<Vec<Complex<f64>>, OscillatorError> {
     let system = motion.system();
+    let period = TAU / motion.angular_frequency();
     let mut grid = first_grid(motion);
     // The structure's own motion must be resolved by every step.
     let longest = system.longest_step(&vec![0.0; system.contacts.len()], 0.0) * motion.angular_frequency();
+    if TAU / longest >= MOST_STEPS as f64 {
+        return Err(OscillatorError::TooManySteps { limit: MOST_STEPS, time: 0.0 });
+    }
+    // What a step costs at least, and its products.
+    let (moving, channels) = (2 * system.size, system.contacts.len());
+    let all = moving + motion.memory();
+    let step = (LEAST_STEP + (moving + 2 * channels) * moving * all + 4 * channels * channels * all) as f64;
+    // The deepest level asked for is the second on which all is resolved: no use beginning what cannot get there.
+    let least = 2.0 * (TAU / longest).max(grid.len() as f64) * step;
+    budget.allow(least, period)?;
     let resolved = |grid: &[f64]| grid.windows(2).all(|pair| pair[1] - pair[0] <= longest);
     let base: f64 = if motion.first_order() { 2.0 } else { 4.0 };
     let mut before: Vec<DMatrix<f64>> = Vec::new();
     let mut known: Vec<Complex<f64>> = Vec::new();
     let (mut change, mut levels) = (f64::INFINITY, 0);
     while levels < LEVELS && grid.len() < MOST_STEPS {
+        if let Err(too_long) = budget.spend(grid.len() as f64 * step, period) {
+            return if levels > 0 && change <= ACCEPTED { Ok(known) } else { Err(too_long) };
+        }
         let mut row = vec![on_grid(motion, &grid)?];
         for k in 0..before.len() {
             let factor = 1.0 / (base.powi(k as i32 + 1) - 1.0);

@@ -27,6 +27,8 @@ pub(crate) struct System {
     factor: Cholesky<f64, Dyn>,
     /// Largest magnitude of an eigenvalue of K (1/s²) and of C (1/s).
     largest: (f64, f64),
+    /// Smallest eigenvalue of K (1/s²).
+    least: f64,
     /// |bᵢ|² (1/kg).
     contact_mobility: Vec<f64>,
 }
@@ -76,16 +78,18 @@ impl System {
         };
         let (damping, stiffness) =
             (normalise(&structure.damping, "damping")?, normalise(&structure.stiffness, "stiffness")?);
-        let largest = |matrix: &DMatrix<f64>| {
+        let eigenvalues = |matrix: &DMatrix<f64>| {
             let symmetric = 0.5 * (matrix + matrix.transpose());
-            symmetric.symmetric_eigenvalues().amax()
+            symmetric.symmetric_eigenvalues()
         };
+        let springs = eigenvalues(&stiffness);
         let contacts: Vec<Vec<f64>> =
             structure.contacts.iter().map(|r| row(r, "contacts")).collect::<Result<_, _>>()?;
         let outputs = structure.outputs.iter().map(|o| row(&o.row, "outputs")).collect::<Result<_, _>>()?;
         Ok(Self {
             size: n,
-            largest: (largest(&stiffness), largest(&damping)),
+            largest: (springs.amax(), eigenvalues(&damping).amax()),
+            least: springs.min(),
             damping: damping.transpose().as_slice().to_vec(),
             stiffness: stiffness.transpose().as_slice().to_vec(),
             contact_mobility: contacts.iter().map(|b| dot(b, b)).collect(),
@@ -100,6 +104,22 @@ impl System {
     /// excitation is a contact force.
     pub fn driven_by_contact(&self, i: usize) -> Self {
         Self { excitation: self.contacts[i].iter().map(|b| -b).collect(), ..self.clone() }
+    }
+
+    /// K (1/s²) and C (1/s), row-major.
+    pub fn matrices(&self) -> (&[f64], &[f64]) {
+        (&self.stiffness, &self.damping)
+    }
+
+    /// Angular frequency (rad/s) of the structure's fastest motion; 1 without springs.
+    pub fn fastest(&self) -> f64 {
+        if self.largest.0 > 0.0 { self.largest.0.sqrt() } else { 1.0 }
+    }
+
+    /// Whether the structure can be displaced without a force: some part of it floats.
+    pub fn floats(&self) -> bool {
+        const ROUNDING: f64 = 1e-13;
+        self.least.abs() <= ROUNDING * self.size as f64 * self.largest.0
     }
 
     /// Inner coordinates of a displacement or velocity `q`.

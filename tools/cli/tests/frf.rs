@@ -317,3 +317,107 @@ fn the_study_agrees_with_time_integration_and_names_the_statements_that_fail() {
     assert!(page.contains("not supported") && page.matches("plotly.js v3").count() == 1);
     assert!(results.join("friction-vibration/model.toml").is_file());
 }
+
+/// Runs `frf` on a model of its own and reads the JSON.
+fn followed(model: &str, more: &[&str]) -> (String, Value) {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("own.toml"), model).unwrap();
+    let run = ["frf", "own.toml", "--unit", "rad/s", "--json", "f.json", "--report", "f.html"];
+    let output = stickslip(folder.path(), &[&run[..], more].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let page = fs::read_to_string(folder.path().join("f.html")).unwrap();
+    let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).replace('\n', " ");
+    (format!("{said}{page}"), read(&folder, "f.json"))
+}
+
+const FREE: &str = "schema = \"stickslip.model/1\"\nkind = \"oscillator\"\n\
+    mass = [{ name = \"a\", mass = 1.0 }, { name = \"b\", mass = 2.0 }]\n\
+    spring = [{ between = [\"a\", \"b\"], stiffness = 3.0, damping = 0.05 }]\n";
+
+/// Linear systems have no steps to count: a period of 73 days is as good as any, and what floats is stable.
+#[test]
+fn linear_systems_are_stable_at_any_frequency() {
+    let started = std::time::Instant::now();
+    for more in
+        [&["--from", "1e-6", "--to", "3"][..], &["--from", "0.3", "--to", "3", "--hold", "velocity:a=1"]]
+    {
+        let (_, json) = followed(FREE, more);
+        let points = json["points"].as_array().unwrap();
+        assert!(points.len() > 10 && points.iter().all(|point| point["stable"] == true));
+    }
+    assert!(started.elapsed().as_secs() < 60);
+}
+
+/// A hardening spring at a very low frequency: not hung, not guessed.
+#[test]
+fn where_telling_would_take_too_long_that_is_said() {
+    let duffing = "schema = \"stickslip.model/1\"\nkind = \"oscillator\"\n\
+        mass = [{ name = \"m\", mass = 1.0 }]\n\
+        spring = [{ between = [\"ground\", \"m\"], stiffness = 1.0, damping = 0.1 }]\n\
+        [[effect]]\nid = \"geometric_stiffening\"\ncubic_stiffness = 0.05\n";
+    let (said, json) = followed(duffing, &["--from", "1e-6", "--to", "2e-6", "--harmonics", "5"]);
+    for point in json["points"].as_array().unwrap() {
+        assert!(point["stable"].is_null() && point["undecided"].as_str().unwrap().contains("too long"));
+        // Nothing is called a contact where there is none.
+        assert_eq!(point["dissipated"], 0.0);
+        assert!(point["equivalent_stiffness"].is_null() && point["stick_fraction"].is_null());
+    }
+    assert!(said.contains("cannot be told (it would take too long"), "{said}");
+    assert!(!said.contains("that the contact takes") && !said.contains("Loops at the peaks"));
+}
+
+/// Work is what the contact takes, what drag takes and what the dampers take.
+#[test]
+fn drag_is_not_the_contact() {
+    let model = format!("{MODEL}\n[[effect]]\nid = \"quadratic_damping\"\nquadratic_damping = 0.05\n");
+    let range = ["--from", "0.9", "--to", "1.5", "--force", "0.4", "--no-stability"];
+    let (said, json) = followed(&model, &range);
+    let points = json["points"].as_array().unwrap();
+    assert!(points.len() > 10);
+    for point in points {
+        let number = |key: &str| point[key].as_f64().unwrap();
+        let (contact, drag) = (number("dissipated"), number("dissipated_by_structure"));
+        let all = contact + drag + number("dissipated_by_dampers");
+        assert!((all / number("work") - 1.0).abs() < 1e-3, "{point}");
+        // The closed form of the contact's loop.
+        let slip = point["amplitude"]["m2"].as_f64().unwrap() - 0.02 / 0.2;
+        assert!((contact - 4.0 * 0.02 * slip.max(0.0)).abs() < 1e-6 && drag > 0.0, "{point}");
+        assert!(number("equivalent_stiffness") <= 0.2 * (1.0 + 1e-9) && number("stick_fraction") <= 1.0);
+    }
+    assert!(said.contains("nonlinearities (drag) take per cycle") && !said.contains("Contact 2"));
+}
+
+#[test]
+fn effects_without_a_steady_state_are_refused_and_those_of_sensors_told() {
+    let wear = format!("{MODEL}\n[[effect]]\nid = \"wear\"\nrate = 0.1\n");
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("wear.toml"), wear).unwrap();
+    let output = stickslip(folder.path(), &["frf", "wear.toml", "--from", "0.1", "--to", "0.2"]);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("\"wear\" has no steady state"), "{message}");
+    let gain =
+        format!("{MODEL}\n[[effect]]\nid = \"sensor_gain\"\nchannel = \"displacement:m1\"\ngain = 2.0\n");
+    let (said, _) = followed(&gain, &["--from", "0.5", "--to", "0.51", "--no-stability"]);
+    assert!(said.contains("\"sensor_gain\" is of the measurement of displacement:m1"), "{said}");
+}
+
+#[test]
+fn the_place_of_excitation_of_a_beam_can_be_held() {
+    let folder = example();
+    let run = ["frf", "beam.toml", "--from", "53.9", "--to", "54", "--hold", "velocity:excitation=0.1"];
+    let more = ["--harmonics", "3", "--no-stability", "--json", "f.json"];
+    let output = stickslip(folder.path(), &[&run[..], &more].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for point in read(&folder, "f.json")["points"].as_array().unwrap() {
+        let omega = point["omega"].as_f64().unwrap();
+        close(&point["harmonic1"]["excitation"], 0.1 / omega, 1e-8);
+    }
+}
+
+#[test]
+fn long_numbers_are_written_short() {
+    let output = stickslip(example().path(), &["frf", "model.toml", "--from", "1e301", "--to", "1e300"]);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(message.contains("--from 1e301 must be below --to 1e300"), "{message}");
+}

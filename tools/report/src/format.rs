@@ -33,12 +33,24 @@ fn engineering_exponent(value: f64) -> i32 {
     exponent.div_euclid(3) * 3
 }
 
-/// `value` with `digits` significant digits and without trailing zeros.
+/// Powers of ten from here on are written as such.
+const LONGEST: i32 = 12;
+
+/// `value` with `digits` significant digits and without trailing zeros; as 1e300 where it would be long.
 pub fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
     let exponent = value.abs().log10().floor() as i32;
+    if exponent >= LONGEST && value.is_finite() {
+        let text = format!("{value:.*e}", digits.max(1) as usize - 1);
+        let (mantissa, power) = text.split_once('e').unwrap_or((&text, "0"));
+        let mantissa = match mantissa.contains('.') {
+            true => mantissa.trim_end_matches('0').trim_end_matches('.'),
+            false => mantissa,
+        };
+        return minus(&format!("{mantissa}e{power}"));
+    }
     let decimals = (digits - 1 - exponent).clamp(0, 17) as usize;
     let text = format!("{value:.decimals$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
@@ -216,6 +228,13 @@ pub fn printable(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_long_number_is_written_as_a_power_of_ten() {
+        assert_eq!(significant(1e300, 6), "1e300");
+        assert_eq!(significant(-1.25e15, 6), "−1.25e15");
+        assert_eq!(significant(123456.0, 6), "123456");
+    }
 
     #[test]
     fn engineering_format_keeps_the_value_and_uses_multiples_of_three() {

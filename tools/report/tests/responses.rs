@@ -1,9 +1,10 @@
 //! What page, table and JSON of response curves promise, whatever was found.
 
+use stickslip::harmonic::stability::Undecided;
 use stickslip::harmonic::{Contacting, Curve, Ending, Fold, Peak, Point};
 use stickslip_report::Settings;
 use stickslip_report::responses::{
-    ContactLoop, FrequencyUnit, Held, ResponseCurve, Responses, responses_html, responses_json,
+    ContactLoop, FrequencyUnit, Held, Losses, ResponseCurve, Responses, responses_html, responses_json,
     responses_table,
 };
 
@@ -24,6 +25,7 @@ fn point(angular_frequency: f64, level: f64) -> Point {
             force: vec![0.0, 1.0, 0.0],
         }],
         work: 0.2,
+        undecided: None,
         stable: (angular_frequency < 1.5).then_some(angular_frequency < 1.2),
         error_estimate: 1e-7,
         resolved: angular_frequency < 1.8,
@@ -51,6 +53,7 @@ fn responses(curves: Vec<ResponseCurve>) -> Responses {
         harmonics: 7,
         tolerance: Some(1e-6),
         stability: true,
+        losses: Losses { contact: true, ..Losses::default() },
         curves,
         seconds: 0.02,
     }
@@ -192,4 +195,48 @@ fn phases_are_negative_where_the_displacement_lags() {
         let found = json["points"][0]["phase1"][HOSTILE].as_f64().unwrap();
         assert!((found - phase * std::f64::consts::PI).abs() < 1e-15, "{found}");
     }
+}
+
+#[test]
+fn an_undamped_structure_may_have_no_end() {
+    let stuck = |undamped: bool, contact: bool| {
+        let losses = Losses { contact, undamped, ..Losses::default() };
+        let example = Responses { losses, ..responses(vec![curve(1.0, Ending::Stuck)]) };
+        responses_table(&example, 1000, false)
+    };
+    assert!(stuck(true, true).contains("4/π of its limit") && stuck(true, false).contains("without bound"));
+    assert!(!stuck(false, true).contains("without bound"));
+}
+
+#[test]
+fn why_stability_cannot_be_told_is_said() {
+    let why = Some(Undecided::TooLong);
+    let example = changed(|point| (point.stable, point.undecided) = (None, why));
+    let table = responses_table(&example, 1000, false);
+    assert!(table.contains("stability cannot be told (it would take too long"), "{table}");
+    let json = responses_json(&example, &Settings::default());
+    assert!(json["points"][0]["undecided"].as_str().unwrap().contains("too long"));
+}
+
+/// What is behind the model's contact belongs to the structure; without one, all of it does.
+#[test]
+fn the_structure_s_own_nonlinearities_are_no_contact() {
+    let with = |contact: bool| {
+        let mut example = changed(|point| point.contacts.push(point.contacts[0].clone()));
+        example.losses = Losses { contact, ..Losses::default() };
+        let point = responses_json(&example, &Settings::default())["points"][0].clone();
+        let number = |key: &str| point[key].as_f64().unwrap();
+        assert!(point.get("contacts").is_none());
+        (
+            number("dissipated"),
+            number("dissipated_by_structure"),
+            responses_html(&example, &Settings::default()),
+        )
+    };
+    let (contact, structure, page) = with(true);
+    assert!((contact - 0.1).abs() < 1e-15 && (structure - 0.1).abs() < 1e-15);
+    assert!(page.contains("that the contact takes") && page.contains("nonlinearities (drag) take"));
+    let (contact, structure, page) = with(false);
+    assert!(contact == 0.0 && (structure - 0.2).abs() < 1e-15);
+    assert!(!page.contains("that the contact takes"));
 }

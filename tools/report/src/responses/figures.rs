@@ -70,43 +70,50 @@ pub fn force(responses: &Responses) -> Vec<Plot> {
     vec![plot(responses, caption, false, vec![(over, &ratio), (Axis::new("force", "N"), &level)])]
 }
 
-/// Energy, equivalent stiffness and time in stick.
+/// Energy, equivalent stiffness and time in stick of the model's contact.
 pub fn contact(responses: &Responses) -> Vec<Plot> {
-    let count = responses.points().map(|point| point.contacts.len()).max().unwrap_or(0);
-    if count == 0 {
+    let losses = &responses.losses;
+    if !losses.contact {
         return Vec::new();
     }
-    let dissipated = |_: &ResponseCurve, point: &Point| point.dissipated_energy();
-    let share = |_: &ResponseCurve, point: &Point| {
-        if point.work > 0.0 { point.dissipated_energy() / point.work } else { f64::NAN }
+    let dissipated = |point: &Point| losses.of_contact(point);
+    let mut plots = vec![energy(responses, "Energy that the contact takes per cycle", &dissipated)];
+    let of = |point: &Point, value: fn(&Contacting) -> f64| number(losses.contact(point).map(value));
+    let stiffness =
+        |_: &ResponseCurve, point: &Point| of(point, |contact: &Contacting| contact.equivalent_stiffness);
+    let stick = |_: &ResponseCurve, point: &Point| {
+        of(point, |contact: &Contacting| contact.stick_fraction.unwrap_or(f64::NAN))
     };
-    let energy = Axis::new("energy per cycle", "J").scaled(Scaling::Either);
-    let mut plots = vec![plot(
-        responses,
-        "Energy that the contact takes per cycle; below, as share of the work of the excitation.".to_owned(),
-        true,
-        vec![(energy, &dissipated), (Axis::new("share of the work", "1"), &share)],
-    )];
-    for index in 0..count.min(NODES) {
-        let which = if count > 1 { format!(" Contact {}.", index + 1) } else { String::new() };
-        let of = |point: &Point, value: fn(&Contacting) -> f64| number(point.contacts.get(index).map(value));
-        let stiffness =
-            |_: &ResponseCurve, point: &Point| of(point, |contact: &Contacting| contact.equivalent_stiffness);
-        let stick = |_: &ResponseCurve, point: &Point| {
-            of(point, |contact: &Contacting| contact.stick_fraction.unwrap_or(f64::NAN))
-        };
-        let y = Axis::new("equivalent stiffness", "N/m").scaled(Scaling::Either);
-        let mut panels: Vec<(Axis, Value)> = vec![(y, &stiffness)];
-        let mut caption = format!("Slope of the contact’s loop from tip to tip.{which}");
-        let has_stick =
-            |point: &Point| point.contacts.get(index).is_some_and(|one| one.stick_fraction.is_some());
-        if responses.points().any(has_stick) {
-            panels.push((Axis::new("stick fraction", "1"), &stick));
-            caption.push_str(" Below, the share of the period in stick.");
-        }
-        plots.push(plot(responses, caption, true, panels));
+    let y = Axis::new("equivalent stiffness", "N/m").scaled(Scaling::Either);
+    let mut panels: Vec<(Axis, Value)> = vec![(y, &stiffness)];
+    let mut caption = "Slope of the contact’s loop from tip to tip.".to_owned();
+    let has_stick = |point: &Point| losses.contact(point).is_some_and(|one| one.stick_fraction.is_some());
+    if responses.points().any(has_stick) {
+        panels.push((Axis::new("stick fraction", "1"), &stick));
+        caption.push_str(" Below, the share of the period in stick.");
     }
+    plots.push(plot(responses, caption, true, panels));
     plots
+}
+
+/// Energy that nonlinearities of the structure itself take, where they take any.
+pub fn structure(responses: &Responses) -> Vec<Plot> {
+    if !responses.structure_takes_energy() {
+        return Vec::new();
+    }
+    let caption = "Energy that the structure’s own nonlinearities (drag) take per cycle, besides the contact and the \
+                   linear dampers";
+    vec![energy(responses, caption, &|point| responses.losses.of_structure(point))]
+}
+
+/// An energy per cycle, and its share of the work.
+fn energy(responses: &Responses, what: &str, of: &dyn Fn(&Point) -> f64) -> Plot {
+    let taken = |_: &ResponseCurve, point: &Point| of(point);
+    let share =
+        |_: &ResponseCurve, point: &Point| if point.work > 0.0 { of(point) / point.work } else { f64::NAN };
+    let y = Axis::new("energy per cycle", "J").scaled(Scaling::Either);
+    let caption = format!("{what}; below, as share of the work of the excitation.");
+    plot(responses, caption, true, vec![(y, &taken), (Axis::new("share of the work", "1"), &share)])
 }
 
 /// Estimated error on a logarithmic axis; unresolved points are marked.
@@ -255,6 +262,7 @@ mod tests {
             contacts: Vec::new(),
             work: 1.0,
             stable: Some(stable),
+            undecided: None,
             error_estimate: 0.0,
             resolved: true,
             harmonics: 1,
@@ -289,6 +297,7 @@ mod tests {
             harmonics: 1,
             tolerance: None,
             stability: true,
+            losses: super::super::Losses::default(),
             curves: vec![one],
             seconds: 0.0,
         };

@@ -18,8 +18,9 @@ use crate::Settings;
 ///  "curves": [{"level": 0.4, "held": null, "points": 160, "ending": "complete", "failure": null, "seconds": 0.03}],
 ///  "points": [{"curve": 0, "omega": 0.5, "frequency_hz": 0.0796, "level": 0.4, "held": null,
 ///    "amplitude": {"m1": 0.93}, "harmonic1": {"m1": 0.93}, "phase1": {"m1": -0.3}, "dissipated": 0.134, "work": 0.766,
-///    "equivalent_stiffness": 0.0112, "stick_fraction": 0.05, "stable": true, "error_estimate": 1e-7,
-///    "resolved": true, "harmonics": 21}],
+///    "dissipated_by_structure": 0.0, "dissipated_by_dampers": 0.632,
+///    "equivalent_stiffness": 0.0112, "stick_fraction": 0.05, "stable": true, "undecided": null,
+///    "error_estimate": 1e-7, "resolved": true, "harmonics": 21}],
 ///  "peaks": [{"curve": 0, "node": "m1", "omega": 0.527, "frequency_hz": 0.0839, "amplitude": 1.008, "level": 0.4,
 ///    "error_estimate": 1e-7, "resolved": true}],
 ///  "phase_resonances": [{"curve": 0, "node": "m1", "omega": 0.52, "frequency_hz": 0.0828, "level": 0.4,
@@ -32,8 +33,10 @@ use crate::Settings;
 /// (−π, π], negative where it lags). `error_estimate` and `resolved` of a peak are those of the nearest point;
 /// both are `null` where the error is unknown. `level` is the force (N), `held` the held amplitude.
 /// With a held response, `peaks` are the peaks of response over force, where the least force holds it, and
-/// `phase_resonances` where the held displacement falls to a quarter period behind the force; otherwise there are none. `equivalent_stiffness` and
-/// `stick_fraction` are those of the only contact; with several they are `null` here and in `contacts`.
+/// `phase_resonances` where the held displacement falls to a quarter period behind the force; otherwise there are none. `dissipated`,
+/// `equivalent_stiffness` and `stick_fraction` are those of the model's contact. What the structure's own
+/// nonlinearities (drag) take is `dissipated_by_structure`; `work` is the sum of both and of `dissipated_by_dampers`,
+/// which is `null` for a beam. Where `stable` is `null` though it was asked for, `undecided` says why.
 /// Numbers that do not exist are `null`.
 pub fn responses_json(responses: &Responses, settings: &Settings) -> Value {
     let files: Vec<Value> =
@@ -84,32 +87,20 @@ fn point(responses: &Responses, index: usize, one: &ResponseCurve, point: &Point
     let by_node = |values: &[f64]| -> Map<String, Value> {
         one.curve.nodes.iter().cloned().zip(values.iter().map(|value| json!(value))).collect()
     };
-    let only = match &point.contacts[..] {
-        [only] => Some(only),
-        _ => None,
-    };
-    let mut value = json!({
+    let (losses, contact) = (&responses.losses, responses.losses.contact(point));
+    json!({
         "curve": index, "omega": point.angular_frequency,
         "frequency_hz": point.angular_frequency / std::f64::consts::TAU,
         "level": point.level, "held": held(responses, one),
         "amplitude": by_node(&point.amplitude), "harmonic1": by_node(&point.first_harmonic()),
         "phase1": by_node(&phases(point)),
-        "dissipated": point.dissipated_energy(), "work": point.work,
-        "equivalent_stiffness": only.map(|contact| contact.equivalent_stiffness),
-        "stick_fraction": only.and_then(|contact| contact.stick_fraction),
-        "stable": point.stable, "error_estimate": point.error_estimate, "resolved": resolved(point),
+        "dissipated": losses.of_contact(point), "work": point.work,
+        "dissipated_by_structure": losses.of_structure(point), "dissipated_by_dampers": losses.of_dampers(point),
+        "equivalent_stiffness": contact.map(|contact| contact.equivalent_stiffness),
+        "stick_fraction": contact.and_then(|contact| contact.stick_fraction),
+        "stable": point.stable, "undecided": point.undecided.map(trust::reason), "error_estimate": point.error_estimate, "resolved": resolved(point),
         "harmonics": point.harmonics,
-    });
-    if point.contacts.len() > 1 {
-        let contact = |contact: &stickslip::harmonic::Contacting| {
-            json!({
-                "dissipated": contact.dissipated_energy, "equivalent_stiffness": contact.equivalent_stiffness,
-                "stick_fraction": contact.stick_fraction,
-            })
-        };
-        value["contacts"] = point.contacts.iter().map(contact).collect();
-    }
-    value
+    })
 }
 
 /// Nothing where the error is unknown.

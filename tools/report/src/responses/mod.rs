@@ -2,11 +2,13 @@
 
 mod figures;
 mod json;
+mod losses;
 mod page;
 mod terminal;
 mod trust;
 
 pub use json::responses_json;
+pub use losses::Losses;
 pub use page::responses_html;
 pub use terminal::responses_table;
 
@@ -31,6 +33,8 @@ pub struct Responses {
     pub tolerance: Option<f64>,
     /// Whether stability was asked for.
     pub stability: bool,
+    /// What of the model takes energy.
+    pub losses: Losses,
     /// The curves.
     pub curves: Vec<ResponseCurve>,
     /// Time that all took (s).
@@ -269,7 +273,8 @@ impl Responses {
                      a resonance, another level, or fewer --harmonics may give it a start."
                 )),
                 (None, Ending::Stuck) => warnings.push(format!(
-                    "The curve at {level} ends {reached}, short of {end}: its steps became too small or too many."
+                    "The curve at {level} ends {reached}, short of {end}: its steps became too small or too many.{}",
+                    self.unbounded_hint()
                 )),
                 (None, Ending::Returned) => warnings.push(format!(
                     "The curve at {level} turned and left the range at {}, where it had come in: {end} is not \

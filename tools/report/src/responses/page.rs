@@ -34,6 +34,11 @@ fn document(responses: &Responses) -> Document {
         }
         section("response", "Response", vec![Block::Plots(figures::amplitudes(responses))]);
         section("contact", "Contact", vec![Block::Plots(figures::contact(responses))]);
+        section(
+            "structure",
+            "The structure’s own nonlinearities",
+            vec![Block::Plots(figures::structure(responses))],
+        );
         section("loops", "Loops at the peaks", vec![Block::Plots(figures::loops(responses))]);
         section(
             "error",

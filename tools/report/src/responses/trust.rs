@@ -1,5 +1,6 @@
 //! What is known of the points' errors and stability, in words.
 
+use stickslip::harmonic::stability::Undecided;
 use stickslip::harmonic::{Peak, Point, UNRESOLVED};
 
 use super::{ResponseCurve, Responses};
@@ -65,6 +66,18 @@ pub fn unstable(points: &[Point]) -> String {
         unknown if unknown > 0 && unknown == points.len() => "?".to_owned(),
         0 => unstable.to_string(),
         unknown => format!("{unstable} ({unknown} ?)"),
+    }
+}
+
+/// Why stability cannot be told.
+pub fn reason(undecided: Undecided) -> &'static str {
+    match undecided {
+        Undecided::TooLarge => {
+            "more than 60 degrees of freedom, and contacts other than sliders without play"
+        }
+        Undecided::TooLong => "it would take too long: the structure is fast, and the period long",
+        Undecided::NotSettled => "the multipliers do not settle",
+        _ => "there is no response to judge",
     }
 }
 
@@ -143,6 +156,14 @@ impl Responses {
         self.stability && self.points().all(|point| point.stable.is_none())
     }
 
+    /// Why stability cannot be told where it cannot; nothing where no reason is known.
+    fn reasons(&self) -> String {
+        let mut all: Vec<&str> = self.points().filter_map(|point| point.undecided).map(reason).collect();
+        all.sort_unstable();
+        all.dedup();
+        if all.is_empty() { String::new() } else { format!(" ({})", all.join("; ")) }
+    }
+
     /// What is known of the stability, in a sentence; nothing where there are no points.
     pub(super) fn stability_sentence(&self) -> String {
         if !self.stability {
@@ -152,16 +173,21 @@ impl Responses {
             return String::new();
         }
         if self.stability_is_unknown() {
-            return " For this kind of structure stability cannot be told.".to_owned();
+            return format!(" For this kind of structure stability cannot be told{}.", self.reasons());
         }
         let unstable = self.points().filter(|point| point.stable == Some(false)).count();
         let unknown = self.points().filter(|point| point.stable.is_none()).count();
         match (unstable, unknown) {
             (0, 0) => " All points are stable.".to_owned(),
-            (0, unknown) => format!(" No point is known to be unstable; of {unknown} it cannot be told."),
+            (0, unknown) => {
+                let why = self.reasons();
+                format!(" No point is known to be unstable; of {unknown} it cannot be told{why}.")
+            }
             (1, 0) => " 1 point is unstable.".to_owned(),
             (many, 0) => format!(" {many} points are unstable."),
-            (many, unknown) => format!(" {many} unstable; of {unknown} it cannot be told."),
+            (many, unknown) => {
+                format!(" {many} unstable; of {unknown} it cannot be told{}.", self.reasons())
+            }
         }
     }
 }

@@ -6,6 +6,7 @@ use stickslip_report::responses::PhaseResonance;
 
 use super::Request;
 use super::request::Hold;
+use crate::progress;
 
 /// Golden sections of the interval around a minimum: the frequency is then as exact as a minimum can be in
 /// double precision, about 1e-8 of itself.
@@ -36,12 +37,15 @@ pub fn resonances(
 fn located(assembly: &Assembly, request: &Request, control: &Control, points: &[Point]) -> Option<Point> {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     let at = |frequency: f64, near: &Point| {
-        periodic_response(assembly, frequency, control, &request.settings, Some(near)).ok()
+        periodic_response(assembly, frequency, control, &request.alone(), Some(near)).ok()
     };
     let (mut low, mut high) = (points[0].angular_frequency, points[2].angular_frequency);
     let mut left = at(high - golden * (high - low), &points[1])?;
     let mut right = at(low + golden * (high - low), &points[1])?;
     for _ in 0..SECTIONS {
+        if progress::interrupted() {
+            return None;
+        }
         if left.level < right.level {
             high = right.angular_frequency;
             right = left;
@@ -112,7 +116,7 @@ fn quarter_behind(
     let mut near = ends[1].clone();
     for _ in 0..STEPS {
         let frequency = last.0 - last.1 * (last.0 - kept.0) / (last.1 - kept.1);
-        near = periodic_response(assembly, frequency, control, &request.settings, Some(&near)).ok()?;
+        near = periodic_response(assembly, frequency, control, &request.alone(), Some(&near)).ok()?;
         let new = value(&near)?;
         if new.1.abs() < EXACT {
             return Some(near);

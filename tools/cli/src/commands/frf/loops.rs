@@ -17,7 +17,7 @@ const SAMPLES: usize = 360;
 /// Peaks nearer to each other than this share of their frequency are one resonance.
 const SAME: f64 = 0.03;
 
-/// The loops at the peaks of a curve, one for each resonance and contact.
+/// The loops of the model's contact, the first, at the peaks of a curve, one for each resonance.
 pub fn at_peaks(
     assembly: &Assembly,
     request: &Request,
@@ -30,17 +30,14 @@ pub fn at_peaks(
     for peak in resonances(curve) {
         let Some(near) = nearest(curve, &peak) else { continue };
         let exact =
-            periodic_response(assembly, peak.angular_frequency, control, &request.settings, Some(near));
+            periodic_response(assembly, peak.angular_frequency, control, &request.alone(), Some(near));
         let point = exact.as_ref().unwrap_or(near);
-        for (index, (contact, at)) in assembly.contacts.iter().zip(&point.contacts).enumerate() {
-            let which =
-                if point.contacts.len() > 1 { format!("contact {}, ", index + 1) } else { String::new() };
-            let name = format!("{which}{level} {unit}, {}", request.unit.shown(point.angular_frequency));
-            loops.extend(
-                contact_loop(contact.law, contact.normal_load, point.angular_frequency, &at.displacement)
-                    .map(|(displacement, force)| ContactLoop { name, displacement, force }),
-            );
-        }
+        let (Some(contact), Some(at)) = (assembly.contacts.first(), point.contacts.first()) else { continue };
+        let name = format!("{level} {unit}, {}", request.unit.shown(point.angular_frequency));
+        loops.extend(
+            contact_loop(contact.law, contact.normal_load, point.angular_frequency, &at.displacement)
+                .map(|(displacement, force)| ContactLoop { name, displacement, force }),
+        );
     }
     loops
 }

@@ -64,7 +64,9 @@ pub struct Frf {
     /// stays what it is, and points above 0.01 count as unresolved
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Do not tell stable from unstable points
+    /// Do not tell stable from unstable points. Without contacts and on sliders without play telling costs nothing;
+    /// else it is told up to 60 degrees of freedom, where a point may take half a second, and left out where it
+    /// would take longer
     #[arg(long)]
     no_stability: bool,
     #[command(flatten)]
@@ -103,7 +105,7 @@ impl Frf {
         let request = Request::new(&self, setup.nodes())?;
         let assembly = setup.assembly();
         let started = Instant::now();
-        let curves = follow_all(&assembly, &request)?;
+        let curves = follow_all(&assembly, &request, setup.losses().contact)?;
         let responses = Responses {
             title: format!("Response of {}", self.model.display()),
             unit: request.unit,
@@ -115,6 +117,7 @@ impl Frf {
             harmonics: self.harmonics,
             tolerance: self.tolerance,
             stability: !self.no_stability,
+            losses: setup.losses(),
             curves,
             seconds: started.elapsed().as_secs_f64(),
         };
@@ -143,7 +146,11 @@ impl Frf {
 }
 
 /// One curve after the other, until all are done or Ctrl-C.
-fn follow_all(assembly: &Assembly, request: &Request) -> Result<Vec<ResponseCurve>, Failure> {
+fn follow_all(
+    assembly: &Assembly,
+    request: &Request,
+    has_contact: bool,
+) -> Result<Vec<ResponseCurve>, Failure> {
     let bar = progress::spinner("frf");
     let mut curves = Vec::new();
     for (index, &level) in request.levels.iter().enumerate() {
@@ -154,7 +161,7 @@ fn follow_all(assembly: &Assembly, request: &Request) -> Result<Vec<ResponseCurv
             1 => String::new(),
             count => format!("curve {} of {count}, ", index + 1),
         };
-        curves.push(follow(assembly, request, level, &which, &bar)?);
+        curves.push(follow(assembly, request, (level, has_contact), &which, &bar)?);
     }
     bar.finish_and_clear();
     Ok(curves)
@@ -163,7 +170,7 @@ fn follow_all(assembly: &Assembly, request: &Request) -> Result<Vec<ResponseCurv
 fn follow(
     assembly: &Assembly,
     request: &Request,
-    level: f64,
+    (level, has_contact): (f64, bool),
     which: &str,
     bar: &ProgressBar,
 ) -> Result<ResponseCurve, Failure> {
@@ -193,12 +200,14 @@ fn follow(
         Err(HarmonicError::InvalidInput(reason)) => return Err(Failure::input(reason)),
         Err(error) => (empty(request), Some(error.to_string())),
     };
-    let mut phase_resonances = Vec::new();
-    if let Some(hold) = request.hold {
+    let (mut phase_resonances, mut loops) = (Vec::new(), Vec::new());
+    if let Some(hold) = request.hold.filter(|_| !progress::interrupted()) {
         phase_resonances = held::phase_resonances(assembly, request, hold, &control, &curve);
         curve.peaks = held::resonances(assembly, request, hold, &control, &curve);
     }
-    let loops = loops::at_peaks(assembly, request, &control, level, &curve);
+    if has_contact && !progress::interrupted() {
+        loops = loops::at_peaks(assembly, request, &control, level, &curve);
+    }
     let seconds = started.elapsed().as_secs_f64();
     Ok(ResponseCurve { level, curve, phase_resonances, loops, failure, seconds })
 }

@@ -40,11 +40,13 @@ impl Request {
         let (from, to) = (command.from, command.to);
         if !(from.is_finite() && to.is_finite() && from > 0.0) {
             return Err(Failure::input(format!(
-                "--from {from} --to {to}: frequencies must be positive numbers"
+                "--from {} --to {}: frequencies must be positive numbers",
+                plain(from),
+                plain(to)
             )));
         }
         if from >= to {
-            return Err(Failure::input(format!("--from {from} must be below --to {to}")));
+            return Err(Failure::input(format!("--from {} must be below --to {}", plain(from), plain(to))));
         }
         let (hold, levels) = levels(command, nodes)?;
         if let Some(level) = levels.iter().find(|level| !(level.is_finite() && **level > 0.0)) {
@@ -74,6 +76,11 @@ impl Request {
         Ok(Self { unit, range, hold, levels, nodes: nodes.to_vec(), settings })
     }
 
+    /// The settings for a point by itself, whose stability nobody asks for.
+    pub fn alone(&self) -> CurveSettings {
+        CurveSettings { stability: false, ..self.settings }
+    }
+
     /// What is kept along the curve of one level.
     pub fn control(&self, level: f64) -> Control {
         match self.hold {
@@ -81,6 +88,11 @@ impl Request {
             Some(Hold { node, derivative }) => Control::Held { node, order: 1, derivative, amplitude: level },
         }
     }
+}
+
+/// A number as a user would write it: 1e300 rather than 301 digits.
+fn plain(value: f64) -> String {
+    if value.is_finite() && value.abs() >= 1e9 { format!("{value:e}") } else { value.to_string() }
 }
 
 /// What is held, if anything, and the levels.

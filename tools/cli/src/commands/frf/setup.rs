@@ -2,9 +2,11 @@
 
 use stickslip::contact::ContactLaw;
 use stickslip::document::suggestion;
+use stickslip::effects::{Location, Needs};
 use stickslip::harmonic::{Assembly, AttachedContact, Body};
 use stickslip::model::{Model, Structure};
 use stickslip::structure::{LinearStructure, ModalBeam};
+use stickslip_report::responses::Losses;
 
 use crate::Failure;
 
@@ -14,6 +16,8 @@ pub struct Setup {
     /// One per contact of the structure.
     contacts: Vec<(Box<dyn ContactLaw>, f64)>,
     nodes: Vec<String>,
+    /// Whether the first contact is the model's; the others are nonlinearities of the structure itself.
+    has_contact: bool,
 }
 
 enum OwnedBody {
@@ -24,6 +28,7 @@ enum OwnedBody {
 impl Setup {
     /// Prepares `model`, excited where `excite` says, else where the model says.
     pub fn new(model: &Model, excite: Option<&str>) -> Result<Self, Failure> {
+        check_effects(model)?;
         let failed = |error: stickslip::structure::StructureError| Failure::input(error.to_string());
         let (body, contacts, nodes) = match &model.structure {
             Structure::Prescribed => {
@@ -55,13 +60,33 @@ impl Setup {
                     ));
                 }
                 let modal = ModalBeam::with_changes(beam, &model.changes().structure).map_err(failed)?;
-                let nodes = modal.sensors.iter().map(|sensor| format!("x={}", sensor.position)).collect();
+                let sensors = modal.sensors.iter().map(|sensor| format!("x={}", sensor.position));
+                let nodes = sensors.chain(["excitation".to_owned()]).collect();
                 let law = model.law().map_err(|error| Failure::input(error.to_string()))?;
                 let contact = law.zip(model.contact.map(|contact| contact.normal_load));
                 (OwnedBody::Beam(Box::new(modal)), contact.into_iter().collect(), nodes)
             }
         };
-        Ok(Self { body, contacts, nodes })
+        Ok(Self { body, contacts, nodes, has_contact: model.contact.is_some() })
+    }
+
+    /// What takes energy.
+    pub fn losses(&self) -> Losses {
+        let contact = self.has_contact;
+        match &self.body {
+            OwnedBody::Linear(structure) => {
+                let undamped = structure.damping.iter().all(|entry| entry.2 == 0.0);
+                // Behind the contact there may be drag.
+                let own = self.contacts.len() > usize::from(contact);
+                let dampers = Some(structure.damping.clone());
+                Losses { contact, drag: 0.0, dampers, undamped: undamped && !own }
+            }
+            OwnedBody::Beam(beam) => {
+                let drag = beam.quadratic_damping;
+                let undamped = drag == 0.0 && beam.damping_ratio.iter().all(|ratio| *ratio == 0.0);
+                Losses { contact, drag, dampers: None, undamped }
+            }
+        }
     }
 
     /// The system under a cosine of unit amplitude.
@@ -82,4 +107,23 @@ impl Setup {
     pub fn nodes(&self) -> &[String] {
         &self.nodes
     }
+}
+
+/// Refuses effects that have no steady state, and says which do not act on it.
+fn check_effects(model: &Model) -> Result<(), Failure> {
+    for applied in &model.effects {
+        let id = applied.effect.id;
+        if applied.effect.needs == Needs::Transient {
+            return Err(Failure::input(format!(
+                "the effect \"{id}\" has no steady state, and so no frequency response: what it adds grows from \
+                 period to period; take it out of the model, or simulate from rest"
+            )));
+        }
+        if let Some(Location::Channel(channel)) = &applied.location {
+            tell!(
+                "note: the effect \"{id}\" is of the measurement of {channel}: the response is the structure’s, without it"
+            );
+        }
+    }
+    Ok(())
 }

@@ -1,0 +1,84 @@
+//! Where the energy goes: the contact, the structure's own nonlinearities, its dampers.
+
+use std::f64::consts::{PI, TAU};
+
+use stickslip::harmonic::fourier::{time_derivative, value};
+use stickslip::harmonic::{Contacting, Point};
+
+use super::Responses;
+
+/// What of the model takes energy.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Losses {
+    /// Whether the model has a contact: it is the first of a point's. What comes behind it are nonlinearities of the
+    /// structure itself.
+    pub contact: bool,
+    /// Drag (N s²/m²) on the last node, where that is no contact of the points.
+    pub drag: f64,
+    /// Entries of the matrix of dampers (N s/m) between the nodes; `None` where the nodes do not tell what the
+    /// dampers take.
+    pub dampers: Option<Vec<(usize, usize, f64)>>,
+    /// Whether nothing but friction takes energy.
+    pub undamped: bool,
+}
+
+impl Losses {
+    /// The model's contact.
+    pub(super) fn contact<'p>(&self, point: &'p Point) -> Option<&'p Contacting> {
+        point.contacts.first().filter(|_| self.contact)
+    }
+
+    /// Energy (J) that the contact takes per cycle.
+    pub(super) fn of_contact(&self, point: &Point) -> f64 {
+        self.contact(point).map_or(0.0, |contact| contact.dissipated_energy)
+    }
+
+    /// Energy (J) that the structure's own nonlinearities take per cycle.
+    pub(super) fn of_structure(&self, point: &Point) -> f64 {
+        let own = point.contacts.iter().skip(usize::from(self.contact));
+        own.map(|contact| contact.dissipated_energy).sum::<f64>() + self.of_drag(point)
+    }
+
+    /// `∮ d |ẏ|³ dt`, summed over so many phases that it is exact but for the kinks of |ẏ|³.
+    fn of_drag(&self, point: &Point) -> f64 {
+        let Some(node) = point.nodes.last().filter(|_| self.drag != 0.0) else { return 0.0 };
+        let velocity = time_derivative(node, 1, point.angular_frequency);
+        let count = 16 * node.len() + 64;
+        let cubes = (0..count).map(|k| value(&velocity, TAU * k as f64 / count as f64).abs().powi(3));
+        self.drag * cubes.sum::<f64>() / count as f64 * TAU / point.angular_frequency
+    }
+
+    /// Energy (J) that the dampers take per cycle, if that can be told.
+    pub(super) fn of_dampers(&self, point: &Point) -> Option<f64> {
+        let entries = self.dampers.as_ref()?;
+        let pair = |&(i, j, c): &(usize, usize, f64)| -> Option<f64> {
+            let pairs = point.nodes.get(i)?.iter().zip(point.nodes.get(j)?).enumerate().skip(1);
+            // Coefficient k is of harmonic ⌈k/2⌉.
+            Some(c * pairs.map(|(k, (a, b))| (k.div_ceil(2) as f64).powi(2) * a * b).sum::<f64>())
+        };
+        let sum = entries.iter().map(pair).sum::<Option<f64>>()?;
+        Some(PI * point.angular_frequency * sum)
+    }
+}
+
+impl Responses {
+    /// Whether nonlinearities of the structure itself take energy anywhere.
+    pub(super) fn structure_takes_energy(&self) -> bool {
+        self.points().any(|point| self.losses.of_structure(point) > 0.0)
+    }
+
+    /// Why a curve of a structure without dampers may have no end.
+    pub(super) fn unbounded_hint(&self) -> &'static str {
+        match (self.losses.undamped && self.held.is_none(), self.losses.contact) {
+            (false, _) => "",
+            (true, true) => {
+                " The structure has no dampers: near a resonance friction cannot take what a force of more than \
+                 4/π of its limit (4µN/π, where the force acts at the contact) brings in, and the response \
+                 grows without bound. Less force or some damping gives it an end."
+            }
+            (true, false) => {
+                " The structure has no dampers: at a resonance the response grows without bound."
+            }
+        }
+    }
+}
