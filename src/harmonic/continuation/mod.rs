@@ -99,6 +99,10 @@ pub(crate) enum Verdict {
 pub(crate) type Judge<'j> = dyn FnMut(&mut dyn PeriodicSystem, &mut Newton, &Location, &[Scalar]) -> Result<Verdict, HarmonicError>
     + 'j;
 
+/// Looks at a location as a [`Judge`] does.
+pub(crate) type See<'s, T> =
+    dyn FnMut(&mut dyn PeriodicSystem, &mut Newton, &Location, &[Scalar]) -> Option<T> + 's;
+
 /// Outcome of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Advance {
@@ -434,11 +438,7 @@ impl<'s> Path<'s> {
     }
 
     /// Evaluates at `location`, found between points, and has `see` look at it; `None` where that fails.
-    pub fn visit<T>(
-        &mut self,
-        location: &Location,
-        see: &mut dyn FnMut(&mut dyn PeriodicSystem, &mut Newton, &Location, &[Scalar]) -> Option<T>,
-    ) -> Option<T> {
+    pub fn visit<T>(&mut self, location: &Location, see: &mut See<T>) -> Option<T> {
         self.next.clone_from(location);
         self.set_plane();
         let found = self.find_direction(true);
