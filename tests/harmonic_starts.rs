@@ -79,7 +79,7 @@ fn a_mass_that_sticks_and_slips_has_a_start_at_any_frequency() {
         excitation: vec![(0, 1.0)],
         outputs: vec![Output { name: "m".into(), row: vec![(0, 1.0)] }],
     };
-    for (stiffness, omega, harmonics) in [(1e2, 0.3, 21), (1e2, 0.15, 31), (1e3, 0.3, 31), (1e4, 0.2, 51)] {
+    for (stiffness, omega, harmonics) in [(1e2, 0.3, 31), (1e2, 0.2, 21), (1e3, 0.3, 21), (1e4, 0.2, 21)] {
         let law = Jenkins::new(stiffness, 0.1).unwrap();
         let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
         let assembly = Assembly::new(Body::Linear(&structure), contacts);
