@@ -121,3 +121,85 @@ fn the_estimate_of_the_beam_follows_its_true_error() {
         }
     }
 }
+
+/// Every mass of a chain is observed.
+fn watched(structure: LinearStructure) -> LinearStructure {
+    let outputs = (0..structure.size).map(|k| Output { name: format!("m{k}"), row: vec![(k, 1.0)] });
+    LinearStructure { outputs: outputs.collect(), ..structure }
+}
+
+#[test]
+fn a_curve_has_points_on_every_resonance_however_sharp() {
+    for (masses, damping) in [(1, 1e-4), (2, 1e-3), (10, 0.01)] {
+        let structure = watched(chain(masses, 4.0, damping));
+        let assembly = Assembly::new(Body::Linear(&structure), Vec::new());
+        let control = Control::Level(1.0);
+        let curve = frequency_response(&assembly, 0.01, 5.0, &control, &settings(1), &mut |_| true).unwrap();
+        assert_eq!(curve.ending, Ending::Complete);
+        assert!(curve.points.is_sorted_by(|a, b| a.angular_frequency < b.angular_frequency));
+        let shapes = structure.natural_modes().unwrap();
+        for (mode, frequency) in shapes.angular_frequency.iter().enumerate() {
+            let ratio = 0.5 * frequency * damping / 4.0;
+            let near = |point: &&stickslip::harmonic::Point| {
+                (point.angular_frequency / frequency - 1.0).abs() < 2.0 * ratio
+            };
+            assert!(curve.points.iter().filter(near).count() >= 8, "{masses}, mode {mode}");
+        }
+        // The first mode shows at every mass as a peak of the table and as a point of the curve.
+        let (frequency, shape) = (shapes.angular_frequency[0], shapes.shapes.column(0));
+        for node in 0..masses {
+            let close = |at: f64| (at / frequency - 1.0).abs() < 1e-4;
+            let peak = curve.peaks.iter().find(|peak| peak.node == node && close(peak.angular_frequency));
+            let peak = peak.unwrap_or_else(|| panic!("{masses}: no peak of mass {node}"));
+            let exact = (shape[0] * shape[node]).abs() / (frequency.powi(3) * damping / 4.0);
+            assert!(
+                (peak.amplitude / exact - 1.0).abs() < 1e-3,
+                "{masses} {node}: {} {exact}",
+                peak.amplitude
+            );
+            let most = curve.points.iter().filter(|point| close(point.angular_frequency));
+            let most = most.fold(0.0, |most: f64, point| most.max(point.amplitude[node]));
+            assert!((most / peak.amplitude - 1.0).abs() < 1e-5, "{masses} {node}: {most}");
+        }
+    }
+}
+
+#[test]
+fn a_linear_response_held_takes_the_force_of_its_receptance() {
+    for (masses, damping) in [(1, 1e-4), (2, 1e-3)] {
+        let structure = watched(chain(masses, 1.0, damping));
+        let assembly = Assembly::new(Body::Linear(&structure), Vec::new());
+        let held = Control::Held { node: 0, order: 1, derivative: 0, amplitude: 1.0 };
+        let curve = frequency_response(&assembly, 0.05, 5.0, &held, &settings(1), &mut |_| true).unwrap();
+        assert_eq!(curve.ending, Ending::Complete, "{masses}");
+        assert!(curve.folds.is_empty());
+        for point in &curve.points {
+            let at = point.angular_frequency;
+            let unit = periodic_response(&assembly, at, &Control::Level(1.0), &settings(1), None).unwrap();
+            let force = 1.0 / unit.first_harmonic()[0];
+            assert!((point.level / force - 1.0).abs() < 1e-6, "{at}: {} {force}", point.level);
+        }
+        let least = curve.points.iter().fold(f64::INFINITY, |least, point| least.min(point.level));
+        if masses == 1 {
+            assert!((0.99e-4..1.05e-4).contains(&least), "{least}");
+        }
+    }
+}
+
+#[test]
+fn the_peak_that_meets_a_point_of_the_curve_is_listed() {
+    let mut structure = watched(chain(10, 4.0, 0.01));
+    structure.contacts = vec![vec![(5, 1.0)]];
+    let law = Jenkins::new(2.0, 0.1).unwrap();
+    let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+    let assembly = Assembly::new(Body::Linear(&structure), contacts);
+    let control = Control::Level(1e-4);
+    let curve = frequency_response(&assembly, 0.8, 1.05, &control, &settings(21), &mut |_| true).unwrap();
+    // All stick: a linear structure, whose masses pass one resonance here.
+    for node in 0..10 {
+        let most = curve.points.iter().map(|point| point.amplitude[node]).fold(0.0, f64::max);
+        let peak = curve.peaks.iter().find(|peak| peak.node == node);
+        let amplitude = peak.map_or_else(|| panic!("no peak of mass {node}"), |peak| peak.amplitude);
+        assert!((amplitude / most - 1.0).abs() < 1e-4, "{node}: {amplitude} {most}");
+    }
+}

@@ -3,7 +3,7 @@
 
 use stickslip::contact::{ContactLaw, Jenkins, Unilateral};
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, Control, CurveSettings, Point, periodic_response,
+    Assembly, AttachedContact, Body, Control, CurveSettings, Point, frequency_response, periodic_response,
 };
 use stickslip::structure::{LinearStructure, Output};
 
@@ -66,4 +66,52 @@ fn friction_ever_stiffer_becomes_that_of_coulomb() {
             before = 0.5 * off;
         }
     }
+}
+
+#[test]
+fn a_mass_that_sticks_and_slips_has_a_start_at_any_frequency() {
+    let structure = LinearStructure {
+        size: 1,
+        mass: vec![(0, 0, 1.0)],
+        damping: vec![(0, 0, 0.02)],
+        stiffness: vec![(0, 0, 1.0)],
+        contacts: vec![vec![(0, 1.0)]],
+        excitation: vec![(0, 1.0)],
+        outputs: vec![Output { name: "m".into(), row: vec![(0, 1.0)] }],
+    };
+    for (stiffness, omega, harmonics) in [(1e2, 0.3, 31), (1e2, 0.2, 21), (1e3, 0.3, 21), (1e4, 0.2, 21)] {
+        let law = Jenkins::new(stiffness, 0.1).unwrap();
+        let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+        let assembly = Assembly::new(Body::Linear(&structure), contacts);
+        let settings = CurveSettings { harmonics, ..CurveSettings::default() };
+        let point = periodic_response(&assembly, omega, &Control::Level(1.0), &settings, None)
+            .unwrap_or_else(|error| panic!("{stiffness} {omega} {harmonics}: {error}"));
+        // Below resonance the spring carries what friction leaves: within 0.1 N either way of what it would carry alone.
+        let alone = 1.0 / (1.0 - omega * omega);
+        assert!(
+            (point.amplitude[0] / alone - 0.9).abs() < 0.1,
+            "{stiffness} {omega}: {}",
+            point.amplitude[0]
+        );
+    }
+}
+
+#[test]
+fn a_curve_that_adapts_its_harmonics_starts_among_stick_and_slip() {
+    let structure = LinearStructure {
+        size: 1,
+        mass: vec![(0, 0, 1.0)],
+        damping: vec![(0, 0, 0.02)],
+        stiffness: vec![(0, 0, 1.0)],
+        contacts: vec![vec![(0, 1.0)]],
+        excitation: vec![(0, 1.0)],
+        outputs: vec![Output { name: "m".into(), row: vec![(0, 1.0)] }],
+    };
+    let law = Jenkins::new(1e2, 0.1).unwrap();
+    let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+    let assembly = Assembly::new(Body::Linear(&structure), contacts);
+    let settings = CurveSettings { truncation: Some(1e-3), ..CurveSettings::default() };
+    let curve =
+        frequency_response(&assembly, 0.3, 0.4, &Control::Level(1.0), &settings, &mut |_| true).unwrap();
+    assert!((curve.points[0].amplitude[0] / 0.8996 - 1.0).abs() < 5e-3, "{}", curve.points[0].amplitude[0]);
 }

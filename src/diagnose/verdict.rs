@@ -22,8 +22,7 @@ const STRUCTURED: f64 = 0.1;
 const NOTHING_LEFT: f64 = 1e-3;
 /// The same above which, the noise unknown, what was added explains too little to be named.
 const MOST_LEFT: f64 = 0.6;
-/// And share of the refitted model's squared error, where a part of what is left repeats: whoever removes less may
-/// stand in for something else.
+/// And share of the refitted model's squared error: whoever removes less may stand in for something else.
 const MOST_SHARE_LEFT: f64 = 1.0 / 3.0;
 
 /// What a verdict is made of.
@@ -187,7 +186,7 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group], errors: &Errors) -> V
         return if known || error < NOTHING_LEFT { Verdict::NothingMissing } else { Verdict::Unexplained };
     }
     let share = (error / errors.untouched_refitted).powi(2);
-    if !known && (error > MOST_LEFT || (structured && share > MOST_SHARE_LEFT)) {
+    if !known && (error > MOST_LEFT || share > MOST_SHARE_LEFT) {
         return Verdict::Unexplained;
     }
     if !groups.is_empty() {

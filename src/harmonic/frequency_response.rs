@@ -3,9 +3,10 @@
 use super::assembly::{Assembly, Body, Control, CurveSettings, UNRESOLVED};
 use super::balance::Balance;
 use super::condensed::Condensed;
-use super::continuation::{Advance, Location, Path, Route, Verdict};
+use super::continuation::{Advance, Location, NotFound, Path, Route, Verdict};
 use super::curve::{Curve, Ending, Fold, Peak, Point};
 use super::extremum::{Extremum, value_at};
+use super::landmarks::{Landmark, landmarks};
 use super::problem::{Condition, Newton, solve};
 use super::start::{check_control, condition, first};
 use super::system::{Operating, PeriodicSystem, Scalar};
@@ -13,6 +14,8 @@ use super::{ContactOnBeam, HarmonicError, fourier::dot};
 
 /// Change of a node's motion, beyond the straight line, that one step may bring (share of its size).
 const BEND: f64 = 0.03;
+/// Share of a step within which a peak is at one of its ends, or at another peak.
+const SAME_PLACE: f64 = 1e-3;
 /// The harmonics grow by this factor where the error is too large …
 const GROWTH: f64 = 1.5;
 /// … and shrink by this one where it is smaller than this share of the tolerance.
@@ -39,7 +42,8 @@ pub fn frequency_response(
         return Err(HarmonicError::InvalidInput("the angular frequencies must be positive and different"));
     }
     let mut system = system_of(assembly, settings)?;
-    let sweep = Sweep { along: Scalar::AngularFrequency, from, to, control: *control };
+    let landmarks = landmarks(assembly);
+    let sweep = Sweep { along: Scalar::AngularFrequency, from, to, control: *control, landmarks };
     sweep.run(system.as_mut(), node_names(assembly), settings, watch)
 }
 
@@ -64,7 +68,7 @@ pub fn level_response(
     }
     let mut system = system_of(assembly, settings)?;
     let control = Control::Level(from);
-    let sweep = Sweep { along: Scalar::Level, from, to, control };
+    let sweep = Sweep { along: Scalar::Level, from, to, control, landmarks: Vec::new() };
     sweep.run_at(system.as_mut(), angular_frequency, node_names(assembly), settings, watch)
 }
 
@@ -184,6 +188,7 @@ struct Sweep {
     from: f64,
     to: f64,
     control: Control,
+    landmarks: Vec<Landmark>,
 }
 
 impl Sweep {
@@ -205,7 +210,7 @@ impl Sweep {
         settings: &CurveSettings,
         watch: &mut dyn FnMut(&Point) -> bool,
     ) -> Result<Curve, HarmonicError> {
-        let (x, at) = first(system, angular_frequency, &self.control, settings)?;
+        let (x, at) = first(&mut *system, angular_frequency, &self.control, settings)?;
         let mut recorder = Recorder::new(settings);
         let mut curve = Curve {
             nodes,
@@ -215,11 +220,16 @@ impl Sweep {
             ending: Ending::Complete,
         };
         // The first point fixes the harmonics to start with.
-        let mut path = self.path(system, x, at, settings)?;
+        let mut path = self.path(&mut *system, x, at, settings)?;
         while let Verdict::Harmonics(harmonics) =
             path.judge(&mut |system, newton, location, free| recorder.judge(system, newton, location, free))?
         {
-            path.restart(harmonics)?;
+            if path.restart(harmonics).is_err() {
+                // What was found with fewer harmonics does not lead there: so many from the beginning.
+                drop(path);
+                let (x, at) = first(&mut *system, angular_frequency, &self.control, settings)?;
+                path = self.path(&mut *system, x, at, settings)?;
+            }
         }
         if !recorder.keep(&mut curve, watch) {
             curve.ending = Ending::Interrupted;
@@ -237,8 +247,7 @@ impl Sweep {
                 curve.ending = Ending::Stuck;
                 break;
             }
-            recorder.locate(&mut path, &mut curve);
-            if !recorder.keep(&mut curve, watch) {
+            if !recorder.locate(&mut path, &mut curve, watch) || !recorder.keep(&mut curve, watch) {
                 curve.ending = Ending::Interrupted;
                 break;
             }
@@ -264,10 +273,12 @@ impl Sweep {
             stopping: settings.stopping(),
             max_step: settings.max_step,
         };
-        match condition(&self.control) {
-            None => Path::new(system, route, &[], Vec::new(), x, at),
-            Some(held) => Path::new(system, route, &[Scalar::Level], vec![Box::new(held)], x, at),
-        }
+        let mut path = match condition(&self.control) {
+            None => Path::new(system, route, &[], Vec::new(), x, at)?,
+            Some(held) => Path::new(system, route, &[Scalar::Level], vec![Box::new(held)], x, at)?,
+        };
+        path.heed(&self.landmarks);
+        Ok(path)
     }
 }
 
@@ -336,20 +347,36 @@ impl<'s> Recorder<'s> {
                 self.now.slopes.push(slope(node, along, *phase));
             }
         }
-        point.error_estimate = self.truncation_error(system, newton, location, free, &point)?;
-        point.resolved = point.error_estimate <= self.settings.truncation.unwrap_or(UNRESOLVED);
+        self.estimate(system, newton, location, free, &mut point)?;
         if let Some(tolerance) = self.settings.truncation
             && let Some(harmonics) = self.harmonics(&point, tolerance)
         {
             return Ok(Verdict::Harmonics(harmonics));
         }
         self.grown = false;
-        if self.settings.stability {
-            point.settle(system.stable(&point));
-        }
-        point.iterations = location.iterations;
+        self.finish(system, location, &mut point);
         self.pending = Some(point);
         Ok(Verdict::Keep(bend))
+    }
+
+    fn estimate(
+        &mut self,
+        system: &mut dyn PeriodicSystem,
+        newton: &mut Newton,
+        location: &Location,
+        free: &[Scalar],
+        point: &mut Point,
+    ) -> Result<(), HarmonicError> {
+        point.error_estimate = self.truncation_error(system, newton, location, free, point)?;
+        point.resolved = point.error_estimate <= self.settings.truncation.unwrap_or(UNRESOLVED);
+        Ok(())
+    }
+
+    fn finish(&self, system: &mut dyn PeriodicSystem, location: &Location, point: &mut Point) {
+        if self.settings.stability {
+            point.settle(system.stable(point));
+        }
+        point.iterations = location.iterations;
     }
 
     /// Other harmonics than those of `point`, if its error says so.
@@ -424,16 +451,27 @@ impl<'s> Recorder<'s> {
             if size > 0.0 {
                 worst = worst.max((off / size).sqrt() / BEND);
             }
+            // Around a circle and back the tangents lie along the chord again, but against it.
+            let chord: f64 = parts().map(|((x, y), _)| (x - y) * (x - y)).sum();
+            let against = |along: &[f64]| {
+                let pairs = now.iter().zip(last.iter().chain(std::iter::repeat(&0.0))).zip(along);
+                pairs.map(|((x, y), d)| (x - y) * d).sum::<f64>() < 0.0
+            };
+            let before = self.before.along.get(node).is_some_and(|before| against(before));
+            if chord > BEND * BEND * size && (before || against(along)) {
+                worst = worst.max((chord / size).sqrt() / BEND);
+            }
         }
         worst
     }
 
-    /// Locates peaks and folds between the last two points.
-    fn locate(&mut self, path: &mut Path, curve: &mut Curve) {
+    /// Locates peaks and folds between the last two points; peaks become points of the curve. False where the
+    /// watcher has seen enough.
+    fn locate(&mut self, path: &mut Path, curve: &mut Curve, watch: &mut dyn FnMut(&Point) -> bool) -> bool {
         if self.before.rate * self.now.rate < 0.0 {
             let ends = (self.before.rate, self.now.rate);
             let along = path.along();
-            if let Some(found) = path.locate(ends, &mut |_, location| location.scalars[along.index()])
+            if let Ok(found) = path.locate(ends, &mut |_, location| location.scalars[along.index()])
                 && let Some(point) = describe(path, &found)
             {
                 curve.folds.push(Fold {
@@ -444,40 +482,89 @@ impl<'s> Recorder<'s> {
             }
         }
         let first = curve.peaks.len();
+        let mut between: Vec<(f64, Point)> = Vec::new();
         for node in 0..self.now.slopes.len() {
             let Some(before) = self.before.slopes.get(node).copied() else { continue };
             let now = self.now.slopes[node];
-            if before > 0.0 && now < 0.0 {
-                // A node that moves as another does has its peak there too.
-                let same = |slopes: &[f64], other: usize| slopes[other] == slopes[node];
-                let twin = (0..node)
-                    .find(|other| same(&self.before.slopes, *other) && same(&self.now.slopes, *other));
-                if let Some(twin) = twin {
-                    let known = curve.peaks[first..].iter().find(|peak| peak.node == twin).cloned();
-                    curve.peaks.extend(known.map(|peak| Peak { node, ..peak }));
-                    continue;
-                }
-                let mut extremum = Extremum::default();
-                let mut along = Vec::new();
-                let mut test = |system: &mut dyn PeriodicSystem, location: &Location| {
-                    let Ok(point) = system.describe(&location.x, &location.at) else { return f64::NAN };
-                    along.resize_with(point.nodes.len(), Vec::new);
-                    system.nodes_along(&location.unknowns, &location.scalars, &mut along);
-                    let (phase, _) = extremum.of(&point.nodes[node]);
-                    slope(&point.nodes[node], &along[node], phase)
-                };
-                if let Some(found) = path.locate((before, now), &mut test)
-                    && let Some(point) = describe(path, &found)
-                {
-                    curve.peaks.push(Peak {
-                        node,
-                        angular_frequency: point.angular_frequency,
-                        amplitude: point.amplitude[node],
-                        level: point.level,
-                    });
+            if !(before > 0.0 && now < 0.0) {
+                continue;
+            }
+            // A node that moves as another does has its peak there too.
+            let same = |slopes: &[f64], other: usize| slopes[other] == slopes[node];
+            let twin =
+                (0..node).find(|other| same(&self.before.slopes, *other) && same(&self.now.slopes, *other));
+            if let Some(twin) = twin {
+                let known = curve.peaks[first..].iter().find(|peak| peak.node == twin).cloned();
+                curve.peaks.extend(known.map(|peak| Peak { node, ..peak }));
+                continue;
+            }
+            if let Some((way, point)) = self.peak(path, curve, node, (before, now)) {
+                curve.peaks.push(Peak {
+                    node,
+                    angular_frequency: point.angular_frequency,
+                    amplitude: point.amplitude[node],
+                    level: point.level,
+                });
+                between.push((way, point));
+            }
+        }
+        between.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let reach = path.way(&path.present);
+        let mut last = 0.0;
+        for (way, point) in between {
+            if way - last > SAME_PLACE * reach && reach - way > SAME_PLACE * reach {
+                last = way;
+                let more = watch(&point);
+                curve.points.push(point);
+                if !more {
+                    return false;
                 }
             }
         }
+        true
+    }
+
+    /// The peak of a node between the last two points, where its amplitude rises and falls by `slopes`, and the way
+    /// there.
+    fn peak(
+        &mut self,
+        path: &mut Path,
+        curve: &Curve,
+        node: usize,
+        slopes: (f64, f64),
+    ) -> Option<(f64, Point)> {
+        let mut extremum = Extremum::default();
+        let mut along = Vec::new();
+        let mut test = |system: &mut dyn PeriodicSystem, location: &Location| {
+            let Ok(point) = system.describe(&location.x, &location.at) else { return f64::NAN };
+            along.resize_with(point.nodes.len(), Vec::new);
+            system.nodes_along(&location.unknowns, &location.scalars, &mut along);
+            let (phase, _) = extremum.of(&point.nodes[node]);
+            slope(&point.nodes[node], &along[node], phase)
+        };
+        let found = match path.locate(slopes, &mut test) {
+            Ok(found) => found,
+            // A summit if its neighbours are lower; the step before saw a rise all the way.
+            Err(NotFound::AtPrevious(there)) => {
+                let [.., before, top] = &curve.points[..] else { return None };
+                let after = self.pending.as_ref()?;
+                let higher = |than: &Point| top.amplitude[node] > than.amplitude[node];
+                (higher(before) && higher(after)).then_some(there)?
+            }
+            // It still rises: the next step sees the summit, if there is one.
+            Err(NotFound::AtPresent(slope)) => {
+                self.now.slopes[node] = slope?;
+                return None;
+            }
+            Err(NotFound::Lost) => return None,
+        };
+        let point = path.visit(&found, &mut |system, newton, location, free| {
+            let mut point = system.describe(&location.x, &location.at).ok()?;
+            self.estimate(system, newton, location, free, &mut point).ok()?;
+            self.finish(system, location, &mut point);
+            Some(point)
+        })?;
+        Some((path.way(&found), point))
     }
 
     /// Takes the pending point into the curve; false where the watcher has seen enough.

@@ -27,6 +27,7 @@ mod frequency_response;
 mod guess;
 mod implicit;
 mod krylov;
+mod landmarks;
 mod modal;
 mod modes;
 mod parameter;

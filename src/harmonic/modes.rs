@@ -298,7 +298,7 @@ fn with_dampers(structure: &LinearStructure, damping: f64) -> LinearStructure {
 }
 
 /// Slope (N/m) of the force of a contact at rest that remembers nothing.
-fn tangent_stiffness(law: &dyn ContactLaw, normal_load: f64) -> f64 {
+pub(super) fn tangent_stiffness(law: &dyn ContactLaw, normal_load: f64) -> f64 {
     let (mut state, mut next) = (vec![0.0; law.state_len()], vec![0.0; law.state_len()]);
     law.set_state(0.0, normal_load, 0.0, &mut state);
     let inputs = Inputs { displacement: 0.0, velocity: 0.0, normal_load };

@@ -19,6 +19,9 @@ const STIFFEST: f64 = 1e-13;
 /// Newton steps for such a spring, and springs tried.
 const SOFT_ITERATIONS: usize = 10;
 const SOFT_STEPS: usize = 60;
+/// Harmonics to begin with where all of them lead nowhere, and neighbouring frequencies, as ratios.
+const FEW: [usize; 4] = [11, 7, 3, 1];
+const NEIGHBOURS: [f64; 8] = [0.9, 1.1, 0.8, 1.3, 0.6, 1.6, 2.5, 0.4];
 
 impl CurveSettings {
     pub(crate) fn stopping(&self) -> Stopping {
@@ -66,7 +69,8 @@ pub(crate) fn first(
     }
 }
 
-/// Solves at `at` as [`first`] does.
+/// Solves at `at` as [`first`] does: directly, along the level from a weak excitation up, from fewer harmonics, or
+/// along the frequency from a neighbouring one.
 pub(crate) fn at_level(
     system: &mut dyn PeriodicSystem,
     at: Operating,
@@ -75,15 +79,100 @@ pub(crate) fn at_level(
     if let Some(x) = directly(system, at, settings)? {
         return Ok((x, at));
     }
-    let mut path = up(system, at, WEAK * at.level, at.level, settings)?;
-    for _ in 0..settings.max_points.min(MOST_POINTS) {
-        match path.advance(&mut |_, _, _, _| Ok(Verdict::Keep(0.0)))? {
-            Advance::Going => {}
-            Advance::Arrived(super::Ending::Complete) => return Ok((path.present.x, path.present.at)),
-            _ => break,
+    let from_weak = up(system, at, WEAK * at.level, at.level, settings);
+    if let Some(found) = end_of(from_weak, settings)? {
+        return Ok(found);
+    }
+    if let Some(x) = from_fewer(system, at, settings)? {
+        return Ok((x, at));
+    }
+    for ratio in NEIGHBOURS {
+        let there = Operating { angular_frequency: ratio * at.angular_frequency, ..at };
+        let path = along_frequency(system, there, at.angular_frequency, settings);
+        if let Some(found) = end_of(path, settings)? {
+            return Ok(found);
         }
     }
     Err(HarmonicError::NotConverged { residual: f64::INFINITY, iterations: settings.max_points })
+}
+
+/// Where a path arrives; `None` where it does not, or could not begin.
+fn end_of(
+    path: Result<Path, HarmonicError>,
+    settings: &CurveSettings,
+) -> Result<Option<(Vec<f64>, Operating)>, HarmonicError> {
+    let mut path = match path {
+        Ok(path) => path,
+        Err(error) if error.is_of_the_step() => return Ok(None),
+        Err(error) => return Err(error),
+    };
+    for _ in 0..settings.max_points.min(MOST_POINTS) {
+        match path.advance(&mut |_, _, _, _| Ok(Verdict::Keep(0.0)))? {
+            Advance::Going => {}
+            Advance::Arrived(super::Ending::Complete) => return Ok(Some((path.present.x, path.present.at))),
+            _ => break,
+        }
+    }
+    Ok(None)
+}
+
+/// Solves at `at` with fewer harmonics, which are then added; `None` where that fails, or the system keeps its
+/// harmonics.
+fn from_fewer(
+    system: &mut dyn PeriodicSystem,
+    at: Operating,
+    settings: &CurveSettings,
+) -> Result<Option<Vec<f64>>, HarmonicError> {
+    let wanted = system.harmonics();
+    let mut x = vec![0.0; system.unknowns()];
+    let mut found = false;
+    for few in FEW.into_iter().filter(|few| *few < wanted) {
+        if !system.set_harmonics(few, &mut [&mut x])? {
+            return Ok(None);
+        }
+        if let Some(start) = directly(system, at, settings)? {
+            (x, found) = (start, true);
+            break;
+        }
+    }
+    let mut stride = 2;
+    while found && system.harmonics() < wanted {
+        let (now, before) = (system.harmonics(), x.clone());
+        system.set_harmonics((now + stride).min(wanted), &mut [&mut x])?;
+        system.forget();
+        if solve(system, &mut x, &mut at.clone(), &[], &mut [], &settings.stopping()).is_ok() {
+            stride *= 2;
+        } else if stride > 2 {
+            system.set_harmonics(now, &mut [&mut x])?;
+            (x, stride) = (before, 2);
+        } else {
+            found = false;
+        }
+    }
+    if !found {
+        system.set_harmonics(wanted, &mut [&mut x])?;
+    }
+    Ok(found.then_some(x))
+}
+
+/// A path along the frequency, from `at` to the angular frequency `to` (rad/s).
+fn along_frequency<'s>(
+    system: &'s mut dyn PeriodicSystem,
+    at: Operating,
+    to: f64,
+    settings: &CurveSettings,
+) -> Result<Path<'s>, HarmonicError> {
+    let not_found =
+        HarmonicError::NotConverged { residual: f64::INFINITY, iterations: settings.max_iterations };
+    let x = directly(system, at, settings)?.ok_or(not_found)?;
+    let route = Route {
+        along: Scalar::AngularFrequency,
+        from: at.angular_frequency,
+        to,
+        stopping: settings.stopping(),
+        max_step: 1.0,
+    };
+    Path::new(system, route, &[], Vec::new(), x, at)
 }
 
 /// Solves at `at` by Newton's method from equivalent linearisation, or from the structure without its contacts, which

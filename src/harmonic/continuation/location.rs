@@ -3,15 +3,25 @@
 use super::*;
 use crate::harmonic::bracket::Bracket;
 
+/// Why nothing was found between two points.
+pub(crate) enum NotFound {
+    /// There was no solution on the way.
+    Lost,
+    /// The value at the previous point has the other sign: if it passes through zero, there (the solution there).
+    AtPrevious(Location),
+    /// The value at the present point is this one, of the other sign: if it passes through zero, further on.
+    AtPresent(Option<f64>),
+}
+
 impl Path<'_> {
     /// Finds the point between the previous and the present one where `test`, a function of the location,
     /// passes through zero (its values there are `low` and `high`, of opposite sign); the present point and
-    /// the step are left alone. `None` where the solution is lost on the way.
+    /// the step are left alone. Fails where the solution is lost on the way, or one of the values had the wrong sign.
     pub fn locate(
         &mut self,
         (low, high): (f64, f64),
         test: &mut dyn FnMut(&mut dyn PeriodicSystem, &Location) -> f64,
-    ) -> Option<Location> {
+    ) -> Result<Location, NotFound> {
         const ROUNDS: usize = 60;
         /// Share of the way at which the place is known well enough: what is largest there is known to the square.
         const SHARPEST: f64 = 1e-11;
@@ -41,16 +51,27 @@ impl Path<'_> {
         }
         // The directions along a curve are those of the last Newton step: close to an extremum the sign at an end
         // may have been wrong, and that end is what was found.
+        let mut wrong = None;
         for (end, expected) in [(0.0, low), (reach, high)] {
             if (bracket.latest.0 - end).abs() <= NEAR_END * reach.abs() && bracket.latest.1 * expected < 0.0 {
                 let exact = self.test_at(base, end, reach, &stopping, test);
-                found = found.filter(|_| exact.is_some_and(|exact| exact * expected >= 0.0));
+                if exact.is_none_or(|exact| exact * expected < 0.0) {
+                    let there = self.next.clone();
+                    wrong = Some(if end == 0.0 {
+                        NotFound::AtPrevious(there)
+                    } else {
+                        NotFound::AtPresent(exact)
+                    });
+                }
             }
         }
         std::mem::swap(&mut self.previous, &mut self.present);
         self.next.clone_from(&self.present);
         (self.step, self.last_step) = kept;
-        found
+        match wrong {
+            Some(wrong) => Err(wrong),
+            None => found.ok_or(NotFound::Lost),
+        }
     }
 
     /// `test` at `place` on the way of length `reach` from `base`, where `next` is left; `None` where there is no

@@ -13,9 +13,12 @@
 mod correction;
 mod location;
 
+pub(crate) use location::NotFound;
+
 use super::HarmonicError;
 use super::condition::ArcLength;
 use super::curve::Ending;
+use super::landmarks::Landmark;
 use super::problem::{Condition, Newton, Stopping};
 use super::system::{Operating, PeriodicSystem, Scalar};
 use super::unit::Unit;
@@ -25,8 +28,19 @@ use crate::structure::StructureError;
 const SMALLEST_STEP: f64 = 1e-8;
 /// Steps this small may turn by up to a right angle: a corner of the curve.
 const CORNER_STEP: f64 = 1e-4;
-/// Steps this small are taken however much what is watched turns.
+/// Steps this small are taken however much what is watched turns; smaller ones at resonances sharper than that,
+/// this share of half their bandwidth, down to a least.
 const SHARPEST_BEND: f64 = 1e-6;
+const BEND_OF_RESONANCE: f64 = 0.02;
+const LEAST_BEND: f64 = 3e-8;
+/// A landmark this near counts as reached: in half bandwidths, and as share of the range.
+const REACHED: f64 = 0.3;
+const REACHED_IN_RANGE: f64 = 1e-9;
+/// What is free besides counts in units so many times its largest value: the force that holds a response falls and
+/// rises again within a bandwidth, which would be a cusp if it counted in full. The unknowns tell where the curve is.
+const FREE_SIZE: f64 = 10.0;
+/// Steps this small may carry the level of a held response through zero, which it has at undamped resonances alone.
+const ZERO_LEVEL_STEP: f64 = 3e-8;
 /// How far beyond a corner the equations are looked at, and the first step from there.
 const BEYOND_CORNER: f64 = 1e-6;
 const STEP_FROM_CORNER: f64 = 1e-5;
@@ -85,6 +99,10 @@ pub(crate) enum Verdict {
 pub(crate) type Judge<'j> = dyn FnMut(&mut dyn PeriodicSystem, &mut Newton, &Location, &[Scalar]) -> Result<Verdict, HarmonicError>
     + 'j;
 
+/// Looks at a location as a [`Judge`] does.
+pub(crate) type See<'s, T> =
+    dyn FnMut(&mut dyn PeriodicSystem, &mut Newton, &Location, &[Scalar]) -> Option<T> + 's;
+
 /// Outcome of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Advance {
@@ -114,6 +132,11 @@ pub(crate) struct Path<'s> {
     orientation: f64,
     /// Set between crossing a corner and leaving it.
     at_corner: bool,
+    /// Largest magnitude of each scalar so far.
+    largest: [f64; 4],
+    landmarks: Vec<Landmark>,
+    /// Steps this small are taken however much what is watched turns.
+    sharpest: f64,
     /// The point before the present one.
     pub previous: Location,
     /// The present point.
@@ -148,6 +171,9 @@ impl<'s> Path<'s> {
             last_step: 0.0,
             orientation: 0.0,
             at_corner: false,
+            largest: [0.0; 4],
+            landmarks: Vec::new(),
+            sharpest: SHARPEST_BEND,
             previous: location.clone(),
             next: location.clone(),
             present: location,
@@ -155,6 +181,33 @@ impl<'s> Path<'s> {
         };
         path.start()?;
         Ok(path)
+    }
+
+    /// Has a path along the frequency pause at `landmarks`, so that none is passed unseen.
+    pub fn heed(&mut self, landmarks: &[Landmark]) {
+        let Route { along, from, to, .. } = self.route;
+        if along != Scalar::AngularFrequency {
+            return;
+        }
+        let within = |one: &&Landmark| {
+            (one.angular_frequency - from) * (one.angular_frequency - to) < 0.0 && one.half_width > 0.0
+        };
+        self.landmarks = landmarks.iter().filter(within).copied().collect();
+        let narrowest = self.landmarks.iter().fold(f64::INFINITY, |least, one| least.min(one.half_width));
+        let resolved = BEND_OF_RESONANCE * narrowest / (to - from).abs();
+        self.sharpest = SHARPEST_BEND.min(resolved.max(LEAST_BEND));
+    }
+
+    /// The step to the next landmark.
+    fn step_to_landmark(&self) -> f64 {
+        let along = self.route.along.index();
+        let (rate, here) = (self.present.scalars[along], self.present.at.get(self.route.along));
+        let range = (self.route.to - self.route.from).abs();
+        let ahead = self.landmarks.iter().filter_map(|one| {
+            let distance = (one.angular_frequency - here) * rate.signum();
+            (distance > REACHED * one.half_width + REACHED_IN_RANGE * range).then_some(distance)
+        });
+        ahead.fold(f64::INFINITY, f64::min) / rate.abs()
     }
 
     /// Starts again with other harmonics.
@@ -197,7 +250,9 @@ impl<'s> Path<'s> {
         self.unit.unknowns = if size > 0.0 { 1.0 / size } else { 1.0 };
         for scalar in &self.free {
             let value = self.present.at.get(*scalar).abs();
-            let size = if *scalar == self.route.along { range } else { value };
+            let largest = &mut self.largest[scalar.index()];
+            *largest = largest.max(value);
+            let size = if *scalar == self.route.along { range } else { FREE_SIZE * *largest };
             self.unit.scalars[scalar.index()] = if size > 0.0 { 1.0 / size } else { 1.0 };
         }
     }
@@ -211,6 +266,9 @@ impl<'s> Path<'s> {
         let along = self.route.along.index();
         let rate = (self.present.scalars[along] * self.unit.scalars[along]).abs();
         self.step = self.step.min(LARGEST_STEP).min(self.route.max_step / rate.max(1e-12));
+        let wished = self.step;
+        self.step = self.step.min(self.step_to_landmark());
+        let mut shortened = self.step < wished;
         loop {
             if self.step < SMALLEST_STEP && (self.at_corner || !self.cross_corner()) {
                 return Ok(Advance::Stuck);
@@ -222,18 +280,22 @@ impl<'s> Path<'s> {
                 Some(edge) => self.land(edge),
             };
             match outcome.and_then(|arrived| self.settle(arrived, judge)) {
-                Ok(Some(advance)) => return Ok(advance),
+                Ok(Some(advance)) => {
+                    // A landmark where nothing is to be seen does not hold the next steps up.
+                    self.step = if shortened { self.step.max(0.5 * wished) } else { self.step };
+                    return Ok(advance);
+                }
                 // A failure of the model is not one of the step; a frequency at which there is no compliance is
                 // stepped over.
                 Err(HarmonicError::Structure(StructureError::UndampedResonance { .. })) => {
-                    self.step *= 0.5;
+                    (self.step, shortened) = (0.5 * self.step, false);
                     self.system.forget();
                 }
                 Err(error @ (HarmonicError::InvalidInput(_) | HarmonicError::Structure(_))) => {
                     return Err(error);
                 }
                 Ok(None) | Err(_) => {
-                    self.step *= 0.5;
+                    (self.step, shortened) = (0.5 * self.step, false);
                     self.system.forget();
                 }
             }
@@ -310,13 +372,20 @@ impl<'s> Path<'s> {
         let cosine = unit.product(&self.present, &self.next).clamp(-1.0, 1.0);
         let angle = cosine.acos();
         let orientation = self.newton.orientation();
+        // Of a held response with a level of the other sign is the branch half a period later, which comes close where
+        // little force holds it.
+        let turned =
+            self.free[1..].contains(&Scalar::Level) && self.present.at.level * self.next.at.level < 0.0;
+        if turned && self.step > ZERO_LEVEL_STEP {
+            return Ok(None);
+        }
         let corner = self.step < CORNER_STEP && cosine > 0.0 && orientation == self.orientation;
         if angle.is_nan() || (angle > LARGEST_ANGLE && !corner) {
             return Ok(None);
         }
         let bend = loop {
             match judge(self.system, &mut self.newton, &self.next, &self.free)? {
-                Verdict::Keep(bend) if bend > 1.0 && self.step > SHARPEST_BEND => return Ok(None),
+                Verdict::Keep(bend) if bend > 1.0 && self.step > self.sharpest => return Ok(None),
                 Verdict::Keep(bend) => break bend.min(1.0),
                 Verdict::Harmonics(harmonics) => self.change_harmonics(harmonics, arrived.is_some())?,
             }
@@ -366,6 +435,22 @@ impl<'s> Path<'s> {
     /// Has the first point judged.
     pub fn judge(&mut self, judge: &mut Judge) -> Result<Verdict, HarmonicError> {
         judge(self.system, &mut self.newton, &self.present, &self.free)
+    }
+
+    /// Evaluates at `location`, found between points, and has `see` look at it; `None` where that fails.
+    pub fn visit<T>(&mut self, location: &Location, see: &mut See<T>) -> Option<T> {
+        self.next.clone_from(location);
+        self.set_plane();
+        let found = self.find_direction(true);
+        self.next.iterations = location.iterations;
+        let seen = found.ok().and_then(|()| see(self.system, &mut self.newton, &self.next, &self.free));
+        self.next.clone_from(&self.present);
+        seen
+    }
+
+    /// Way from the previous point to `location`.
+    pub fn way(&self, location: &Location) -> f64 {
+        self.unit.distance(location, &self.previous.x, &self.previous.at)
     }
 
     /// The scalar continued.

@@ -30,7 +30,22 @@ pub fn resonances(
             level: at.level,
         }
     };
-    curve.points.windows(3).filter(least).map(peak).collect()
+    let mut peaks: Vec<Peak> = Vec::new();
+    for found in curve.points.windows(3).filter(least).map(peak) {
+        let known = |known: &Peak| {
+            same(known.angular_frequency, found.angular_frequency) && same(known.level, found.level)
+        };
+        if !peaks.iter().any(known) {
+            peaks.push(found);
+        }
+    }
+    peaks
+}
+
+/// Whether two places found are one: a curve may pass it more than once.
+fn same(one: f64, other: f64) -> bool {
+    const APART: f64 = 1e-7;
+    (one - other).abs() <= APART * one.abs().max(other.abs())
 }
 
 /// The point of least force near the middle one of three; `None` where none is found there.
@@ -87,7 +102,16 @@ pub fn phase_resonances(
             interpolated: refined.is_none(),
         })
     };
-    curve.points.windows(2).filter_map(crossing).collect()
+    let mut found: Vec<PhaseResonance> = Vec::new();
+    for next in curve.points.windows(2).filter_map(crossing) {
+        let known = |known: &PhaseResonance| {
+            same(known.angular_frequency, next.angular_frequency) && same(known.level, next.level)
+        };
+        if !found.iter().any(known) {
+            found.push(next);
+        }
+    }
+    found
 }
 
 /// Cosine of the phase of a node's first harmonic against the force; `None` where the displacement is ahead.
