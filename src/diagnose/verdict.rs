@@ -23,7 +23,7 @@ const NOTHING_LEFT: f64 = 1e-3;
 /// The same above which, the noise unknown, what was added explains too little to be named.
 const MOST_LEFT: f64 = 0.6;
 /// And share of the refitted model's squared error: whoever removes less may stand in for something else.
-const MOST_SHARE_LEFT: f64 = 1.0 / 3.0;
+const MOST_SHARE_LEFT: f64 = 0.6;
 
 /// What a verdict is made of.
 pub(super) struct Material<'a> {
