@@ -37,6 +37,14 @@ pub(super) enum Kind {
     Return,
 }
 
+impl Kind {
+    /// Share of the least squared error of the stories before, below which this one is believed. A fit that is still
+    /// far off must not be led by the least likely past.
+    pub fn doubt(self) -> f64 {
+        if self == Self::Return { 0.25 } else { 1.0 }
+    }
+}
+
 /// Candidates of the search before the refinement: the error has several minima in the unknown when the
 /// record starts with small loops.
 const CANDIDATES: usize = 13;
