@@ -227,7 +227,7 @@ impl Simulation for ContactRecord<'_> {
             let value =
                 self.prehistory.clone().search(&mut |value| self.misfit(law.as_ref(), &measured, value));
             let cost = self.misfit(law.as_ref(), &measured, value);
-            if cost < kind.doubt() * best.0 {
+            if cost < best.0 {
                 best = (cost, self.prehistory.clone(), value);
             }
         }
