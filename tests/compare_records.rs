@@ -127,6 +127,42 @@ fn a_refit_finds_the_contact_that_made_the_loops() {
     assert!(stage.parameters.iter().any(|parameter| parameter.fitted_from == Some(1.2e6)));
 }
 
+/// A contact that is said to stick throughout has a friction coefficient that changes nothing: no derivative leads back
+/// to where it slips.
+#[test]
+fn a_refit_comes_back_from_where_the_contact_never_slips() {
+    let data = dataset(vec![
+        measured_loop(0.0, 1, Regime::FromRest),
+        measured_loop(5e-6, 1, Regime::UnknownInitialState),
+    ]);
+    for stiffness in [0.9e6, 1.2e6, 1.5e6, 4e6] {
+        for friction in [0.2, 0.6, 0.7, 0.9, 1.2, 20.0] {
+            let mut start = contact();
+            start.set("contact.tangential_stiffness", stiffness).unwrap();
+            start.set("contact.friction_coefficient", friction).unwrap();
+            let Refit { stage, .. } = refit("refitted", &start, &data, Watch::default()).unwrap();
+            assert!(stage.error < 1e-4, "from {stiffness} N/m, {friction}: {}", stage.error);
+        }
+    }
+}
+
+#[test]
+fn what_the_records_do_not_show_stays_as_it_was() {
+    // Never slips: 40 µm at 2e6 N/m are 80 N, below the limit of 100 N.
+    let mut made = contact();
+    made.set("contact.friction_coefficient", 1.0).unwrap();
+    let mut record = measured_loop(0.0, 1, Regime::FromRest);
+    let force: Vec<f64> = record.channels[1].values.iter().map(|u| STIFFNESS * u).collect();
+    record.channels[2].values = force;
+    let mut start = made.clone();
+    start.set("contact.tangential_stiffness", 1.2e6).unwrap();
+    start.set("contact.friction_coefficient", 1.3).unwrap();
+    let Refit { model, stage, .. } =
+        refit("refitted", &start, &dataset(vec![record]), Watch::default()).unwrap();
+    assert!(stage.error < 1e-6, "{}", stage.error);
+    assert_eq!(model.get("contact.friction_coefficient"), Some(1.3));
+}
+
 #[test]
 fn an_interrupted_refit_keeps_the_best_so_far() {
     let mut start = contact();

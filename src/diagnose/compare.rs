@@ -1,7 +1,7 @@
 //! Compare a model with a dataset, refit it, compare again.
 
 use super::comparison::{Parameter, RecordResult, Stage};
-use super::{predict, score};
+use super::{predict, score, unseen};
 use crate::identify::{self, Ending, FitError, InterruptHook, Options, ProgressHook};
 use crate::measure::{Dataset, Record, Use};
 use crate::model::Model;
@@ -124,7 +124,7 @@ pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Resu
         })
         .collect();
     let options = Options { progress: watch.progress, interrupt: watch.interrupt, ..Options::default() };
-    let fit = identify::fit(residual, count, &parameters, &options)?;
+    let fit = unseen::fit_seeing(residual, count, &parameters, &options)?;
     let best = with(&fit.parameters).map_err(|reason| FitError::NoStart { first: Some(reason) })?;
     let mut stage = evaluate(name, &best, dataset);
     stage.evaluations = fit.evaluations;

@@ -42,6 +42,7 @@ mod split;
 mod thinned;
 mod tone;
 mod trial;
+mod unseen;
 mod verdict;
 
 pub use compare::{Refit, RefitError, Watch, evaluate, refit};

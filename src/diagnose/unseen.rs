@@ -1,0 +1,82 @@
+//! Free parameters that a fit has lost sight of.
+//!
+//! The friction coefficient of a contact that never slips changes nothing: once a fit is there, no derivative leads
+//! back to where the contact slips, and the value it ends at means nothing.
+
+use crate::identify::{Fit, FitError, Options, Parameter, Scale, fit};
+
+/// Norm of the residuals' change with the whole of a parameter, over that of the residuals, below which it is unseen.
+const UNSEEN: f64 = 1e-6;
+/// Values that an unseen parameter is tried at on each side of where it started, and the factor between two.
+const TRIED: i32 = 12;
+const FACTOR: f64 = 1.5;
+
+/// The fit of `residual` (of `count` numbers) to `parameters`, begun again where a parameter that it lost sight of
+/// comes back into play with a smaller error. One that plays no part anywhere ends where it started.
+///
+/// # Errors
+/// As [`fit`].
+pub(super) fn fit_seeing<F>(
+    residual: F,
+    count: usize,
+    parameters: &[Parameter],
+    options: &Options,
+) -> Result<Fit, FitError<String>>
+where
+    F: Fn(&[f64], &mut [f64]) -> Result<(), String> + Sync,
+{
+    let mut best = fit(&residual, count, parameters, options)?;
+    for index in 0..parameters.len() {
+        let interrupted = options.interrupt.is_some_and(|interrupt| interrupt());
+        if interrupted || !is_unseen(&best, index, parameters.len()) {
+            continue;
+        }
+        best.parameters[index] = parameters[index].start;
+        let mut out = vec![0.0; count];
+        let mut error = |values: &[f64]| match residual(values, &mut out) {
+            Ok(()) => root_mean_square(&out),
+            Err(_) => f64::INFINITY,
+        };
+        let mut values = best.parameters.clone();
+        let tried = tried(&parameters[index]).into_iter().map(|value| {
+            values[index] = value;
+            (error(&values), value)
+        });
+        let nearest = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.evaluations += 2 * TRIED as usize;
+        let Some((_, value)) = nearest.filter(|(error, _)| *error < best.root_mean_square) else { continue };
+        let mut starts = parameters.to_vec();
+        starts.iter_mut().zip(&best.parameters).for_each(|(start, value)| start.start = *value);
+        starts[index].start = value;
+        let again = fit(&residual, count, &starts, options)?;
+        let evaluations = best.evaluations + again.evaluations;
+        if again.root_mean_square < best.root_mean_square {
+            best = again;
+        }
+        best.evaluations = evaluations;
+    }
+    Ok(best)
+}
+
+fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+/// Whether the residuals at the end of `fit` do not depend on the `index`-th of `count` parameters.
+fn is_unseen(fit: &Fit, index: usize, count: usize) -> bool {
+    let column: f64 = fit.jacobian.chunks_exact(count).map(|row| row[index].powi(2)).sum();
+    let change = column.sqrt() * fit.parameters[index].abs();
+    let norm = fit.root_mean_square * (fit.residuals.len() as f64).sqrt();
+    !fit.jacobian.is_empty() && change < UNSEEN * norm
+}
+
+/// Other values of a parameter, within its bounds.
+fn tried(parameter: &Parameter) -> Vec<f64> {
+    let Parameter { start, lower, upper, scale } = *parameter;
+    let steps = (-TRIED..=TRIED).filter(|step| *step != 0);
+    let value = |step: i32| match scale {
+        Scale::Logarithmic => start * FACTOR.powi(step),
+        Scale::Linear => start + start.abs() * f64::from(step) / f64::from(TRIED),
+    };
+    steps.map(value).filter(|value| (lower..=upper).contains(value)).collect()
+}
