@@ -27,15 +27,23 @@ pub(super) struct Prehistory {
 /// The stories.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// From rest along the virgin curve to a force; the unknown is its share of the limit.
+    /// From rest along the virgin curve to a force; the unknown says where it lies between the least and the largest
+    /// that the contact can carry there.
     Virgin,
     /// From rest at an unknown displacement through the motion of one period.
     Cycle,
+    /// Slipping, then moved back by an unknown distance: the motion before the record was larger than its own, or
+    /// does not repeat. Above zero it came from a larger displacement.
+    Return,
 }
 
 /// Candidates of the search before the refinement: the error has several minima in the unknown when the
 /// record starts with small loops.
 const CANDIDATES: usize = 13;
+/// Yield displacements that a contact may have moved back: one that yields by and by is then at its limit again.
+const RETURN: f64 = 4.0;
+/// A force (N) that no contact carries.
+const FAR: f64 = 1e100;
 /// Golden-section steps after that; each shrinks the bracket by 0.618.
 const REFINEMENTS: usize = 12;
 /// Share of a record by which its start is judged: long enough to see it, and no longer, since a contact
@@ -44,7 +52,7 @@ const TELLING_SHARE: f64 = 0.25;
 
 impl Prehistory {
     /// The stories in the order of trial; the later must be better to be chosen.
-    pub const KINDS: [Kind; 2] = [Kind::Virgin, Kind::Cycle];
+    pub const KINDS: [Kind; 3] = [Kind::Virgin, Kind::Cycle, Kind::Return];
 
     /// For a record of this `displacement` (m).
     pub fn new(displacement: &[f64]) -> Self {
@@ -85,6 +93,10 @@ impl Prehistory {
                 let slack = 2.0 * self.reach + yield_displacement(law, load);
                 (self.middle - slack, self.middle + slack)
             }
+            Kind::Return => {
+                let back = RETURN * yield_displacement(law, load);
+                (-back, back)
+            }
         };
     }
 
@@ -116,7 +128,11 @@ impl Prehistory {
         let first = inputs(0);
         match self.kind {
             Kind::Virgin => {
-                let force = value * law.limit(first.normal_load);
+                let [least, largest] = [-FAR, FAR].map(|force| {
+                    law.set_state(first.displacement, first.normal_load, force, state);
+                    law.step(state, Inputs { velocity: 0.0, ..first }, next).force
+                });
+                let force = 0.5 * ((1.0 - value) * least + (1.0 + value) * largest);
                 law.set_state(first.displacement, first.normal_load, force, state);
             }
             Kind::Cycle => {
@@ -125,6 +141,12 @@ impl Prehistory {
                     law.step(state, inputs(index), next);
                     state.copy_from_slice(next);
                 }
+                law.restart(state);
+            }
+            Kind::Return => {
+                law.set_state(first.displacement + value, first.normal_load, value.signum() * FAR, state);
+                law.step(state, Inputs { velocity: 0.0, ..first }, next);
+                state.copy_from_slice(next);
                 law.restart(state);
             }
         }
@@ -158,4 +180,46 @@ fn golden_section(mut low: f64, mut high: f64, cost: &mut impl FnMut(f64) -> f64
         }
     }
     if costs[0] <= costs[1] { inner[0] } else { inner[1] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{Jenkins, Joint, JointBase};
+    use crate::effects::JointChanges;
+
+    /// Every force between the contact's two limits can be the first of a record: springs beside the slider and
+    /// unequal limits included.
+    #[test]
+    fn the_virgin_story_reaches_every_force_and_no_value_twice() {
+        let changes = JointChanges { residual_stiffness: 2e5, asymmetry: 0.3, ..JointChanges::default() };
+        let law = Joint::new(JointBase::Jenkins(Jenkins::new(2e6, 0.5).unwrap()), changes).unwrap();
+        let first = Inputs { displacement: 3e-4, velocity: 0.0, normal_load: 100.0 };
+        let mut story = Prehistory::new(&[3e-4; 20]);
+        story.choose(Kind::Virgin, &law, 100.0);
+        let (mut state, mut next) = (vec![0.0; law.state_len()], vec![0.0; law.state_len()]);
+        let mut force = |value| {
+            story.start(&law, &|_| first, value, &mut state, &mut next);
+            law.step(&state, first, &mut next).force
+        };
+        let spring = 2e5 * 3e-4;
+        assert!((force(1.0) - (spring + 1.3 * 50.0)).abs() < 1e-9, "{}", force(1.0));
+        assert!((force(-1.0) - (spring - 0.7 * 50.0)).abs() < 1e-9, "{}", force(-1.0));
+        let steps: Vec<f64> = (0..=20).map(|k| force(f64::from(k) / 10.0 - 1.0)).collect();
+        assert!(steps.windows(2).all(|pair| (pair[1] - pair[0] - 5.0).abs() < 1e-9), "{steps:?}");
+    }
+
+    #[test]
+    fn a_contact_that_slipped_and_moved_back_carries_what_is_left() {
+        let law = Jenkins::new(2e6, 0.5).unwrap();
+        let first = Inputs { displacement: 1e-4, velocity: 0.0, normal_load: 100.0 };
+        let mut story = Prehistory::new(&[1e-4; 20]);
+        story.choose(Kind::Return, &law, 100.0);
+        let (mut state, mut next) = (vec![0.0; law.state_len()], vec![0.0; law.state_len()]);
+        for (back, expected) in [(1e-5, 30.0), (-1e-5, -30.0), (4e-5, -30.0), (8e-5, -50.0)] {
+            story.start(&law, &|_| first, back, &mut state, &mut next);
+            let force = law.step(&state, first, &mut next).force;
+            assert!((force - expected).abs() < 1e-9, "{back}: {force}");
+        }
+    }
 }
