@@ -293,3 +293,38 @@ pub(super) fn weigh(lanes: &mut [Lane], found: &[Noise], through: &[Vec<f64>]) -
     }
     true
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DEVIATION: f64 = 0.01;
+
+    /// Two periods of a sine with white noise, on which `start` lies.
+    fn two_periods(start: impl Fn(f64) -> f64) -> Vec<f64> {
+        let mut seed = 7_u64;
+        let mut noise = || {
+            let uniform = |seed: &mut u64| {
+                *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (*seed >> 11) as f64 / (1_u64 << 53) as f64
+            };
+            DEVIATION * ((0..12).map(|_| uniform(&mut seed)).sum::<f64>() - 6.0)
+        };
+        let value = |i: usize| (std::f64::consts::TAU * i as f64 / 600.0).sin() + start(i as f64 / 600.0);
+        (0..1200).map(|i| value(i) + noise()).collect()
+    }
+
+    /// Two periods' difference is the noise, and the start that the first one still remembers is not.
+    #[test]
+    fn of_two_periods_the_start_of_the_first_is_no_noise() {
+        for start in [0.0, 0.1, 1.0] {
+            let values = two_periods(|periods| if periods < 0.4 { start } else { 0.0 });
+            let found = from_periods(&values, 600.0).unwrap();
+            assert!((found / DEVIATION - 1.0).abs() < 0.1, "a start of {start}: {found}");
+        }
+        // A difference that lasts is none of the start.
+        let found =
+            from_periods(&two_periods(|periods| if periods < 1.0 { 0.1 } else { 0.0 }), 600.0).unwrap();
+        assert!(found > 3.0 * DEVIATION, "{found}");
+    }
+}
