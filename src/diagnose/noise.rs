@@ -38,49 +38,82 @@ pub fn noise_of(model: &Model, dataset: &Dataset) -> Vec<Noise> {
 
 /// Noise of every compared channel of every record, in the order of `lanes`.
 pub(super) fn measure(lanes: &[Lane]) -> Vec<Noise> {
-    let mut found = Vec::new();
+    let (mut found, mut doubts) = (Vec::new(), Vec::new());
     for (record, lane) in lanes.iter().enumerate() {
         for (name, range) in &lane.channels {
             let stated =
                 lane.record.channel(name).and_then(|channel| channel.noise).filter(|noise| *noise > 0.0);
-            let (deviation, source) = match stated {
-                Some(noise) => (Some(noise), NoiseSource::Stated),
+            let (seen, source) = match stated {
+                Some(noise) => (Some(Seen { deviation: noise, doubt: 0.0 }), NoiseSource::Stated),
                 None => seen(lanes, record, name, &lane.measured[range.clone()]),
             };
+            let deviation = seen.map(|seen| seen.deviation);
             found.push(Noise { record, channel: (*name).to_owned(), deviation, source });
+            doubts.push(seen.map_or(0.0, |seen| seen.doubt));
         }
     }
-    carry_over(lanes, &mut found);
+    carry_over(lanes, &mut found, &doubts);
     found
 }
 
+/// A standard deviation that was measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Seen {
+    deviation: f64,
+    /// Standard error of its logarithm.
+    doubt: f64,
+}
+
+impl Seen {
+    /// From differences between samples that only noise makes different. Correlated noise has fewer independent
+    /// values than samples.
+    fn of(deviation: f64, differences: &[f64], longest: usize) -> Self {
+        let product = |lag: usize| -> f64 {
+            let pairs = differences.iter().zip(differences.get(lag..).unwrap_or(&[]));
+            pairs.map(|(a, b)| a * b).sum()
+        };
+        let power = product(0);
+        let correlations = (1..longest).map(|lag| product(lag) / power).take_while(|share| *share > DEAD);
+        let (mut lags, mut together) = (0, 1.0);
+        for share in correlations {
+            lags += 1;
+            together += 2.0 * share * share;
+        }
+        // What does not die away is a drift, and no noise.
+        let is_noise = power > 0.0 && lags + 1 < longest;
+        let doubt = if is_noise { (together / (2.0 * differences.len() as f64)).sqrt() } else { 0.0 };
+        Self { deviation, doubt }
+    }
+}
+
+/// Correlation of noise below which it has died away.
+const DEAD: f64 = 0.1;
+
 /// From the record itself, or from another of the same motion.
-fn seen(lanes: &[Lane], record: usize, name: &str, values: &[f64]) -> (Option<f64>, NoiseSource) {
+fn seen(lanes: &[Lane], record: usize, name: &str, values: &[f64]) -> (Option<Seen>, NoiseSource) {
     let Some(drive) = driver(lanes[record].record) else { return (None, NoiseSource::Unknown) };
     if let Some(period) = periods::period(&drive.values)
         && inputs_repeat(lanes[record].record, period)
         && let Some(deviation) = from_periods(values, period)
     {
-        return (Some(deviation), NoiseSource::Periods);
+        let lag = period.round() as usize;
+        let apart: Vec<f64> = values.iter().zip(&values[lag..]).map(|(a, b)| b - a).collect();
+        return (Some(Seen::of(deviation, &apart, lag / 2)), NoiseSource::Periods);
     }
     let repeats = lanes
         .iter()
         .enumerate()
         .filter(|(other, lane)| *other != record && is_repeat(lane.record, lanes[record].record));
-    let differences: Vec<f64> = repeats
+    let differences: Vec<Vec<f64>> = repeats
         .filter_map(|(_, lane)| lane.record.channel(name))
-        .map(|other| {
-            let square: f64 = other.values.iter().zip(values).map(|(a, b)| (a - b).powi(2)).sum();
-            square / (2.0 * values.len() as f64)
-        })
+        .map(|other| other.values.iter().zip(values).map(|(a, b)| a - b).collect::<Vec<_>>())
         // The same file twice says nothing of the noise.
-        .filter(|square| *square > 0.0)
+        .filter(|apart| apart.iter().any(|difference| *difference != 0.0))
         .collect();
-    if differences.is_empty() {
-        return (None, NoiseSource::Unknown);
-    }
-    let mean = differences.iter().sum::<f64>() / differences.len() as f64;
-    (Some(mean.sqrt()), NoiseSource::Repeats)
+    let Some(one) = differences.first() else { return (None, NoiseSource::Unknown) };
+    let square = |apart: &Vec<f64>| apart.iter().map(|x| x * x).sum::<f64>() / (2.0 * values.len() as f64);
+    let mean = differences.iter().map(square).sum::<f64>() / differences.len() as f64;
+    (Some(Seen::of(mean.sqrt(), one, values.len() / 10)), NoiseSource::Repeats)
 }
 
 /// Whether the other inputs repeat with the drive: a normal load that swings at its own frequency makes periods
@@ -220,13 +253,14 @@ fn root_mean_square(values: &[f64]) -> f64 {
 }
 
 /// Spread of the logarithm below which a law is taken to hold exactly, and single records' deviations from it
-/// for their own uncertainty.
+/// for their own uncertainty; or this many times that uncertainty, where noise with a long memory makes it larger.
 const EXACT: f64 = 0.1;
+const BY_CHANCE: f64 = 1.5;
 
 /// Gives channels without a noise that of the same quantity elsewhere, by the law that holds best where the
 /// noise was seen: one size, one share of the channel's root mean square, or one share of its high
 /// frequencies. Where the law holds to within the doubt of the single estimates these are replaced by it.
-fn carry_over(lanes: &[Lane], found: &mut [Noise]) {
+fn carry_over(lanes: &[Lane], found: &mut [Noise], doubts: &[f64]) {
     let values = |noise: &Noise| {
         let lane = &lanes[noise.record];
         let range =
@@ -245,6 +279,10 @@ fn carry_over(lanes: &[Lane], found: &mut [Noise]) {
         if measured.is_empty() {
             continue;
         }
+        let own =
+            found.iter().zip(doubts).filter(|(noise, _)| noise.channel == name && noise.deviation.is_some());
+        let doubt = root_mean_square(&own.map(|(_, doubt)| *doubt).collect::<Vec<_>>());
+        let exact = EXACT.max(BY_CHANCE * doubt);
         let fits = (0..LAWS.len()).map(|law| {
             let logarithms: Vec<f64> =
                 measured.iter().map(|(noise, sizes)| (noise / sizes[law]).ln()).collect();
@@ -265,7 +303,7 @@ fn carry_over(lanes: &[Lane], found: &mut [Noise]) {
                 NoiseSource::Unknown if usable => {
                     (noise.deviation, noise.source) = (Some(carried), NoiseSource::Carried);
                 }
-                NoiseSource::Periods | NoiseSource::Repeats if usable && spread < EXACT => {
+                NoiseSource::Periods | NoiseSource::Repeats if usable && spread < exact => {
                     noise.deviation = Some(carried);
                 }
                 _ => {}
@@ -300,18 +338,50 @@ mod tests {
 
     const DEVIATION: f64 = 0.01;
 
+    /// Normal numbers (the sum of twelve uniform ones), the same in every run.
+    fn normal(mut seed: u64) -> impl FnMut() -> f64 {
+        let mut uniform = move || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        move || (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    }
+
     /// Two periods of a sine with white noise, on which `start` lies.
     fn two_periods(start: impl Fn(f64) -> f64) -> Vec<f64> {
-        let mut seed = 7_u64;
-        let mut noise = || {
-            let uniform = |seed: &mut u64| {
-                *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                (*seed >> 11) as f64 / (1_u64 << 53) as f64
-            };
-            DEVIATION * ((0..12).map(|_| uniform(&mut seed)).sum::<f64>() - 6.0)
-        };
+        let mut noise = normal(7);
         let value = |i: usize| (std::f64::consts::TAU * i as f64 / 600.0).sin() + start(i as f64 / 600.0);
-        (0..1200).map(|i| value(i) + noise()).collect()
+        (0..1200).map(|i| value(i) + DEVIATION * noise()).collect()
+    }
+
+    /// The doubt of a deviation is its spread from record to record, white noise or not.
+    #[test]
+    fn the_doubt_of_a_deviation_is_its_spread() {
+        for memory in [0.0_f64, 0.8, 0.95] {
+            let seen: Vec<Seen> = (0..200)
+                .map(|seed| {
+                    let mut noise = normal(seed);
+                    let mut last = noise();
+                    let mut next = || {
+                        last = memory * last + (1.0 - memory * memory).sqrt() * noise();
+                        last
+                    };
+                    let apart: Vec<f64> = (0..400).map(|_| next()).collect();
+                    Seen::of(root_mean_square(&apart), &apart, 70)
+                })
+                .collect();
+            let logarithms: Vec<f64> = seen.iter().map(|seen| seen.deviation.ln()).collect();
+            let mean = logarithms.iter().sum::<f64>() / 200.0;
+            let spread = (logarithms.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 200.0).sqrt();
+            let doubt = root_mean_square(&seen.iter().map(|seen| seen.doubt).collect::<Vec<_>>());
+            assert!((doubt / spread - 1.0).abs() < 0.25, "memory {memory}: {doubt} instead of {spread}");
+        }
+    }
+
+    #[test]
+    fn a_drift_is_no_noise_with_a_memory() {
+        let drift: Vec<f64> = (0..400).map(|i| f64::from(i) / 400.0).collect();
+        assert_eq!(Seen::of(0.5, &drift, 70).doubt, 0.0);
     }
 
     /// Two periods' difference is the noise, and the start that the first one still remembers is not.
