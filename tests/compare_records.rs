@@ -157,10 +157,11 @@ fn what_the_records_do_not_show_stays_as_it_was() {
     let mut start = made.clone();
     start.set("contact.tangential_stiffness", 1.2e6).unwrap();
     start.set("contact.friction_coefficient", 1.3).unwrap();
-    let Refit { model, stage, .. } =
+    let Refit { model, stage, unseen, .. } =
         refit("refitted", &start, &dataset(vec![record]), Watch::default()).unwrap();
     assert!(stage.error < 1e-6, "{}", stage.error);
     assert_eq!(model.get("contact.friction_coefficient"), Some(1.3));
+    assert_eq!(unseen, ["contact.friction_coefficient"]);
 }
 
 #[test]

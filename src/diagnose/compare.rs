@@ -65,6 +65,8 @@ pub struct Refit {
     pub stage: Stage,
     /// Why the fit ended; anything but `Converged` should be told.
     pub ending: Ending,
+    /// Paths of free parameters on which none of the fitted records depends; they stay where they started.
+    pub unseen: Vec<String>,
 }
 
 /// The records a fit may see: those marked `use = "fit"`, or where none is so marked those without a mark.
@@ -124,12 +126,13 @@ pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Resu
         })
         .collect();
     let options = Options { progress: watch.progress, interrupt: watch.interrupt, ..Options::default() };
-    let fit = unseen::fit_seeing(residual, count, &parameters, &options)?;
+    let (fit, unseen) = unseen::fit_seeing(residual, count, &parameters, &options)?;
     let best = with(&fit.parameters).map_err(|reason| FitError::NoStart { first: Some(reason) })?;
     let mut stage = evaluate(name, &best, dataset);
     stage.evaluations = fit.evaluations;
     for parameter in &mut stage.parameters {
         parameter.fitted_from = free.iter().find(|free| free.path == parameter.path).map(|free| free.value);
     }
-    Ok(Refit { model: best, stage, ending: fit.ending })
+    let unseen = unseen.into_iter().map(|index| free[index].path.clone()).collect();
+    Ok(Refit { model: best, stage, ending: fit.ending, unseen })
 }

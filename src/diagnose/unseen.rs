@@ -12,7 +12,8 @@ const TRIED: i32 = 12;
 const FACTOR: f64 = 1.5;
 
 /// The fit of `residual` (of `count` numbers) to `parameters`, begun again where a parameter that it lost sight of
-/// comes back into play with a smaller error. One that plays no part anywhere ends where it started.
+/// comes back into play with a smaller error. One that plays no part anywhere ends where it started; their indices are
+/// the second result.
 ///
 /// # Errors
 /// As [`fit`].
@@ -21,7 +22,7 @@ pub(super) fn fit_seeing<F>(
     count: usize,
     parameters: &[Parameter],
     options: &Options,
-) -> Result<Fit, FitError<String>>
+) -> Result<(Fit, Vec<usize>), FitError<String>>
 where
     F: Fn(&[f64], &mut [f64]) -> Result<(), String> + Sync,
 {
@@ -55,7 +56,8 @@ where
         }
         best.evaluations = evaluations;
     }
-    Ok(best)
+    let unseen = (0..parameters.len()).filter(|index| is_unseen(&best, *index, parameters.len())).collect();
+    Ok((best, unseen))
 }
 
 fn root_mean_square(values: &[f64]) -> f64 {

@@ -136,6 +136,12 @@ fn refitted(name: &str, model: &Model, dataset: &Dataset) -> Result<Option<Refit
             tell!("note: {name}: the fit ended where no step lowered the error, short of convergence");
         }
     }
+    if let Some(Refit { model, unseen, .. }) = &done {
+        for path in unseen {
+            let value = model.get(path).unwrap_or(f64::NAN);
+            tell!("note: {name}: no fitted record depends on {path}, which stays {value}");
+        }
+    }
     Ok(done)
 }
 
