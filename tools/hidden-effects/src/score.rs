@@ -20,6 +20,8 @@ pub struct Diagnosis {
     pub groups: Vec<Vec<String>>,
     /// Error on the untouched records.
     pub untouched: Option<f64>,
+    /// What the noise alone leaves there, as the program sees it.
+    pub floor: Option<f64>,
     /// Intervals of the candidates' parameters.
     pub intervals: Vec<Interval>,
     /// Duration (s).
@@ -62,6 +64,7 @@ impl Diagnosis {
             places: places.filter_map(|(id, place)| Some((id.clone(), place.as_str()?.to_owned()))).collect(),
             groups: groups.map(names).collect(),
             untouched: error("untouched"),
+            floor: error("untouched_noise_floor"),
             intervals: intervals(json),
             seconds: json.get("seconds").and_then(Value::as_f64).unwrap_or(f64::NAN),
         })
@@ -75,6 +78,7 @@ impl Diagnosis {
             places: BTreeMap::new(),
             groups: Vec::new(),
             untouched: None,
+            floor: None,
             intervals: Vec::new(),
             seconds,
         }
@@ -136,6 +140,8 @@ pub struct Score {
     pub covered: (usize, usize),
     /// Error on untouched records over the noise that was added, when the verdict is right.
     pub untouched: Option<f64>,
+    /// The same over the noise floor that the program tells.
+    pub untouched_told: Option<f64>,
 }
 
 /// Scores a diagnosis.
@@ -163,13 +169,18 @@ pub fn score(truth: &Truth, diagnosis: &Diagnosis) -> Score {
             covered += usize::from((low..=high).contains(&value));
         }
     }
-    // The noise as it was made, not as the program sees it.
-    let ratio = diagnosis.untouched.map(|error| error / truth.noise);
+    let explained = right == 1.0 && truth.class() != Class::Outside;
+    let over = |noise: f64| {
+        let ratio = diagnosis.untouched.map(|error| error / noise);
+        ratio.filter(|ratio| explained && ratio.is_finite())
+    };
     Score {
         right,
         named_falsely: matches!(truth.class(), Class::Null | Class::Outside) && (found || grouped),
         covered: (covered, told),
-        untouched: ratio.filter(|ratio| right == 1.0 && truth.class() != Class::Outside && ratio.is_finite()),
+        // The noise as it was made, and as the program sees it.
+        untouched: over(truth.noise),
+        untouched_told: diagnosis.floor.and_then(over),
     }
 }
 
