@@ -4,7 +4,9 @@
 use std::f64::consts::TAU;
 
 use stickslip::effects::{AppliedEffect, Location, find};
-use stickslip::harmonic::{Assembly, AttachedContact, Body, Control, CurveSettings, periodic_response};
+use stickslip::harmonic::{
+    Assembly, AttachedContact, Body, Control, CurveSettings, frequency_response, periodic_response,
+};
 use stickslip::integrate::{Drive, SampledIntegrator};
 use stickslip::model::Model;
 
@@ -105,5 +107,35 @@ fn harmonic_balance_with_effects_of_the_structure_agrees_with_time_integration()
         }
         let moved = (0..2).any(|node| (found[node] / before[node] - 1.0).abs() > 0.01);
         assert!(moved, "the effect shows: {found:?} {before:?}");
+    }
+}
+
+#[test]
+fn a_damper_behind_a_play_has_a_curve_that_agrees_with_time_integration() {
+    // Where the play closes with a velocity the force jumps.
+    let changed = with(&with(&model(TWO_MASSES), "backlash", None, &[0.2]), "contact_damping", None, &[0.05]);
+    let assembled = changed.assembled().unwrap();
+    let contacts = assembled.laws().map(|(law, normal_load)| AttachedContact { law, normal_load }).collect();
+    let assembly = Assembly::new(Body::Linear(&assembled.structure), contacts);
+    let settings = CurveSettings { harmonics: 31, ..CurveSettings::default() };
+    let force = Control::Level(0.4);
+    let mut points = 0;
+    let mut few = |_: &_| {
+        points += 1;
+        points < 1000
+    };
+    let curve = frequency_response(&assembly, 0.2, 2.0, &force, &settings, &mut few).unwrap();
+    let last = curve.points.last().unwrap().angular_frequency;
+    assert!(
+        (last - 2.0).abs() < 1e-9 && curve.points.len() < 500,
+        "{} points up to {last}",
+        curve.points.len()
+    );
+    for omega in [0.3, 0.65, 0.9, 1.5] {
+        let point = periodic_response(&assembly, omega, &force, &settings, None).unwrap();
+        let found = marched(&changed, omega, 0.4, 60, 400);
+        for (balanced, found) in point.amplitude.iter().zip(&found) {
+            assert!((balanced / found - 1.0).abs() < 1e-3, "{omega}: {balanced} {found}");
+        }
     }
 }

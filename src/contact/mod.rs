@@ -197,6 +197,13 @@ pub trait ContactLaw: std::fmt::Debug + Send + Sync {
         false
     }
 
+    /// The displacement (m) at which the force jumps if it moves at once from that of `state` to that of `inputs`, under
+    /// constant load and not at rest; `None` where it does not jump.
+    fn jump(&self, state: &[f64], inputs: Inputs) -> Option<f64> {
+        let _ = (state, inputs);
+        None
+    }
+
     /// As [`ContactLaw::sliders`], for laws that are sliders with a viscous damper beside them: its damping
     /// (N s/m), 0 for none; `None` where the law is something else.
     fn sliders_and_damper(&self, normal_load: f64, out: &mut Vec<Slider>) -> Option<f64> {

@@ -1,6 +1,7 @@
 //! A contact with the physical effects that act in it.
 
 mod base;
+mod jump;
 mod sliders;
 mod tangents;
 
@@ -390,6 +391,10 @@ impl ContactLaw for Joint {
 
     fn limit_moves(&self) -> bool {
         self.changes.weakening.is_some() || self.changes.wear != 0.0
+    }
+
+    fn jump(&self, state: &[f64], inputs: Inputs) -> Option<f64> {
+        self.jump_on_the_way(state, inputs)
     }
 
     fn sliders(&self, normal_load: f64, out: &mut Vec<Slider>) -> bool {
