@@ -23,6 +23,10 @@ fn joints() -> Vec<(&'static str, Joint)> {
         ("weakening", JointChanges { weakening, ..none }),
         ("springs behind a play", JointChanges { half_gap: 0.2, ..springs }),
         ("damper behind a play", JointChanges { half_gap: 0.2, damping: 5e-4, ..none }),
+        (
+            "weakening and damper behind a play",
+            JointChanges { half_gap: 0.2, damping: 5e-4, weakening, ..none },
+        ),
         ("damper that feeds, behind a play", JointChanges { half_gap: 0.2, damping: -2e-4, ..none }),
         ("springs and damper behind a play", JointChanges { half_gap: 0.2, damping: 5e-4, ..springs }),
         (

@@ -1,12 +1,12 @@
 //! Where the force of a joint jumps.
 
 use super::{BASE, Joint, SIDE, root};
-use crate::contact::Inputs;
+use crate::contact::{Inputs, Jump};
 
 impl Joint {
     /// See [`crate::contact::ContactLaw::jump`]. Where the play closes the damper takes hold at once; one that feeds
     /// energy in lets go where the play opens.
-    pub(super) fn jump_on_the_way(&self, state: &[f64], inputs: Inputs) -> Option<f64> {
+    pub(super) fn jump_on_the_way(&self, state: &[f64], inputs: Inputs) -> Option<Jump> {
         let (gap, damping) = (self.changes.half_gap, self.changes.damping);
         if gap == 0.0 || damping == 0.0 {
             return None;
@@ -24,6 +24,6 @@ impl Joint {
             (base + spring, base_slope + slope)
         };
         let between = (w.min(end.displacement), w.max(end.displacement));
-        Some(root(force, w, between) + held * gap)
+        Some(Jump { displacement: root(force, w, between) + held * gap, damping })
     }
 }

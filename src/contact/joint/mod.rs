@@ -7,7 +7,8 @@ mod tangents;
 
 use super::error::{Bounds, LawError, checked};
 use super::{
-    ContactLaw, Inputs, Iwan, Jenkins, ParallelSliders, Response, Slider, SlipState, StateTangents, Valanis,
+    ContactLaw, Inputs, Iwan, Jenkins, Jump, ParallelSliders, Response, Slider, SlipState, StateTangents,
+    Valanis,
 };
 use crate::effects::JointChanges;
 use crate::vocabulary::{self as v, Quantity};
@@ -393,7 +394,7 @@ impl ContactLaw for Joint {
         self.changes.weakening.is_some() || self.changes.wear != 0.0
     }
 
-    fn jump(&self, state: &[f64], inputs: Inputs) -> Option<f64> {
+    fn jump(&self, state: &[f64], inputs: Inputs) -> Option<Jump> {
         self.jump_on_the_way(state, inputs)
     }
 

@@ -22,7 +22,7 @@ pub(super) struct Jump {
     pub phase: f64,
     /// m.
     displacement: f64,
-    /// The damper (N s/m).
+    /// The damper (N s/m); one that feeds energy in lets go.
     pub damping: f64,
     /// −∂displacement/∂state at the turning point behind.
     pub by_state: Vec<f64>,
@@ -39,18 +39,13 @@ impl Jump {
     ) -> Option<Self> {
         let way = to.value - from.value;
         let at = |displacement| Inputs { displacement, velocity: way, normal_load: contact.normal_load };
-        let displacement = contact.law.jump(state, at(to.value))?;
-        for beside in [-BESIDE, BESIDE] {
-            let inputs = at(displacement + beside * way);
-            let response = contact.law.force_and_tangents(state, inputs, next, tangents);
-            let (damping, stiffness) = (response.tangents.velocity, response.tangents.displacement);
-            if damping != 0.0 && stiffness > 0.0 {
-                let by_state = tangents.force_by_state.iter().map(|by_state| by_state / stiffness).collect();
-                let phase = motion.phase_of(displacement, from, to);
-                return Some(Self { phase, displacement, damping, by_state });
-            }
-        }
-        None
+        let crate::contact::Jump { displacement, damping } = contact.law.jump(state, at(to.value))?;
+        // On the side on which the damper holds, where the force tells what the place depends on.
+        let closed = at(displacement + BESIDE * way * damping.signum());
+        let stiffness = contact.law.force_and_tangents(state, closed, next, tangents).tangents.displacement;
+        let by_state = tangents.force_by_state.iter().map(|by_state| by_state / stiffness).collect();
+        let phase = motion.phase_of(displacement, from, to);
+        (stiffness > 0.0).then_some(Self { phase, displacement, damping, by_state })
     }
 
     /// Force (N) where the contact rests while a spring of `compliance` (m/N) takes up the damper's force.
