@@ -22,6 +22,13 @@ fn joints() -> Vec<(&'static str, Joint)> {
         ("springs", springs),
         ("weakening", JointChanges { weakening, ..none }),
         ("springs behind a play", JointChanges { half_gap: 0.2, ..springs }),
+        ("damper behind a play", JointChanges { half_gap: 0.2, damping: 5e-4, ..none }),
+        (
+            "weakening and damper behind a play",
+            JointChanges { half_gap: 0.2, damping: 5e-4, weakening, ..none },
+        ),
+        ("damper that feeds, behind a play", JointChanges { half_gap: 0.2, damping: -2e-4, ..none }),
+        ("springs and damper behind a play", JointChanges { half_gap: 0.2, damping: 5e-4, ..springs }),
         (
             "all",
             JointChanges { spread: 0.6, weakening, asymmetry: 0.2, half_gap: 0.1, damping: 2e-4, ..springs },
@@ -36,7 +43,9 @@ fn joints() -> Vec<(&'static str, Joint)> {
         .collect();
     let base = JointBase::Valanis(Valanis::new(stiffness, friction, 0.3, 0.0).unwrap());
     let changes = JointChanges { asymmetry: 0.3, cubic_stiffness: 0.05, ..none };
-    all.push(("valanis", Joint::new(base, changes).unwrap()));
+    all.push(("valanis", Joint::new(base.clone(), changes).unwrap()));
+    let changes = JointChanges { half_gap: 0.2, damping: 5e-4, ..none };
+    all.push(("valanis and damper behind a play", Joint::new(base, changes).unwrap()));
     all
 }
 
@@ -52,7 +61,9 @@ fn the_exact_cycle_is_the_limit_of_the_sampled_one() {
             let difference =
                 exact.force().iter().zip(sampled.force()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             // Where the limit moves both are sampled, one more finely than the other.
-            if difference >= if law.limit_moves() { 1e-3 } else { 2e-4 } {
+            // Samples meet a jump of the force to the first order of the step only.
+            let jumps = law.changes().half_gap > 0.0 && law.changes().damping != 0.0;
+            if difference >= if law.limit_moves() || jumps { 1e-3 } else { 2e-4 } {
                 failures.push(format!("{name}, {motion}: {difference:e}"));
             }
         }
@@ -66,13 +77,15 @@ fn the_jacobian_is_the_derivative_of_the_force() {
     let mut failures = Vec::new();
     for (name, law) in joints() {
         for (motion, u) in motions() {
-            let map = evaluated(&law, 0.0, set, &u);
             // Samples of a moving limit leave small jumps, which short differences would magnify.
             let (step, tolerance) = if law.limit_moves() { (3e-3, 0.15) } else { (1e-5, 4e-3) };
-            let expected = differences(&law, 0.0, set, &u, step);
-            let error = (map.jacobian() - &expected).abs().max();
-            if error >= tolerance {
-                failures.push(format!("{name}, {motion}: {error:e}"));
+            for compliance in if law.limit_moves() { vec![0.0] } else { vec![0.0, 0.3] } {
+                let map = evaluated(&law, compliance, set, &u);
+                let expected = differences(&law, compliance, set, &u, step);
+                let error = (map.jacobian() - &expected).abs().max();
+                if error >= tolerance {
+                    failures.push(format!("{name}, {motion}, {compliance}: {error:e}"));
+                }
             }
         }
     }

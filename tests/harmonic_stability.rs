@@ -7,7 +7,10 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Complex, DMatrix, DVector};
 use oscillator_support::{chain, single, two_mass};
-use stickslip::contact::{ContactLaw, CubicSpring, Jenkins, ParallelSliders, Unilateral, Valanis};
+use stickslip::contact::{
+    ContactLaw, CubicSpring, Jenkins, Joint, JointBase, ParallelSliders, Unilateral, Valanis,
+};
+use stickslip::effects::JointChanges;
 use stickslip::harmonic::fourier::from_samples;
 use stickslip::harmonic::stability::{Multipliers, Undecided, decide, floquet, is_stable};
 use stickslip::integrate::{Excitation, LoadedContact, OscillatorFlow, ShootingSettings, shoot};
@@ -361,4 +364,31 @@ fn a_long_period_is_judged_or_called_too_long() {
     let hardening = CubicSpring::new(0.0, 0.1).unwrap();
     let found = decide(&structure, &[attached(&hardening); 2], &[u, u], 1e-6);
     assert_eq!(found, Err(Undecided::TooLong));
+}
+
+/// `exp(A t)` of one mass of 1 kg on a spring and a damper.
+fn flow(stiffness: f64, damping: f64, time: f64) -> DMatrix<f64> {
+    (DMatrix::from_row_slice(2, 2, &[0.0, 1.0, -stiffness, -damping]) * time).exp()
+}
+
+#[test]
+fn a_damper_that_takes_hold_with_a_velocity_kicks_a_disturbance() {
+    let (stiffness, damping, gap, amplitude, omega) = (0.5, 0.3, 0.4, 1.0, 0.8);
+    let changes = JointChanges { half_gap: gap, damping, ..JointChanges::default() };
+    let base = JointBase::Jenkins(Jenkins::new(stiffness, 100.0).unwrap());
+    let law = Joint::new(base, changes).unwrap();
+    let structure = single(1.0, 0.05, 1.0, 1);
+    let found = floquet(&structure, &[attached(&law)], &[&[0.0, amplitude, 0.0]], omega).unwrap();
+    // From the turning point until the damper would pull, through the play, and from there to the other turning point.
+    let (along, across) = (stiffness * amplitude, damping * omega * amplitude);
+    let opens = (stiffness * gap / along.hypot(across)).acos() - across.atan2(along);
+    let closes = (-gap / amplitude).acos();
+    let closed = |phase: f64| flow(1.0 + stiffness, 0.05 + damping, phase / omega);
+    let kick = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, -damping, 1.0]);
+    let half = closed(std::f64::consts::PI - closes)
+        * kick
+        * flow(1.0, 0.05, (closes - opens) / omega)
+        * closed(opens);
+    let expected: Vec<_> = (&half * &half).complex_eigenvalues().iter().copied().collect();
+    assert_same(&found, &expected, 1e-8);
 }

@@ -20,6 +20,18 @@ fn two_masses() -> LinearStructure {
     }
 }
 
+fn one_mass() -> LinearStructure {
+    LinearStructure {
+        size: 1,
+        mass: vec![(0, 0, 1.0)],
+        damping: vec![(0, 0, 0.02)],
+        stiffness: vec![(0, 0, 1.0)],
+        contacts: vec![vec![(0, 1.0)]],
+        excitation: vec![(0, 1.0)],
+        outputs: vec![Output { name: "m".into(), row: vec![(0, 1.0)] }],
+    }
+}
+
 fn response(law: &dyn ContactLaw, omega: f64, control: &Control) -> Point {
     let structure = two_masses();
     let contacts = vec![AttachedContact { law, normal_load: 1.0 }];
@@ -70,15 +82,7 @@ fn friction_ever_stiffer_becomes_that_of_coulomb() {
 
 #[test]
 fn a_mass_that_sticks_and_slips_has_a_start_at_any_frequency() {
-    let structure = LinearStructure {
-        size: 1,
-        mass: vec![(0, 0, 1.0)],
-        damping: vec![(0, 0, 0.02)],
-        stiffness: vec![(0, 0, 1.0)],
-        contacts: vec![vec![(0, 1.0)]],
-        excitation: vec![(0, 1.0)],
-        outputs: vec![Output { name: "m".into(), row: vec![(0, 1.0)] }],
-    };
+    let structure = one_mass();
     for (stiffness, omega, harmonics) in [(1e2, 0.3, 31), (1e2, 0.2, 21), (1e3, 0.3, 21), (1e4, 0.2, 21)] {
         let law = Jenkins::new(stiffness, 0.1).unwrap();
         let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
@@ -98,15 +102,7 @@ fn a_mass_that_sticks_and_slips_has_a_start_at_any_frequency() {
 
 #[test]
 fn a_curve_that_adapts_its_harmonics_starts_among_stick_and_slip() {
-    let structure = LinearStructure {
-        size: 1,
-        mass: vec![(0, 0, 1.0)],
-        damping: vec![(0, 0, 0.02)],
-        stiffness: vec![(0, 0, 1.0)],
-        contacts: vec![vec![(0, 1.0)]],
-        excitation: vec![(0, 1.0)],
-        outputs: vec![Output { name: "m".into(), row: vec![(0, 1.0)] }],
-    };
+    let structure = one_mass();
     let law = Jenkins::new(1e2, 0.1).unwrap();
     let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
     let assembly = Assembly::new(Body::Linear(&structure), contacts);

@@ -4,7 +4,10 @@
 use std::f64::consts::TAU;
 
 use stickslip::effects::{AppliedEffect, Location, find};
-use stickslip::harmonic::{Assembly, AttachedContact, Body, Control, CurveSettings, periodic_response};
+use stickslip::harmonic::{
+    Assembly, AttachedContact, Body, Control, CurveSettings, Ending, Point, frequency_response,
+    periodic_response,
+};
 use stickslip::integrate::{Drive, SampledIntegrator};
 use stickslip::model::Model;
 
@@ -106,4 +109,47 @@ fn harmonic_balance_with_effects_of_the_structure_agrees_with_time_integration()
         let moved = (0..2).any(|node| (found[node] / before[node] - 1.0).abs() > 0.01);
         assert!(moved, "the effect shows: {found:?} {before:?}");
     }
+}
+
+/// The whole curve from 0.2 rad/s to `until`, and the response at `omegas`.
+fn curve_agrees_with_time_integration(
+    changed: &Model,
+    harmonics: usize,
+    until: f64,
+    omegas: &[f64],
+    stability: bool,
+) {
+    let assembled = changed.assembled().unwrap();
+    let contacts = assembled.laws().map(|(law, normal_load)| AttachedContact { law, normal_load }).collect();
+    let assembly = Assembly::new(Body::Linear(&assembled.structure), contacts);
+    let settings = CurveSettings { harmonics, max_points: 400, stability, ..CurveSettings::default() };
+    let force = Control::Level(0.4);
+    let curve = frequency_response(&assembly, 0.2, until, &force, &settings, &mut |_| true).unwrap();
+    let last = curve.points.last().unwrap().angular_frequency;
+    assert_eq!(curve.ending, Ending::Complete, "{} points up to {last}", curve.points.len());
+    let stable = |point: &Point| point.stable == Some(true);
+    assert!(!stability || curve.points.iter().all(stable), "some point is not stable");
+    for omega in omegas {
+        let point = periodic_response(&assembly, *omega, &force, &settings, None).unwrap();
+        let found = marched(changed, *omega, 0.4, 60, 400);
+        for (balanced, found) in point.amplitude.iter().zip(&found) {
+            assert!((balanced / found - 1.0).abs() < 1e-3, "{omega}: {balanced} {found}");
+        }
+    }
+}
+
+/// Where the play closes with a velocity the force jumps.
+fn damper_behind_play() -> Model {
+    with(&with(&model(TWO_MASSES), "backlash", None, &[0.2]), "contact_damping", None, &[0.05])
+}
+
+#[test]
+fn a_damper_behind_a_play_has_a_curve_that_agrees_with_time_integration() {
+    curve_agrees_with_time_integration(&damper_behind_play(), 31, 2.0, &[0.3, 0.65, 0.9, 1.5], true);
+}
+
+#[test]
+fn with_weakening_besides_too() {
+    let weakening = with(&damper_behind_play(), "velocity_weakening", None, &[0.5, 0.1]);
+    curve_agrees_with_time_integration(&weakening, 7, 0.5, &[0.3], false);
 }

@@ -122,6 +122,16 @@ impl StateTangents {
     }
 }
 
+/// A jump of the force: a damper that takes hold, or lets go, with a velocity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jump {
+    /// Where (m).
+    pub displacement: f64,
+    /// The damper (N s/m): one that takes energy takes hold there, one that feeds energy in (below zero) lets go. Either
+    /// way the force changes by its magnitude times the velocity.
+    pub damping: f64,
+}
+
 /// A contact law with its parameters. See the module documentation for the sign convention.
 pub trait ContactLaw: std::fmt::Debug + Send + Sync {
     /// Length of the state slice.
@@ -195,6 +205,13 @@ pub trait ContactLaw: std::fmt::Debug + Send + Sync {
     /// not that of one step from the stroke's start, and a period must be walked in small steps.
     fn limit_moves(&self) -> bool {
         false
+    }
+
+    /// Where the force jumps on the way from the displacement of `state` to that of `inputs`, one way under constant load;
+    /// `None` where it does not.
+    fn jump(&self, state: &[f64], inputs: Inputs) -> Option<Jump> {
+        let _ = (state, inputs);
+        None
     }
 
     /// As [`ContactLaw::sliders`], for laws that are sliders with a viscous damper beside them: its damping

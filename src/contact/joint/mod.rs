@@ -1,12 +1,14 @@
 //! A contact with the physical effects that act in it.
 
 mod base;
+mod jump;
 mod sliders;
 mod tangents;
 
 use super::error::{Bounds, LawError, checked};
 use super::{
-    ContactLaw, Inputs, Iwan, Jenkins, ParallelSliders, Response, Slider, SlipState, StateTangents, Valanis,
+    ContactLaw, Inputs, Iwan, Jenkins, Jump, ParallelSliders, Response, Slider, SlipState, StateTangents,
+    Valanis,
 };
 use crate::effects::JointChanges;
 use crate::vocabulary::{self as v, Quantity};
@@ -390,6 +392,10 @@ impl ContactLaw for Joint {
 
     fn limit_moves(&self) -> bool {
         self.changes.weakening.is_some() || self.changes.wear != 0.0
+    }
+
+    fn jump(&self, state: &[f64], inputs: Inputs) -> Option<Jump> {
+        self.jump_on_the_way(state, inputs)
     }
 
     fn sliders(&self, normal_load: f64, out: &mut Vec<Slider>) -> bool {

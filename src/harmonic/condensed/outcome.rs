@@ -193,7 +193,8 @@ impl Condensed<'_> {
 
     /// One step of block elimination on the balance with twice the harmonics: those beyond the set respond
     /// to the contacts' forces there, the changed displacement changes the forces kept, and these
-    /// move the unknowns. First order in what is left out.
+    /// move the unknowns. First order in what is left out. What is beyond twice the harmonics is taken from how fast
+    /// the forces fall ([`Self::tails`]).
     pub(super) fn left_out(
         &mut self,
         x: &[f64],
@@ -206,6 +207,9 @@ impl Condensed<'_> {
         self.everywhere.evaluate(&mut self.receptance, at)?;
         self.displace_beyond(x);
         self.change_kept(at)?;
+        let (added, changed) = self.tails();
+        self.scratch.sums.iter_mut().for_each(|sum| *sum *= added);
+        self.scratch.kept.iter_mut().for_each(|kept| *kept *= changed);
         // Unknowns: the residual's change through the compliances, then through the factors.
         let mut change = std::mem::take(&mut self.scratch.along);
         change.clear();
@@ -285,6 +289,30 @@ impl Condensed<'_> {
                 *sum += (c * c + s * s).sqrt();
             }
         }
+    }
+
+    /// By how much the sums over the wide set fall short of those over all harmonics: of the displacements added, and of
+    /// what changes the forces kept, to which they add up as velocities, since these tell when friction turns round.
+    ///
+    /// Forces fall as a power of the order, −1 where they jump and −2 where they have kinks, and the velocities beyond with
+    /// one more. So over an octave their sum falls as the forces' mean square falls over half of one, and that of the
+    /// displacements by the octave more. Forces that fall slower than where they jump do so for some orders only.
+    fn tails(&self) -> (f64, f64) {
+        // From the middle of two orders to the middle of two.
+        let step = if self.set.is_odd() { 1.0 } else { 0.5 };
+        let (from, to) = (self.set.highest() as f64 + step, self.wide.highest() as f64 + step);
+        let mut halves = [(0.0, 0.0); 2];
+        for (order, place) in self.wide.orders().filter(|(order, _)| *order > self.set.highest()) {
+            let forces = self.scratch.force.chunks_exact(self.wide.len());
+            let squares = forces.map(|force| force[place].powi(2) + force[place + 1].powi(2)).sum::<f64>();
+            let (count, sum) = &mut halves[usize::from((order * order) as f64 > from * to)];
+            (*count, *sum) = (*count + 1.0, *sum + squares);
+        }
+        let [near, far] = halves.map(|(count, sum)| sum / count);
+        let (jump, fall) = (from / to, far / near);
+        // Also where there are too few orders to tell.
+        let fall = if fall < jump { fall } else { jump };
+        (1.0 / (1.0 - fall * jump), 1.0 / (1.0 - fall))
     }
 
     /// How the forces kept change under the displacement on the wide set.

@@ -5,6 +5,7 @@
 mod bundle;
 mod chain;
 mod damped;
+mod jump;
 mod ledger;
 pub(crate) mod map;
 mod motion;

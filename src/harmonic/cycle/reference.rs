@@ -59,7 +59,8 @@ impl ReferenceCycle {
             let response = contact.law.step(&state, inputs, &mut next);
             std::mem::swap(&mut state, &mut next);
             if k >= self.samples {
-                self.history.push((inputs.displacement, response.force, response.slip_state));
+                let force = response.force + self.inner.given(k % self.samples);
+                self.history.push((inputs.displacement, force, response.slip_state));
             }
         }
     }

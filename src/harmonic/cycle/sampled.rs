@@ -4,7 +4,7 @@
 //! [`SampledCycle::evaluate`] answers with the force's coefficients and their exact derivatives for
 //! the discretisation it uses. Here the period is sampled (alternating frequency/time, Cameron &
 //! Griffin 1989); within a step the displacement runs linearly, so that the turning points are met
-//! to the second order of the step only.
+//! to the second order of the step only. Where the force jumps within a step is known ([`jump`]).
 //!
 //! The contact's state is part of the problem: a period is marched with the derivatives of every
 //! quantity with respect to the coefficients *and* to the state at its start. The monodromy matrix
@@ -12,6 +12,8 @@
 //! Where the memory does not fade (a stuck contact keeps whatever it remembers) the periodic state
 //! is not unique; then the one reached by loading the virgin contact to the largest displacement of
 //! the period counts, and its derivative is carried through that loading.
+
+mod jump;
 
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 
@@ -66,6 +68,7 @@ pub(crate) struct SampledCycle {
     system: Vec<f64>,
     pivots: Vec<usize>,
     tangents: StateTangents,
+    jump: jump::Workspace,
     force_scale: f64,
     previous: Vec<f64>,
     /// The samples and sensitivities belong to a converged evaluation at `previous`.
@@ -110,6 +113,7 @@ impl SampledCycle {
             system: Vec::new(),
             pivots: Vec::new(),
             tangents: StateTangents::default(),
+            jump: jump::Workspace::default(),
             force_scale: 0.0,
             previous: vec![0.0; wide],
             warm: false,
@@ -124,6 +128,11 @@ impl SampledCycle {
     /// Displacement (m), its slope over the phase (m), and force (N) at sample `k` of the last evaluation.
     pub fn sample(&self, k: usize) -> (f64, f64, f64) {
         (self.displacement[k], self.rate[k], self.force_samples[k])
+    }
+
+    /// What the sample `k` is given for a jump beside it (N).
+    pub fn given(&self, k: usize) -> f64 {
+        self.jump.given[k]
     }
 
     fn reserve(&mut self, state_len: usize) {
@@ -335,6 +344,8 @@ impl SampledCycle {
             self.state_sensitivity[i * columns + wide + 1 + i] = 1.0;
             self.state_scale[i] = self.start[i].abs();
         }
+        self.jump.given.clear();
+        self.jump.given.resize(self.samples, 0.0);
         let mut last = 0.0;
         let mut largest = 0.0_f64;
         for i in 1..=self.samples {
@@ -343,6 +354,10 @@ impl SampledCycle {
             let predicted = if known.is_finite() { known } else { last };
             last = self.step(contact, compliance, angular_frequency, k, predicted, Some(k));
             self.force_samples[k] = last;
+            // Behind a spring the force does not jump; nor does it right behind the farthest turning point.
+            if compliance == 0.0 && i > 1 {
+                self.place_jump(contact, angular_frequency, k);
+            }
             largest = largest.max(last.abs());
             std::mem::swap(&mut self.state, &mut self.next);
             std::mem::swap(&mut self.state_sensitivity, &mut self.next_sensitivity);
@@ -459,6 +474,7 @@ impl SampledCycle {
                 }
             }
         }
+        self.force_samples.iter_mut().zip(&self.jump.given).for_each(|(force, given)| *force += given);
         self.basis.project(&self.force_samples, &mut self.force);
         // jacobian = projectionᵀ · sensitivityᵀ, both as strided views so that the fast product is used.
         let projection = &self.basis.projection;

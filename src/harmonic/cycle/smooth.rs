@@ -2,11 +2,13 @@
 //!
 //! The periodic states at the turning points come from [`Chain`]. Between two of them every force is one exact
 //! step from the turning point behind, so that the force's integrals are Gauss–Legendre sums over panels.
-//! A panel is halved until the force on it is resolved: near a reversal the unloading is steep.
+//! A panel is halved until the force on it is resolved: near a reversal the unloading is steep. Panels meet where the
+//! force jumps ([`Jump`]).
 
 use nalgebra::DMatrix;
 
 use super::chain::{Chain, STEP_TOLERANCE, spring_step};
+use super::jump::Jump;
 use super::motion::{Motion, Turning};
 use super::piecewise::{Path, tip_stiffness};
 use super::turning::turning_points;
@@ -67,6 +69,8 @@ pub(crate) struct SmoothCycle {
     chain: Chain,
     rule: Rule,
     nodes: [Node; NODES],
+    /// On the present leg.
+    jump: Option<Jump>,
     /// Derivatives of the force at the nodes by the state behind.
     by_state: Vec<f64>,
     /// Whether a component of the state behind depends on the motion.
@@ -162,6 +166,7 @@ impl SmoothCycle {
             chain: Chain::default(),
             rule: Rule::new(),
             nodes: [Node::default(); NODES],
+            jump: None,
             by_state: Vec::new(),
             depends: Vec::new(),
             next: Vec::new(),
@@ -179,11 +184,40 @@ impl SmoothCycle {
 
     /// Integrates over the leg from point `leg`.
     fn integrate_leg(&mut self, contact: &PeriodicContact, angular_frequency: f64, leg: usize) {
-        let (from, to) = (self.path.points[leg].phase, self.path.points[leg + 1].phase);
         for (component, depends) in self.depends.iter_mut().enumerate() {
             *depends = self.chain.by_points(leg, component).iter().any(|d| *d != 0.0);
         }
+        let (from, to) = (self.path.points[leg], self.path.points[leg + 1]);
+        let scratch = (self.next.as_mut_slice(), &mut self.tangents);
+        self.jump = Jump::find(contact, self.chain.state(leg), &self.motion, (&from, &to), scratch);
+        let (from, to) = (from.phase, to.phase);
+        let Some(jump) = &self.jump else {
+            self.integrate_part(contact, angular_frequency, leg, (from, to));
+            return;
+        };
+        let (mut first, mut last) = (jump.phase, jump.phase);
+        if contact.compliance == 0.0 {
+            self.add_jump(angular_frequency);
+        } else {
+            let other = jump.other_end(contact, angular_frequency, &self.motion, (from, to));
+            (first, last) = (first.min(other), last.max(other));
+        }
+        for part in [(from, first), (first, last), (last, to)] {
+            self.integrate_part(contact, angular_frequency, leg, part);
+        }
+    }
+
+    fn integrate_part(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        leg: usize,
+        (from, to): (f64, f64),
+    ) {
         let width = to - from;
+        if width <= 0.0 {
+            return;
+        }
         let panels = (0.5 * width * self.set.highest() as f64 / WIDEST).ceil().max(1.0);
         for panel in 0..panels as usize {
             let left = from + width * (panel as f64 / panels);
@@ -240,6 +274,18 @@ impl SmoothCycle {
                 normal_load: contact.normal_load,
             };
             let (scale, state) = (self.chain.force_scale, self.chain.state(leg));
+            let by_state = &mut self.by_state[i * n..(i + 1) * n];
+            if contact.compliance != 0.0
+                && let Some(jump) = &self.jump
+                && let Some(force) = jump.taken_up(contact.compliance, displacement, inputs.velocity)
+            {
+                (node.force, node.stiffness) = (force, 1.0 / contact.compliance);
+                (node.damping, node.stuck) = (0.0, true);
+                before = (force, node.stiffness, displacement);
+                let scaled = jump.by_state.iter().map(|by_state| by_state / contact.compliance);
+                by_state.iter_mut().zip(scaled).for_each(|(to, from)| *to = from);
+                continue;
+            }
             let response = if contact.compliance == 0.0 {
                 contact.law.force_and_tangents(state, inputs, &mut self.next, &mut self.tangents)
             } else {
@@ -255,11 +301,8 @@ impl SmoothCycle {
             before = (node.force, node.stiffness, displacement);
             node.damping = softening * response.tangents.velocity;
             node.stuck = response.slip_state == SlipState::Stick;
-            if n > 0 {
-                let by_state = &mut self.by_state[i * n..(i + 1) * n];
-                for (to, from) in by_state.iter_mut().zip(&self.tangents.force_by_state) {
-                    *to = softening * from;
-                }
+            for (to, from) in by_state.iter_mut().zip(&self.tangents.force_by_state) {
+                *to = softening * from;
             }
         }
     }
@@ -278,15 +321,19 @@ impl SmoothCycle {
                 sums.damping.add(weight * angular_frequency * node.damping, &sums.waves);
                 sums.by_frequency.add(weight * node.damping * node.slope, &sums.waves);
             }
-            let by_state = self.by_state[i * n..(i + 1) * n].iter().zip(&self.depends);
-            for (sum, (by_state, depends)) in sums.by_state.iter_mut().zip(by_state) {
-                if *depends && *by_state != 0.0 {
-                    sum.add(weight * by_state, &sums.waves);
-                }
-            }
+            add_by_state(sums, weight, &self.by_state[i * n..(i + 1) * n], &self.depends);
             let marked = if node.stuck { -weight } else { weight };
             self.history.push((node.phase, weight * node.force, marked));
         }
+    }
+
+    /// Adds what the coefficients change by as the jump moves.
+    fn add_jump(&mut self, angular_frequency: f64) {
+        let (Some(jump), sums) = (&self.jump, &mut self.sums) else { return };
+        let weight = angular_frequency * jump.damping.abs();
+        sums.waves.fill(jump.phase);
+        sums.stiffness.add(weight, &sums.waves);
+        add_by_state(sums, weight, &jump.by_state, &self.depends);
     }
 
     /// Hands a leg's derivatives by its state on to the turning points the state depends on.
@@ -377,6 +424,15 @@ impl SmoothCycle {
         }
         self.chain.dissipated_energy = 0.0;
         self.history.push((0.0, 0.0, if loading.slip_state == SlipState::Stick { -1.0 } else { 1.0 }));
+    }
+}
+
+/// Adds derivatives by the state behind, of the components that depend on the motion.
+fn add_by_state(sums: &mut Sums, weight: f64, by_state: &[f64], depends: &[bool]) {
+    for (sum, (by_state, depends)) in sums.by_state.iter_mut().zip(by_state.iter().zip(depends)) {
+        if *depends && *by_state != 0.0 {
+            sum.add(weight * by_state, &sums.waves);
+        }
     }
 }
 

@@ -47,7 +47,7 @@ impl<'a> Bent<'a> {
 
     /// The contact's steps; none without one.
     fn steps(&self, grid: &[f64]) -> Result<Vec<Step>, OscillatorError> {
-        let steps = |contact| history(contact, self.displacement, self.angular_frequency, grid);
+        let steps = |contact| history(contact, self.displacement, self.angular_frequency, grid, false);
         self.contact.as_ref().map_or(Ok(Vec::new()), steps)
     }
 
@@ -105,7 +105,8 @@ impl Disturbed for Bent<'_> {
     }
 
     fn events(&self) -> Vec<f64> {
-        self.contact.map_or(Vec::new(), |contact| events_of(&contact, self.displacement))
+        self.contact
+            .map_or(Vec::new(), |contact| events_of(&contact, self.displacement, self.angular_frequency))
     }
 
     fn first_order(&self) -> bool {

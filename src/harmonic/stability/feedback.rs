@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::history::{Step, history, jumps};
+use super::impulse;
 use super::signal::turning_points;
 use crate::integrate::oscillator::system::System;
 use crate::integrate::{LoadedContact, OscillatorError};
@@ -162,7 +163,7 @@ impl Disturbed for Linear<'_> {
 
     fn events(&self) -> Vec<f64> {
         let pairs = self.contacts.iter().zip(self.displacement);
-        pairs.flat_map(|(contact, u)| events_of(contact, u)).collect()
+        pairs.flat_map(|(contact, u)| events_of(contact, u, self.angular_frequency)).collect()
     }
 
     fn first_order(&self) -> bool {
@@ -178,7 +179,7 @@ impl Disturbed for Linear<'_> {
             let mut arm = still.clone();
             arm[channel] = 1.0;
             let seat = Seat { arm: &arm, arm_rate: &still, memory: first, series: Series::Rigid };
-            let steps = history(contact, u, self.angular_frequency, grid)?;
+            let steps = history(contact, u, self.angular_frequency, grid, true)?;
             out.iter_mut().zip(&steps).for_each(|(feedback, step)| feedback.attach(step, &seat));
             first += contact.law.state_len();
         }
@@ -186,11 +187,15 @@ impl Disturbed for Linear<'_> {
     }
 }
 
-/// Phases that a grid must meet for a contact: its turning points, and both sides of the jumps of its tangents.
-pub(super) fn events_of(contact: &LoadedContact, displacement: &[f64]) -> Vec<f64> {
+/// Phases that a grid must meet for a contact: its turning points, both sides of the jumps of its tangents, and those of
+/// its force.
+pub(super) fn events_of(contact: &LoadedContact, displacement: &[f64], angular_frequency: f64) -> Vec<f64> {
     /// Half the step over a jump.
     const BESIDE: f64 = 1e-9;
     let mut phases = turning_points(displacement);
     phases.extend(jumps(contact, displacement).into_iter().flat_map(|at| [at - BESIDE, at + BESIDE]));
+    let [of_force, of_tangents] = impulse::phases(contact, displacement, angular_frequency);
+    phases.extend(of_tangents.into_iter().flat_map(|at| [at - BESIDE, at + BESIDE]));
+    phases.extend(of_force.into_iter().flat_map(|at| [at - BESIDE, at, at + BESIDE]));
     phases
 }

@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 
+use super::impulse::Impulse;
 use super::regimes::Path;
 use super::signal::evaluate;
 use crate::contact::{ContactLaw, Inputs, Period, PeriodicSolver, Slider, StateTangents};
@@ -26,12 +27,14 @@ impl Step {
     }
 }
 
-/// Tangents at every point of the grid along the periodic state; the first point's step has no length.
+/// Tangents at every point of the grid along the periodic state; the first point's step has no length. Where the force
+/// jumps there are `impulses` (behind a spring there are none).
 pub(super) fn history(
     contact: &LoadedContact,
     coefficients: &[f64],
     angular_frequency: f64,
     grid: &[f64],
+    impulses: bool,
 ) -> Result<Vec<Step>, OscillatorError> {
     let law: &dyn ContactLaw = contact.law;
     let (mut displacement, mut velocity) = (Vec::new(), Vec::new());
@@ -49,8 +52,16 @@ pub(super) fn history(
         .map_err(|_| OscillatorError::NotPeriodic { iterations: 1, mismatch: f64::INFINITY })?;
     let mut next = state.clone();
     let mut out = Vec::with_capacity(grid.len());
-    for (u, v) in displacement.iter().zip(&velocity) {
+    let mut found = Vec::new();
+    for (k, (u, v)) in displacement.iter().zip(&velocity).enumerate() {
         let inputs = Inputs { displacement: *u, velocity: *v, normal_load: contact.normal_load };
+        if impulses
+            && k > 0
+            && let Some(impulse) = Impulse::on_the_way(contact, &state, displacement[k - 1], inputs)
+        {
+            let apart = |k: usize| (displacement[k] - impulse.displacement).abs();
+            found.push((if apart(k) <= apart(k - 1) { k } else { k - 1 }, impulse));
+        }
         let mut step = Step::default();
         law.state_tangents(&state, inputs, &mut step.state);
         let response = law.step(&state, inputs, &mut next);
@@ -59,6 +70,10 @@ pub(super) fn history(
         step.by_velocity = response.tangents.velocity;
         state.copy_from_slice(&next);
         out.push(step);
+    }
+    for (k, impulse) in found {
+        let width = grid[(k + 1).min(grid.len() - 1)] - grid[k.saturating_sub(1)];
+        impulse.act(0.5 * width / angular_frequency, &mut out[k]);
     }
     Ok(out)
 }

@@ -22,6 +22,7 @@ mod budget;
 mod exponential;
 mod feedback;
 mod history;
+mod impulse;
 mod monotone;
 mod regimes;
 mod signal;
