@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::bench::{Bench, Scored};
+use super::bench::{Bench, Scored, mean_square};
 use super::select::{PASSING_SHARE, PASSING_Z};
 
 /// Correlation below which samples count as independent.
@@ -113,6 +113,25 @@ pub(super) fn gain(bench: &Bench, without: &[Scored], with: &[Scored]) -> Gain {
     // Rounding is a doubt of data without noise.
     let doubt = variance_of(&chances).sqrt().max(1e-9 * before);
     Gain { z: total / doubt, share: total / before }
+}
+
+/// Standard errors that a mean square is lowered by to be beyond doubt.
+const BEYOND_DOUBT: f64 = 2.0;
+
+/// The least that the mean square of the residuals of `scored` would be if they were measured again: noise with a long
+/// memory has few independent values in a record, and its mean square differs from record to record.
+pub(super) fn mean_square_beyond_doubt(bench: &Bench, scored: &[Scored]) -> f64 {
+    let length = length(scored.iter().map(|one| one.residuals.as_slice()));
+    let square = |block: &[f64]| block.iter().map(|residual| residual * residual).sum::<f64>();
+    let strata = scored.iter().flat_map(|one| {
+        let channels = bench.lanes[one.record].channels.iter();
+        channels.map(|(_, range)| {
+            within(range.clone(), length).map(|block| square(&one.residuals[block])).collect::<Vec<_>>()
+        })
+    });
+    let doubt = variance_of(&strata.collect::<Vec<_>>()).sqrt();
+    let count: usize = scored.iter().map(|one| one.residuals.len()).sum();
+    mean_square(scored) - BEYOND_DOUBT * doubt / count.max(1) as f64
 }
 
 /// Blocks of a channel from which its own mean is told from chance.

@@ -253,7 +253,12 @@ fn conclude(
     let last = fits.last().map(|last| whole.score(&last.model, &seen));
     let last = last.and_then(Result::ok).unwrap_or_default();
     let repeated = maps::repeated(whole, &last, &after);
-    let left = known.then(|| Left::of(&last, &after));
+    let left = known.then(|| {
+        let beyond_doubt = blocks::mean_square_beyond_doubt;
+        let selecting = beyond_doubt(search.bench, &findings.last().scored);
+        let certain = selecting.max(beyond_doubt(whole, &last)).max(beyond_doubt(whole, &after));
+        Left::of(&last, &after, certain)
+    });
     Ok(Outcome { findings, fits, given, before, after, chi_square, left, follows, repeated })
 }
 

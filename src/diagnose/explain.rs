@@ -117,6 +117,14 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
     if *known && told.verdict == Verdict::NothingMissing && chosen > ADEQUATE {
         reasons.push(format!("on the selecting records {chosen:.2} times the noise's mean square remain"));
     }
+    let most = outcome.chi_square.map_or(f64::NAN, |chi_square| chi_square.max(chosen));
+    if *known && told.verdict == Verdict::NothingMissing && most > UNEXPLAINED {
+        reasons.push(
+            "so much can come by chance: the noise has a long memory, and these records hold few independent values of \
+             it; longer records would tell"
+                .to_owned(),
+        );
+    }
     reasons.extend(opposed(told.search, outcome));
     if findings.interrupted {
         reasons.push("the search was interrupted: what was not tried may do better".to_owned());

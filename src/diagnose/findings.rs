@@ -77,19 +77,30 @@ pub(super) struct Left {
     pub seen: f64,
     /// In the record it describes worst, and that record's index.
     pub worst: (usize, f64),
+    /// Beyond doubt, over those seen, those for selecting, or those that nothing was fitted to, where it is most.
+    pub certain: f64,
 }
 
 impl Left {
-    /// Of scores of the records seen and of the untouched ones.
-    pub fn of(seen: &[Scored], untouched: &[Scored]) -> Self {
+    /// Of scores of the records seen and of the untouched ones, and what is `certain`.
+    pub fn of(seen: &[Scored], untouched: &[Scored], certain: f64) -> Self {
         let worst =
             seen.iter().chain(untouched).map(|one| (one.record, mean_square(std::slice::from_ref(one))));
-        Self { seen: mean_square(seen), worst: worst.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0)) }
+        Self {
+            seen: mean_square(seen),
+            worst: worst.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0)),
+            certain,
+        }
     }
 
     /// Whether so much is left that the model does not explain its data.
     pub fn is_too_much(&self) -> bool {
         self.seen > UNEXPLAINED || self.worst.1 > RECORD_UNEXPLAINED
+    }
+
+    /// The same beyond doubt.
+    pub fn is_certainly_too_much(&self) -> bool {
+        self.certain > UNEXPLAINED || self.worst.1 > RECORD_UNEXPLAINED
     }
 }
 

@@ -175,7 +175,13 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group], errors: &Errors) -> V
     let elsewhere = outcome.left.is_some_and(|left| left.is_too_much());
     // A part that comes again at the same places of the motion is no noise, however small.
     let structured = outcome.repeated.is_some_and(|repeated| repeated.gain.share > STRUCTURED);
-    if known && (untouched > UNEXPLAINED || selecting > UNEXPLAINED || elsewhere) {
+    // What was named must explain the data; the model as it was is doubted for more than chance.
+    let too_much = if none {
+        outcome.left.is_some_and(|left| left.is_certainly_too_much())
+    } else {
+        untouched > UNEXPLAINED || selecting > UNEXPLAINED || elsewhere
+    };
+    if known && too_much {
         return Verdict::Unexplained;
     }
     if none && known && structured {
