@@ -188,3 +188,42 @@ fn a_channel_without_variation_stops_the_refit_by_name() {
     let error = refit("refitted", &model, &dataset(vec![constant]), Watch::default()).unwrap_err();
     assert!(error.to_string().contains("`r.csv`") && error.to_string().contains("`force`"), "{error}");
 }
+
+/// A beam from rest whose contact follows a measured normal load: held at another value it is the beam with that load,
+/// and half a gain is half the change.
+#[test]
+fn a_beam_from_rest_follows_the_measured_normal_load() {
+    let text = include_str!("../examples/frictional-support/published.toml");
+    let beam = Model::parse(text).unwrap();
+    let constant = beam.get("contact.normal_load").unwrap();
+    let following = |gain: f64| {
+        let effect = format!("[[effect]]\nid = \"normal_load_variation\"\nload_gain = {gain}\n");
+        Model::parse(&format!("{text}\n{effect}")).unwrap()
+    };
+    let measured = |load: Vec<f64>| {
+        let columns =
+            [("time", times()), ("excitation", wave(1, 60.0)), ("acceleration:x=0.55", wave(1, 1.0))];
+        let mut columns = columns.to_vec();
+        columns.push(("normal_load", load));
+        dataset(vec![record(Regime::FromRest, &columns)])
+    };
+    let predicted = |model: &Model, load: f64| {
+        let stage = evaluate("", model, &measured(vec![load; 64]));
+        assert_eq!(stage.records[0].failure, None);
+        stage.records[0].channels[0].predicted.clone()
+    };
+    let mut pressed = beam.clone();
+    pressed.set("contact.normal_load", 1.5 * constant).unwrap();
+    let expected = predicted(&pressed, constant);
+    assert_ne!(expected, predicted(&beam, constant));
+    let largest = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    for (gain, load) in [(1.0, 1.5 * constant), (0.5, 2.0 * constant)] {
+        let found = predicted(&following(gain), load);
+        let apart = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-6 * largest, "gain {gain}: {apart} of {largest}");
+    }
+    // A load that changes is not its mean.
+    let swinging: Vec<f64> = wave(1, 0.4 * constant).iter().map(|change| constant + change).collect();
+    let stage = evaluate("", &following(1.0), &measured(swinging));
+    assert_ne!(stage.records[0].channels[0].predicted, predicted(&beam, constant));
+}

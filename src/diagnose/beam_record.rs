@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::beam_steady::SteadyRecord;
 use super::simulation::{Direction, Seed, Simulation};
 use crate::contact::ContactLaw;
+use crate::effects::JointChanges;
 use crate::harmonic::steady::Driven;
 use crate::harmonic::{self, ContactOnBeam, Method, Resonance, Settings};
 use crate::identify;
@@ -26,6 +27,8 @@ pub(super) struct Attached {
     beam: ModalBeam,
     law: Option<Box<dyn ContactLaw>>,
     normal_load: f64,
+    /// What is changed in the contact: how much of a measured normal load it follows.
+    joint: JointChanges,
 }
 
 impl Attached {
@@ -39,7 +42,8 @@ impl Attached {
         let beam =
             ModalBeam::with_changes(&beam, &model.changes().structure).map_err(|error| error.to_string())?;
         let law = model.law().map_err(|error| error.to_string())?;
-        Ok(Self { beam, law, normal_load: model.contact.map_or(0.0, |contact| contact.normal_load) })
+        let normal_load = model.contact.map_or(0.0, |contact| contact.normal_load);
+        Ok(Self { beam, law, normal_load, joint: model.changes().joint })
     }
 
     fn contact(&self) -> Option<ContactOnBeam<'_>> {
@@ -200,7 +204,7 @@ fn observe(points: &[Resonance], channels: &[&Channel], out: &mut Vec<f64>) {
     }
 }
 
-/// The excitation runs linearly from sample to sample.
+/// The excitation and a measured normal load run linearly from sample to sample.
 fn from_rest(
     model: &Attached,
     record: &Record,
@@ -209,15 +213,19 @@ fn from_rest(
 ) -> Result<(), String> {
     let time = record.time().ok_or("there is no `time` column")?;
     let force = &record.channel("excitation").ok_or("there is no `excitation` column")?.values;
+    let measured = record.channel("normal_load");
+    let load = |index: usize| {
+        model.joint.normal_load(model.normal_load, measured.map(|channel| channel.values[index]))
+    };
     let contact = model.contact();
     let mut integrator = BeamIntegrator::new(&model.beam).map_err(|error| error.to_string())?;
-    let mut motion = integrator.rest(contact.map(|contact| (contact.law, contact.normal_load)));
+    let mut motion = integrator.rest(contact.map(|contact| (contact.law, load(0))));
     let mut outputs = integrator.new_outputs();
-    let acting = |excitation| BeamInputs {
-        excitation,
+    let acting = |from: usize, to: usize| BeamInputs {
+        excitation: Ramp { start: force[from], end: force[to] },
         contact: match contact {
-            Some(ContactOnBeam { law, normal_load }) => {
-                integrate::Contact::Friction { law, normal_load: Ramp::held(normal_load) }
+            Some(ContactOnBeam { law, .. }) => {
+                integrate::Contact::Friction { law, normal_load: Ramp { start: load(from), end: load(to) } }
             }
             None => integrate::Contact::Force(Ramp::held(0.0)),
         },
@@ -227,13 +235,12 @@ fn from_rest(
     out.resize(channels.len() * time.len(), 0.0);
     for index in 0..time.len() {
         if index > 0 {
-            let ramp = Ramp { start: force[index - 1], end: force[index] };
             integrator
-                .advance(&mut motion, time[index] - time[index - 1], &acting(ramp), &FROM_REST)
+                .advance(&mut motion, time[index] - time[index - 1], &acting(index - 1, index), &FROM_REST)
                 .map_err(|error| error.to_string())?;
         }
         integrator
-            .outputs(&motion, f64::INFINITY, &acting(Ramp::held(force[index])), &mut outputs)
+            .outputs(&motion, f64::INFINITY, &acting(index, index), &mut outputs)
             .map_err(|error| error.to_string())?;
         let predictions = out.iter_mut().skip(index).step_by(time.len());
         for ((channel, value), SensorReading { displacement, velocity, acceleration }) in

@@ -26,7 +26,8 @@ fn roles(model: &Model, regime: Regime) -> Roles {
         (Structure::Beam(_), Regime::Backbone) => {
             Roles { inputs: &["amplitude"], compared: &["frequency", "damping_ratio"] }
         }
-        (Structure::Oscillator(_), _) => Roles {
+        // A beam's steady state is computed under a constant normal load.
+        (Structure::Oscillator(_), _) | (Structure::Beam(_), Regime::FromRest) => Roles {
             inputs: if model.changes().joint.load_gain.is_some() {
                 &["time", "excitation", "normal_load"]
             } else {
