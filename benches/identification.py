@@ -305,7 +305,7 @@ def page(rows, arguments):
         "`python3 benches/identification.py CASES` writes this page; `cargo xtask hidden-effects --kind contact --generate` makes CASES.",
         "",
         f"{len(rows)} contact cases of `{arguments.cases.name}`; {platform.processor() or platform.machine()},",
-        f"{os.cpu_count()} cores.",
+        f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} at the end: beside other work the seconds compare with each other alone.",
         "",
         "| case | hidden effect | noise | stickslip | it says | PySINDy | SysIdentPy |",
         "|---|---|---|---|---|---|---|",
