@@ -145,8 +145,8 @@ fn clear_cases(text: &mut String, outcomes: &[Outcome]) {
         let _ = writeln!(text, "| {what} | {measured} | {goal} |");
     }
     text.push_str(
-        "\nThe noise added is a share of a channel's root mean square, its mean included. The error and the noise floor that \n\
-         the diagnosis tells are over the channel's standard deviation, which is less where the force has a mean.\n",
+        "\nThe noise added is a share of a channel's root mean square, its mean included. The error and the noise floor\n\
+         that the diagnosis tells are over the channel's standard deviation, which is less where the force has a mean.\n",
     );
 }
 
