@@ -248,7 +248,7 @@ fn from_periods(values: &[f64], period: f64) -> Option<f64> {
 /// What the noise of a channel is proportional to from record to record.
 const LAWS: [fn(&[f64]) -> f64; 3] = [|_| 1.0, root_mean_square, white_noise];
 
-fn root_mean_square(values: &[f64]) -> f64 {
+pub(super) fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64).sqrt()
 }
 

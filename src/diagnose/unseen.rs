@@ -3,6 +3,7 @@
 //! The friction coefficient of a contact that never slips changes nothing: once a fit is there, no derivative leads
 //! back to where the contact slips, and the value it ends at means nothing.
 
+use super::noise::root_mean_square;
 use crate::identify::{Fit, FitError, Options, Parameter, Scale, fit};
 
 /// Norm of the residuals' change with the whole of a parameter, over that of the residuals, below which it is unseen.
@@ -32,24 +33,30 @@ where
         if interrupted || !is_unseen(&best, index, parameters.len()) {
             continue;
         }
-        best.parameters[index] = parameters[index].start;
         let mut out = vec![0.0; count];
-        let mut error = |values: &[f64]| match residual(values, &mut out) {
-            Ok(()) => root_mean_square(&out),
-            Err(_) => f64::INFINITY,
-        };
         let mut values = best.parameters.clone();
-        let tried = tried(&parameters[index]).into_iter().map(|value| {
+        let mut error = |value: f64| {
             values[index] = value;
-            (error(&values), value)
-        });
-        let nearest = tried.min_by(|a, b| a.0.total_cmp(&b.0));
-        best.evaluations += 2 * TRIED as usize;
-        let Some((_, value)) = nearest.filter(|(error, _)| *error < best.root_mean_square) else { continue };
+            best.evaluations += 1;
+            residual(&values, &mut out).map_or(f64::INFINITY, |()| root_mean_square(&out))
+        };
+        let start = parameters[index].start;
+        let at_start = error(start);
+        let tried = tried(&parameters[index]).into_iter().map(|value| (error(value), value));
+        let (least, value) =
+            tried.fold((at_start, start), |best, other| if other.0 < best.0 { other } else { best });
+        // What it is does not matter, unless the start lies where it does.
+        if at_start <= best.root_mean_square * (1.0 + UNSEEN) {
+            best.parameters[index] = start;
+        }
+        if least >= best.root_mean_square * (1.0 - UNSEEN) {
+            continue;
+        }
         let mut starts = parameters.to_vec();
         starts.iter_mut().zip(&best.parameters).for_each(|(start, value)| start.start = *value);
         starts[index].start = value;
-        let again = fit(&residual, count, &starts, options)?;
+        // Interrupted before it begins, it leaves the fit that there is.
+        let Ok(again) = fit(&residual, count, &starts, options) else { continue };
         let evaluations = best.evaluations + again.evaluations;
         if again.root_mean_square < best.root_mean_square {
             best = again;
@@ -58,10 +65,6 @@ where
     }
     let unseen = (0..parameters.len()).filter(|index| is_unseen(&best, *index, parameters.len())).collect();
     Ok((best, unseen))
-}
-
-fn root_mean_square(values: &[f64]) -> f64 {
-    (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
 /// Whether the residuals at the end of `fit` do not depend on the `index`-th of `count` parameters.
