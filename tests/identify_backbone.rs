@@ -19,6 +19,8 @@ fn valanis_parameters_are_recovered_from_exact_frequencies() {
         shortening: vec![32.0],
         axial_flexibility: 1.5e-8,
         stretching_stiffness: 0.0,
+        string_stiffness: 0.0,
+        string_stretch: Vec::new(),
         quadratic_damping: 0.0,
         sensors: Vec::new(),
         contact_points: Vec::new(),

@@ -197,6 +197,8 @@ fn valanis_moves_as_on_the_beam_of_one_mode() {
         shortening: vec![0.0],
         axial_flexibility: 0.0,
         stretching_stiffness: 0.0,
+        string_stiffness: 0.0,
+        string_stretch: Vec::new(),
         quadratic_damping: 0.0,
         sensors: vec![],
         contact_points: vec![],

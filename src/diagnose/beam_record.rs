@@ -26,14 +26,19 @@ const FROM_REST: integrate::Settings = integrate::Settings { tolerance: 1e-6, st
 pub(super) struct Attached {
     beam: ModalBeam,
     law: Option<Box<dyn ContactLaw>>,
+    /// The load (N) where none is measured, else the mean of what the contact follows of the measured one.
     normal_load: f64,
+    /// Coefficients `[c1, s1, …]` (N) of what it follows of a measured load's swing.
+    load_swing: Vec<f64>,
     /// What is changed in the contact: how much of a measured normal load it follows.
     joint: JointChanges,
 }
 
 impl Attached {
     /// The model with all its effects, and sensors at `sensors` (m), whatever sensors it lists.
-    fn new(model: &Model, sensors: &[f64]) -> Result<Self, String> {
+    ///
+    /// `load` are the coefficients of the normal load (N) that was measured in a steady state.
+    fn new(model: &Model, sensors: &[f64], load: Option<&[f64]>) -> Result<Self, String> {
         let Structure::Beam(beam) = &model.structure else {
             return Err("the model is not a beam".into());
         };
@@ -42,8 +47,17 @@ impl Attached {
         let beam =
             ModalBeam::with_changes(&beam, &model.changes().structure).map_err(|error| error.to_string())?;
         let law = model.law().map_err(|error| error.to_string())?;
-        let normal_load = model.contact.map_or(0.0, |contact| contact.normal_load);
-        Ok(Self { beam, law, normal_load, joint: model.changes().joint })
+        let constant = model.contact.map_or(0.0, |contact| contact.normal_load);
+        let joint = model.changes().joint;
+        let normal_load = joint.normal_load(constant, load.map(|load| load[0]));
+        let gain = joint.load_gain.filter(|gain| *gain != 0.0);
+        let load_swing = match (gain, load) {
+            (Some(gain), Some([_, swing @ ..])) if swing.iter().any(|x| *x != 0.0) => {
+                swing.iter().map(|x| gain * x).collect()
+            }
+            _ => Vec::new(),
+        };
+        Ok(Self { beam, law, normal_load, load_swing, joint })
     }
 
     fn contact(&self) -> Option<ContactOnBeam<'_>> {
@@ -52,7 +66,7 @@ impl Attached {
     }
 
     pub fn driven(&self) -> Driven<'_> {
-        Driven { beam: &self.beam, contact: self.contact() }
+        Driven { beam: &self.beam, contact: self.contact(), load_swing: &self.load_swing }
     }
 }
 
@@ -89,9 +103,12 @@ impl<'r> BeamSimulation<'r> {
             Regime::Backbone => Task::Backbone(Vec::new()),
             Regime::FromRest => Task::FromRest,
             Regime::Steady => {
-                let attached = Attached::new(model, &positions)?;
-                let highest = attached.beam.angular_frequency.last().copied().unwrap_or(0.0);
-                let mut steady = SteadyRecord::new(record, &channels, highest, seed)?;
+                let highest = Attached::new(model, &positions, None)?.beam.angular_frequency.last().copied();
+                let mut steady = SteadyRecord::new(record, &channels, highest.unwrap_or(0.0))?;
+                let attached = Attached::new(model, &positions, steady.load())?;
+                if let Some(seed) = seed {
+                    steady.start_from(seed);
+                }
                 // Without a start later predictions search on their own.
                 let _ = steady.linearise(&attached, &[], &mut Vec::new(), &mut Vec::new());
                 Task::Steady(Box::new(steady))
@@ -106,7 +123,11 @@ impl<'r> BeamSimulation<'r> {
     }
 
     fn attached(&self, model: &Model) -> Result<Attached, String> {
-        Attached::new(model, &self.positions)
+        let load = match &self.task {
+            Task::Steady(steady) => steady.load(),
+            Task::Backbone(_) | Task::FromRest => None,
+        };
+        Attached::new(model, &self.positions, load)
     }
 
     fn differences(
@@ -167,11 +188,12 @@ impl Simulation for BeamSimulation<'_> {
         if let Task::Backbone(starts) = &mut self.task {
             *starts = backbone(&attached, self.record, starts)?;
         }
-        if let Task::Steady(steady) = &mut self.task {
-            let neighbours =
-                directions.iter().map(|direction| Attached::new(&direction.model, &self.positions));
+        if matches!(self.task, Task::Steady(_)) {
+            let neighbours = directions.iter().map(|direction| self.attached(&direction.model));
             let neighbours = neighbours.collect::<Result<Vec<_>, _>>()?;
-            steady.linearise(&attached, &neighbours, predictions, derivatives)?;
+            if let Task::Steady(steady) = &mut self.task {
+                steady.linearise(&attached, &neighbours, predictions, derivatives)?;
+            }
         } else {
             self.differences(model, directions, predictions, derivatives)?;
         }

@@ -2,16 +2,17 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 
 use super::beam_record::Attached;
 use super::predict::derivative_order;
 use crate::harmonic::fourier::{self, coefficient_count, time_derivative};
-use crate::harmonic::steady::{Driven, Forcing, Reach, Start};
-use crate::harmonic::{excited_harmonics, whole_periods};
+use crate::harmonic::HarmonicError;
+use crate::harmonic::steady::{Driven, Forcing, Start, Steady};
+use crate::harmonic::{common_periods, excited_harmonics};
 use crate::measure::{Channel, Record};
 
-/// Largest share of the excitation (root-mean-square, without its mean) that may lie outside the harmonics
+/// Largest share of an input (root-mean-square, of an excitation without its mean) that may lie outside the harmonics
 /// kept: more is not noise.
 const UNREPRESENTED: f64 = 0.1;
 /// The contact excites every mode, and accelerations show the highest of them: harmonics beyond it, as share of it.
@@ -23,6 +24,8 @@ const HARMONICS: (usize, usize) = (9, 60);
 const SENSED: usize = 3;
 /// Harmonics of the contact beyond those of the modes: the products with the shortening, which moves slowly.
 const CONTACT_BEYOND: usize = 4;
+/// Root-mean-square share of the motion above which a prediction may be another of several responses than the measured.
+const ASTRAY: f64 = 0.2;
 /// Residual as share of the largest displacement: far below the noise of any sensor.
 const TOLERANCE: f64 = 1e-8;
 
@@ -34,6 +37,12 @@ pub(super) struct SteadyRecord {
     waves: DMatrix<f64>,
     /// Time derivative of the displacement that each channel measures.
     orders: Vec<usize>,
+    /// What the channels measured, without their means.
+    measured: Vec<f64>,
+    /// Displacement coefficients (m) of each, of the harmonics that stand out of its noise.
+    motion: Vec<Vec<f64>>,
+    /// Coefficients of the measured normal load (N), `[a0, c1, s1, …]`.
+    load: Option<Vec<f64>>,
     start: Option<Start>,
     /// Whether the start is one of this simulation's own solutions.
     settled: bool,
@@ -41,22 +50,30 @@ pub(super) struct SteadyRecord {
 
 impl SteadyRecord {
     /// The record, with as many harmonics as a model with its highest mode at `highest` (rad/s) needs.
-    /// `start` is a solution of another simulation of it.
     pub fn new(
         record: &Record,
         channels: &[&Channel],
         highest: f64,
-        start: Option<&Start>,
     ) -> Result<Self, String> {
         let time = record.time().ok_or("there is no `time` column")?;
         let step = record.sample_step().ok_or("`time` is not evenly spaced")?;
         let force = &record.channel("excitation").ok_or("there is no `excitation` column")?.values;
-        let periods = whole_periods(force).ok_or("the excitation shows no spectral line")?;
+        let load = record.channel("normal_load").map(|channel| channel.values.as_slice());
+        let periods = common_periods(std::iter::once(force.as_slice()).chain(load))
+            .ok_or("the excitation shows no spectral line")?;
         let angular_frequency = TAU * periods as f64 / (step * force.len() as f64);
         let beyond = (BEYOND_HIGHEST_MODE * highest / angular_frequency).ceil() as usize + 1;
         let harmonics = beyond.clamp(HARMONICS.0, HARMONICS.1);
-        let coefficients = excitation(force, periods, harmonics)?;
-        let orders = channels.iter().map(|channel| derivative_order(channel)).collect();
+        let coefficients = input("excitation", force, periods, harmonics)?;
+        let load = load.map(|load| input("normal_load", load, periods, harmonics)).transpose()?;
+        let orders: Vec<usize> = channels.iter().map(|channel| derivative_order(channel)).collect();
+        let values = || channels.iter().map(|channel| channel.values.as_slice());
+        let displacements = values()
+            .zip(&orders)
+            .map(|(values, order)| displacement(values, *order, periods, harmonics, angular_frequency));
+        let motion = displacements.collect();
+        let mut measured: Vec<f64> = values().flatten().copied().collect();
+        measured.chunks_exact_mut(time.len()).for_each(remove_mean);
         let sensed_harmonics = SENSED * harmonics;
         let count = coefficient_count(sensed_harmonics);
         // Phase 0 of the Fourier coefficients is the first sample.
@@ -77,15 +94,27 @@ impl SteadyRecord {
             sensed_harmonics,
             tolerance: TOLERANCE,
         };
-        let start = start.filter(|start| start.fits(&forcing)).cloned();
-        Ok(Self { forcing, waves, orders, start, settled: false })
+        Ok(Self { forcing, waves, orders, measured, motion, load, start: None, settled: false })
+    }
+
+    /// Starts from a solution of another simulation of the record.
+    pub fn start_from(&mut self, start: &Start) {
+        self.start = Some(start.clone()).filter(|start| start.fits(&self.forcing));
+    }
+
+    /// Coefficients of the measured normal load (N), `[a0, c1, s1, …]`.
+    pub fn load(&self) -> Option<&[f64]> {
+        self.load.as_deref()
     }
 
     /// Predictions of all channels, one after the other.
     pub fn predict(&self, model: &Attached, out: &mut Vec<f64>) -> Result<(), String> {
-        let solved = self.forcing.solve(model.driven(), &[], self.start.as_ref(), self.reach());
+        let mut solved = self.forcing.solve(model.driven(), &[], self.start.as_ref());
+        if solved.is_err() && !self.settled {
+            solved = self.forcing.solve(model.driven(), &[], None);
+        }
         let sensors = solved.map_err(|error| error.to_string())?.sensors(&self.forcing);
-        self.motion(&sensors, out);
+        self.observe(&sensors, out);
         Ok(())
     }
 
@@ -99,15 +128,12 @@ impl SteadyRecord {
         differences: &mut Vec<Vec<f64>>,
     ) -> Result<(), String> {
         let others: Vec<Driven> = neighbours.iter().map(Attached::driven).collect();
-        let text = |error: crate::harmonic::HarmonicError| error.to_string();
-        let reach = self.reach();
-        let mut solved =
-            self.forcing.solve(model.driven(), &others, self.start.as_ref(), reach).map_err(text)?;
-        self.motion(&solved.sensors(&self.forcing), predictions);
+        let text = |error: HarmonicError| error.to_string();
+        let mut solved = self.nearest(model.driven(), &others, predictions).map_err(text)?;
         differences.resize_with(others.len(), Vec::new);
         for (other, difference) in others.iter().zip(differences) {
             let change = solved.change(&self.forcing, *other).map_err(text)?;
-            self.motion(&change, difference);
+            self.observe(&change, difference);
         }
         self.start = Some(solved.start().map_err(text)?);
         self.settled = true;
@@ -119,13 +145,74 @@ impl SteadyRecord {
         self.start.as_ref()
     }
 
-    /// A step of a fit from its own last solution that leads too far is one to be shortened.
-    fn reach(&self) -> Reach {
-        if self.settled { Reach::Near } else { Reach::Far }
+    /// The response near the last one and, where that is not the motion measured, the one nearest to it; with its
+    /// predictions. Nothing is sought far off in a fit under way: a step that leads too far is one to be shortened.
+    fn nearest<'m>(
+        &self,
+        driven: Driven<'m>,
+        others: &[Driven],
+        predictions: &mut Vec<f64>,
+    ) -> Result<Steady<'m>, HarmonicError> {
+        let mut best: Option<(f64, Steady)> = None;
+        let mut failure = None;
+        let mut near = Vec::new();
+        for way in [Way::Last, Way::Measured, Way::Nothing] {
+            let found = match way {
+                Way::Last => match &self.start {
+                    Some(start) => self.forcing.solve(driven, others, Some(start)),
+                    None => continue,
+                },
+                Way::Measured => self
+                    .forcing
+                    .start_at(driven, &self.motion)
+                    .and_then(|start| self.forcing.solve(driven, others, Some(&start))),
+                Way::Nothing if self.settled || self.start.is_some() && best.is_some() => continue,
+                Way::Nothing => self.forcing.solve(driven, others, None),
+            };
+            match found {
+                Ok(mut steady) => {
+                    self.observe(&steady.sensors(&self.forcing), &mut near);
+                    let astray = self.astray(&near);
+                    if best.as_ref().is_none_or(|(least, _)| astray < *least) {
+                        predictions.clone_from(&near);
+                        best = Some((astray, steady));
+                    }
+                    if astray <= ASTRAY {
+                        break;
+                    }
+                }
+                Err(error) => failure = failure.or(Some(error)),
+            }
+        }
+        match (best, failure) {
+            (Some((_, steady)), _) => Ok(steady),
+            (None, Some(error)) => Err(error),
+            (None, None) => Err(HarmonicError::InvalidInput("nothing was measured")),
+        }
+    }
+
+    /// Root-mean-square difference of `predictions` from the measured motion as share of it, means apart.
+    fn astray(&self, predictions: &[f64]) -> f64 {
+        let samples = self.waves.nrows();
+        let (mut sum, mut channels) = (0.0, 0.0);
+        let mut moved = vec![0.0; samples];
+        for (predicted, measured) in
+            predictions.chunks_exact(samples).zip(self.measured.chunks_exact(samples))
+        {
+            moved.copy_from_slice(predicted);
+            remove_mean(&mut moved);
+            let error: f64 = moved.iter().zip(measured).map(|(a, b)| (a - b).powi(2)).sum();
+            let size: f64 = measured.iter().map(|b| b * b).sum();
+            if size > 0.0 {
+                sum += error / size;
+                channels += 1.0;
+            }
+        }
+        if channels > 0.0 { f64::sqrt(sum / channels) } else { 0.0 }
     }
 
     /// What the channels measure of displacements with the coefficients `sensors`.
-    fn motion(&self, sensors: &[f64], out: &mut Vec<f64>) {
+    fn observe(&self, sensors: &[f64], out: &mut Vec<f64>) {
         out.clear();
         for (coefficients, order) in sensors.chunks_exact(self.waves.ncols()).zip(&self.orders) {
             let moved = time_derivative(coefficients, *order, self.forcing.angular_frequency);
@@ -134,12 +221,49 @@ impl SteadyRecord {
     }
 }
 
-/// Coefficients of the harmonics that stand out of the excitation's noise: of all others a lightly damped mode
-/// would make more than there is.
-fn excitation(force: &[f64], periods: usize, harmonics: usize) -> Result<Vec<f64>, String> {
-    let mut coefficients = fourier::from_samples(force, periods, harmonics);
-    check_represented(force, periods, &coefficients)?;
-    let excited = excited_harmonics(force, periods);
+/// Where a response is sought.
+#[derive(Clone, Copy)]
+enum Way {
+    Last,
+    Measured,
+    Nothing,
+}
+
+fn remove_mean(values: &mut [f64]) {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    values.iter_mut().for_each(|value| *value -= mean);
+}
+
+/// Displacement coefficients (m) of a measured time derivative of the order `order`, zero where the measurement shows
+/// noise alone.
+fn displacement(
+    values: &[f64],
+    order: usize,
+    periods: usize,
+    harmonics: usize,
+    angular_frequency: f64,
+) -> Vec<f64> {
+    let measured = fourier::from_samples(values, periods, harmonics);
+    let mut moved = vec![0.0; measured.len()];
+    for harmonic in excited_harmonics(values, periods) {
+        if harmonic == 0 || harmonic > harmonics {
+            continue;
+        }
+        let mut value = Complex::new(measured[2 * harmonic - 1], -measured[2 * harmonic]);
+        for _ in 0..order {
+            value /= Complex::new(0.0, harmonic as f64 * angular_frequency);
+        }
+        (moved[2 * harmonic - 1], moved[2 * harmonic]) = (value.re, -value.im);
+    }
+    moved
+}
+
+/// Coefficients of the harmonics that stand out of the noise of an input: of all others of the excitation a lightly
+/// damped mode would make more than there is.
+fn input(name: &str, values: &[f64], periods: usize, harmonics: usize) -> Result<Vec<f64>, String> {
+    let mut coefficients = fourier::from_samples(values, periods, harmonics);
+    check_represented(name, values, periods, &coefficients)?;
+    let excited = excited_harmonics(values, periods);
     for (place, coefficient) in coefficients.iter_mut().enumerate() {
         if !excited.contains(&place.div_ceil(2)) {
             *coefficient = 0.0;
@@ -148,19 +272,21 @@ fn excitation(force: &[f64], periods: usize, harmonics: usize) -> Result<Vec<f64
     Ok(coefficients)
 }
 
-/// Refuses an excitation with a good part beyond the harmonics kept, as a wide multisine has or a record that
-/// does not hold whole periods: the response to the rest of it would not be the response to it.
-fn check_represented(force: &[f64], periods: usize, excitation: &[f64]) -> Result<(), String> {
-    let mean_square = force.iter().map(|f| (f - excitation[0]).powi(2)).sum::<f64>() / force.len() as f64;
-    let represented = 0.5 * excitation[1..].iter().map(|f| f * f).sum::<f64>();
+/// Refuses an input with a good part beyond the harmonics kept, as a wide multisine has or a record that
+/// does not hold whole periods: the response to the rest of it would not be the response to it. Of a load its mean is
+/// a part.
+fn check_represented(name: &str, values: &[f64], periods: usize, kept: &[f64]) -> Result<(), String> {
+    let mean = if name == "excitation" { kept[0] } else { 0.0 };
+    let mean_square = values.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / values.len() as f64;
+    let represented = (kept[0] - mean).powi(2) + 0.5 * kept[1..].iter().map(|f| f * f).sum::<f64>();
     let share = (1.0 - represented / mean_square).max(0.0).sqrt();
     if share <= UNREPRESENTED {
         return Ok(());
     }
     Err(format!(
-        "{:.0} % of the excitation lies beyond harmonic {} of the period found ({periods} of it in the \
+        "{:.0} % of `{name}` lies beyond harmonic {} of the period found ({periods} of it in the \
          record); a steady record holds whole periods, and of few harmonics",
         100.0 * share,
-        excitation.len() / 2
+        kept.len() / 2
     ))
 }

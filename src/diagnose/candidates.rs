@@ -107,15 +107,6 @@ fn refusal(effect: &Effect, model: &Model, dataset: &Dataset) -> Option<String> 
         Needs::VaryingNormalLoad if !load_varies(dataset) => {
             Some("no record has a measured normal load that varies".to_owned())
         }
-        Needs::VaryingNormalLoad
-            if model.kind() == Kind::Beam
-                && dataset.records.iter().all(|record| record.regime != Regime::FromRest) =>
-        {
-            Some(
-                "a beam's steady state is computed under a constant normal load; it needs records from rest"
-                    .to_owned(),
-            )
-        }
         Needs::NormalMotion => {
             let measured = dataset.records.iter().any(|record| {
                 record.channel("normal_displacement").is_some() && record.channel("normal_load").is_some()

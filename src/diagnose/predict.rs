@@ -26,8 +26,7 @@ fn roles(model: &Model, regime: Regime) -> Roles {
         (Structure::Beam(_), Regime::Backbone) => {
             Roles { inputs: &["amplitude"], compared: &["frequency", "damping_ratio"] }
         }
-        // A beam's steady state is computed under a constant normal load.
-        (Structure::Oscillator(_), _) | (Structure::Beam(_), Regime::FromRest) => Roles {
+        (Structure::Oscillator(_) | Structure::Beam(_), _) => Roles {
             inputs: if model.changes().joint.load_gain.is_some() {
                 &["time", "excitation", "normal_load"]
             } else {
@@ -35,9 +34,6 @@ fn roles(model: &Model, regime: Regime) -> Roles {
             },
             compared: &["acceleration", "velocity", "displacement"],
         },
-        (Structure::Beam(_), _) => {
-            Roles { inputs: &["time", "excitation"], compared: &["acceleration", "velocity", "displacement"] }
-        }
     }
 }
 

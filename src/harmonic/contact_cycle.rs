@@ -71,7 +71,7 @@ impl ContactMapping {
         if !finite || compliance < 0.0 {
             return Err(HarmonicError::InvalidInput("a number that is not finite, or a negative compliance"));
         }
-        let contact = PeriodicContact { law, normal_load, compliance };
+        let contact = PeriodicContact { law, normal_load, load_swing: &[], compliance };
         self.map.evaluate(&contact, angular_frequency, displacement)
     }
 

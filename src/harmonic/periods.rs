@@ -2,12 +2,17 @@
 
 use realfft::RealFftPlanner;
 
-/// A line counts when it stands this far above the median line …
+/// A line counts when it stands this far above the median line, and above the noise around it …
 const ABOVE_NOISE: f64 = 8.0;
 /// … and reaches this share of the strongest.
 const SHARE_OF_STRONGEST: f64 = 1e-3;
-/// A harmonic of a known period counts when it stands this far above the median line: of noise, one in 10⁸ does.
+/// A harmonic of a known period counts when it stands this far above the median of the lines around it that are none:
+/// of noise, one in 10⁸ does.
 const HARMONIC_ABOVE_NOISE: f64 = 5.0;
+/// So many lines around one: noise may have far more at low frequencies than elsewhere.
+const AROUND: usize = 12;
+/// The median line of noise over its lower quartile, which harmonics among the lines leave as it is.
+const MEDIAN_OVER_QUARTILE: f64 = 1.55;
 /// … and reaches this share of the strongest, below which lies rounding.
 const HARMONIC_SHARE: f64 = 1e-7;
 
@@ -21,8 +26,20 @@ pub fn whole_periods(samples: &[f64]) -> Option<usize> {
     let sizes = line_sizes(samples)?;
     let strongest = sizes[1..].iter().copied().fold(0.0, f64::max);
     let floor = (ABOVE_NOISE * median(&sizes[1..])).max(SHARE_OF_STRONGEST * strongest);
-    let lines = sizes.iter().enumerate().skip(1).filter(|(_, size)| **size > floor).map(|(line, _)| line);
-    match lines.fold(0, greatest_common_divisor) {
+    let stands_out = |line: &usize| {
+        let around = lines_around(&sizes, *line, |other| other != *line);
+        let noise = MEDIAN_OVER_QUARTILE * quantile(&around, 4);
+        sizes[*line] > floor.max(ABOVE_NOISE * noise)
+    };
+    match (1..sizes.len()).filter(stands_out).fold(0, greatest_common_divisor) {
+        0 => None,
+        periods => Some(periods),
+    }
+}
+
+/// As [`whole_periods`], of several signals at once; those in which nothing stands out do not count.
+pub fn common_periods<'s>(signals: impl IntoIterator<Item = &'s [f64]>) -> Option<usize> {
+    match signals.into_iter().filter_map(whole_periods).fold(0, greatest_common_divisor) {
         0 => None,
         periods => Some(periods),
     }
@@ -32,9 +49,22 @@ pub fn whole_periods(samples: &[f64]) -> Option<usize> {
 pub fn excited_harmonics(samples: &[f64], periods: usize) -> Vec<usize> {
     let Some(sizes) = line_sizes(samples).filter(|_| periods > 0) else { return Vec::new() };
     let strongest = sizes[1..].iter().copied().fold(0.0, f64::max);
-    let floor = (HARMONIC_ABOVE_NOISE * median(&sizes[1..])).max(HARMONIC_SHARE * strongest);
-    let harmonics = sizes.iter().step_by(periods).enumerate();
-    harmonics.filter(|(_, size)| **size > floor).map(|(harmonic, _)| harmonic).collect()
+    let everywhere = median(&sizes[1..]);
+    let stands_out = |line: usize| {
+        let around = lines_around(&sizes, line, |other| !other.is_multiple_of(periods));
+        let noise = if around.is_empty() { everywhere } else { median(&around) };
+        sizes[line] > (HARMONIC_ABOVE_NOISE * noise).max(HARMONIC_SHARE * strongest)
+    };
+    let harmonics = (0..sizes.len()).step_by(periods).enumerate();
+    harmonics.filter(|(_, line)| stands_out(*line)).map(|(harmonic, _)| harmonic).collect()
+}
+
+/// The lines nearest to `line` of those that count.
+fn lines_around(sizes: &[f64], line: usize, counts: impl Fn(usize) -> bool) -> Vec<f64> {
+    let (first, last) = (line.saturating_sub(2 * AROUND).max(1), (line + 2 * AROUND).min(sizes.len() - 1));
+    let mut around: Vec<usize> = (first..=last).filter(|other| counts(*other)).collect();
+    around.sort_by_key(|other| other.abs_diff(line));
+    around.iter().take(AROUND).map(|other| sizes[*other]).collect()
 }
 
 /// Sizes of the spectral lines, the bias (half as large as a line of its power) first.
@@ -52,9 +82,14 @@ fn line_sizes(samples: &[f64]) -> Option<Vec<f64>> {
 }
 
 fn median(values: &[f64]) -> f64 {
+    quantile(values, 2)
+}
+
+/// The value that one in `share` lies below; 0 of none.
+fn quantile(values: &[f64], share: usize) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
+    sorted.get(values.len() / share).copied().unwrap_or(0.0)
 }
 
 fn greatest_common_divisor(a: usize, b: usize) -> usize {

@@ -11,6 +11,7 @@ use super::factors::Factors;
 use super::follow::{Family, State, find};
 use super::forced::Forced;
 use super::fourier::coefficient_count;
+use super::measured::explained;
 use super::problem::{Newton, Stopping};
 use super::system::{Operating, PeriodicSystem};
 use super::{ContactOnBeam, HarmonicError, Method, Settings};
@@ -32,6 +33,8 @@ const FAR_ITERATIONS: usize = 25;
 pub(crate) struct Driven<'a> {
     pub beam: &'a ModalBeam,
     pub contact: Option<ContactOnBeam<'a>>,
+    /// Coefficients `[c1, s1, …]` (N) of the normal load's swing over the period; empty where it is constant.
+    pub load_swing: &'a [f64],
 }
 
 /// The excitation, and the discretisation of the response to it.
@@ -55,22 +58,13 @@ pub(crate) struct Forcing {
 /// A solution to start from, for beams with the same signals and with others.
 #[derive(Debug, Clone)]
 pub(crate) struct Start {
-    /// Displacement at the contact, shortening, displacement at the excitation.
+    /// Displacement at the contact, shortening, displacement at the excitation, stretch of the string.
     contact: Vec<f64>,
     shortening: Vec<f64>,
     excitation: Vec<f64>,
-    factors: Factors,
-    /// Those the factors belong to.
-    signals: Signals,
-}
-
-/// How far a solution is sought.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Reach {
-    /// Near the start alone.
-    Near,
-    /// From nothing, where nothing is near.
-    Far,
+    string: Vec<f64>,
+    /// Factors at a solution, and the signals they belong to.
+    factors: Option<(Signals, Factors)>,
 }
 
 /// A periodic response with its equations as they stand there.
@@ -93,10 +87,14 @@ impl Forcing {
 
     fn balance<'a>(&self, driven: Driven<'a>, signals: Signals) -> Result<Balance<'a>, HarmonicError> {
         let extent = self.extent(signals);
-        Balance::with(driven.beam, driven.contact, &self.coefficients, &extent, Method::Exact)
+        let mut balance =
+            Balance::with(driven.beam, driven.contact, &self.coefficients, &extent, Method::Exact)?;
+        balance.swing_load(driven.load_swing);
+        Ok(balance)
     }
 
-    /// The response of `driven`, with unknowns that its `neighbours` have too, from `start` or from nothing.
+    /// The response of `driven`, with unknowns that its `neighbours` have too: that near `start`, or without a start
+    /// one sought from nothing.
     ///
     /// # Errors
     /// [`HarmonicError`] where no solution was found.
@@ -105,7 +103,6 @@ impl Forcing {
         driven: Driven<'a>,
         neighbours: &[Driven],
         start: Option<&Start>,
-        reach: Reach,
     ) -> Result<Steady<'a>, HarmonicError> {
         let signals =
             neighbours.iter().fold(Signals::of(driven.beam), |all, next| all.or(Signals::of(next.beam)));
@@ -122,18 +119,15 @@ impl Forcing {
         let mut family = Forced { angular_frequency: self.angular_frequency };
         if let Some(start) = start {
             let mut unknowns = start.unknowns(signals);
-            let factors = (start.signals == signals).then(|| start.factors.clone());
+            let factors = start.factors.as_ref().filter(|(of, _)| *of == signals).map(|(_, factors)| factors.clone());
             if self.correct(&mut balance, &mut unknowns, &at, factors) {
                 return Ok(steady(balance, unknowns));
             }
             let mut state = State { x: start.unknowns(signals), at };
             let stopping = Stopping { tolerance: self.tolerance, max_iterations: NEAR_ITERATIONS };
             balance.forget();
-            match family.solve(&mut balance, &mut Newton::default(), 1.0, &mut state, &stopping) {
-                Ok(_) => return Ok(steady(balance, state.x)),
-                Err(error) if reach == Reach::Near => return Err(error),
-                Err(_) => {}
-            }
+            family.solve(&mut balance, &mut Newton::default(), 1.0, &mut state, &stopping)?;
+            return Ok(steady(balance, state.x));
         }
         let settings = Settings {
             harmonics: self.harmonics,
@@ -143,6 +137,18 @@ impl Forcing {
         };
         let (state, _) = find(&mut family, &mut balance, 1.0, None, &settings)?;
         Ok(steady(balance, state.x))
+    }
+
+    /// Where to look for the response that was measured: the displacement coefficients (m) of every sensor of the beam
+    /// are `motion`, zero where nothing was seen.
+    ///
+    /// # Errors
+    /// [`HarmonicError`] for a beam or contact that cannot be balanced.
+    pub fn start_at(&self, driven: Driven, motion: &[Vec<f64>]) -> Result<Start, HarmonicError> {
+        let mut balance = self.balance(driven, Signals::of(driven.beam))?;
+        let (coefficients, force) = explained(&balance, self, motion);
+        let unknowns = balance.unknowns_of(&coefficients, &force);
+        Ok(Start::of(&balance, &unknowns, None))
     }
 
     /// Newton's method with the factors at hand as long as they are good enough; false where it does not converge.
@@ -186,6 +192,15 @@ impl Forcing {
 }
 
 impl Start {
+    fn of(balance: &Balance, unknowns: &[f64], factors: Option<(Signals, Factors)>) -> Self {
+        let contact = unknowns[..balance.displacement.len()].to_vec();
+        let straight = balance.output(&balance.beam.contact_shape);
+        let shortening = straight.iter().zip(&balance.displacement).map(|(c, u)| c - u).collect();
+        let excitation = balance.output(&balance.beam.excitation_shape);
+        let string = balance.output(&balance.beam.string_stretch);
+        Self { contact, shortening, excitation, string, factors }
+    }
+
     /// Whether it has the harmonics of `forcing`.
     pub fn fits(&self, forcing: &Forcing) -> bool {
         self.contact.len() == coefficient_count(forcing.contact_harmonics)
@@ -201,6 +216,9 @@ impl Start {
         if signals.excitation {
             unknowns.extend_from_slice(&self.excitation);
         }
+        if signals.string {
+            unknowns.extend_from_slice(&self.string);
+        }
         unknowns
     }
 }
@@ -214,12 +232,8 @@ impl Steady<'_> {
     /// The solution as a start for others.
     pub fn start(mut self) -> Result<Start, HarmonicError> {
         self.linearise()?;
-        let (balance, signals) = (&self.balance, self.balance.signals());
-        let contact = self.unknowns[..balance.displacement.len()].to_vec();
-        let straight = balance.output(&balance.beam.contact_shape);
-        let shortening = straight.iter().zip(&balance.displacement).map(|(c, u)| c - u).collect();
-        let excitation = balance.output(&balance.beam.excitation_shape);
-        Ok(Start { contact, shortening, excitation, factors: self.factors, signals })
+        let factors = (self.balance.signals(), self.factors);
+        Ok(Start::of(&self.balance, &self.unknowns, Some(factors)))
     }
 
     /// Change of [`Steady::sensors`] to first order when the beam and its contact become `neighbour`, one of those

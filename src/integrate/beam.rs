@@ -39,6 +39,8 @@ const SMALLEST_ANGLE: f64 = 1e-9;
 ///     shortening: vec![20.0],
 ///     axial_flexibility: 1.5e-8,
 ///     stretching_stiffness: 0.0,
+///     string_stiffness: 0.0,
+///     string_stretch: vec![],
 ///     quadratic_damping: 0.0,
 ///     sensors: vec![],
 ///     contact_points: vec![],
@@ -432,6 +434,9 @@ fn check_beam(beam: &ModalBeam) -> Result<(), BeamError> {
     check_list("contact_shape", &beam.contact_shape, modes, f64::is_finite)?;
     check_list("excitation_shape", &beam.excitation_shape, modes, f64::is_finite)?;
     check_list("shortening", &beam.shortening, modes * modes, f64::is_finite)?;
+    let string = if beam.string_stiffness == 0.0 { beam.string_stretch.len() } else { modes };
+    check_list("string_stretch", &beam.string_stretch, string, f64::is_finite)?;
+    check_list("string_stiffness", &[beam.string_stiffness], 1, f64::is_finite)?;
     check_list("axial_flexibility", &[beam.axial_flexibility], 1, positive)?;
     for sensor in &beam.sensors {
         check_list("sensor shape", &sensor.shape, modes, f64::is_finite)?;

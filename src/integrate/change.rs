@@ -281,19 +281,24 @@ impl BeamChange {
                 2.0 * beam.quadratic_damping * speed.abs() * dot(&beam.excitation_shape, &self.v[node]);
         }
         times(&beam.shortening, &self.q[node], &mut self.product);
-        let mut tension = (0.0, 0.0);
+        let (mut tension, mut shortened) = ((0.0, 0.0), 0.0);
         if beam.stretching_stiffness != 0.0 {
             let pull = beam.contact_shape.iter().zip(&self.direction[node]).map(|(c, d)| c - d);
             let sums = pull.zip(solver.q[node].iter().zip(&self.q[node]));
-            tension = sums.fold((0.0, 0.0), |sum, (g, (q, dq))| (sum.0 + g * q, sum.1 + 2.0 * g * dq));
-            tension.0 *= beam.stretching_stiffness;
-            tension.1 *= beam.stretching_stiffness;
+            let (twice, change) =
+                sums.fold((0.0, 0.0), |sum, (g, (q, dq))| (sum.0 + g * q, sum.1 + g * dq));
+            tension.0 = beam.stretching_stiffness * twice - beam.string_pull(&solver.q[node]);
+            tension.1 = 2.0 * beam.stretching_stiffness * change - beam.string_pull(&self.q[node]);
+            shortened = change;
         }
         let rest = &mut self.rest[node];
         beam.push(excitation, by.at_points.iter().map(|ramp| ramp.at(fraction)), rest);
         for (i, rest) in rest.iter_mut().enumerate() {
             let pull = beam.contact_shape[i] - self.direction[node][i];
             *rest = *rest + (force - tension.0) * self.product[i] - tension.1 * pull;
+        }
+        for (rest, s) in rest.iter_mut().zip(&beam.string_stretch) {
+            *rest += beam.string_stiffness * shortened * s;
         }
     }
 

@@ -155,12 +155,14 @@ fn modal_jerk(
     }
     let stretching = beam.stretching_stiffness;
     let turning = &out.product;
-    let (mut tension, mut tension_rate) = (0.0, 0.0);
+    let (mut tension, mut tension_rate, mut shortening_rate) = (0.0, 0.0, 0.0);
     if stretching != 0.0 {
         for i in 0..q.len() {
             tension += stretching * (beam.contact_shape[i] - solver.direction[i]) * q[i];
-            tension_rate += 2.0 * stretching * turning[i] * q[i];
+            shortening_rate += turning[i] * q[i];
         }
+        tension -= beam.string_pull(q);
+        tension_rate = 2.0 * stretching * shortening_rate - beam.string_pull(v);
     }
     let force = solver.nodes[0].force;
     out.jerk.resize(q.len(), 0.0);
@@ -171,6 +173,9 @@ fn modal_jerk(
             - tension_rate * (beam.contact_shape[i] - solver.direction[i])
             - 2.0 * zeta * omega * acceleration[i]
             - omega * omega * v[i];
+    }
+    for (jerk, s) in out.jerk.iter_mut().zip(&beam.string_stretch) {
+        *jerk += beam.string_stiffness * shortening_rate * s;
     }
 }
 

@@ -329,10 +329,12 @@ impl StepSolver {
         }
         let force = self.nodes[node].force;
         // Stretching pulls along G q = c − direction, by κ qᵀ G q.
-        let mut tension = 0.0;
+        let (mut tension, mut shortened) = (0.0, 0.0);
         if beam.stretching_stiffness != 0.0 {
             let lever = beam.contact_shape.iter().zip(&self.direction).zip(&self.q[node]);
-            tension = beam.stretching_stiffness * lever.map(|((c, d), q)| (c - d) * q).sum::<f64>();
+            let twice = lever.map(|((c, d), q)| (c - d) * q).sum::<f64>();
+            tension = beam.stretching_stiffness * twice - beam.string_pull(&self.q[node]);
+            shortened = 0.5 * twice;
         }
         let mut across = &beam.excitation_shape;
         if !beam.contact_points.is_empty() {
@@ -340,9 +342,11 @@ impl StepSolver {
             (across, excitation) = (&self.pushed, 1.0);
         }
         let mut change = 0.0;
+        let string = beam.string_stretch.iter().map(|s| beam.string_stiffness * shortened * s);
         let shapes = across.iter().zip(&self.direction).zip(&beam.contact_shape);
-        for (p, ((phi, d), c)) in self.forcing[node].iter_mut().zip(shapes) {
-            let value = excitation * phi - force * d - tension * (c - d);
+        let shapes = shapes.zip(string.chain(std::iter::repeat(0.0)));
+        for (p, (((phi, d), c), string)) in self.forcing[node].iter_mut().zip(shapes) {
+            let value = excitation * phi - force * d - tension * (c - d) + string;
             change += (value - *p) * (value - *p);
             *p = value;
         }
@@ -357,6 +361,11 @@ impl StepSolver {
 }
 
 impl ModalBeam {
+    /// `k Σ sᵢ qᵢ`: the pull of a string (N).
+    pub(crate) fn string_pull(&self, q: &[f64]) -> f64 {
+        self.string_stiffness * self.string_stretch.iter().zip(q).map(|(s, q)| s * q).sum::<f64>()
+    }
+
     /// `f φᵢ(S) − Σ Tₖ φᵢ(xₖ)`: what `excitation` and the `forces` at the contact points do to the modes.
     pub(super) fn push(&self, excitation: f64, forces: impl Iterator<Item = f64>, out: &mut [f64]) {
         out.iter_mut().zip(&self.excitation_shape).for_each(|(out, phi)| *out = excitation * phi);

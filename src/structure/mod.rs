@@ -19,7 +19,8 @@ pub use receptance::{Compliance, Method, Receptance, Rows};
 /// `q̈ᵢ + 2 ζᵢ ωᵢ q̇ᵢ + ωᵢ² qᵢ + T [cᵢ − Σⱼ Gᵢⱼ qⱼ] = f φᵢ(S)` and, at the contact,
 /// `u = Σ cᵢ qᵢ − ½ qᵀ G q − T · axial_flexibility` with `cᵢ = r φᵢ'(L)`.
 ///
-/// Effects add to the left-hand side of mode i stretching of the mid-plane, `κ e Σⱼ Gᵢⱼ qⱼ` with `e = qᵀ G q`, and
+/// Effects add to the left-hand side of mode i stretching of the mid-plane, `κ e Σⱼ Gᵢⱼ qⱼ` with `e = qᵀ G q`, what the
+/// shortening does to the string of a hanging mass, `− k (y Σⱼ Gᵢⱼ qⱼ + ½ e sᵢ)` with `y = Σ sᵢ qᵢ`, and
 /// drag at the excitation, `d |ẏ| ẏ φᵢ(S)` with `y = Σ φᵢ(S) qᵢ`; see [`ModalBeam::with_changes`].
 ///
 /// Every mode has a positive slope at the contact, so `contact_shape` has the sign of the offset.
@@ -40,6 +41,10 @@ pub struct ModalBeam {
     pub axial_flexibility: f64,
     /// κ (N/m): stretching, the derivative of the potential `κ/4 (qᵀ G q)²`; 0 for none.
     pub stretching_stiffness: f64,
+    /// k (N/m): of the string, the derivative of the potential `− k y ½ qᵀ G q`; 0 for none.
+    pub string_stiffness: f64,
+    /// sᵢ (kg^-1/2): by how much each mode stretches the string; empty for none.
+    pub string_stretch: Vec<f64>,
     /// d (N s²/m²): drag at the excitation; 0 for none.
     pub quadratic_damping: f64,
     /// Sensors.

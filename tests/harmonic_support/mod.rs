@@ -101,6 +101,8 @@ pub fn beam(
         shortening,
         axial_flexibility: length / (youngs_modulus * area),
         stretching_stiffness: 0.0,
+        string_stiffness: 0.0,
+        string_stretch: Vec::new(),
         quadratic_damping: 0.0,
         sensors: [0.55, 0.3, 0.1].iter().map(|x| Sensor { position: *x, shape: at(*x) }).collect(),
         contact_points: vec![],

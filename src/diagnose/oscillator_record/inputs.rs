@@ -1,6 +1,6 @@
 //! What drives an oscillator, from the columns of a record.
 
-use crate::harmonic::whole_periods;
+use crate::harmonic::common_periods;
 use crate::measure::{Record, Regime};
 
 /// A measured force on a mass.
@@ -77,14 +77,7 @@ pub(super) fn mass_of(channel: &str, names: &[&str]) -> Result<usize, String> {
 
 /// Whole periods in the record that begin at samples, the same for all inputs.
 fn periods(forces: &[(usize, Vec<f64>)], load: Option<&[f64]>, samples: usize) -> usize {
-    let counts = forces.iter().map(|(_, values)| values.as_slice()).chain(load);
-    let common = counts.filter_map(whole_periods).fold(0, |a, b| {
-        let (mut a, mut b) = (a, b);
-        while b > 0 {
-            (a, b) = (b, a % b);
-        }
-        a
-    });
+    let common = common_periods(forces.iter().map(|(_, values)| values.as_slice()).chain(load)).unwrap_or(1);
     // A period that ends between two samples: the record as a whole is one.
     if common > 1 && samples.is_multiple_of(common) { common } else { 1 }
 }

@@ -16,8 +16,9 @@
 //! W being multiplication by `w_i` and B its adjoint, the projection of `T w_i`.
 //!
 //! A beam that stretches adds the shortening `h = ½ qᵀG q` to the unknowns, and the force `2 κ h` that acts along
-//! `G q = c − w`: in A it goes with −T. Drag adds the displacement y at the excitation. The equations keep
-//! their form with W, the weights of `G q` and `φ(S)` stacked, and the three forces stacked.
+//! `G q = c − w`: in A it goes with −T. Drag adds the displacement y at the excitation, the string of a hanging mass
+//! its stretch, which couples to h. The equations keep their form with W, the weights of `G q`, `φ(S)` and the stretch
+//! stacked, and their forces stacked.
 
 mod beyond;
 mod check;
@@ -53,6 +54,8 @@ pub(crate) struct Signals {
     pub shortening: bool,
     /// The displacement at the excitation, for drag.
     pub excitation: bool,
+    /// The stretch of a hanging mass's string, which the shortening adds to.
+    pub string: bool,
     /// That of a mode from whose equation a damper is moved.
     pub mode: Option<usize>,
 }
@@ -63,6 +66,7 @@ impl Signals {
         Self {
             shortening: beam.stretching_stiffness != 0.0,
             excitation: beam.quadratic_damping != 0.0,
+            string: beam.string_stiffness != 0.0,
             mode: None,
         }
     }
@@ -72,6 +76,7 @@ impl Signals {
         Self {
             shortening: self.shortening || other.shortening,
             excitation: self.excitation || other.excitation,
+            string: self.string || other.string,
             mode: self.mode.or(other.mode),
         }
     }
@@ -112,6 +117,8 @@ pub(crate) struct Balance<'a> {
     drag: Option<Box<Drag>>,
     relief: Option<Relief>,
     varied: Option<Varied<'a>>,
+    /// Swing of the normal load, as [`PeriodicContact::load_swing`].
+    load_swing: Vec<f64>,
     /// Coefficients of the contact force (N).
     force: Vec<f64>,
     /// Contact force less the force of stretching.
@@ -180,7 +187,7 @@ impl<'a> Balance<'a> {
         debug_assert!((harmonics..=2 * harmonics).contains(&highest));
         let (count, wide) = (coefficient_count(harmonics), coefficient_count(highest));
         let size = count * beam.angular_frequency.len();
-        let signal_count = [signals.shortening, signals.excitation, signals.mode.is_some()];
+        let signal_count = [signals.shortening, signals.excitation, signals.string, signals.mode.is_some()];
         let more = signal_count.into_iter().filter(|there| *there).count();
         let unknowns = wide + more * count;
         let law = if more == 0 { 0 } else { unknowns };
@@ -202,6 +209,7 @@ impl<'a> Balance<'a> {
             drag: signals.excitation.then(|| Box::new(Drag::new(harmonics))),
             relief: signals.mode.map(|mode| Relief::new(mode, count)),
             varied: None,
+            load_swing: Vec::new(),
             force: vec![0.0; wide],
             tension: vec![0.0; wide],
             shortening: vec![0.0; count],
@@ -223,6 +231,11 @@ impl<'a> Balance<'a> {
             by: std::array::from_fn(|_| vec![0.0; unknowns]),
             modal_by: std::array::from_fn(|_| vec![0.0; size]),
         })
+    }
+
+    /// Lets the normal load swing by the coefficients `[c1, s1, …]` (N) about its mean.
+    pub fn swing_load(&mut self, coefficients: &[f64]) {
+        self.load_swing = coefficients.to_vec();
     }
 
     /// Number of modes.
@@ -268,6 +281,9 @@ impl<'a> Balance<'a> {
         if self.signals.excitation {
             unknowns.extend(self.output(&self.beam.excitation_shape));
         }
+        if self.signals.string {
+            unknowns.extend(self.output(&self.beam.string_stretch));
+        }
         unknowns.extend(self.relieved_mode());
         unknowns
     }
@@ -284,6 +300,10 @@ impl<'a> Balance<'a> {
 
     fn excitation_row(&self) -> usize {
         self.wide + if self.signals.shortening { self.count } else { 0 }
+    }
+
+    fn string_row(&self) -> usize {
+        self.excitation_row() + if self.signals.excitation { self.count } else { 0 }
     }
 
     /// ∂forces/∂unknowns.
@@ -317,7 +337,7 @@ impl<'a> Balance<'a> {
         series: f64,
     ) -> Result<&[f64], HarmonicError> {
         if let Some((law, normal_load)) = attached(&self.contact, &self.varied) {
-            let contact = PeriodicContact { law, normal_load, compliance: series };
+            let contact = PeriodicContact { law, normal_load, load_swing: &self.load_swing, compliance: series };
             self.cycle.evaluate(&contact, angular_frequency, u)?;
             self.force.copy_from_slice(self.cycle.force());
         }
@@ -329,7 +349,7 @@ impl<'a> Balance<'a> {
         let (modes, wide, count) = (self.modes(), self.wide, self.count);
         let (rows, shortening, excitation) =
             (self.weights.nrows(), self.shortening_row(), self.excitation_row());
-        let relief = self.relief_row();
+        let (string, relief) = (self.string_row(), self.relief_row());
         // u = ½ Σ (w_i + c_i) q_i.
         self.displacement.fill(0.0);
         for i in 0..modes {
@@ -352,6 +372,9 @@ impl<'a> Balance<'a> {
                 }
                 if self.signals.excitation {
                     weights[excitation + k] = self.beam.excitation_shape[i];
+                }
+                if self.signals.string {
+                    weights[string + k] = self.beam.string_stretch.get(i).copied().unwrap_or(0.0);
                 }
                 if let Some(weight) = relieved {
                     weights[relief + k] = weight;
@@ -380,13 +403,14 @@ impl<'a> Balance<'a> {
         }
     }
 
-    /// q under the forces of the contact's and the drag's last evaluation and the shortening `unknown`, and the
-    /// weights.
-    fn respond(&mut self, at: &Operating, shortening: &[f64]) -> Result<(), HarmonicError> {
+    /// q under the forces of the contact's and the drag's last evaluation and the unknown shortening and stretch of the
+    /// string, and the weights.
+    fn respond(&mut self, at: &Operating, shortening: &[f64], string: &[f64]) -> Result<(), HarmonicError> {
         let (modes, beam) = (self.modes(), self.beam);
         self.tension.copy_from_slice(&self.force);
         let stretching = 2.0 * beam.stretching_stiffness;
         self.tension.iter_mut().zip(shortening).for_each(|(t, h)| *t -= stretching * h);
+        self.tension.iter_mut().zip(string).for_each(|(t, y)| *t += beam.string_stiffness * y);
         let singular = HarmonicError::InvalidInput("the modal equations are singular at this frequency");
         if !self.equations.set(at, &self.tension) {
             return Err(singular);
@@ -396,6 +420,8 @@ impl<'a> Balance<'a> {
             let (excitation, force) = (at.level * self.waveform[k] - drag, self.force[k]);
             let shapes = beam.excitation_shape.iter().zip(&beam.contact_shape);
             right.iter_mut().zip(shapes).for_each(|(r, (e, c))| *r = excitation * e - force * c);
+            let shortened = beam.string_stiffness * shortening.get(k).copied().unwrap_or(0.0);
+            right.iter_mut().zip(&beam.string_stretch).for_each(|(r, s)| *r += shortened * s);
         }
         self.relieve_right();
         if !self.equations.solve(&self.right, &mut self.q) {
@@ -460,6 +486,13 @@ impl<'a> Balance<'a> {
             let stretching = 2.0 * self.beam.stretching_stiffness;
             (shortening..shortening + count).for_each(|m| self.law[(m, m)] = stretching);
         }
+        if self.signals.string {
+            let string = self.string_row();
+            for m in 0..count {
+                self.law[(shortening + m, string + m)] = -self.beam.string_stiffness;
+                self.law[(string + m, shortening + m)] = -self.beam.string_stiffness;
+            }
+        }
         if let Some(drag) = &mut self.drag {
             drag.differentiate(self.beam.quadratic_damping, angular_frequency);
             self.law.view_mut((excitation, excitation), (count, count)).copy_from(&drag.jacobian);
@@ -485,15 +518,15 @@ impl<'a> Balance<'a> {
 
     /// The residual alone; returns the size of its terms.
     pub fn balance(&mut self, x: &[f64], at: &Operating) -> Result<f64, HarmonicError> {
-        let (shortening, excitation, relief) =
-            (self.shortening_row(), self.excitation_row(), self.relief_row());
+        let (shortening, excitation) = (self.shortening_row(), self.excitation_row());
+        let (string, relief) = (self.string_row(), self.relief_row());
         self.build(at.parameter)?;
         self.contact_force(at.angular_frequency, &x[..self.wide], 0.0)?;
         if let Some(drag) = &mut self.drag {
-            drag.evaluate(self.beam.quadratic_damping, at.angular_frequency, &x[excitation..relief]);
+            drag.evaluate(self.beam.quadratic_damping, at.angular_frequency, &x[excitation..string]);
         }
         self.relieve_force(x, at.angular_frequency);
-        self.respond(at, &x[shortening..excitation])?;
+        self.respond(at, &x[shortening..excitation], &x[string..relief])?;
         let series = self.beam.axial_flexibility;
         let mut scale = 0.0_f64;
         for (((r, x), u), force) in self.residual.iter_mut().zip(x).zip(&self.displacement).zip(&self.force) {
@@ -507,6 +540,11 @@ impl<'a> Balance<'a> {
         if self.signals.excitation {
             let found = self.output(&self.beam.excitation_shape);
             let rest = self.residual[excitation..].iter_mut().zip(&x[excitation..]);
+            rest.zip(&found).for_each(|((r, x), y)| *r = x - y);
+        }
+        if self.signals.string {
+            let found = self.output(&self.beam.string_stretch);
+            let rest = self.residual[string..].iter_mut().zip(&x[string..]);
             rest.zip(&found).for_each(|((r, x), y)| *r = x - y);
         }
         let found = self.relieved_mode();

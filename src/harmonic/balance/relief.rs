@@ -44,7 +44,7 @@ impl Balance<'_> {
 
     /// First row of the relieved mode's displacement.
     pub(super) fn relief_row(&self) -> usize {
-        self.excitation_row() + if self.signals.excitation { self.count } else { 0 }
+        self.string_row() + if self.signals.string { self.count } else { 0 }
     }
 
     /// Coefficients of p at the last evaluation.

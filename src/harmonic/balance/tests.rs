@@ -12,6 +12,8 @@ fn beam() -> ModalBeam {
         shortening: vec![32.0, -4.0, -4.0, 110.0],
         axial_flexibility: 2e-8,
         stretching_stiffness: 0.0,
+        string_stiffness: 0.0,
+        string_stretch: Vec::new(),
         quadratic_damping: 0.0,
         sensors: Vec::new(),
         contact_points: Vec::new(),

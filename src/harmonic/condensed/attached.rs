@@ -16,7 +16,7 @@ pub(super) fn contact_of<'l>(law: &'l Law, normal_load: f64) -> PeriodicContact<
         Law::Given(law) => *law,
         Law::Built(law) => law.as_ref(),
     };
-    PeriodicContact { law, normal_load, compliance: 0.0 }
+    PeriodicContact { law, normal_load, load_swing: &[], compliance: 0.0 }
 }
 
 pub(super) struct Attached<'a> {

@@ -151,7 +151,7 @@ mod tests {
     }
 
     fn evaluated<C: Cycle>(mut cycle: C, law: &dyn ContactLaw, angular_frequency: f64, u: &[f64]) -> C {
-        let contact = PeriodicContact { law, normal_load: 1.0, compliance: 0.0 };
+        let contact = PeriodicContact { law, normal_load: 1.0, load_swing: &[], compliance: 0.0 };
         cycle.evaluate(&contact, angular_frequency, u).unwrap();
         cycle
     }
@@ -238,7 +238,7 @@ mod tests {
         }
         let mut alone = vec![0.0; 15];
         let law = law();
-        let contact = PeriodicContact { law: &law, normal_load: 1.0, compliance: 0.0 };
+        let contact = PeriodicContact { law: &law, normal_load: 1.0, load_swing: &[], compliance: 0.0 };
         let mut fresh = DampedCycle::new(HarmonicSet::full(3));
         fresh.force_alone(&contact, OMEGA, &SLIPPING, HarmonicSet::full(7), &mut alone).unwrap();
         more.iter().zip(&alone).for_each(|(a, b)| assert!((a - b).abs() < 1e-12, "{a} {b}"));

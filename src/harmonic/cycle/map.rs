@@ -11,7 +11,7 @@ use crate::contact::Slider;
 use crate::harmonic::set::HarmonicSet;
 use crate::harmonic::{HarmonicError, Method};
 
-/// Samples of a period where the limit itself moves: the force is then right to a few parts in ten thousand.
+/// Samples of a period where the limit itself moves, or the load that it follows: the force is then right to a few parts in ten thousand.
 const SAMPLES_IN_MOTION: usize = 1024;
 
 /// A contact map by the given method: of the exact ones the one that fits the law.
@@ -46,7 +46,7 @@ impl ContactMap {
         if self.method != Method::Exact {
             return;
         }
-        if contact.law.limit_moves() {
+        if contact.law.limit_moves() || !contact.load_swing.is_empty() {
             if !matches!(self.way, Way::Reference(_)) {
                 self.way = Way::Reference(Box::new(ReferenceCycle::new(self.set, SAMPLES_IN_MOTION)));
             }

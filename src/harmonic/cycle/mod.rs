@@ -28,8 +28,11 @@ use crate::contact::ContactLaw;
 pub(crate) struct PeriodicContact<'a> {
     /// The law.
     pub law: &'a dyn ContactLaw,
-    /// Constant normal load (N).
+    /// Normal load (N), constant or the mean of it.
     pub normal_load: f64,
+    /// Coefficients `[c1, s1, …]` (N) of the load's swing over the period, on as many harmonics as it has; empty where
+    /// it is constant.
+    pub load_swing: &'a [f64],
     /// Compliance of a spring in series with the contact (m/N), 0 for none. The displacement is that of
     /// both together.
     pub compliance: f64,

@@ -7,7 +7,7 @@ use super::{Cycle, CycleSummary, PeriodicContact};
 use crate::contact::{Inputs, SlipState};
 use crate::harmonic::fourier::{coefficient_count, from_samples, work_per_cycle};
 use crate::harmonic::set::HarmonicSet;
-use crate::harmonic::{ContactOnBeam, HarmonicError};
+use crate::harmonic::HarmonicError;
 
 /// [`SampledCycle`] restricted to a set of harmonics.
 #[derive(Debug)]
@@ -46,7 +46,7 @@ impl ReferenceCycle {
     fn march(&mut self, contact: &PeriodicContact, angular_frequency: f64) {
         let n = contact.law.state_len();
         let (mut state, mut next) = (vec![0.0; n], vec![0.0; n]);
-        contact.law.set_state(0.0, contact.normal_load, 0.0, &mut state);
+        contact.law.set_state(0.0, self.inner.load(0), 0.0, &mut state);
         self.history.clear();
         self.has_stick = contact.law.has_stick();
         for k in 0..2 * self.samples {
@@ -54,7 +54,7 @@ impl ReferenceCycle {
             let inputs = Inputs {
                 displacement: total - contact.compliance * force,
                 velocity: angular_frequency * rate,
-                normal_load: contact.normal_load,
+                normal_load: self.inner.load(k % self.samples),
             };
             let response = contact.law.step(&state, inputs, &mut next);
             std::mem::swap(&mut state, &mut next);
@@ -74,8 +74,7 @@ impl Cycle for ReferenceCycle {
         u: &[f64],
     ) -> Result<(), HarmonicError> {
         self.set.convert(u, self.wide, &mut self.displacement);
-        let on_beam = ContactOnBeam { law: contact.law, normal_load: contact.normal_load };
-        self.inner.evaluate(&on_beam, contact.compliance, angular_frequency, &self.displacement)?;
+        self.inner.evaluate(contact, angular_frequency, &self.displacement)?;
         self.wide.convert(&self.inner.force, self.set, &mut self.force);
         self.wide.convert(&self.inner.by_frequency, self.set, &mut self.by_frequency);
         let places: Vec<usize> =

@@ -15,12 +15,15 @@
 
 mod jump;
 
+use std::f64::consts::TAU;
+
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 
 use super::super::elimination::solve_ranked;
 use super::super::fourier::{Basis, coefficient_count, differentiate, dot};
 use super::super::implicit::Implicit;
-use super::super::{ContactOnBeam, HarmonicError};
+use super::super::HarmonicError;
+use super::PeriodicContact;
 use crate::contact::{Inputs, Response, StateTangents};
 
 /// Where a pivot of `1 − monodromy` (scaled) counts as zero: the memory does not fade.
@@ -48,6 +51,8 @@ pub(crate) struct SampledCycle {
     displacement: Vec<f64>,
     rate: Vec<f64>,
     slope: Vec<f64>,
+    /// Normal load (N) at the samples.
+    load: Vec<f64>,
     force_samples: Vec<f64>,
     /// Column `k`: derivatives of the force at sample `k` by coefficients, frequency, start state.
     sensitivity: DMatrix<f64>,
@@ -95,6 +100,7 @@ impl SampledCycle {
             displacement: vec![0.0; samples],
             rate: vec![0.0; samples],
             slope: vec![0.0; wide],
+            load: vec![0.0; samples],
             force_samples: vec![0.0; samples],
             sensitivity: DMatrix::zeros(0, 0),
             state_len: usize::MAX,
@@ -130,6 +136,23 @@ impl SampledCycle {
         (self.displacement[k], self.rate[k], self.force_samples[k])
     }
 
+    /// Normal load (N) at sample `k` of the last evaluation.
+    pub fn load(&self, k: usize) -> f64 {
+        self.load[k]
+    }
+
+    /// Writes the load at the samples.
+    fn take_load(&mut self, contact: &PeriodicContact) {
+        self.load.fill(contact.normal_load);
+        for (order, pair) in (1..).zip(contact.load_swing.chunks_exact(2)) {
+            for (k, load) in self.load.iter_mut().enumerate() {
+                let turn = (order * k % self.samples) as f64 / self.samples as f64;
+                let (sine, cosine) = (TAU * turn).sin_cos();
+                *load += pair[0] * cosine + pair[1] * sine;
+            }
+        }
+    }
+
     /// What the sample `k` is given for a jump beside it (N).
     pub fn given(&self, k: usize) -> f64 {
         self.jump.given[k]
@@ -158,16 +181,14 @@ impl SampledCycle {
         self.warm = false;
     }
 
-    /// Evaluates the contact for the displacement with coefficients `u` (m; before the series spring
-    /// of `compliance`, m/N, gives way) at the fundamental `angular_frequency` (rad/s). The velocity a
-    /// rate-dependent law sees is that of `u`.
+    /// Evaluates the contact for the displacement with coefficients `u` (m; before the series spring gives way) at
+    /// the fundamental `angular_frequency` (rad/s). The velocity a rate-dependent law sees is that of `u`.
     ///
     /// # Errors
     /// [`HarmonicError::ContactNotPeriodic`] when no periodic state is found.
     pub fn evaluate(
         &mut self,
-        contact: &ContactOnBeam,
-        compliance: f64,
+        contact: &PeriodicContact,
         angular_frequency: f64,
         u: &[f64],
     ) -> Result<(), HarmonicError> {
@@ -175,22 +196,23 @@ impl SampledCycle {
         self.basis.evaluate(u, &mut self.displacement);
         differentiate(u, &mut self.slope);
         self.basis.evaluate(&self.slope, &mut self.rate);
-        contact.law.set_state(0.0, contact.normal_load, 0.0, &mut self.virgin);
+        self.take_load(contact);
+        contact.law.set_state(0.0, self.load[self.farthest_sample()], 0.0, &mut self.virgin);
         let mut from_hint = self.warm;
         if from_hint {
             self.predict(u);
         } else {
-            self.start_virgin(contact, compliance, angular_frequency);
+            self.start_virgin(contact, angular_frequency);
         }
         self.previous.copy_from_slice(u);
         self.warm = false;
         let (mut last_change, mut plain) = (f64::INFINITY, false);
         for _ in 0..MAX_CYCLES {
-            self.march(contact, compliance, angular_frequency);
+            self.march(contact, angular_frequency);
             let closure = self.close();
             if from_hint && !(closure.unique && closure.force_change.is_finite()) {
                 from_hint = false;
-                self.start_virgin(contact, compliance, angular_frequency);
+                self.start_virgin(contact, angular_frequency);
                 continue;
             }
             if closure.force_change <= LINEAR_FINISH * self.force_scale {
@@ -202,7 +224,7 @@ impl SampledCycle {
             // Newton may overshoot where the loop bends sharply; plain marching always contracts.
             plain = !closure.force_change.is_finite() || closure.force_change > last_change && !plain;
             last_change = closure.force_change;
-            self.improve_start(plain, contact, compliance, angular_frequency);
+            self.improve_start(plain, contact, angular_frequency);
         }
         Err(HarmonicError::ContactNotPeriodic { cycles: MAX_CYCLES })
     }
@@ -235,12 +257,12 @@ impl SampledCycle {
     }
 
     /// The state after loading the virgin contact to the largest displacement, and its derivative.
-    fn start_virgin(&mut self, contact: &ContactOnBeam, compliance: f64, angular_frequency: f64) {
+    fn start_virgin(&mut self, contact: &PeriodicContact, angular_frequency: f64) {
         self.origin = self.farthest_sample();
         self.state.copy_from_slice(&self.virgin);
         self.state_sensitivity.fill(0.0);
         self.force_scale = 0.0;
-        self.step(contact, compliance, angular_frequency, self.origin, 0.0, None);
+        self.step(contact, angular_frequency, self.origin, 0.0, None);
         self.start.copy_from_slice(&self.next);
         self.start_sensitivity.copy_from_slice(&self.next_sensitivity);
         self.force_samples.fill(f64::NAN);
@@ -250,8 +272,7 @@ impl SampledCycle {
     /// sensitivity, and writes the force's sensitivity to column `column` if there is one.
     fn step(
         &mut self,
-        contact: &ContactOnBeam,
-        compliance: f64,
+        contact: &PeriodicContact,
         angular_frequency: f64,
         k: usize,
         predicted: f64,
@@ -260,21 +281,21 @@ impl SampledCycle {
         let mut inputs = Inputs {
             displacement: 0.0,
             velocity: angular_frequency * self.rate[k],
-            normal_load: contact.normal_load,
+            normal_load: self.load[k],
         };
         let mut implicit = Implicit::new(predicted);
         let mut response: Response;
         loop {
-            inputs.displacement = self.displacement[k] - compliance * implicit.force;
+            inputs.displacement = self.displacement[k] - contact.compliance * implicit.force;
             response = contact.law.step(&self.state, inputs, &mut self.next);
             let scale = self.force_scale.max(response.force.abs());
-            let gradient = 1.0 + compliance * response.tangents.displacement;
-            if implicit.accept(response.force, gradient, compliance, STEP_TOLERANCE * scale) {
+            let gradient = 1.0 + contact.compliance * response.tangents.displacement;
+            if implicit.accept(response.force, gradient, contact.compliance, STEP_TOLERANCE * scale) {
                 break;
             }
         }
         contact.law.state_tangents(&self.state, inputs, &mut self.tangents);
-        self.carry(&response, compliance, angular_frequency, k, column);
+        self.carry(&response, contact.compliance, angular_frequency, k, column);
         response.force
     }
 
@@ -334,7 +355,7 @@ impl SampledCycle {
     }
 
     /// Marches one period from `start`, which is the state at sample `origin`.
-    fn march(&mut self, contact: &ContactOnBeam, compliance: f64, angular_frequency: f64) {
+    fn march(&mut self, contact: &PeriodicContact, angular_frequency: f64) {
         let (n, wide) = (self.state_len, self.wide);
         let columns = wide + 1 + n;
         self.state.copy_from_slice(&self.start);
@@ -352,10 +373,10 @@ impl SampledCycle {
             let k = (self.origin + i) % self.samples;
             let known = self.force_samples[k];
             let predicted = if known.is_finite() { known } else { last };
-            last = self.step(contact, compliance, angular_frequency, k, predicted, Some(k));
+            last = self.step(contact, angular_frequency, k, predicted, Some(k));
             self.force_samples[k] = last;
             // Behind a spring the force does not jump; nor does it right behind the farthest turning point.
-            if compliance == 0.0 && i > 1 {
+            if contact.compliance == 0.0 && i > 1 {
                 self.place_jump(contact, angular_frequency, k);
             }
             largest = largest.max(last.abs());
@@ -435,12 +456,11 @@ impl SampledCycle {
     fn improve_start(
         &mut self,
         plain: bool,
-        contact: &ContactOnBeam,
-        compliance: f64,
+        contact: &PeriodicContact,
         angular_frequency: f64,
     ) {
         if plain && self.state.iter().any(|x| !x.is_finite()) {
-            self.start_virgin(contact, compliance, angular_frequency);
+            self.start_virgin(contact, angular_frequency);
         } else if plain {
             self.start.copy_from_slice(&self.state);
             self.start_sensitivity.copy_from_slice(&self.state_sensitivity);

@@ -66,13 +66,18 @@ impl<'a> Bent<'a> {
             |q: &[f64]| -> Vec<f64> { beam.shortening.chunks_exact(n).map(|row| dot(row, q)).collect() };
         let (bent, bending) = (turned(&q), turned(&rate));
         let mut feedback = Feedback::new(n, self.memory());
-        let tension = beam.stretching_stiffness * dot(&q, &bent) - step.map_or(0.0, |step| step.force);
+        let tension = beam.stretching_stiffness * dot(&q, &bent)
+            - beam.string_pull(&q)
+            - step.map_or(0.0, |step| step.force);
+        let string =
+            |i: usize| beam.string_stiffness * beam.string_stretch.get(i).copied().unwrap_or_default();
         let drag =
             2.0 * beam.quadratic_damping * self.angular_frequency * dot(&beam.excitation_shape, &rate).abs();
         for i in 0..n {
             for j in 0..n {
                 feedback.force[(i, j)] = tension * beam.shortening[i * n + j]
-                    + 2.0 * beam.stretching_stiffness * bent[i] * bent[j];
+                    + 2.0 * beam.stretching_stiffness * bent[i] * bent[j]
+                    - (string(i) * bent[j] + bent[i] * string(j));
                 feedback.force[(i, n + j)] = drag * beam.excitation_shape[i] * beam.excitation_shape[j];
             }
         }

@@ -98,6 +98,8 @@ pub fn floquet(
 ///     shortening: vec![20.0],
 ///     axial_flexibility: 1.5e-8,
 ///     stretching_stiffness: 0.0,
+///     string_stiffness: 0.0,
+///     string_stretch: vec![],
 ///     quadratic_damping: 0.0,
 ///     sensors: vec![],
 ///     contact_points: vec![],

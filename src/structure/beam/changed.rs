@@ -12,8 +12,8 @@ use crate::vocabulary;
 impl ModalBeam {
     /// Reduces a beam with `changes` to its modes; without changes this is [`ModalBeam::new`].
     ///
-    /// A clamp that has a spring already gets the other in series. A hanging mass moves with the linear part
-    /// `c·q` of the contact's displacement and is damped like the first mode; each adds a mode, and damping that
+    /// A clamp that has a spring already gets the other in series. A hanging mass follows the contact's displacement
+    /// and is damped like the first mode; each adds a mode, and damping that
     /// couples the new modes is left out. Sensors are where the unchanged beam has them.
     ///
     /// # Errors
@@ -78,15 +78,25 @@ impl ModalBeam {
         if stiffness.is_finite() { Ok(stiffness) } else { Err(refused(stiffness)) }
     }
 
-    /// Hangs a resonator at the contact.
+    /// Hangs a resonator at the contact, behind the flexibility a that is in series with it.
+    ///
+    /// Contact and resonator, a spring k to a mass at p, pull with `F = T + k (u − p)` at a point that yields,
+    /// `u = c·q − h − a F` with the shortening `h = ½ qᵀ G q`. With `s = 1/(1 + a k)` that is a contact at
+    /// `u = s (c·q + a k p − h) − s a T`, the same equations with another shape, shortening and flexibility, and the
+    /// potential `½ s k (c·q − p − h)²`: a spring between the modes and p, stretching, and what couples h to the
+    /// string's stretch.
     fn hang(&mut self, hanging: &HangingMass) -> Result<(), StructureError> {
         check("effect.mass".into(), hanging.mass, &vocabulary::MASS)?;
         check("effect.hanging_frequency".into(), hanging.frequency, &vocabulary::HANGING_FREQUENCY)?;
         let modes = self.angular_frequency.len();
         let natural = std::f64::consts::TAU * hanging.frequency;
         // The resonator's own coordinate has a mass of one, as the modes have.
+        let root = natural * hanging.mass.sqrt();
+        let yielding = self.axial_flexibility * root * root;
+        let share = 1.0 / (1.0 + yielding);
+        let soft = share.sqrt();
         let lever: Vec<f64> =
-            self.contact_shape.iter().map(|c| natural * hanging.mass.sqrt() * c).chain([-natural]).collect();
+            self.contact_shape.iter().map(|c| soft * root * c).chain([-soft * natural]).collect();
         let own = |index: usize| self.angular_frequency.get(index).map_or(0.0, |omega| omega * omega);
         let stiffness = DMatrix::from_fn(modes + 1, modes + 1, |i, j| {
             lever[i] * lever[j] + if i == j { own(i) } else { 0.0 }
@@ -117,6 +127,20 @@ impl ModalBeam {
                 shape.neg_mut();
             }
         }
+        // In terms of s h, of which the shortening tells from now on.
+        let string = root * root;
+        self.stretching_stiffness = self.stretching_stiffness / (share * share) + 0.5 * string / share;
+        let before = self.string_stiffness / share;
+        self.string_stiffness = before + string;
+        self.string_stretch.resize(modes + 1, 0.0);
+        let own = self.contact_shape.iter().copied().chain([-1.0 / hanging.mass.sqrt()]);
+        for (stretch, own) in self.string_stretch.iter_mut().zip(own) {
+            *stretch = (before * *stretch + string * own) / self.string_stiffness;
+        }
+        self.contact_shape.iter_mut().for_each(|c| *c *= share);
+        self.contact_shape.push(share * self.axial_flexibility * natural * root);
+        self.axial_flexibility *= share;
+        self.shortening.iter_mut().for_each(|g| *g *= share);
         self.transform(&shapes, &rates, |mode| eigen.eigenvalues[order[mode]].sqrt());
         Ok(())
     }
@@ -131,6 +155,7 @@ impl ModalBeam {
         let shortening = kept.transpose() * DMatrix::from_row_slice(modes, modes, &self.shortening) * kept;
         self.contact_shape = turned(&self.contact_shape);
         self.excitation_shape = turned(&self.excitation_shape);
+        self.string_stretch = turned(&self.string_stretch);
         for sensor in self.sensors.iter_mut().chain(&mut self.contact_points) {
             sensor.shape = turned(&sensor.shape);
         }

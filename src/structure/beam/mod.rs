@@ -98,6 +98,8 @@ impl ModalBeam {
             shortening: modes.shortening().to_vec(),
             axial_flexibility,
             stretching_stiffness: 0.0,
+            string_stiffness: 0.0,
+            string_stretch: Vec::new(),
             quadratic_damping: 0.0,
             sensors,
             contact_points: beam.contact_points.iter().map(|&position| sensor(position)).collect(),

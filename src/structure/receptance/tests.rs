@@ -235,6 +235,8 @@ fn a_beam_in_modal_coordinates_has_its_modal_compliances() {
         shortening: vec![0.0; 4],
         axial_flexibility: 0.0,
         stretching_stiffness: 0.0,
+        string_stiffness: 0.0,
+        string_stretch: Vec::new(),
         quadratic_damping: 0.0,
         sensors: vec![crate::structure::Sensor { position: 0.55, shape: vec![2.0, -1.0] }],
         contact_points: vec![],

@@ -2,7 +2,7 @@
 
 use super::{SampledCycle, add_scaled, differentiate_functions};
 use crate::contact::{Inputs, StateTangents};
-use crate::harmonic::ContactOnBeam;
+use crate::harmonic::cycle::PeriodicContact;
 
 /// How far beyond a jump the law is looked at, as share of the step.
 const BESIDE: f64 = 1e-6;
@@ -25,12 +25,12 @@ impl SampledCycle {
     /// in shares that go over into those of the next step.
     ///
     /// Called after the step to the sample `k`, before the state is that there.
-    pub(super) fn place_jump(&mut self, contact: &ContactOnBeam, angular_frequency: f64, k: usize) {
+    pub(super) fn place_jump(&mut self, contact: &PeriodicContact, angular_frequency: f64, k: usize) {
         let before = (k + self.samples - 1) % self.samples;
         let (from, to) = (self.displacement[before], self.displacement[k]);
         let (n, wide) = (self.state_len, self.wide);
         let columns = wide + 1 + n;
-        let normal_load = contact.normal_load;
+        let normal_load = self.load[k];
         let velocity = angular_frequency * self.rate[k];
         let at = |displacement| Inputs { displacement, velocity, normal_load };
         let Some(jump) = contact.law.jump(&self.state, at(to)) else { return };
