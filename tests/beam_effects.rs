@@ -106,15 +106,18 @@ fn a_resonator_splits_a_mode_by_the_quadratic_of_two_masses() {
 
 /// The modes of a beam and a mass on a string at its end, written down separately: `u` yields to what the spring at the
 /// contact and the string pull. Rates of `[q, p, q̇, ṗ]`.
-fn hanging_by_hand(bare: &ModalBeam, hanging: &HangingMass, spring: f64, push: f64, state: &[f64]) -> Vec<f64> {
+fn hanging_by_hand(
+    bare: &ModalBeam,
+    hanging: &HangingMass,
+    spring: f64,
+    push: f64,
+    state: &[f64],
+) -> Vec<f64> {
     let n = bare.angular_frequency.len();
     let (q, p) = (&state[..n], state[n]);
     let string = hanging.mass * (2.0 * PI * hanging.frequency).powi(2);
-    let bent: Vec<f64> = bare
-        .shortening
-        .chunks_exact(n)
-        .map(|row| row.iter().zip(q).map(|(g, q)| g * q).sum())
-        .collect();
+    let bent: Vec<f64> =
+        bare.shortening.chunks_exact(n).map(|row| row.iter().zip(q).map(|(g, q)| g * q).sum()).collect();
     let moved: f64 = (0..n).map(|i| (bare.contact_shape[i] - 0.5 * bent[i]) * q[i]).sum();
     let a = bare.axial_flexibility;
     let u = (moved + a * string * p) / (1.0 + a * (spring + string));
@@ -154,7 +157,7 @@ fn a_hanging_mass_moves_as_the_beam_and_the_mass_written_down_separately() {
     let beam = Beam { damping: Damping::Uniform(0.0), ..steel(3) };
     let (bare, spring) = (ModalBeam::new(&beam).unwrap(), 4e6);
     let hanging = HangingMass { mass: 5.0, frequency: 60.0 };
-    let changes = StructureChanges { hanging_masses: vec![hanging.clone()], ..Default::default() };
+    let changes = StructureChanges { hanging_masses: vec![hanging], ..Default::default() };
     let modal = changed(&beam, changes);
     // Hard enough that the beam's end is drawn in by as much as the clamp's turning moves it.
     let (push, time) = (60.0, 0.02);
@@ -165,8 +168,7 @@ fn a_hanging_mass_moves_as_the_beam_and_the_mass_written_down_separately() {
     let inputs = BeamInputs { excitation: Ramp::held(push), contact, at_points: &[] };
     let tight = integrate::Settings { tolerance: 1e-9, ..Default::default() };
     integrator.advance(&mut motion, time, &inputs, &tight).unwrap();
-    let found: f64 =
-        modal.sensors[0].shape.iter().zip(motion.modal_displacement()).map(|(s, q)| s * q).sum();
+    let found: f64 = modal.sensors[0].shape.iter().zip(motion.modal_displacement()).map(|(s, q)| s * q).sum();
     let expected = by_hand(&bare, &hanging, spring, push, time, 20_000);
     assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
     let unbent = ModalBeam { string_stiffness: 0.0, ..modal };
@@ -175,7 +177,10 @@ fn a_hanging_mass_moves_as_the_beam_and_the_mass_written_down_separately() {
     without.advance(&mut motion, time, &inputs, &tight).unwrap();
     let found: f64 =
         unbent.sensors[0].shape.iter().zip(motion.modal_displacement()).map(|(s, q)| s * q).sum();
-    assert!((found / expected - 1.0).abs() > 1e-3, "the shortening matters to the string: {found} {expected}");
+    assert!(
+        (found / expected - 1.0).abs() > 1e-3,
+        "the shortening matters to the string: {found} {expected}"
+    );
 }
 
 #[test]

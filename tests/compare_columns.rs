@@ -189,6 +189,44 @@ fn a_channel_without_variation_stops_the_refit_by_name() {
     assert!(error.to_string().contains("`r.csv`") && error.to_string().contains("`force`"), "{error}");
 }
 
+/// The steady state under a normal load that swings is what the motion from rest settles to.
+#[test]
+fn a_beam_in_a_steady_state_follows_the_measured_normal_load() {
+    let text = include_str!("../examples/frictional-support/published.toml");
+    let mut beam =
+        Model::parse(&format!("{text}\n[[effect]]\nid = \"normal_load_variation\"\nload_gain = 1.0\n"))
+            .unwrap();
+    beam.set("beam.damping_ratio", 0.05).unwrap();
+    let constant = beam.get("contact.normal_load").unwrap();
+    let predicted = |regime: Regime, periods: usize, swing: f64| {
+        let time = (0..64 * periods).map(|k| k as f64 / (64.0 * 20.0)).collect();
+        let repeated = |wave: Vec<f64>| -> Vec<f64> { wave.repeat(periods) };
+        let load = wave(2, swing * constant).iter().map(|change| constant + change).collect();
+        let columns = [
+            ("time", time),
+            ("excitation", repeated(wave(1, 200.0))),
+            ("normal_load", repeated(load)),
+            ("velocity:x=0.55", repeated(wave(1, 1.0))),
+        ];
+        let stage = evaluate("", &beam, &dataset(vec![record(regime, &columns)]));
+        assert_eq!(stage.records[0].failure, None);
+        let values = &stage.records[0].channels[0].predicted;
+        values[values.len() - 64..].to_vec()
+    };
+    let apart = |a: &[f64], b: &[f64]| {
+        let square = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
+        square(&mut a.iter().zip(b).map(|(a, b)| a - b)) / square(&mut b.iter().copied())
+    };
+    for swing in [0.5, 1.5] {
+        let settled = predicted(Regime::FromRest, 60, swing);
+        let steady = predicted(Regime::Steady, 1, swing);
+        let under_constant = predicted(Regime::Steady, 1, 0.0);
+        // From sample to sample excitation and load run on straight lines.
+        assert!(apart(&steady, &settled) < 5e-3, "{swing}: {}", apart(&steady, &settled));
+        assert!(apart(&steady, &under_constant) > 0.02, "the swing matters");
+    }
+}
+
 /// A beam from rest whose contact follows a measured normal load: held at another value it is the beam with that load,
 /// and half a gain is half the change.
 #[test]

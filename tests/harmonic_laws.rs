@@ -9,8 +9,8 @@ use harmonic_support::oscillator::{Oscillator, steady_period};
 use stickslip::contact::{Jenkins, Valanis};
 use stickslip::harmonic::fourier::value;
 use stickslip::harmonic::{
-    ContactOnBeam, HarmonicError, Method, Resonance, Settings, backbone, forced_response, phase_resonance,
-    whole_periods,
+    ContactOnBeam, HarmonicError, Method, Resonance, Settings, backbone, excited_harmonics, forced_response,
+    phase_resonance, whole_periods,
 };
 use stickslip::structure::ModalBeam;
 
@@ -312,6 +312,19 @@ fn whole_periods_survive_noise_and_missing_fundamental() {
     assert_eq!(whole_periods(&record(4, &[(1, 1.0), (3, 0.1)], 0.02)), Some(4));
     assert_eq!(whole_periods(&record(5, &[(2, 1.0), (3, 0.4)], 0.0)), Some(5));
     assert_eq!(whole_periods(&record(1, &[(1, 1.0)], 0.0)), Some(1));
+    // Noise with a long memory has its power where the harmonics are.
+    let drift = |periods: usize, noise: f64| {
+        let (mut values, mut slow) = (record(periods, &[(1, 1.0)], 0.0), 0.0);
+        for (value, white) in values.iter_mut().zip(record(periods, &[], 1.0)) {
+            slow = 0.95 * slow + noise * (white - 0.2);
+            *value += slow;
+        }
+        values
+    };
+    for noise in [1e-3, 5e-3, 2e-2] {
+        assert_eq!(whole_periods(&drift(4, noise)), Some(4), "{noise}");
+        assert_eq!(excited_harmonics(&drift(4, noise), 4), [0, 1], "{noise}");
+    }
     assert_eq!(whole_periods(&[1.0; 64]), None);
     assert_eq!(whole_periods(&[]), None);
     assert_eq!(whole_periods(&[f64::NAN; 64]), None);

@@ -6,8 +6,8 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::beam_record::Attached;
 use super::predict::derivative_order;
-use crate::harmonic::fourier::{self, coefficient_count, time_derivative};
 use crate::harmonic::HarmonicError;
+use crate::harmonic::fourier::{self, coefficient_count, time_derivative};
 use crate::harmonic::steady::{Driven, Forcing, Start, Steady};
 use crate::harmonic::{common_periods, excited_harmonics};
 use crate::measure::{Channel, Record};
@@ -50,11 +50,7 @@ pub(super) struct SteadyRecord {
 
 impl SteadyRecord {
     /// The record, with as many harmonics as a model with its highest mode at `highest` (rad/s) needs.
-    pub fn new(
-        record: &Record,
-        channels: &[&Channel],
-        highest: f64,
-    ) -> Result<Self, String> {
+    pub fn new(record: &Record, channels: &[&Channel], highest: f64) -> Result<Self, String> {
         let time = record.time().ok_or("there is no `time` column")?;
         let step = record.sample_step().ok_or("`time` is not evenly spaced")?;
         let force = &record.channel("excitation").ok_or("there is no `excitation` column")?.values;
@@ -109,13 +105,7 @@ impl SteadyRecord {
 
     /// Predictions of all channels, one after the other.
     pub fn predict(&self, model: &Attached, out: &mut Vec<f64>) -> Result<(), String> {
-        let mut solved = self.forcing.solve(model.driven(), &[], self.start.as_ref());
-        if solved.is_err() && !self.settled {
-            solved = self.forcing.solve(model.driven(), &[], None);
-        }
-        let sensors = solved.map_err(|error| error.to_string())?.sensors(&self.forcing);
-        self.observe(&sensors, out);
-        Ok(())
+        self.nearest(model.driven(), &[], out).map(|_| ()).map_err(|error| error.to_string())
     }
 
     /// Predictions, and their differences to those of `neighbours` to first order; the solution becomes the start of
@@ -162,6 +152,7 @@ impl SteadyRecord {
                     Some(start) => self.forcing.solve(driven, others, Some(start)),
                     None => continue,
                 },
+                Way::Measured if self.motion.iter().flatten().all(|x| *x == 0.0) => continue,
                 Way::Measured => self
                     .forcing
                     .start_at(driven, &self.motion)

@@ -1,7 +1,7 @@
 //! Predictions of beams and their derivatives.
 
 use super::beam_record::BeamSimulation;
-use super::simulation::{Direction, Simulation};
+use super::simulation::{Direction, Seed, Simulation};
 use crate::measure::{Channel, Record, Regime};
 use crate::model::Model;
 
@@ -157,5 +157,50 @@ fn a_warm_start_changes_the_path_and_not_the_answer() {
     let size = cold.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
     for (warm, cold) in warm.iter().zip(&cold) {
         assert!((warm - cold).abs() < 1e-5 * size, "{warm} {cold} of {size}");
+    }
+}
+
+/// A beam that stretches has two steady states above its resonance; the one that was measured is predicted.
+#[test]
+fn of_several_responses_the_measured_one_is_predicted() {
+    let mut model = model("effect = [{ id = \"geometric_stiffening\", cubic_stiffness = 3e10 }]");
+    // A contact that slips would take the motion that bends the resonance.
+    model.set("contact.friction_coefficient", 40.0).unwrap();
+    let silent = |step: i32| record(10.0, 50.0 + 0.25 * f64::from(step));
+    let predicted = |record: &Record, seed: Option<&Seed>| {
+        let channels = record.channels_of("acceleration").collect();
+        let mut simulation = BeamSimulation::new(&model, record, channels, seed).expect("a record");
+        let mut out = Vec::new();
+        simulation.predict(&model, &[], &mut out).ok()?;
+        Some((out, simulation.seed()?.clone()))
+    };
+    // Along one branch from frequency to frequency, as far as it goes.
+    let follow = |steps: Vec<i32>| {
+        let (mut branch, mut seed) = (Vec::new(), None);
+        for step in steps {
+            let Some((found, next)) = predicted(&silent(step), seed.as_ref()) else { break };
+            branch.push((step, found));
+            seed = Some(next);
+        }
+        branch
+    };
+    let apart = |a: &[f64], b: &[f64]| {
+        let square = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
+        square(&mut a.iter().zip(b).map(|(a, b)| a - b)) / square(&mut b.iter().copied())
+    };
+    let (up, down) = (follow((0..120).collect()), follow((0..120).rev().collect()));
+    let two = up.iter().find_map(|(step, large)| {
+        let (_, small) = down.iter().find(|(other, _)| other == step)?;
+        (apart(small, large) > 0.5).then_some((*step, [large, small]))
+    });
+    let (step, branches) = two.expect("a frequency with two responses");
+    for branch in branches {
+        let mut measured = silent(step);
+        for (channel, values) in measured.channels[2..].iter_mut().zip(branch.chunks_exact(SAMPLES * PERIODS))
+        {
+            channel.values.copy_from_slice(values);
+        }
+        let (near, _) = predicted(&measured, None).expect("a response");
+        assert!(apart(&near, branch) < 1e-4, "{step}: {}", apart(&near, branch));
     }
 }

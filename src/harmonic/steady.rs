@@ -119,7 +119,8 @@ impl Forcing {
         let mut family = Forced { angular_frequency: self.angular_frequency };
         if let Some(start) = start {
             let mut unknowns = start.unknowns(signals);
-            let factors = start.factors.as_ref().filter(|(of, _)| *of == signals).map(|(_, factors)| factors.clone());
+            let factors =
+                start.factors.as_ref().filter(|(of, _)| *of == signals).map(|(_, factors)| factors.clone());
             if self.correct(&mut balance, &mut unknowns, &at, factors) {
                 return Ok(steady(balance, unknowns));
             }

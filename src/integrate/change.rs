@@ -285,8 +285,7 @@ impl BeamChange {
         if beam.stretching_stiffness != 0.0 {
             let pull = beam.contact_shape.iter().zip(&self.direction[node]).map(|(c, d)| c - d);
             let sums = pull.zip(solver.q[node].iter().zip(&self.q[node]));
-            let (twice, change) =
-                sums.fold((0.0, 0.0), |sum, (g, (q, dq))| (sum.0 + g * q, sum.1 + g * dq));
+            let (twice, change) = sums.fold((0.0, 0.0), |sum, (g, (q, dq))| (sum.0 + g * q, sum.1 + g * dq));
             tension.0 = beam.stretching_stiffness * twice - beam.string_pull(&solver.q[node]);
             tension.1 = 2.0 * beam.stretching_stiffness * change - beam.string_pull(&self.q[node]);
             shortened = change;

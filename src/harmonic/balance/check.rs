@@ -18,7 +18,11 @@ pub(super) fn check_beam(beam: &ModalBeam) -> Result<(), HarmonicError> {
     }
     let all =
         same_length.iter().flat_map(|v| v.iter()).chain(&beam.angular_frequency).chain(&beam.shortening);
-    if all.chain(&beam.string_stretch).chain([&beam.axial_flexibility, &beam.string_stiffness]).any(|x| !x.is_finite()) {
+    if all
+        .chain(&beam.string_stretch)
+        .chain([&beam.axial_flexibility, &beam.string_stiffness])
+        .any(|x| !x.is_finite())
+    {
         return Err(HarmonicError::InvalidInput("the beam has a value that is not finite"));
     }
     if beam.angular_frequency.iter().any(|w| *w <= 0.0) || beam.axial_flexibility < 0.0 {

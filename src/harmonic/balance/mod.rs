@@ -337,7 +337,8 @@ impl<'a> Balance<'a> {
         series: f64,
     ) -> Result<&[f64], HarmonicError> {
         if let Some((law, normal_load)) = attached(&self.contact, &self.varied) {
-            let contact = PeriodicContact { law, normal_load, load_swing: &self.load_swing, compliance: series };
+            let contact =
+                PeriodicContact { law, normal_load, load_swing: &self.load_swing, compliance: series };
             self.cycle.evaluate(&contact, angular_frequency, u)?;
             self.force.copy_from_slice(self.cycle.force());
         }

@@ -5,9 +5,9 @@ use nalgebra::DMatrix;
 use super::sampled::SampledCycle;
 use super::{Cycle, CycleSummary, PeriodicContact};
 use crate::contact::{Inputs, SlipState};
+use crate::harmonic::HarmonicError;
 use crate::harmonic::fourier::{coefficient_count, from_samples, work_per_cycle};
 use crate::harmonic::set::HarmonicSet;
-use crate::harmonic::HarmonicError;
 
 /// [`SampledCycle`] restricted to a set of harmonics.
 #[derive(Debug)]

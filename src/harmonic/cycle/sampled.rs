@@ -19,10 +19,10 @@ use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 
+use super::super::HarmonicError;
 use super::super::elimination::solve_ranked;
 use super::super::fourier::{Basis, coefficient_count, differentiate, dot};
 use super::super::implicit::Implicit;
-use super::super::HarmonicError;
 use super::PeriodicContact;
 use crate::contact::{Inputs, Response, StateTangents};
 
@@ -453,12 +453,7 @@ impl SampledCycle {
     }
 
     /// Moves the start towards the periodic state: by Newton's step, or to where the period ended.
-    fn improve_start(
-        &mut self,
-        plain: bool,
-        contact: &PeriodicContact,
-        angular_frequency: f64,
-    ) {
+    fn improve_start(&mut self, plain: bool, contact: &PeriodicContact, angular_frequency: f64) {
         if plain && self.state.iter().any(|x| !x.is_finite()) {
             self.start_virgin(contact, angular_frequency);
         } else if plain {
