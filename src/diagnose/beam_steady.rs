@@ -103,9 +103,17 @@ impl SteadyRecord {
         self.load.as_deref()
     }
 
-    /// Predictions of all channels, one after the other.
+    /// Predictions of all channels, one after the other: of the response near the last one where there is one, as the
+    /// many steps that a fit tries need no search.
     pub fn predict(&self, model: &Attached, out: &mut Vec<f64>) -> Result<(), String> {
-        self.nearest(model.driven(), &[], out).map(|_| ()).map_err(|error| error.to_string())
+        let text = |error: HarmonicError| error.to_string();
+        let near = self.start.as_ref().map(|start| self.forcing.solve(model.driven(), &[], Some(start)));
+        match near {
+            Some(Ok(mut steady)) => self.observe(&steady.sensors(&self.forcing), out),
+            Some(Err(error)) if self.settled => return Err(text(error)),
+            _ => drop(self.nearest(model.driven(), &[], out).map_err(text)?),
+        }
+        Ok(())
     }
 
     /// Predictions, and their differences to those of `neighbours` to first order; the solution becomes the start of
