@@ -119,6 +119,8 @@ pub(crate) struct Balance<'a> {
     varied: Option<Varied<'a>>,
     /// Swing of the normal load, as [`PeriodicContact::load_swing`].
     load_swing: Vec<f64>,
+    /// Displacement (m) that the contact was last evaluated for.
+    evaluated: Vec<f64>,
     /// Coefficients of the contact force (N).
     force: Vec<f64>,
     /// Contact force less the force of stretching.
@@ -210,6 +212,7 @@ impl<'a> Balance<'a> {
             relief: signals.mode.map(|mode| Relief::new(mode, count)),
             varied: None,
             load_swing: Vec::new(),
+            evaluated: vec![0.0; wide],
             force: vec![0.0; wide],
             tension: vec![0.0; wide],
             shortening: vec![0.0; count],
@@ -339,10 +342,21 @@ impl<'a> Balance<'a> {
         if let Some((law, normal_load)) = attached(&self.contact, &self.varied) {
             let contact =
                 PeriodicContact { law, normal_load, load_swing: &self.load_swing, compliance: series };
-            self.cycle.evaluate(&contact, angular_frequency, u)?;
+            self.cycle.evaluate_force(&contact, angular_frequency, u)?;
             self.force.copy_from_slice(self.cycle.force());
+            self.evaluated.copy_from_slice(u);
         }
         Ok(&self.force)
+    }
+
+    /// Makes the contact's derivatives at its last evaluation. Where they are not found those there are stay: a step
+    /// with them is judged by the residual as any other.
+    fn complete_contact(&mut self, angular_frequency: f64) {
+        if let Some((law, normal_load)) = attached(&self.contact, &self.varied) {
+            let contact =
+                PeriodicContact { law, normal_load, load_swing: &self.load_swing, compliance: 0.0 };
+            let _ = self.cycle.complete(&contact, angular_frequency, &self.evaluated);
+        }
     }
 
     /// Writes the displacement, the shortening and the weights for the modal coefficients.
@@ -434,6 +448,7 @@ impl<'a> Balance<'a> {
 
     /// B, A⁻¹ B and the derivatives of the forces.
     pub fn differentiate(&mut self, angular_frequency: f64) {
+        self.complete_contact(angular_frequency);
         let modes = self.modes();
         let (size, rows) = (self.q.len(), self.weights.nrows());
         for row in 0..rows {

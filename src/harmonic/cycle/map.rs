@@ -63,6 +63,15 @@ impl ContactMap {
         }
     }
 
+    fn check(&self) -> Result<(), HarmonicError> {
+        match self.method {
+            Method::Sampled { samples } if samples < 8 * self.set.highest() => {
+                Err(HarmonicError::InvalidInput("fewer than 8 samples per harmonic"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn cycle(&self) -> &dyn Cycle {
         match &self.way {
             Way::Piecewise(cycle) => cycle.as_ref(),
@@ -89,13 +98,29 @@ impl Cycle for ContactMap {
         angular_frequency: f64,
         u: &[f64],
     ) -> Result<(), HarmonicError> {
-        if let Method::Sampled { samples } = self.method
-            && samples < 8 * self.set.highest()
-        {
-            return Err(HarmonicError::InvalidInput("fewer than 8 samples per harmonic"));
-        }
+        self.check()?;
         self.choose(contact);
         self.cycle_mut().evaluate(contact, angular_frequency, u)
+    }
+
+    fn evaluate_force(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+    ) -> Result<(), HarmonicError> {
+        self.check()?;
+        self.choose(contact);
+        self.cycle_mut().evaluate_force(contact, angular_frequency, u)
+    }
+
+    fn complete(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+    ) -> Result<(), HarmonicError> {
+        self.cycle_mut().complete(contact, angular_frequency, u)
     }
 
     fn force_alone(

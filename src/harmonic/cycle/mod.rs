@@ -66,6 +66,27 @@ pub(crate) trait Cycle {
         u: &[f64],
     ) -> Result<(), HarmonicError>;
 
+    /// As [`Cycle::evaluate`]; the derivatives may be left to [`Cycle::complete`] with the same arguments.
+    fn evaluate_force(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+    ) -> Result<(), HarmonicError> {
+        self.evaluate(contact, angular_frequency, u)
+    }
+
+    /// Makes the derivatives that [`Cycle::evaluate_force`] left out.
+    fn complete(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+    ) -> Result<(), HarmonicError> {
+        let _ = (contact, angular_frequency, u);
+        Ok(())
+    }
+
     /// Coefficients of the force (N) of the last evaluation.
     fn force(&self) -> &[f64];
 

@@ -23,6 +23,8 @@ pub(crate) struct ReferenceCycle {
     /// Displacement, force and slip state at the samples of the last evaluation.
     history: Vec<(f64, f64, SlipState)>,
     has_stick: bool,
+    /// Whether the derivatives are those of the last evaluation.
+    complete: bool,
 }
 
 impl ReferenceCycle {
@@ -39,6 +41,7 @@ impl ReferenceCycle {
             by_frequency: vec![0.0; set.len()],
             history: Vec::new(),
             has_stick: true,
+            complete: false,
         }
     }
 
@@ -85,7 +88,33 @@ impl Cycle for ReferenceCycle {
             }
         }
         self.march(contact, angular_frequency);
+        self.complete = true;
         Ok(())
+    }
+
+    fn evaluate_force(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+    ) -> Result<(), HarmonicError> {
+        self.set.convert(u, self.wide, &mut self.displacement);
+        if !self.inner.force_alone(contact, angular_frequency, &self.displacement) {
+            return self.evaluate(contact, angular_frequency, u);
+        }
+        self.wide.convert(&self.inner.force, self.set, &mut self.force);
+        self.march(contact, angular_frequency);
+        self.complete = false;
+        Ok(())
+    }
+
+    fn complete(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+    ) -> Result<(), HarmonicError> {
+        if self.complete { Ok(()) } else { self.evaluate(contact, angular_frequency, u) }
     }
 
     fn force(&self) -> &[f64] {

@@ -13,6 +13,7 @@
 //! is not unique; then the one reached by loading the virgin contact to the largest displacement of
 //! the period counts, and its derivative is carried through that loading.
 
+mod alone;
 mod jump;
 
 use std::f64::consts::TAU;
@@ -78,6 +79,8 @@ pub(crate) struct SampledCycle {
     previous: Vec<f64>,
     /// The samples and sensitivities belong to a converged evaluation at `previous`.
     warm: bool,
+    /// The start and the forces are those of the displacement `previous` itself, without derivatives.
+    settled: bool,
 }
 
 /// What one marched period tells about the periodic state.
@@ -123,12 +126,13 @@ impl SampledCycle {
             force_scale: 0.0,
             previous: vec![0.0; wide],
             warm: false,
+            settled: false,
         }
     }
 
     /// Forgets the last solution, so that the next evaluation depends on its arguments alone.
     pub fn forget(&mut self) {
-        self.warm = false;
+        (self.warm, self.settled) = (false, false);
     }
 
     /// Displacement (m), its slope over the phase (m), and force (N) at sample `k` of the last evaluation.
@@ -178,7 +182,7 @@ impl SampledCycle {
         self.solution = vec![0.0; state_len * (self.wide + 2)];
         self.system = vec![0.0; state_len * (state_len + self.wide + 2)];
         self.pivots = vec![0; state_len];
-        self.warm = false;
+        self.forget();
     }
 
     /// Evaluates the contact for the displacement with coefficients `u` (m; before the series spring gives way) at
@@ -192,16 +196,12 @@ impl SampledCycle {
         angular_frequency: f64,
         u: &[f64],
     ) -> Result<(), HarmonicError> {
-        self.reserve(contact.law.state_len());
-        self.basis.evaluate(u, &mut self.displacement);
-        differentiate(u, &mut self.slope);
-        self.basis.evaluate(&self.slope, &mut self.rate);
-        self.take_load(contact);
-        contact.law.set_state(0.0, self.load[self.farthest_sample()], 0.0, &mut self.virgin);
-        let mut from_hint = self.warm;
-        if from_hint {
+        self.take_motion(contact, u);
+        let settled = std::mem::take(&mut self.settled) && self.previous == u;
+        let mut from_hint = self.warm || settled;
+        if self.warm {
             self.predict(u);
-        } else {
+        } else if !settled {
             self.start_virgin(contact, angular_frequency);
         }
         self.previous.copy_from_slice(u);
@@ -227,6 +227,16 @@ impl SampledCycle {
             self.improve_start(plain, contact, angular_frequency);
         }
         Err(HarmonicError::ContactNotPeriodic { cycles: MAX_CYCLES })
+    }
+
+    /// Writes displacement, slope and load at the samples, and the contact that remembers nothing.
+    fn take_motion(&mut self, contact: &PeriodicContact, u: &[f64]) {
+        self.reserve(contact.law.state_len());
+        self.basis.evaluate(u, &mut self.displacement);
+        differentiate(u, &mut self.slope);
+        self.basis.evaluate(&self.slope, &mut self.rate);
+        self.take_load(contact);
+        contact.law.set_state(0.0, self.load[self.farthest_sample()], 0.0, &mut self.virgin);
     }
 
     /// The sample of the largest displacement: a turning point, where most of the memory is wiped out.
@@ -278,25 +288,35 @@ impl SampledCycle {
         predicted: f64,
         column: Option<usize>,
     ) -> f64 {
+        let (inputs, response) = self.step_alone(contact, angular_frequency, k, predicted);
+        contact.law.state_tangents(&self.state, inputs, &mut self.tangents);
+        self.carry(&response, contact.compliance, angular_frequency, k, column);
+        response.force
+    }
+
+    /// As [`SampledCycle::step`], without sensitivities.
+    fn step_alone(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        k: usize,
+        predicted: f64,
+    ) -> (Inputs, Response) {
         let mut inputs = Inputs {
             displacement: 0.0,
             velocity: angular_frequency * self.rate[k],
             normal_load: self.load[k],
         };
         let mut implicit = Implicit::new(predicted);
-        let mut response: Response;
         loop {
             inputs.displacement = self.displacement[k] - contact.compliance * implicit.force;
-            response = contact.law.step(&self.state, inputs, &mut self.next);
+            let response = contact.law.step(&self.state, inputs, &mut self.next);
             let scale = self.force_scale.max(response.force.abs());
             let gradient = 1.0 + contact.compliance * response.tangents.displacement;
             if implicit.accept(response.force, gradient, contact.compliance, STEP_TOLERANCE * scale) {
-                break;
+                return (inputs, response);
             }
         }
-        contact.law.state_tangents(&self.state, inputs, &mut self.tangents);
-        self.carry(&response, contact.compliance, angular_frequency, k, column);
-        response.force
     }
 
     /// Carries the derivatives through the step just made.
@@ -377,7 +397,7 @@ impl SampledCycle {
             self.force_samples[k] = last;
             // Behind a spring the force does not jump; nor does it right behind the farthest turning point.
             if contact.compliance == 0.0 && i > 1 {
-                self.place_jump(contact, angular_frequency, k);
+                self.place_jump(contact, angular_frequency, k, true);
             }
             largest = largest.max(last.abs());
             std::mem::swap(&mut self.state, &mut self.next);

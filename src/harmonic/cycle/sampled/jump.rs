@@ -24,8 +24,15 @@ impl SampledCycle {
     /// on: the samples before and after it are given what the sum over samples is short of, `(½ − θ)` of the jump,
     /// in shares that go over into those of the next step.
     ///
-    /// Called after the step to the sample `k`, before the state is that there.
-    pub(super) fn place_jump(&mut self, contact: &PeriodicContact, angular_frequency: f64, k: usize) {
+    /// Called after the step to the sample `k`, before the state is that there; `carried` where that step has carried
+    /// its sensitivities.
+    pub(super) fn place_jump(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        k: usize,
+        carried: bool,
+    ) {
         let before = (k + self.samples - 1) % self.samples;
         let (from, to) = (self.displacement[before], self.displacement[k]);
         let (n, wide) = (self.state_len, self.wide);
@@ -49,6 +56,12 @@ impl SampledCycle {
         if stiffness <= 0.0 {
             return;
         }
+        let (height, short) = (damping * velocity, 0.5 - place);
+        given[before] += (1.0 - place) * height * short;
+        given[k] += place * height * short;
+        if !carried {
+            return;
+        }
         // θ = (u* − u₀)/(u₁ − u₀), the displacements at the samples by the coefficients alone, u* by the state.
         by_place.clear();
         by_place.resize(columns, 0.0);
@@ -64,7 +77,6 @@ impl SampledCycle {
         differentiate_functions(self.basis.functions(k), angular_frequency, &mut self.velocity_row);
         self.velocity_row[wide] = self.rate[k];
         self.velocity_row[wide + 1..].fill(0.0);
-        let (height, short) = (damping * velocity, 0.5 - place);
         added.clear();
         added.extend(
             by_place
@@ -73,7 +85,6 @@ impl SampledCycle {
                 .map(|(by_place, by_velocity)| damping * by_velocity * short - height * by_place),
         );
         for (sample, share, sign) in [(before, 1.0 - place, -1.0), (k, place, 1.0)] {
-            given[sample] += share * height * short;
             let column = &mut self.sensitivity.as_mut_slice()[sample * columns..(sample + 1) * columns];
             add_scaled(column, share, added);
             add_scaled(column, sign * height * short, by_place);
