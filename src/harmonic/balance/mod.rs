@@ -353,8 +353,7 @@ impl<'a> Balance<'a> {
     /// with them is judged by the residual as any other.
     fn complete_contact(&mut self, angular_frequency: f64) {
         if let Some((law, normal_load)) = attached(&self.contact, &self.varied) {
-            let contact =
-                PeriodicContact { law, normal_load, load_swing: &self.load_swing, compliance: 0.0 };
+            let contact = PeriodicContact { law, normal_load, load_swing: &self.load_swing, compliance: 0.0 };
             let _ = self.cycle.complete(&contact, angular_frequency, &self.evaluated);
         }
     }

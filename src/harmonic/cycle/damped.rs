@@ -207,8 +207,12 @@ mod tests {
     #[test]
     fn the_sampled_force_alone_is_that_with_derivatives_which_can_be_made_later() {
         let law = law();
-        let contact =
-            PeriodicContact { law: &law, normal_load: 1.0, load_swing: &[0.3, 0.1, 0.0, 0.4], compliance: 0.0 };
+        let contact = PeriodicContact {
+            law: &law,
+            normal_load: 1.0,
+            load_swing: &[0.3, 0.1, 0.0, 0.4],
+            compliance: 0.0,
+        };
         let whole = {
             let mut cycle = ReferenceCycle::new(HarmonicSet::full(3), 256);
             cycle.evaluate(&contact, OMEGA, &SLIPPING).unwrap();
