@@ -6,7 +6,7 @@ use super::beam_steady::SteadyRecord;
 use super::simulation::{Direction, Seed, Simulation};
 use crate::contact::ContactLaw;
 use crate::effects::JointChanges;
-use crate::harmonic::steady::Driven;
+use crate::harmonic::steady::{Driven, Start};
 use crate::harmonic::{self, ContactOnBeam, Method, Resonance, Settings};
 use crate::identify;
 use crate::integrate::{self, BeamInputs, BeamIntegrator, Ramp, SensorReading};
@@ -106,11 +106,15 @@ impl<'r> BeamSimulation<'r> {
                 let highest = Attached::new(model, &positions, None)?.beam.angular_frequency.last().copied();
                 let mut steady = SteadyRecord::new(record, &channels, highest.unwrap_or(0.0))?;
                 let attached = Attached::new(model, &positions, steady.load())?;
-                if let Some(seed) = seed {
-                    steady.start_from(seed);
+                match seed {
+                    Some(Seed::AboutMeasured) => steady.stay_at_measured(),
+                    Some(Seed::Near(start)) => steady.start_from(start),
+                    None => {}
                 }
-                // Without a start later predictions search on their own.
-                let _ = steady.linearise(&attached, &[], &mut Vec::new(), &mut Vec::new());
+                if !matches!(seed, Some(Seed::AboutMeasured)) {
+                    // Without a start later predictions search on their own.
+                    let _ = steady.linearise(&attached, &[], &mut Vec::new(), &mut Vec::new());
+                }
                 Task::Steady(Box::new(steady))
             }
             Regime::UnknownInitialState => {
@@ -152,7 +156,7 @@ impl Simulation for BeamSimulation<'_> {
         &self.channels
     }
 
-    fn seed(&self) -> Option<&Seed> {
+    fn solution(&self) -> Option<&Start> {
         match &self.task {
             Task::Steady(steady) => steady.start(),
             Task::Backbone(_) | Task::FromRest => None,

@@ -46,6 +46,8 @@ pub(super) struct SteadyRecord {
     start: Option<Start>,
     /// Whether the start is one of this simulation's own solutions.
     settled: bool,
+    /// Whether predictions are those to first order about the measured motion.
+    about_measured: bool,
 }
 
 impl SteadyRecord {
@@ -90,7 +92,17 @@ impl SteadyRecord {
             sensed_harmonics,
             tolerance: TOLERANCE,
         };
-        Ok(Self { forcing, waves, orders, measured, motion, load, start: None, settled: false })
+        Ok(Self {
+            forcing,
+            waves,
+            orders,
+            measured,
+            motion,
+            load,
+            start: None,
+            settled: false,
+            about_measured: false,
+        })
     }
 
     /// Starts from a solution of another simulation of the record.
@@ -98,20 +110,32 @@ impl SteadyRecord {
         self.start = Some(start.clone()).filter(|start| start.fits(&self.forcing));
     }
 
+    /// From now on predicts to first order about the measured motion.
+    pub fn stay_at_measured(&mut self) {
+        self.about_measured = true;
+    }
+
     /// Coefficients of the measured normal load (N), `[a0, c1, s1, …]`.
     pub fn load(&self) -> Option<&[f64]> {
         self.load.as_deref()
     }
 
-    /// Predictions of all channels, one after the other: of the response near the last one where there is one, as the
-    /// many steps that a fit tries need no search.
+    /// Predictions of all channels, one after the other: of the response near the last one of this simulation where
+    /// there is one, as the many steps that a fit tries need no search.
     pub fn predict(&self, model: &Attached, out: &mut Vec<f64>) -> Result<(), String> {
         let text = |error: HarmonicError| error.to_string();
-        let near = self.start.as_ref().map(|start| self.forcing.solve(model.driven(), &[], Some(start)));
-        match near {
-            Some(Ok(mut steady)) => self.observe(&steady.sensors(&self.forcing), out),
-            Some(Err(error)) if self.settled => return Err(text(error)),
-            _ => drop(self.nearest(model.driven(), &[], out).map_err(text)?),
+        if self.about_measured {
+            let found =
+                self.about(model, &[]).and_then(|mut about| about.first_order(&self.forcing, model.driven()));
+            self.observe(&found.map_err(text)?, out);
+            return Ok(());
+        }
+        match self.start.as_ref().filter(|_| self.settled) {
+            Some(start) => {
+                let mut steady = self.forcing.solve(model.driven(), &[], Some(start)).map_err(text)?;
+                self.observe(&steady.sensors(&self.forcing), out);
+            }
+            None => drop(self.nearest(model.driven(), &[], out).map_err(text)?),
         }
         Ok(())
     }
@@ -127,8 +151,17 @@ impl SteadyRecord {
     ) -> Result<(), String> {
         let others: Vec<Driven> = neighbours.iter().map(Attached::driven).collect();
         let text = |error: HarmonicError| error.to_string();
-        let mut solved = self.nearest(model.driven(), &others, predictions).map_err(text)?;
         differences.resize_with(others.len(), Vec::new);
+        if self.about_measured {
+            let mut about = self.about(model, &others).map_err(text)?;
+            self.observe(&about.first_order(&self.forcing, model.driven()).map_err(text)?, predictions);
+            for (other, difference) in others.iter().zip(differences) {
+                self.observe(&about.first_order(&self.forcing, *other).map_err(text)?, difference);
+                difference.iter_mut().zip(&*predictions).for_each(|(there, here)| *there -= here);
+            }
+            return Ok(());
+        }
+        let mut solved = self.nearest(model.driven(), &others, predictions).map_err(text)?;
         for (other, difference) in others.iter().zip(differences) {
             let change = solved.change(&self.forcing, *other).map_err(text)?;
             self.observe(&change, difference);
@@ -136,6 +169,12 @@ impl SteadyRecord {
         self.start = Some(solved.start().map_err(text)?);
         self.settled = true;
         Ok(())
+    }
+
+    /// The model at the measured motion.
+    fn about<'m>(&self, model: &'m Attached, others: &[Driven]) -> Result<Steady<'m>, HarmonicError> {
+        let start = self.forcing.start_at(model.driven(), &self.motion)?;
+        self.forcing.about(model.driven(), others, &start)
     }
 
     /// The last solution, for another simulation of the record to start from.

@@ -22,6 +22,7 @@ pub(super) struct Bench<'d> {
 }
 
 /// One record's compared channels, one after the other.
+#[derive(Clone)]
 pub(super) struct Lane<'d> {
     pub record: &'d Record,
     /// Measured values.
@@ -69,11 +70,27 @@ impl<'d> Bench<'d> {
     /// Makes the solutions under `model`, where there are any, the start of all simulations.
     pub fn reseed(&mut self, model: &Model) {
         self.lanes.par_iter_mut().filter(|lane| lane.seed.is_some()).for_each(|lane| {
-            let found = lane.shown(model).ok().and_then(|shown| shown.seed().cloned());
-            if found.is_some() {
-                lane.seed = found;
+            let found = lane.shown(model).ok().and_then(|shown| shown.solution().cloned());
+            if let Some(found) = found {
+                lane.seed = Some(Seed::Near(found));
             }
         });
+    }
+
+    /// The same with predictions to first order about the measured motions; `None` where nothing is solved for.
+    pub fn about_measured(&self) -> Option<Self> {
+        let solved = |lane: &Lane| lane.seed.is_some();
+        self.lanes.iter().any(solved).then(|| Self {
+            dataset: self.dataset,
+            lanes: self
+                .lanes
+                .iter()
+                .map(|lane| Lane { seed: lane.seed.as_ref().map(|_| Seed::AboutMeasured), ..lane.clone() })
+                .collect(),
+            simulations: AtomicUsize::new(0),
+            refits: AtomicUsize::new(0),
+            interrupt: self.interrupt,
+        })
     }
 
     /// Whether the caller wants the end.
@@ -98,12 +115,19 @@ impl<'d> Bench<'d> {
 
     /// Predictions of `records` under `model`, each record's start fitted to the record itself.
     pub fn score(&self, model: &Model, records: &[usize]) -> Result<Vec<Scored>, String> {
-        records.par_iter().map(|&record| self.score_one(model, record)).collect()
+        let scored = |&record: &usize| {
+            self.score_one(model, record, self.lanes[record].seed.as_ref()).or_else(|reason| {
+                // Without a response near to the measured motion what the equations lack there is the error.
+                let about = self.lanes[record].seed.is_some().then_some(&Seed::AboutMeasured);
+                about.map_or(Err(reason), |about| self.score_one(model, record, Some(about)))
+            })
+        };
+        records.par_iter().map(scored).collect()
     }
 
-    fn score_one(&self, model: &Model, record: usize) -> Result<Scored, String> {
+    fn score_one(&self, model: &Model, record: usize, seed: Option<&Seed>) -> Result<Scored, String> {
         let lane = &self.lanes[record];
-        let mut shown = lane.shown(model)?;
+        let mut shown = Shown::near(model, lane.record, seed)?;
         let nuisances = shown.nuisances(model)?;
         let settled = if nuisances.is_empty() {
             Vec::new()
@@ -144,7 +168,7 @@ pub(super) fn mean_square(scored: &[Scored]) -> f64 {
 
 fn lane<'d>(model: &Model, record: &'d Record) -> Result<Lane<'d>, String> {
     // Building a simulation says what the record lacks.
-    let seed = Shown::new(model, record)?.seed().cloned();
+    let seed = Shown::new(model, record)?.solution().cloned().map(Seed::Near);
     let mut lane = Lane {
         record,
         measured: Vec::new(),

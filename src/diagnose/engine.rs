@@ -7,11 +7,11 @@ use super::candidates::{self, Candidate};
 use super::compare::RefitError;
 use super::comparison::{Comparison, Stage};
 use super::diagnosis::{Cost, Diagnosis, Errors, Noise, Verdict};
-use super::findings::{Findings, Left, Outcome};
+use super::findings::{Findings, Left, Outcome, UNEXPLAINED};
 use super::noise;
 use super::select::{Search, State};
 use super::split::{self, Parts};
-use super::trial::{self, Effort, Fitted};
+use super::trial::{self, Effort, Fitted, Unknown};
 use super::{
     beginnings, blocks, evaluate, few_points, inputs, magnitudes, maps, remainder, thinned, verdict,
 };
@@ -108,23 +108,26 @@ pub fn diagnose(
     }
     let given = model.effects.len();
     let told = |what: &str| meter.tell(what);
-    let first = {
-        let unknowns = candidates::unknowns(model, given, &scales, dataset);
-        trial::fit(&bench, model, &unknowns, &parts.fit, Effort::Full)
-            .map_err(|reason| unpredictable(dataset, reason))?
-    };
+    let first = refitted_at_first(&bench, model, &parts, |model| {
+        candidates::unknowns(model, given, &scales, dataset)
+    })
+    .map_err(|reason| unpredictable(dataset, reason))?;
     bench.reseed(&first.model);
     let through = inputs::through(&first.model, &bench);
     let stated = noise::weigh(&mut bench.lanes, &measured, &through);
     noise::weigh(&mut whole.lanes, &measured, &through);
+    let about_measured = bench.about_measured();
     let beginnings = beginnings::of(model, dataset);
     let mut beginnings = beginnings.as_ref().and_then(|cut| Bench::new(model, cut, watch.interrupt).ok());
     if let Some(beginnings) = &mut beginnings {
         beginnings.reseed(&first.model);
         noise::weigh(&mut beginnings.lanes, &measured, &through);
     }
-    let search =
-        Search { beginnings: beginnings.as_ref(), ..Search::new(&bench, &parts, &scales, model, &told) };
+    let search = Search {
+        beginnings: beginnings.as_ref(),
+        about_measured: about_measured.as_ref(),
+        ..Search::new(&bench, &parts, &scales, model, &told)
+    };
     let base = search.state(&first.model).map_err(|reason| unpredictable(dataset, reason))?;
     let smallest = base.chi_square().min(search.fitted_chi_square(&base));
     let known = stated && smallest > INCREDIBLE;
@@ -157,6 +160,25 @@ pub fn diagnose(
             .push("no effect was allowed to be added: the candidates are listed, none was taken".to_owned());
     }
     Ok(diagnosis)
+}
+
+/// The model refitted from where it is or, where motions are solved for, from what fits best about those that were
+/// measured: the better of the two.
+fn refitted_at_first(
+    bench: &Bench,
+    model: &Model,
+    parts: &Parts,
+    unknowns: impl Fn(&Model) -> Vec<Unknown>,
+) -> Result<Fitted, String> {
+    let fit =
+        |bench: &Bench, model: &Model| trial::fit(bench, model, &unknowns(model), &parts.fit, Effort::Full);
+    let direct = fit(bench, model);
+    let about = bench.about_measured().and_then(|about| fit(&about, model).ok());
+    match (direct, about.and_then(|about| fit(bench, &about.model).ok())) {
+        (Ok(direct), Some(led)) if direct.cost <= led.cost => Ok(direct),
+        (_, Some(led)) => Ok(led),
+        (direct, None) => direct,
+    }
 }
 
 /// The diagnosis of a table of few points.
@@ -253,13 +275,14 @@ fn conclude(
     let last = fits.last().map(|last| whole.score(&last.model, &seen));
     let last = last.and_then(Result::ok).unwrap_or_default();
     let repeated = maps::repeated(whole, &last, &after);
+    let selecting = search.chi_square_beyond_doubt(findings.last(), UNEXPLAINED);
     let left = known.then(|| {
         let beyond_doubt = blocks::mean_square_beyond_doubt;
-        let selecting = beyond_doubt(search.bench, &findings.last().scored);
+        let selecting = selecting.min(beyond_doubt(search.bench, &findings.last().scored));
         let certain = selecting.max(beyond_doubt(whole, &last)).max(beyond_doubt(whole, &after));
         Left::of(&last, &after, certain)
     });
-    Ok(Outcome { findings, fits, given, before, after, chi_square, left, follows, repeated })
+    Ok(Outcome { findings, fits, given, before, after, chi_square, selecting, left, follows, repeated })
 }
 
 /// The models from the first effect that was kept to all of them, each one more than the one before, fitted to

@@ -175,7 +175,7 @@ fn times(chi_square: f64) -> String {
 
 /// Why the data are not explained, though the noise is known.
 fn unexplained(outcome: &Outcome, search: &Search, untouched: f64) -> String {
-    let selecting = outcome.findings.last().chi_square();
+    let selecting = outcome.selecting;
     let (chi_square, records) = match (untouched > UNEXPLAINED, selecting > UNEXPLAINED, outcome.repeated) {
         (true, _, _) => (untouched, "records that nothing was fitted to"),
         (_, true, _) => (selecting, "the selecting records"),

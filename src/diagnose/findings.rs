@@ -62,6 +62,9 @@ pub(super) struct Outcome {
     pub after: Vec<Scored>,
     /// Mean square of the weighted residuals on the untouched records, where the noise is known.
     pub chi_square: Option<f64>,
+    /// The same on the selecting records under the model that the search ended with, less what the doubt of its
+    /// parameters makes of it.
+    pub selecting: f64,
     /// What the last model leaves of the noise's mean square elsewhere, where the noise is known.
     pub left: Option<Left>,
     /// What the residual there still follows, where the noise is known.
@@ -126,8 +129,10 @@ impl Findings {
         let mut moved = false;
         while findings.effects().len() < most {
             let present = findings.last().clone();
-            let adequate =
-                known && present.chi_square() < ADEQUATE && search.fitted_chi_square(&present) < ADEQUATE;
+            let adequate = known
+                && search.fitted_chi_square(&present) < ADEQUATE
+                && present.chi_square() < UNEXPLAINED
+                && search.chi_square_beyond_doubt(&present, ADEQUATE) < ADEQUATE;
             // The first round is made in any case: its candidates are part of the answer.
             if adequate && !findings.rounds.is_empty() {
                 break;
@@ -146,6 +151,7 @@ impl Findings {
                         > UNEXPLAINED
             };
             if !(moved || adequate || findings.interrupted)
+                && search.about_measured.is_none()
                 && findings.rounds.is_empty()
                 && unexplained(&round)
             {

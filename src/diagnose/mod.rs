@@ -14,6 +14,7 @@ mod confound;
 mod contact_record;
 mod detectable;
 mod diagnosis;
+mod doubt;
 mod engine;
 mod explain;
 mod features;

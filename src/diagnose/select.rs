@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::bench::{Bench, Scored, mean_square};
 use super::blocks::{self, Gain};
 use super::candidates::{self, Candidate};
+use super::doubt;
 use super::findings::Added;
 use super::split::Parts;
 use super::trial::{self, Effort, Fitted, Unknown};
@@ -23,6 +24,8 @@ const USEFUL: f64 = 4.0;
 const OTHER_MINIMUM: f64 = 0.7;
 /// Starts that a fit is begun from; of more, those are that come nearest to the data as they are.
 const MOST_STARTS: usize = 4;
+/// What chance can make of the mean square that the doubt of the parameters adds, as multiple of its average.
+const CHANCE: f64 = 4.0;
 /// Two candidates whose difference is below this many standard errors are tied.
 const TIED_Z: f64 = 1.0;
 
@@ -34,6 +37,8 @@ pub(super) struct Search<'a, 'd> {
     pub bench: &'a Bench<'d>,
     /// The beginnings of the same records, where those say more to a fit that starts far away.
     pub beginnings: Option<&'a Bench<'d>>,
+    /// The records about their measured motions, where motions are solved for.
+    pub about_measured: Option<&'a Bench<'d>>,
     pub parts: &'a Parts,
     pub scales: &'a Scales,
     /// The model as it came.
@@ -88,7 +93,16 @@ impl<'a, 'd> Search<'a, 'd> {
         origin: &'a Model,
         told: &'a (dyn Fn(&str) + Sync),
     ) -> Self {
-        Self { bench, beginnings: None, parts, scales, origin, given: origin.effects.len(), told }
+        Self {
+            bench,
+            beginnings: None,
+            about_measured: None,
+            parts,
+            scales,
+            origin,
+            given: origin.effects.len(),
+            told,
+        }
     }
 
     /// The model's unknowns.
@@ -156,6 +170,12 @@ impl<'a, 'd> Search<'a, 'd> {
             .map(|(index, set)| {
                 let state = match &first {
                     Some((leader, state)) if *leader == index => state.clone(),
+                    // A screen about the measured motion has been to the minimum: what is far above is not followed.
+                    Some((leader, _))
+                        if self.about_measured.is_some() && cost(index) > USEFUL * cost(*leader) =>
+                    {
+                        refined(index, Effort::None)
+                    }
                     _ => refined(index, Effort::Below(useful)),
                 };
                 let gain = match &state {
@@ -189,9 +209,39 @@ impl<'a, 'd> Search<'a, 'd> {
         self.state(&self.screened(model, set, false)?.model)
     }
 
-    /// `model` with the candidates of `set`, fitted roughly from all their starts; the best of them.
+    /// `model` with the candidates of `set`, fitted roughly from all their starts; the best of them. Where motions are
+    /// solved for, also from what fits best about those that were measured, begun at the model as it came as well.
     fn screened(&self, model: &Model, set: &[Candidate], far: bool) -> Result<Fitted, String> {
-        let (fit, bench) = (&self.parts.fit, self.beginnings.filter(|_| far).unwrap_or(self.bench));
+        let bench = self.beginnings.filter(|_| far).unwrap_or(self.bench);
+        let Some(about) = self.about_measured else {
+            return self.screened_on(bench, Effort::Screen, model, set, far);
+        };
+        let mut best: Result<Fitted, String> = Err("no start leads anywhere".to_owned());
+        let origin = (!far && model.effects.len() == self.given).then_some((self.origin, true));
+        for (from, far) in std::iter::once((model, far)).chain(origin) {
+            let led = self.screened_on(about, Effort::Rough, from, set, far).and_then(|rough| {
+                let unknowns = self.unknowns(&rough.model);
+                trial::fit(self.bench, &rough.model, &unknowns, &self.parts.fit, Effort::Screen)
+            });
+            match (&led, &best) {
+                (Ok(led), Ok(best)) if led.cost >= best.cost => {}
+                (Err(_), Ok(_)) => {}
+                _ => best = led,
+            }
+        }
+        best
+    }
+
+    /// The same by the predictions of `bench` alone.
+    fn screened_on(
+        &self,
+        bench: &Bench,
+        effort: Effort,
+        model: &Model,
+        set: &[Candidate],
+        far: bool,
+    ) -> Result<Fitted, String> {
+        let fit = &self.parts.fit;
         let ranges: Vec<_> =
             set.iter().map(|candidate| candidate.ranges(self.scales, self.bench.dataset)).collect();
         let starts: Vec<usize> =
@@ -216,7 +266,7 @@ impl<'a, 'd> Search<'a, 'd> {
         }
         let screened: Vec<Result<Fitted, String>> = models
             .par_iter()
-            .map(|with| trial::fit(bench, with, &self.unknowns(with), fit, Effort::Screen))
+            .map(|with| trial::fit(bench, with, &self.unknowns(with), fit, effort))
             .collect();
         let mut best: Option<Fitted> = None;
         let mut failure = None;
@@ -286,6 +336,19 @@ impl<'a, 'd> Search<'a, 'd> {
             !own || !place.is_finite() || (AT_BOUND..1.0 - AT_BOUND).contains(&place)
         };
         step.tied.is_empty() && self.unknowns(model).iter().all(inside)
+    }
+
+    /// Mean square of the weighted residuals on the selecting records, less what the doubt of the parameters makes of
+    /// it; looked at only where it is `limit` or more.
+    pub fn chi_square_beyond_doubt(&self, state: &State, limit: f64) -> f64 {
+        let chi_square = state.chi_square();
+        if chi_square < limit {
+            return chi_square;
+        }
+        let (model, parts) = (&state.fitted.model, self.parts);
+        let doubt =
+            doubt::of_predictions(self.bench, model, &self.unknowns(model), &parts.fit, &parts.select);
+        chi_square - doubt.map_or(0.0, |doubt| CHANCE * doubt)
     }
 
     /// Mean square of the weighted residuals on the fitted records.

@@ -26,9 +26,9 @@ impl<'r> Shown<'r> {
         Ok(Self { record, simulation: simulation::of(model, record, seed)? })
     }
 
-    /// As [`Simulation::seed`].
-    pub fn seed(&self) -> Option<&Seed> {
-        self.simulation.seed()
+    /// As [`Simulation::solution`].
+    pub fn solution(&self) -> Option<&crate::harmonic::steady::Start> {
+        self.simulation.solution()
     }
 
     /// Number of all predicted values.

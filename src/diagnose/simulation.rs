@@ -5,12 +5,20 @@ use super::beam_record::BeamSimulation;
 use super::contact_record::ContactRecord;
 use super::oscillator_record::OscillatorRecord;
 use super::predict;
+use crate::harmonic::steady::Start;
 use crate::identify;
 use crate::measure::{Channel, Record};
 use crate::model::{Model, Structure};
 
-/// A solution that another simulation of the same record can start from.
-pub(super) type Seed = crate::harmonic::steady::Start;
+/// Where simulations of a record start from that solve for its motion.
+#[derive(Debug, Clone)]
+pub(super) enum Seed {
+    /// The solution of another.
+    Near(Start),
+    /// They do not solve: predictions are those to first order about the motion that was measured. Where a model has
+    /// several responses, or none near to the measured one, these lead a fit on.
+    AboutMeasured,
+}
 
 /// The simulation of `record` for models of the kind of `model`, from `seed` if there is one.
 ///
@@ -43,7 +51,7 @@ pub(super) trait Simulation: Send {
     fn channels(&self) -> &[&Channel];
 
     /// The last solution, where others can start from it.
-    fn seed(&self) -> Option<&Seed> {
+    fn solution(&self) -> Option<&Start> {
         None
     }
 

@@ -41,8 +41,12 @@ const STEP: f64 = 1e-5;
 /// How thoroughly a fit is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Effort {
+    /// As it stands.
+    None,
     /// Enough to see which start is best.
     Screen,
+    /// Near to the minimum.
+    Rough,
     /// To the minimum.
     Full,
     /// To the minimum, unless it can no longer be hoped to have a cost below this.
@@ -52,6 +56,8 @@ pub(super) enum Effort {
 impl Effort {
     fn limits(self) -> Limits {
         match self {
+            Self::None => Limits { iterations: 0, tolerance: 1e-3, useful: f64::INFINITY },
+            Self::Rough => Limits { iterations: 20, tolerance: 1e-4, useful: f64::INFINITY },
             Self::Screen => Limits { iterations: 6, tolerance: 1e-3, useful: f64::INFINITY },
             Self::Full => Limits { iterations: 40, tolerance: 1e-6, useful: f64::INFINITY },
             Self::Below(useful) => Limits { useful, ..Self::Full.limits() },
@@ -84,9 +90,9 @@ pub(super) fn fit(
         end.ok_or_else(|| joint.failure.clone().unwrap_or_else(|| "the fit cannot start".to_owned()))?;
     let model = joint.model(&end.y)?;
     let estimates = match effort {
-        Effort::Screen => Vec::new(),
+        Effort::Screen | Effort::Rough => Vec::new(),
         // What is no minimum has no intervals.
-        _ if end.given_up || bench.interrupted() => {
+        _ if end.given_up || effort == Effort::None || bench.interrupted() => {
             let none = vec![None; joint.shared.len()];
             joint.estimates_with(&end.y, &none)
         }

@@ -98,7 +98,7 @@ pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosi
         noise: measured,
         comparison: comparison(dataset, stages),
         model: last.model.clone().with_effects_free(search.given),
-        cost: cost(&[Some(search.bench), search.beginnings, Some(whole)]),
+        cost: cost(&[Some(search.bench), search.beginnings, search.about_measured, Some(whole)]),
     }
 }
 
@@ -171,7 +171,7 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group], errors: &Errors) -> V
     let error = errors.untouched;
     let none = outcome.findings.effects().is_empty();
     let untouched = outcome.chi_square.unwrap_or(f64::NAN);
-    let selecting = if known { outcome.findings.last().chi_square() } else { f64::NAN };
+    let selecting = if known { outcome.selecting } else { f64::NAN };
     let elsewhere = outcome.left.is_some_and(|left| left.is_too_much());
     // A part that comes again at the same places of the motion is no noise, however small.
     let structured = outcome.repeated.is_some_and(|repeated| repeated.gain.share > STRUCTURED);

@@ -24,6 +24,9 @@ const GOOD_FACTORS: f64 = 0.2;
 /// Share to which a step with new factors must bring the residual; else a search with shorter steps is better.
 const GOOD_STEP: f64 = 0.9;
 
+/// Share of a step by which the change along it is told.
+const PROBE: f64 = 1e-4;
+
 /// Damped steps from a start that is not near enough for the factors, and from nothing.
 const NEAR_ITERATIONS: usize = 12;
 const FAR_ITERATIONS: usize = 25;
@@ -80,7 +83,17 @@ pub(crate) struct Steady<'a> {
     sensors: Vec<f64>,
 }
 
+impl Signals {
+    fn of_all(driven: Driven, neighbours: &[Driven]) -> Self {
+        neighbours.iter().fold(Self::of(driven.beam), |all, next| all.or(Self::of(next.beam)))
+    }
+}
+
 impl Forcing {
+    fn operating(&self) -> Operating {
+        Operating::forced(self.angular_frequency, 1.0)
+    }
+
     fn extent(&self, signals: Signals) -> Extent {
         Extent { harmonics: self.harmonics, contact: self.contact_harmonics, signals }
     }
@@ -104,18 +117,10 @@ impl Forcing {
         neighbours: &[Driven],
         start: Option<&Start>,
     ) -> Result<Steady<'a>, HarmonicError> {
-        let signals =
-            neighbours.iter().fold(Signals::of(driven.beam), |all, next| all.or(Signals::of(next.beam)));
+        let signals = Signals::of_all(driven, neighbours);
         let mut balance = self.balance(driven, signals)?;
-        let at = Operating::forced(self.angular_frequency, 1.0);
-        let steady = |balance, unknowns| Steady {
-            balance,
-            unknowns,
-            at,
-            factors: Factors::default(),
-            current: false,
-            sensors: Vec::new(),
-        };
+        let at = self.operating();
+        let steady = |balance, unknowns| Steady::new(balance, unknowns, self);
         let mut family = Forced { angular_frequency: self.angular_frequency };
         if let Some(start) = start {
             let mut unknowns = start.unknowns(signals);
@@ -138,6 +143,23 @@ impl Forcing {
         };
         let (state, _) = find(&mut family, &mut balance, 1.0, None, &settings)?;
         Ok(steady(balance, state.x))
+    }
+
+    /// `driven` as it stands at `start`, whether that is a response or not; with unknowns that its `neighbours` have
+    /// too.
+    ///
+    /// # Errors
+    /// [`HarmonicError`] where its equations are singular there.
+    pub fn about<'a>(
+        &self,
+        driven: Driven<'a>,
+        neighbours: &[Driven],
+        start: &Start,
+    ) -> Result<Steady<'a>, HarmonicError> {
+        let signals = Signals::of_all(driven, neighbours);
+        let mut about = Steady::new(self.balance(driven, signals)?, start.unknowns(signals), self);
+        about.linearise()?;
+        Ok(about)
     }
 
     /// Where to look for the response that was measured: the displacement coefficients (m) of every sensor of the beam
@@ -224,7 +246,28 @@ impl Start {
     }
 }
 
-impl Steady<'_> {
+impl<'a> Steady<'a> {
+    fn new(balance: Balance<'a>, unknowns: Vec<f64>, forcing: &Forcing) -> Self {
+        let (at, factors) = (forcing.operating(), Factors::default());
+        Self { balance, unknowns, at, factors, current: false, sensors: Vec::new() }
+    }
+
+    /// Coefficients of every sensor (m) that `driven`, the beam itself or one very near to it, has to first order about
+    /// where this stands: one step of Newton's method, which is no search and finds no other response.
+    pub fn first_order(&mut self, forcing: &Forcing, driven: Driven) -> Result<Vec<f64>, HarmonicError> {
+        self.linearise()?;
+        let mut there = forcing.balance(driven, self.balance.signals())?;
+        there.balance(&self.unknowns, &self.at)?;
+        let mut moved: Vec<f64> = there.residual().iter().map(|r| -PROBE * r).collect();
+        self.factors.solve(&mut moved);
+        moved.iter_mut().zip(&self.unknowns).for_each(|(step, x)| *step += x);
+        let mut found = sensed(&mut there, &self.at, forcing);
+        there.balance(&moved, &self.at)?;
+        let probed = sensed(&mut there, &self.at, forcing);
+        found.iter_mut().zip(probed).for_each(|(here, probed)| *here += (probed - *here) / PROBE);
+        Ok(found)
+    }
+
     /// Displacement coefficients (m) of every sensor, one after the other.
     pub fn sensors(&mut self, forcing: &Forcing) -> Vec<f64> {
         sensed(&mut self.balance, &self.at, forcing)
