@@ -21,6 +21,11 @@ const HELD: Settings = Settings { harmonics: 5, method: Method::Exact, tolerance
 /// Tolerance of the integration from rest, far below the noise of any sensor.
 const FROM_REST: integrate::Settings = integrate::Settings { tolerance: 1e-6, step_limit: 1_000_000 };
 
+/// Farthest seat of a contact, in elastic displacements at the limit (m): from there on it slips wherever it was.
+const MOST_SEATED: f64 = 2.0;
+/// The same displacement where a model has no contact to say it.
+const NO_REACH: f64 = 1e-9;
+
 /// A model's beam, reduced to its modes, with its contact.
 #[derive(Debug)]
 pub(super) struct Attached {
@@ -30,6 +35,8 @@ pub(super) struct Attached {
     normal_load: f64,
     /// Coefficients `[c1, s1, …]` (N) of what it follows of a measured load's swing.
     load_swing: Vec<f64>,
+    /// Displacement (m) at which the contact that never moved has no force.
+    seat: f64,
     /// What is changed in the contact: how much of a measured normal load it follows.
     joint: JointChanges,
 }
@@ -57,7 +64,7 @@ impl Attached {
             }
             _ => Vec::new(),
         };
-        Ok(Self { beam, law, normal_load, load_swing, joint })
+        Ok(Self { beam, law, normal_load, load_swing, seat: 0.0, joint })
     }
 
     fn contact(&self) -> Option<ContactOnBeam<'_>> {
@@ -66,7 +73,7 @@ impl Attached {
     }
 
     pub fn driven(&self) -> Driven<'_> {
-        Driven { beam: &self.beam, contact: self.contact(), load_swing: &self.load_swing }
+        Driven { beam: &self.beam, contact: self.contact(), load_swing: &self.load_swing, seat: self.seat }
     }
 }
 
@@ -126,12 +133,13 @@ impl<'r> BeamSimulation<'r> {
         Ok(Self { record, channels, positions, task })
     }
 
-    fn attached(&self, model: &Model) -> Result<Attached, String> {
+    fn attached(&self, model: &Model, nuisances: &[f64]) -> Result<Attached, String> {
         let load = match &self.task {
             Task::Steady(steady) => steady.load(),
             Task::Backbone(_) | Task::FromRest => None,
         };
-        Attached::new(model, &self.positions, load)
+        let seat = nuisances.first().copied().unwrap_or(0.0);
+        Ok(Attached { seat, ..Attached::new(model, &self.positions, load)? })
     }
 
     fn differences(
@@ -163,12 +171,21 @@ impl Simulation for BeamSimulation<'_> {
         }
     }
 
-    fn nuisances(&mut self, _model: &Model) -> Result<Vec<identify::Parameter>, String> {
-        Ok(Vec::new())
+    /// Of a steady state where the contact has been seated before.
+    fn nuisances(&mut self, model: &Model) -> Result<Vec<identify::Parameter>, String> {
+        if !matches!(self.task, Task::Steady(_)) {
+            return Ok(Vec::new());
+        }
+        let elastic = model
+            .contact
+            .map(|contact| contact.friction_coefficient * contact.normal_load / contact.tangential_stiffness);
+        let reach = elastic.filter(|reach| reach.is_finite() && *reach > 0.0).unwrap_or(NO_REACH);
+        let (lower, upper) = (-MOST_SEATED * reach, MOST_SEATED * reach);
+        Ok(vec![identify::Parameter { start: 0.0, lower, upper, scale: identify::Scale::Linear }])
     }
 
-    fn predict(&mut self, model: &Model, _nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
-        let attached = self.attached(model)?;
+    fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
+        let attached = self.attached(model, nuisances)?;
         match &self.task {
             Task::Steady(steady) => steady.predict(&attached, out),
             Task::Backbone(starts) => {
@@ -183,17 +200,18 @@ impl Simulation for BeamSimulation<'_> {
     fn linearise(
         &mut self,
         model: &Model,
-        _nuisances: &[f64],
+        nuisances: &[f64],
         directions: &[Direction],
         predictions: &mut Vec<f64>,
         derivatives: &mut Vec<Vec<f64>>,
     ) -> Result<(), String> {
-        let attached = self.attached(model)?;
+        let attached = self.attached(model, nuisances)?;
         if let Task::Backbone(starts) = &mut self.task {
             *starts = backbone(&attached, self.record, starts)?;
         }
         if matches!(self.task, Task::Steady(_)) {
-            let neighbours = directions.iter().map(|direction| self.attached(&direction.model));
+            let neighbours =
+                directions.iter().map(|direction| self.attached(&direction.model, &direction.nuisances));
             let neighbours = neighbours.collect::<Result<Vec<_>, _>>()?;
             if let Task::Steady(steady) = &mut self.task {
                 steady.linearise(&attached, &neighbours, predictions, derivatives)?;

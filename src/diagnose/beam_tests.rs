@@ -1,6 +1,7 @@
 //! Predictions of beams and their derivatives.
 
 use super::beam_record::BeamSimulation;
+use super::shown::Shown;
 use super::simulation::{Direction, Seed, Simulation};
 use crate::measure::{Channel, Record, Regime};
 use crate::model::Model;
@@ -187,6 +188,34 @@ fn about_the_measured_motion_predictions_are_right_to_first_order() {
     let [[none, _], [small, change], [large, twice]] = [0.0, 0.01, 0.02].map(&mut at);
     println!("{none:.1e} {small:.1e} of {change:.1e} {large:.1e}");
     assert!(none < 1e-3 && small < 0.1 * change && large < 0.1 * twice);
+}
+
+/// A contact that sticks all through a steady state keeps the force it was left with, which the sensors show; one that
+/// slips keeps nothing.
+#[test]
+fn where_a_sticking_contact_was_seated_is_found_and_a_slipping_one_forgets_it() {
+    const SEAT: f64 = 4e-6; // m; the contact slips 8.6e-6 m from it
+    let model = model("");
+    let predicted = |record: &Record, seat: f64| {
+        let mut out = Vec::new();
+        simulation(&model, record).predict(&model, &[seat], &mut out).unwrap();
+        out
+    };
+    let change = |record: &Record| {
+        let (none, some) = (predicted(record, 0.0), predicted(record, SEAT));
+        let square = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
+        square(&mut none.iter().zip(&some).map(|(a, b)| a - b)) / square(&mut none.iter().copied())
+    };
+    let slipping = record(12.0, 51.0);
+    assert!(change(&slipping) < 1e-6, "{:e}", change(&slipping));
+    let mut sticking = record(0.3, 40.0);
+    assert!(change(&sticking) > 1e-3, "{:e}", change(&sticking));
+    let motion = predicted(&sticking, SEAT);
+    for (channel, values) in sticking.channels[2..].iter_mut().zip(motion.chunks_exact(SAMPLES * PERIODS)) {
+        channel.values.copy_from_slice(values);
+    }
+    let found = Shown::new(&model, &sticking).unwrap().settle(&model).unwrap();
+    assert!((found[0] - SEAT).abs() < 1e-3 * SEAT, "{found:?}");
 }
 
 /// A beam that stretches has two steady states above its resonance; the one that was measured is predicted.

@@ -129,10 +129,11 @@ impl<'d> Bench<'d> {
         let lane = &self.lanes[record];
         let mut shown = Shown::near(model, lane.record, seed)?;
         let nuisances = shown.nuisances(model)?;
-        let settled = if nuisances.is_empty() {
-            Vec::new()
-        } else {
-            shown.settle_from(model, &nuisances, &lane.measured, &lane.weights)
+        let settled = match seed {
+            // A rough look needs no settled start.
+            Some(Seed::AboutMeasured) => nuisances.iter().map(|nuisance| nuisance.start).collect(),
+            _ if nuisances.is_empty() => Vec::new(),
+            _ => shown.settle_from(model, &nuisances, &lane.measured, &lane.weights),
         };
         let mut predictions = Vec::new();
         shown.predict(model, &settled, &mut predictions)?;

@@ -38,6 +38,8 @@ pub(crate) struct Driven<'a> {
     pub contact: Option<ContactOnBeam<'a>>,
     /// Coefficients `[c1, s1, …]` (N) of the normal load's swing over the period; empty where it is constant.
     pub load_swing: &'a [f64],
+    /// Displacement (m) at which the contact that never moved has no force.
+    pub seat: f64,
 }
 
 /// The excitation, and the discretisation of the response to it.
@@ -103,6 +105,7 @@ impl Forcing {
         let mut balance =
             Balance::with(driven.beam, driven.contact, &self.coefficients, &extent, Method::Exact)?;
         balance.swing_load(driven.load_swing);
+        balance.seat(driven.seat);
         Ok(balance)
     }
 

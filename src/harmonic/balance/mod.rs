@@ -120,7 +120,9 @@ pub(crate) struct Balance<'a> {
     varied: Option<Varied<'a>>,
     /// Swing of the normal load, as [`PeriodicContact::load_swing`].
     load_swing: Vec<f64>,
-    /// Displacement (m) that the contact was last evaluated for.
+    /// Displacement (m) at which the contact that never moved has no force.
+    seat: f64,
+    /// Displacement (m) from the seat that the contact was last evaluated for.
     evaluated: Vec<f64>,
     /// Coefficients of the contact force (N).
     force: Vec<f64>,
@@ -213,6 +215,7 @@ impl<'a> Balance<'a> {
             relief: signals.mode.map(|mode| Relief::new(mode, count)),
             varied: None,
             load_swing: Vec::new(),
+            seat: 0.0,
             evaluated: vec![0.0; wide],
             force: vec![0.0; wide],
             tension: vec![0.0; wide],
@@ -240,6 +243,13 @@ impl<'a> Balance<'a> {
     /// Lets the normal load swing by the coefficients `[c1, s1, …]` (N) about its mean.
     pub fn swing_load(&mut self, coefficients: &[f64]) {
         self.load_swing = coefficients.to_vec();
+    }
+
+    /// Lets the contact that never moved have no force at the displacement `seat` (m). One that slips forgets it; one
+    /// that sticks all through a steady state keeps the force it was left with, and the shortening makes that a load
+    /// along the beam.
+    pub fn seat(&mut self, seat: f64) {
+        self.seat = seat;
     }
 
     /// Number of modes.
@@ -338,9 +348,10 @@ impl<'a> Balance<'a> {
         if let Some((law, normal_load)) = attached(&self.contact, &self.varied) {
             let contact =
                 PeriodicContact { law, normal_load, load_swing: &self.load_swing, compliance: series };
-            self.cycle.evaluate_force(&contact, angular_frequency, u)?;
-            self.force.copy_from_slice(self.cycle.force());
             self.evaluated.copy_from_slice(u);
+            self.evaluated[0] -= self.seat;
+            self.cycle.evaluate_force(&contact, angular_frequency, &self.evaluated)?;
+            self.force.copy_from_slice(self.cycle.force());
         }
         Ok(&self.force)
     }
