@@ -217,8 +217,8 @@ impl<'a, 'd> Search<'a, 'd> {
             return self.screened_on(bench, Effort::Screen, model, set, far);
         };
         let mut best: Result<Fitted, String> = Err("no start leads anywhere".to_owned());
-        let origin = (!far && model.effects.len() == self.given).then_some((self.origin, true));
-        for (from, far) in std::iter::once((model, far)).chain(origin) {
+        let origin = (model.effects.len() == self.given).then_some((self.origin, true));
+        for (from, far) in std::iter::once((model, false)).chain(origin) {
             let led = self.screened_on(about, Effort::Rough, from, set, far).and_then(|rough| {
                 let unknowns = self.unknowns(&rough.model);
                 trial::fit(self.bench, &rough.model, &unknowns, &self.parts.fit, Effort::Screen)

@@ -152,7 +152,7 @@ impl Forcing {
     /// too.
     ///
     /// # Errors
-    /// [`HarmonicError`] where its equations are singular there.
+    /// [`HarmonicError`] for a beam or contact that cannot be balanced.
     pub fn about<'a>(
         &self,
         driven: Driven<'a>,
@@ -160,9 +160,7 @@ impl Forcing {
         start: &Start,
     ) -> Result<Steady<'a>, HarmonicError> {
         let signals = Signals::of_all(driven, neighbours);
-        let mut about = Steady::new(self.balance(driven, signals)?, start.unknowns(signals), self);
-        about.linearise()?;
-        Ok(about)
+        Ok(Steady::new(self.balance(driven, signals)?, start.unknowns(signals), self))
     }
 
     /// Where to look for the response that was measured: the displacement coefficients (m) of every sensor of the beam
