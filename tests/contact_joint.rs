@@ -4,7 +4,8 @@ mod contact_support;
 
 use contact_support::{Carried, close};
 use stickslip::contact::{
-    ContactLaw, Inputs, Iwan, IwanSpacing, Jenkins, Joint, JointBase, LawError, SlipState, Valanis,
+    ContactLaw, Inputs, Iwan, IwanSpacing, Jenkins, Joint, JointBase, LawError, SlipState, StateTangents,
+    Valanis,
 };
 use stickslip::effects::JointChanges;
 
@@ -474,6 +475,29 @@ fn derivatives_are_those_of_the_step() {
         }
     }
     assert!(checked > 2000, "{checked} steps without a kink nearby");
+}
+
+#[test]
+fn force_and_tangents_at_once_are_those_of_the_step() {
+    for law in many_laws() {
+        let mut state = Carried::virgin(&law, LOAD).state;
+        let mut next = state.clone();
+        let (mut tangents, mut lean) = (StateTangents::default(), StateTangents::default());
+        for inputs in history(19, 120) {
+            let quick = law.force_and_tangents(&state, inputs, &mut next, &mut lean);
+            let whole = law.step(&state, inputs, &mut next);
+            law.state_tangents(&state, inputs, &mut tangents);
+            assert_eq!(quick.force, whole.force);
+            assert_eq!(quick.tangents.displacement, whole.tangents.displacement);
+            assert_eq!(quick.tangents.velocity, whole.tangents.velocity);
+            assert_eq!(quick.slip_state, whole.slip_state);
+            for (lean, by_state) in lean.force_by_state.iter().zip(&tangents.force_by_state) {
+                close(*lean, *by_state, 1e-12);
+            }
+            assert_eq!(lean.force_by_state.len(), state.len());
+            state.copy_from_slice(&next);
+        }
+    }
 }
 
 /// Every derivative of a step against central differences; false where a kink lies within the difference.

@@ -301,6 +301,32 @@ impl Joint {
         state[DAMPER] = damper;
     }
 
+    /// What a step gives but the next state, and the damper's force (N) in it.
+    fn response(&self, state: &[f64], inputs: Inputs, end: &End, look: &Look) -> (Response, f64) {
+        let (spring, _) = self.spring(end.displacement);
+        let (damper, _) = self.damper(end, look.force + spring, inputs.velocity);
+        let travel = end.displacement - self.base.before(&state[BASE..]).0;
+        let response = Response {
+            force: if end.follows { look.force + spring + damper } else { 0.0 },
+            tangents: self.tangents(inputs, end, look),
+            dissipated_energy: look.dissipated_energy + self.damper_energy(state[DAMPER], damper, travel),
+            slip_state: Self::slip_state(inputs, end, look),
+        };
+        (response, damper)
+    }
+
+    fn step_and_tangents(
+        &self,
+        state: &[f64],
+        inputs: Inputs,
+        next: &mut [f64],
+        out: &mut StateTangents,
+    ) -> Response {
+        let response = self.step(state, inputs, next);
+        self.write_state_tangents(state, inputs, out);
+        response
+    }
+
     fn slip_state(inputs: Inputs, end: &End, look: &Look) -> SlipState {
         if inputs.normal_load <= 0.0 {
             SlipState::Separated
@@ -343,19 +369,11 @@ impl ContactLaw for Joint {
     fn step(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> Response {
         let end = self.end(state, inputs);
         let look = self.base.look(&state[BASE..], end.displacement, end.load);
+        let (response, damper) = self.response(state, inputs, &end, &look);
         next.copy_from_slice(state);
         self.base.advance(&mut next[BASE..], end.displacement, end.load);
-        let (spring, _) = self.spring(end.displacement);
-        let (damper, _) = self.damper(&end, look.force + spring, inputs.velocity);
         Self::store(next, &end, damper);
-        let travel = end.displacement - self.base.before(&state[BASE..]).0;
-        let force = if end.follows { look.force + spring + damper } else { 0.0 };
-        Response {
-            force,
-            tangents: self.tangents(inputs, &end, &look),
-            dissipated_energy: look.dissipated_energy + self.damper_energy(state[DAMPER], damper, travel),
-            slip_state: Self::slip_state(inputs, &end, &look),
-        }
+        response
     }
 
     fn advance(&self, state: &mut [f64], inputs: Inputs) -> f64 {
@@ -375,6 +393,28 @@ impl ContactLaw for Joint {
 
     fn state_tangents(&self, state: &[f64], inputs: Inputs, out: &mut StateTangents) {
         self.write_state_tangents(state, inputs, out);
+    }
+
+    /// Without the next state, whose derivatives grow with the square of the sliders.
+    fn force_and_tangents(
+        &self,
+        state: &[f64],
+        inputs: Inputs,
+        next: &mut [f64],
+        out: &mut StateTangents,
+    ) -> Response {
+        let (end, base) = (self.end(state, inputs), &state[BASE..]);
+        let sliders = match &self.base {
+            Base::Sliders(sliders) if sliders.stay_closed(base, end.load) => sliders,
+            _ => return self.step_and_tangents(state, inputs, next, out),
+        };
+        let look = sliders.look(base, end.displacement, end.load);
+        let own = |column: usize| match column.checked_sub(BASE) {
+            Some(place) => sliders.by_place(place, base, end.displacement, end.load),
+            None => (0.0, 0.0),
+        };
+        self.write_force_by_state(state.len(), inputs, (&end, &look), own, &mut out.force_by_state);
+        self.response(state, inputs, &end, &look).0
     }
 
     fn limit(&self, normal_load: f64) -> f64 {

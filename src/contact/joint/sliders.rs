@@ -313,6 +313,21 @@ impl Sliders {
         }
     }
 
+    /// Whether the contact is closed before and after a step.
+    pub fn stay_closed(&self, state: &[f64], load: f64) -> bool {
+        state[1] > 0.0 && load > 0.0
+    }
+
+    /// Derivatives of force and path by the state's number `place`, in a step in which the contact stays closed.
+    pub fn by_place(&self, place: usize, state: &[f64], displacement: f64, load: f64) -> (f64, f64) {
+        let Some(index) = place.checked_sub(SHARED) else { return (0.0, 0.0) };
+        let start = Start { shift: 0.0, load: state[1], displacement: state[0], closing: None };
+        match self.slip(index, &start, state, displacement, load) {
+            None => (-self.stiffness[index], 0.0),
+            Some(slip) => (0.0, -slip.sign * self.stiffness[index] / self.whole),
+        }
+    }
+
     /// Energy (J) kept in the springs.
     pub fn stored_energy(&self, state: &[f64]) -> f64 {
         self.parallel.stored_energy_at(state[0], &state[SHARED..])

@@ -115,14 +115,8 @@ impl Joint {
         let chain = self.chain(inputs, &end, &look);
         let (factor, by_velocity) = self.whole(inputs, &end, &look);
         for column in 0..n {
-            let cause = Cause {
-                slip: if column == SLIP { 1.0 } else { 0.0 },
-                before: if column == BASE + self.base.displacement_index() { 1.0 } else { 0.0 },
-                force: out.force_by_state[column],
-                path: out.next_by_state[SLIP * n + column],
-                ..Cause::default()
-            };
-            let effect = chain.effect(cause);
+            let own = (out.force_by_state[column], out.next_by_state[SLIP * n + column]);
+            let effect = chain.effect(self.cause(column, own));
             for row in BASE..n {
                 out.next_by_state[row * n + column] += out.next_by_displacement[row] * effect.displacement
                     + out.next_by_normal_load[row] * effect.load;
@@ -133,6 +127,32 @@ impl Joint {
             out.force_by_state[column] = factor * effect.force;
         }
         self.write_input_tangents(inputs, &end, &chain, (factor, by_velocity), out);
+    }
+
+    /// Change of the state's number `column` alone, which changes base law's force and path by what is given.
+    fn cause(&self, column: usize, (force, path): (f64, f64)) -> Cause {
+        Cause {
+            slip: if column == SLIP { 1.0 } else { 0.0 },
+            before: if column == BASE + self.base.displacement_index() { 1.0 } else { 0.0 },
+            force,
+            path,
+            ..Cause::default()
+        }
+    }
+
+    /// ∂force/∂state, `count` entries, from what each does to the base law's force and path.
+    pub(super) fn write_force_by_state(
+        &self,
+        count: usize,
+        inputs: Inputs,
+        (end, look): (&End, &Look),
+        own: impl Fn(usize) -> (f64, f64),
+        out: &mut Vec<f64>,
+    ) {
+        let chain = self.chain(inputs, end, look);
+        let factor = self.whole(inputs, end, look).0;
+        out.clear();
+        out.extend((0..count).map(|column| factor * chain.effect(self.cause(column, own(column))).force));
     }
 
     /// Derivatives of the next state by the inputs; in the columns of displacement and load stand those of the base law.
