@@ -251,6 +251,14 @@ fn time_integration_settles_to_the_balance_with_a_string_that_the_shortening_str
     settles_to_the_balance(&beam);
 }
 
+#[test]
+fn a_string_pulls_without_stretching_too() {
+    let mut beam = one_mode(300.0, 0.05, 0.06, 0.9, 0.0);
+    beam.shortening = vec![30.0];
+    (beam.string_stiffness, beam.string_stretch) = (4e5, vec![0.06]);
+    settles_to_the_balance(&beam);
+}
+
 fn settles_to_the_balance(beam: &ModalBeam) {
     let period = 2.0 * PI / 290.0;
     let settings = Settings { harmonics: 9, method: Method::Exact, tolerance: 1e-11, max_iterations: 40 };

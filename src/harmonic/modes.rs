@@ -129,7 +129,7 @@ fn mode_of_beam(
     amplitudes: &[f64],
     settings: &CurveSettings,
 ) -> Result<NonlinearMode, HarmonicError> {
-    if assembly.contacts.is_empty() && beam.stretching_stiffness == 0.0 {
+    if assembly.contacts.is_empty() && !beam.pulls_along() {
         return Err(HarmonicError::InvalidInput("a beam without a contact has linear modes"));
     }
     let contact = assembly.contacts.first();

@@ -282,7 +282,7 @@ impl BeamChange {
         }
         times(&beam.shortening, &self.q[node], &mut self.product);
         let (mut tension, mut shortened) = ((0.0, 0.0), 0.0);
-        if beam.stretching_stiffness != 0.0 {
+        if beam.pulls_along() {
             let pull = beam.contact_shape.iter().zip(&self.direction[node]).map(|(c, d)| c - d);
             let sums = pull.zip(solver.q[node].iter().zip(&self.q[node]));
             let (twice, change) = sums.fold((0.0, 0.0), |sum, (g, (q, dq))| (sum.0 + g * q, sum.1 + g * dq));

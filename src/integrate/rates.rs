@@ -156,7 +156,7 @@ fn modal_jerk(
     let stretching = beam.stretching_stiffness;
     let turning = &out.product;
     let (mut tension, mut tension_rate, mut shortening_rate) = (0.0, 0.0, 0.0);
-    if stretching != 0.0 {
+    if beam.pulls_along() {
         for i in 0..q.len() {
             tension += stretching * (beam.contact_shape[i] - solver.direction[i]) * q[i];
             shortening_rate += turning[i] * q[i];

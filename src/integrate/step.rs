@@ -330,7 +330,7 @@ impl StepSolver {
         let force = self.nodes[node].force;
         // Stretching pulls along G q = c − direction, by κ qᵀ G q.
         let (mut tension, mut shortened) = (0.0, 0.0);
-        if beam.stretching_stiffness != 0.0 {
+        if beam.pulls_along() {
             let lever = beam.contact_shape.iter().zip(&self.direction).zip(&self.q[node]);
             let twice = lever.map(|((c, d), q)| (c - d) * q).sum::<f64>();
             tension = beam.stretching_stiffness * twice - beam.string_pull(&self.q[node]);
@@ -361,6 +361,11 @@ impl StepSolver {
 }
 
 impl ModalBeam {
+    /// Whether anything but a contact pulls along the beam, by its shortening.
+    pub(crate) fn pulls_along(&self) -> bool {
+        self.stretching_stiffness != 0.0 || self.string_stiffness != 0.0
+    }
+
     /// `k Σ sᵢ qᵢ`: the pull of a string (N).
     pub(crate) fn string_pull(&self, q: &[f64]) -> f64 {
         self.string_stiffness * self.string_stretch.iter().zip(q).map(|(s, q)| s * q).sum::<f64>()

@@ -78,7 +78,8 @@ pub fn cases() -> Vec<Case<'static>> {
     // With drag, stretching and a mass that hangs, too.
     let another = format!(
         "{FRICTIONAL}\n[[contact_point]]\nposition = 0.2\n\n[[effect]]\nid = \"quadratic_damping\"\n\
-         quadratic_damping = 3.0\n\n[[effect]]\nid = \"geometric_stiffening\"\ncubic_stiffness = 1e8\n"
+         quadratic_damping = 3.0\n\n[[effect]]\nid = \"geometric_stiffening\"\ncubic_stiffness = 1e8\n\n\
+         [[effect]]\nid = \"hanging_mass\"\nmass = 0.05\nhanging_frequency = 45.0\n"
     );
     vec![
         case("Jenkins", JENKINS, (1e-3, 40, 1e-6), OF_A_CONTACT),

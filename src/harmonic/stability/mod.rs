@@ -242,7 +242,7 @@ pub fn decide_for_beam(
     angular_frequency: f64,
 ) -> Result<bool, Undecided> {
     let bent = bent(beam, contact, modes, displacement, angular_frequency)?;
-    let linear = contact.is_none() && beam.stretching_stiffness == 0.0 && beam.quadratic_damping == 0.0;
+    let linear = contact.is_none() && !beam.pulls_along() && beam.quadratic_damping == 0.0;
     if linear && beam.damping_ratio.iter().all(|ratio| *ratio >= 0.0) {
         return Ok(true);
     }
