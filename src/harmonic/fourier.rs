@@ -5,7 +5,8 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::DMatrix;
+use nalgebra::{Complex, DMatrix};
+use realfft::{ComplexToReal, RealFftPlanner};
 
 /// Number of coefficients of a signal with harmonics `0..=harmonics`.
 pub const fn coefficient_count(harmonics: usize) -> usize {
@@ -41,23 +42,44 @@ pub fn from_samples(samples: &[f64], periods: usize, harmonics: usize) -> Vec<f6
     if count == 0 {
         return coefficients;
     }
-    coefficients[0] = samples.iter().sum::<f64>() / count as f64;
-    let circle = circle(count);
-    for h in 1..=harmonics {
-        if 2 * h * periods >= count {
-            break;
-        }
-        let (mut cosine, mut sine) = (0.0, 0.0);
-        for (k, x) in samples.iter().enumerate() {
-            // The exact integer remainder keeps the phase accurate for long records.
-            let (sin, cos) = circle[(h * periods * k) % count];
-            cosine += x * cos;
-            sine += x * sin;
-        }
-        coefficients[2 * h - 1] = 2.0 * cosine / count as f64;
-        coefficients[2 * h] = 2.0 * sine / count as f64;
+    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(count);
+    let (mut input, mut spectrum) = (samples.to_vec(), transform.make_output_vec());
+    // Lengths are those of the transform: it cannot fail.
+    let _ = transform.process(&mut input, &mut spectrum);
+    let share = 1.0 / count as f64;
+    coefficients[0] = share * spectrum[0].re;
+    let seen = (1..=harmonics).take_while(|h| 2 * h * periods < count);
+    for (h, pair) in seen.zip(coefficients[1..].chunks_exact_mut(2)) {
+        let line = spectrum[h * periods];
+        (pair[0], pair[1]) = (2.0 * share * line.re, -2.0 * share * line.im);
     }
     coefficients
+}
+
+/// Appends to `out` the equally spaced samples of the signal over `periods` whole periods, as many as `inverse`, a
+/// transform planned once, makes. Of harmonics above half the samples of a period they show the alias.
+pub(crate) fn to_samples(
+    coefficients: &[f64],
+    periods: usize,
+    inverse: &dyn ComplexToReal<f64>,
+    out: &mut Vec<f64>,
+) {
+    let count = inverse.len();
+    let mut spectrum = inverse.make_input_vec();
+    spectrum[0].re = coefficients.first().copied().unwrap_or(0.0);
+    for (h, c, s) in harmonics_of(coefficients) {
+        let line = (h as usize * periods) % count;
+        match line.min(count - line) {
+            // A sine has no value at any sample.
+            low if low == 0 || 2 * low == count => spectrum[low].re += c,
+            low if low == line => spectrum[low] += Complex::new(0.5 * c, -0.5 * s),
+            low => spectrum[low] += Complex::new(0.5 * c, 0.5 * s),
+        }
+    }
+    let start = out.len();
+    out.resize(start + count, 0.0);
+    // Lengths are those of the transform and the lines without a phase are real: nothing can fail.
+    let _ = inverse.process(&mut spectrum, &mut out[start..]);
 }
 
 /// Sine and cosine at `count` equal steps round the circle.
@@ -219,6 +241,21 @@ mod tests {
         let twice: Vec<f64> = samples.iter().chain(&samples).copied().collect();
         for (a, b) in coefficients.iter().zip(from_samples(&twice, 2, 2)) {
             assert!((a - b).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn samples_are_those_of_the_signal_and_its_aliases() {
+        let coefficients = [0.3, -1.0, 2.0, 0.5, -0.7, 0.2, 0.9, -0.4, 1.1, 0.6, -0.8];
+        for (count, periods) in [(64, 3), (15, 3), (8, 2), (9, 1), (5, 1), (4, 2), (2, 1), (1, 1)] {
+            let inverse = RealFftPlanner::new().plan_fft_inverse(count);
+            let mut samples = vec![7.0];
+            to_samples(&coefficients, periods, &*inverse, &mut samples);
+            assert_eq!(samples.len(), 1 + count);
+            for (k, sample) in samples[1..].iter().enumerate() {
+                let there = value(&coefficients, TAU * (periods * k) as f64 / count as f64);
+                assert!((sample - there).abs() < 1e-13, "{count} {periods} {k}: {sample} {there}");
+            }
         }
     }
 

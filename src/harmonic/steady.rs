@@ -7,6 +7,7 @@
 //! and the factors there are, no search.
 
 use super::balance::{Balance, Extent, Signals};
+use super::cycle::map::ContactMap;
 use super::factors::Factors;
 use super::follow::{Family, State, find};
 use super::forced::Forced;
@@ -83,6 +84,8 @@ pub(crate) struct Steady<'a> {
     current: bool,
     /// Coefficients of the sensors there.
     sensors: Vec<f64>,
+    /// The contact of the last neighbour: its workspace serves the next one.
+    spare: Option<ContactMap>,
 }
 
 impl Signals {
@@ -250,7 +253,7 @@ impl Start {
 impl<'a> Steady<'a> {
     fn new(balance: Balance<'a>, unknowns: Vec<f64>, forcing: &Forcing) -> Self {
         let (at, factors) = (forcing.operating(), Factors::default());
-        Self { balance, unknowns, at, factors, current: false, sensors: Vec::new() }
+        Self { balance, unknowns, at, factors, current: false, sensors: Vec::new(), spare: None }
     }
 
     /// Coefficients of every sensor (m) that `driven`, the beam itself or one very near to it, has to first order about
@@ -258,13 +261,15 @@ impl<'a> Steady<'a> {
     pub fn first_order(&mut self, forcing: &Forcing, driven: Driven) -> Result<Vec<f64>, HarmonicError> {
         self.linearise()?;
         let mut there = forcing.balance(driven, self.balance.signals())?;
-        there.balance(&self.unknowns, &self.at)?;
+        self.lend(&mut there);
+        there.balance_alone(&self.unknowns, &self.at)?;
         let mut moved: Vec<f64> = there.residual().iter().map(|r| -PROBE * r).collect();
         self.factors.solve(&mut moved);
         moved.iter_mut().zip(&self.unknowns).for_each(|(step, x)| *step += x);
         let mut found = sensed(&mut there, &self.at, forcing);
-        there.balance(&moved, &self.at)?;
+        there.balance_alone(&moved, &self.at)?;
         let probed = sensed(&mut there, &self.at, forcing);
+        self.spare = Some(there.into_cycle());
         found.iter_mut().zip(probed).for_each(|(here, probed)| *here += (probed - *here) / PROBE);
         Ok(found)
     }
@@ -289,15 +294,23 @@ impl<'a> Steady<'a> {
             self.sensors = self.sensors(forcing);
         }
         let mut other = forcing.balance(neighbour, self.balance.signals())?;
-        other.forget();
-        other.balance(&self.unknowns, &self.at)?;
+        self.lend(&mut other);
+        other.balance_alone(&self.unknowns, &self.at)?;
         let residuals = other.residual().iter().zip(self.balance.residual());
         let mut moved: Vec<f64> = residuals.map(|(there, here)| here - there).collect();
         self.factors.solve(&mut moved);
         moved.iter_mut().zip(&self.unknowns).for_each(|(step, x)| *step += x);
-        other.balance(&moved, &self.at)?;
+        other.balance_alone(&moved, &self.at)?;
         let after = sensed(&mut other, &self.at, forcing);
+        self.spare = Some(other.into_cycle());
         Ok(after.iter().zip(&self.sensors).map(|(after, before)| after - before).collect())
+    }
+
+    fn lend(&mut self, neighbour: &mut Balance) {
+        if let Some(spare) = self.spare.take() {
+            neighbour.work_with(spare);
+        }
+        neighbour.forget();
     }
 
     /// Makes derivatives and factors those at the solution.

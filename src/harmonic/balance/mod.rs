@@ -65,7 +65,7 @@ impl Signals {
     /// What `beam` needs.
     pub fn of(beam: &ModalBeam) -> Self {
         Self {
-            shortening: beam.stretching_stiffness != 0.0,
+            shortening: beam.pulls_along(),
             excitation: beam.quadratic_damping != 0.0,
             string: beam.string_stiffness != 0.0,
             mode: None,
@@ -326,6 +326,16 @@ impl<'a> Balance<'a> {
         if bias { 1.0 } else { 0.5 }
     }
 
+    /// The contact's workspace, for another balance of the same harmonics.
+    pub fn into_cycle(self) -> ContactMap {
+        self.cycle
+    }
+
+    /// Goes on with the workspace of another balance of the same harmonics.
+    pub fn work_with(&mut self, cycle: ContactMap) {
+        self.cycle = cycle;
+    }
+
     /// The unknowns of the displacement and the contact force last evaluated.
     pub fn start(&self) -> Vec<f64> {
         self.relieved(&self.force)
@@ -345,15 +355,35 @@ impl<'a> Balance<'a> {
         u: &[f64],
         series: f64,
     ) -> Result<&[f64], HarmonicError> {
-        if let Some((law, normal_load)) = attached(&self.contact, &self.varied) {
-            let contact =
-                PeriodicContact { law, normal_load, load_swing: &self.load_swing, compliance: series };
-            self.evaluated.copy_from_slice(u);
-            self.evaluated[0] -= self.seat;
-            self.cycle.evaluate_force(&contact, angular_frequency, &self.evaluated)?;
-            self.force.copy_from_slice(self.cycle.force());
-        }
+        self.follow_contact(angular_frequency, u, series, false)?;
         Ok(&self.force)
+    }
+
+    /// Leaves the contact's force; with `alone` no derivatives can follow.
+    fn follow_contact(
+        &mut self,
+        angular_frequency: f64,
+        u: &[f64],
+        series: f64,
+        alone: bool,
+    ) -> Result<(), HarmonicError> {
+        let Some((law, normal_load)) = attached(&self.contact, &self.varied) else { return Ok(()) };
+        let contact = PeriodicContact { law, normal_load, load_swing: &self.load_swing, compliance: series };
+        self.evaluated.copy_from_slice(u);
+        self.evaluated[0] -= self.seat;
+        if alone {
+            let set = HarmonicSet::full(self.wide / 2);
+            return self.cycle.force_alone(
+                &contact,
+                angular_frequency,
+                &self.evaluated,
+                set,
+                &mut self.force,
+            );
+        }
+        self.cycle.evaluate_force(&contact, angular_frequency, &self.evaluated)?;
+        self.force.copy_from_slice(self.cycle.force());
+        Ok(())
     }
 
     /// Writes the displacement, the shortening and the weights for the modal coefficients.
@@ -443,12 +473,21 @@ impl<'a> Balance<'a> {
         Ok(())
     }
 
-    /// The residual alone; returns the size of its terms.
+    /// The residual; returns the size of its terms.
     pub fn balance(&mut self, x: &[f64], at: &Operating) -> Result<f64, HarmonicError> {
+        self.balance_with(x, at, false)
+    }
+
+    /// The residual alone: no derivatives can follow.
+    pub fn balance_alone(&mut self, x: &[f64], at: &Operating) -> Result<f64, HarmonicError> {
+        self.balance_with(x, at, true)
+    }
+
+    fn balance_with(&mut self, x: &[f64], at: &Operating, alone: bool) -> Result<f64, HarmonicError> {
         let (shortening, excitation) = (self.shortening_row(), self.excitation_row());
         let (string, relief) = (self.string_row(), self.relief_row());
         self.build(at.parameter)?;
-        self.contact_force(at.angular_frequency, &x[..self.wide], 0.0)?;
+        self.follow_contact(at.angular_frequency, &x[..self.wide], 0.0, alone)?;
         if let Some(drag) = &mut self.drag {
             drag.evaluate(self.beam.quadratic_damping, at.angular_frequency, &x[excitation..string]);
         }

@@ -205,30 +205,6 @@ mod tests {
     }
 
     #[test]
-    fn the_sampled_force_alone_is_that_with_derivatives_which_can_be_made_later() {
-        let law = law();
-        let contact = PeriodicContact {
-            law: &law,
-            normal_load: 1.0,
-            load_swing: &[0.3, 0.1, 0.0, 0.4],
-            compliance: 0.0,
-        };
-        let whole = {
-            let mut cycle = ReferenceCycle::new(HarmonicSet::full(3), 256);
-            cycle.evaluate(&contact, OMEGA, &SLIPPING).unwrap();
-            cycle
-        };
-        let mut parts = ReferenceCycle::new(HarmonicSet::full(3), 256);
-        parts.evaluate_force(&contact, OMEGA, &SLIPPING).unwrap();
-        assert_eq!(parts.jacobian().amax(), 0.0, "not made yet");
-        for (alone, force) in parts.force().iter().zip(whole.force()) {
-            assert!((alone - force).abs() < 1e-12, "{alone} {force}");
-        }
-        parts.complete(&contact, OMEGA, &SLIPPING).unwrap();
-        assert!((parts.jacobian() - whole.jacobian()).amax() < 1e-10);
-    }
-
-    #[test]
     fn derivatives_are_those_of_the_force() {
         let cycle = damped(&law(), OMEGA, &SLIPPING);
         let step = 1e-6;

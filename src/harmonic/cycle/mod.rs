@@ -2,6 +2,8 @@
 //!
 //! This is the seam between the balance equations and the way a contact is carried over a period.
 
+#[cfg(test)]
+mod alone_tests;
 mod bundle;
 mod chain;
 mod damped;
@@ -103,7 +105,7 @@ pub(crate) trait Cycle {
     fn force_on(&mut self, set: HarmonicSet, out: &mut [f64]);
 
     /// Coefficients on `set` of the force for the displacement `u`, without derivatives. Stands for an evaluation,
-    /// after which force and Jacobian mean nothing.
+    /// after which force, Jacobian and summary mean nothing.
     fn force_alone(
         &mut self,
         contact: &PeriodicContact,
@@ -112,7 +114,7 @@ pub(crate) trait Cycle {
         set: HarmonicSet,
         out: &mut [f64],
     ) -> Result<(), HarmonicError> {
-        self.evaluate(contact, angular_frequency, u)?;
+        self.evaluate_force(contact, angular_frequency, u)?;
         self.force_on(set, out);
         Ok(())
     }

@@ -108,6 +108,28 @@ impl Cycle for ReferenceCycle {
         Ok(())
     }
 
+    /// Marches no second time: who asks for the force alone does not ask where the contact sticks.
+    fn force_alone(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+        set: HarmonicSet,
+        out: &mut [f64],
+    ) -> Result<(), HarmonicError> {
+        self.set.convert(u, self.wide, &mut self.displacement);
+        if self.inner.force_alone(contact, angular_frequency, &self.displacement) {
+            self.complete = false;
+            self.history.clear();
+            let force = |k| self.inner.sample(k).2 + self.inner.given(k);
+            self.history.extend((0..self.samples).map(|k| (0.0, force(k), SlipState::Stick)));
+        } else {
+            self.evaluate(contact, angular_frequency, u)?;
+        }
+        self.force_on(set, out);
+        Ok(())
+    }
+
     fn complete(
         &mut self,
         contact: &PeriodicContact,

@@ -31,7 +31,8 @@ use crate::contact::{Inputs, Response, StateTangents};
 const UNFADING: f64 = 1e-9;
 /// Share of the largest force left as error of the implicit step through the series spring.
 const STEP_TOLERANCE: f64 = 1e-11;
-/// Change of force (share of the largest) below which the periodic state is finished to first order.
+/// Change of force (share of the largest) and of the state (of each part's largest) below which the periodic state is
+/// finished to first order.
 const LINEAR_FINISH: f64 = 1e-6;
 const MAX_CYCLES: usize = 60;
 /// Up to this size the matrix product takes strided columns as slices, which end before the last of them.
@@ -86,7 +87,10 @@ pub(crate) struct SampledCycle {
 /// What one marched period tells about the periodic state.
 struct Closure {
     unique: bool,
+    /// Largest change (N) of a force sample, to first order.
     force_change: f64,
+    /// Largest change of the start state, in sizes of its parts over the period.
+    state_change: f64,
 }
 
 impl SampledCycle {
@@ -215,7 +219,9 @@ impl SampledCycle {
                 self.start_virgin(contact, angular_frequency);
                 continue;
             }
-            if closure.force_change <= LINEAR_FINISH * self.force_scale {
+            // Where the force follows the limit it does not show a change of the state that puts an end to that.
+            let unmoved = closure.state_change <= LINEAR_FINISH;
+            if unmoved && closure.force_change <= LINEAR_FINISH * self.force_scale {
                 self.finish();
                 self.correct_start();
                 self.warm = true;
@@ -441,6 +447,8 @@ impl SampledCycle {
             self.pivots[..rank].contains(&i)
                 || (self.start[i] - self.virgin[i]).abs() <= 1e-12 * self.state_scale[i]
         });
+        let steps = self.solution.chunks_exact(right).map(|row| row[0].abs());
+        let state_change = steps.fold(0.0, f64::max);
         for (row, scale) in self.solution.chunks_exact_mut(right).zip(&self.state_scale) {
             row.iter_mut().for_each(|x| *x *= scale);
         }
@@ -455,7 +463,7 @@ impl SampledCycle {
                 break;
             }
         }
-        Closure { unique, force_change }
+        Closure { unique, force_change, state_change }
     }
 
     /// Takes the memory that a period leaves exactly as it was out of the linear system: what a stuck

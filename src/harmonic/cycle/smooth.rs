@@ -86,6 +86,8 @@ pub(crate) struct SmoothCycle {
     rated: bool,
     compliance: f64,
     has_stick: bool,
+    /// Whether only the force is asked for.
+    alone: bool,
 }
 
 /// Integrals with the waves.
@@ -179,6 +181,7 @@ impl SmoothCycle {
             rated: false,
             compliance: 0.0,
             has_stick: false,
+            alone: false,
         }
     }
 
@@ -286,6 +289,12 @@ impl SmoothCycle {
                 by_state.iter_mut().zip(scaled).for_each(|(to, from)| *to = from);
                 continue;
             }
+            if self.alone && contact.compliance == 0.0 {
+                // A tenth of the work where the law has many sliders.
+                self.next.copy_from_slice(state);
+                node.force = contact.law.advance(&mut self.next, inputs);
+                continue;
+            }
             let response = if contact.compliance == 0.0 {
                 contact.law.force_and_tangents(state, inputs, &mut self.next, &mut self.tangents)
             } else {
@@ -309,6 +318,12 @@ impl SmoothCycle {
 
     /// Adds a panel's nodes to the sums.
     fn add(&mut self, angular_frequency: f64, half_width: f64) {
+        if self.alone {
+            let nodes = self.nodes.iter().zip(&self.rule.weights);
+            let weighted = nodes.map(|(node, weight)| (half_width * weight, node));
+            self.history.extend(weighted.map(|(weight, node)| (node.phase, weight * node.force, weight)));
+            return;
+        }
         let n = self.next.len();
         let sums = &mut self.sums;
         for (i, node) in self.nodes.iter().enumerate() {
@@ -372,6 +387,41 @@ impl SmoothCycle {
                 column.iter_mut().zip(&self.pull).for_each(|(m, p)| *m += p * b);
             }
         }
+    }
+
+    /// The contact along one period; sums over it, unless the force alone is asked for.
+    fn follow(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+    ) -> Result<(), HarmonicError> {
+        if !self.motion.set(self.set, u) {
+            return Err(HarmonicError::InvalidInput("a displacement that is not finite"));
+        }
+        self.displacement.copy_from_slice(u);
+        self.compliance = contact.compliance;
+        self.has_stick = contact.law.has_stick();
+        turning_points(&self.motion, &mut self.turnings);
+        self.path.set(&self.turnings, &self.motion, false);
+        self.share = if self.motion.is_odd() && contact.law.is_odd() { 0.5 } else { 1.0 };
+        self.reset(contact.law.state_len());
+        if self.path.points.is_empty() {
+            self.rest(contact, angular_frequency);
+            return Ok(());
+        }
+        self.chain.solve(contact, &self.path.points)?;
+        let legs = self.path.points.len() - 1;
+        for leg in 0..if self.share < 1.0 { legs / 2 } else { legs } {
+            self.integrate_leg(contact, angular_frequency, leg);
+            if !self.alone {
+                self.hand_on(leg);
+            }
+        }
+        if !self.alone {
+            self.finish();
+        }
+        Ok(())
     }
 
     fn reset(&mut self, state_len: usize) {
@@ -455,27 +505,21 @@ impl Cycle for SmoothCycle {
         angular_frequency: f64,
         u: &[f64],
     ) -> Result<(), HarmonicError> {
-        if !self.motion.set(self.set, u) {
-            return Err(HarmonicError::InvalidInput("a displacement that is not finite"));
-        }
-        self.displacement.copy_from_slice(u);
-        self.compliance = contact.compliance;
-        self.has_stick = contact.law.has_stick();
-        turning_points(&self.motion, &mut self.turnings);
-        self.path.set(&self.turnings, &self.motion, false);
-        self.share = if self.motion.is_odd() && contact.law.is_odd() { 0.5 } else { 1.0 };
-        self.reset(contact.law.state_len());
-        if self.path.points.is_empty() {
-            self.rest(contact, angular_frequency);
-            return Ok(());
-        }
-        self.chain.solve(contact, &self.path.points)?;
-        let legs = self.path.points.len() - 1;
-        for leg in 0..if self.share < 1.0 { legs / 2 } else { legs } {
-            self.integrate_leg(contact, angular_frequency, leg);
-            self.hand_on(leg);
-        }
-        self.finish();
+        self.alone = false;
+        self.follow(contact, angular_frequency, u)
+    }
+
+    fn force_alone(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+        set: HarmonicSet,
+        out: &mut [f64],
+    ) -> Result<(), HarmonicError> {
+        self.alone = true;
+        self.follow(contact, angular_frequency, u)?;
+        self.force_on(set, out);
         Ok(())
     }
 
