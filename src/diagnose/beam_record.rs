@@ -88,6 +88,8 @@ pub(super) struct BeamSimulation<'r> {
 
 enum Task {
     Steady(Box<SteadyRecord>),
+    /// A steady state to first order about the measured one.
+    AboutMeasured(Box<SteadyRecord>),
     /// The last solutions, one per amplitude.
     Backbone(Vec<Resonance>),
     FromRest,
@@ -111,18 +113,19 @@ impl<'r> BeamSimulation<'r> {
             Regime::FromRest => Task::FromRest,
             Regime::Steady => {
                 let highest = Attached::new(model, &positions, None)?.beam.angular_frequency.last().copied();
-                let mut steady = SteadyRecord::new(record, &channels, highest.unwrap_or(0.0))?;
-                let attached = Attached::new(model, &positions, steady.load())?;
+                let mut steady = Box::new(SteadyRecord::new(record, &channels, highest.unwrap_or(0.0))?);
                 match seed {
-                    Some(Seed::AboutMeasured) => steady.stay_at_measured(),
-                    Some(Seed::Near(start)) => steady.start_from(start),
-                    None => {}
+                    Some(Seed::AboutMeasured) => Task::AboutMeasured(steady),
+                    seed => {
+                        if let Some(Seed::Near(start)) = seed {
+                            steady.start_from(start);
+                        }
+                        let attached = Attached::new(model, &positions, steady.load())?;
+                        // Without a start later predictions search on their own.
+                        let _ = steady.linearise(&attached, &[], &mut Vec::new(), &mut Vec::new());
+                        Task::Steady(steady)
+                    }
                 }
-                if !matches!(seed, Some(Seed::AboutMeasured)) {
-                    // Without a start later predictions search on their own.
-                    let _ = steady.linearise(&attached, &[], &mut Vec::new(), &mut Vec::new());
-                }
-                Task::Steady(Box::new(steady))
             }
             Regime::UnknownInitialState => {
                 return Err("a beam's record needs the regime `from-rest`, `steady` or `backbone`: the motion at its \
@@ -135,7 +138,7 @@ impl<'r> BeamSimulation<'r> {
 
     fn attached(&self, model: &Model, nuisances: &[f64]) -> Result<Attached, String> {
         let load = match &self.task {
-            Task::Steady(steady) => steady.load(),
+            Task::Steady(steady) | Task::AboutMeasured(steady) => steady.load(),
             Task::Backbone(_) | Task::FromRest => None,
         };
         let seat = nuisances.first().copied().unwrap_or(0.0);
@@ -167,13 +170,13 @@ impl Simulation for BeamSimulation<'_> {
     fn solution(&self) -> Option<&Start> {
         match &self.task {
             Task::Steady(steady) => steady.start(),
-            Task::Backbone(_) | Task::FromRest => None,
+            Task::AboutMeasured(_) | Task::Backbone(_) | Task::FromRest => None,
         }
     }
 
     /// Of a steady state where the contact has been seated before.
     fn nuisances(&mut self, model: &Model) -> Result<Vec<identify::Parameter>, String> {
-        if !matches!(self.task, Task::Steady(_)) {
+        if !matches!(self.task, Task::Steady(_) | Task::AboutMeasured(_)) {
             return Ok(Vec::new());
         }
         let elastic = model
@@ -188,6 +191,7 @@ impl Simulation for BeamSimulation<'_> {
         let attached = self.attached(model, nuisances)?;
         match &self.task {
             Task::Steady(steady) => steady.predict(&attached, out),
+            Task::AboutMeasured(steady) => steady.predict_about_measured(&attached, out),
             Task::Backbone(starts) => {
                 let points = backbone(&attached, self.record, starts)?;
                 observe(&points, &self.channels, out);
@@ -206,18 +210,27 @@ impl Simulation for BeamSimulation<'_> {
         derivatives: &mut Vec<Vec<f64>>,
     ) -> Result<(), String> {
         let attached = self.attached(model, nuisances)?;
-        if let Task::Backbone(starts) = &mut self.task {
-            *starts = backbone(&attached, self.record, starts)?;
-        }
-        if matches!(self.task, Task::Steady(_)) {
+        let neighbours = || {
             let neighbours =
                 directions.iter().map(|direction| self.attached(&direction.model, &direction.nuisances));
-            let neighbours = neighbours.collect::<Result<Vec<_>, _>>()?;
-            if let Task::Steady(steady) = &mut self.task {
-                steady.linearise(&attached, &neighbours, predictions, derivatives)?;
+            neighbours.collect::<Result<Vec<_>, _>>()
+        };
+        match self.task {
+            Task::Steady(_) => {
+                let neighbours = neighbours()?;
+                if let Task::Steady(steady) = &mut self.task {
+                    steady.linearise(&attached, &neighbours, predictions, derivatives)?;
+                }
             }
-        } else {
-            self.differences(model, directions, predictions, derivatives)?;
+            Task::AboutMeasured(ref steady) => {
+                steady.linearise_about_measured(&attached, &neighbours()?, predictions, derivatives)?;
+            }
+            Task::Backbone(_) | Task::FromRest => {
+                if let Task::Backbone(starts) = &mut self.task {
+                    *starts = backbone(&attached, self.record, starts)?;
+                }
+                self.differences(model, directions, predictions, derivatives)?;
+            }
         }
         for (direction, derivative) in directions.iter().zip(derivatives) {
             derivative.iter_mut().for_each(|change| *change /= direction.step);

@@ -1,8 +1,10 @@
 //! A beam in a steady state under a measured periodic excitation.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::Complex;
+use realfft::{ComplexToReal, RealFftPlanner};
 
 use super::beam_record::Attached;
 use super::predict::derivative_order;
@@ -30,11 +32,12 @@ const ASTRAY: f64 = 0.2;
 const TOLERANCE: f64 = 1e-8;
 
 /// What does not change from one prediction of the record to the next.
-#[derive(Debug)]
 pub(super) struct SteadyRecord {
     forcing: Forcing,
-    /// Waves of the response's harmonics at the samples, `samples × coefficients`.
-    waves: DMatrix<f64>,
+    /// Periods of the excitation in the record.
+    periods: usize,
+    /// From spectral lines to samples.
+    inverse: Arc<dyn ComplexToReal<f64>>,
     /// Time derivative of the displacement that each channel measures.
     orders: Vec<usize>,
     /// What the channels measured, without their means.
@@ -46,8 +49,6 @@ pub(super) struct SteadyRecord {
     start: Option<Start>,
     /// Whether the start is one of this simulation's own solutions.
     settled: bool,
-    /// Whether predictions are those to first order about the measured motion.
-    about_measured: bool,
 }
 
 impl SteadyRecord {
@@ -72,47 +73,31 @@ impl SteadyRecord {
         let motion = displacements.collect();
         let mut measured: Vec<f64> = values().flatten().copied().collect();
         measured.chunks_exact_mut(time.len()).for_each(remove_mean);
-        let sensed_harmonics = SENSED * harmonics;
-        let count = coefficient_count(sensed_harmonics);
-        // Phase 0 of the Fourier coefficients is the first sample.
-        let waves = DMatrix::from_fn(time.len(), count, |sample, place| {
-            let phase = place.div_ceil(2) as f64 * angular_frequency * (time[sample] - time[0]);
-            match place {
-                0 => 1.0,
-                place if place % 2 == 1 => phase.cos(),
-                _ => phase.sin(),
-            }
-        });
         let contact_harmonics = (harmonics + CONTACT_BEYOND).min(2 * harmonics);
         let forcing = Forcing {
             angular_frequency,
             coefficients,
             harmonics,
             contact_harmonics,
-            sensed_harmonics,
+            sensed_harmonics: SENSED * harmonics,
             tolerance: TOLERANCE,
         };
         Ok(Self {
             forcing,
-            waves,
+            periods,
+            inverse: RealFftPlanner::new().plan_fft_inverse(time.len()),
             orders,
             measured,
             motion,
             load,
             start: None,
             settled: false,
-            about_measured: false,
         })
     }
 
     /// Starts from a solution of another simulation of the record.
     pub fn start_from(&mut self, start: &Start) {
         self.start = Some(start.clone()).filter(|start| start.fits(&self.forcing));
-    }
-
-    /// From now on predicts to first order about the measured motion.
-    pub fn stay_at_measured(&mut self) {
-        self.about_measured = true;
     }
 
     /// Coefficients of the measured normal load (N), `[a0, c1, s1, …]`.
@@ -123,13 +108,6 @@ impl SteadyRecord {
     /// Predictions of all channels, one after the other: of the response near the last one of this simulation where
     /// there is one, as the many steps that a fit tries need no search.
     pub fn predict(&self, model: &Attached, out: &mut Vec<f64>) -> Result<(), String> {
-        let text = |error: HarmonicError| error.to_string();
-        if self.about_measured {
-            let found =
-                self.about(model, &[]).and_then(|mut about| about.first_order(&self.forcing, model.driven()));
-            self.observe(&found.map_err(text)?, out);
-            return Ok(());
-        }
         match self.start.as_ref().filter(|_| self.settled) {
             Some(start) => {
                 let mut steady = self.forcing.solve(model.driven(), &[], Some(start)).map_err(text)?;
@@ -150,17 +128,7 @@ impl SteadyRecord {
         differences: &mut Vec<Vec<f64>>,
     ) -> Result<(), String> {
         let others: Vec<Driven> = neighbours.iter().map(Attached::driven).collect();
-        let text = |error: HarmonicError| error.to_string();
         differences.resize_with(others.len(), Vec::new);
-        if self.about_measured {
-            let mut about = self.about(model, &others).map_err(text)?;
-            self.observe(&about.first_order(&self.forcing, model.driven()).map_err(text)?, predictions);
-            for (other, difference) in others.iter().zip(differences) {
-                self.observe(&about.first_order(&self.forcing, *other).map_err(text)?, difference);
-                difference.iter_mut().zip(&*predictions).for_each(|(there, here)| *there -= here);
-            }
-            return Ok(());
-        }
         let mut solved = self.nearest(model.driven(), &others, predictions).map_err(text)?;
         for (other, difference) in others.iter().zip(differences) {
             let change = solved.change(&self.forcing, *other).map_err(text)?;
@@ -171,8 +139,36 @@ impl SteadyRecord {
         Ok(())
     }
 
+    /// Predictions to first order about the measured motion.
+    pub fn predict_about_measured(&self, model: &Attached, out: &mut Vec<f64>) -> Result<(), String> {
+        self.linearise_about_measured(model, &[], out, &mut Vec::new())
+    }
+
+    /// The same with their differences to those of `neighbours`.
+    pub fn linearise_about_measured(
+        &self,
+        model: &Attached,
+        neighbours: &[Attached],
+        predictions: &mut Vec<f64>,
+        differences: &mut Vec<Vec<f64>>,
+    ) -> Result<(), String> {
+        let others: Vec<Driven> = neighbours.iter().map(Attached::driven).collect();
+        let mut about = self.about_measured(model, &others).map_err(text)?;
+        self.observe(&about.first_order(&self.forcing, model.driven()).map_err(text)?, predictions);
+        differences.resize_with(others.len(), Vec::new);
+        for (other, difference) in others.iter().zip(differences) {
+            self.observe(&about.first_order(&self.forcing, *other).map_err(text)?, difference);
+            difference.iter_mut().zip(&*predictions).for_each(|(there, here)| *there -= here);
+        }
+        Ok(())
+    }
+
     /// The model at the measured motion.
-    fn about<'m>(&self, model: &'m Attached, others: &[Driven]) -> Result<Steady<'m>, HarmonicError> {
+    fn about_measured<'m>(
+        &self,
+        model: &'m Attached,
+        others: &[Driven],
+    ) -> Result<Steady<'m>, HarmonicError> {
         let start = self.forcing.start_at(model.driven(), &self.motion)?;
         self.forcing.about(model.driven(), others, &start)
     }
@@ -231,7 +227,7 @@ impl SteadyRecord {
 
     /// Root-mean-square difference of `predictions` from the measured motion as share of it, means apart.
     fn astray(&self, predictions: &[f64]) -> f64 {
-        let samples = self.waves.nrows();
+        let samples = self.inverse.len();
         let (mut sum, mut channels) = (0.0, 0.0);
         let mut moved = vec![0.0; samples];
         for (predicted, measured) in
@@ -249,12 +245,13 @@ impl SteadyRecord {
         if channels > 0.0 { f64::sqrt(sum / channels) } else { 0.0 }
     }
 
-    /// What the channels measure of displacements with the coefficients `sensors`.
+    /// What the channels measure of displacements with the coefficients `sensors`. Their phase 0 is the first sample.
     fn observe(&self, sensors: &[f64], out: &mut Vec<f64>) {
         out.clear();
-        for (coefficients, order) in sensors.chunks_exact(self.waves.ncols()).zip(&self.orders) {
+        let count = coefficient_count(self.forcing.sensed_harmonics);
+        for (coefficients, order) in sensors.chunks_exact(count).zip(&self.orders) {
             let moved = time_derivative(coefficients, *order, self.forcing.angular_frequency);
-            out.extend_from_slice((&self.waves * DVector::from_vec(moved)).as_slice());
+            fourier::to_samples(&moved, self.periods, &*self.inverse, out);
         }
     }
 }
@@ -265,6 +262,10 @@ enum Way {
     Last,
     Measured,
     Nothing,
+}
+
+fn text(error: HarmonicError) -> String {
+    error.to_string()
 }
 
 fn remove_mean(values: &mut [f64]) {

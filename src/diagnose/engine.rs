@@ -254,19 +254,21 @@ fn conclude(
         false => whole.normalised_error(scored),
     };
     let errors: Vec<f64> = scores.iter().map(error).collect();
-    // A first effect that changes nothing there may still be small; one that does harm is none.
-    let harmful = scores.first().is_some_and(|first| blocks::gain(whole, &before, first).z < -HARMFUL_Z);
-    let rising = if harmful { Some(0) } else { (1..errors.len()).find(|k| errors[*k] >= errors[k - 1]) };
-    if let Some(rising) = rising {
+    // An effect may do good only beside those that were found after it: the best of the chain is what counts. A first
+    // effect that changes nothing there may still be small; one that does harm is none.
+    let best = (1..errors.len()).fold(0, |best, k| if errors[k] < errors[best] { k } else { best });
+    let harmful = scores.get(best).is_some_and(|best| blocks::gain(whole, &before, best).z < -HARMFUL_Z);
+    let kept = if harmful { 0 } else { best + 1 };
+    if kept < scores.len() {
         let without = (0, fits[0].clone());
-        let (count, fitted) = if rising == 0 { &without } else { &chain[rising - 1] };
+        let (count, fitted) = if kept == 0 { &without } else { &chain[kept - 1] };
         // What the backward drop left is no longer the end.
         if findings.dropped() {
             fits.pop();
         }
         findings.veto(search, *count, &fitted.model);
         fits.push(fitted.clone());
-        scores.truncate(rising);
+        scores.truncate(kept);
     }
     let after = scores.pop().unwrap_or_else(|| before.clone());
     let chi_square = (known && !after.is_empty()).then(|| mean_square(&after));

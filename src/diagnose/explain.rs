@@ -178,6 +178,9 @@ fn unexplained(outcome: &Outcome, search: &Search, untouched: f64) -> String {
     let selecting = outcome.selecting;
     let (chi_square, records) = match (untouched > UNEXPLAINED, selecting > UNEXPLAINED, outcome.repeated) {
         (true, _, _) => (untouched, "records that nothing was fitted to"),
+        (_, true, _) if selecting < outcome.findings.last().chi_square() => {
+            (selecting, "the selecting records beyond what the doubt of the parameters makes of them")
+        }
         (_, true, _) => (selecting, "the selecting records"),
         _ if outcome.left.is_some_and(|left| left.is_too_much()) => return at_worst(outcome, search),
         (_, _, Some(repeated)) => return format!("{}, so it is not noise", repeats(repeated)),

@@ -5,7 +5,7 @@ use super::blocks::{self, Gain};
 use super::candidates::Candidate;
 use super::engine::Meter;
 use super::maps::Repeated;
-use super::select::{PASSING_SHARE, PASSING_Z, Search, State, Trial};
+use super::select::{OTHER_MINIMUM, PASSING_SHARE, PASSING_Z, Search, State, Trial};
 use super::trial::Fitted;
 use crate::model::Model;
 
@@ -172,6 +172,9 @@ impl Findings {
             findings.rounds.push(round);
             let Some(step) = step else { break };
             findings.steps.push(step);
+            if known {
+                findings.begin_again(search);
+            }
             if findings.interrupted {
                 break;
             }
@@ -180,6 +183,22 @@ impl Findings {
         findings.drop_backward(search);
         findings.settle_ties(search);
         findings
+    }
+
+    /// All effects at once from their own starts, where they do not reach the noise: an effect found alone is bent to do
+    /// the work of those found after it, and from there a fit may not come back.
+    fn begin_again(&mut self, search: &Search) {
+        let effects = self.effects();
+        let Some(step) = self.steps.last_mut().filter(|_| effects.len() > 1) else { return };
+        if search.fitted_chi_square(&step.state) < ADEQUATE {
+            return;
+        }
+        if let Ok(again) = search.added(&self.base.fitted.model, &effects)
+            && again.fitted.cost < OTHER_MINIMUM * step.state.fitted.cost
+        {
+            step.error = search.bench.normalised_error(&again.scored);
+            step.state = again;
+        }
     }
 
     /// Of the ties that the rounds met, keeps those that still stand beside all else that was found.
@@ -233,12 +252,7 @@ impl Findings {
             return;
         }
         let Some(first) = self.rounds.first() else { return };
-        let best: Vec<Candidate> = first
-            .iter()
-            .filter(|t| t.state.is_ok() && t.gain.share > PROMISING)
-            .take(PAIRED)
-            .filter_map(|t| t.candidates.first().cloned())
-            .collect();
+        let best = self.to_pair(first, known);
         let pairs: Vec<Vec<Candidate>> = (0..best.len())
             .flat_map(|b| (0..b).map(move |a| (a, b)))
             .map(|(a, b)| vec![best[a].clone(), best[b].clone()])
@@ -254,6 +268,24 @@ impl Findings {
             }
         }
         self.rounds.push(round);
+    }
+
+    /// The candidates of the round `first` that gain most on the selecting records; then, where the noise is known, those
+    /// that gain most on the fitted ones: what else is missing may spoil the selecting ones alone.
+    fn to_pair(&self, first: &[Trial], known: bool) -> Vec<Candidate> {
+        let candidate = |trial: &&Trial| trial.candidates.first().cloned();
+        let promising = first.iter().filter(|trial| trial.state.is_ok() && trial.gain.share > PROMISING);
+        let mut best: Vec<Candidate> = promising.filter_map(|trial| candidate(&trial)).take(PAIRED).collect();
+        let far_below = OTHER_MINIMUM * self.base.fitted.cost;
+        let costs = first.iter().filter_map(|trial| Some((trial.state.as_ref().ok()?.fitted.cost, trial)));
+        let mut fitting: Vec<(f64, &Trial)> = costs.filter(|(cost, _)| known && *cost < far_below).collect();
+        fitting.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for found in fitting.iter().filter_map(|(_, trial)| candidate(trial)) {
+            if best.len() < PAIRED && !best.contains(&found) {
+                best.push(found);
+            }
+        }
+        best
     }
 
     /// Drops effects without which the others do as well.

@@ -21,7 +21,7 @@ pub(super) const PASSING_SHARE: f64 = 0.03;
 /// Cost over that of the most promising candidate above which another is not refined to the end.
 const USEFUL: f64 = 4.0;
 /// Cost over that of the present fit below which a fit from another start has found another minimum.
-const OTHER_MINIMUM: f64 = 0.7;
+pub(super) const OTHER_MINIMUM: f64 = 0.7;
 /// Starts that a fit is begun from; of more, those are that come nearest to the data as they are.
 const MOST_STARTS: usize = 4;
 /// What chance can make of the mean square that the doubt of the parameters adds, as multiple of its average.
