@@ -264,6 +264,7 @@ enum Way {
     Nothing,
 }
 
+/// The error for a reader of the comparison.
 fn text(error: HarmonicError) -> String {
     error.to_string()
 }

@@ -111,7 +111,7 @@ pub fn diagnose(
     let first = refitted_at_first(&bench, model, &parts, |model| {
         candidates::unknowns(model, given, &scales, dataset)
     })
-    .map_err(|reason| unpredictable(dataset, reason))?;
+    .map_err(|reason| unpredictable(&bench, model, reason))?;
     bench.reseed(&first.model);
     let through = inputs::through(&first.model, &bench);
     let stated = noise::weigh(&mut bench.lanes, &measured, &through);
@@ -128,7 +128,7 @@ pub fn diagnose(
         about_measured: about_measured.as_ref(),
         ..Search::new(&bench, &parts, &scales, model, &told)
     };
-    let base = search.state(&first.model).map_err(|reason| unpredictable(dataset, reason))?;
+    let base = search.state(&first.model).map_err(|reason| unpredictable(&bench, &first.model, reason))?;
     let smallest = base.chi_square().min(search.fitted_chi_square(&base));
     let known = stated && smallest > INCREDIBLE;
     let (mut tried, untried) = candidates::of(model, &bench);
@@ -196,7 +196,7 @@ fn table(
     let search = Search::new(&bench, &parts, &scales, model, &told);
     let material =
         few_points::Material { model, dataset, baseline, measured, options, interrupt: watch.interrupt };
-    few_points::diagnose(&search, material).map_err(|reason| unpredictable(dataset, reason))
+    few_points::diagnose(&search, material).map_err(|reason| unpredictable(&bench, model, reason))
 }
 
 /// The bench and the magnitudes, or why the model cannot be refitted to the dataset.
@@ -213,13 +213,34 @@ fn prepared<'d>(
     Ok((bench, magnitudes::of(model, dataset)))
 }
 
-fn unpredictable(dataset: &Dataset, reason: String) -> DiagnoseError {
-    let record = dataset.records.first().map(|record| record.name.clone()).unwrap_or_default();
+/// Why `model` could not be refitted, with the first record that it does not predict as it stands.
+fn unpredictable(bench: &Bench, model: &Model, reason: String) -> DiagnoseError {
+    let records = &bench.dataset.records;
+    let failing = (0..records.len()).find(|record| bench.score(model, &[*record]).is_err());
+    let record = records.get(failing.unwrap_or(0)).map(|record| record.name.clone()).unwrap_or_default();
     RefitError::Unpredictable { record, reason }.into()
 }
 
 /// Standard errors by which the first effect must worsen the untouched records to be taken back.
 const HARMFUL_Z: f64 = 1.0;
+
+/// How many effects of a chain the untouched records bear out, from their `scores` and `errors` with the first effect to
+/// those with all, and `before` any: those up to the first that does not lower the error. A first effect that changes
+/// nothing there may still be small; one that does harm is none. But an effect may do good only beside one that was
+/// found after it: where more of the chain gains beyond doubt, so much of it is kept.
+fn borne_out(whole: &Bench, before: &[Scored], scores: &[Vec<Scored>], errors: &[f64]) -> usize {
+    let Some(first) = scores.first() else { return 0 };
+    let lost = first.is_empty() && !before.is_empty();
+    let harmful = lost || blocks::gain(whole, before, first).z < -HARMFUL_Z;
+    let rising = (1..errors.len()).find(|k| errors[*k] >= errors[k - 1]);
+    let kept = if harmful { 0 } else { rising.unwrap_or(errors.len()) };
+    let stop = if kept == 0 { before } else { &scores[kept - 1] };
+    let best = (kept..errors.len()).min_by(|a, b| errors[*a].total_cmp(&errors[*b]));
+    match best {
+        Some(best) if blocks::gain(whole, stop, &scores[best]).passes() => best + 1,
+        _ => kept,
+    }
+}
 
 /// The last fits, to all samples of all records that were seen, and the one look at those that were not. It may
 /// take back effects that do not hold there.
@@ -233,7 +254,7 @@ fn conclude(
     let seen = search.parts.seen();
     let refit = |model: &Model| -> Result<Fitted, DiagnoseError> {
         trial::fit(whole, model, &search.unknowns(model), &seen, Effort::Full)
-            .map_err(|reason| unpredictable(whole.dataset, reason))
+            .map_err(|reason| unpredictable(whole, model, reason))
     };
     let mut fits = vec![refit(&findings.base.fitted.model)?];
     for step in &findings.steps {
@@ -249,16 +270,12 @@ fn conclude(
     let mut scores: Vec<Vec<Scored>> = chain.iter().map(|(_, fitted)| score(&fitted.model)).collect();
     // What the noise is not known of is judged by the error that is reported.
     let error = |scored: &Vec<Scored>| match known {
-        _ if scored.is_empty() => f64::NAN,
+        _ if scored.is_empty() => f64::INFINITY,
         true => mean_square(scored),
         false => whole.normalised_error(scored),
     };
     let errors: Vec<f64> = scores.iter().map(error).collect();
-    // An effect may do good only beside those that were found after it: the best of the chain is what counts. A first
-    // effect that changes nothing there may still be small; one that does harm is none.
-    let best = (1..errors.len()).fold(0, |best, k| if errors[k] < errors[best] { k } else { best });
-    let harmful = scores.get(best).is_some_and(|best| blocks::gain(whole, &before, best).z < -HARMFUL_Z);
-    let kept = if harmful { 0 } else { best + 1 };
+    let kept = borne_out(whole, &before, &scores, &errors);
     if kept < scores.len() {
         let without = (0, fits[0].clone());
         let (count, fitted) = if kept == 0 { &without } else { &chain[kept - 1] };
@@ -349,7 +366,7 @@ pub fn add(
     let told = |what: &str| meter.tell(what);
     let parts = Parts { fit, ..Parts::default() };
     let search = Search::new(&bench, &parts, &scales, model, &told);
-    let failed = |reason| unpredictable(dataset, reason);
+    let failed = |reason| unpredictable(&bench, model, reason);
     let base: State = search.state(model).map_err(failed)?;
     meter.tell("refitted");
     let candidate = Candidate { effect, location };

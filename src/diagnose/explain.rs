@@ -68,7 +68,7 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
             (true, _) => String::new(),
             (false, false) => "; dropped again at the end, the others do as well without".to_owned(),
             (false, true) => format!(
-                "; {} is taken back, since with it the error of the untouched records does not fall",
+                "; {} is taken back, since the error of the untouched records does not bear it out",
                 step.without.iter().map(|c| c.effect.title).collect::<Vec<_>>().join(" with ")
             ),
         };

@@ -5,7 +5,7 @@ use super::blocks::{self, Gain};
 use super::candidates::Candidate;
 use super::engine::Meter;
 use super::maps::Repeated;
-use super::select::{OTHER_MINIMUM, PASSING_SHARE, PASSING_Z, Search, State, Trial};
+use super::select::{OTHER_MINIMUM, PASSING_Z, Search, State, Trial};
 use super::trial::Fitted;
 use crate::model::Model;
 
@@ -189,16 +189,20 @@ impl Findings {
     /// the work of those found after it, and from there a fit may not come back.
     fn begin_again(&mut self, search: &Search) {
         let effects = self.effects();
-        let Some(step) = self.steps.last_mut().filter(|_| effects.len() > 1) else { return };
-        if search.fitted_chi_square(&step.state) < ADEQUATE {
+        let [before @ .., step] = self.steps.as_mut_slice() else { return };
+        if effects.len() < 2 || search.fitted_chi_square(&step.state) < ADEQUATE {
             return;
         }
         if let Ok(again) = search.added(&self.base.fitted.model, &effects)
             && again.fitted.cost < OTHER_MINIMUM * step.state.fitted.cost
+            && blocks::gain(search.bench, &step.state.scored, &again.scored).z > -PASSING_Z
         {
+            let before = before.last().map_or(&self.base, |step| &step.state);
+            step.gain = blocks::gain(search.bench, &before.scored, &again.scored);
             step.error = search.bench.normalised_error(&again.scored);
             step.state = again;
         }
+        self.interrupted |= search.bench.interrupted();
     }
 
     /// Of the ties that the rounds met, keeps those that still stand beside all else that was found.
@@ -305,8 +309,12 @@ impl Findings {
                 let mut model = present.fitted.model.clone();
                 model.effects.remove(given + index);
                 let Ok(without) = search.state(&model) else { continue };
-                let gain = blocks::gain(search.bench, &without.scored, &present.scored);
-                if gain.z < PASSING_Z || gain.share < PASSING_SHARE {
+                let without = if blocks::gain(search.bench, &without.scored, &present.scored).passes() {
+                    search.idle(&present, &without)
+                } else {
+                    Some(without)
+                };
+                if let Some(without) = without {
                     dropped = Some((index, without));
                     break;
                 }

@@ -24,6 +24,8 @@ const USEFUL: f64 = 4.0;
 pub(super) const OTHER_MINIMUM: f64 = 0.7;
 /// Starts that a fit is begun from; of more, those are that come nearest to the data as they are.
 const MOST_STARTS: usize = 4;
+/// Combinations of starts that are compared with the data.
+const MOST_COMBINATIONS: usize = 320;
 /// What chance can make of the mean square that the doubt of the parameters adds, as multiple of its average.
 const CHANCE: f64 = 4.0;
 /// Two candidates whose difference is below this many standard errors are tied.
@@ -255,7 +257,9 @@ impl<'a, 'd> Search<'a, 'd> {
             }
             with
         };
-        let mut models = self.nearest(bench, (0..combinations).map(with).collect(), MOST_STARTS);
+        // Of many effects together only so many combinations are looked at.
+        let looked_at = (0..combinations).step_by(combinations.div_ceil(MOST_COMBINATIONS).max(1));
+        let mut models = self.nearest(bench, looked_at.map(with).collect(), MOST_STARTS);
         if let ([candidate], true) = (set, far) {
             let sizes = candidate.scan(&ranges[0]).into_iter().map(|applied| {
                 let mut with = model.clone();
@@ -293,7 +297,19 @@ impl<'a, 'd> Search<'a, 'd> {
             })
             .collect();
         apart.sort_by(|a, b| a.0.total_cmp(&b.0));
-        apart.into_iter().take(count).map(|(_, model)| model).collect()
+        // Small effects are near to the data whatever else is wrong: of every size the best is a start, too.
+        let size = |model: &Model| model.effects.last().and_then(|effect| effect.values.first().copied());
+        let mut sizes = Vec::new();
+        let mut starts = Vec::new();
+        for (place, (_, model)) in apart.into_iter().enumerate() {
+            let new = !sizes.contains(&size(&model));
+            sizes.push(size(&model));
+            let shaped = model.effects.last().is_some_and(|effect| effect.values.len() > 1);
+            if place < count || count > 1 && new && shaped {
+                starts.push(model);
+            }
+        }
+        starts
     }
 
     /// Whether `winner` is better than `other` by less than a standard error.
@@ -320,6 +336,20 @@ impl<'a, 'd> Search<'a, 'd> {
             (Ok(without), Ok(with)) => blocks::gain(self.bench, &without, &with).passes(),
             _ => false,
         }
+    }
+
+    /// The model of `without` where, once it and that of `with`, which has one effect more, are refitted to all records
+    /// seen, that effect gains nothing: then it only led the fit out of a poor minimum.
+    pub fn idle(&self, with: &State, without: &State) -> Option<State> {
+        let seen = self.parts.seen();
+        let refitted = |state: &State| -> Result<(Model, Vec<Scored>), String> {
+            let model = &state.fitted.model;
+            let fitted = trial::fit(self.bench, model, &self.unknowns(model), &seen, Effort::Full)?;
+            let scored = self.bench.score(&fitted.model, &seen)?;
+            Ok((fitted.model, scored))
+        };
+        let ((_, more), (model, less)) = (refitted(with).ok()?, refitted(without).ok()?);
+        if blocks::gain(self.bench, &less, &more).passes() { None } else { self.state(&model).ok() }
     }
 
     /// Whether no other effect does what `step` does, and its parameters have found values within their bounds.

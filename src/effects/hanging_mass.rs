@@ -4,7 +4,7 @@ use super::{Effect, EffectParameter, HangingMass, Kind, Needs, PlaceKind, magnit
 use crate::vocabulary as v;
 
 /// Shares of the structure's mass to start from, each with every frequency.
-const SHARES: [f64; 3] = [0.01, 0.03, 0.08];
+const SHARES: [f64; 4] = [0.01, 0.03, 0.08, 1.0];
 /// Frequencies to start from, each `STEP` times the one before. What a resonator does is narrow: a fit finds its
 /// frequency only from nearby.
 const FREQUENCIES: usize = 25;

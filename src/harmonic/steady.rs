@@ -306,6 +306,7 @@ impl<'a> Steady<'a> {
         Ok(after.iter().zip(&self.sensors).map(|(after, before)| after - before).collect())
     }
 
+    /// Gives a neighbour the workspace there is, without what it remembers.
     fn lend(&mut self, neighbour: &mut Balance) {
         if let Some(spare) = self.spare.take() {
             neighbour.work_with(spare);

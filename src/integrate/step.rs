@@ -328,7 +328,7 @@ impl StepSolver {
             excitation -= beam.quadratic_damping * velocity.abs() * velocity;
         }
         let force = self.nodes[node].force;
-        // Stretching pulls along G q = c − direction, by κ qᵀ G q.
+        // Stretching and a string pull along G q = c − direction, by κ qᵀ G q − k Σ sᵢ qᵢ.
         let (mut tension, mut shortened) = (0.0, 0.0);
         if beam.pulls_along() {
             let lever = beam.contact_shape.iter().zip(&self.direction).zip(&self.q[node]);
@@ -361,16 +361,6 @@ impl StepSolver {
 }
 
 impl ModalBeam {
-    /// Whether anything but a contact pulls along the beam, by its shortening.
-    pub(crate) fn pulls_along(&self) -> bool {
-        self.stretching_stiffness != 0.0 || self.string_stiffness != 0.0
-    }
-
-    /// `k Σ sᵢ qᵢ`: the pull of a string (N).
-    pub(crate) fn string_pull(&self, q: &[f64]) -> f64 {
-        self.string_stiffness * self.string_stretch.iter().zip(q).map(|(s, q)| s * q).sum::<f64>()
-    }
-
     /// `f φᵢ(S) − Σ Tₖ φᵢ(xₖ)`: what `excitation` and the `forces` at the contact points do to the modes.
     pub(super) fn push(&self, excitation: f64, forces: impl Iterator<Item = f64>, out: &mut [f64]) {
         out.iter_mut().zip(&self.excitation_shape).for_each(|(out, phi)| *out = excitation * phi);

@@ -54,6 +54,18 @@ pub struct ModalBeam {
     pub contact_points: Vec<Sensor>,
 }
 
+impl ModalBeam {
+    /// Whether anything but a contact pulls along the beam, by its shortening.
+    pub(crate) fn pulls_along(&self) -> bool {
+        self.stretching_stiffness != 0.0 || self.string_stiffness != 0.0
+    }
+
+    /// `k Σ sᵢ qᵢ`: the pull of a string (N).
+    pub(crate) fn string_pull(&self, q: &[f64]) -> f64 {
+        self.string_stiffness * self.string_stretch.iter().zip(q).map(|(s, q)| s * q).sum::<f64>()
+    }
+}
+
 /// A sensor on a [`ModalBeam`], or another place of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {

@@ -51,7 +51,7 @@ use varied::{Varied, attached};
 /// What the balance is condensed to besides the contact's displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Signals {
-    /// The shortening, for stretching.
+    /// The shortening, for stretching and for a string.
     pub shortening: bool,
     /// The displacement at the excitation, for drag.
     pub excitation: bool,

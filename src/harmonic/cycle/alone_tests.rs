@@ -11,6 +11,8 @@ use crate::harmonic::set::HarmonicSet;
 const OMEGA: f64 = 300.0;
 /// Slips in both directions, with harmonics that make no reversal more.
 const SLIPPING: [f64; 7] = [0.1, 1.0, 0.2, 0.05, -0.1, 0.03, 0.04];
+/// As small as the slope of Valanis' law fades slowly, and turned so that no sample is a turning point's.
+const SMALL: [f64; 7] = [0.02, -0.2, 0.3, 0.02, 0.03, -0.01, 0.02];
 const WIDER: usize = 7;
 
 fn joint(changes: JointChanges) -> Box<dyn ContactLaw> {
@@ -24,6 +26,7 @@ fn laws() -> Vec<Box<dyn ContactLaw>> {
         joint(none),
         joint(JointChanges { damping: 2e-3, ..none }),
         joint(JointChanges { spread: 0.8, ..none }),
+        joint(JointChanges { half_gap: 0.05, damping: 2e-3, ..none }),
         joint(JointChanges { spread: 0.8, half_gap: 0.05, residual_stiffness: 0.1, ..none }),
         joint(JointChanges { spread: 0.8, normal_cubic_stiffness: 0.2, asymmetry: 0.1, ..none }),
         joint(JointChanges { weakening: Some((0.5, 100.0)), ..none }),
@@ -39,26 +42,32 @@ fn loaded<'a>(law: &'a dyn ContactLaw, load_swing: &'a [f64]) -> PeriodicContact
 fn the_force_alone_is_that_with_derivatives_on_any_harmonics() {
     // One workspace goes through all laws, as one balance lends it to the next.
     let mut lean = ContactMap::new(HarmonicSet::full(3), Method::Exact);
+    let motions = [SLIPPING, SMALL];
     for law in laws() {
-        for swing in [&[][..], &[0.3, 0.1, 0.0, 0.2]] {
+        for (swing, u) in
+            [&[][..], &[0.3, 0.1, 0.0, 0.2]].into_iter().flat_map(|swing| motions.map(|u| (swing, u)))
+        {
             let contact = loaded(law.as_ref(), swing);
             let mut whole = ContactMap::new(HarmonicSet::full(3), Method::Exact);
-            whole.evaluate(&contact, OMEGA, &SLIPPING).unwrap();
-            let (wider, size) =
-                (HarmonicSet::full(WIDER), whole.force().iter().fold(0.0, |m: f64, f| m.max(f.abs())));
+            whole.evaluate(&contact, OMEGA, &u).unwrap();
+            let wider = HarmonicSet::full(WIDER);
+            let size = whole.force().iter().fold(0.0, |most: f64, force| most.max(force.abs()));
             let (mut expected, mut found) = (vec![0.0; wider.len()], vec![0.0; wider.len()]);
             whole.force_on(wider, &mut expected);
             lean.forget();
-            lean.force_alone(&contact, OMEGA, &SLIPPING, wider, &mut found).unwrap();
-            let mut own = vec![0.0; SLIPPING.len()];
+            lean.force_alone(&contact, OMEGA, &u, wider, &mut found).unwrap();
+            let mut own = vec![0.0; u.len()];
             lean.force_on(HarmonicSet::full(3), &mut own);
             let pairs = expected.iter().zip(&found).chain(whole.force().iter().zip(&own));
             for (expected, found) in pairs {
-                assert!((expected - found).abs() < 1e-11 * size, "{expected} {found} {law:?} {swing:?}");
+                assert!(
+                    (expected - found).abs() < 1e-10 * size,
+                    "{expected} {found} {law:?} {swing:?} {u:?}"
+                );
             }
             // What the force alone left behind does no harm to what follows.
-            lean.evaluate(&contact, OMEGA, &SLIPPING).unwrap();
-            assert!((lean.jacobian() - whole.jacobian()).amax() < 1e-9 * whole.jacobian().amax());
+            lean.evaluate(&contact, OMEGA, &u).unwrap();
+            assert!((lean.jacobian() - whole.jacobian()).amax() < 1e-8 * whole.jacobian().amax());
         }
     }
 }

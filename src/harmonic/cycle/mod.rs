@@ -104,8 +104,8 @@ pub(crate) trait Cycle {
     /// Coefficients of the force on another set of harmonics, for the displacement last evaluated.
     fn force_on(&mut self, set: HarmonicSet, out: &mut [f64]);
 
-    /// Coefficients on `set` of the force for the displacement `u`, without derivatives. Stands for an evaluation,
-    /// after which force, Jacobian and summary mean nothing.
+    /// Coefficients on `set` of the force for the displacement `u`, without derivatives. Of what follows only
+    /// [`Cycle::force_on`] has a meaning then.
     fn force_alone(
         &mut self,
         contact: &PeriodicContact,
@@ -113,11 +113,7 @@ pub(crate) trait Cycle {
         u: &[f64],
         set: HarmonicSet,
         out: &mut [f64],
-    ) -> Result<(), HarmonicError> {
-        self.evaluate_force(contact, angular_frequency, u)?;
-        self.force_on(set, out);
-        Ok(())
-    }
+    ) -> Result<(), HarmonicError>;
 
     /// What the contact did in the last evaluation.
     fn summary(&mut self) -> CycleSummary;

@@ -45,7 +45,7 @@ impl ReferenceCycle {
         }
     }
 
-    /// Two marched periods; the second, which is periodic but for memory that does not fade, is kept.
+    /// Two marched periods, of which the second tells where the contact sticks.
     fn march(&mut self, contact: &PeriodicContact, angular_frequency: f64) {
         let n = contact.law.state_len();
         let (mut state, mut next) = (vec![0.0; n], vec![0.0; n]);
@@ -62,7 +62,6 @@ impl ReferenceCycle {
             let response = contact.law.step(&state, inputs, &mut next);
             std::mem::swap(&mut state, &mut next);
             if k >= self.samples {
-                let force = response.force + self.inner.given(k % self.samples);
                 self.history.push((inputs.displacement, force, response.slip_state));
             }
         }
@@ -121,7 +120,7 @@ impl Cycle for ReferenceCycle {
         if self.inner.force_alone(contact, angular_frequency, &self.displacement) {
             self.complete = false;
             self.history.clear();
-            let force = |k| self.inner.sample(k).2 + self.inner.given(k);
+            let force = |k| self.inner.sample(k).2;
             self.history.extend((0..self.samples).map(|k| (0.0, force(k), SlipState::Stick)));
         } else {
             self.evaluate(contact, angular_frequency, u)?;

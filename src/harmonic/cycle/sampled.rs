@@ -161,11 +161,6 @@ impl SampledCycle {
         }
     }
 
-    /// What the sample `k` is given for a jump beside it (N).
-    pub fn given(&self, k: usize) -> f64 {
-        self.jump.given[k]
-    }
-
     fn reserve(&mut self, state_len: usize) {
         if self.state_len == state_len {
             return;
@@ -228,8 +223,9 @@ impl SampledCycle {
                 return Ok(());
             }
             // Newton may overshoot where the loop bends sharply; plain marching always contracts.
-            plain = !closure.force_change.is_finite() || closure.force_change > last_change && !plain;
-            last_change = closure.force_change;
+            let change = closure.force_change.max(closure.state_change * self.force_scale);
+            plain = !closure.force_change.is_finite() || change > last_change && !plain;
+            last_change = change;
             self.improve_start(plain, contact, angular_frequency);
         }
         Err(HarmonicError::ContactNotPeriodic { cycles: MAX_CYCLES })

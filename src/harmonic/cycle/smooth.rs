@@ -290,7 +290,7 @@ impl SmoothCycle {
                 continue;
             }
             if self.alone && contact.compliance == 0.0 {
-                // A tenth of the work where the law has many sliders.
+                // A law of many sliders has a tenth of the work with it.
                 self.next.copy_from_slice(state);
                 node.force = contact.law.advance(&mut self.next, inputs);
                 continue;
@@ -540,8 +540,12 @@ impl Cycle for SmoothCycle {
     /// The nodes resolve harmonics up to about twice the highest of the cycle's own set.
     fn force_on(&mut self, set: HarmonicSet, out: &mut [f64]) {
         let half = self.share < 1.0;
-        if self.path.points.is_empty() || half && set.highest() == 0 {
+        if self.path.points.is_empty() {
             self.set.convert(&self.force, set, out);
+            return;
+        }
+        if half && set.highest() == 0 {
+            out.fill(0.0);
             return;
         }
         let kept = if half { HarmonicSet::odd(set.highest()) } else { set };

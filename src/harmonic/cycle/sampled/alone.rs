@@ -27,9 +27,11 @@ impl SampledCycle {
                 self.previous.copy_from_slice(u);
                 self.start_sensitivity.fill(0.0);
                 self.settled = true;
-                let given = self.force_samples.iter().zip(&self.jump.given);
-                let forces: Vec<f64> = given.map(|(force, given)| force + given).collect();
-                self.basis.project(&forces, &mut self.force);
+                self.force_samples
+                    .iter_mut()
+                    .zip(&self.jump.given)
+                    .for_each(|(force, given)| *force += given);
+                self.basis.project(&self.force_samples, &mut self.force);
                 return true;
             }
         }
