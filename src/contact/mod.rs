@@ -181,6 +181,17 @@ pub trait ContactLaw: std::fmt::Debug + Send + Sync {
         next: &mut [f64],
         out: &mut StateTangents,
     ) -> Response {
+        self.step_and_tangents(state, inputs, next, out)
+    }
+
+    /// [`ContactLaw::step`] and [`ContactLaw::state_tangents`] at once, with all that belongs to them.
+    fn step_and_tangents(
+        &self,
+        state: &[f64],
+        inputs: Inputs,
+        next: &mut [f64],
+        out: &mut StateTangents,
+    ) -> Response {
         let response = self.step(state, inputs, next);
         self.state_tangents(state, inputs, out);
         response

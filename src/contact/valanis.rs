@@ -560,9 +560,7 @@ impl ContactLaw for Valanis {
         let gap = 1.0 - sign * (state[0] / limit);
         // Within the limit nothing is cut.
         if !constant || !(0.0..=BEHIND).contains(&gap) {
-            let response = self.step(state, inputs, next);
-            self.state_tangents(state, inputs, out);
-            return response;
+            return self.step_and_tangents(state, inputs, next, out);
         }
         let stretch = advance(gap, self.reach_stiffness * (travel.abs() / limit), self.curvature);
         let end = cut_to(state[0] + sign * limit * stretch.drop, limit);

@@ -322,14 +322,12 @@ impl<'a, 'd> Search<'a, 'd> {
     /// those hardly show; an effect that happens to correct it then gains there from every block at once.
     pub fn holds(&self, base: &State, trial: &Trial) -> bool {
         let Ok(state) = &trial.state else { return false };
-        let seen = self.parts.seen();
         let refitted = |model: &Model, first: usize| -> Result<Vec<Scored>, String> {
             let mut unknowns = self.unknowns(model);
             unknowns.retain(|unknown| {
                 candidates::effect_of(&unknown.path, model).is_none_or(|(index, _)| index < first)
             });
-            let fitted = trial::fit(self.bench, model, &unknowns, &seen, Effort::Full)?;
-            self.bench.score(&fitted.model, &seen)
+            Ok(self.refitted_to_seen(model, &unknowns)?.scored)
         };
         let first = state.fitted.model.effects.len().saturating_sub(trial.candidates.len());
         match (refitted(&base.fitted.model, usize::MAX), refitted(&state.fitted.model, first)) {
@@ -341,15 +339,24 @@ impl<'a, 'd> Search<'a, 'd> {
     /// The model of `without` where, once it and that of `with`, which has one effect more, are refitted to all records
     /// seen, that effect gains nothing: then it only led the fit out of a poor minimum.
     pub fn idle(&self, with: &State, without: &State) -> Option<State> {
-        let seen = self.parts.seen();
-        let refitted = |state: &State| -> Result<(Model, Vec<Scored>), String> {
+        let refitted = |state: &State| {
             let model = &state.fitted.model;
-            let fitted = trial::fit(self.bench, model, &self.unknowns(model), &seen, Effort::Full)?;
-            let scored = self.bench.score(&fitted.model, &seen)?;
-            Ok((fitted.model, scored))
+            self.refitted_to_seen(model, &self.unknowns(model))
         };
-        let ((_, more), (model, less)) = (refitted(with).ok()?, refitted(without).ok()?);
-        if blocks::gain(self.bench, &less, &more).passes() { None } else { self.state(&model).ok() }
+        let (more, less) = (refitted(with).ok()?, refitted(without).ok()?);
+        if blocks::gain(self.bench, &less.scored, &more.scored).passes() {
+            None
+        } else {
+            self.state(&less.fitted.model).ok()
+        }
+    }
+
+    /// `unknowns` of `model` fitted to all records seen, with the predictions of those.
+    fn refitted_to_seen(&self, model: &Model, unknowns: &[Unknown]) -> Result<State, String> {
+        let seen = self.parts.seen();
+        let fitted = trial::fit(self.bench, model, unknowns, &seen, Effort::Full)?;
+        let scored = self.bench.score(&fitted.model, &seen)?;
+        Ok(State { fitted, scored })
     }
 
     /// Whether no other effect does what `step` does, and its parameters have found values within their bounds.

@@ -315,18 +315,6 @@ impl Joint {
         (response, damper)
     }
 
-    fn step_and_tangents(
-        &self,
-        state: &[f64],
-        inputs: Inputs,
-        next: &mut [f64],
-        out: &mut StateTangents,
-    ) -> Response {
-        let response = self.step(state, inputs, next);
-        self.write_state_tangents(state, inputs, out);
-        response
-    }
-
     fn slip_state(inputs: Inputs, end: &End, look: &Look) -> SlipState {
         if inputs.normal_load <= 0.0 {
             SlipState::Separated
