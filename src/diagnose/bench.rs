@@ -6,10 +6,14 @@ use rayon::prelude::*;
 
 use super::shown::Shown;
 use super::simulation::Seed;
+use super::trial::Fitted;
 use super::{predict, score};
 use crate::identify::InterruptHook;
 use crate::measure::{Dataset, Record};
 use crate::model::Model;
+
+/// Normalised error above which a prediction may be another of several responses than the measured.
+const ASTRAY: f64 = 0.2;
 
 /// A dataset with weights, and counters of what is spent on it.
 pub(super) struct Bench<'d> {
@@ -125,6 +129,24 @@ impl<'d> Bench<'d> {
         records.par_iter().map(scored).collect()
     }
 
+    /// As [`Bench::score`], of the model of a fit. Where that is far from what was measured, also from the solution that
+    /// the fit ended at, or from none: simulations may start from what leads to another of several responses.
+    pub fn score_anew(&self, fitted: &Fitted, records: &[usize]) -> Result<Vec<Scored>, String> {
+        let model = &fitted.model;
+        let mut scored = self.score(model, records)?;
+        scored.par_iter_mut().filter(|one| self.lanes[one.record].seed.is_some()).for_each(|one| {
+            if self.normalised_error(std::slice::from_ref(one)) > ASTRAY
+                && let found = fitted.solutions.iter().find(|(record, _)| *record == one.record)
+                && let seed = found.map(|(_, solution)| Seed::Near(solution.clone()))
+                && let Ok(anew) = self.score_one(model, one.record, seed.as_ref())
+                && square(&anew) < square(one)
+            {
+                *one = anew;
+            }
+        });
+        Ok(scored)
+    }
+
     fn score_one(&self, model: &Model, record: usize, seed: Option<&Seed>) -> Result<Scored, String> {
         let lane = &self.lanes[record];
         let mut shown = Shown::near(model, lane.record, seed)?;
@@ -165,6 +187,10 @@ impl<'d> Bench<'d> {
 pub(super) fn mean_square(scored: &[Scored]) -> f64 {
     let count: usize = scored.iter().map(|one| one.residuals.len()).sum();
     scored.iter().flat_map(|one| &one.residuals).map(|r| r * r).sum::<f64>() / count.max(1) as f64
+}
+
+fn square(scored: &Scored) -> f64 {
+    scored.residuals.iter().map(|r| r * r).sum()
 }
 
 fn lane<'d>(model: &Model, record: &'d Record) -> Result<Lane<'d>, String> {

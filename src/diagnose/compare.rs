@@ -1,7 +1,9 @@
 //! Compare a model with a dataset, refit it, compare again.
 
 use super::comparison::{Parameter, RecordResult, Stage};
+use super::simulation::Seed;
 use super::{predict, score, unseen};
+use crate::harmonic::steady::Start;
 use crate::identify::{self, Ending, FitError, InterruptHook, Options, ProgressHook};
 use crate::measure::{Dataset, Record, Use};
 use crate::model::Model;
@@ -10,8 +12,23 @@ use crate::model::Model;
 ///
 /// A record that cannot be predicted keeps the reason in [`RecordResult::failure`]; the others count.
 pub fn evaluate(name: &str, model: &Model, dataset: &Dataset) -> Stage {
+    evaluate_from(name, model, dataset, &[])
+}
+
+/// The same, each record from the solution that there is for its index.
+pub(super) fn evaluate_from(
+    name: &str,
+    model: &Model,
+    dataset: &Dataset,
+    solutions: &[(usize, Start)],
+) -> Stage {
+    let seed = |index: usize| {
+        let found = solutions.iter().find(|(record, _)| *record == index);
+        found.map(|(_, solution)| Seed::Near(solution.clone()))
+    };
+    let numbered = dataset.records.iter().enumerate();
     let records: Vec<RecordResult> =
-        dataset.records.iter().map(|record| predict::scored(model, record)).collect();
+        numbered.map(|(index, record)| predict::scored(model, record, seed(index).as_ref())).collect();
     let parameters = model
         .parameters()
         .into_iter()

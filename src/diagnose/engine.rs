@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::bench::{Bench, Scored, mean_square};
 use super::candidates::{self, Candidate};
-use super::compare::RefitError;
+use super::compare::{RefitError, evaluate_from};
 use super::comparison::{Comparison, Stage};
 use super::diagnosis::{Cost, Diagnosis, Errors, Noise, Verdict};
 use super::findings::{Findings, Left, Outcome, UNEXPLAINED};
@@ -264,10 +264,10 @@ fn conclude(
         fits.push(refit(&findings.last().fitted.model)?);
     }
     let chain = chain(search, &findings, &fits, refit)?;
-    let score =
-        |model: &Model| -> Vec<Scored> { whole.score(model, &search.parts.untouched).unwrap_or_default() };
-    let before = score(&fits[0].model);
-    let mut scores: Vec<Vec<Scored>> = chain.iter().map(|(_, fitted)| score(&fitted.model)).collect();
+    let untouched = &search.parts.untouched;
+    let score = |fitted: &Fitted| whole.score_anew(fitted, untouched).unwrap_or_default();
+    let before = score(&fits[0]);
+    let mut scores: Vec<Vec<Scored>> = chain.iter().map(|(_, fitted)| score(fitted)).collect();
     // What the noise is not known of is judged by the error that is reported.
     let error = |scored: &Vec<Scored>| match known {
         _ if scored.is_empty() => f64::INFINITY,
@@ -289,9 +289,9 @@ fn conclude(
     }
     let after = scores.pop().unwrap_or_else(|| before.clone());
     let chi_square = (known && !after.is_empty()).then(|| mean_square(&after));
-    let given = whole.normalised_error(&score(given));
+    let given = whole.normalised_error(&whole.score(given, untouched).unwrap_or_default());
     let follows = if known { remainder::follows(whole, &after) } else { Vec::new() };
-    let last = fits.last().map(|last| whole.score(&last.model, &seen));
+    let last = fits.last().map(|last| whole.score_anew(last, &seen));
     let last = last.and_then(Result::ok).unwrap_or_default();
     let repeated = maps::repeated(whole, &last, &after);
     let selecting = search.chi_square_beyond_doubt(findings.last(), UNEXPLAINED);
@@ -383,7 +383,7 @@ pub fn add(
 
 /// The evaluation of a fitted model, its parameters marked with where they started.
 pub(super) fn stage(name: &str, fitted: &Fitted, start: &Model, dataset: &Dataset) -> Stage {
-    let mut stage = evaluate(name, &fitted.model, dataset);
+    let mut stage = evaluate_from(name, &fitted.model, dataset, &fitted.solutions);
     stage.evaluations = fitted.simulations;
     for parameter in &mut stage.parameters {
         let changed = fitted.estimates.iter().any(|estimate| estimate.name == parameter.path);

@@ -126,7 +126,7 @@ impl Findings {
     ) -> Self {
         let mut findings =
             Self { base, steps: Vec::new(), rounds: Vec::new(), shortened: None, interrupted: false };
-        let mut moved = false;
+        let mut before_moving: Option<Vec<Trial>> = None;
         while findings.effects().len() < most {
             let present = findings.last().clone();
             let adequate = known
@@ -142,7 +142,8 @@ impl Findings {
             if !findings.rounds.is_empty() {
                 meter.expect(left.len());
             }
-            let mut round = search.round(&present, &left);
+            let earlier = before_moving.as_deref().filter(|_| findings.rounds.is_empty());
+            let mut round = search.round(&present, &left, earlier);
             findings.interrupted |= search.bench.interrupted();
             let unexplained = |round: &[Trial]| {
                 let fits = round.iter().filter_map(|trial| trial.state.as_ref().ok());
@@ -150,6 +151,7 @@ impl Findings {
                     && fits.fold(f64::INFINITY, |least, s| least.min(search.fitted_chi_square(s)))
                         > UNEXPLAINED
             };
+            let moved = before_moving.is_some();
             if !(moved || adequate || findings.interrupted)
                 && search.about_measured.is_none()
                 && findings.rounds.is_empty()
@@ -161,7 +163,7 @@ impl Findings {
             if !(moved || adequate || findings.interrupted || !findings.rounds.is_empty())
                 && let Some(better) = search.elsewhere(&present, &round)
             {
-                moved = true;
+                before_moving = Some(round);
                 meter.expect(left.len());
                 findings.base = better;
                 continue;
@@ -263,7 +265,7 @@ impl Findings {
             .filter(|pair| pair[0].effect != pair[1].effect)
             .collect();
         meter.expect(pairs.len());
-        let round = search.round(&self.base, &pairs);
+        let round = search.round(&self.base, &pairs, None);
         self.interrupted |= search.bench.interrupted();
         if let Some(step) = self.best_of(search, &self.base, &round) {
             let over_last = blocks::gain(search.bench, &self.last().scored, &step.state.scored);

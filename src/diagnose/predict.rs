@@ -3,6 +3,7 @@
 use super::comparison::RecordResult;
 use super::score;
 use super::shown::Shown;
+use super::simulation::Seed;
 use crate::measure::{Channel, Record, Regime};
 use crate::model::{Model, Structure};
 
@@ -72,8 +73,12 @@ pub fn unused_columns<'r>(model: &Model, record: &'r Record) -> Vec<&'r str> {
 }
 
 /// One prediction per compared channel, as the sensors show it. The start of the record is fitted to it.
-fn predictions<'r>(model: &Model, record: &'r Record) -> Result<Vec<Prediction<'r>>, String> {
-    let mut shown = Shown::new(model, record)?;
+fn predictions<'r>(
+    model: &Model,
+    record: &'r Record,
+    seed: Option<&Seed>,
+) -> Result<Vec<Prediction<'r>>, String> {
+    let mut shown = Shown::near(model, record, seed)?;
     let nuisances = shown.settle(model)?;
     let mut values = Vec::new();
     shown.predict(model, &nuisances, &mut values)?;
@@ -88,9 +93,10 @@ fn predictions<'r>(model: &Model, record: &'r Record) -> Result<Vec<Prediction<'
         .collect())
 }
 
-/// Predicts and scores; a failure is kept as text, for the other records still count.
-pub(super) fn scored(model: &Model, record: &Record) -> RecordResult {
-    let channels = predictions(model, record).and_then(|predictions| {
+/// Predicts and scores, from the solution `seed` if there is one; a failure is kept as text, for the other records
+/// still count.
+pub(super) fn scored(model: &Model, record: &Record, seed: Option<&Seed>) -> RecordResult {
+    let channels = predictions(model, record, seed).and_then(|predictions| {
         predictions.into_iter().map(|(channel, values)| score::channel(channel, values)).collect()
     });
     match channels {
@@ -103,7 +109,7 @@ pub(super) fn scored(model: &Model, record: &Record) -> RecordResult {
 /// square root of its length: the sum of squares is that of the channels' normalised errors.
 pub(super) fn normalised_residual(model: &Model, record: &Record) -> Result<Vec<f64>, String> {
     let mut residual = Vec::new();
-    for (channel, predicted) in predictions(model, record)? {
+    for (channel, predicted) in predictions(model, record, None)? {
         let scale = score::deviation(channel)? * (channel.values.len() as f64).sqrt();
         residual
             .extend(channel.values.iter().zip(predicted).map(|(measured, value)| (value - measured) / scale));

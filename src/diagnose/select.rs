@@ -7,7 +7,7 @@ use super::bench::{Bench, Scored, mean_square};
 use super::blocks::{self, Gain};
 use super::candidates::{self, Candidate};
 use super::doubt;
-use super::findings::Added;
+use super::findings::{ADEQUATE, Added};
 use super::split::Parts;
 use super::trial::{self, Effort, Fitted, Unknown};
 use crate::effects::Scales;
@@ -24,6 +24,16 @@ const USEFUL: f64 = 4.0;
 pub(super) const OTHER_MINIMUM: f64 = 0.7;
 /// Starts that a fit is begun from; of more, those are that come nearest to the data as they are.
 const MOST_STARTS: usize = 4;
+/// Mean square of the weighted residuals below which a model fits well.
+const WELL: f64 = 10.0;
+/// Candidates that are refined from all their starts at most, as long as none reaches the noise.
+const THOROUGHLY: usize = 3;
+/// Cost over that of the present fit below which a fit that was led on has found a deeper minimum.
+const DEEPER: f64 = 0.98;
+/// Mean square of the weighted residuals below which a fit may be on its way to the noise.
+const WITHIN_REACH: f64 = 300.0;
+/// Times that a fit is led on from a minimum to a deeper one.
+const MOST_LEADS: usize = 4;
 /// Combinations of starts that are compared with the data.
 const MOST_COMBINATIONS: usize = 320;
 /// What chance can make of the mean square that the doubt of the parameters adds, as multiple of its average.
@@ -65,6 +75,13 @@ pub(super) struct Trial {
     pub state: Result<State, String>,
     /// Over the model without it, on the selecting records.
     pub gain: Gain,
+}
+
+/// A candidate after its rough fits.
+struct Screened {
+    best: Fitted,
+    /// What each start led to about the measured motion, where motions are solved for.
+    rough: Vec<Fitted>,
 }
 
 impl Trial {
@@ -119,13 +136,34 @@ impl<'a, 'd> Search<'a, 'd> {
 
     fn refitted(&self, model: &Model, effort: Effort) -> Result<State, String> {
         let fitted = trial::fit(self.bench, model, &self.unknowns(model), &self.parts.fit, effort)?;
-        let scored = self.bench.score(&fitted.model, &self.parts.select)?;
-        Ok(State { fitted, scored })
+        let mut state = State { fitted, scored: Vec::new() };
+        // What fits well deserves a second look where it seems to fail.
+        state.scored = if self.fitted_chi_square(&state) < WELL {
+            self.bench.score_anew(&state.fitted, &self.parts.select)?
+        } else {
+            self.bench.score(&state.fitted.model, &self.parts.select)?
+        };
+        Ok(state)
     }
 
-    /// Tries every set of `sets` beside what `base` has, best first.
-    pub fn round(&self, base: &State, sets: &[Vec<Candidate>]) -> Vec<Trial> {
-        self.round_from(&base.fitted.model, base, sets, false)
+    /// Tries every set of `sets` beside what `base` has, best first. Of the same tried before, over another base, the
+    /// better fit is kept, and nothing is begun again that was begun then.
+    pub fn round(&self, base: &State, sets: &[Vec<Candidate>], earlier: Option<&[Trial]>) -> Vec<Trial> {
+        let model = &base.fitted.model;
+        let Some(earlier) = earlier else { return self.round_from(&self.begun_at(model), base, sets) };
+        let mut round = self.round_from(&[(model, false)], base, sets);
+        let cost = |trial: &Trial| trial.state.as_ref().map_or(f64::INFINITY, |state| state.fitted.cost);
+        for trial in &mut round {
+            let same = earlier.iter().find(|one| one.candidates == trial.candidates);
+            if let Some((same, Ok(state))) = same.map(|same| (same, same.state.as_ref()))
+                && cost(same) < cost(trial)
+            {
+                trial.state = Ok(state.clone());
+                trial.gain = blocks::gain(self.bench, &base.scored, &state.scored);
+            }
+        }
+        best_first(&mut round);
+        round
     }
 
     /// The round of `first`, or one from the model as it came, where that leads to a far better fit. A refit without an
@@ -135,51 +173,61 @@ impl<'a, 'd> Search<'a, 'd> {
             let states = round.iter().filter_map(|trial| trial.state.as_ref().ok());
             states.map(|state| state.fitted.cost).fold(f64::INFINITY, f64::min)
         };
-        let again = self.round_from(self.origin, base, sets, true);
+        let again = self.round_from(&[(self.origin, true)], base, sets);
         if best(&again) < OTHER_MINIMUM * best(&first) { again } else { first }
     }
 
-    /// The same from the parameters of `from`. All are screened; the most promising is refined first, and the others
-    /// as long as they can come near it. With `far`, the screen looks at the beginnings of the records, and the size of
-    /// each effect that is nearest to the data as it is makes one more start.
-    fn round_from(&self, from: &Model, base: &State, sets: &[Vec<Candidate>], far: bool) -> Vec<Trial> {
+    /// Where the search for effects beside those of `model` begins, and whether as far off: at the model itself and,
+    /// where motions are solved for, at the model as it came.
+    fn begun_at<'m>(&'m self, model: &'m Model) -> Vec<(&'m Model, bool)> {
+        let nothing_added = model.effects.len() == self.given;
+        let origin = (self.about_measured.is_some() && nothing_added).then_some((self.origin, true));
+        std::iter::once((model, false)).chain(origin).collect()
+    }
+
+    /// As [`Search::round`] from the parameters of each of `from`. All are screened; the most promising is refined first, and the
+    /// others as long as they can come near it. Where it is `true`, the screen looks at the beginnings of the records,
+    /// and the size of each effect that is nearest to the data as it is makes one more start.
+    fn round_from(&self, from: &[(&Model, bool)], base: &State, sets: &[Vec<Candidate>]) -> Vec<Trial> {
         // Most of the time goes here.
-        let screened: Vec<Result<Fitted, String>> = sets
+        let screened: Vec<Result<Screened, String>> = sets
             .par_iter()
             .map(|set| {
-                let screened = self.screened(from, set, far);
+                let screened = self.screened(from, set);
                 let ids: Vec<&str> = set.iter().map(|candidate| candidate.effect.id).collect();
                 (self.told)(&ids.join(" + "));
                 screened
             })
             .collect();
-        let cost = |index: usize| screened[index].as_ref().map_or(f64::INFINITY, |fitted| fitted.cost);
-        let leader = (0..sets.len()).min_by(|a, b| cost(*a).total_cmp(&cost(*b)));
-        let refined = |index: usize, effort| -> Result<State, String> {
-            screened[index]
-                .as_ref()
-                .map_err(Clone::clone)
-                .and_then(|fitted| self.refitted(&fitted.model, effort))
-        };
-        let first = leader.map(|leader| (leader, refined(leader, Effort::Full)));
-        let useful = match &first {
-            Some((_, Ok(state))) => USEFUL * state.fitted.cost,
-            _ => f64::INFINITY,
+        let cost = |index: usize| screened[index].as_ref().map_or(f64::INFINITY, |s| s.best.cost);
+        let mut order: Vec<usize> = (0..sets.len()).collect();
+        order.sort_by(|a, b| cost(*a).total_cmp(&cost(*b)));
+        let mut refined: Vec<Option<Result<State, String>>> = vec![None; sets.len()];
+        let mut least = f64::INFINITY;
+        for &index in order.iter().take(THOROUGHLY) {
+            let state = screened[index].as_ref().map_err(Clone::clone).and_then(|s| self.refined(s));
+            let reached = state.as_ref().is_ok_and(|state| self.fitted_chi_square(state) < ADEQUATE);
+            least = least.min(state.as_ref().map_or(f64::INFINITY, |state| state.fitted.cost));
+            refined[index] = Some(state);
+            if reached || self.about_measured.is_none() {
+                break;
+            }
+        }
+        // A screen about the measured motion has been to the minimum: what is far above is not followed.
+        let followed = |index: usize| {
+            let leading = order.first().map_or(f64::INFINITY, |leader| cost(*leader));
+            self.about_measured.is_none() || cost(index) <= USEFUL * leading
         };
         let mut trials: Vec<Trial> = sets
             .par_iter()
+            .zip(refined)
             .enumerate()
-            .map(|(index, set)| {
-                let state = match &first {
-                    Some((leader, state)) if *leader == index => state.clone(),
-                    // A screen about the measured motion has been to the minimum: what is far above is not followed.
-                    Some((leader, _))
-                        if self.about_measured.is_some() && cost(index) > USEFUL * cost(*leader) =>
-                    {
-                        refined(index, Effort::None)
-                    }
-                    _ => refined(index, Effort::Below(useful)),
-                };
+            .map(|(index, (set, refined))| {
+                let state = refined.unwrap_or_else(|| {
+                    let effort = if followed(index) { Effort::Below(USEFUL * least) } else { Effort::None };
+                    let found = screened[index].as_ref().map_err(Clone::clone);
+                    found.and_then(|found| self.refitted(&found.best.model, effort))
+                });
                 let gain = match &state {
                     Ok(state) => blocks::gain(self.bench, &base.scored, &state.scored),
                     Err(_) => Gain { z: 0.0, share: 0.0 },
@@ -187,11 +235,7 @@ impl<'a, 'd> Search<'a, 'd> {
                 Trial { candidates: set.clone(), state, gain }
             })
             .collect();
-        trials.sort_by(|a, b| {
-            let key = |trial: &Trial| (trial.state.is_err(), -trial.gain.share);
-            let (left, right) = (key(a), key(b));
-            left.0.cmp(&right.0).then(left.1.total_cmp(&right.1))
-        });
+        best_first(&mut trials);
         trials
     }
 
@@ -208,33 +252,72 @@ impl<'a, 'd> Search<'a, 'd> {
 
     /// `model` with the candidates of `set`, refitted from all their starts.
     pub fn added(&self, model: &Model, set: &[Candidate]) -> Result<State, String> {
-        self.state(&self.screened(model, set, false)?.model)
+        self.refined(&self.screened(&self.begun_at(model), set)?)
     }
 
-    /// `model` with the candidates of `set`, fitted roughly from all their starts; the best of them. Where motions are
-    /// solved for, also from what fits best about those that were measured, begun at the model as it came as well.
-    fn screened(&self, model: &Model, set: &[Candidate], far: bool) -> Result<Fitted, String> {
-        let bench = self.beginnings.filter(|_| far).unwrap_or(self.bench);
-        let Some(about) = self.about_measured else {
-            return self.screened_on(bench, Effort::Screen, model, set, far);
-        };
-        let mut best: Result<Fitted, String> = Err("no start leads anywhere".to_owned());
-        let origin = (model.effects.len() == self.given).then_some((self.origin, true));
-        for (from, far) in std::iter::once((model, false)).chain(origin) {
-            let led = self.screened_on(about, Effort::Rough, from, set, far).and_then(|rough| {
-                let unknowns = self.unknowns(&rough.model);
-                trial::fit(self.bench, &rough.model, &unknowns, &self.parts.fit, Effort::Screen)
-            });
-            match (&led, &best) {
-                (Ok(led), Ok(best)) if led.cost >= best.cost => {}
-                (Err(_), Ok(_)) => {}
-                _ => best = led,
+    /// The best of what was screened, fitted to the end; where that does not reach the noise, the best of all that was
+    /// found about the measured motion. What fits best there need not lead to the deepest minimum.
+    fn refined(&self, screened: &Screened) -> Result<State, String> {
+        let state = self.led_on(self.state(&screened.best.model)?);
+        if self.fitted_chi_square(&state) < ADEQUATE {
+            return Ok(state);
+        }
+        let below = Effort::Below(state.fitted.cost);
+        let others = screened.rough.par_iter().map(|rough| self.refitted(&rough.model, below));
+        let others: Vec<Result<State, String>> = others.collect();
+        let best = others.into_iter().flatten().min_by(|a, b| a.fitted.cost.total_cmp(&b.fitted.cost));
+        let best = best.filter(|best| best.fitted.cost < state.fitted.cost);
+        Ok(best.map_or(state, |best| self.led_on(best)))
+    }
+
+    /// `state`, led by what fits best about the measured motion from minimum to minimum as long as each is deeper than
+    /// the last and does not reach the noise.
+    fn led_on(&self, mut state: State) -> State {
+        let Some(about) = self.about_measured else { return state };
+        for _ in 0..MOST_LEADS {
+            if !(ADEQUATE..WITHIN_REACH).contains(&self.fitted_chi_square(&state)) {
+                break;
+            }
+            let model = &state.fitted.model;
+            let led = trial::fit(about, model, &self.unknowns(model), &self.parts.fit, Effort::Rough);
+            let deeper = DEEPER * state.fitted.cost;
+            match led.and_then(|led| self.refitted(&led.model, Effort::Below(deeper))) {
+                Ok(found) if found.fitted.cost < deeper => state = found,
+                _ => break,
             }
         }
-        best
+        state
     }
 
-    /// The same by the predictions of `bench` alone.
+    /// Each of the models `from` with the candidates of `set`, fitted roughly from all their starts. Where motions are
+    /// solved for, from what fits best about those that were measured.
+    fn screened(&self, from: &[(&Model, bool)], set: &[Candidate]) -> Result<Screened, String> {
+        let mut best: Result<Fitted, String> = Err("no start leads anywhere".to_owned());
+        let mut rough = Vec::new();
+        for &(model, far) in from {
+            let found = match self.about_measured {
+                None => {
+                    let bench = self.beginnings.filter(|_| far).unwrap_or(self.bench);
+                    let found = self.screened_on(bench, Effort::Screen, model, set, far);
+                    found.and_then(deepest)
+                }
+                Some(about) => self.screened_on(about, Effort::Rough, model, set, far).and_then(|found| {
+                    rough.extend(found.iter().cloned());
+                    let nearest = deepest(found)?;
+                    let unknowns = self.unknowns(&nearest.model);
+                    trial::fit(self.bench, &nearest.model, &unknowns, &self.parts.fit, Effort::Screen)
+                }),
+            };
+            match (&found, &best) {
+                (Ok(found), Ok(best)) if found.cost >= best.cost => {}
+                (Err(_), Ok(_)) => {}
+                _ => best = found,
+            }
+        }
+        Ok(Screened { best: best?, rough })
+    }
+
+    /// The fits from all starts by the predictions of `bench` alone.
     fn screened_on(
         &self,
         bench: &Bench,
@@ -242,7 +325,7 @@ impl<'a, 'd> Search<'a, 'd> {
         model: &Model,
         set: &[Candidate],
         far: bool,
-    ) -> Result<Fitted, String> {
+    ) -> Result<Vec<Fitted>, String> {
         let fit = &self.parts.fit;
         let ranges: Vec<_> =
             set.iter().map(|candidate| candidate.ranges(self.scales, self.bench.dataset)).collect();
@@ -272,16 +355,10 @@ impl<'a, 'd> Search<'a, 'd> {
             .par_iter()
             .map(|with| trial::fit(bench, with, &self.unknowns(with), fit, effort))
             .collect();
-        let mut best: Option<Fitted> = None;
-        let mut failure = None;
-        for outcome in screened {
-            match outcome {
-                Ok(fitted) if best.as_ref().is_none_or(|best| fitted.cost < best.cost) => best = Some(fitted),
-                Ok(_) => {}
-                Err(reason) => failure = Some(reason),
-            }
-        }
-        best.ok_or_else(|| failure.unwrap_or_default())
+        let (found, failed): (Vec<_>, Vec<_>) = screened.into_iter().partition(Result::is_ok);
+        let failure = failed.into_iter().find_map(Result::err);
+        let found: Vec<Fitted> = found.into_iter().flatten().collect();
+        if found.is_empty() { Err(failure.unwrap_or_default()) } else { Ok(found) }
     }
 
     /// The `count` of `models` that come nearest to the fitted records of `bench` as they are.
@@ -355,7 +432,7 @@ impl<'a, 'd> Search<'a, 'd> {
     fn refitted_to_seen(&self, model: &Model, unknowns: &[Unknown]) -> Result<State, String> {
         let seen = self.parts.seen();
         let fitted = trial::fit(self.bench, model, unknowns, &seen, Effort::Full)?;
-        let scored = self.bench.score(&fitted.model, &seen)?;
+        let scored = self.bench.score_anew(&fitted, &seen)?;
         Ok(State { fitted, scored })
     }
 
@@ -409,4 +486,19 @@ impl<'a, 'd> Search<'a, 'd> {
         }
         tied
     }
+}
+
+/// The fit of least cost.
+fn deepest(fits: Vec<Fitted>) -> Result<Fitted, String> {
+    let deepest = fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+    deepest.ok_or_else(|| "no start leads anywhere".to_owned())
+}
+
+/// What gains most on the selecting records first, what failed last.
+fn best_first(trials: &mut [Trial]) {
+    trials.sort_by(|a, b| {
+        let key = |trial: &Trial| (trial.state.is_err(), -trial.gain.share);
+        let (left, right) = (key(a), key(b));
+        left.0.cmp(&right.0).then(left.1.total_cmp(&right.1))
+    });
 }

@@ -7,6 +7,7 @@ use super::blocks;
 use super::diagnosis::Estimate;
 use super::shown::{NUISANCE_STEP, Shown, inward};
 use super::simulation::Direction;
+use crate::harmonic::steady::Start;
 use crate::identify::{Coordinate, Limits, Parameter, SumOfSquares, Sums, minimise, student_quantile};
 use crate::model::Model;
 use nalgebra::DMatrix;
@@ -33,10 +34,15 @@ pub(super) struct Fitted {
     pub estimates: Vec<Estimate>,
     /// Simulations of single records.
     pub simulations: usize,
+    /// Where motions are solved for, those of the fitted records, by the records' indices.
+    pub solutions: Vec<(usize, Start)>,
 }
 
-/// Step of differences in a parameter, in its coordinate of size one.
+/// Longest step of differences in a parameter, in its coordinate of size one. Where that changes the predictions by more
+/// than their noise, the step is shorter: beside a resonance or a fold, responses are straight over no more.
 const STEP: f64 = 1e-5;
+/// Shortest: what rounding leaves of the differences is still small.
+const SHORTEST_STEP: f64 = 1e-8;
 
 /// How thoroughly a fit is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,10 +104,12 @@ pub(super) fn fit(
         }
         _ => joint.estimates(&end.y, &lower, &upper),
     };
+    let found = joint.records.iter().filter_map(|slot| Some((slot.index, slot.shown.solution()?.clone())));
+    let solutions = found.collect();
     let simulations = joint.simulations;
     bench.count(simulations);
     bench.count_refit();
-    Ok(Fitted { model, cost: end.sums.cost, estimates, simulations })
+    Ok(Fitted { model, cost: end.sums.cost, estimates, simulations, solutions })
 }
 
 /// The problem: shared coordinates first, then each record's own.
@@ -110,6 +118,8 @@ struct Joint<'a, 'd> {
     base: &'a Model,
     unknowns: &'a [Unknown],
     shared: Vec<Coordinate>,
+    /// Step of differences in each of them.
+    steps: Vec<f64>,
     records: Vec<Slot<'d>>,
     simulations: usize,
     failure: Option<String>,
@@ -154,7 +164,8 @@ impl<'a, 'd> Joint<'a, 'd> {
             slot.offset = offset;
             offset += slot.own.len();
         }
-        Ok(Self { bench, base, unknowns, shared, records: slots, simulations: 0, failure: None })
+        let steps = vec![STEP; shared.len()];
+        Ok(Self { bench, base, unknowns, shared, steps, records: slots, simulations: 0, failure: None })
     }
 
     /// Makes the starts that fit each record best under `model` the middle of its own coordinates.
@@ -185,7 +196,7 @@ impl<'a, 'd> Joint<'a, 'd> {
         (0..self.shared.len())
             .map(|j| {
                 let mut moved = y[..self.shared.len()].to_vec();
-                let step = inward(y[j], self.shared[j].upper, STEP);
+                let step = inward(y[j], self.shared[j].upper, self.steps[j]);
                 moved[j] += step;
                 match self.model(&moved) {
                     Ok(model) => Ok((model, step)),
@@ -488,6 +499,9 @@ impl SumOfSquares for Joint<'_, '_> {
                 gradient[*j] += terms.map(|((d, r), w)| d * r * w).sum::<f64>();
             }
             slot.add_curvature(&columns, &lane.weights, &mut curvature);
+        }
+        for (j, step) in self.steps.iter_mut().enumerate() {
+            *step = (1.0 / f64::sqrt(curvature[(j, j)])).clamp(SHORTEST_STEP, STEP);
         }
         let finite = cost.is_finite() && gradient.iter().all(|g| g.is_finite());
         finite.then(|| Sums { cost, gradient, curvature: curvature.transpose().as_slice().to_vec() })
