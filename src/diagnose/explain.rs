@@ -72,8 +72,12 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
                 step.without.iter().map(|c| c.effect.title).collect::<Vec<_>>().join(" with ")
             ),
         };
+        let how = match step.in_all_seen {
+            true => ", once these are fitted, too, which no other effect brings to the noise",
+            false => "",
+        };
         reasons.push(format!(
-            "{} removes {} of the squared error of the selecting records, {:.0} standard errors above nothing{fate}",
+            "{} removes {} of the squared error of the selecting records, {:.0} standard errors above nothing{how}{fate}",
             names.join(" with "),
             percent(step.gain.share),
             step.gain.z

@@ -6,6 +6,7 @@ use super::candidates::Candidate;
 use super::engine::Meter;
 use super::maps::Repeated;
 use super::select::{OTHER_MINIMUM, PASSING_Z, Search, State, Trial};
+use super::split::Parts;
 use super::trial::Fitted;
 use crate::model::Model;
 
@@ -35,6 +36,8 @@ pub(super) struct Added {
     pub vetoed: bool,
     /// Others that these data cannot tell from it.
     pub tied: Vec<Candidate>,
+    /// Whether it was found with the selecting records fitted, too: the untouched ones alone have judged it.
+    pub in_all_seen: bool,
 }
 
 /// All rounds.
@@ -181,6 +184,9 @@ impl Findings {
                 break;
             }
         }
+        if known {
+            findings.try_all_seen(search, tried, meter);
+        }
         findings.try_pairs(search, most, known, meter);
         findings.drop_backward(search);
         findings.settle_ties(search);
@@ -247,7 +253,47 @@ impl Findings {
             without: Vec::new(),
             vetoed: false,
             tied,
+            in_all_seen: false,
         })
+    }
+
+    /// Where the selecting records remain unexplained: the effect with which the model comes to the noise of all records
+    /// seen once it is fitted to all of them, if it is the only one. A parameter may show in the selecting records
+    /// alone. Whether it is the cause the untouched ones say; nothing else is tried on them.
+    fn try_all_seen(&mut self, search: &Search, tried: &[Candidate], meter: &Meter) {
+        let poor = search.chi_square_beyond_doubt(self.last(), UNEXPLAINED) > UNEXPLAINED;
+        if !poor || search.about_measured.is_none() || self.interrupted {
+            return;
+        }
+        let parts = Parts { fit: search.parts.seen(), ..search.parts.clone() };
+        let wide = Search { parts: &parts, ..*search };
+        let Ok(base) = wide.state(&self.base.fitted.model) else { return };
+        meter.expect(tried.len());
+        let sets: Vec<Vec<Candidate>> = tried.iter().map(|candidate| vec![candidate.clone()]).collect();
+        let round = wide.round(&base, &sets, None);
+        self.interrupted |= search.bench.interrupted();
+        let fits = |trial: &&Trial, limit: f64| {
+            trial.state.as_ref().is_ok_and(|state| wide.fitted_chi_square(state) < limit)
+        };
+        let mut explaining = round.iter().filter(|trial| fits(trial, UNEXPLAINED));
+        let (Some(only), None) = (explaining.next(), explaining.next()) else { return };
+        if !fits(&only, ADEQUATE) || wide.fitted_chi_square(&base) < UNEXPLAINED {
+            return;
+        }
+        let Some(state) = only.state.as_ref().ok().and_then(|wide| search.as_it_is(&wide.fitted.model).ok())
+        else {
+            return;
+        };
+        self.steps = vec![Added {
+            candidates: only.candidates.clone(),
+            gain: blocks::gain(search.bench, &self.base.scored, &state.scored),
+            error: search.bench.normalised_error(&state.scored),
+            state,
+            without: Vec::new(),
+            vetoed: false,
+            tied: Vec::new(),
+            in_all_seen: true,
+        }];
     }
 
     /// Where single effects do not reach the noise: two at once, from the best singles of the first round.

@@ -45,6 +45,7 @@ const TIED_Z: f64 = 1.0;
 const AT_BOUND: f64 = 1e-3;
 
 /// What all rounds have in common.
+#[derive(Clone, Copy)]
 pub(super) struct Search<'a, 'd> {
     pub bench: &'a Bench<'d>,
     /// The beginnings of the same records, where those say more to a fit that starts far away.
@@ -132,6 +133,11 @@ impl<'a, 'd> Search<'a, 'd> {
     /// Refits `model` and scores it.
     pub fn state(&self, model: &Model) -> Result<State, String> {
         self.refitted(model, Effort::Full)
+    }
+
+    /// `model` without a refit, scored.
+    pub fn as_it_is(&self, model: &Model) -> Result<State, String> {
+        self.refitted(model, Effort::None)
     }
 
     fn refitted(&self, model: &Model, effort: Effort) -> Result<State, String> {
