@@ -10,7 +10,7 @@ use super::beam_record::Attached;
 use super::predict::derivative_order;
 use crate::harmonic::HarmonicError;
 use crate::harmonic::fourier::{self, coefficient_count, time_derivative};
-use crate::harmonic::steady::{Driven, Forcing, Held, Start, Steady};
+use crate::harmonic::steady::{Driven, Forcing, Start, Steady};
 use crate::harmonic::{common_periods, excited_harmonics};
 use crate::measure::{Channel, Record};
 
@@ -189,7 +189,7 @@ impl SteadyRecord {
         let mut best: Option<(f64, Steady)> = None;
         let mut failure = None;
         let mut near = Vec::new();
-        for way in [Way::Last, Way::Measured, Way::Held, Way::Nothing] {
+        for way in [Way::Last, Way::Measured, Way::Nothing] {
             let found = match way {
                 Way::Last => match &self.start {
                     Some(start) => self.forcing.solve(driven, others, Some(start)),
@@ -200,14 +200,6 @@ impl SteadyRecord {
                     .forcing
                     .start_at(driven, &self.motion)
                     .and_then(|start| self.forcing.solve(driven, others, Some(&start))),
-                Way::Held if self.settled || best.is_some() => continue,
-                Way::Held => match self.loudest() {
-                    Some(held) => self
-                        .forcing
-                        .start_at(driven, &self.motion)
-                        .and_then(|start| self.forcing.solve_held(driven, others, &start, held)),
-                    None => continue,
-                },
                 Way::Nothing if self.settled || self.start.is_some() && best.is_some() => continue,
                 Way::Nothing => self.forcing.solve(driven, others, None),
             };
@@ -231,16 +223,6 @@ impl SteadyRecord {
             (None, Some(error)) => Err(error),
             (None, None) => Err(HarmonicError::InvalidInput("nothing was measured")),
         }
-    }
-
-    /// The largest amplitude that was measured.
-    fn loudest(&self) -> Option<Held> {
-        let amplitudes = self.motion.iter().enumerate().flat_map(|(node, motion)| {
-            let harmonics = motion[1..].chunks_exact(2).enumerate();
-            harmonics.map(move |(k, part)| Held { node, order: k + 1, amplitude: part[0].hypot(part[1]) })
-        });
-        let loudest = amplitudes.max_by(|a, b| a.amplitude.total_cmp(&b.amplitude));
-        loudest.filter(|held| held.amplitude > 0.0)
     }
 
     /// Root-mean-square difference of `predictions` from the measured motion as share of it, means apart.
@@ -279,7 +261,6 @@ impl SteadyRecord {
 enum Way {
     Last,
     Measured,
-    Held,
     Nothing,
 }
 

@@ -264,7 +264,7 @@ fn of_several_responses_the_measured_one_is_predicted() {
 }
 
 /// Up to the fold where a beam that stretches jumps from its large motion, that motion is predicted where it was measured,
-/// with its noise: just below, Newton's method does not get there from what is only measured.
+/// with its noise, and not the small one that there is as well.
 #[test]
 fn beside_a_fold_the_measured_response_is_predicted() {
     let mut model = model("effect = [{ id = \"geometric_stiffening\", cubic_stiffness = 3e10 }]");

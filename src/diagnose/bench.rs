@@ -136,9 +136,7 @@ impl<'d> Bench<'d> {
         let mut scored = self.score(model, records)?;
         scored.par_iter_mut().filter(|one| self.lanes[one.record].seed.is_some()).for_each(|one| {
             if self.normalised_error(std::slice::from_ref(one)) > ASTRAY
-                && let found = fitted.solutions.iter().find(|(record, _)| *record == one.record)
-                && let seed = found.map(|(_, solution)| Seed::Near(solution.clone()))
-                && let Ok(anew) = self.score_one(model, one.record, seed.as_ref())
+                && let Ok(anew) = self.score_one(model, one.record, fitted.seed(one.record).as_ref())
                 && square(&anew) < square(one)
             {
                 *one = anew;

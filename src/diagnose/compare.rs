@@ -3,7 +3,6 @@
 use super::comparison::{Parameter, RecordResult, Stage};
 use super::simulation::Seed;
 use super::{predict, score, unseen};
-use crate::harmonic::steady::Start;
 use crate::identify::{self, Ending, FitError, InterruptHook, Options, ProgressHook};
 use crate::measure::{Dataset, Record, Use};
 use crate::model::Model;
@@ -12,20 +11,16 @@ use crate::model::Model;
 ///
 /// A record that cannot be predicted keeps the reason in [`RecordResult::failure`]; the others count.
 pub fn evaluate(name: &str, model: &Model, dataset: &Dataset) -> Stage {
-    evaluate_from(name, model, dataset, &[])
+    evaluate_from(name, model, dataset, |_| None)
 }
 
-/// The same, each record from the solution that there is for its index.
+/// The same, each record from the solution that `seed` has for its index.
 pub(super) fn evaluate_from(
     name: &str,
     model: &Model,
     dataset: &Dataset,
-    solutions: &[(usize, Start)],
+    seed: impl Fn(usize) -> Option<Seed>,
 ) -> Stage {
-    let seed = |index: usize| {
-        let found = solutions.iter().find(|(record, _)| *record == index);
-        found.map(|(_, solution)| Seed::Near(solution.clone()))
-    };
     let numbered = dataset.records.iter().enumerate();
     let records: Vec<RecordResult> =
         numbered.map(|(index, record)| predict::scored(model, record, seed(index).as_ref())).collect();

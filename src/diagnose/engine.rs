@@ -383,7 +383,7 @@ pub fn add(
 
 /// The evaluation of a fitted model, its parameters marked with where they started.
 pub(super) fn stage(name: &str, fitted: &Fitted, start: &Model, dataset: &Dataset) -> Stage {
-    let mut stage = evaluate_from(name, &fitted.model, dataset, &fitted.solutions);
+    let mut stage = evaluate_from(name, &fitted.model, dataset, |record| fitted.seed(record));
     stage.evaluations = fitted.simulations;
     for parameter in &mut stage.parameters {
         let changed = fitted.estimates.iter().any(|estimate| estimate.name == parameter.path);

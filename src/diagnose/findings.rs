@@ -6,7 +6,6 @@ use super::candidates::Candidate;
 use super::engine::Meter;
 use super::maps::Repeated;
 use super::select::{OTHER_MINIMUM, PASSING_Z, Search, State, Trial};
-use super::split::Parts;
 use super::trial::Fitted;
 use crate::model::Model;
 
@@ -148,6 +147,16 @@ impl Findings {
             let earlier = before_moving.as_deref().filter(|_| findings.rounds.is_empty());
             let mut round = search.round(&present, &left, earlier);
             findings.interrupted |= search.bench.interrupted();
+            if known
+                && findings.rounds.is_empty()
+                && !findings.interrupted
+                && before_moving.is_none()
+                && let Some(only) = findings.only_explanation(search, &round)
+            {
+                findings.rounds.push(round);
+                findings.steps.push(only);
+                break;
+            }
             let unexplained = |round: &[Trial]| {
                 let fits = round.iter().filter_map(|trial| trial.state.as_ref().ok());
                 known
@@ -183,9 +192,6 @@ impl Findings {
             if findings.interrupted {
                 break;
             }
-        }
-        if known {
-            findings.try_all_seen(search, tried, meter);
         }
         findings.try_pairs(search, most, known, meter);
         findings.drop_backward(search);
@@ -257,34 +263,20 @@ impl Findings {
         })
     }
 
-    /// Where the selecting records remain unexplained: the effect with which the model comes to the noise of all records
-    /// seen once it is fitted to all of them, if it is the only one. A parameter may show in the selecting records
-    /// alone. Whether it is the cause the untouched ones say; nothing else is tried on them.
-    fn try_all_seen(&mut self, search: &Search, tried: &[Candidate], meter: &Meter) {
-        let poor = search.chi_square_beyond_doubt(self.last(), UNEXPLAINED) > UNEXPLAINED;
-        if !poor || search.about_measured.is_none() || self.interrupted {
-            return;
+    /// The one effect of the first `round` that brings the model to the noise of the fitted records, if no other comes
+    /// near it and it comes to the noise of all records seen once it is fitted to them: beside a jump, a record for
+    /// selecting may hang on a parameter that the fitted ones hardly show. Whether it is the cause the untouched ones say.
+    fn only_explanation(&self, search: &Search, round: &[Trial]) -> Option<Added> {
+        search.about_measured?;
+        let states = round.iter().filter_map(|trial| Some((trial, trial.state.as_ref().ok()?)));
+        let mut explaining = states.filter(|(_, state)| search.fitted_chi_square(state) < UNEXPLAINED);
+        let (Some((only, fitted)), None) = (explaining.next(), explaining.next()) else { return None };
+        let fits = search.fitted_chi_square(fitted) < ADEQUATE;
+        if !fits || search.fitted_chi_square(&self.base) < UNEXPLAINED || fitted.chi_square() < ADEQUATE {
+            return None;
         }
-        let parts = Parts { fit: search.parts.seen(), ..search.parts.clone() };
-        let wide = Search { parts: &parts, ..*search };
-        let Ok(base) = wide.state(&self.base.fitted.model) else { return };
-        meter.expect(tried.len());
-        let sets: Vec<Vec<Candidate>> = tried.iter().map(|candidate| vec![candidate.clone()]).collect();
-        let round = wide.round(&base, &sets, None);
-        self.interrupted |= search.bench.interrupted();
-        let fits = |trial: &&Trial, limit: f64| {
-            trial.state.as_ref().is_ok_and(|state| wide.fitted_chi_square(state) < limit)
-        };
-        let mut explaining = round.iter().filter(|trial| fits(trial, UNEXPLAINED));
-        let (Some(only), None) = (explaining.next(), explaining.next()) else { return };
-        if !fits(&only, ADEQUATE) || wide.fitted_chi_square(&base) < UNEXPLAINED {
-            return;
-        }
-        let Some(state) = only.state.as_ref().ok().and_then(|wide| search.as_it_is(&wide.fitted.model).ok())
-        else {
-            return;
-        };
-        self.steps = vec![Added {
+        let state = search.fitted_to_seen(fitted).filter(|(_, chi_square)| *chi_square < ADEQUATE)?.0;
+        Some(Added {
             candidates: only.candidates.clone(),
             gain: blocks::gain(search.bench, &self.base.scored, &state.scored),
             error: search.bench.normalised_error(&state.scored),
@@ -293,7 +285,7 @@ impl Findings {
             vetoed: false,
             tied: Vec::new(),
             in_all_seen: true,
-        }];
+        })
     }
 
     /// Where single effects do not reach the noise: two at once, from the best singles of the first round.

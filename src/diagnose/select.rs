@@ -156,8 +156,11 @@ impl<'a, 'd> Search<'a, 'd> {
     /// better fit is kept, and nothing is begun again that was begun then.
     pub fn round(&self, base: &State, sets: &[Vec<Candidate>], earlier: Option<&[Trial]>) -> Vec<Trial> {
         let model = &base.fitted.model;
-        let Some(earlier) = earlier else { return self.round_from(&self.begun_at(model), base, sets) };
-        let mut round = self.round_from(&[(model, false)], base, sets);
+        let Some(earlier) = earlier else { return self.round_from(&self.begun_at(model), base, sets, None) };
+        let states = earlier.iter().filter_map(|trial| trial.state.as_ref().ok());
+        let reaching = states.filter(|state| self.fitted_chi_square(state) < ADEQUATE);
+        let reached = reaching.map(|state| state.fitted.cost).min_by(f64::total_cmp);
+        let mut round = self.round_from(&[(model, false)], base, sets, reached);
         let cost = |trial: &Trial| trial.state.as_ref().map_or(f64::INFINITY, |state| state.fitted.cost);
         for trial in &mut round {
             let same = earlier.iter().find(|one| one.candidates == trial.candidates);
@@ -179,7 +182,7 @@ impl<'a, 'd> Search<'a, 'd> {
             let states = round.iter().filter_map(|trial| trial.state.as_ref().ok());
             states.map(|state| state.fitted.cost).fold(f64::INFINITY, f64::min)
         };
-        let again = self.round_from(&[(self.origin, true)], base, sets);
+        let again = self.round_from(&[(self.origin, true)], base, sets, None);
         if best(&again) < OTHER_MINIMUM * best(&first) { again } else { first }
     }
 
@@ -191,10 +194,17 @@ impl<'a, 'd> Search<'a, 'd> {
         std::iter::once((model, false)).chain(origin).collect()
     }
 
-    /// As [`Search::round`] from the parameters of each of `from`. All are screened; the most promising is refined first, and the
-    /// others as long as they can come near it. Where it is `true`, the screen looks at the beginnings of the records,
-    /// and the size of each effect that is nearest to the data as it is makes one more start.
-    fn round_from(&self, from: &[(&Model, bool)], base: &State, sets: &[Vec<Candidate>]) -> Vec<Trial> {
+    /// As [`Search::round`] from the parameters of each of `from`. All are screened; the most promising are refined first,
+    /// and the others as long as they can come near them. Where it is `true`, the screen looks at the beginnings of the
+    /// records, and the size of each effect that is nearest to the data as it is makes one more start. Where a fit has
+    /// `reached` the noise at that cost before, nothing is refined but what can come near it.
+    fn round_from(
+        &self,
+        from: &[(&Model, bool)],
+        base: &State,
+        sets: &[Vec<Candidate>],
+        reached: Option<f64>,
+    ) -> Vec<Trial> {
         // Most of the time goes here.
         let screened: Vec<Result<Screened, String>> = sets
             .par_iter()
@@ -209,8 +219,9 @@ impl<'a, 'd> Search<'a, 'd> {
         let mut order: Vec<usize> = (0..sets.len()).collect();
         order.sort_by(|a, b| cost(*a).total_cmp(&cost(*b)));
         let mut refined: Vec<Option<Result<State, String>>> = vec![None; sets.len()];
-        let mut least = f64::INFINITY;
-        for &index in order.iter().take(THOROUGHLY) {
+        let mut least = reached.unwrap_or(f64::INFINITY);
+        let leaders = if reached.is_some() { 0 } else { THOROUGHLY };
+        for &index in order.iter().take(leaders) {
             let state = screened[index].as_ref().map_err(Clone::clone).and_then(|s| self.refined(s));
             let reached = state.as_ref().is_ok_and(|state| self.fitted_chi_square(state) < ADEQUATE);
             least = least.min(state.as_ref().map_or(f64::INFINITY, |state| state.fitted.cost));
@@ -222,7 +233,8 @@ impl<'a, 'd> Search<'a, 'd> {
         // A screen about the measured motion has been to the minimum: what is far above is not followed.
         let followed = |index: usize| {
             let leading = order.first().map_or(f64::INFINITY, |leader| cost(*leader));
-            self.about_measured.is_none() || cost(index) <= USEFUL * leading
+            let most = reached.map_or(USEFUL * leading, |reached| WITHIN_REACH * reached);
+            self.about_measured.is_none() || cost(index) <= most
         };
         let mut trials: Vec<Trial> = sets
             .par_iter()
@@ -432,6 +444,15 @@ impl<'a, 'd> Search<'a, 'd> {
         } else {
             self.state(&less.fitted.model).ok()
         }
+    }
+
+    /// `state` with its model fitted to all records seen, and what that leaves of the noise's mean square there.
+    pub fn fitted_to_seen(&self, state: &State) -> Option<(State, f64)> {
+        let parts = Parts { fit: self.parts.seen(), ..self.parts.clone() };
+        let wide = Search { parts: &parts, ..*self };
+        let fitted = wide.led_on(wide.state(&state.fitted.model).ok()?);
+        let left = wide.fitted_chi_square(&fitted);
+        Some((self.as_it_is(&fitted.fitted.model).ok()?, left))
     }
 
     /// `unknowns` of `model` fitted to all records seen, with the predictions of those.

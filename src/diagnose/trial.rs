@@ -6,7 +6,7 @@ use super::bench::Bench;
 use super::blocks;
 use super::diagnosis::Estimate;
 use super::shown::{NUISANCE_STEP, Shown, inward};
-use super::simulation::Direction;
+use super::simulation::{Direction, Seed};
 use crate::harmonic::steady::Start;
 use crate::identify::{Coordinate, Limits, Parameter, SumOfSquares, Sums, minimise, student_quantile};
 use crate::model::Model;
@@ -36,6 +36,14 @@ pub(super) struct Fitted {
     pub simulations: usize,
     /// Where motions are solved for, those of the fitted records, by the records' indices.
     pub solutions: Vec<(usize, Start)>,
+}
+
+impl Fitted {
+    /// Where a simulation of the record at `index` under the model found starts from, if the fit solved for it.
+    pub fn seed(&self, index: usize) -> Option<Seed> {
+        let found = self.solutions.iter().find(|(record, _)| *record == index);
+        found.map(|(_, solution)| Seed::Near(solution.clone()))
+    }
 }
 
 /// Longest step of differences in a parameter, in its coordinate of size one. Where that changes the predictions by more

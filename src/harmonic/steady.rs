@@ -7,7 +7,6 @@
 //! and the factors there are, no search.
 
 use super::balance::{Balance, Extent, Signals};
-use super::condition::HeldAmplitude;
 use super::cycle::map::ContactMap;
 use super::factors::Factors;
 use super::follow::{Family, State, find};
@@ -15,7 +14,7 @@ use super::forced::Forced;
 use super::fourier::coefficient_count;
 use super::measured::explained;
 use super::problem::{Newton, Stopping};
-use super::system::{Operating, PeriodicSystem, Scalar};
+use super::system::{Operating, PeriodicSystem};
 use super::{ContactOnBeam, HarmonicError, Method, Settings};
 use crate::structure::ModalBeam;
 
@@ -32,19 +31,6 @@ const PROBE: f64 = 1e-4;
 /// Damped steps from a start that is not near enough for the factors, and from nothing.
 const NEAR_ITERATIONS: usize = 12;
 const FAR_ITERATIONS: usize = 25;
-
-/// Share of a held amplitude by which the first secant is laid, and most of it that one goes on.
-const SECANT: (f64, f64) = (0.01, 0.1);
-/// Secants at most, and the share of the level that they must come within for Newton's method to do the rest.
-const SECANTS: (usize, f64) = (12, 1e-6);
-
-/// Amplitude (m) of the harmonic `order` of the displacement of sensor `node`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Held {
-    pub node: usize,
-    pub order: usize,
-    pub amplitude: f64,
-}
 
 /// A beam with its contact.
 #[derive(Debug, Clone, Copy)]
@@ -165,46 +151,6 @@ impl Forcing {
         Ok(steady(balance, state.x))
     }
 
-    /// The response near `start` where Newton's method finds no way, as beside a fold: first with an amplitude held and
-    /// the excitation's level left free, where there are no folds, as with a controlled shaker; then, by secants, at the
-    /// amplitude whose level is that of the excitation.
-    ///
-    /// # Errors
-    /// [`HarmonicError`] where no solution was found.
-    pub fn solve_held<'a>(
-        &self,
-        driven: Driven<'a>,
-        neighbours: &[Driven],
-        start: &Start,
-        held: Held,
-    ) -> Result<Steady<'a>, HarmonicError> {
-        let signals = Signals::of_all(driven, neighbours);
-        let mut balance = self.balance(driven, signals)?;
-        let mut state = State { x: start.unknowns(signals), at: self.operating() };
-        let stopping = Stopping { tolerance: self.tolerance, max_iterations: FAR_ITERATIONS };
-        let mut newton = Newton::default();
-        let mut level = |amplitude: f64, state: &mut State| {
-            let mut held = HeldAmplitude::new(held.node, held.order, 0, amplitude);
-            let State { x, at } = state;
-            let effort = newton.solve(&mut balance, x, at, &[Scalar::Level], &mut [&mut held], &stopping);
-            effort.map(|_| at.level)
-        };
-        let mut last = (held.amplitude, level(held.amplitude, &mut state)?);
-        let mut amplitude = held.amplitude * (1.0 + SECANT.0);
-        for _ in 0..SECANTS.0 {
-            let reached = level(amplitude, &mut state)?;
-            if (reached - 1.0).abs() <= SECANTS.1 {
-                break;
-            }
-            let step = (1.0 - reached) * (amplitude - last.0) / (reached - last.1);
-            last = (amplitude, reached);
-            amplitude += step.clamp(-SECANT.1 * amplitude, SECANT.1 * amplitude);
-        }
-        state.at = self.operating();
-        newton.solve(&mut balance, &mut state.x, &mut state.at, &[], &mut [], &stopping)?;
-        Ok(Steady::new(balance, state.x, self))
-    }
-
     /// `driven` as it stands at `start`, whether that is a response or not; with unknowns that its `neighbours` have
     /// too.
     ///
@@ -311,7 +257,9 @@ impl<'a> Steady<'a> {
     }
 
     /// Coefficients of every sensor (m) that `driven`, the beam itself or one very near to it, has to first order about
-    /// where this stands: one step of Newton's method, which is no search and finds no other response.
+    /// where this stands: one step of Newton's method, which is no search and finds no other response. The derivatives
+    /// are those of the beam itself: between neighbours only the residual differs. Far from a solution that is not the
+    /// whole change, but fits that follow it are not held up more often.
     pub fn first_order(&mut self, forcing: &Forcing, driven: Driven) -> Result<Vec<f64>, HarmonicError> {
         self.linearise()?;
         let mut there = forcing.balance(driven, self.balance.signals())?;
