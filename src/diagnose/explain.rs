@@ -73,7 +73,7 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
             ),
         };
         let how = match step.in_all_seen {
-            true => ", once these are fitted, too, which no other effect brings to the noise",
+            true => ", once these are fitted, too: no other effect brings the fitted records to the noise",
             false => "",
         };
         reasons.push(format!(

@@ -147,10 +147,9 @@ impl Findings {
             let earlier = before_moving.as_deref().filter(|_| findings.rounds.is_empty());
             let mut round = search.round(&present, &left, earlier);
             findings.interrupted |= search.bench.interrupted();
-            if known
-                && findings.rounds.is_empty()
-                && !findings.interrupted
-                && before_moving.is_none()
+            let first = findings.rounds.is_empty() && before_moving.is_none() && !findings.interrupted;
+            if first
+                && known
                 && let Some(only) = findings.only_explanation(search, &round)
             {
                 findings.rounds.push(round);
@@ -163,16 +162,12 @@ impl Findings {
                     && fits.fold(f64::INFINITY, |least, s| least.min(search.fitted_chi_square(s)))
                         > UNEXPLAINED
             };
-            let moved = before_moving.is_some();
-            if !(moved || adequate || findings.interrupted)
-                && search.about_measured.is_none()
-                && findings.rounds.is_empty()
-                && unexplained(&round)
-            {
+            if first && !adequate && search.about_measured.is_none() && unexplained(&round) {
                 meter.expect(left.len());
                 round = search.begun_at_origin(&present, &left, round);
             }
-            if !(moved || adequate || findings.interrupted || !findings.rounds.is_empty())
+            if first
+                && !adequate
                 && let Some(better) = search.elsewhere(&present, &round)
             {
                 before_moving = Some(round);

@@ -223,10 +223,10 @@ impl<'a, 'd> Search<'a, 'd> {
         let leaders = if reached.is_some() { 0 } else { THOROUGHLY };
         for &index in order.iter().take(leaders) {
             let state = screened[index].as_ref().map_err(Clone::clone).and_then(|s| self.refined(s));
-            let reached = state.as_ref().is_ok_and(|state| self.fitted_chi_square(state) < ADEQUATE);
+            let enough = state.as_ref().is_ok_and(|state| self.fitted_chi_square(state) < ADEQUATE);
             least = least.min(state.as_ref().map_or(f64::INFINITY, |state| state.fitted.cost));
             refined[index] = Some(state);
-            if reached || self.about_measured.is_none() {
+            if enough || self.about_measured.is_none() {
                 break;
             }
         }

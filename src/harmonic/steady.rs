@@ -259,7 +259,7 @@ impl<'a> Steady<'a> {
     /// Coefficients of every sensor (m) that `driven`, the beam itself or one very near to it, has to first order about
     /// where this stands: one step of Newton's method, which is no search and finds no other response. The derivatives
     /// are those of the beam itself: between neighbours only the residual differs. Far from a solution that is not the
-    /// whole change, but fits that follow it are not held up more often.
+    /// whole change.
     pub fn first_order(&mut self, forcing: &Forcing, driven: Driven) -> Result<Vec<f64>, HarmonicError> {
         self.linearise()?;
         let mut there = forcing.balance(driven, self.balance.signals())?;
