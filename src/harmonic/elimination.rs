@@ -3,6 +3,9 @@
 /// Gauss–Jordan elimination with full pivoting of `n` rows of width `n + right`; unknowns whose pivot
 /// falls below `threshold` are set to zero. Returns the rank; `pivots` then
 /// starts with the unknowns that were solved for.
+///
+/// A row with one unknown comes first: it takes nothing from the other rows, whose small pivots would be lost where
+/// they know that unknown by large numbers.
 pub(crate) fn solve_ranked(
     system: &mut [f64],
     pivots: &mut [usize],
@@ -15,16 +18,17 @@ pub(crate) fn solve_ranked(
     out[..n * right].fill(0.0);
     let mut solved = 0;
     while solved < n {
-        let mut best = (solved, 0, 0.0);
+        let mut best = (solved, 0, 0.0, false);
         for i in solved..n {
-            for j in 0..n {
-                let size = system[i * width + j].abs();
-                if size > best.2 {
-                    best = (i, j, size);
+            let row = &system[i * width..i * width + n];
+            let alone = row.iter().filter(|x| **x != 0.0).count() == 1;
+            for (j, size) in row.iter().map(|x| x.abs()).enumerate() {
+                if size > if alone { threshold } else if best.3 { f64::INFINITY } else { best.2 } {
+                    best = (i, j, size, alone);
                 }
             }
         }
-        let (row, column, size) = best;
+        let (row, column, size, _) = best;
         // A NaN never compares greater: it ends here as a missing pivot and shows in the force.
         if size <= threshold {
             break;
@@ -69,5 +73,9 @@ mod tests {
         let mut system = [0.0, 4.0, 8.0, 0.0, 2.0, 4.0];
         assert_eq!(solve_ranked(&mut system, &mut pivots, 1, 1e-9, &mut out), 1);
         assert_eq!((out, pivots[0]), ([0.0, 2.0], 1));
+        // 1e-8 x + 500 y = 502, y = 1.
+        let mut system = [1e-8, 500.0, 502.0, 0.0, 1.0, 1.0];
+        assert_eq!(solve_ranked(&mut system, &mut pivots, 1, 1e-9, &mut out), 2);
+        assert!((out[0] / 2e8 - 1.0).abs() < 1e-14 && out[1] == 1.0, "{out:?}");
     }
 }

@@ -34,9 +34,11 @@ const RULE: [(f64, f64); NODES / 2] = [
 ];
 /// Largest half-width of a panel in radians of the highest harmonic.
 const WIDEST: f64 = 7.0;
-/// Share of the largest force that the highest Legendre coefficients on a panel may have: the rule is exact
-/// up to the square of their order, so that the integral is far more accurate.
+/// Share of the largest force that the highest Legendre coefficients on a panel may have.
 const RESOLVED: f64 = 1e-6;
+/// Share of it that the coefficients as far beyond them may have, where the rule ceases to be exact. Those of a smooth
+/// force fall from order to order by a ratio, those of a force with a knee far slower.
+const INTEGRATED: f64 = 1e-9;
 /// Error of the step through the series spring at a node, as share of the force.
 const NODE_TOLERANCE: f64 = 1e-12;
 /// Times a panel is halved at most.
@@ -110,11 +112,13 @@ struct Rule {
     weights: [f64; NODES],
     /// Rows that give the three highest Legendre coefficients of values at the nodes.
     tail: [[f64; NODES]; 3],
+    /// The same of the three whose orders are half as high.
+    middle: [[f64; NODES]; 3],
 }
 
 impl Rule {
     fn new() -> Self {
-        let mut rule = Self { nodes: [0.0; NODES], weights: [0.0; NODES], tail: [[0.0; NODES]; 3] };
+        let mut rule = Self { nodes: [0.0; NODES], weights: [0.0; NODES], tail: [[0.0; NODES]; 3], middle: [[0.0; NODES]; 3] };
         for (i, (node, weight)) in RULE.iter().enumerate() {
             let (left, right) = (NODES / 2 - 1 - i, NODES / 2 + i);
             (rule.nodes[left], rule.nodes[right]) = (-node, *node);
@@ -124,8 +128,11 @@ impl Rule {
             let x = rule.nodes[i];
             let (mut before, mut legendre) = (1.0, x);
             for k in 1..NODES {
-                if k + 3 >= NODES {
-                    rule.tail[NODES - 1 - k][i] = (k as f64 + 0.5) * rule.weights[i] * legendre;
+                let row = (k as f64 + 0.5) * rule.weights[i] * legendre;
+                match k {
+                    6..=8 => rule.middle[k - 6][i] = row,
+                    13..NODES => rule.tail[k - 13][i] = row,
+                    _ => (),
                 }
                 let k = k as f64;
                 (before, legendre) = (legendre, ((2.0 * k + 1.0) * x * legendre - k * before) / (k + 1.0));
@@ -134,11 +141,15 @@ impl Rule {
         rule
     }
 
-    /// Size of the highest Legendre coefficients.
-    fn tail(&self, nodes: &[Node; NODES]) -> f64 {
+    /// Whether nodes are too few for the force at them, `scale` (N) being its size.
+    fn too_wide(&self, nodes: &[Node; NODES], scale: f64) -> bool {
         let coefficient =
             |row: &[f64; NODES]| row.iter().zip(nodes).map(|(r, node)| r * node.force).sum::<f64>().abs();
-        self.tail.iter().map(coefficient).sum()
+        let sum = |rows: &[[f64; NODES]; 3]| rows.iter().map(coefficient).sum::<f64>();
+        let (middle, tail) = (sum(&self.middle), sum(&self.tail));
+        // From order 7 to 14 by a ratio, from 14 to 28 by its square.
+        let unfounded = tail > INTEGRATED * scale && tail.powi(3) > INTEGRATED * scale * middle * middle;
+        tail > RESOLVED * scale || unfounded
     }
 }
 
@@ -246,7 +257,7 @@ impl SmoothCycle {
         // A drag has no force at the turning points, by which the chain measures.
         let nodes = self.nodes.iter();
         let scale = nodes.fold(self.chain.force_scale, |scale, node| scale.max(node.force.abs()));
-        if halvings > 0 && self.rule.tail(&self.nodes) > RESOLVED * scale {
+        if halvings > 0 && self.rule.too_wide(&self.nodes, scale) {
             let middle = 0.5 * (left + right);
             self.integrate_panel(contact, angular_frequency, leg, (left, middle), halvings - 1);
             self.integrate_panel(contact, angular_frequency, leg, (middle, right), halvings - 1);
