@@ -30,16 +30,11 @@ struct Test {
 
 const PLAIN: Test = Test { amplitude: 3e-5, offset: 0.0, step: 1e-3, spring: 0.0, stated: None };
 
-/// Noise of deviation one from a counter: the same for the same seed.
+/// Noise of deviation one: the same for the same seed.
 fn noise(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-    move || {
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
-    }
+    // A fork, since the numbers of neighbouring seeds resemble each other.
+    let mut numbers = fastrand::Rng::with_seed(seed).fork();
+    move || (0..12).map(|_| numbers.f64()).sum::<f64>() - 6.0
 }
 
 impl Test {
@@ -134,6 +129,51 @@ fn what_only_the_record_of_the_largest_motion_shows_is_not_passed_over() {
     let found = diagnosed(records);
     assert_eq!(found.verdict, Verdict::Unexplained);
     assert!(found.reasons.iter().any(|reason| reason.contains("`r7`")), "{:?}", found.reasons);
+}
+
+/// Stuck records of small motions (m), and untouched ones of larger ones.
+fn judged_far_away(small: f64, large: f64) -> Vec<Record> {
+    let untouched = |i: usize| matches!(i, 2 | 5);
+    let mut records =
+        levels(|i| Test { amplitude: if untouched(i) { large } else { small }, stated: Some(0.3), ..PLAIN });
+    for (index, record) in records.iter_mut().enumerate() {
+        record.use_for = Some(match index {
+            2 | 5 => stickslip::measure::Use::Confirm,
+            1 | 4 => stickslip::measure::Use::Select,
+            _ => stickslip::measure::Use::Fit,
+        });
+    }
+    records
+}
+
+#[test]
+fn what_the_doubt_of_the_parameters_can_make_is_said_to_be_in_doubt() {
+    let of_doubt =
+        |found: &Diagnosis| found.reasons.iter().any(|reason| reason.contains("the doubt that they leave"));
+    // A stiffness from forces as small as their noise, judged where they are a hundred times as large.
+    let found = diagnosed(judged_far_away(8e-8, 8e-6));
+    assert!(
+        found.verdict == Verdict::Unexplained && of_doubt(&found),
+        "{:?} {:?}",
+        found.verdict,
+        found.reasons
+    );
+    assert!(found.next_experiment.unwrap().starts_with("Measure more records"));
+    // An end stop that the untouched records alone reach is beyond any doubt.
+    let mut records = judged_far_away(4e-6, 8e-6);
+    for record in &mut records {
+        let motion = record.channels[2].values.clone();
+        for (force, u) in record.channels[1].values.iter_mut().zip(motion) {
+            *force += 2e6 * (u - 7e-6).max(0.0);
+        }
+    }
+    let found = diagnosed(records);
+    assert!(
+        found.verdict == Verdict::Unexplained && !of_doubt(&found),
+        "{:?} {:?}",
+        found.verdict,
+        found.reasons
+    );
 }
 
 #[test]

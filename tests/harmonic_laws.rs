@@ -298,11 +298,10 @@ fn starts_do_not_change_the_answer() {
 #[test]
 fn whole_periods_survive_noise_and_missing_fundamental() {
     let record = |periods: usize, orders: &[(usize, f64)], noise: f64| -> Vec<f64> {
-        let mut seed = 1u64;
+        let mut numbers = fastrand::Rng::with_seed(1);
         (0..512)
             .map(|k| {
-                seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-                let random = (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
+                let random = 2.0 * numbers.f64() - 1.0;
                 let phase = TAU * (periods * k) as f64 / 512.0;
                 let sum: f64 = orders.iter().map(|(h, a)| a * (*h as f64 * phase + 0.3).sin()).sum();
                 0.2 + sum + noise * random

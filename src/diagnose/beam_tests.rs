@@ -302,9 +302,7 @@ fn beside_a_fold_the_measured_response_is_predicted() {
 }
 
 /// Even numbers between −½ and ½.
-fn uniform(mut state: u64) -> impl FnMut() -> f64 {
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-    }
+fn uniform(seed: u64) -> impl FnMut() -> f64 {
+    let mut numbers = fastrand::Rng::with_seed(seed);
+    move || numbers.f64() - 0.5
 }

@@ -58,12 +58,9 @@ mod tests {
 
     /// Loops from rest of the levels (m) `levels`, with white noise of a number's own.
     fn dataset(levels: &[f64], draw: u64) -> Dataset {
-        let mut state = draw;
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        let mut normal = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+        // A fork, since the numbers of neighbouring seeds resemble each other.
+        let mut numbers = fastrand::Rng::with_seed(draw).fork();
+        let mut normal = || (0..12).map(|_| numbers.f64()).sum::<f64>() - 6.0;
         let channel =
             |name: &str, unit, values: Vec<f64>| Channel { name: name.into(), unit, values, noise: None };
         let mut record = |level: &f64| {

@@ -7,7 +7,7 @@ use super::candidates::{self, Candidate};
 use super::compare::{RefitError, evaluate_from};
 use super::comparison::{Comparison, Stage};
 use super::diagnosis::{Cost, Diagnosis, Errors, Noise, Verdict};
-use super::findings::{Findings, Left, Outcome, UNEXPLAINED};
+use super::findings::{ADEQUATE, Findings, Left, Outcome, UNEXPLAINED};
 use super::noise;
 use super::select::{Search, State};
 use super::split::{self, Parts};
@@ -301,7 +301,26 @@ fn conclude(
         let certain = selecting.max(beyond_doubt(whole, &last)).max(beyond_doubt(whole, &after));
         Left::of(&last, &after, certain)
     });
-    Ok(Outcome { findings, fits, given, before, after, chi_square, selecting, left, follows, repeated })
+    let in_doubt = chi_square.is_some_and(|chi_square| {
+        let model = fits.last().map(|fitted| &fitted.model);
+        let made = |model| search.made_by_doubt(whole, model, &seen, untouched);
+        chi_square > UNEXPLAINED
+            && mean_square(&last) < ADEQUATE
+            && model.is_some_and(|model| chi_square - made(model) < ADEQUATE)
+    });
+    Ok(Outcome {
+        findings,
+        fits,
+        given,
+        before,
+        after,
+        chi_square,
+        selecting,
+        left,
+        in_doubt,
+        follows,
+        repeated,
+    })
 }
 
 /// The models from the first effect that was kept to all of them, each one more than the one before, fitted to

@@ -62,6 +62,13 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
         )),
         _ => {}
     }
+    if outcome.in_doubt {
+        reasons.push(
+            "the records seen are explained, and the doubt that they leave in the parameters could by itself make as \
+             much on the others: what was found may be all there is"
+                .to_owned(),
+        );
+    }
     for step in &findings.steps {
         let names: Vec<&str> = step.candidates.iter().map(|candidate| candidate.effect.title).collect();
         let fate = match (step.without.is_empty(), step.vetoed) {
@@ -281,6 +288,11 @@ pub(super) fn next_experiment(told: &Told, _: &Sensitivities) -> Option<String> 
         ),
         Verdict::Unexplained if !told.known => Some(
             "Repeat one record, or run it over several periods: the difference of the repeats is the noise".to_owned(),
+        ),
+        Verdict::Unexplained if told.outcome.in_doubt => Some(
+            "Measure more records like those that nothing was fitted to, a little above and below each in level and \
+             frequency: with them the parameters are known well enough to tell whether anything is missing"
+                .to_owned(),
         ),
         Verdict::Unexplained => Some(
             "Look at the residual of the refitted model against displacement, velocity, normal load and time, and \

@@ -69,6 +69,9 @@ pub(super) struct Outcome {
     pub selecting: f64,
     /// What the last model leaves of the noise's mean square elsewhere, where the noise is known.
     pub left: Option<Left>,
+    /// Whether the last model, which explains all records seen, leaves more than noise on the untouched ones, but no
+    /// more than the doubt of its parameters can make of them.
+    pub in_doubt: bool,
     /// What the residual there still follows, where the noise is known.
     pub follows: Vec<&'static str>,
     /// Whether that residual is the one that the records seen leave at the same places of the motion.
@@ -128,54 +131,31 @@ impl Findings {
     ) -> Self {
         let mut findings =
             Self { base, steps: Vec::new(), rounds: Vec::new(), shortened: None, interrupted: false };
-        let mut before_moving: Option<Vec<Trial>> = None;
         while findings.effects().len() < most {
-            let present = findings.last().clone();
-            let adequate = known
-                && search.fitted_chi_square(&present) < ADEQUATE
-                && present.chi_square() < UNEXPLAINED
-                && search.chi_square_beyond_doubt(&present, ADEQUATE) < ADEQUATE;
+            let first = findings.rounds.is_empty();
+            let mut adequate = known && findings.is_adequate(search);
             // The first round is made in any case: its candidates are part of the answer.
-            if adequate && !findings.rounds.is_empty() {
+            if adequate && !first {
                 break;
             }
             let left: Vec<Vec<Candidate>> =
                 tried.iter().filter(|c| !findings.effects().contains(c)).map(|c| vec![c.clone()]).collect();
-            if !findings.rounds.is_empty() {
+            if !first {
                 meter.expect(left.len());
             }
-            let earlier = before_moving.as_deref().filter(|_| findings.rounds.is_empty());
-            let mut round = search.round(&present, &left, earlier);
+            let mut round = search.round(findings.last(), &left, None);
             findings.interrupted |= search.bench.interrupted();
-            let first = findings.rounds.is_empty() && before_moving.is_none() && !findings.interrupted;
-            if first
-                && known
-                && let Some(only) = findings.only_explanation(search, &round)
-            {
-                findings.rounds.push(round);
-                findings.steps.push(only);
-                break;
+            if first && !findings.interrupted {
+                if known && let Some(only) = findings.only_explanation(search, &round) {
+                    findings.rounds.push(round);
+                    findings.steps.push(only);
+                    break;
+                }
+                if !adequate && findings.begin_elsewhere(search, &left, &mut round, known, meter) {
+                    adequate = known && findings.is_adequate(search);
+                }
             }
-            let unexplained = |round: &[Trial]| {
-                let fits = round.iter().filter_map(|trial| trial.state.as_ref().ok());
-                known
-                    && fits.fold(f64::INFINITY, |least, s| least.min(search.fitted_chi_square(s)))
-                        > UNEXPLAINED
-            };
-            if first && !adequate && search.about_measured.is_none() && unexplained(&round) {
-                meter.expect(left.len());
-                round = search.begun_at_origin(&present, &left, round);
-            }
-            if first
-                && !adequate
-                && let Some(better) = search.elsewhere(&present, &round)
-            {
-                before_moving = Some(round);
-                meter.expect(left.len());
-                findings.base = better;
-                continue;
-            }
-            let step = if adequate { None } else { findings.best_of(search, &present, &round) };
+            let step = if adequate { None } else { findings.best_of(search, findings.last(), &round) };
             // Where nobody knows what is noise, any second effect finds something to mend.
             let step = step.filter(|step| known || findings.steps.is_empty() || search.stands_alone(step));
             findings.rounds.push(round);
@@ -192,6 +172,38 @@ impl Findings {
         findings.drop_backward(search);
         findings.settle_ties(search);
         findings
+    }
+
+    /// Whether the present model leaves nothing but noise on the records seen.
+    fn is_adequate(&self, search: &Search) -> bool {
+        let present = self.last();
+        search.fitted_chi_square(present) < ADEQUATE
+            && present.chi_square() < UNEXPLAINED
+            && search.chi_square_beyond_doubt(present, ADEQUATE) < ADEQUATE
+    }
+
+    /// Makes the first `round` anew where that leads to a far better fit: from the model as it came, then from a better
+    /// minimum of the model without effects, which becomes the base. Returns whether it has.
+    fn begin_elsewhere(
+        &mut self,
+        search: &Search,
+        sets: &[Vec<Candidate>],
+        round: &mut Vec<Trial>,
+        known: bool,
+        meter: &Meter,
+    ) -> bool {
+        let fits = round.iter().filter_map(|trial| trial.state.as_ref().ok());
+        let least = fits.fold(f64::INFINITY, |least, fit| least.min(search.fitted_chi_square(fit)));
+        if known && least > UNEXPLAINED && search.about_measured.is_none() {
+            meter.expect(sets.len());
+            *round = search.begun_at_origin(&self.base, sets, std::mem::take(round));
+        }
+        let Some(better) = search.elsewhere(&self.base, round) else { return false };
+        meter.expect(sets.len());
+        *round = search.round(&better, sets, Some(round.as_slice()));
+        self.base = better;
+        self.interrupted |= search.bench.interrupted();
+        true
     }
 
     /// All effects at once from their own starts, where they do not reach the noise: an effect found alone is bent to do

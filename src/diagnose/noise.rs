@@ -339,12 +339,10 @@ mod tests {
     const DEVIATION: f64 = 0.01;
 
     /// Normal numbers (the sum of twelve uniform ones), the same in every run.
-    fn normal(mut seed: u64) -> impl FnMut() -> f64 {
-        let mut uniform = move || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        move || (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    fn normal(seed: u64) -> impl FnMut() -> f64 {
+        // A fork, since the numbers of neighbouring seeds resemble each other.
+        let mut numbers = fastrand::Rng::with_seed(seed).fork();
+        move || (0..12).map(|_| numbers.f64()).sum::<f64>() - 6.0
     }
 
     /// Two periods of a sine with white noise, on which `start` lies.

@@ -486,10 +486,15 @@ impl<'a, 'd> Search<'a, 'd> {
         if chi_square < limit {
             return chi_square;
         }
-        let (model, parts) = (&state.fitted.model, self.parts);
-        let doubt =
-            doubt::of_predictions(self.bench, model, &self.unknowns(model), &parts.fit, &parts.select);
-        chi_square - doubt.map_or(0.0, |doubt| CHANCE * doubt)
+        let (fitted, others) = (&self.parts.fit, &self.parts.select);
+        chi_square - self.made_by_doubt(self.bench, &state.fitted.model, fitted, others)
+    }
+
+    /// What the doubt of the parameters of `model`, fitted to the records `fitted`, can make of the mean square of the
+    /// weighted residuals of `others`.
+    pub fn made_by_doubt(&self, bench: &Bench, model: &Model, fitted: &[usize], others: &[usize]) -> f64 {
+        let doubt = doubt::of_predictions(bench, model, &self.unknowns(model), fitted, others);
+        doubt.map_or(0.0, |doubt| CHANCE * doubt)
     }
 
     /// Mean square of the weighted residuals on the fitted records.

@@ -23,7 +23,15 @@ pub(crate) fn solve_ranked(
             let row = &system[i * width..i * width + n];
             let alone = row.iter().filter(|x| **x != 0.0).count() == 1;
             for (j, size) in row.iter().map(|x| x.abs()).enumerate() {
-                if size > if alone { threshold } else if best.3 { f64::INFINITY } else { best.2 } {
+                if size
+                    > if alone {
+                        threshold
+                    } else if best.3 {
+                        f64::INFINITY
+                    } else {
+                        best.2
+                    }
+                {
                     best = (i, j, size, alone);
                 }
             }

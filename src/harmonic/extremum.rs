@@ -140,11 +140,8 @@ mod tests {
     #[test]
     fn the_largest_magnitude_is_no_less_than_any_value() {
         let mut extremum = Extremum::default();
-        let mut state = 1u64;
-        let mut random = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        };
+        let mut numbers = fastrand::Rng::with_seed(1);
+        let mut random = || numbers.f64() - 0.5;
         for harmonics in [1, 3, 7, 20] {
             for _ in 0..20 {
                 let coefficients: Vec<f64> =

@@ -118,7 +118,12 @@ struct Rule {
 
 impl Rule {
     fn new() -> Self {
-        let mut rule = Self { nodes: [0.0; NODES], weights: [0.0; NODES], tail: [[0.0; NODES]; 3], middle: [[0.0; NODES]; 3] };
+        let mut rule = Self {
+            nodes: [0.0; NODES],
+            weights: [0.0; NODES],
+            tail: [[0.0; NODES]; 3],
+            middle: [[0.0; NODES]; 3],
+        };
         for (i, (node, weight)) in RULE.iter().enumerate() {
             let (left, right) = (NODES / 2 - 1 - i, NODES / 2 + i);
             (rule.nodes[left], rule.nodes[right]) = (-node, *node);

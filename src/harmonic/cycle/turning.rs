@@ -141,11 +141,8 @@ mod tests {
 
     #[test]
     fn turning_points_are_those_of_a_fine_grid() {
-        let mut seed = 7_u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        };
+        let mut numbers = fastrand::Rng::with_seed(7);
+        let mut random = || numbers.f64() - 0.5;
         for _ in 0..20 {
             let u: Vec<f64> = (0..31).map(|_| random()).collect();
             let list = found(HarmonicSet::full(15), &u);

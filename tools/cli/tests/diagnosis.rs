@@ -47,11 +47,9 @@ fn example(beside: f64) -> TempDir {
 
 /// Jenkins' element stepped by hand, with noise of 0.3 N.
 fn table(seed: u64, size: f64, beside: f64) -> String {
-    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-    let mut uniform = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    };
+    // A fork, since the numbers of neighbouring seeds resemble each other.
+    let mut numbers = fastrand::Rng::with_seed(seed).fork();
+    let mut uniform = || 2.0 * numbers.f64() - 1.0;
     let (mut slider, mut text) = (0.0_f64, "time [s],displacement [m],force [N]\n".to_owned());
     for index in 0..600 {
         let time = f64::from(index) * 0.005;

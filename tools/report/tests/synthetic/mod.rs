@@ -123,11 +123,9 @@ pub fn backbone() -> Comparison {
 
 /// Numbers from −1 to 1 that are the same on every machine.
 pub fn noise(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
+    // A fork, since the numbers of neighbouring seeds resemble each other.
+    let mut numbers = fastrand::Rng::with_seed(seed).fork();
+    move || 2.0 * numbers.f64() - 1.0
 }
 
 /// A Jenkins element with a parallel spring, over a motion.
