@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::beam_about::AboutMeasured;
 use super::beam_steady::SteadyRecord;
 use super::simulation::{Direction, Seed, Simulation};
 use crate::contact::ContactLaw;
@@ -77,6 +78,31 @@ impl Attached {
     }
 }
 
+/// A model with its nuisances, and what it is attached to.
+pub(super) struct At<'a> {
+    pub model: &'a Model,
+    pub nuisances: &'a [f64],
+    pub attached: &'a Attached,
+}
+
+/// What a prediction was made of, to know it again.
+pub(super) struct Known {
+    model: Model,
+    nuisances: Vec<f64>,
+}
+
+impl At<'_> {
+    pub fn known(&self) -> Known {
+        Known { model: self.model.clone(), nuisances: self.nuisances.to_vec() }
+    }
+}
+
+impl Known {
+    pub fn is(&self, at: &At) -> bool {
+        self.nuisances == at.nuisances && self.model == *at.model
+    }
+}
+
 /// Predictions of one record of a beam: of the columns `frequency` (Hz) and `damping_ratio` of a backbone, or of
 /// every motion measured at a position (`acceleration:x=…`, `velocity:x=…`, `displacement:x=…`) in time.
 pub(super) struct BeamSimulation<'r> {
@@ -89,7 +115,7 @@ pub(super) struct BeamSimulation<'r> {
 enum Task {
     Steady(Box<SteadyRecord>),
     /// A steady state to first order about the measured one.
-    AboutMeasured(Box<SteadyRecord>),
+    AboutMeasured(Box<AboutMeasured>),
     /// The last solutions, one per amplitude.
     Backbone(Vec<Resonance>),
     FromRest,
@@ -113,17 +139,18 @@ impl<'r> BeamSimulation<'r> {
             Regime::FromRest => Task::FromRest,
             Regime::Steady => {
                 let highest = Attached::new(model, &positions, None)?.beam.angular_frequency.last().copied();
-                let mut steady = Box::new(SteadyRecord::new(record, &channels, highest.unwrap_or(0.0))?);
+                let mut steady = SteadyRecord::new(record, &channels, highest.unwrap_or(0.0))?;
                 match seed {
-                    Some(Seed::AboutMeasured) => Task::AboutMeasured(steady),
+                    Some(Seed::AboutMeasured) => Task::AboutMeasured(Box::new(AboutMeasured::new(steady))),
                     seed => {
                         if let Some(Seed::Near(start)) = seed {
                             steady.start_from(start);
                         }
                         let attached = Attached::new(model, &positions, steady.load())?;
                         // Without a start later predictions search on their own.
-                        let _ = steady.linearise(&attached, &[], &mut Vec::new(), &mut Vec::new());
-                        Task::Steady(steady)
+                        let at = At { model, nuisances: &[], attached: &attached };
+                        let _ = steady.linearise(&at, &[], &mut Vec::new(), &mut Vec::new());
+                        Task::Steady(Box::new(steady))
                     }
                 }
             }
@@ -138,7 +165,8 @@ impl<'r> BeamSimulation<'r> {
 
     fn attached(&self, model: &Model, nuisances: &[f64]) -> Result<Attached, String> {
         let load = match &self.task {
-            Task::Steady(steady) | Task::AboutMeasured(steady) => steady.load(),
+            Task::Steady(steady) => steady.load(),
+            Task::AboutMeasured(about) => about.load(),
             Task::Backbone(_) | Task::FromRest => None,
         };
         let seat = nuisances.first().copied().unwrap_or(0.0);
@@ -189,9 +217,10 @@ impl Simulation for BeamSimulation<'_> {
 
     fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
         let attached = self.attached(model, nuisances)?;
-        match &self.task {
-            Task::Steady(steady) => steady.predict(&attached, out),
-            Task::AboutMeasured(steady) => steady.predict_about_measured(&attached, out),
+        let at = At { model, nuisances, attached: &attached };
+        match &mut self.task {
+            Task::Steady(steady) => steady.predict(&at, out),
+            Task::AboutMeasured(about) => about.predict(&at, out),
             Task::Backbone(starts) => {
                 let points = backbone(&attached, self.record, starts)?;
                 observe(&points, &self.channels, out);
@@ -215,22 +244,19 @@ impl Simulation for BeamSimulation<'_> {
                 directions.iter().map(|direction| self.attached(&direction.model, &direction.nuisances));
             neighbours.collect::<Result<Vec<_>, _>>()
         };
-        match self.task {
-            Task::Steady(_) => {
-                let neighbours = neighbours()?;
-                if let Task::Steady(steady) = &mut self.task {
-                    steady.linearise(&attached, &neighbours, predictions, derivatives)?;
-                }
-            }
-            Task::AboutMeasured(ref steady) => {
-                steady.linearise_about_measured(&attached, &neighbours()?, predictions, derivatives)?;
-            }
-            Task::Backbone(_) | Task::FromRest => {
-                if let Task::Backbone(starts) = &mut self.task {
-                    *starts = backbone(&attached, self.record, starts)?;
-                }
+        let neighbours = match self.task {
+            Task::Steady(_) | Task::AboutMeasured(_) => neighbours()?,
+            Task::Backbone(_) | Task::FromRest => Vec::new(),
+        };
+        let at = At { model, nuisances, attached: &attached };
+        match &mut self.task {
+            Task::Steady(steady) => steady.linearise(&at, &neighbours, predictions, derivatives)?,
+            Task::AboutMeasured(about) => about.linearise(&at, &neighbours, predictions, derivatives)?,
+            Task::Backbone(starts) => {
+                *starts = backbone(&attached, self.record, starts)?;
                 self.differences(model, directions, predictions, derivatives)?;
             }
+            Task::FromRest => self.differences(model, directions, predictions, derivatives)?,
         }
         for (direction, derivative) in directions.iter().zip(derivatives) {
             derivative.iter_mut().for_each(|change| *change /= direction.step);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use nalgebra::Complex;
 use realfft::{ComplexToReal, RealFftPlanner};
 
-use super::beam_record::Attached;
+use super::beam_record::{At, Attached, Known};
 use super::predict::derivative_order;
 use crate::harmonic::HarmonicError;
 use crate::harmonic::fourier::{self, coefficient_count, time_derivative};
@@ -33,7 +33,7 @@ const TOLERANCE: f64 = 1e-8;
 
 /// What does not change from one prediction of the record to the next.
 pub(super) struct SteadyRecord {
-    forcing: Forcing,
+    pub forcing: Forcing,
     /// Periods of the excitation in the record.
     periods: usize,
     /// From spectral lines to samples.
@@ -43,12 +43,15 @@ pub(super) struct SteadyRecord {
     /// What the channels measured, without their means.
     measured: Vec<f64>,
     /// Displacement coefficients (m) of each, of the harmonics that stand out of its noise.
-    motion: Vec<Vec<f64>>,
+    pub motion: Vec<Vec<f64>>,
     /// Coefficients of the measured normal load (N), `[a0, c1, s1, …]`.
     load: Option<Vec<f64>>,
     start: Option<Start>,
     /// Whether the start is one of this simulation's own solutions.
     settled: bool,
+    /// What was predicted last from the start, and its solution: a fit that accepts a step asks for the derivatives there
+    /// next.
+    last: Option<(Known, Start)>,
 }
 
 impl SteadyRecord {
@@ -92,6 +95,7 @@ impl SteadyRecord {
             load,
             start: None,
             settled: false,
+            last: None,
         })
     }
 
@@ -107,14 +111,14 @@ impl SteadyRecord {
 
     /// Predictions of all channels, one after the other: of the response near the last one of this simulation where
     /// there is one, as the many steps that a fit tries need no search.
-    pub fn predict(&self, model: &Attached, out: &mut Vec<f64>) -> Result<(), String> {
-        match self.start.as_ref().filter(|_| self.settled) {
-            Some(start) => {
-                let mut steady = self.forcing.solve(model.driven(), &[], Some(start)).map_err(text)?;
-                self.observe(&steady.sensors(&self.forcing), out);
-            }
-            None => drop(self.nearest(model.driven(), &[], out).map_err(text)?),
-        }
+    pub fn predict(&mut self, at: &At, out: &mut Vec<f64>) -> Result<(), String> {
+        let driven = at.attached.driven();
+        let Some(start) = self.start.as_ref().filter(|_| self.settled) else {
+            return self.nearest(at, &[], out).map(drop).map_err(text);
+        };
+        let mut steady = self.forcing.solve(driven, &[], Some(start)).map_err(text)?;
+        self.observe(&steady.sensors(&self.forcing), out);
+        self.last = Some((at.known(), steady.here()));
         Ok(())
     }
 
@@ -122,55 +126,22 @@ impl SteadyRecord {
     /// what follows.
     pub fn linearise(
         &mut self,
-        model: &Attached,
+        at: &At,
         neighbours: &[Attached],
         predictions: &mut Vec<f64>,
         differences: &mut Vec<Vec<f64>>,
     ) -> Result<(), String> {
         let others: Vec<Driven> = neighbours.iter().map(Attached::driven).collect();
         differences.resize_with(others.len(), Vec::new);
-        let mut solved = self.nearest(model.driven(), &others, predictions).map_err(text)?;
+        let mut solved = self.nearest(at, &others, predictions).map_err(text)?;
         for (other, difference) in others.iter().zip(differences) {
             let change = solved.change(&self.forcing, *other).map_err(text)?;
             self.observe(&change, difference);
         }
         self.start = Some(solved.start().map_err(text)?);
         self.settled = true;
+        self.last = None;
         Ok(())
-    }
-
-    /// Predictions to first order about the measured motion.
-    pub fn predict_about_measured(&self, model: &Attached, out: &mut Vec<f64>) -> Result<(), String> {
-        self.linearise_about_measured(model, &[], out, &mut Vec::new())
-    }
-
-    /// The same with their differences to those of `neighbours`.
-    pub fn linearise_about_measured(
-        &self,
-        model: &Attached,
-        neighbours: &[Attached],
-        predictions: &mut Vec<f64>,
-        differences: &mut Vec<Vec<f64>>,
-    ) -> Result<(), String> {
-        let others: Vec<Driven> = neighbours.iter().map(Attached::driven).collect();
-        let mut about = self.about_measured(model, &others).map_err(text)?;
-        self.observe(&about.first_order(&self.forcing, model.driven()).map_err(text)?, predictions);
-        differences.resize_with(others.len(), Vec::new);
-        for (other, difference) in others.iter().zip(differences) {
-            self.observe(&about.first_order(&self.forcing, *other).map_err(text)?, difference);
-            difference.iter_mut().zip(&*predictions).for_each(|(there, here)| *there -= here);
-        }
-        Ok(())
-    }
-
-    /// The model at the measured motion.
-    fn about_measured<'m>(
-        &self,
-        model: &'m Attached,
-        others: &[Driven],
-    ) -> Result<Steady<'m>, HarmonicError> {
-        let start = self.forcing.start_at(model.driven(), &self.motion)?;
-        self.forcing.about(model.driven(), others, &start)
     }
 
     /// The last solution, for another simulation of the record to start from.
@@ -182,23 +153,25 @@ impl SteadyRecord {
     /// predictions. Nothing is sought far off in a fit under way: a step that leads too far is one to be shortened.
     fn nearest<'m>(
         &self,
-        driven: Driven<'m>,
+        at: &At<'m>,
         others: &[Driven],
         predictions: &mut Vec<f64>,
     ) -> Result<Steady<'m>, HarmonicError> {
+        let driven = at.attached.driven();
+        let here = self.last.as_ref().filter(|(known, _)| self.settled && known.is(at)).map(|(_, here)| here);
         let mut best: Option<(f64, Steady)> = None;
         let mut failure = None;
         let mut near = Vec::new();
         for way in [Way::Last, Way::Measured, Way::Nothing] {
             let found = match way {
-                Way::Last => match &self.start {
+                Way::Last => match here.or(self.start.as_ref()) {
                     Some(start) => self.forcing.solve(driven, others, Some(start)),
                     None => continue,
                 },
                 Way::Measured if self.motion.iter().flatten().all(|x| *x == 0.0) => continue,
                 Way::Measured => self
                     .forcing
-                    .start_at(driven, &self.motion)
+                    .start_at(driven, &self.motion, &mut None)
                     .and_then(|start| self.forcing.solve(driven, others, Some(&start))),
                 Way::Nothing if self.settled || self.start.is_some() && best.is_some() => continue,
                 Way::Nothing => self.forcing.solve(driven, others, None),
@@ -246,7 +219,7 @@ impl SteadyRecord {
     }
 
     /// What the channels measure of displacements with the coefficients `sensors`. Their phase 0 is the first sample.
-    fn observe(&self, sensors: &[f64], out: &mut Vec<f64>) {
+    pub fn observe(&self, sensors: &[f64], out: &mut Vec<f64>) {
         out.clear();
         let count = coefficient_count(self.forcing.sensed_harmonics);
         for (coefficients, order) in sensors.chunks_exact(count).zip(&self.orders) {

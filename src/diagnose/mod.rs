@@ -1,5 +1,6 @@
 //! Model against measurement: predict every record, score the prediction, refit, compare again.
 
+mod beam_about;
 mod beam_record;
 mod beam_steady;
 #[cfg(test)]

@@ -42,7 +42,11 @@ pub(crate) fn find(
     start: Option<State>,
     settings: &Settings,
 ) -> Result<(State, Effort), HarmonicError> {
-    let stopping = Stopping { tolerance: settings.tolerance, max_iterations: settings.max_iterations };
+    let stopping = Stopping {
+        tolerance: settings.tolerance,
+        max_iterations: settings.max_iterations,
+        reach: f64::INFINITY,
+    };
     let mut newton = Newton::default();
     let mut attempt = |family: &mut dyn Family, balance: &mut Balance, amount: f64, state: &mut State| {
         balance.forget();

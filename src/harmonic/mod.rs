@@ -8,6 +8,7 @@
 //!
 //! Coefficients are laid out `[a0, c1, s1, …, cH, sH]` per mode, mode after mode; see [`fourier`].
 
+pub(crate) mod about;
 mod assembly;
 mod balance;
 mod bracket;

@@ -69,17 +69,12 @@ impl ModalEquations {
     pub fn new(beam: &ModalBeam, harmonics: usize) -> Self {
         let modes = beam.angular_frequency.len();
         let count = coefficient_count(harmonics);
-        Self {
+        let mut equations = Self {
             modes,
             harmonics,
-            shortening: DMatrix::from_row_slice(modes, modes, &beam.shortening),
-            stiffness: beam.angular_frequency.iter().map(|natural| natural * natural).collect(),
-            damping: beam
-                .angular_frequency
-                .iter()
-                .zip(&beam.damping_ratio)
-                .map(|(natural, ratio)| 2.0 * ratio * natural)
-                .collect(),
+            shortening: DMatrix::zeros(0, 0),
+            stiffness: Vec::new(),
+            damping: Vec::new(),
             at: Operating::forced(0.0, 0.0),
             product: DMatrix::zeros(count, count),
             product_columns: vec![0.0; count * count],
@@ -97,7 +92,31 @@ impl ModalEquations {
             krylov: Krylov::default(),
             multiplied: vec![0.0; modes * count],
             prepared: vec![0.0; modes * count],
-        }
+        };
+        equations.describe(beam);
+        equations
+    }
+
+    fn describe(&mut self, beam: &ModalBeam) {
+        self.shortening = DMatrix::from_row_slice(self.modes, self.modes, &beam.shortening);
+        self.stiffness = beam.angular_frequency.iter().map(|natural| natural * natural).collect();
+        let natural = beam.angular_frequency.iter().zip(&beam.damping_ratio);
+        self.damping = natural.map(|(natural, ratio)| 2.0 * ratio * natural).collect();
+    }
+
+    /// Those of another beam with as many modes and harmonics, in the same room.
+    pub fn renewed(mut self, beam: &ModalBeam) -> Self {
+        self.describe(beam);
+        self.forget();
+        self.inverted = false;
+        self.contraction = 0.0;
+        self.derivative_error = DERIVATIVE_ERROR;
+        self
+    }
+
+    /// Number of modes.
+    pub fn modes(&self) -> usize {
+        self.modes
     }
 
     /// Adds a damper (1/s) to a mode.

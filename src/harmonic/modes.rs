@@ -147,7 +147,7 @@ fn mode_of_beam(
     let signals = Signals { mode, ..Signals::of(beam) };
     let harmonics = settings.harmonics;
     let extent = Extent { harmonics, contact: 2 * harmonics, signals };
-    let mut system = Balance::with(beam, contact, &[], &extent, settings.method)?;
+    let mut system = Balance::with(beam, contact, &[], &extent, settings.method, None)?;
     system.relieve(start.angular_frequency);
     let count = coefficient_count(harmonics);
     let mut modal = vec![0.0; count * start.shape.len()];

@@ -54,6 +54,8 @@ pub(crate) struct Stopping {
     pub tolerance: f64,
     /// Newton steps at most.
     pub max_iterations: usize,
+    /// Longest step wanted, as multiple of the unknowns, from which the solution is still near.
+    pub reach: f64,
 }
 
 /// How a solution was reached.
@@ -132,6 +134,9 @@ impl Newton {
             self.step.extend(self.residual.iter().map(|r| -r));
             self.factors.solve(&mut self.step);
             if self.step.iter().any(|s| !s.is_finite()) {
+                return Err(HarmonicError::NotConverged { residual, iterations });
+            }
+            if length(&self.step[..x.len()]) > stopping.reach * length(x) {
                 return Err(HarmonicError::NotConverged { residual, iterations });
             }
             before = residual;
@@ -288,7 +293,8 @@ fn longest_share(at: &Operating, free: &[Scalar], step: &[f64]) -> f64 {
     })
 }
 
-fn length(v: &[f64]) -> f64 {
+/// Euclidean norm.
+pub(super) fn length(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 

@@ -25,7 +25,8 @@ const NEIGHBOURS: [f64; 8] = [0.9, 1.1, 0.8, 1.3, 0.6, 1.6, 2.5, 0.4];
 
 impl CurveSettings {
     pub(crate) fn stopping(&self) -> Stopping {
-        Stopping { tolerance: self.tolerance, max_iterations: self.max_iterations }
+        let (tolerance, max_iterations) = (self.tolerance, self.max_iterations);
+        Stopping { tolerance, max_iterations, reach: f64::INFINITY }
     }
 }
 

@@ -6,14 +6,13 @@
 //! `r(x; p) = 0` the change with a parameter is `dx = −J⁻¹ ∂r/∂p dp`: one residual of the neighbour at the same x
 //! and the factors there are, no search.
 
-use super::balance::{Balance, Extent, Signals};
-use super::cycle::map::ContactMap;
+use super::balance::{Balance, Extent, Signals, Workspace};
 use super::factors::Factors;
 use super::follow::{Family, State, find};
 use super::forced::Forced;
 use super::fourier::coefficient_count;
 use super::measured::explained;
-use super::problem::{Newton, Stopping};
+use super::problem::{Newton, Stopping, length};
 use super::system::{Operating, PeriodicSystem};
 use super::{ContactOnBeam, HarmonicError, Method, Settings};
 use crate::structure::ModalBeam;
@@ -25,9 +24,9 @@ const GOOD_FACTORS: f64 = 0.2;
 /// Share to which a step with new factors must bring the residual; else a search with shorter steps is better.
 const GOOD_STEP: f64 = 0.9;
 
-/// Share of a step by which the change along it is told.
-const PROBE: f64 = 1e-4;
-
+/// Step, as multiple of the motion itself, that leads nowhere near: those that led to a response were 8 times as long at
+/// most, the others up to 5000 times, and under the forces there a single evaluation takes as long as ten solutions.
+const REACH: f64 = 20.0;
 /// Damped steps from a start that is not near enough for the factors, and from nothing.
 const NEAR_ITERATIONS: usize = 12;
 const FAR_ITERATIONS: usize = 25;
@@ -84,18 +83,19 @@ pub(crate) struct Steady<'a> {
     current: bool,
     /// Coefficients of the sensors there.
     sensors: Vec<f64>,
-    /// The contact of the last neighbour: its workspace serves the next one.
-    spare: Option<ContactMap>,
+    /// What the last neighbour worked in.
+    left: Option<Workspace>,
 }
 
 impl Signals {
-    fn of_all(driven: Driven, neighbours: &[Driven]) -> Self {
+    /// What any of them needs.
+    pub fn of_all(driven: Driven, neighbours: &[Driven]) -> Self {
         neighbours.iter().fold(Self::of(driven.beam), |all, next| all.or(Self::of(next.beam)))
     }
 }
 
 impl Forcing {
-    fn operating(&self) -> Operating {
+    pub(super) fn operating(&self) -> Operating {
         Operating::forced(self.angular_frequency, 1.0)
     }
 
@@ -103,10 +103,16 @@ impl Forcing {
         Extent { harmonics: self.harmonics, contact: self.contact_harmonics, signals }
     }
 
-    fn balance<'a>(&self, driven: Driven<'a>, signals: Signals) -> Result<Balance<'a>, HarmonicError> {
+    /// `driven` in the workspace that another has left.
+    pub(super) fn balance<'a>(
+        &self,
+        driven: Driven<'a>,
+        signals: Signals,
+        left: Option<Workspace>,
+    ) -> Result<Balance<'a>, HarmonicError> {
         let extent = self.extent(signals);
-        let mut balance =
-            Balance::with(driven.beam, driven.contact, &self.coefficients, &extent, Method::Exact)?;
+        let (beam, contact) = (driven.beam, driven.contact);
+        let mut balance = Balance::with(beam, contact, &self.coefficients, &extent, Method::Exact, left)?;
         balance.swing_load(driven.load_swing);
         balance.seat(driven.seat);
         Ok(balance)
@@ -124,7 +130,7 @@ impl Forcing {
         start: Option<&Start>,
     ) -> Result<Steady<'a>, HarmonicError> {
         let signals = Signals::of_all(driven, neighbours);
-        let mut balance = self.balance(driven, signals)?;
+        let mut balance = self.balance(driven, signals, None)?;
         let at = self.operating();
         let steady = |balance, unknowns| Steady::new(balance, unknowns, self);
         let mut family = Forced { angular_frequency: self.angular_frequency };
@@ -136,7 +142,8 @@ impl Forcing {
                 return Ok(steady(balance, unknowns));
             }
             let mut state = State { x: start.unknowns(signals), at };
-            let stopping = Stopping { tolerance: self.tolerance, max_iterations: NEAR_ITERATIONS };
+            let stopping =
+                Stopping { tolerance: self.tolerance, max_iterations: NEAR_ITERATIONS, reach: REACH };
             balance.forget();
             family.solve(&mut balance, &mut Newton::default(), 1.0, &mut state, &stopping)?;
             return Ok(steady(balance, state.x));
@@ -151,31 +158,23 @@ impl Forcing {
         Ok(steady(balance, state.x))
     }
 
-    /// `driven` as it stands at `start`, whether that is a response or not; with unknowns that its `neighbours` have
-    /// too.
-    ///
-    /// # Errors
-    /// [`HarmonicError`] for a beam or contact that cannot be balanced.
-    pub fn about<'a>(
-        &self,
-        driven: Driven<'a>,
-        neighbours: &[Driven],
-        start: &Start,
-    ) -> Result<Steady<'a>, HarmonicError> {
-        let signals = Signals::of_all(driven, neighbours);
-        Ok(Steady::new(self.balance(driven, signals)?, start.unknowns(signals), self))
-    }
-
     /// Where to look for the response that was measured: the displacement coefficients (m) of every sensor of the beam
-    /// are `motion`, zero where nothing was seen.
+    /// are `motion`, zero where nothing was seen. In the workspace that another has left, left for another.
     ///
     /// # Errors
     /// [`HarmonicError`] for a beam or contact that cannot be balanced.
-    pub fn start_at(&self, driven: Driven, motion: &[Vec<f64>]) -> Result<Start, HarmonicError> {
-        let mut balance = self.balance(driven, Signals::of(driven.beam))?;
+    pub fn start_at(
+        &self,
+        driven: Driven,
+        motion: &[Vec<f64>],
+        left: &mut Option<Workspace>,
+    ) -> Result<Start, HarmonicError> {
+        let mut balance = self.balance(driven, Signals::of(driven.beam), left.take())?;
         let (coefficients, force) = explained(&balance, self, motion);
         let unknowns = balance.unknowns_of(&coefficients, &force);
-        Ok(Start::of(&balance, &unknowns, None))
+        let start = Start::of(&balance, &unknowns, None);
+        *left = Some(balance.into_workspace());
+        Ok(start)
     }
 
     /// Newton's method with the factors at hand as long as they are good enough; false where it does not converge.
@@ -212,6 +211,9 @@ impl Forcing {
             before = residual;
             step.iter_mut().zip(balance.residual()).for_each(|(s, r)| *s = -r);
             factors.solve(&mut step);
+            if length(&step) > REACH * length(unknowns) {
+                return false;
+            }
             unknowns.iter_mut().zip(&step).for_each(|(x, s)| *x += s);
         }
         false
@@ -228,6 +230,24 @@ impl Start {
         Self { contact, shortening, excitation, string, factors }
     }
 
+    /// The unknowns as they are: found anew without a step.
+    fn exactly(balance: &Balance, unknowns: &[f64]) -> Self {
+        let mut start = Self::of(balance, unknowns, None);
+        let (signals, mut rest) = (balance.signals(), &unknowns[start.contact.len()..]);
+        for (there, signal) in [
+            (signals.shortening, &mut start.shortening),
+            (signals.excitation, &mut start.excitation),
+            (signals.string, &mut start.string),
+        ] {
+            if there {
+                let (own, after) = rest.split_at(signal.len().min(balance.count));
+                signal[..own.len()].copy_from_slice(own);
+                rest = after;
+            }
+        }
+        start
+    }
+
     /// Whether it has the harmonics of `forcing`.
     pub fn fits(&self, forcing: &Forcing) -> bool {
         self.contact.len() == coefficient_count(forcing.contact_harmonics)
@@ -235,7 +255,7 @@ impl Start {
     }
 
     /// What a balance with `signals` calls its unknowns.
-    fn unknowns(&self, signals: Signals) -> Vec<f64> {
+    pub(super) fn unknowns(&self, signals: Signals) -> Vec<f64> {
         let mut unknowns = self.contact.clone();
         if signals.shortening {
             unknowns.extend_from_slice(&self.shortening);
@@ -253,32 +273,17 @@ impl Start {
 impl<'a> Steady<'a> {
     fn new(balance: Balance<'a>, unknowns: Vec<f64>, forcing: &Forcing) -> Self {
         let (at, factors) = (forcing.operating(), Factors::default());
-        Self { balance, unknowns, at, factors, current: false, sensors: Vec::new(), spare: None }
-    }
-
-    /// Coefficients of every sensor (m) that `driven`, the beam itself or one very near to it, has to first order about
-    /// where this stands: one step of Newton's method, which is no search and finds no other response. The derivatives
-    /// are those of the beam itself: between neighbours only the residual differs. Far from a solution that is not the
-    /// whole change.
-    pub fn first_order(&mut self, forcing: &Forcing, driven: Driven) -> Result<Vec<f64>, HarmonicError> {
-        self.linearise()?;
-        let mut there = forcing.balance(driven, self.balance.signals())?;
-        self.lend(&mut there);
-        there.balance_alone(&self.unknowns, &self.at)?;
-        let mut moved: Vec<f64> = there.residual().iter().map(|r| -PROBE * r).collect();
-        self.factors.solve(&mut moved);
-        moved.iter_mut().zip(&self.unknowns).for_each(|(step, x)| *step += x);
-        let mut found = sensed(&mut there, &self.at, forcing);
-        there.balance_alone(&moved, &self.at)?;
-        let probed = sensed(&mut there, &self.at, forcing);
-        self.spare = Some(there.into_cycle());
-        found.iter_mut().zip(probed).for_each(|(here, probed)| *here += (probed - *here) / PROBE);
-        Ok(found)
+        Self { balance, unknowns, at, factors, current: false, sensors: Vec::new(), left: None }
     }
 
     /// Displacement coefficients (m) of every sensor, one after the other.
     pub fn sensors(&mut self, forcing: &Forcing) -> Vec<f64> {
         sensed(&mut self.balance, &self.at, forcing)
+    }
+
+    /// The solution, to be found again without a step.
+    pub fn here(&self) -> Start {
+        Start::exactly(&self.balance, &self.unknowns)
     }
 
     /// The solution as a start for others.
@@ -295,8 +300,7 @@ impl<'a> Steady<'a> {
         if self.sensors.is_empty() {
             self.sensors = self.sensors(forcing);
         }
-        let mut other = forcing.balance(neighbour, self.balance.signals())?;
-        self.lend(&mut other);
+        let mut other = forcing.balance(neighbour, self.balance.signals(), self.left.take())?;
         other.balance_alone(&self.unknowns, &self.at)?;
         let residuals = other.residual().iter().zip(self.balance.residual());
         let mut moved: Vec<f64> = residuals.map(|(there, here)| here - there).collect();
@@ -304,16 +308,8 @@ impl<'a> Steady<'a> {
         moved.iter_mut().zip(&self.unknowns).for_each(|(step, x)| *step += x);
         other.balance_alone(&moved, &self.at)?;
         let after = sensed(&mut other, &self.at, forcing);
-        self.spare = Some(other.into_cycle());
+        self.left = Some(other.into_workspace());
         Ok(after.iter().zip(&self.sensors).map(|(after, before)| after - before).collect())
-    }
-
-    /// Gives a neighbour the workspace there is, without what it remembers.
-    fn lend(&mut self, neighbour: &mut Balance) {
-        if let Some(spare) = self.spare.take() {
-            neighbour.work_with(spare);
-        }
-        neighbour.forget();
     }
 
     /// Makes derivatives and factors those at the solution.
@@ -321,19 +317,27 @@ impl<'a> Steady<'a> {
         if self.current {
             return Ok(());
         }
-        self.balance.evaluate(&self.unknowns, &self.at, &[])?;
-        self.factors.reset(self.unknowns.len()).copy_from_slice(self.balance.jacobian().as_slice());
-        self.current = self.factors.factor();
-        if self.current {
-            Ok(())
-        } else {
-            Err(HarmonicError::InvalidInput("the balance is singular at the solution"))
-        }
+        factored(&mut self.balance, &self.unknowns, &self.at, &mut self.factors)?;
+        self.current = true;
+        Ok(())
     }
 }
 
+/// Evaluates the balance and factors its derivatives.
+pub(super) fn factored(
+    balance: &mut Balance,
+    unknowns: &[f64],
+    at: &Operating,
+    factors: &mut Factors,
+) -> Result<(), HarmonicError> {
+    balance.evaluate(unknowns, at, &[])?;
+    factors.reset(unknowns.len()).copy_from_slice(balance.jacobian().as_slice());
+    let singular = HarmonicError::InvalidInput("the balance is singular at the solution");
+    if factors.factor() { Ok(()) } else { Err(singular) }
+}
+
 /// Displacement coefficients (m) of every sensor at the last evaluation.
-fn sensed(balance: &mut Balance, at: &Operating, forcing: &Forcing) -> Vec<f64> {
+pub(super) fn sensed(balance: &mut Balance, at: &Operating, forcing: &Forcing) -> Vec<f64> {
     let beyond = balance.beyond(at, forcing.sensed_harmonics);
     balance.beam.sensors.iter().flat_map(|sensor| balance.output_with(&sensor.shape, &beyond)).collect()
 }

@@ -1,6 +1,6 @@
 //! Derivatives of the balance, made when they are asked for.
 
-use super::{Balance, attached, mean_square};
+use super::{Balance, Signals, attached, mean_square, sized};
 use crate::harmonic::cycle::{Cycle, PeriodicContact};
 use crate::harmonic::system::{Operating, Scalar};
 use nalgebra::DMatrix;
@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 impl Balance<'_> {
     /// ∂forces/∂unknowns.
     pub(super) fn law(&self) -> &DMatrix<f64> {
-        if self.law.is_empty() { self.cycle.jacobian() } else { &self.law }
+        if self.signals == Signals::default() { self.cycle.jacobian() } else { &self.matrices.law }
     }
 
     /// Makes the contact's derivatives at its last evaluation. Where they are not found those there are stay: a step
@@ -24,17 +24,19 @@ impl Balance<'_> {
     pub fn differentiate(&mut self, angular_frequency: f64) {
         self.complete_contact(angular_frequency);
         let modes = self.modes();
-        let (size, rows) = (self.q.len(), self.weights.nrows());
+        let (size, rows) = (self.q.len(), self.matrices.weights.nrows());
+        sized(&mut self.matrices.adjoint, size, rows);
+        sized(&mut self.matrices.moved, size, rows);
         for row in 0..rows {
             let scale = self.row_mean_square(row);
-            let weights = self.weights.as_slice()[row..].iter().step_by(rows);
-            let column = &mut self.adjoint.as_mut_slice()[row * size..(row + 1) * size];
+            let weights = self.matrices.weights.as_slice()[row..].iter().step_by(rows);
+            let column = &mut self.matrices.adjoint.as_mut_slice()[row * size..(row + 1) * size];
             for (place, (to, weight)) in column.iter_mut().zip(weights).enumerate() {
                 *to = scale / mean_square(place / modes) * weight;
             }
         }
         self.differentiate_laws(angular_frequency);
-        self.equations.solve_many(&self.adjoint, &mut self.moved);
+        self.equations.solve_many(&self.matrices.adjoint, &mut self.matrices.moved);
         self.complete = false;
         self.undifferentiated = None;
     }
@@ -53,39 +55,44 @@ impl Balance<'_> {
 
     /// a + W A⁻¹ B and ∂r/∂unknowns.
     pub(super) fn complete_jacobian(&mut self) {
-        let rows = self.weights.nrows();
-        self.compliance.gemm(1.0, &self.weights, &self.moved, 0.0);
-        (0..self.wide).for_each(|m| self.compliance[(m, m)] += self.beam.axial_flexibility);
-        let law = if self.law.is_empty() { self.cycle.jacobian() } else { &self.law };
-        self.jacobian.gemm(1.0, &self.compliance, law, 0.0);
-        (0..rows).for_each(|m| self.jacobian[(m, m)] += 1.0);
+        let rows = self.matrices.weights.nrows();
+        sized(&mut self.matrices.compliance, rows, rows);
+        sized(&mut self.matrices.jacobian, rows, rows);
+        self.matrices.compliance.gemm(1.0, &self.matrices.weights, &self.matrices.moved, 0.0);
+        (0..self.wide).for_each(|m| self.matrices.compliance[(m, m)] += self.beam.axial_flexibility);
+        let contact_alone = self.signals == Signals::default();
+        let law = if contact_alone { self.cycle.jacobian() } else { &self.matrices.law };
+        self.matrices.jacobian.gemm(1.0, &self.matrices.compliance, law, 0.0);
+        (0..rows).for_each(|m| self.matrices.jacobian[(m, m)] += 1.0);
         self.complete = true;
     }
 
     /// ∂forces/∂unknowns where there is more than the contact.
     fn differentiate_laws(&mut self, angular_frequency: f64) {
-        if self.law.is_empty() {
+        if self.signals == Signals::default() {
             return;
         }
+        let unknowns = self.residual.len();
+        sized(&mut self.matrices.law, unknowns, unknowns);
         let (count, wide) = (self.count, self.wide);
         let (shortening, excitation) = (self.shortening_row(), self.excitation_row());
         if self.contact.is_some() {
-            self.law.view_mut((0, 0), (wide, wide)).copy_from(self.cycle.jacobian());
+            self.matrices.law.view_mut((0, 0), (wide, wide)).copy_from(self.cycle.jacobian());
         }
         if self.signals.shortening {
             let stretching = 2.0 * self.beam.stretching_stiffness;
-            (shortening..shortening + count).for_each(|m| self.law[(m, m)] = stretching);
+            (shortening..shortening + count).for_each(|m| self.matrices.law[(m, m)] = stretching);
         }
         if self.signals.string {
             let string = self.string_row();
             for m in 0..count {
-                self.law[(shortening + m, string + m)] = -self.beam.string_stiffness;
-                self.law[(string + m, shortening + m)] = -self.beam.string_stiffness;
+                self.matrices.law[(shortening + m, string + m)] = -self.beam.string_stiffness;
+                self.matrices.law[(string + m, shortening + m)] = -self.beam.string_stiffness;
             }
         }
         if let Some(drag) = &mut self.drag {
             drag.differentiate(self.beam.quadratic_damping, angular_frequency);
-            self.law.view_mut((excitation, excitation), (count, count)).copy_from(&drag.jacobian);
+            self.matrices.law.view_mut((excitation, excitation), (count, count)).copy_from(&drag.jacobian);
         }
         self.relief_law(angular_frequency);
     }
@@ -144,7 +151,8 @@ impl Balance<'_> {
         self.right = right;
         let by = &mut self.by[index];
         by.fill(0.0);
-        for (column, q) in self.weights.as_slice().chunks_exact(by.len()).zip(&self.modal_by[index]) {
+        for (column, q) in self.matrices.weights.as_slice().chunks_exact(by.len()).zip(&self.modal_by[index])
+        {
             by.iter_mut().zip(column).for_each(|(b, w)| *b -= w * q);
         }
         // What the forces themselves change by is at hand in both cases.

@@ -94,7 +94,31 @@ pub(crate) struct Extent {
     pub signals: Signals,
 }
 
-/// Workspace for one beam, contact and set of harmonics.
+/// What a balance works in, for another of the same extent, number of modes and method to go on with.
+#[derive(Debug)]
+pub(crate) struct Workspace {
+    extent: Extent,
+    cycle: ContactMap,
+    equations: ModalEquations,
+    matrices: Matrices,
+}
+
+/// The large matrices. They take their sizes where they are first needed: for residuals alone most are not.
+#[derive(Debug, Default)]
+struct Matrices {
+    /// W and what is stacked on it, `unknowns × unknowns of the modes`.
+    weights: DMatrix<f64>,
+    /// B, and A⁻¹ B.
+    adjoint: DMatrix<f64>,
+    moved: DMatrix<f64>,
+    /// ∂forces/∂unknowns, block by block, where there is more than the contact.
+    law: DMatrix<f64>,
+    /// a + W A⁻¹ B.
+    compliance: DMatrix<f64>,
+    jacobian: DMatrix<f64>,
+}
+
+/// The equations of one beam, contact and set of harmonics.
 ///
 /// Outputs are the beam's sensors and, last, the point of excitation.
 #[derive(Debug)]
@@ -130,23 +154,14 @@ pub(crate) struct Balance<'a> {
     tension: Vec<f64>,
     /// Shortening h (m) of the last evaluation.
     shortening: Vec<f64>,
-    /// ∂forces/∂unknowns, block by block, where there is more than the contact.
-    law: DMatrix<f64>,
     /// ∂forces/∂Ω, all of them.
     rates: Vec<f64>,
     right: Vec<f64>,
     /// Coefficients of w_i, and multiplication by it.
     shape: Vec<f64>,
     block: Vec<f64>,
-    /// W and what is stacked on it, `unknowns × unknowns of the modes`.
-    weights: DMatrix<f64>,
-    /// B, and A⁻¹ B.
-    adjoint: DMatrix<f64>,
-    moved: DMatrix<f64>,
-    /// a + W A⁻¹ B.
-    compliance: DMatrix<f64>,
+    matrices: Matrices,
     residual: Vec<f64>,
-    jacobian: DMatrix<f64>,
     /// Whether the Jacobian is that of the last evaluation: it costs two large products, and a solution needs none.
     complete: bool,
     /// Where the last evaluation was, while its derivatives are not made: a trial step that is refused needs none, nor
@@ -171,16 +186,17 @@ impl<'a> Balance<'a> {
         method: Method,
     ) -> Result<Self, HarmonicError> {
         let extent = Extent { harmonics, contact: 2 * harmonics, signals: Signals::of(beam) };
-        Self::with(beam, contact, waveform, &extent, method)
+        Self::with(beam, contact, waveform, &extent, method, None)
     }
 
-    /// As [`Balance::new`], with the coefficients of `extent`.
+    /// As [`Balance::new`], with the coefficients of `extent`, in the workspace that another has left if that fits.
     pub fn with(
         beam: &'a ModalBeam,
         contact: Option<ContactOnBeam<'a>>,
         waveform: &[f64],
         extent: &Extent,
         method: Method,
+        left: Option<Workspace>,
     ) -> Result<Self, HarmonicError> {
         let Extent { harmonics, contact: highest, signals } = *extent;
         check_beam(beam)?;
@@ -191,14 +207,23 @@ impl<'a> Balance<'a> {
         }
         debug_assert!((harmonics..=2 * harmonics).contains(&highest));
         let (count, wide) = (coefficient_count(harmonics), coefficient_count(highest));
-        let size = count * beam.angular_frequency.len();
+        let modes = beam.angular_frequency.len();
+        let size = count * modes;
         let signal_count = [signals.shortening, signals.excitation, signals.string, signals.mode.is_some()];
         let more = signal_count.into_iter().filter(|there| *there).count();
         let unknowns = wide + more * count;
-        let law = if more == 0 { 0 } else { unknowns };
+        let left = left.filter(|left| left.extent == *extent && left.equations.modes() == modes);
+        let (cycle, equations, matrices) = match left {
+            Some(left) => (left.cycle, left.equations.renewed(beam), left.matrices),
+            None => (
+                ContactMap::new(HarmonicSet::full(highest), method),
+                ModalEquations::new(beam, harmonics),
+                Matrices::default(),
+            ),
+        };
         let mut kept = waveform.to_vec();
         kept.resize(count, 0.0);
-        Ok(Self {
+        let mut balance = Self {
             beam,
             contact,
             count,
@@ -206,8 +231,8 @@ impl<'a> Balance<'a> {
             displacement: vec![0.0; wide],
             waveform: kept,
             extremum: Extremum::default(),
-            cycle: ContactMap::new(HarmonicSet::full(highest), method),
-            equations: ModalEquations::new(beam, harmonics),
+            cycle,
+            equations,
             harmonics,
             wide,
             signals,
@@ -220,24 +245,22 @@ impl<'a> Balance<'a> {
             force: vec![0.0; wide],
             tension: vec![0.0; wide],
             shortening: vec![0.0; count],
-            law: DMatrix::zeros(law, law),
             rates: vec![0.0; unknowns],
             right: vec![0.0; size],
             shape: vec![0.0; count],
             block: vec![0.0; wide * count],
-            weights: DMatrix::zeros(unknowns, size),
-            adjoint: DMatrix::zeros(size, unknowns),
-            moved: DMatrix::zeros(size, unknowns),
-            compliance: DMatrix::zeros(unknowns, unknowns),
+            matrices,
             residual: vec![0.0; unknowns],
-            jacobian: DMatrix::identity(unknowns, unknowns),
             complete: false,
             undifferentiated: None,
             asked: Vec::new(),
             differentiated: false,
             by: std::array::from_fn(|_| vec![0.0; unknowns]),
             modal_by: std::array::from_fn(|_| vec![0.0; size]),
-        })
+        };
+        sized(&mut balance.matrices.weights, unknowns, size);
+        balance.cycle.forget();
+        Ok(balance)
     }
 
     /// Lets the normal load swing by the coefficients `[c1, s1, …]` (N) about its mean.
@@ -326,14 +349,11 @@ impl<'a> Balance<'a> {
         if bias { 1.0 } else { 0.5 }
     }
 
-    /// The contact's workspace, for another balance of the same harmonics.
-    pub fn into_cycle(self) -> ContactMap {
-        self.cycle
-    }
-
-    /// Goes on with the workspace of another balance of the same harmonics.
-    pub fn work_with(&mut self, cycle: ContactMap) {
-        self.cycle = cycle;
+    /// What it works in, for another to go on with.
+    pub fn into_workspace(self) -> Workspace {
+        let contact = self.wide / 2;
+        let extent = Extent { harmonics: self.harmonics, contact, signals: self.signals };
+        Workspace { extent, cycle: self.cycle, equations: self.equations, matrices: self.matrices }
     }
 
     /// The unknowns of the displacement and the contact force last evaluated.
@@ -390,7 +410,7 @@ impl<'a> Balance<'a> {
     pub fn weigh(&mut self) {
         let (modes, wide, count) = (self.modes(), self.wide, self.count);
         let (rows, shortening, excitation) =
-            (self.weights.nrows(), self.shortening_row(), self.excitation_row());
+            (self.matrices.weights.nrows(), self.shortening_row(), self.excitation_row());
         let (string, relief) = (self.string_row(), self.relief_row());
         // u = ½ Σ (w_i + c_i) q_i.
         self.displacement.fill(0.0);
@@ -405,7 +425,7 @@ impl<'a> Balance<'a> {
             multiplication(&self.shape, self.harmonics, wide, &mut self.block);
             for (k, column) in self.block.chunks_exact(wide).enumerate() {
                 let place = k * modes + i;
-                let weights = &mut self.weights.as_mut_slice()[place * rows..(place + 1) * rows];
+                let weights = &mut self.matrices.weights.as_mut_slice()[place * rows..(place + 1) * rows];
                 weights[..wide].copy_from_slice(column);
                 if self.signals.shortening {
                     let along = &mut weights[shortening..shortening + count];
@@ -438,7 +458,7 @@ impl<'a> Balance<'a> {
     /// Projection of the stacked forces, `P[T w_i]` and the rest, with the weights of the last evaluation.
     fn project(&self, forces: &[f64], out: &mut [f64]) {
         let modes = self.modes();
-        for (place, column) in self.weights.as_slice().chunks_exact(forces.len()).enumerate() {
+        for (place, column) in self.matrices.weights.as_slice().chunks_exact(forces.len()).enumerate() {
             let terms = forces.iter().zip(column).enumerate();
             let sum: f64 = terms.map(|(row, (t, w))| self.row_mean_square(row) * t * w).sum();
             out[place] = sum / mean_square(place / modes);
@@ -546,6 +566,13 @@ impl<'a> Balance<'a> {
         let drag =
             drag.map_or(0.0, |drag| work_per_cycle(&drag.force, &self.output(&self.beam.excitation_shape)));
         std::f64::consts::PI * sum + drag
+    }
+}
+
+/// Gives a matrix its size, zero where it had another.
+fn sized(matrix: &mut DMatrix<f64>, rows: usize, columns: usize) {
+    if matrix.shape() != (rows, columns) {
+        *matrix = DMatrix::zeros(rows, columns);
     }
 }
 

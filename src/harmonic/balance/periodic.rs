@@ -26,10 +26,14 @@ impl PeriodicSystem for Balance<'_> {
 
     fn jacobian(&mut self) -> &DMatrix<f64> {
         self.catch_up();
-        if !self.is_linear() && !self.complete {
+        if self.is_linear() {
+            let unknowns = self.residual.len();
+            sized(&mut self.matrices.jacobian, unknowns, unknowns);
+            self.matrices.jacobian.fill_with_identity();
+        } else if !self.complete {
             self.complete_jacobian();
         }
-        &self.jacobian
+        &self.matrices.jacobian
     }
 
     fn by(&self, scalar: Scalar) -> &[f64] {
@@ -75,7 +79,7 @@ impl PeriodicSystem for Balance<'_> {
                 continue;
             }
             // −φ A⁻¹ B ∂T/∂u.
-            let columns = self.moved.as_slice().chunks_exact(self.q.len());
+            let columns = self.matrices.moved.as_slice().chunks_exact(self.q.len());
             let by_force: Vec<f64> = columns.map(|column| seen(&column[span.clone()])).collect();
             let columns = self.law().as_slice().chunks_exact(unknowns);
             for (by, column) in out.by_unknowns[part].iter_mut().zip(columns) {
@@ -117,7 +121,8 @@ impl PeriodicSystem for Balance<'_> {
             for (column, change) in self.law().as_slice().chunks_exact(unknowns.len()).zip(unknowns) {
                 force.iter_mut().zip(column).for_each(|(f, k)| *f += k * change);
             }
-            for (column, change) in self.moved.as_slice().chunks_exact(self.right.len()).zip(&force) {
+            for (column, change) in self.matrices.moved.as_slice().chunks_exact(self.right.len()).zip(&force)
+            {
                 self.right.iter_mut().zip(column).for_each(|(q, s)| *q -= s * change);
             }
         }

@@ -80,7 +80,7 @@ impl Balance<'_> {
     pub(super) fn relief_law(&mut self, angular_frequency: f64) {
         let row = self.relief_row();
         let Some(relief) = &self.relief else { return };
-        let law: &mut DMatrix<f64> = &mut self.law;
+        let law: &mut DMatrix<f64> = &mut self.matrices.law;
         for order in 1..=self.harmonics {
             let rate = relief.damping * angular_frequency * order as f64;
             let (c, s) = (row + 2 * order - 1, row + 2 * order);

@@ -1,0 +1,77 @@
+//! A steady beam to first order about the motion that was measured.
+
+use super::beam_record::{At, Attached, Known};
+use super::beam_steady::SteadyRecord;
+use crate::harmonic::HarmonicError;
+use crate::harmonic::about::About;
+use crate::harmonic::steady::Driven;
+
+/// The record, and the model it was last predicted with: a fit that accepts a step asks for the derivatives there next.
+pub(super) struct AboutMeasured {
+    record: SteadyRecord,
+    last: Option<Last>,
+}
+
+struct Last {
+    known: Known,
+    about: About,
+    predictions: Vec<f64>,
+}
+
+impl AboutMeasured {
+    pub fn new(record: SteadyRecord) -> Self {
+        Self { record, last: None }
+    }
+
+    /// Coefficients of the measured normal load (N), `[a0, c1, s1, …]`.
+    pub fn load(&self) -> Option<&[f64]> {
+        self.record.load()
+    }
+
+    /// Predictions of all channels, one after the other.
+    pub fn predict(&mut self, at: &At, out: &mut Vec<f64>) -> Result<(), String> {
+        let last = self.at(at, &[]).map_err(|error| error.to_string())?;
+        out.clone_from(&last.predictions);
+        self.last = Some(last);
+        Ok(())
+    }
+
+    /// The same with their differences to those of `neighbours`.
+    pub fn linearise(
+        &mut self,
+        at: &At,
+        neighbours: &[Attached],
+        predictions: &mut Vec<f64>,
+        differences: &mut Vec<Vec<f64>>,
+    ) -> Result<(), String> {
+        let others: Vec<Driven> = neighbours.iter().map(Attached::driven).collect();
+        let mut last = self.at(at, &others).map_err(|error| error.to_string())?;
+        predictions.clone_from(&last.predictions);
+        differences.resize_with(others.len(), Vec::new);
+        for (other, difference) in others.iter().zip(differences) {
+            let there = last.about.first_order(&self.record.forcing, *other);
+            self.record.observe(&there.map_err(|error| error.to_string())?, difference);
+            difference.iter_mut().zip(&*predictions).for_each(|(there, here)| *there -= here);
+        }
+        self.last = Some(last);
+        Ok(())
+    }
+
+    /// What was made of the model last time, if it serves; else made now.
+    fn at(&mut self, at: &At, others: &[Driven]) -> Result<Last, HarmonicError> {
+        let driven = at.attached.driven();
+        let mut left = None;
+        if let Some(last) = self.last.take() {
+            if last.about.covers(driven, others) && last.known.is(at) {
+                return Ok(last);
+            }
+            left = last.about.into_workspace();
+        }
+        let forcing = &self.record.forcing;
+        let start = forcing.start_at(driven, &self.record.motion, &mut left)?;
+        let mut about = About::new(forcing, driven, others, &start, left)?;
+        let mut predictions = Vec::new();
+        self.record.observe(&about.first_order(forcing, driven)?, &mut predictions);
+        Ok(Last { known: at.known(), about, predictions })
+    }
+}
