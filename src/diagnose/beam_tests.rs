@@ -59,6 +59,16 @@ fn simulation<'r>(model: &Model, record: &'r Record) -> BeamSimulation<'r> {
         .expect("a steady response")
 }
 
+/// `record` with the channels measuring what `model` predicts.
+fn showing(model: &Model, nuisances: &[f64], mut record: Record) -> Record {
+    let mut motion = Vec::new();
+    simulation(model, &record).predict(model, nuisances, &mut motion).expect("a steady response");
+    for (channel, values) in record.channels[2..].iter_mut().zip(motion.chunks_exact(SAMPLES * PERIODS)) {
+        channel.values.copy_from_slice(values);
+    }
+    record
+}
+
 fn moved(model: &Model, path: &str, share: f64) -> Model {
     let mut moved = model.clone();
     let value = model.get(path).unwrap_or_else(|| panic!("{path}"));
@@ -148,6 +158,44 @@ fn the_same_sequence_gives_the_same_bits_and_predictions_do_not_disturb_each_oth
     assert_eq!(run(false), run(true));
 }
 
+/// What a simulation keeps of a prediction for the derivatives there, and the room it goes on working in, change
+/// nothing, also where a neighbour needs unknowns that the model itself does not have.
+#[test]
+fn derivatives_after_predictions_are_those_without() {
+    for (effect, path) in [
+        ("", BASE[1]),
+        (r#"effect = [{ id = "geometric_stiffening", cubic_stiffness = 2e9 }]"#, "effect.1.cubic_stiffness"),
+        (r#"effect = [{ id = "quadratic_damping", quadratic_damping = 0.0 }]"#, "effect.1.quadratic_damping"),
+    ] {
+        let model = model(effect);
+        let measured = showing(&model, &[], record(12.0, 51.0));
+        let there = moved(&model, BASE[0], 0.01);
+        let mut neighbour = there.clone();
+        neighbour.set(path, 1e-3 + 1.001 * there.get(path).unwrap()).unwrap();
+        let directions = [Direction { model: neighbour, nuisances: vec![0.0], step: 1e-3 }];
+        for seed in [None, Some(&Seed::AboutMeasured)] {
+            let linearised = |before: &[f64]| {
+                let channels = measured.channels_of("acceleration").collect();
+                let mut simulation = BeamSimulation::new(&model, &measured, channels, seed).unwrap();
+                let (mut out, mut derivatives) = (Vec::new(), Vec::new());
+                for share in before {
+                    simulation.predict(&moved(&model, BASE[0], *share), &[0.0], &mut out).unwrap();
+                }
+                simulation.linearise(&there, &[0.0], &directions, &mut out, &mut derivatives).unwrap();
+                [out, derivatives.remove(0)]
+            };
+            let alone = linearised(&[]);
+            for before in [&[0.01][..], &[0.01, 0.03], &[0.03, 0.01]] {
+                for (alone, after) in alone.iter().zip(&linearised(before)) {
+                    let size = alone.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+                    let apart = alone.iter().zip(after).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+                    assert!(apart <= 1e-6 * size, "{effect} {before:?}: {apart:e} of {size:e}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn a_warm_start_changes_the_path_and_not_the_answer() {
     let (model, record) = (model(""), record(12.0, 51.0));
@@ -167,12 +215,9 @@ fn a_warm_start_changes_the_path_and_not_the_answer() {
 #[test]
 fn about_the_measured_motion_predictions_are_right_to_first_order() {
     let model = model("");
-    let mut measured = record(12.0, 51.0);
+    let measured = showing(&model, &[], record(12.0, 51.0));
     let mut motion = Vec::new();
     simulation(&model, &measured).predict(&model, &[], &mut motion).unwrap();
-    for (channel, values) in measured.channels[2..].iter_mut().zip(motion.chunks_exact(SAMPLES * PERIODS)) {
-        channel.values.copy_from_slice(values);
-    }
     let channels = measured.channels_of("acceleration").collect();
     let mut about = BeamSimulation::new(&model, &measured, channels, Some(&Seed::AboutMeasured)).unwrap();
     let size = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -208,12 +253,9 @@ fn where_a_sticking_contact_was_seated_is_found_and_a_slipping_one_forgets_it() 
     };
     let slipping = record(12.0, 51.0);
     assert!(change(&slipping) < 1e-6, "{:e}", change(&slipping));
-    let mut sticking = record(0.3, 40.0);
+    let sticking = record(0.3, 40.0);
     assert!(change(&sticking) > 1e-3, "{:e}", change(&sticking));
-    let motion = predicted(&sticking, SEAT);
-    for (channel, values) in sticking.channels[2..].iter_mut().zip(motion.chunks_exact(SAMPLES * PERIODS)) {
-        channel.values.copy_from_slice(values);
-    }
+    let sticking = showing(&model, &[SEAT], sticking);
     let found = Shown::new(&model, &sticking).unwrap().settle(&model).unwrap();
     assert!((found[0] - SEAT).abs() < 1e-3 * SEAT, "{found:?}");
 }
