@@ -1,6 +1,6 @@
 //! A steady beam to first order about the motion that was measured.
 
-use super::beam_record::{At, Attached, Known};
+use super::beam_record::{At, Known};
 use super::beam_steady::SteadyRecord;
 use crate::harmonic::HarmonicError;
 use crate::harmonic::about::About;
@@ -40,16 +40,14 @@ impl AboutMeasured {
     pub fn linearise(
         &mut self,
         at: &At,
-        neighbours: &[Attached],
+        neighbours: &[Driven],
         predictions: &mut Vec<f64>,
-        differences: &mut Vec<Vec<f64>>,
+        differences: &mut [Vec<f64>],
     ) -> Result<(), String> {
-        let others: Vec<Driven> = neighbours.iter().map(Attached::driven).collect();
-        let mut last = self.at(at, &others).map_err(|error| error.to_string())?;
+        let mut last = self.at(at, neighbours).map_err(|error| error.to_string())?;
         predictions.clone_from(&last.predictions);
-        differences.resize_with(others.len(), Vec::new);
-        for (other, difference) in others.iter().zip(differences) {
-            let there = last.about.first_order(&self.record.forcing, *other);
+        for (neighbour, difference) in neighbours.iter().zip(differences) {
+            let there = last.about.first_order(&self.record.forcing, *neighbour);
             self.record.observe(&there.map_err(|error| error.to_string())?, difference);
             difference.iter_mut().zip(&*predictions).for_each(|(there, here)| *there -= here);
         }

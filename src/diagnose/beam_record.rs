@@ -149,7 +149,7 @@ impl<'r> BeamSimulation<'r> {
                         let attached = Attached::new(model, &positions, steady.load())?;
                         // Without a start later predictions search on their own.
                         let at = At { model, nuisances: &[], attached: &attached };
-                        let _ = steady.linearise(&at, &[], &mut Vec::new(), &mut Vec::new());
+                        let _ = steady.linearise(&at, &[], &mut Vec::new(), &mut []);
                         Task::Steady(Box::new(steady))
                     }
                 }
@@ -178,10 +178,9 @@ impl<'r> BeamSimulation<'r> {
         model: &Model,
         directions: &[Direction],
         predictions: &mut Vec<f64>,
-        derivatives: &mut Vec<Vec<f64>>,
+        derivatives: &mut [Vec<f64>],
     ) -> Result<(), String> {
         self.predict(model, &[], predictions)?;
-        derivatives.resize_with(directions.len(), Vec::new);
         for (direction, derivative) in directions.iter().zip(derivatives) {
             self.predict(&direction.model, &[], derivative)?;
             derivative.iter_mut().zip(&*predictions).for_each(|(moved, base)| *moved -= base);
@@ -248,6 +247,8 @@ impl Simulation for BeamSimulation<'_> {
             Task::Steady(_) | Task::AboutMeasured(_) => neighbours()?,
             Task::Backbone(_) | Task::FromRest => Vec::new(),
         };
+        let neighbours: Vec<Driven> = neighbours.iter().map(Attached::driven).collect();
+        derivatives.resize_with(directions.len(), Vec::new);
         let at = At { model, nuisances, attached: &attached };
         match &mut self.task {
             Task::Steady(steady) => steady.linearise(&at, &neighbours, predictions, derivatives)?,

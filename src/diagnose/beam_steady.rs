@@ -6,7 +6,7 @@ use std::sync::Arc;
 use nalgebra::Complex;
 use realfft::{ComplexToReal, RealFftPlanner};
 
-use super::beam_record::{At, Attached, Known};
+use super::beam_record::{At, Known};
 use super::predict::derivative_order;
 use crate::harmonic::HarmonicError;
 use crate::harmonic::fourier::{self, coefficient_count, time_derivative};
@@ -127,15 +127,13 @@ impl SteadyRecord {
     pub fn linearise(
         &mut self,
         at: &At,
-        neighbours: &[Attached],
+        neighbours: &[Driven],
         predictions: &mut Vec<f64>,
-        differences: &mut Vec<Vec<f64>>,
+        differences: &mut [Vec<f64>],
     ) -> Result<(), String> {
-        let others: Vec<Driven> = neighbours.iter().map(Attached::driven).collect();
-        differences.resize_with(others.len(), Vec::new);
-        let mut solved = self.nearest(at, &others, predictions).map_err(text)?;
-        for (other, difference) in others.iter().zip(differences) {
-            let change = solved.change(&self.forcing, *other).map_err(text)?;
+        let mut solved = self.nearest(at, neighbours, predictions).map_err(text)?;
+        for (neighbour, difference) in neighbours.iter().zip(differences) {
+            let change = solved.change(&self.forcing, *neighbour).map_err(text)?;
             self.observe(&change, difference);
         }
         self.start = Some(solved.start().map_err(text)?);

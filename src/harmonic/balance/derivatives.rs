@@ -1,6 +1,6 @@
 //! Derivatives of the balance, made when they are asked for.
 
-use super::{Balance, Signals, attached, mean_square, sized};
+use super::{Balance, attached, mean_square, sized};
 use crate::harmonic::cycle::{Cycle, PeriodicContact};
 use crate::harmonic::system::{Operating, Scalar};
 use nalgebra::DMatrix;
@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 impl Balance<'_> {
     /// ∂forces/∂unknowns.
     pub(super) fn law(&self) -> &DMatrix<f64> {
-        if self.signals == Signals::default() { self.cycle.jacobian() } else { &self.matrices.law }
+        if self.has_contact_alone() { self.cycle.jacobian() } else { &self.matrices.law }
     }
 
     /// Makes the contact's derivatives at its last evaluation. Where they are not found those there are stay: a step
@@ -60,8 +60,8 @@ impl Balance<'_> {
         sized(&mut self.matrices.jacobian, rows, rows);
         self.matrices.compliance.gemm(1.0, &self.matrices.weights, &self.matrices.moved, 0.0);
         (0..self.wide).for_each(|m| self.matrices.compliance[(m, m)] += self.beam.axial_flexibility);
-        let contact_alone = self.signals == Signals::default();
-        let law = if contact_alone { self.cycle.jacobian() } else { &self.matrices.law };
+        // As `law`, of which the borrow would hold all of the balance.
+        let law = if self.has_contact_alone() { self.cycle.jacobian() } else { &self.matrices.law };
         self.matrices.jacobian.gemm(1.0, &self.matrices.compliance, law, 0.0);
         (0..rows).for_each(|m| self.matrices.jacobian[(m, m)] += 1.0);
         self.complete = true;
@@ -69,7 +69,7 @@ impl Balance<'_> {
 
     /// ∂forces/∂unknowns where there is more than the contact.
     fn differentiate_laws(&mut self, angular_frequency: f64) {
-        if self.signals == Signals::default() {
+        if self.has_contact_alone() {
             return;
         }
         let unknowns = self.residual.len();

@@ -327,7 +327,12 @@ impl<'a> Balance<'a> {
 
     /// Whether the modes are all there is to solve for.
     fn is_linear(&self) -> bool {
-        self.contact.is_none() && self.signals == Signals::default()
+        self.contact.is_none() && self.has_contact_alone()
+    }
+
+    /// Whether it is condensed to no more than the contact's displacement.
+    fn has_contact_alone(&self) -> bool {
+        self.signals == Signals::default()
     }
 
     /// First row of the signals of a kind, which follow the contact's.
