@@ -1,13 +1,14 @@
 //! Time of one communication step of 1e-4 s of the beam of the frictional-support rig, and the
 //! allocations it makes (none).
 
-#[path = "../tests/integrate_support/mod.rs"]
-mod integrate_support;
+#[path = "../tests/common/time.rs"]
+#[allow(dead_code)]
+mod time;
 
 use divan::{AllocProfiler, Bencher};
-use integrate_support::{held, steel_beam};
 use stickslip::contact::{ContactLaw, Jenkins, Valanis};
 use stickslip::integrate::{BeamInputs, BeamIntegrator, Contact, Ramp, Settings};
+use time::{held, steel_beam};
 
 #[global_allocator]
 static ALLOC: AllocProfiler = AllocProfiler::system();

@@ -1,13 +1,14 @@
 //! Time of one period of the two-mass system with a Jenkins contact in the exact flow, of a periodic motion by
 //! shooting, and of the Floquet multipliers along a given displacement.
 
-#[path = "../tests/oscillator_support/mod.rs"]
-mod oscillator_support;
+#[path = "../tests/common/matrices.rs"]
+#[allow(dead_code)]
+mod matrices;
 
 use std::f64::consts::TAU;
 
 use divan::Bencher;
-use oscillator_support::two_mass;
+use matrices::two_mass;
 use stickslip::contact::Jenkins;
 use stickslip::harmonic::stability::floquet;
 use stickslip::integrate::{Excitation, LoadedContact, OscillatorFlow, ShootingSettings, shoot};

@@ -1,0 +1,16 @@
+//! Contact laws: their closed forms, energy, derivatives and periodic states.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod backlash;
+mod derivatives;
+mod energy;
+mod iwan;
+mod jenkins;
+mod joint;
+mod memoryless;
+mod periodic;
+mod sliders;
+mod valanis;
+mod valanis_load;

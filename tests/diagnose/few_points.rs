@@ -1,0 +1,91 @@
+//! A table of few points is diagnosed by the points left out: the measured frequencies of the frictional support,
+//! and tables that the model itself makes.
+
+use std::time::Instant;
+
+use stickslip::diagnose::{DiagnoseOptions, DiagnoseWatch, Diagnosis, Verdict, diagnose, evaluate};
+use stickslip::measure::{Channel, Dataset, Record, Regime};
+use stickslip::model::Model;
+
+const JENKINS: &str = include_str!("../../examples/frictional-support/jenkins.toml");
+const TABLE: &str = include_str!("../../examples/frictional-support/backbone.csv");
+
+fn dataset(amplitudes: Vec<f64>, frequencies: Vec<f64>) -> Dataset {
+    let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+    let channels = vec![channel("amplitude", "m/s^2", amplitudes), channel("frequency", "Hz", frequencies)];
+    let record = Record { name: "backbone".into(), regime: Regime::Backbone, use_for: None, channels };
+    Dataset { title: None, records: vec![record] }
+}
+
+fn measured() -> Dataset {
+    let rows = TABLE.lines().skip(1).map(|line| {
+        let (amplitude, frequency) = line.split_once(',').unwrap();
+        (amplitude.parse::<f64>().unwrap(), frequency.parse::<f64>().unwrap())
+    });
+    let (amplitudes, frequencies) = rows.unzip();
+    dataset(amplitudes, frequencies)
+}
+
+/// What `model` itself says of the measured levels.
+fn made_by(model: &Model) -> Dataset {
+    let levels = measured();
+    let stage = evaluate("", model, &levels);
+    let frequencies = &stage.records[0].channels[0].predicted;
+    dataset(levels.records[0].channel("amplitude").unwrap().values.clone(), frequencies.clone())
+}
+
+fn diagnosed(model: &Model, dataset: &Dataset, effects: Option<&[&str]>) -> Diagnosis {
+    let effects = effects.map(|ids| ids.iter().map(|id| (*id).to_owned()).collect());
+    let options = DiagnoseOptions { effects, ..DiagnoseOptions::default() };
+    let start = Instant::now();
+    let found = diagnose(model, dataset, &options, DiagnoseWatch::default()).unwrap();
+    println!("{:?} after {:.1} s, {:?}", found.verdict, start.elapsed().as_secs_f64(), found.cost);
+    for candidates in std::iter::once(&found.candidates).chain(&found.rounds) {
+        for candidate in candidates {
+            println!(
+                "  {:?} {:?} error {:.4} z {:.2} share {:.3} {:?}",
+                candidate.effects,
+                candidate.location,
+                candidate.error,
+                candidate.gain_z,
+                candidate.gain_share,
+                candidate.failure
+            );
+        }
+        println!();
+    }
+    for stage in &found.comparison.stages {
+        println!("{}: {:.4} Hz", stage.name, stage.records[0].channels[0].rms);
+    }
+    found.reasons.iter().for_each(|reason| println!("- {reason}"));
+    println!("{:?}", found.groups);
+    found
+}
+
+#[test]
+fn measured_frequencies_give_steps_with_their_doubt_and_never_a_clean_bill() {
+    let model = Model::parse(JENKINS).unwrap();
+    let found = diagnosed(&model, &measured(), Some(&["micro_slip", "residual_stiffness", "sensor_gain"]));
+    assert!(found.untried.iter().any(|untried| untried.effect == "sensor_gain"), "{:?}", found.untried);
+    assert_eq!(found.groups.len(), 1, "eight points cannot tell micro-slip from a residual stiffness");
+    let size = |stage: usize| found.comparison.stages[stage].records[0].channels[0].rms;
+    assert!((0.2..0.26).contains(&size(1)), "Jenkins refitted: {} Hz", size(1));
+    assert!(found.verdict != Verdict::NothingMissing);
+    for step in &found.steps {
+        assert!(step.gain_z > 1.0 && step.gain_share > 0.2, "{step:?}");
+    }
+    let last = found.comparison.stages.len() - 1;
+    assert!(last == found.steps.len() + 1 && (found.steps.is_empty() || size(last) < 0.8 * size(1)));
+    assert!(found.reasons[0].starts_with("8 measured values are little evidence"));
+}
+
+#[test]
+fn a_table_made_by_the_model_itself_gives_no_effect() {
+    let model = Model::parse(JENKINS).unwrap();
+    let table = made_by(&model);
+    let mut off = model;
+    off.set("contact.tangential_stiffness", 6e6).unwrap();
+    let found = diagnosed(&off, &table, Some(&["micro_slip", "residual_stiffness"]));
+    assert!(found.steps.is_empty() && found.effects.is_empty());
+    assert_eq!(found.verdict, Verdict::InsufficientData);
+}

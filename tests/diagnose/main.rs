@@ -1,0 +1,10 @@
+//! Models against measurements: comparison, noise, tables of few points.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod compare_columns;
+mod compare_records;
+mod few_points;
+mod noise;
+mod oscillator;

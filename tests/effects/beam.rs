@@ -1,0 +1,289 @@
+//! Effects on the beam's structure, against closed forms.
+
+use std::f64::consts::PI;
+
+use crate::common::time::one_mode;
+use stickslip::contact::CubicSpring;
+use stickslip::effects::{HangingMass, Location, StructureChanges};
+use stickslip::harmonic::{Method, Resonance, Settings, forced_response, phase_resonance};
+use stickslip::integrate::{self, BeamInputs, BeamIntegrator, Contact, Ramp};
+use stickslip::model::{Beam, Damping, PointMass};
+use stickslip::structure::ModalBeam;
+
+fn steel(modes: usize) -> Beam {
+    Beam {
+        length: 0.6,
+        width: 0.04,
+        thickness: 0.005,
+        density: 7850.0,
+        youngs_modulus: 2e11,
+        modes,
+        static_correction: false,
+        damping: Damping::Uniform(0.003),
+        point_masses: vec![PointMass { position: 0.3, mass: 0.005 }],
+        offset: 0.006,
+        rotational_stiffness: 0.0,
+        clamp_stiffness: None,
+        excitation_position: 0.55,
+        sensors: vec![],
+        contact_points: vec![],
+    }
+}
+
+fn changed(beam: &Beam, changes: StructureChanges) -> ModalBeam {
+    ModalBeam::with_changes(beam, &changes).expect("a legal beam")
+}
+
+fn hung(beam: &Beam, mass: f64, frequency: f64) -> ModalBeam {
+    changed(
+        beam,
+        StructureChanges { hanging_masses: vec![HangingMass { mass, frequency }], ..Default::default() },
+    )
+}
+
+#[test]
+fn an_added_mass_is_a_point_mass_and_leaves_the_sensors_where_they_were() {
+    let beam = steel(4);
+    let added_masses = vec![(Location::Position(0.55), 0.02)];
+    let with_effect = changed(&beam, StructureChanges { added_masses, ..Default::default() });
+    let mut built_in = beam.clone();
+    built_in.sensors = vec![0.3];
+    built_in.point_masses.push(PointMass { position: 0.55, mass: 0.02 });
+    assert_eq!(with_effect, ModalBeam::new(&built_in).unwrap());
+    assert_eq!(with_effect.sensors.len(), 1);
+}
+
+#[test]
+fn a_stiff_clamp_is_a_rigid_one_and_two_in_series_are_softer() {
+    let beam = steel(5);
+    let rigid = ModalBeam::new(&beam).unwrap();
+    let sprung =
+        |clamp| changed(&beam, StructureChanges { clamp_stiffness: Some(clamp), ..Default::default() });
+    for (stiff, limit) in sprung(1e10).angular_frequency.iter().zip(&rigid.angular_frequency) {
+        assert!((stiff / limit - 1.0).abs() < 1e-6 && stiff < limit, "{stiff} {limit}");
+    }
+    let own = Beam { clamp_stiffness: Some(400.0), ..beam.clone() };
+    let series = changed(&own, StructureChanges { clamp_stiffness: Some(400.0), ..Default::default() });
+    assert_eq!(series, sprung(200.0));
+}
+
+#[test]
+fn a_mass_hung_stiffly_is_a_mass_at_the_contact() {
+    let mut beam = steel(1);
+    beam.point_masses.clear();
+    let bare = ModalBeam::new(&beam).unwrap();
+    let (omega, lever) = (bare.angular_frequency[0], bare.contact_shape[0]);
+    // One mode with m (c q)² added to its mass: ω²/(1 + m c²). So small a mass does not feel the beam's length yield.
+    let mass = 0.01 / (lever * lever);
+    let modal = hung(&beam, mass, 1e4);
+    let expected = omega / 1.01_f64.sqrt();
+    assert!((modal.angular_frequency[0] / expected - 1.0).abs() < 1e-4, "{}", modal.angular_frequency[0]);
+    assert!((modal.excitation_shape[0] / bare.excitation_shape[0] - 1.0 / 1.01_f64.sqrt()).abs() < 1e-4);
+}
+
+#[test]
+fn a_resonator_splits_a_mode_by_the_quadratic_of_two_masses() {
+    let mut beam = steel(1);
+    beam.point_masses.clear();
+    let bare = ModalBeam::new(&beam).unwrap();
+    let (omega, lever) = (bare.angular_frequency[0], bare.contact_shape[0]);
+    let mass = 0.1 / (lever * lever);
+    // With the beam's length in series the string is to be as stiff as m ω².
+    let natural = omega / (1.0 - bare.axial_flexibility * mass * omega * omega).sqrt();
+    let modal = hung(&beam, mass, natural / (2.0 * PI));
+    // λ² − (2 + μ) λ + 1 = 0 in units of ω², with the mass ratio μ.
+    let (sum, ratio) = (2.1_f64, 0.1);
+    for (found, sign) in modal.angular_frequency.iter().zip([-1.0, 1.0]) {
+        let square = 0.5 * (sum + sign * (sum * sum - 4.0_f64).sqrt());
+        assert!((found / omega / square.sqrt() - 1.0).abs() < 1e-12, "{ratio}");
+    }
+    // All the excitation's inertia is still there: Σ φᵢ² does not change with the basis.
+    let norm = |shape: &[f64]| shape.iter().map(|x| x * x).sum::<f64>();
+    assert!((norm(&modal.excitation_shape) / norm(&bare.excitation_shape) - 1.0).abs() < 1e-12);
+}
+
+/// The modes of a beam and a mass on a string at its end, written down separately: `u` yields to what the spring at the
+/// contact and the string pull. Rates of `[q, p, q̇, ṗ]`.
+fn hanging_by_hand(
+    bare: &ModalBeam,
+    hanging: &HangingMass,
+    spring: f64,
+    push: f64,
+    state: &[f64],
+) -> Vec<f64> {
+    let n = bare.angular_frequency.len();
+    let (q, p) = (&state[..n], state[n]);
+    let string = hanging.mass * (2.0 * PI * hanging.frequency).powi(2);
+    let bent: Vec<f64> =
+        bare.shortening.chunks_exact(n).map(|row| row.iter().zip(q).map(|(g, q)| g * q).sum()).collect();
+    let moved: f64 = (0..n).map(|i| (bare.contact_shape[i] - 0.5 * bent[i]) * q[i]).sum();
+    let a = bare.axial_flexibility;
+    let u = (moved + a * string * p) / (1.0 + a * (spring + string));
+    let force = spring * u + string * (u - p);
+    let mut rates = state[n + 1..].to_vec();
+    rates.extend((0..n).map(|i| {
+        push * bare.excitation_shape[i]
+            - bare.angular_frequency[i].powi(2) * q[i]
+            - force * (bare.contact_shape[i] - bent[i])
+    }));
+    rates.push(string * (u - p) / hanging.mass);
+    rates
+}
+
+/// The classical Runge-Kutta method with so many steps; displacement of the first sensor.
+fn by_hand(bare: &ModalBeam, hanging: &HangingMass, spring: f64, push: f64, time: f64, steps: usize) -> f64 {
+    let n = bare.angular_frequency.len();
+    let mut state = vec![0.0; 2 * n + 2];
+    let step = time / steps as f64;
+    for _ in 0..steps {
+        let ahead = |by: f64, rates: &[f64]| -> Vec<f64> {
+            state.iter().zip(rates).map(|(x, rate)| x + by * rate).collect()
+        };
+        let first = hanging_by_hand(bare, hanging, spring, push, &state);
+        let second = hanging_by_hand(bare, hanging, spring, push, &ahead(0.5 * step, &first));
+        let third = hanging_by_hand(bare, hanging, spring, push, &ahead(0.5 * step, &second));
+        let fourth = hanging_by_hand(bare, hanging, spring, push, &ahead(step, &third));
+        for (i, x) in state.iter_mut().enumerate() {
+            *x += step / 6.0 * (first[i] + 2.0 * second[i] + 2.0 * third[i] + fourth[i]);
+        }
+    }
+    bare.sensors[0].shape.iter().zip(&state).map(|(shape, q)| shape * q).sum()
+}
+
+#[test]
+fn a_hanging_mass_moves_as_the_beam_and_the_mass_written_down_separately() {
+    let beam = Beam { damping: Damping::Uniform(0.0), ..steel(3) };
+    let (bare, spring) = (ModalBeam::new(&beam).unwrap(), 4e6);
+    let hanging = HangingMass { mass: 5.0, frequency: 60.0 };
+    let changes = StructureChanges { hanging_masses: vec![hanging], ..Default::default() };
+    let modal = changed(&beam, changes);
+    // Hard enough that the beam's end is drawn in by as much as the clamp's turning moves it.
+    let (push, time) = (60.0, 0.02);
+    let law = CubicSpring::new(spring, 0.0).unwrap();
+    let mut integrator = BeamIntegrator::new(&modal).unwrap();
+    let mut motion = integrator.rest(Some((&law, 1.0)));
+    let contact = Contact::Friction { law: &law, normal_load: Ramp::held(1.0) };
+    let inputs = BeamInputs { excitation: Ramp::held(push), contact, at_points: &[] };
+    let tight = integrate::Settings { tolerance: 1e-9, ..Default::default() };
+    integrator.advance(&mut motion, time, &inputs, &tight).unwrap();
+    let found: f64 = modal.sensors[0].shape.iter().zip(motion.modal_displacement()).map(|(s, q)| s * q).sum();
+    let expected = by_hand(&bare, &hanging, spring, push, time, 20_000);
+    assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+    let unbent = ModalBeam { string_stiffness: 0.0, ..modal };
+    let mut without = BeamIntegrator::new(&unbent).unwrap();
+    let mut motion = without.rest(Some((&law, 1.0)));
+    without.advance(&mut motion, time, &inputs, &tight).unwrap();
+    let found: f64 =
+        unbent.sensors[0].shape.iter().zip(motion.modal_displacement()).map(|(s, q)| s * q).sum();
+    assert!(
+        (found / expected - 1.0).abs() > 1e-3,
+        "the shortening matters to the string: {found} {expected}"
+    );
+}
+
+#[test]
+fn masses_off_the_beam_are_refused() {
+    for place in [Location::Mass("m1".into()), Location::Position(0.7), Location::Position(-0.1)] {
+        let changes = StructureChanges { added_masses: vec![(place, 0.01)], ..Default::default() };
+        assert!(ModalBeam::with_changes(&steel(2), &changes).is_err());
+    }
+}
+
+/// Phase resonance with the displacement amplitude `a` (m) at the excitation, by iteration on the frequency.
+fn resonance(beam: &ModalBeam, amplitude: f64) -> Resonance {
+    let settings = Settings { harmonics: 5, method: Method::Exact, tolerance: 1e-11, max_iterations: 40 };
+    let mut found = None;
+    let mut frequency = beam.angular_frequency[0];
+    for _ in 0..8 {
+        let acceleration = amplitude * frequency * frequency;
+        let resonance =
+            phase_resonance(beam, None, acceleration, &settings, found.as_ref()).expect("a resonance");
+        frequency = resonance.angular_frequency;
+        found = Some(resonance);
+    }
+    found.expect("at least one round")
+}
+
+#[test]
+fn stretching_raises_the_resonance_by_three_eighths_of_k3_a2_over_k() {
+    let cubic_stiffness = 3e10;
+    let modal = changed(&steel(1), StructureChanges { cubic_stiffness, ..Default::default() });
+    let (omega, phi) = (modal.angular_frequency[0], modal.excitation_shape[0]);
+    let stiffness = omega * omega / (phi * phi);
+    for amplitude in [2e-4_f64, 4e-4] {
+        let share = cubic_stiffness * amplitude * amplitude / stiffness;
+        let shift = resonance(&modal, amplitude).angular_frequency / omega - 1.0;
+        // The next term of the backbone is of second order in the share.
+        assert!((shift - 0.375 * share).abs() < 0.2 * share * share, "{shift} {share}");
+        assert!(share > 1e-3 && share < 0.1, "{share}");
+    }
+}
+
+#[test]
+fn drag_gives_a_damping_ratio_in_proportion_to_amplitude() {
+    let quadratic_damping = 2.0;
+    let modal = changed(&steel(1), StructureChanges { quadratic_damping, ..Default::default() });
+    let phi = modal.excitation_shape[0];
+    for amplitude in [1e-4, 3e-4, 1e-3] {
+        let expected = 4.0 * quadratic_damping * amplitude * phi * phi / (3.0 * PI);
+        let added = resonance(&modal, amplitude).damping_ratio() - 0.003;
+        assert!((added / expected - 1.0).abs() < 2e-3, "{added} {expected}");
+    }
+}
+
+#[test]
+fn time_integration_settles_to_the_balance_with_stretching_and_drag() {
+    let mut beam = one_mode(300.0, 0.05, 0.06, 0.9, 0.0);
+    beam.shortening = vec![30.0];
+    beam.stretching_stiffness = 3e5;
+    beam.quadratic_damping = 0.8;
+    settles_to_the_balance(&beam);
+}
+
+#[test]
+fn time_integration_settles_to_the_balance_with_a_string_that_the_shortening_stretches() {
+    let mut beam = one_mode(300.0, 0.05, 0.06, 0.9, 0.0);
+    beam.shortening = vec![30.0];
+    beam.stretching_stiffness = 3e5;
+    (beam.string_stiffness, beam.string_stretch) = (2e4, vec![0.06]);
+    settles_to_the_balance(&beam);
+}
+
+#[test]
+fn a_string_pulls_without_stretching_too() {
+    let mut beam = one_mode(300.0, 0.05, 0.06, 0.9, 0.0);
+    beam.shortening = vec![30.0];
+    (beam.string_stiffness, beam.string_stretch) = (4e5, vec![0.06]);
+    settles_to_the_balance(&beam);
+}
+
+fn settles_to_the_balance(beam: &ModalBeam) {
+    let period = 2.0 * PI / 290.0;
+    let settings = Settings { harmonics: 9, method: Method::Exact, tolerance: 1e-11, max_iterations: 40 };
+    let amplitude = 120.0;
+    let periodic = forced_response(beam, None, period, &[0.0, amplitude, 0.0], &settings, None).unwrap();
+    let linear = ModalBeam {
+        stretching_stiffness: 0.0,
+        quadratic_damping: 0.0,
+        string_stiffness: 0.0,
+        ..beam.clone()
+    };
+    let without = forced_response(&linear, None, period, &[0.0, amplitude, 0.0], &settings, None).unwrap();
+    assert!((periodic.coefficients[2] / without.coefficients[2] - 1.0).abs() > 0.05, "the effects matter");
+
+    let mut integrator = BeamIntegrator::new(beam).unwrap();
+    let mut motion = integrator.rest(None);
+    let parts = 64;
+    let force = |k: usize| amplitude * (2.0 * PI * (k % parts) as f64 / parts as f64).cos();
+    let tight = integrate::Settings { tolerance: 1e-8, ..Default::default() };
+    for k in 0..40 * parts {
+        let excitation = Ramp { start: force(k), end: force(k + 1) };
+        let inputs = BeamInputs { excitation, contact: Contact::Force(Ramp::held(0.0)), at_points: &[] };
+        integrator.advance(&mut motion, period / parts as f64, &inputs, &tight).unwrap();
+    }
+    let expected: f64 = (0..=9).map(|h| periodic.coefficients[if h == 0 { 0 } else { 2 * h - 1 }]).sum();
+    let size = periodic.coefficients[1].hypot(periodic.coefficients[2]);
+    // The ramps between samples lower the first harmonic by (π/64)²/3.
+    let error = (motion.modal_displacement()[0] - expected).abs() / size;
+    assert!(error < 2e-3, "{error:e}");
+}

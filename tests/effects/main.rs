@@ -1,0 +1,9 @@
+//! Effects of the catalogue: in model files, in beams, oscillators and instances.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod beam;
+mod instance;
+mod model;
+mod oscillator;

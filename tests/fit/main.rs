@@ -1,0 +1,7 @@
+//! Least squares and what is fitted with it.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod backbone;
+mod least_squares;

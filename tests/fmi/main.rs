@@ -1,0 +1,10 @@
+//! The library's models as co-simulation slaves.
+//! The Python files beside run the exported FMUs under independent importers.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod derivatives;
+mod input_derivatives;
+mod instance;
+mod oscillator;

@@ -1,0 +1,21 @@
+//! Harmonic balance: responses, curves, modes, stability.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod beam_modes;
+mod beam_stability;
+mod corners;
+mod curves;
+mod cycle;
+mod cycle_laws;
+mod held_response;
+mod joint;
+mod laws;
+mod modes;
+mod sharp_curves;
+mod stability;
+mod starts;
+mod steady_records;
+mod tracking;
+mod two_mass;

@@ -1,0 +1,298 @@
+//! Resonances followed over level and contact parameters, against closed forms, scaling laws and the exact
+//! event-driven solution of the two-mass system with friction.
+
+use crate::common::oscillators::{single_mass, two_masses};
+use stickslip::contact::{ContactLaw, CubicSpring, Jenkins, Unilateral};
+use stickslip::harmonic::{
+    Assembly, AttachedContact, Body, CurveSettings, Ending, Followed, HarmonicError, OwnedContact, Tracked,
+    TrackedCurve, Tracking, Varied, parameter_response, track_levels, track_parameter,
+};
+use stickslip::structure::LinearStructure;
+
+fn assembly<'a>(structure: &'a LinearStructure, law: &'a dyn ContactLaw) -> Assembly<'a> {
+    Assembly::new(Body::Linear(structure), vec![AttachedContact { law, normal_load: 1.0 }])
+}
+
+/// The whole curve.
+fn whole(curve: Result<TrackedCurve, HarmonicError>) -> Vec<Tracked> {
+    let curve = curve.unwrap();
+    assert_eq!(curve.lost, None);
+    curve.points
+}
+
+fn settings(harmonics: usize) -> CurveSettings {
+    CurveSettings { harmonics, ..CurveSettings::default() }
+}
+
+const fn tracking(followed: Followed, node: usize, angular_frequency: f64) -> Tracking {
+    Tracking { followed, node, angular_frequency }
+}
+
+/// Values evenly spaced by ratio.
+fn spaced(first: f64, last: f64, count: usize) -> Vec<f64> {
+    (0..count).map(|k| first * (last / first).powf(k as f64 / (count - 1) as f64)).collect()
+}
+
+#[test]
+fn a_linear_oscillator_peaks_below_and_is_in_phase_resonance_at_its_natural_frequency() {
+    let (stiffness, damping, contact) = (1.0, 0.3, 0.44);
+    let structure = single_mass(stiffness, damping);
+    let law = CubicSpring::new(contact, 0.0).unwrap();
+    let assembly = assembly(&structure, &law);
+    let levels = [0.01, 1.0, 50.0];
+    let square: f64 = stiffness + contact;
+    let follow =
+        |followed| whole(track_levels(&assembly, &tracking(followed, 0, 0.8), &levels, &settings(3)));
+    for phase in follow(Followed::Phase) {
+        assert!((phase.point.angular_frequency / square.sqrt() - 1.0).abs() < 1e-9);
+        assert!((phase.receptance * damping * square.sqrt() - 1.0).abs() < 1e-9);
+        assert!((phase.point.level - phase.value).abs() < 1e-12 * phase.value);
+    }
+    for peak in follow(Followed::Peak) {
+        let at = (square - 0.5 * damping * damping).sqrt();
+        assert!((peak.point.angular_frequency / at - 1.0).abs() < 1e-7, "{}", peak.point.angular_frequency);
+        let height = 1.0 / (damping * (square - 0.25 * damping * damping).sqrt());
+        assert!((peak.receptance / height - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn two_mass_peaks_are_those_of_the_exact_solution() {
+    let structure = two_masses(0.1);
+    let law = Jenkins::new(0.2, 0.02).unwrap();
+    let assembly = assembly(&structure, &law);
+    // Node, start, ω, x, y, D of the event-driven exact solution at A = 0.4.
+    let peaks = [
+        (0, 0.50, 0.527394, 1.008048920, 2.162370912, 0.1649896730),
+        (1, 0.56, 0.540850, 0.978549958, 2.227637379, 0.1702109903),
+        (0, 1.25, 1.305808, 2.550916521, 1.058804403, 0.0767043522),
+        (1, 1.33, 1.300160, 2.535184036, 1.065182030, 0.0772145624),
+    ];
+    for (node, start, omega, x, y, dissipated) in peaks {
+        let tracking = tracking(Followed::Peak, node, start);
+        let peak = whole(track_levels(&assembly, &tracking, &[0.4], &settings(41))).remove(0);
+        let point = &peak.point;
+        assert!((point.angular_frequency - omega).abs() < 2e-6, "{} {omega}", point.angular_frequency);
+        assert!((peak.amplitude / [x, y][node] - 1.0).abs() < 1e-6);
+        for (value, exact) in
+            [(point.amplitude[0], x), (point.amplitude[1], y), (point.dissipated_energy(), dissipated)]
+        {
+            assert!((value / exact - 1.0).abs() < 3e-6, "{value} {exact}");
+        }
+    }
+}
+
+#[test]
+fn receptance_at_the_peak_is_least_at_a_medium_level() {
+    let structure = two_masses(0.1);
+    let law = Jenkins::new(0.2, 0.02).unwrap();
+    let assembly = assembly(&structure, &law);
+    let least = |node| {
+        let levels = spaced(0.01, 2.0, 60);
+        let peaks =
+            whole(track_levels(&assembly, &tracking(Followed::Peak, node, 0.67), &levels, &settings(9)));
+        // Stuck, nothing depends on the level.
+        assert!((peaks[1].receptance / peaks[0].receptance - 1.0).abs() < 1e-9);
+        let by_receptance = |a: &&Tracked, b: &&Tracked| a.receptance.total_cmp(&b.receptance);
+        let least = peaks.iter().min_by(by_receptance).unwrap();
+        assert!(least.receptance < 0.8 * peaks[59].receptance, "{}", least.receptance);
+        least.value
+    };
+    let (x, y) = (least(0), least(1));
+    assert!((0.070..0.085).contains(&x), "{x}");
+    assert!((0.058..0.068).contains(&y), "{y}");
+}
+
+#[test]
+fn dissipation_at_a_fixed_frequency_is_largest_at_a_medium_friction() {
+    let structure = two_masses(0.1);
+    let law = Jenkins::new(0.2, 0.02).unwrap();
+    let contacts = |_: usize, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.2, friction)?, 1.0));
+    let assembly = assembly(&structure, &law);
+    let frequency = tracking(Followed::Frequency, 1, 0.54);
+    let friction = [0.05, 0.06, 0.07];
+    let points = whole(track_parameter(&assembly, &contacts, 0.4, &frequency, &friction, &settings(21)));
+    for (point, lost) in points.iter().zip([0.2910, 0.2994, 0.2939]) {
+        assert_eq!(point.point.angular_frequency, 0.54);
+        assert!((point.point.dissipated_energy() - lost).abs() < 5.1e-5, "{}", point.value);
+    }
+}
+
+#[test]
+fn load_and_level_together_only_scale_the_response() {
+    // Lengths enter through the limit alone: N and A times c is the same response times c.
+    let structure = two_masses(0.1);
+    let law = Jenkins::new(0.2, 0.02).unwrap();
+    let assembly = assembly(&structure, &law);
+    let loads = [1.0, 0.5, 0.25, 2.0, 8.0];
+    for followed in [Followed::Peak, Followed::Phase] {
+        let node = if followed == Followed::Peak { 0 } else { 1 };
+        let tracking = tracking(followed, node, 0.53);
+        let contacts = |_: usize, load: f64| Ok(OwnedContact::new(Jenkins::new(0.2, 0.02)?, load));
+        let by_load = whole(track_parameter(&assembly, &contacts, 0.4, &tracking, &loads, &settings(9)));
+        let levels: Vec<f64> = loads.iter().map(|load| 0.4 / load).collect();
+        let by_level = whole(track_levels(&assembly, &tracking, &levels, &settings(9)));
+        for (a, b) in by_load.iter().zip(&by_level) {
+            let (left, right) = (a.point.angular_frequency, b.point.angular_frequency);
+            assert!((left / right - 1.0).abs() < 1e-6, "{followed:?} {}: {left} {right}", a.value);
+            assert!((a.receptance / b.receptance - 1.0).abs() < 1e-8, "{} {}", a.receptance, b.receptance);
+        }
+    }
+}
+
+#[test]
+fn duffing_peaks_are_followed_past_the_fold() {
+    // One harmonic: `(¾ k₃ a² + k − ω²)² a² + (c ω a)² = A²`; at the peak `k + ¾ k₃ a² − ω² = c²/2`.
+    let (damping, cubic) = (0.05, 1.0);
+    let structure = single_mass(1.0, damping);
+    let law = CubicSpring::new(0.0, cubic).unwrap();
+    let levels = spaced(1e-3, 0.3, 9);
+    let peak = tracking(Followed::Peak, 0, 0.98);
+    for peak in whole(track_levels(&assembly(&structure, &law), &peak, &levels, &settings(1))) {
+        let (a, omega) = (peak.amplitude, peak.point.angular_frequency);
+        let bent = 1.0 + 0.75 * cubic * a * a;
+        assert!((omega * omega / (bent - 0.5 * damping * damping) - 1.0).abs() < 1e-6, "{omega} {a}");
+        let force = a * (0.25 * damping.powi(4) + (damping * omega).powi(2)).sqrt();
+        assert!((force / peak.value - 1.0).abs() < 1e-8, "{force} {}", peak.value);
+    }
+}
+
+#[test]
+fn parameter_sweeps_pass_turning_points_of_a_duffing_oscillator() {
+    // One harmonic at a fixed frequency and level: every amplitude below the largest belongs to two cubic
+    // stiffnesses, `¾ k₃ a² = ω² − k ± √(A²/a² − c² ω²)`.
+    let (damping, omega, level): (f64, f64, f64) = (0.05, 1.3, 0.2);
+    let structure = single_mass(1.0, damping);
+    let law = CubicSpring::new(0.0, 0.01).unwrap();
+    let contacts = |_: usize, cubic: f64| Ok(OwnedContact::new(CubicSpring::new(0.0, cubic)?, 1.0));
+    let assembly = assembly(&structure, &law);
+    let curve = parameter_response(&assembly, &contacts, omega, level, [0.01, 2.0], &settings(1)).unwrap();
+    assert_eq!(curve.ending, Ending::Complete);
+    let mut turned = 0;
+    for pair in curve.points.windows(2) {
+        let (a, cubic) = (pair[1].point.amplitude[0], pair[1].value);
+        let stiff = 1.0 + 0.75 * cubic * a * a - omega * omega;
+        let force = a * (stiff * stiff + (damping * omega).powi(2)).sqrt();
+        assert!((force / level - 1.0).abs() < 1e-8, "{cubic} {a}: {force}");
+        turned += usize::from(pair[1].value < pair[0].value);
+    }
+    let most = curve.points.iter().map(|varied| varied.point.amplitude[0]).fold(0.0, f64::max);
+    assert!(turned > 2, "the curve turns back between its two turning points");
+    assert!(most <= level / (damping * omega) * (1.0 + 1e-9) && most > 0.9 * level / (damping * omega));
+}
+
+#[test]
+fn a_parameter_sweep_and_single_values_agree() {
+    let structure = two_masses(0.1);
+    let law = Jenkins::new(0.2, 0.02).unwrap();
+    let contacts = |_: usize, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.2, friction)?, 1.0));
+    let assembly = assembly(&structure, &law);
+    let curve = parameter_response(&assembly, &contacts, 0.54, 0.4, [0.02, 0.12], &settings(9)).unwrap();
+    let last = curve.points.last().map(|varied| (varied.value, varied.point.dissipated_energy()));
+    assert_eq!(curve.ending, Ending::Complete, "{last:?}");
+    let picked: Vec<&Varied> = curve.points.iter().step_by(7).collect();
+    let values: Vec<f64> = picked.iter().map(|varied| varied.value).collect();
+    let frequency = tracking(Followed::Frequency, 1, 0.54);
+    let points = whole(track_parameter(&assembly, &contacts, 0.4, &frequency, &values, &settings(9)));
+    for (a, b) in picked.iter().zip(&points) {
+        assert!((a.point.amplitude[1] / b.amplitude - 1.0).abs() < 1e-8, "{}", a.value);
+        assert!((a.point.dissipated_energy() - b.point.dissipated_energy()).abs() < 1e-9);
+    }
+    assert!(picked.len() > 5);
+}
+
+#[test]
+fn harmonics_grow_until_a_tracked_peak_is_resolved() {
+    let structure = two_masses(0.1);
+    let law = Jenkins::new(0.2, 0.02).unwrap();
+    let assembly = assembly(&structure, &law);
+    let adaptive = CurveSettings {
+        harmonics: 3,
+        truncation: Some(1e-5),
+        max_harmonics: 101,
+        ..CurveSettings::default()
+    };
+    let tracking = tracking(Followed::Peak, 0, 0.5);
+    let peaks = whole(track_levels(&assembly, &tracking, &[0.4, 0.3], &adaptive));
+    assert!(peaks.iter().all(|peak| peak.point.resolved && peak.point.error_estimate <= 1e-5));
+    assert!((peaks[0].amplitude / 1.008048920 - 1.0).abs() < 1e-5, "{}", peaks[0].amplitude);
+    assert!(peaks[0].point.harmonics > 5);
+}
+
+#[test]
+fn a_resonance_that_ends_is_reported_as_lost() {
+    // Friction damps the first mass so much that its phase stops passing a quarter period near the first mode.
+    let structure = two_masses(0.1);
+    let law = Jenkins::new(0.2, 0.02).unwrap();
+    let levels = spaced(0.8, 0.02, 20);
+    let tracking = tracking(Followed::Phase, 0, 0.55);
+    let curve = track_levels(&assembly(&structure, &law), &tracking, &levels, &settings(9)).unwrap();
+    assert!(curve.lost.is_some() && curve.points.len() > 5 && curve.points.len() < 20);
+    for pair in curve.points.windows(2) {
+        let change = pair[1].point.angular_frequency / pair[0].point.angular_frequency - 1.0;
+        assert!(change.abs() < 0.15, "{change}");
+    }
+}
+
+#[test]
+fn what_cannot_be_followed_is_refused() {
+    let structure = two_masses(0.1);
+    let law = Jenkins::new(0.2, 0.02).unwrap();
+    let assembly = assembly(&structure, &law);
+    let follow =
+        |tracking: Tracking, levels: &[f64]| track_levels(&assembly, &tracking, levels, &settings(5));
+    let refused = [
+        follow(tracking(Followed::Peak, 2, 0.5), &[0.4]),
+        follow(tracking(Followed::Peak, 0, 0.0), &[0.4]),
+        follow(tracking(Followed::Peak, 0, f64::NAN), &[0.4]),
+        follow(tracking(Followed::Peak, 0, 0.5), &[0.0]),
+    ];
+    for result in refused {
+        assert!(matches!(result, Err(HarmonicError::InvalidInput(_))), "{result:?}");
+    }
+    let contacts = |_: usize, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.2, friction)?, 1.0));
+    let frequency = tracking(Followed::Frequency, 0, 0.5);
+    let result = track_parameter(&assembly, &contacts, 0.4, &frequency, &[0.02, -1.0], &settings(5));
+    assert!(matches!(result, Err(HarmonicError::Law(_))), "{result:?}");
+    assert_eq!(
+        follow(tracking(Followed::Peak, 0, 0.5), &[]),
+        Ok(TrackedCurve { points: Vec::new(), lost: None })
+    );
+}
+
+#[test]
+fn a_parameter_sweep_passes_the_corner_where_the_contact_sticks_for_good() {
+    let structure = two_masses(0.1);
+    let law = Jenkins::new(0.2, 0.02).unwrap();
+    let contacts = |_: usize, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.2, friction)?, 1.0));
+    let assembly = assembly(&structure, &law);
+    for (harmonics, most) in [(1, 0.5), (3, 1.0), (9, 0.3), (9, 2.0), (21, 0.5)] {
+        let ends = [0.02, most];
+        let curve = parameter_response(&assembly, &contacts, 0.54, 0.4, ends, &settings(harmonics)).unwrap();
+        let last = curve.points.last().unwrap();
+        assert_eq!(curve.ending, Ending::Complete, "{harmonics} {most}: ends at {}", last.value);
+        // Stuck for good, the contact is a spring; the limit it then needs is where it began to stick.
+        let stuck = last.point.amplitude[1];
+        let away = |varied: &&Varied| (varied.value / (0.2 * stuck) - 1.0).abs() > 1e-7;
+        for varied in curve.points.iter().filter(away) {
+            let slips = varied.value < 0.2 * stuck;
+            assert_eq!(varied.point.dissipated_energy() > 0.0, slips, "{} {stuck}", varied.value);
+        }
+    }
+}
+
+#[test]
+fn a_contact_that_loses_its_symmetry_on_the_way_is_refused() {
+    let structure = single_mass(1.0, 0.1);
+    let law = CubicSpring::new(0.1, 0.0).unwrap();
+    let assembly = assembly(&structure, &law);
+    let contacts = |_: usize, stiffness: f64| {
+        Ok(if stiffness < 0.5 {
+            OwnedContact::new(CubicSpring::new(stiffness, 0.0)?, 1.0)
+        } else {
+            OwnedContact::new(Unilateral::new(stiffness, 0.0)?, 1.0)
+        })
+    };
+    let curve = parameter_response(&assembly, &contacts, 0.8, 0.4, [0.1, 1.0], &settings(5));
+    assert!(matches!(curve, Err(HarmonicError::InvalidInput(_))), "{curve:?}");
+}

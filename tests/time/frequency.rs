@@ -1,0 +1,164 @@
+//! The beam with a frictional support, in the time domain and in the frequency domain: both solvers
+//! against each other, and against a Runge–Kutta solution of the published equations by another program.
+
+use std::f64::consts::TAU;
+
+use stickslip::contact::Valanis;
+use stickslip::harmonic::fourier::{from_samples, value};
+use stickslip::harmonic::{ContactOnBeam, Method, Settings, backbone, forced_response};
+use stickslip::integrate::{self, BeamInputs, BeamIntegrator, BeamMotion, Contact, Ramp};
+use stickslip::model::{Beam, Damping, Model, Structure};
+use stickslip::structure::ModalBeam;
+
+const LOAD: f64 = 147.15;
+/// Force (N) and frequency (Hz) of the excitation, near the resonance of the slipping beam.
+const FORCE: f64 = 8.0;
+const FREQUENCY: f64 = 52.0;
+
+fn published(modes: usize, damping_ratio: f64) -> ModalBeam {
+    let model = Model::parse(include_str!("../../examples/frictional-support/published.toml")).unwrap();
+    let Structure::Beam(beam) = model.structure else { panic!("the example is a beam") };
+    ModalBeam::new(&Beam { modes, damping: Damping::Uniform(damping_ratio), ..beam }).unwrap()
+}
+
+fn valanis() -> Valanis {
+    Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, LOAD).unwrap()
+}
+
+/// Drives `motion` from phase 0 over `periods` of a cosine, `steps` straight pieces a period; `visit` sees
+/// the motion at the end of each.
+fn drive(
+    integrator: &mut BeamIntegrator,
+    motion: &mut BeamMotion,
+    periods: usize,
+    steps: usize,
+    mut visit: impl FnMut(usize, &BeamMotion),
+) {
+    let law = valanis();
+    let settings = integrate::Settings { tolerance: 1e-8, ..Default::default() };
+    let force = |k: usize| FORCE * (TAU * (k % steps) as f64 / steps as f64).cos();
+    for k in 0..periods * steps {
+        let inputs = BeamInputs {
+            excitation: Ramp { start: force(k), end: force(k + 1) },
+            contact: Contact::Friction { law: &law, normal_load: Ramp::held(LOAD) },
+            at_points: &[],
+        };
+        integrator.advance(motion, 1.0 / (FREQUENCY * steps as f64), &inputs, &settings).unwrap();
+        visit(k + 1, motion);
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The backbone of the published model file: amplitude held (m/s²), frequency (Hz), amplitude over force
+/// (1/kg) of another program's harmonic balance, whose contact is integrated by Runge–Kutta.
+#[test]
+fn the_published_model_file_has_the_backbone_of_an_independent_harmonic_balance() {
+    let four_modes_five_harmonics = [
+        (0.5, 54.04412, 24.84903),
+        (10.0, 53.28555, 4.06899),
+        (20.0, 51.63627, 2.87647),
+        (30.0, 50.60267, 3.13879),
+        (40.0, 50.07023, 3.62118),
+        (50.0, 49.75739, 4.13795),
+        (60.0, 49.55415, 4.65492),
+        (70.0, 49.41326, 5.16371),
+    ];
+    let six_modes_nine_harmonics = [
+        (0.5, 53.95325, 24.49039),
+        (10.0, 53.23153, 4.13327),
+        (20.0, 51.62029, 2.89262),
+        (30.0, 50.59552, 3.14603),
+        (40.0, 50.06640, 3.62738),
+        (50.0, 49.75714, 4.14649),
+        (60.0, 49.55560, 4.66400),
+        (70.0, 49.41478, 5.17085),
+    ];
+    let law = valanis();
+    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    for (modes, harmonics, reference) in [(4, 5, four_modes_five_harmonics), (6, 9, six_modes_nine_harmonics)]
+    {
+        let beam = published(modes, 0.003);
+        let settings = Settings { harmonics, method: Method::Exact, ..Settings::default() };
+        let found = backbone(&beam, Some(contact), &reference.map(|r| r.0), &settings, &[]).unwrap();
+        for ((amplitude, frequency, ratio), found) in reference.into_iter().zip(found) {
+            let hertz = found.angular_frequency / TAU;
+            assert!((hertz - frequency).abs() < 5e-4, "{modes} modes, {amplitude} m/s²: {hertz} Hz");
+            let peak = amplitude / found.force_amplitude;
+            assert!((peak / ratio - 1.0).abs() < 5e-4, "{modes} modes, {amplitude} m/s²: {peak} /kg");
+        }
+    }
+}
+
+/// Three periods from rest. Reference: modes from 60 finite elements, the rate law
+/// `Ṫ = D/(1 + D L/EA) · d(c·q − ½ qᵀGq)/dt`, classical Runge–Kutta at 4000 steps a period (at 2000 it
+/// differs by 4e-8).
+#[test]
+fn the_transient_from_rest_is_that_of_the_published_equations() {
+    let beam = published(4, 0.02);
+    let mut integrator = BeamIntegrator::new(&beam).unwrap();
+    let mut motion = integrator.rest(Some((&valanis(), LOAD)));
+    drive(&mut integrator, &mut motion, 3, 2048, |_, _| {});
+    let displacement = [-4.84833661e-5, -2.19250161e-6, -6.04993074e-7, -2.54945865e-7];
+    let velocity = [-7.10355139e-2, 2.14457144e-3, 5.15418952e-4, 2.35241827e-4];
+    for ((found, expected), tolerance) in
+        motion.modal_displacement().iter().zip(displacement).zip([1e-5, 1e-4, 1e-4, 1e-3])
+    {
+        assert!((found / expected - 1.0).abs() < tolerance, "{found} {expected}");
+    }
+    for ((found, expected), tolerance) in
+        motion.modal_velocity().iter().zip(velocity).zip([1e-5, 1e-3, 5e-3, 2e-2])
+    {
+        assert!((found / expected - 1.0).abs() < tolerance, "{found} {expected}");
+    }
+    let force = motion.contact_force();
+    assert!((force / -37.0333993 - 1.0).abs() < 1e-4, "{force}");
+}
+
+#[test]
+fn harmonic_balance_finds_the_steady_state_of_a_long_run_in_time() {
+    let beam = published(4, 0.02);
+    let law = valanis();
+    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let settings =
+        Settings { harmonics: 15, method: Method::Sampled { samples: 512 }, ..Settings::default() };
+    let balance =
+        forced_response(&beam, Some(contact), 1.0 / FREQUENCY, &[0.0, FORCE], &settings, None).unwrap();
+
+    let mut integrator = BeamIntegrator::new(&beam).unwrap();
+    let mut motion = integrator.rest(Some((&law, LOAD)));
+    drive(&mut integrator, &mut motion, 60, 512, |_, _| {});
+    let lost_before = motion.dissipated_energy();
+    let (mut exciter, mut force) = (vec![0.0; 512], vec![0.0; 512]);
+    drive(&mut integrator, &mut motion, 1, 512, |k, motion| {
+        exciter[k % 512] = dot(&beam.excitation_shape, motion.modal_displacement());
+        force[k % 512] = motion.contact_force();
+    });
+    let found = balance.displacement(&beam.excitation_shape);
+    let largest = exciter.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    for (k, in_time) in exciter.iter().enumerate() {
+        let error = (value(&found, TAU * k as f64 / 512.0) - in_time).abs() / largest;
+        assert!(error < 2e-4, "displacement at sample {k}: {error}");
+    }
+    let in_time = from_samples(&force, 1, 7);
+    for (balance, in_time) in balance.contact_force.iter().zip(&in_time) {
+        assert!((balance - in_time).abs() < 0.05, "force coefficient {balance} N, in time {in_time} N");
+    }
+    let lost = motion.dissipated_energy() - lost_before;
+    assert!((balance.dissipated_energy / lost - 1.0).abs() < 1e-3, "{} {lost}", balance.dissipated_energy);
+    // The other program, sixty periods of Runge–Kutta: first harmonics of displacement and force, and the
+    // bias that the shortening of the beam gives the force.
+    for (found, reference, tolerance) in [
+        (found[1], 1.84770618e-5, 1e-8),
+        (found[2], 1.46019779e-4, 1e-8),
+        (balance.contact_force[0], 2.32181526, 0.02),
+        (balance.contact_force[1], -50.4017551, 0.02),
+        (balance.contact_force[2], -72.5483637, 0.02),
+        (balance.contact_force[5], -1.86649022, 0.02),
+        (balance.contact_force[6], 3.53133819, 0.02),
+    ] {
+        assert!((found - reference).abs() < tolerance, "{found} {reference}");
+    }
+}

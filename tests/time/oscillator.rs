@@ -1,0 +1,236 @@
+//! Lumped oscillators in time: the exact flow by its laws, the implicit integrator and the Runge–Kutta scheme
+//! against it.
+
+use std::f64::consts::TAU;
+
+use crate::common::matrices::{chain, single, two_mass};
+use stickslip::contact::{Backlash, ContactLaw, CubicSpring, Jenkins, ParallelSliders, Unilateral, Valanis};
+use stickslip::integrate::{
+    self, BeamInputs, BeamIntegrator, Contact, Excitation, LoadedContact, OscillatorError, OscillatorFlow,
+    OscillatorIntegrator, Ramp, RungeKutta, ShootingSettings, shoot,
+};
+use stickslip::structure::ModalBeam;
+
+fn attached(law: &dyn ContactLaw) -> LoadedContact<'_> {
+    LoadedContact { law, normal_load: 1.0 }
+}
+
+fn waveform() -> Excitation {
+    Excitation::Periodic {
+        angular_frequency: 0.37,
+        level: 1.3,
+        coefficients: vec![0.1, 1.0, 0.2, -0.3, 0.5, 0.0, 0.4],
+    }
+}
+
+#[test]
+fn the_work_of_the_excitation_is_what_is_stored_and_taken() {
+    let jenkins = Jenkins::new(1.3, 0.2).unwrap();
+    let sliders = ParallelSliders::new(&[(0.4, 0.02), (0.4, 0.1), (0.4, 0.1), (0.2, 9.0)]).unwrap();
+    let backlash = Backlash::new(3.0, 0.15, 0.08).unwrap();
+    let stop = Unilateral::new(25.0, 0.1).unwrap();
+    let pairs: [(&dyn ContactLaw, &dyn ContactLaw); 4] =
+        [(&jenkins, &sliders), (&sliders, &backlash), (&backlash, &jenkins), (&stop, &jenkins)];
+    for (first, second) in pairs {
+        let mut flow = OscillatorFlow::new(&chain(5, 0.01), &[attached(first), attached(second)]).unwrap();
+        let mut motion = flow.rest();
+        let passage = flow.advance(&mut motion, 300.0, &waveform()).unwrap();
+        assert!(passage.events > 100, "{}", passage.events);
+        assert!(passage.dissipated_energy.iter().all(|energy| *energy >= 0.0));
+        let taken = passage.total_dissipated_energy() + passage.viscous_energy + flow.energy(&motion);
+        let error = (taken - passage.work) / passage.work;
+        assert!(error.abs() < 1e-11, "{first:?} {second:?}: {error:e}");
+    }
+}
+
+#[test]
+fn a_free_linear_vibration_is_the_closed_form() {
+    let mut flow = OscillatorFlow::new(&single(2.0, 0.3, 5.0, 0), &[]).unwrap();
+    let mut motion = flow.motion(0.0, &[0.4], &[-1.1], &[]).unwrap();
+    let (decay, natural) = (0.3 / 4.0, (2.5f64 - 0.075 * 0.075).sqrt());
+    for k in 1..=40 {
+        flow.advance(&mut motion, 0.731, &Excitation::none()).unwrap();
+        let t = 0.731 * f64::from(k);
+        let b = (-1.1 + decay * 0.4) / natural;
+        let expected = (-decay * t).exp() * (0.4 * (natural * t).cos() + b * (natural * t).sin());
+        assert!((flow.displacement(&motion)[0] - expected).abs() < 1e-14, "{t}");
+    }
+}
+
+#[test]
+fn a_motion_is_the_same_in_one_piece_and_in_many() {
+    let law = ParallelSliders::new(&[(0.4, 0.02), (0.4, 0.1), (0.2, 0.3)]).unwrap();
+    let stop = Unilateral::new(25.0, 0.1).unwrap();
+    let mut flow = OscillatorFlow::new(&chain(4, 0.02), &[attached(&law), attached(&stop)]).unwrap();
+    let (mut whole, mut pieces) = (flow.rest(), flow.rest());
+    flow.advance(&mut whole, 60.0, &waveform()).unwrap();
+    for _ in 0..977 {
+        flow.advance(&mut pieces, 60.0 / 977.0, &waveform()).unwrap();
+    }
+    for (a, b) in flow.displacement(&whole).iter().zip(flow.displacement(&pieces)) {
+        assert!((a - b).abs() < 1e-11, "{a} {b}");
+    }
+    assert_eq!(flow.sliders(&whole).len(), 4);
+}
+
+/// Den Hartog's motion without stops under Coulomb friction: β = 0.8, f = 0.3 (m = k = 1). A contact of
+/// stiffness k takes a time of order k^-1/2 to reverse its force; that order is extrapolated.
+#[test]
+fn coulomb_friction_gives_the_amplitude_of_den_hartog() {
+    let [soft, stiff] = [1e4, 1e6].map(|stiffness| {
+        let law = Jenkins::new(stiffness, 0.3).unwrap();
+        let mut flow = OscillatorFlow::new(&single(1.0, 0.0, 1.0, 1), &[attached(&law)]).unwrap();
+        let found =
+            shoot(&mut flow, &Excitation::cosine(0.8, 1.0), None, &ShootingSettings::default()).unwrap();
+        assert!((found.passage.total_dissipated_energy() / found.passage.work - 1.0).abs() < 1e-9);
+        found.passage.amplitude(0) - 2.626_104_88
+    });
+    assert!((stiff / soft - 0.1).abs() < 0.01, "{soft} {stiff}");
+    assert!(((10.0 * stiff - soft) / 9.0).abs() < 2e-5, "{soft} {stiff}");
+}
+
+/// A stuck oscillator whose force exceeds the limit by a part in 10⁹: both events lie within one step.
+#[test]
+fn slip_of_a_moment_between_two_steps_is_not_missed() {
+    let (stiffness, damping, omega) = (1.7, 0.2, 0.6);
+    let dynamic = 2.7 - omega * omega;
+    let size = 1.0 / f64::hypot(dynamic, damping * omega);
+    for (share, slips) in [(1.0 - 1e-9, true), (1.0 + 1e-9, false)] {
+        let law = Jenkins::new(stiffness, stiffness * size * share).unwrap();
+        let mut flow = OscillatorFlow::new(&single(1.0, damping, 1.0, 1), &[attached(&law)]).unwrap();
+        let scale = size * size;
+        let (q, v) = (dynamic * scale, damping * omega * omega * scale);
+        let mut motion = flow.motion(0.0, &[q], &[v], &[0.0]).unwrap();
+        let passage = flow.advance(&mut motion, TAU / omega, &Excitation::cosine(omega, 1.0)).unwrap();
+        assert_eq!(passage.slipped[0], slips, "{share}: {passage:?}");
+    }
+}
+
+#[test]
+fn an_end_without_end_is_an_error_and_changes_nothing() {
+    let law = Jenkins::new(1.0, 0.1).unwrap();
+    let mut flow = OscillatorFlow::new(&single(1.0, 0.1, 1.0, 1), &[attached(&law)]).unwrap();
+    flow.set_step_limit(5);
+    let mut motion = flow.rest();
+    let refused = flow.advance(&mut motion, 100.0, &Excitation::cosine(1.0, 1.0));
+    assert!(matches!(refused, Err(OscillatorError::TooManySteps { limit: 5, .. })), "{refused:?}");
+    assert_eq!(motion, flow.rest());
+    let valanis = Valanis::new(1.0, 0.1, 0.3, 0.0).unwrap();
+    let refused = OscillatorFlow::new(&single(1.0, 0.1, 1.0, 1), &[attached(&valanis)]);
+    assert!(matches!(refused, Err(OscillatorError::NotPiecewiseLinear { contact: 0 })));
+    let massless = single(0.0, 0.1, 1.0, 1);
+    assert!(matches!(
+        OscillatorFlow::new(&massless, &[attached(&law)]),
+        Err(OscillatorError::MassNotPositive)
+    ));
+    assert!(flow.advance(&mut motion, f64::NAN, &Excitation::none()).is_err());
+    assert!(flow.advance(&mut motion, 1.0, &Excitation::cosine(1.0, f64::INFINITY)).is_err());
+}
+
+#[test]
+fn runge_kutta_approaches_the_exact_flow() {
+    let law = Backlash::new(0.8, 0.05, 0.06).unwrap();
+    let excitation = Excitation::cosine(0.9, 0.4);
+    let mut flow = OscillatorFlow::new(&two_mass(), &[attached(&law)]).unwrap();
+    let mut motion = flow.rest();
+    // The area of a loop is the energy taken only once the loop closes.
+    flow.advance(&mut motion, 59.0 * TAU / 0.9, &excitation).unwrap();
+    let exact = flow.advance(&mut motion, TAU / 0.9, &excitation).unwrap();
+    let scheme = RungeKutta::new(&two_mass(), &[attached(&law)]).unwrap();
+    let errors = [100, 1000].map(|steps| {
+        let last = scheme.from_rest(&excitation, 60, steps).unwrap().pop().unwrap();
+        (last.dissipated_energy[0] / exact.total_dissipated_energy() - 1.0).abs()
+            + (last.amplitude[1] / exact.amplitude(1) - 1.0).abs()
+    });
+    assert!(errors[1] < 1e-4 && errors[1] < 0.1 * errors[0], "{errors:?}");
+}
+
+#[test]
+fn the_implicit_integrator_follows_the_exact_flow_of_jenkins() {
+    let law = Jenkins::new(0.2, 0.02).unwrap();
+    let excitation = Excitation::cosine(0.5, 0.4);
+    let mut flow = OscillatorFlow::new(&two_mass(), &[attached(&law)]).unwrap();
+    let mut exact = flow.rest();
+    let passage = flow.advance(&mut exact, 40.0, &excitation).unwrap();
+    let mut errors = vec![];
+    for tolerance in [1e-5, 1e-8] {
+        let mut integrator = OscillatorIntegrator::new(&two_mass(), &[attached(&law)], tolerance).unwrap();
+        let mut state = integrator.rest();
+        let steps = integrator.advance(&mut state, 40.0, &excitation).unwrap();
+        let (found, expected) = (integrator.displacement(&state), flow.displacement(&exact));
+        let error = (found[0] - expected[0]).abs().max((found[1] - expected[1]).abs());
+        let energy = state.dissipated_energy()[0] / passage.total_dissipated_energy() - 1.0;
+        println!("tolerance {tolerance:e}: {steps} steps, error {error:e}, energy {energy:e}");
+        assert!(error < 20.0 * tolerance && energy.abs() < 20.0 * tolerance, "{error:e} {energy:e}");
+        errors.push(error);
+    }
+    assert!(errors[1] < 0.02 * errors[0]);
+}
+
+#[test]
+fn the_implicit_integrator_converges_with_order_four_at_least() {
+    let law = CubicSpring::new(0.3, 2.0).unwrap();
+    let run = |tolerance: f64| {
+        let structure = single(1.0, 0.05, 1.0, 1);
+        let mut integrator = OscillatorIntegrator::new(&structure, &[attached(&law)], tolerance).unwrap();
+        let mut state = integrator.moving(&[0.8], &[0.3]).unwrap();
+        let steps = integrator.advance(&mut state, 12.0, &Excitation::cosine(1.7, 0.6)).unwrap();
+        (steps as f64, integrator.displacement(&state)[0])
+    };
+    let exact = run(1e-13).1;
+    let (coarse, fine) = (run(1e-5), run(1e-10));
+    let order = ((coarse.1 - exact) / (fine.1 - exact)).abs().ln() / (fine.0 / coarse.0).ln();
+    println!("{coarse:?} {fine:?} {exact} order {order}");
+    assert!((4.0..7.5).contains(&order), "order {order}");
+    assert!((fine.1 - exact).abs() < 1e-9);
+}
+
+#[test]
+fn valanis_moves_as_on_the_beam_of_one_mode() {
+    let beam = ModalBeam {
+        angular_frequency: vec![330.0],
+        damping_ratio: vec![0.003],
+        contact_shape: vec![0.057],
+        excitation_shape: vec![1.2],
+        shortening: vec![0.0],
+        axial_flexibility: 0.0,
+        stretching_stiffness: 0.0,
+        string_stiffness: 0.0,
+        string_stretch: Vec::new(),
+        quadratic_damping: 0.0,
+        sensors: vec![],
+        contact_points: vec![],
+    };
+    let mut structure = single(1.0, 2.0 * 0.003 * 330.0, 330.0 * 330.0, 1);
+    structure.contacts[0][0].1 = 0.057;
+    structure.excitation[0].1 = 1.2;
+    let law = Valanis::new(7.9e6, 0.6, 0.3, 0.0).unwrap();
+    let (load, interval) = (150.0, 2e-4);
+    let values: Vec<f64> = (0..=200).map(|k| 20.0 * (320.0 * interval * f64::from(k)).sin()).collect();
+
+    let mut reference = BeamIntegrator::new(&beam).unwrap();
+    let mut motion = reference.rest(Some((&law, load)));
+    let settings = integrate::Settings { tolerance: 1e-10, ..Default::default() };
+    for pair in values.windows(2) {
+        let inputs = BeamInputs {
+            excitation: Ramp { start: pair[0], end: pair[1] },
+            contact: Contact::Friction { law: &law, normal_load: Ramp::held(load) },
+            at_points: &[],
+        };
+        reference.advance(&mut motion, interval, &inputs, &settings).unwrap();
+    }
+    let contacts = [LoadedContact { law: &law, normal_load: load }];
+    let mut integrator = OscillatorIntegrator::new(&structure, &contacts, 1e-10).unwrap();
+    let mut state = integrator.rest();
+    let excitation = Excitation::Sampled { interval, values };
+    let steps = integrator.advance(&mut state, 200.0 * interval, &excitation).unwrap();
+    let (found, expected) = (integrator.displacement(&state)[0], motion.modal_displacement()[0]);
+    println!(
+        "{steps} steps: {found:e} {expected:e}, force {} {}",
+        state.contact_forces()[0],
+        motion.contact_force()
+    );
+    assert!((found / expected - 1.0).abs() < 1e-7, "{found:e} {expected:e}");
+    assert!((state.contact_forces()[0] - motion.contact_force()).abs() < 1e-6 * 90.0);
+    assert!((state.dissipated_energy()[0] / motion.dissipated_energy() - 1.0).abs() < 1e-7);
+}
