@@ -13,7 +13,7 @@ use stickslip::harmonic::{
     Assembly, AttachedContact, Body, Control, CurveSettings, Ending, HarmonicError, frequency_response,
 };
 use stickslip::model::{Beam, Damping, Model, Structure};
-use stickslip::structure::{LinearStructure, ModalBeam, Output, Receptance};
+use stickslip::system::{LinearStructure, ModalBeam, Output, Receptance};
 
 const HARMONICS: usize = 21;
 

@@ -7,7 +7,7 @@ mod time;
 
 use divan::{AllocProfiler, Bencher};
 use stickslip::contact::{ContactLaw, Jenkins, Valanis};
-use stickslip::integrate::{BeamInputs, BeamIntegrator, Contact, Ramp, Settings};
+use stickslip::time::{BeamInputs, BeamIntegrator, Contact, Ramp, Settings};
 use time::{held, steel_beam};
 
 #[global_allocator]

@@ -11,7 +11,7 @@ use divan::Bencher;
 use matrices::two_mass;
 use stickslip::contact::Jenkins;
 use stickslip::harmonic::stability::floquet;
-use stickslip::integrate::{Excitation, LoadedContact, OscillatorFlow, ShootingSettings, shoot};
+use stickslip::time::{Excitation, LoadedContact, OscillatorFlow, ShootingSettings, shoot};
 
 const FREQUENCIES: [f64; 3] = [0.5, 1.0, 1.3];
 

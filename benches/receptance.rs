@@ -6,7 +6,7 @@
 use divan::{AllocProfiler, Bencher, black_box};
 use nalgebra::Complex;
 use stickslip::model::{Anchor, Mass, Oscillator, Spring};
-use stickslip::structure::{Method, Receptance, Rows};
+use stickslip::system::{Method, Receptance, Rows};
 
 #[global_allocator]
 static ALLOCATOR: AllocProfiler = AllocProfiler::system();

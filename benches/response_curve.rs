@@ -9,7 +9,7 @@ use stickslip::contact::Jenkins;
 use stickslip::harmonic::{
     Assembly, AttachedContact, Body, Control, Curve, CurveSettings, frequency_response,
 };
-use stickslip::structure::{LinearStructure, Output};
+use stickslip::system::{LinearStructure, Output};
 
 fn main() {
     let curve = follow(21, false);

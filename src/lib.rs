@@ -7,14 +7,14 @@
 
 pub mod contact;
 pub mod cosim;
+pub mod data;
 pub mod diagnose;
 pub mod document;
 pub mod effects;
+pub mod fit;
+pub mod fmi;
 pub mod harmonic;
-pub mod identify;
-pub mod integrate;
-pub mod measure;
 pub mod model;
-pub mod slave;
-pub mod structure;
+pub mod system;
+pub mod time;
 pub mod vocabulary;

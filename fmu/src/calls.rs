@@ -1,6 +1,6 @@
 //! The call table of FMI 2.0.4, section 4.2.4, for co-simulation without asynchronous steps.
 
-use stickslip::slave::Stage;
+use stickslip::fmi::Stage;
 
 /// States of a component as the table's columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

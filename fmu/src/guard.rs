@@ -18,7 +18,7 @@ use std::cell::Cell;
 use std::fmt;
 use std::panic::{self, AssertUnwindSafe, Location};
 use std::sync::Once;
-use stickslip::slave::{Error, Instance};
+use stickslip::fmi::{Error, Instance};
 
 const COMPONENT: u64 = u64::from_le_bytes(*b"stkslip2");
 const FREED: u64 = u64::from_le_bytes(*b"fmufreed");

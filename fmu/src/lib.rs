@@ -2,7 +2,7 @@
 //!
 //! The library is generic. At `fmi2Instantiate` it reads `resources/model.toml`, rebuilds the
 //! description of the model and compares its GUID with the importer's. All else is translation
-//! between the C interface and [`stickslip::slave::Instance`]:
+//! between the C interface and [`stickslip::fmi::Instance`]:
 //!
 //! - `calls`: which function is legal in which state, one table.
 //! - `guard`: what every function does first and last: handle, call table, panics, messages.

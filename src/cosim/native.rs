@@ -1,9 +1,9 @@
 //! The library's own models as slaves, without an FMU between.
 
 use super::slave::{Abilities, Causality, Kind, Setup, Severity, Slave, SlaveError, Stepped, Variable};
-use crate::integrate::Ramp;
+use crate::fmi::{self, DERIVATIVE_ORDER, Instance, Snapshot, VariableType};
 use crate::model::Model;
-use crate::slave::{self, DERIVATIVE_ORDER, Instance, Snapshot, VariableType};
+use crate::time::Ramp;
 
 /// An [`Instance`] behind the trait: the same numbers as the FMU of the model.
 #[derive(Debug)]
@@ -26,7 +26,7 @@ impl NativeSlave {
     ///
     /// # Errors
     /// Parameters that make no model.
-    pub fn new(name: &str, model: &Model) -> Result<Self, slave::Error> {
+    pub fn new(name: &str, model: &Model) -> Result<Self, fmi::Error> {
         Ok(Self::from_instance(name, Instance::from_model(model)?))
     }
 
@@ -45,13 +45,13 @@ impl NativeSlave {
                     VariableType::Integer => Kind::Integer,
                 },
                 causality: match row.causality {
-                    slave::Causality::Parameter => Causality::Parameter,
-                    slave::Causality::Input => Causality::Input,
-                    slave::Causality::Output => Causality::Output,
+                    fmi::Causality::Parameter => Causality::Parameter,
+                    fmi::Causality::Input => Causality::Input,
+                    fmi::Causality::Output => Causality::Output,
                 },
                 unit: Some(row.quantity.unit.to_owned()),
                 start: row.start(),
-                depends_on: (row.causality == slave::Causality::Output)
+                depends_on: (row.causality == fmi::Causality::Output)
                     .then(|| row.dependencies.iter().map(|other| other.on as usize).collect()),
             })
             .collect();
@@ -74,7 +74,7 @@ impl NativeSlave {
         &self.instance
     }
 
-    fn error(&self, error: slave::Error) -> SlaveError {
+    fn error(&self, error: fmi::Error) -> SlaveError {
         failed(&self.name, error)
     }
 
@@ -98,8 +98,8 @@ fn refer(references: &mut Vec<u32>, variables: &[usize]) {
 }
 
 #[cold]
-fn failed(name: &str, error: slave::Error) -> SlaveError {
-    let severity = if matches!(error, slave::Error::Step { .. }) { Severity::Slave } else { Severity::Call };
+fn failed(name: &str, error: fmi::Error) -> SlaveError {
+    let severity = if matches!(error, fmi::Error::Step { .. }) { Severity::Slave } else { Severity::Call };
     SlaveError { slave: name.to_owned(), message: error.to_string(), severity }
 }
 
@@ -128,7 +128,7 @@ impl Slave for NativeSlave {
     }
 
     fn set_up(&mut self, setup: Setup) -> Result<(), SlaveError> {
-        let setup = slave::Setup { tolerance: setup.tolerance, start: setup.start, stop: setup.stop };
+        let setup = fmi::Setup { tolerance: setup.tolerance, start: setup.start, stop: setup.stop };
         self.instance.set_up(setup).map_err(|error| self.error(error))
     }
 

@@ -6,21 +6,21 @@ use super::beam_about::AboutMeasured;
 use super::beam_steady::SteadyRecord;
 use super::simulation::{Direction, Seed, Simulation};
 use crate::contact::ContactLaw;
+use crate::data::{Channel, Record, Regime};
 use crate::effects::JointChanges;
+use crate::fit;
 use crate::harmonic::steady::{Driven, Start};
 use crate::harmonic::{self, ContactOnBeam, Method, Resonance, Settings};
-use crate::identify;
-use crate::integrate::{self, BeamInputs, BeamIntegrator, Ramp, SensorReading};
-use crate::measure::{Channel, Record, Regime};
 use crate::model::{Beam, Model, Structure};
-use crate::structure::ModalBeam;
+use crate::system::ModalBeam;
+use crate::time::{self, BeamInputs, BeamIntegrator, Ramp, SensorReading};
 
 /// Harmonics at phase resonance: the frequencies of the frictional support are then within 0.1 mHz of those
 /// with 15.
 const HELD: Settings = Settings { harmonics: 5, method: Method::Exact, tolerance: 1e-9, max_iterations: 40 };
 
 /// Tolerance of the integration from rest, far below the noise of any sensor.
-const FROM_REST: integrate::Settings = integrate::Settings { tolerance: 1e-6, step_limit: 1_000_000 };
+const FROM_REST: time::Settings = time::Settings { tolerance: 1e-6, step_limit: 1_000_000 };
 
 /// Farthest seat of a contact, in elastic displacements at the limit (m): from there on it slips wherever it was.
 const MOST_SEATED: f64 = 2.0;
@@ -202,7 +202,7 @@ impl Simulation for BeamSimulation<'_> {
     }
 
     /// Of a steady state where the contact has been seated before.
-    fn nuisances(&mut self, model: &Model) -> Result<Vec<identify::Parameter>, String> {
+    fn nuisances(&mut self, model: &Model) -> Result<Vec<fit::Parameter>, String> {
         if !matches!(self.task, Task::Steady(_) | Task::AboutMeasured(_)) {
             return Ok(Vec::new());
         }
@@ -211,7 +211,7 @@ impl Simulation for BeamSimulation<'_> {
             .map(|contact| contact.friction_coefficient * contact.normal_load / contact.tangential_stiffness);
         let reach = elastic.filter(|reach| reach.is_finite() && *reach > 0.0).unwrap_or(NO_REACH);
         let (lower, upper) = (-MOST_SEATED * reach, MOST_SEATED * reach);
-        Ok(vec![identify::Parameter { start: 0.0, lower, upper, scale: identify::Scale::Linear }])
+        Ok(vec![fit::Parameter { start: 0.0, lower, upper, scale: fit::Scale::Linear }])
     }
 
     fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
@@ -309,9 +309,9 @@ fn from_rest(
         excitation: Ramp { start: force[from], end: force[to] },
         contact: match contact {
             Some(ContactOnBeam { law, .. }) => {
-                integrate::Contact::Friction { law, normal_load: Ramp { start: load(from), end: load(to) } }
+                time::Contact::Friction { law, normal_load: Ramp { start: load(from), end: load(to) } }
             }
-            None => integrate::Contact::Force(Ramp::held(0.0)),
+            None => time::Contact::Force(Ramp::held(0.0)),
         },
         at_points: &[],
     };

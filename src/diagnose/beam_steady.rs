@@ -8,11 +8,11 @@ use realfft::{ComplexToReal, RealFftPlanner};
 
 use super::beam_record::{At, Known};
 use super::predict::derivative_order;
+use crate::data::{Channel, Record};
 use crate::harmonic::HarmonicError;
 use crate::harmonic::fourier::{self, coefficient_count, time_derivative};
 use crate::harmonic::steady::{Driven, Forcing, Start, Steady};
 use crate::harmonic::{common_periods, excited_harmonics};
-use crate::measure::{Channel, Record};
 
 /// Largest share of an input (root-mean-square, of an excitation without its mean) that may lie outside the harmonics
 /// kept: more is not noise.

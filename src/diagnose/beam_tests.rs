@@ -3,7 +3,7 @@
 use super::beam_record::BeamSimulation;
 use super::shown::Shown;
 use super::simulation::{Direction, Seed, Simulation};
-use crate::measure::{Channel, Record, Regime};
+use crate::data::{Channel, Record, Regime};
 use crate::model::Model;
 
 const SAMPLES: usize = 96;

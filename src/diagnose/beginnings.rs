@@ -2,7 +2,7 @@
 //! more a wrong frequency falls out of step, and the more false minima there are. What fits the beginning is near enough
 //! for the whole.
 
-use crate::measure::{Channel, Dataset, Record, Regime};
+use crate::data::{Channel, Dataset, Record, Regime};
 use crate::model::{Model, Structure};
 
 /// Share of a record that is its beginning.

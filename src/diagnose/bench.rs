@@ -8,8 +8,8 @@ use super::shown::Shown;
 use super::simulation::Seed;
 use super::trial::Fitted;
 use super::{predict, score};
-use crate::identify::InterruptHook;
-use crate::measure::{Dataset, Record};
+use crate::data::{Dataset, Record};
+use crate::fit::InterruptHook;
 use crate::model::Model;
 
 /// Normalised error above which a prediction may be another of several responses than the measured.

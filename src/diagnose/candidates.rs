@@ -5,9 +5,9 @@ use super::diagnosis::Untried;
 use super::magnitudes;
 use super::motion::white_noise;
 use super::trial::Unknown;
+use crate::data::{ChannelName, Dataset, Regime};
 use crate::effects::{AppliedEffect, CATALOGUE, Effect, Kind, Location, Needs, PlaceKind, Range, Scales};
-use crate::identify::Parameter;
-use crate::measure::{ChannelName, Dataset, Regime};
+use crate::fit::Parameter;
 use crate::model::{Model, Structure};
 
 /// An effect at a place.

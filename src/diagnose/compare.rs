@@ -3,8 +3,8 @@
 use super::comparison::{Parameter, RecordResult, Stage};
 use super::simulation::Seed;
 use super::{predict, score, unseen};
-use crate::identify::{self, Ending, FitError, InterruptHook, Options, ProgressHook};
-use crate::measure::{Dataset, Record, Use};
+use crate::data::{Dataset, Record, Use};
+use crate::fit::{self, Ending, FitError, InterruptHook, Options, ProgressHook};
 use crate::model::Model;
 
 /// Predicts every record of `dataset` with `model` and scores the predictions.
@@ -130,7 +130,7 @@ pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Resu
     };
     let parameters: Vec<_> = free
         .iter()
-        .map(|free| identify::Parameter {
+        .map(|free| fit::Parameter {
             start: free.value,
             lower: free.lower,
             upper: free.upper,

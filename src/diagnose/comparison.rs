@@ -1,7 +1,7 @@
 //! The result of comparing models with measurements, as data for tables, JSON and reports.
 
 use super::nested::Nested;
-use crate::measure::{Record, Regime};
+use crate::data::{Record, Regime};
 
 /// Values of all tables together up to which the gain of a step is told with its doubt.
 const FEW: usize = 40;

@@ -5,8 +5,8 @@ use super::prehistory::Prehistory;
 use super::sensors;
 use super::simulation::Simulation;
 use crate::contact::{ContactLaw, Inputs, Period, PeriodicSolver};
-use crate::identify;
-use crate::measure::{Channel, Record, Regime};
+use crate::data::{Channel, Record, Regime};
+use crate::fit;
 use crate::model::Model;
 
 /// Predictions of a record of a bare contact: the force, and the normal load where the model has a normal
@@ -205,7 +205,7 @@ impl Simulation for ContactRecord<'_> {
         channel.quantity() == "force" && self.step.is_some() && self.regime != Regime::Steady
     }
 
-    fn nuisances(&mut self, model: &Model) -> Result<Vec<identify::Parameter>, String> {
+    fn nuisances(&mut self, model: &Model) -> Result<Vec<fit::Parameter>, String> {
         if self.regime != Regime::UnknownInitialState {
             return Ok(Vec::new());
         }

@@ -48,9 +48,9 @@ pub(super) fn of_predictions(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::trial::{Effort, fit};
-    use crate::identify::{Parameter, Scale};
-    use crate::measure::{Channel, Dataset, Record, Regime};
+    use crate::fit::{Parameter, Scale};
 
     const STIFFNESS: f64 = 5e6; // N/m
     const LIMIT: f64 = 50.0; // N

@@ -15,9 +15,9 @@ use super::trial::{self, Effort, Fitted, Unknown};
 use super::{
     beginnings, blocks, evaluate, few_points, inputs, magnitudes, maps, remainder, thinned, verdict,
 };
+use crate::data::Dataset;
 use crate::effects::{Effect, Location};
-use crate::identify::InterruptHook;
-use crate::measure::Dataset;
+use crate::fit::InterruptHook;
 use crate::model::Model;
 
 /// Mean square of the weighted residuals below which the noise must be smaller than it is said to be.
@@ -374,7 +374,7 @@ pub fn add(
     let records = &dataset.records;
     let marked =
         |mark| (0..records.len()).filter(|index| records[*index].use_for == mark).collect::<Vec<_>>();
-    let fit = match marked(Some(crate::measure::Use::Fit)) {
+    let fit = match marked(Some(crate::data::Use::Fit)) {
         fit if fit.is_empty() => marked(None),
         fit => fit,
     };

@@ -3,8 +3,8 @@
 use super::loops::{self, Measured};
 use super::resonance;
 use super::select::{Search, State};
+use crate::data::Record;
 use crate::effects::Features;
-use crate::measure::Record;
 use crate::model::{Model, Structure};
 
 /// Of the measurements, and of the residual of the model refitted without effects on the selecting records.

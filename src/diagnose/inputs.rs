@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::bench::{Bench, Lane};
 use super::motion::white_noise;
 use super::{predict, shown::Shown};
-use crate::measure::Channel;
+use crate::data::Channel;
 use crate::model::Model;
 
 /// Standard deviation of what the inputs' noise makes of each compared channel of each record, under `model`.

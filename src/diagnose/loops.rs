@@ -5,8 +5,8 @@
 //! rise from about −T to about T. The slope e that is left at the end of a branch is taken off first.
 
 use super::motion::Motion;
+use crate::data::Record;
 use crate::effects::Features;
-use crate::measure::Record;
 
 /// Change of direction that makes a reversal, as a share of the record's range.
 const TURN: f64 = 0.05;

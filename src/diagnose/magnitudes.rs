@@ -1,8 +1,8 @@
 //! The magnitudes of a model and its data, by which effects are bounded.
 
 use super::noise;
+use crate::data::{Channel, Dataset, Record};
 use crate::effects::{Location, Scales};
-use crate::measure::{Channel, Dataset, Record};
 use crate::model::{Model, Structure};
 
 /// Magnitudes for the parameters of effects on `model` under `dataset`; whatever cannot be told stays one.

@@ -5,7 +5,7 @@ use super::bench::{Bench, Scored};
 use super::blocks::{self, Gain};
 use super::motion::Motion;
 use super::noise::driver;
-use crate::measure::Record;
+use crate::data::Record;
 
 /// Cells of a map along the motion, in each direction.
 const CELLS: usize = 16;
@@ -132,7 +132,7 @@ fn cells(record: &Record, range: Option<[f64; 2]>) -> Option<Vec<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::{Channel, Dataset, Regime};
+    use crate::data::{Channel, Dataset, Regime};
     use crate::model::Model;
     use std::f64::consts::TAU;
 

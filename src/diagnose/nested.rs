@@ -1,6 +1,6 @@
 //! What the fall of a sum of squares is worth when the values are few: Fisher's F and Akaike's criterion.
 
-use crate::identify::student_quantile;
+use crate::fit::student_quantile;
 
 /// Sums of squares of a model and of one with more parameters, fitted to the same values.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,7 +5,7 @@ use super::bench::Lane;
 use super::diagnosis::{Noise, NoiseSource};
 use super::motion::white_noise;
 use super::{periods, predict, tone};
-use crate::measure::{Channel, Dataset, Record};
+use crate::data::{Channel, Dataset, Record};
 use crate::model::Model;
 
 /// The channel that drives a record: the displacement of a contact, the first excitation of a structure.

@@ -4,7 +4,7 @@ use super::comparison::RecordResult;
 use super::score;
 use super::shown::Shown;
 use super::simulation::Seed;
-use crate::measure::{Channel, Record, Regime};
+use crate::data::{Channel, Record, Regime};
 use crate::model::{Model, Structure};
 
 /// A measured channel and what the model predicts of it, in its unit.

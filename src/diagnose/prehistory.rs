@@ -6,7 +6,7 @@
 //! of the record itself: the second story runs once through its first period, around an unknown centre.
 
 use crate::contact::{ContactLaw, Inputs};
-use crate::identify::{Parameter, Scale};
+use crate::fit::{Parameter, Scale};
 
 /// The story before a record, with what it needs to know of the motion.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,9 +10,9 @@ use super::magnitudes::drive_rate;
 use super::predict::derivative_order;
 use super::select::{Search, State};
 use super::trial::{self, Effort, Unknown};
+use crate::data::Regime;
 use crate::effects::Features;
-use crate::identify::Parameter;
-use crate::measure::Regime;
+use crate::fit::Parameter;
 use crate::model::Model;
 
 /// Fewest records that can show a dependence on the level.

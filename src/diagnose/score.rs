@@ -1,7 +1,7 @@
 //! How far a prediction is from a measurement.
 
 use super::comparison::{ChannelResult, RecordResult};
-use crate::measure::Channel;
+use crate::data::Channel;
 
 /// Scores `predicted` against the measured `channel`; both have the same length and unit.
 ///

@@ -11,7 +11,7 @@ use super::findings::{ADEQUATE, Added};
 use super::split::Parts;
 use super::trial::{self, Effort, Fitted, Unknown};
 use crate::effects::Scales;
-use crate::identify::{Parameter, Scale};
+use crate::fit::{Parameter, Scale};
 use crate::model::Model;
 
 /// Gain over its standard error above which a candidate passes.

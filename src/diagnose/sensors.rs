@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use nalgebra::Complex;
 use realfft::RealFftPlanner;
 
+use crate::data::{Channel, Record, Regime};
 use crate::effects::SensorFault;
-use crate::measure::{Channel, Record, Regime};
 use crate::model::Model;
 
 /// The fault of `channel` under `model`, if it has one.

@@ -2,8 +2,8 @@
 
 use super::simulation::{Direction, Seed, Simulation};
 use super::{score, sensors, simulation};
-use crate::identify::{self, Coordinate, Limits, SumOfSquares, Sums, minimise};
-use crate::measure::Record;
+use crate::data::Record;
+use crate::fit::{self, Coordinate, Limits, SumOfSquares, Sums, minimise};
 use crate::model::Model;
 
 /// A simulation behind its sensors.
@@ -37,7 +37,7 @@ impl<'r> Shown<'r> {
     }
 
     /// As [`Simulation::nuisances`].
-    pub fn nuisances(&mut self, model: &Model) -> Result<Vec<identify::Parameter>, String> {
+    pub fn nuisances(&mut self, model: &Model) -> Result<Vec<fit::Parameter>, String> {
         self.simulation.nuisances(model)
     }
 
@@ -108,7 +108,7 @@ impl<'r> Shown<'r> {
     pub fn settle_from(
         &mut self,
         model: &Model,
-        nuisances: &[identify::Parameter],
+        nuisances: &[fit::Parameter],
         measured: &[f64],
         weights: &[f64],
     ) -> Vec<f64> {

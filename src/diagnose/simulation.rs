@@ -5,9 +5,9 @@ use super::beam_record::BeamSimulation;
 use super::contact_record::ContactRecord;
 use super::oscillator_record::OscillatorRecord;
 use super::predict;
+use crate::data::{Channel, Record};
+use crate::fit;
 use crate::harmonic::steady::Start;
-use crate::identify;
-use crate::measure::{Channel, Record};
 use crate::model::{Model, Structure};
 
 /// Where simulations of a record start from that solve for its motion.
@@ -64,7 +64,7 @@ pub(super) trait Simulation: Send {
     /// What the record leaves unknown besides the model's parameters: the state of the contact at its start.
     /// The starts are found by a search over the first part of the record under `model`. Empty where nothing
     /// is unknown. How many there are depends on the record alone.
-    fn nuisances(&mut self, model: &Model) -> Result<Vec<identify::Parameter>, String>;
+    fn nuisances(&mut self, model: &Model) -> Result<Vec<fit::Parameter>, String>;
 
     /// Writes the predictions of all channels, one after the other, `Σ len` numbers, in the channels' units.
     fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String>;

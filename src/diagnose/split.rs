@@ -1,6 +1,6 @@
 //! Which records are fitted, which choose, and which are read once at the end.
 
-use crate::measure::{Dataset, Record, Use};
+use crate::data::{Dataset, Record, Use};
 
 /// Fewest records that can be split by record.
 pub(super) const FEWEST_RECORDS: usize = 3;
@@ -195,7 +195,7 @@ fn spread(places: &[Place], among: &[usize], mut taken: Vec<usize>, count: usize
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::{Channel, Regime};
+    use crate::data::{Channel, Regime};
 
     fn record(level: f64, regime: Regime, step: f64) -> Record {
         let channel =

@@ -3,7 +3,7 @@
 
 use super::motion::{Motion, white_noise};
 use super::noise::driver;
-use crate::measure::{Channel, Dataset, Record, Regime};
+use crate::data::{Channel, Dataset, Record, Regime};
 use crate::model::{Model, Structure};
 
 /// Records up to this many samples stay as they are.

@@ -7,8 +7,8 @@ use super::blocks;
 use super::diagnosis::Estimate;
 use super::shown::{NUISANCE_STEP, Shown, inward};
 use super::simulation::{Direction, Seed};
+use crate::fit::{Coordinate, Limits, Parameter, SumOfSquares, Sums, minimise, student_quantile};
 use crate::harmonic::steady::Start;
-use crate::identify::{Coordinate, Limits, Parameter, SumOfSquares, Sums, minimise, student_quantile};
 use crate::model::Model;
 use nalgebra::DMatrix;
 

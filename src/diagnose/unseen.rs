@@ -4,7 +4,7 @@
 //! back to where the contact slips, and the value it ends at means nothing.
 
 use super::noise::root_mean_square;
-use crate::identify::{Fit, FitError, Options, Parameter, Scale, fit};
+use crate::fit::{Fit, FitError, Options, Parameter, Scale, fit};
 
 /// Norm of the residuals' change with the whole of a parameter, over that of the residuals, below which it is unseen.
 const UNSEEN: f64 = 1e-6;

@@ -11,7 +11,7 @@ use super::findings::{Added, Outcome, UNEXPLAINED};
 use super::select::{PASSING_SHARE, PASSING_Z, Search, Trial};
 use super::sensitivity::{self, Sensitivities};
 use super::split::Parts;
-use crate::measure::Dataset;
+use crate::data::Dataset;
 use crate::model::Model;
 
 /// Share of the squared residual above which a part of it that repeats from record to record says that something

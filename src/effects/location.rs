@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::measure::{ChannelName, Place};
+use crate::data::{ChannelName, Place};
 
 /// Where an effect sits: `at = "m2"`, `at = "x=0.55"`, `channel = "force"`.
 #[derive(Debug, Clone, PartialEq)]

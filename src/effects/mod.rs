@@ -44,7 +44,7 @@ pub use features::Features;
 pub use location::{Location, LocationError};
 pub use scales::Scales;
 
-use crate::identify::Scale;
+use crate::fit::Scale;
 use crate::vocabulary::Quantity;
 
 /// An entry of the catalogue.

@@ -2,7 +2,7 @@
 
 use super::{HarmonicError, Method};
 use crate::contact::ContactLaw;
-use crate::structure::{LinearStructure, ModalBeam};
+use crate::system::{LinearStructure, ModalBeam};
 
 /// A contact law under the constant normal load it has in the structure.
 #[derive(Debug, Clone, Copy)]

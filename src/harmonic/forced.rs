@@ -6,7 +6,7 @@ use super::fourier::{coefficient_count, time_derivative, value};
 use super::problem::{Effort, Newton, Stopping};
 use super::system::{Operating, PeriodicSystem};
 use super::{ContactOnBeam, HarmonicError, Settings};
-use crate::structure::ModalBeam;
+use crate::system::ModalBeam;
 
 /// The periodic response to a periodic excitation.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +31,7 @@ pub struct ForcedResponse {
 
 impl ForcedResponse {
     /// Coefficients of the displacement (m) of a point where the modes have the values `shape`
-    /// (`φᵢ(x)`, kg^-1/2), e.g. of a [`crate::structure::Sensor`].
+    /// (`φᵢ(x)`, kg^-1/2), e.g. of a [`crate::system::Sensor`].
     pub fn displacement(&self, shape: &[f64]) -> Vec<f64> {
         let count = self.coefficients.len() / shape.len().max(1);
         let mut sum = vec![0.0; count];

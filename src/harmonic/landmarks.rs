@@ -2,7 +2,7 @@
 
 use super::assembly::{Assembly, Body};
 use super::modes::tangent_stiffness;
-use crate::structure::LinearStructure;
+use crate::system::LinearStructure;
 
 /// Structures beyond this size have no landmarks: their modes take longer than the curve.
 const LARGEST: usize = 200;

@@ -60,7 +60,7 @@ pub use set::HarmonicSet;
 pub use tracking::{Followed, Tracked, TrackedCurve, Tracking, track_levels, track_parameter};
 
 use crate::contact::{ContactLaw, LawError};
-use crate::structure::StructureError;
+use crate::system::StructureError;
 
 /// A contact law under the constant normal load it has on the beam.
 #[derive(Debug, Clone, Copy)]

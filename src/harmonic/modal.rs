@@ -16,7 +16,7 @@ use super::factors::Factors;
 use super::fourier::{coefficient_count, multiplication};
 use super::krylov::Krylov;
 use super::system::Operating;
-use crate::structure::ModalBeam;
+use crate::system::ModalBeam;
 
 /// Highest harmonic of those first inverted together.
 const FIRST_JOINT: usize = 2;

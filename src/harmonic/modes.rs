@@ -17,7 +17,7 @@ use super::tracker::{Solution, describe_by, more_harmonics};
 use super::tracking::{LARGEST_CHANGE, LEAST_SHARE, between};
 use super::{ContactOnBeam, HarmonicError};
 use crate::contact::{ContactLaw, Inputs};
-use crate::structure::{LinearStructure, ModalBeam, Output, Row};
+use crate::system::{LinearStructure, ModalBeam, Output, Row};
 
 const FREE: [Scalar; 2] = [Scalar::AngularFrequency, Scalar::SelfExcitation];
 

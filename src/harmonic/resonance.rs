@@ -5,7 +5,7 @@ use super::follow::{Family, State, find};
 use super::problem::{Condition, ConditionRow, Effort, Newton, Seen, Stopping};
 use super::system::{Operating, PeriodicSystem, Scalar};
 use super::{ContactOnBeam, HarmonicError, Settings, guess};
-use crate::structure::ModalBeam;
+use crate::system::ModalBeam;
 
 /// A periodic response at phase resonance: the excitation `F cos Ωt` is in phase with the first
 /// harmonic of the velocity where it acts.

@@ -15,7 +15,7 @@ use super::measured::explained;
 use super::problem::{Newton, Stopping, length};
 use super::system::{Operating, PeriodicSystem};
 use super::{ContactOnBeam, HarmonicError, Method, Settings};
-use crate::structure::ModalBeam;
+use crate::system::ModalBeam;
 
 /// Steps with factors found elsewhere, before the search starts anew.
 const MOST_STEPS: usize = 40;

@@ -4,7 +4,7 @@ use nalgebra::Complex;
 
 use super::HarmonicError;
 use super::system::Operating;
-use crate::structure::{Compliance, Receptance, Rows};
+use crate::system::{Compliance, Receptance, Rows};
 
 /// Compliances at one harmonic: row-major, a column per contact and one for the excitation.
 #[derive(Debug, Clone, Default)]

@@ -1,8 +1,10 @@
 //! From a model to what the solvers of linear structures with contacts take.
 
 use super::{Model, Oscillator, Structure};
+use std::sync::Arc;
+
 use crate::contact::{ContactLaw, CubicSpring, Drag, LawError};
-use crate::structure::{LinearStructure, ModalBeam, StructureError};
+use crate::system::{Core, Element, LinearStructure, ModalBeam, Port, Row, StructureError, System};
 
 /// A linear structure with the law of its contact.
 #[derive(Debug)]
@@ -48,6 +50,58 @@ pub enum AssemblyError {
 }
 
 impl Model {
+    /// The model as a mechanical system, its effects included: a linear core, named ports and the elements at them. A
+    /// contact of prescribed motion is an element alone, at the port `contact` of a system without coordinates. Faults of
+    /// sensors are not part of it, and a load that varies is up to the solver.
+    ///
+    /// # Errors
+    /// [`AssemblyError`].
+    ///
+    /// ```
+    /// use stickslip::model::Model;
+    /// let model = Model::parse(
+    ///     r#"
+    ///     schema = "stickslip.model/1"
+    ///     kind = "oscillator"
+    ///     mass = [{ name = "m1", mass = 1.0 }]
+    ///     spring = [{ between = ["ground", "m1"], stiffness = 9.0, damping = 0.1 }]
+    ///     contact = { at = "m1", law = "jenkins", tangential_stiffness = 7.0, friction_coefficient = 0.5, normal_load = 2.0 }
+    ///     "#,
+    /// )?;
+    /// let system = model.system()?;
+    /// let names: Vec<&str> = system.ports.iter().map(|port| port.name.as_str()).collect();
+    /// assert_eq!(names, ["m1", "excitation", "contact"]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn system(&self) -> Result<System, AssemblyError> {
+        let law = || -> Result<Option<(Arc<dyn ContactLaw>, f64)>, LawError> {
+            let load = self.contact.as_ref().map_or(0.0, |contact| contact.normal_load);
+            Ok(self.law()?.map(|law| (Arc::from(law), load)))
+        };
+        match &self.structure {
+            Structure::Prescribed => {
+                let elements = law()?.map(|(law, normal_load)| Element::Law { port: 0, law, normal_load });
+                Ok(System {
+                    core: Core::Modal { angular_frequency: Vec::new(), damping_ratio: Vec::new() },
+                    shortening: Vec::new(),
+                    ports: vec![Port::linear("contact", Row::new())],
+                    elements: elements.into_iter().collect(),
+                    driven: Vec::new(),
+                    sensors: vec![0],
+                })
+            }
+            Structure::Beam(beam) => {
+                Ok(ModalBeam::with_changes(beam, &self.changes().structure)?.system(law()?)?)
+            }
+            Structure::Oscillator(_) => {
+                let assembled = self.assembled()?;
+                let structure = assembled.structure.clone();
+                let loaded = assembled.into_loaded().into_iter();
+                Ok(structure.system(loaded.map(|(law, load)| (Arc::from(law), load)).collect()))
+            }
+        }
+    }
+
     /// The structure as matrices, with the contact's law and normal load, the model's effects included. Faults of
     /// sensors are not part of it, and a load that varies is up to the solver.
     ///

@@ -6,7 +6,7 @@
 
 use super::{Beam, Damping, Law, Model, ParameterError, Structure};
 use crate::document::suggestion;
-use crate::identify::Scale;
+use crate::fit::Scale;
 use crate::vocabulary::{self as v, Quantity};
 
 /// One number of a model that may be read, set, or fitted.

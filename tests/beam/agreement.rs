@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use crate::common::beam::{frictional_support, mass_of, steel};
 use proptest::prelude::*;
 use stickslip::model::{Beam, PointMass};
-use stickslip::structure::ModalBeam;
-use stickslip::structure::beam::{BeamModes, FiniteElementModes};
+use stickslip::system::ModalBeam;
+use stickslip::system::beam::{BeamModes, FiniteElementModes};
 
 /// Integral over the beam by Simpson's rule between the masses, where the modes are smooth.
 fn integrate(beam: &Beam, function: impl Fn(f64) -> f64) -> f64 {

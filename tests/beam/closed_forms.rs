@@ -3,8 +3,8 @@
 
 use crate::common::beam::{bare, bisect, frequency_scale, mass_of, steel};
 use stickslip::model::PointMass;
-use stickslip::structure::beam::BeamModes;
-use stickslip::structure::tip_rotational_compliance;
+use stickslip::system::beam::BeamModes;
+use stickslip::system::tip_rotational_compliance;
 
 /// βL of the first modes.
 fn wave_numbers(beam: &stickslip::model::Beam, count: usize) -> Vec<f64> {

@@ -4,13 +4,13 @@
 use crate::common::cosim::*;
 use stickslip::contact::Jenkins;
 use stickslip::cosim::{Algorithm, Method, Settings, Source, Strong, System};
-use stickslip::integrate::{
+use stickslip::fmi::Instance;
+use stickslip::model::{Damping, Model, Structure};
+use stickslip::system::{LinearStructure, ModalBeam, Sensor};
+use stickslip::time::{
     BeamInputs, BeamIntegrator, Contact, Excitation, LoadedContact, OscillatorFlow, Ramp,
     Settings as Accuracy,
 };
-use stickslip::model::{Damping, Model, Structure};
-use stickslip::slave::Instance;
-use stickslip::structure::{LinearStructure, ModalBeam, Sensor};
 
 /// The standard beam with contact points at `places`, which are its sensors as well.
 fn beam(places: &[f64], damping: f64) -> ModalBeam {

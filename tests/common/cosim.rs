@@ -4,9 +4,9 @@ use std::ops::ControlFlow;
 use stickslip::cosim::{
     Algorithm, Failure, Master, Method, NativeSlave, Report, Settings, Slave, Source, Strong, System,
 };
-use stickslip::integrate::{BeamInputs, BeamIntegrator, Contact, Ramp, Settings as Accuracy};
 use stickslip::model::{Model, Structure};
-use stickslip::structure::ModalBeam;
+use stickslip::system::ModalBeam;
+use stickslip::time::{BeamInputs, BeamIntegrator, Contact, Ramp, Settings as Accuracy};
 
 pub const BEAM: &str = include_str!("../../modelDescription/ModalBeam.toml");
 pub const TWO_CONTACTS: &str = include_str!("../../modelDescription/ModalBeamTwoContacts.toml");

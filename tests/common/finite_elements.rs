@@ -2,7 +2,7 @@
 //! clamped at x = 0, pinned at x = L, lumped masses at nodes.
 
 use nalgebra::{DMatrix, SymmetricEigen};
-use stickslip::structure::{ModalBeam, Sensor};
+use stickslip::system::{ModalBeam, Sensor};
 
 /// The published beam with a frictional support: 600 × 40 × 5 mm steel, 25.15 g at the exciter.
 pub fn published_beam(modes: usize, elements: usize) -> ModalBeam {

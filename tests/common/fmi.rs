@@ -1,6 +1,6 @@
 //! Slaves under inputs that are sums of waves.
 
-use stickslip::slave::{Causality, Instance, Setup, VariableType};
+use stickslip::fmi::{Causality, Instance, Setup, VariableType};
 
 pub const JENKINS: &str = include_str!("../../modelDescription/JenkinsContact.toml");
 pub const VALANIS: &str = include_str!("../../modelDescription/ValanisContact.toml");

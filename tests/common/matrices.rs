@@ -1,6 +1,6 @@
 //! Lumped oscillators for the tests, written as matrices.
 
-use stickslip::structure::{LinearStructure, Output};
+use stickslip::system::{LinearStructure, Output};
 
 /// The two masses of the friction-vibration study: contact on the second mass, force on the first.
 pub fn two_mass() -> LinearStructure {

@@ -1,7 +1,7 @@
 //! Small oscillators with one contact.
 
 use stickslip::model::{Anchor, Mass, Oscillator, Spring};
-use stickslip::structure::LinearStructure;
+use stickslip::system::LinearStructure;
 
 fn mass(name: &str) -> Mass {
     Mass { name: name.into(), mass: 1.0 }

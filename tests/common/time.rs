@@ -1,8 +1,8 @@
 //! Beams, laws and an exact oscillator shared by the tests of time integration.
 
 use stickslip::contact::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tangents};
-use stickslip::integrate::{BeamInputs, Contact, Ramp, Settings};
-use stickslip::structure::{ModalBeam, Sensor};
+use stickslip::system::{ModalBeam, Sensor};
+use stickslip::time::{BeamInputs, Contact, Ramp, Settings};
 
 /// A beam with one mode.
 pub fn one_mode(omega: f64, zeta: f64, contact: f64, excitation: f64, flexibility: f64) -> ModalBeam {

@@ -2,7 +2,7 @@
 
 use stickslip::contact::{ContactLaw, Jenkins};
 use stickslip::harmonic::{Assembly, AttachedContact, Body, CurveSettings};
-use stickslip::structure::{LinearStructure, Output};
+use stickslip::system::{LinearStructure, Output};
 
 /// The structure with its law.
 pub struct TwoMass {

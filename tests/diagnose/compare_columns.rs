@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use stickslip::data::{Channel, Dataset, Record, Regime, Use};
 use stickslip::diagnose::{RefitError, Watch, evaluate, refit, unused_columns};
 use stickslip::harmonic::{Settings, phase_resonance};
-use stickslip::measure::{Channel, Dataset, Record, Regime, Use};
 use stickslip::model::{Model, Structure};
-use stickslip::structure::ModalBeam;
+use stickslip::system::ModalBeam;
 
 const JENKINS: &str = r#"
 schema = "stickslip.model/1"

@@ -6,9 +6,9 @@
 
 use std::f64::consts::TAU;
 
+use stickslip::data::{Channel, Dataset, Record, Regime};
 use stickslip::diagnose::{Refit, Watch, evaluate, refit};
-use stickslip::identify::Ending;
-use stickslip::measure::{Channel, Dataset, Record, Regime};
+use stickslip::fit::Ending;
 use stickslip::model::Model;
 
 const STIFFNESS: f64 = 2e6;

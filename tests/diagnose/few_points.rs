@@ -3,8 +3,8 @@
 
 use std::time::Instant;
 
+use stickslip::data::{Channel, Dataset, Record, Regime};
 use stickslip::diagnose::{DiagnoseOptions, DiagnoseWatch, Diagnosis, Verdict, diagnose, evaluate};
-use stickslip::measure::{Channel, Dataset, Record, Regime};
 use stickslip::model::Model;
 
 const JENKINS: &str = include_str!("../../examples/frictional-support/jenkins.toml");

@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use stickslip::data::{Channel, Dataset, Record, Regime};
 use stickslip::diagnose::{
     DiagnoseOptions, DiagnoseWatch, Diagnosis, NoiseSource, Verdict, diagnose, noise_of,
 };
-use stickslip::measure::{Channel, Dataset, Record, Regime};
 use stickslip::model::Model;
 
 const STIFFNESS: f64 = 5e6;
@@ -138,9 +138,9 @@ fn judged_far_away(small: f64, large: f64) -> Vec<Record> {
         levels(|i| Test { amplitude: if untouched(i) { large } else { small }, stated: Some(0.3), ..PLAIN });
     for (index, record) in records.iter_mut().enumerate() {
         record.use_for = Some(match index {
-            2 | 5 => stickslip::measure::Use::Confirm,
-            1 | 4 => stickslip::measure::Use::Select,
-            _ => stickslip::measure::Use::Fit,
+            2 | 5 => stickslip::data::Use::Confirm,
+            1 | 4 => stickslip::data::Use::Select,
+            _ => stickslip::data::Use::Fit,
         });
     }
     records
@@ -181,9 +181,9 @@ fn an_effect_that_the_untouched_records_speak_against_is_taken_back() {
     let mut records = levels(|i| Test { amplitude: 1e-5 * (2.0 + i as f64), ..PLAIN });
     for (index, record) in records.iter_mut().enumerate() {
         record.use_for = Some(match index {
-            1 | 4 => stickslip::measure::Use::Confirm,
-            2 | 5 => stickslip::measure::Use::Select,
-            _ => stickslip::measure::Use::Fit,
+            1 | 4 => stickslip::data::Use::Confirm,
+            2 | 5 => stickslip::data::Use::Select,
+            _ => stickslip::data::Use::Fit,
         });
         if index != 1 && index != 4 {
             record.channels[1].values.iter_mut().for_each(|force| *force += 5.0);

@@ -4,12 +4,12 @@
 use std::path::PathBuf;
 
 use stickslip::contact::Jenkins;
+use stickslip::data::{Channel, ChannelName, Dataset, Record, Regime};
 use stickslip::diagnose::evaluate;
 use stickslip::effects::{AppliedEffect, find};
-use stickslip::identify::{self, Options, Parameter, Scale};
-use stickslip::integrate::{Excitation, LoadedContact, OscillatorFlow};
-use stickslip::measure::{Channel, ChannelName, Dataset, Record, Regime};
+use stickslip::fit::{self, Options, Parameter, Scale};
 use stickslip::model::Model;
+use stickslip::time::{Excitation, LoadedContact, OscillatorFlow};
 
 /// A case of the hidden-effect data with the records wanted.
 fn hidden(case: usize, records: &[usize]) -> Option<(Model, Dataset)> {
@@ -106,7 +106,7 @@ fn fitted(model: &Model, dataset: &Dataset, effect: Option<(&str, f64, f64)>) ->
     };
     let count = dataset.records.iter().map(|record| 2 * record.len()).sum();
     let options = Options { max_iterations: 12, tolerance: 1e-6, ..Options::default() };
-    let fit = identify::fit(residual, count, &parameters, &options).unwrap();
+    let fit = fit::fit(residual, count, &parameters, &options).unwrap();
     (with(&fit.parameters), fit.parameters.last().copied().unwrap())
 }
 

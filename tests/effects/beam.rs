@@ -6,9 +6,9 @@ use crate::common::time::one_mode;
 use stickslip::contact::CubicSpring;
 use stickslip::effects::{HangingMass, Location, StructureChanges};
 use stickslip::harmonic::{Method, Resonance, Settings, forced_response, phase_resonance};
-use stickslip::integrate::{self, BeamInputs, BeamIntegrator, Contact, Ramp};
 use stickslip::model::{Beam, Damping, PointMass};
-use stickslip::structure::ModalBeam;
+use stickslip::system::ModalBeam;
+use stickslip::time::{self, BeamInputs, BeamIntegrator, Contact, Ramp};
 
 fn steel(modes: usize) -> Beam {
     Beam {
@@ -164,7 +164,7 @@ fn a_hanging_mass_moves_as_the_beam_and_the_mass_written_down_separately() {
     let mut motion = integrator.rest(Some((&law, 1.0)));
     let contact = Contact::Friction { law: &law, normal_load: Ramp::held(1.0) };
     let inputs = BeamInputs { excitation: Ramp::held(push), contact, at_points: &[] };
-    let tight = integrate::Settings { tolerance: 1e-9, ..Default::default() };
+    let tight = time::Settings { tolerance: 1e-9, ..Default::default() };
     integrator.advance(&mut motion, time, &inputs, &tight).unwrap();
     let found: f64 = modal.sensors[0].shape.iter().zip(motion.modal_displacement()).map(|(s, q)| s * q).sum();
     let expected = by_hand(&bare, &hanging, spring, push, time, 20_000);
@@ -275,7 +275,7 @@ fn settles_to_the_balance(beam: &ModalBeam) {
     let mut motion = integrator.rest(None);
     let parts = 64;
     let force = |k: usize| amplitude * (2.0 * PI * (k % parts) as f64 / parts as f64).cos();
-    let tight = integrate::Settings { tolerance: 1e-8, ..Default::default() };
+    let tight = time::Settings { tolerance: 1e-8, ..Default::default() };
     for k in 0..40 * parts {
         let excitation = Ramp { start: force(k), end: force(k + 1) };
         let inputs = BeamInputs { excitation, contact: Contact::Force(Ramp::held(0.0)), at_points: &[] };

@@ -1,8 +1,8 @@
 //! Effects in an FMU: parameters of their own, and the law they make, walked as it is natively.
 
 use stickslip::contact::Inputs;
+use stickslip::fmi::{Causality, Instance};
 use stickslip::model::Model;
-use stickslip::slave::{Causality, Instance};
 
 const MODEL: &str = r#"
 schema = "stickslip.model/1"

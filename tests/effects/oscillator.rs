@@ -8,8 +8,8 @@ use stickslip::harmonic::{
     Assembly, AttachedContact, Body, Control, CurveSettings, Ending, Point, frequency_response,
     periodic_response,
 };
-use stickslip::integrate::{Drive, SampledIntegrator};
 use stickslip::model::Model;
+use stickslip::time::{Drive, SampledIntegrator};
 
 const TWO_MASSES: &str = r#"
 schema = "stickslip.model/1"

@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use stickslip::contact::Valanis;
+use stickslip::fit::{Options, Parameter, Scale, fit};
 use stickslip::harmonic::{ContactOnBeam, HarmonicError, Method, Settings, backbone};
-use stickslip::identify::{Options, Parameter, Scale, fit};
-use stickslip::structure::ModalBeam;
+use stickslip::system::ModalBeam;
 
 const LOAD: f64 = 100.0;
 

@@ -4,7 +4,7 @@ use std::convert::Infallible;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use fastrand::Rng;
-use stickslip::identify::{Difference, Ending, Fit, FitError, Options, Parameter, Scale, fit};
+use stickslip::fit::{Difference, Ending, Fit, FitError, Options, Parameter, Scale, fit};
 
 fn linear(start: f64, lower: f64, upper: f64) -> Parameter {
     Parameter { start, lower, upper, scale: Scale::Linear }
@@ -132,12 +132,11 @@ fn failed_evaluations_are_rejected_steps() {
     assert!(fit.failures > 0, "the region was never entered");
     assert_eq!(fit.failures, failures.load(Ordering::Relaxed));
     // From inside the region there is no start, and the reason comes back.
-    let error =
-        stickslip::identify::fit(residual, 2, &[linear(5.0, 4.0, 6.0)], &Options::default()).unwrap_err();
+    let error = stickslip::fit::fit(residual, 2, &[linear(5.0, 4.0, 6.0)], &Options::default()).unwrap_err();
     assert_eq!(error, FitError::NoStart { first: Some("diverged") });
     // A further start finds the way out.
     let options = Options { starts: 8, ..Options::default() };
-    let fit = stickslip::identify::fit(residual, 2, &[linear(5.0, 0.5, 6.0)], &options).unwrap();
+    let fit = stickslip::fit::fit(residual, 2, &[linear(5.0, 0.5, 6.0)], &options).unwrap();
     assert!((fit.parameters[0] - 3.0).abs() < 1e-6 && fit.starts[0].is_none());
 }
 
@@ -190,7 +189,7 @@ fn held_parameters_stay() {
 #[test]
 fn progress_is_told_and_interrupt_heeded() {
     let told = AtomicUsize::new(0);
-    let progress = |_: &stickslip::identify::Progress| {
+    let progress = |_: &stickslip::fit::Progress| {
         told.fetch_add(1, Ordering::Relaxed);
     };
     let interrupt = || told.load(Ordering::Relaxed) >= 3;

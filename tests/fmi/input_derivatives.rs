@@ -1,7 +1,7 @@
 //! Inputs that run over a step: what derivatives of inputs do.
 
 use crate::common::fmi::{Run, cases};
-use stickslip::slave::Error;
+use stickslip::fmi::Error;
 
 /// Largest error of the contact's displacement over a time, inputs held or with their derivatives.
 fn error_of_the_beam(steps: usize, sloped: bool, reference: &[f64]) -> f64 {
@@ -182,7 +182,7 @@ fn saved_states_keep_pending_derivatives_and_those_of_the_last_step() {
         run.instance.restore(&saved).unwrap();
         assert_eq!(all(&mut run), expected, "{}", case.name);
         let mut other = Run::new(&case);
-        other.instance.restore(&stickslip::slave::Snapshot::from_bytes(&bytes).unwrap()).unwrap();
+        other.instance.restore(&stickslip::fmi::Snapshot::from_bytes(&bytes).unwrap()).unwrap();
         assert_eq!(all(&mut other), expected, "{}", case.name);
         // Asking for derivatives leaves no trace.
         run.instance.restore(&saved).unwrap();

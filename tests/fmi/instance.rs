@@ -1,8 +1,8 @@
 //! Models as slaves: the table, the stages, saved states, failed steps.
 
 use std::collections::BTreeSet;
+use stickslip::fmi::{Causality, Error, Instance, Setup, Snapshot, Stage, VariableType};
 use stickslip::model::Model;
-use stickslip::slave::{Causality, Error, Instance, Setup, Snapshot, Stage, VariableType};
 
 const MODELS: [(&str, &str); 5] = [
     ("JenkinsContact", include_str!("../../modelDescription/JenkinsContact.toml")),
@@ -202,7 +202,7 @@ fn a_static_force_bends_the_beam_by_its_modal_flexibility() {
     let text = MODELS[2].1.replace("damping_ratio = 0.003", "damping_ratio = 0.7");
     let Ok(model) = Model::parse(&text) else { panic!("a model") };
     let stickslip::model::Structure::Beam(beam) = &model.structure else { panic!("a beam") };
-    let modal = stickslip::structure::ModalBeam::new(beam).unwrap();
+    let modal = stickslip::system::ModalBeam::new(beam).unwrap();
     let mut instance = Instance::from_model(&model).unwrap();
     initialize(&mut instance);
     let force = 1e-3;

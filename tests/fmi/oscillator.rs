@@ -1,9 +1,9 @@
 //! Oscillators as co-simulation slaves.
 
 use stickslip::contact::Jenkins;
-use stickslip::integrate::{Excitation, LoadedContact, OscillatorFlow};
+use stickslip::fmi::{Causality, Instance, Setup};
 use stickslip::model::Model;
-use stickslip::slave::{Causality, Instance, Setup};
+use stickslip::time::{Excitation, LoadedContact, OscillatorFlow};
 
 const MODEL: &str = include_str!("../../examples/friction-vibration/model.toml");
 

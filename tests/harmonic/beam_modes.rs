@@ -11,7 +11,7 @@ use stickslip::harmonic::{
     phase_resonance, track_levels, track_parameter,
 };
 use stickslip::model::Beam;
-use stickslip::structure::ModalBeam;
+use stickslip::system::ModalBeam;
 
 const LOAD: f64 = 147.15;
 

@@ -14,9 +14,9 @@ use stickslip::harmonic::{
     Assembly, AttachedContact, Body, Control, CurveSettings, Ending, frequency_response, phase_resonance,
 };
 use stickslip::harmonic::{ContactOnBeam, Resonance, Settings as BalanceSettings};
-use stickslip::integrate::{BeamInputs, BeamIntegrator, Contact, LoadedContact, Ramp, Settings};
 use stickslip::model::Beam;
-use stickslip::structure::{LinearStructure, ModalBeam};
+use stickslip::system::{LinearStructure, ModalBeam};
+use stickslip::time::{BeamInputs, BeamIntegrator, Contact, LoadedContact, Ramp, Settings};
 
 const LOAD: f64 = 147.15;
 

@@ -5,7 +5,7 @@ use stickslip::harmonic::{
     Assembly, AttachedContact, Body, Control, Curve, CurveSettings, Ending, HarmonicError, Method,
     frequency_response, periodic_response,
 };
-use stickslip::structure::{LinearStructure, Output};
+use stickslip::system::{LinearStructure, Output};
 
 /// Unit mass on a spring and a damper.
 fn oscillator(stiffness: f64, damping: f64, contacts: usize) -> LinearStructure {

@@ -9,7 +9,7 @@ use stickslip::harmonic::{
     backbone, frequency_response, phase_resonance,
 };
 use stickslip::model::{Beam, Damping, Model, Structure};
-use stickslip::structure::ModalBeam;
+use stickslip::system::ModalBeam;
 
 const LOAD: f64 = 147.15;
 

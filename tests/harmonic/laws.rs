@@ -10,7 +10,7 @@ use stickslip::harmonic::{
     ContactOnBeam, HarmonicError, Method, Resonance, Settings, backbone, excited_harmonics, forced_response,
     phase_resonance, whole_periods,
 };
-use stickslip::structure::ModalBeam;
+use stickslip::system::ModalBeam;
 
 const LOAD: f64 = 147.15;
 

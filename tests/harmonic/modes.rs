@@ -9,7 +9,7 @@ use stickslip::harmonic::{
     Assembly, AttachedContact, Body, CurveSettings, Followed, HarmonicError, ModeRange, NonlinearMode,
     Tracking, nonlinear_mode, track_levels,
 };
-use stickslip::structure::LinearStructure;
+use stickslip::system::LinearStructure;
 
 /// The mode under one law, with so many harmonics.
 fn mode(

@@ -5,7 +5,7 @@ use stickslip::contact::{Jenkins, Valanis};
 use stickslip::harmonic::{
     Assembly, AttachedContact, Body, Control, CurveSettings, Ending, frequency_response, periodic_response,
 };
-use stickslip::structure::{LinearStructure, Output};
+use stickslip::system::{LinearStructure, Output};
 
 fn settings(harmonics: usize) -> CurveSettings {
     CurveSettings { harmonics, ..CurveSettings::default() }

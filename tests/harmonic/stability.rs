@@ -11,7 +11,7 @@ use stickslip::contact::{
 use stickslip::effects::JointChanges;
 use stickslip::harmonic::fourier::from_samples;
 use stickslip::harmonic::stability::{Multipliers, Undecided, decide, floquet, is_stable};
-use stickslip::integrate::{Excitation, LoadedContact, OscillatorFlow, ShootingSettings, shoot};
+use stickslip::time::{Excitation, LoadedContact, OscillatorFlow, ShootingSettings, shoot};
 
 fn attached(law: &dyn ContactLaw) -> LoadedContact<'_> {
     LoadedContact { law, normal_load: 1.0 }

@@ -5,7 +5,7 @@ use stickslip::contact::{ContactLaw, Jenkins, Unilateral};
 use stickslip::harmonic::{
     Assembly, AttachedContact, Body, Control, CurveSettings, Point, frequency_response, periodic_response,
 };
-use stickslip::structure::{LinearStructure, Output};
+use stickslip::system::{LinearStructure, Output};
 
 fn two_masses() -> LinearStructure {
     let output = |name: &str, k| Output { name: name.into(), row: vec![(k, 1.0)] };

@@ -7,7 +7,7 @@ use stickslip::harmonic::{
     Assembly, AttachedContact, Body, CurveSettings, Ending, Followed, HarmonicError, OwnedContact, Tracked,
     TrackedCurve, Tracking, Varied, parameter_response, track_levels, track_parameter,
 };
-use stickslip::structure::LinearStructure;
+use stickslip::system::LinearStructure;
 
 fn assembly<'a>(structure: &'a LinearStructure, law: &'a dyn ContactLaw) -> Assembly<'a> {
     Assembly::new(Body::Linear(structure), vec![AttachedContact { law, normal_load: 1.0 }])

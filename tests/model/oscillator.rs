@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use proptest::prelude::*;
 use stickslip::model::{Anchor, AssemblyError, Contact, Law, Mass, Model, Oscillator, Spring, Structure};
-use stickslip::structure::StructureError;
+use stickslip::system::StructureError;
 
 const TWO: &str = r#"schema = "stickslip.model/1"
 kind = "oscillator"

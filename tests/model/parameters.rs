@@ -1,6 +1,6 @@
 //! Parameters by path: what a fit may change, within which bounds, and what setting them refuses.
 
-use stickslip::identify::Scale;
+use stickslip::fit::Scale;
 use stickslip::model::Model;
 
 fn beam(law: &str, damping: &str, support: &str, fit: &str) -> Model {

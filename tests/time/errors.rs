@@ -2,9 +2,7 @@
 
 use crate::common::time::{held, one_mode, steel_beam, tolerance};
 use stickslip::contact::{ContactLaw, Inputs, Jenkins, Response, SlipState, StateTangents, Tangents};
-use stickslip::integrate::{
-    BeamError, BeamInputs, BeamIntegrator, Contact, IntegrationError, Ramp, Settings,
-};
+use stickslip::time::{BeamError, BeamInputs, BeamIntegrator, Contact, IntegrationError, Ramp, Settings};
 
 /// A law whose force is not a number beyond a displacement.
 #[derive(Debug)]
@@ -112,7 +110,7 @@ fn a_motion_of_another_beam_or_law_is_refused() {
 
 #[test]
 fn beams_that_make_no_sense_are_refused_by_field() {
-    let field = |change: &dyn Fn(&mut stickslip::structure::ModalBeam)| {
+    let field = |change: &dyn Fn(&mut stickslip::system::ModalBeam)| {
         let mut beam = steel_beam(2, 0.003);
         change(&mut beam);
         BeamIntegrator::new(&beam).unwrap_err()

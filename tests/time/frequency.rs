@@ -6,9 +6,9 @@ use std::f64::consts::TAU;
 use stickslip::contact::Valanis;
 use stickslip::harmonic::fourier::{from_samples, value};
 use stickslip::harmonic::{ContactOnBeam, Method, Settings, backbone, forced_response};
-use stickslip::integrate::{self, BeamInputs, BeamIntegrator, BeamMotion, Contact, Ramp};
 use stickslip::model::{Beam, Damping, Model, Structure};
-use stickslip::structure::ModalBeam;
+use stickslip::system::ModalBeam;
+use stickslip::time::{self, BeamInputs, BeamIntegrator, BeamMotion, Contact, Ramp};
 
 const LOAD: f64 = 147.15;
 /// Force (N) and frequency (Hz) of the excitation, near the resonance of the slipping beam.
@@ -35,7 +35,7 @@ fn drive(
     mut visit: impl FnMut(usize, &BeamMotion),
 ) {
     let law = valanis();
-    let settings = integrate::Settings { tolerance: 1e-8, ..Default::default() };
+    let settings = time::Settings { tolerance: 1e-8, ..Default::default() };
     let force = |k: usize| FORCE * (TAU * (k % steps) as f64 / steps as f64).cos();
     for k in 0..periods * steps {
         let inputs = BeamInputs {

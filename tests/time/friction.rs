@@ -2,8 +2,8 @@
 
 use crate::common::time::{ExactJenkins, held, one_mode, steel_beam, tolerance};
 use stickslip::contact::{ContactLaw, Jenkins, SlipState, Valanis};
-use stickslip::integrate::{BeamInputs, BeamIntegrator, BeamMotion, Contact, Ramp, Settings};
-use stickslip::structure::ModalBeam;
+use stickslip::system::ModalBeam;
+use stickslip::time::{BeamInputs, BeamIntegrator, BeamMotion, Contact, Ramp, Settings};
 
 const STIFFNESS: f64 = 7.9e6;
 const LOAD: f64 = 150.0;

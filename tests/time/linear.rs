@@ -1,7 +1,7 @@
 //! Time integration where the exact solution is known in closed form, or from an independent method.
 
 use crate::common::time::{Spring, held, one_mode, steel_beam, tolerance};
-use stickslip::integrate::{BeamInputs, BeamIntegrator, Contact, Ramp, Settings};
+use stickslip::time::{BeamInputs, BeamIntegrator, Contact, Ramp, Settings};
 
 const FREE: Contact = Contact::Force(Ramp::held(0.0));
 

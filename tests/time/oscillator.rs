@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 
 use crate::common::matrices::{chain, single, two_mass};
 use stickslip::contact::{Backlash, ContactLaw, CubicSpring, Jenkins, ParallelSliders, Unilateral, Valanis};
-use stickslip::integrate::{
+use stickslip::system::ModalBeam;
+use stickslip::time::{
     self, BeamInputs, BeamIntegrator, Contact, Excitation, LoadedContact, OscillatorError, OscillatorFlow,
     OscillatorIntegrator, Ramp, RungeKutta, ShootingSettings, shoot,
 };
-use stickslip::structure::ModalBeam;
 
 fn attached(law: &dyn ContactLaw) -> LoadedContact<'_> {
     LoadedContact { law, normal_load: 1.0 }
@@ -210,7 +210,7 @@ fn valanis_moves_as_on_the_beam_of_one_mode() {
 
     let mut reference = BeamIntegrator::new(&beam).unwrap();
     let mut motion = reference.rest(Some((&law, load)));
-    let settings = integrate::Settings { tolerance: 1e-10, ..Default::default() };
+    let settings = time::Settings { tolerance: 1e-10, ..Default::default() };
     for pair in values.windows(2) {
         let inputs = BeamInputs {
             excitation: Ramp { start: pair[0], end: pair[1] },

@@ -2,7 +2,7 @@
 
 use crate::common::matrices::two_mass;
 use stickslip::contact::Jenkins;
-use stickslip::integrate::{
+use stickslip::time::{
     Excitation, LoadedContact, OscillatorError, OscillatorFlow, PeriodicMotion, RungeKutta, ShootingSettings,
     shoot,
 };

@@ -6,7 +6,7 @@ use crate::guard::{Component, Failure, catch, guarded, install_hook};
 use crate::location;
 use crate::log::{Category, Log};
 use std::ffi::{CStr, c_char, c_int};
-use stickslip::slave::{Instance, Setup};
+use stickslip::fmi::{Instance, Setup};
 
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
@@ -124,7 +124,7 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
 unsafe fn transition(
     handle: Handle,
     function: Function,
-    change: impl FnOnce(&mut Instance) -> Result<(), stickslip::slave::Error>,
+    change: impl FnOnce(&mut Instance) -> Result<(), stickslip::fmi::Error>,
 ) -> Status {
     let body = |component: &mut Component| {
         change(&mut component.instance)?;

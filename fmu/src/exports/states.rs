@@ -3,7 +3,7 @@
 use crate::calls::Function;
 use crate::ffi::{self, Byte, Handle, StateHandle, Status};
 use crate::guard::{Component, Failure, guarded};
-use stickslip::slave::{Snapshot, SnapshotError};
+use stickslip::fmi::{Snapshot, SnapshotError};
 
 const SAVED: u64 = u64::from_le_bytes(*b"stkslipS");
 const FREED: u64 = u64::from_le_bytes(*b"stateFRE");

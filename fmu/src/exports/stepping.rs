@@ -7,7 +7,7 @@ use crate::ffi::{
 };
 use crate::guard::{Component, Failure, guarded};
 use std::ffi::c_int;
-use stickslip::slave::{Error, Stage};
+use stickslip::fmi::{Error, Stage};
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2DoStep(

@@ -6,7 +6,7 @@ use crate::exports::{lifecycle::*, model_exchange::*, states::*, stepping::*, va
 use crate::ffi::{DO_STEP_STATUS, LAST_SUCCESSFUL_TIME, PENDING_STATUS, Status, TERMINATED};
 use crate::guard::guarded;
 use std::ptr::{null, null_mut};
-use stickslip::slave::Stage;
+use stickslip::fmi::Stage;
 
 use Function as F;
 

@@ -6,7 +6,7 @@ use crate::exports::stepping::*;
 use crate::exports::values::fmi2SetReal;
 use crate::ffi::Status;
 use std::ptr::{null, null_mut};
-use stickslip::slave::Instance;
+use stickslip::fmi::Instance;
 
 const BEAM: &str = include_str!("../../../modelDescription/ModalBeam.toml");
 

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::ptr::null;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use stickslip::slave::Instance;
+use stickslip::fmi::Instance;
 
 pub const JENKINS: &str = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
     tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";

@@ -6,7 +6,7 @@ use super::super::bench::Bench;
 use super::super::blocks::Gain;
 use super::super::select::Search;
 use super::super::trial::{self, Effort};
-use crate::identify::InterruptHook;
+use crate::fit::InterruptHook;
 use crate::model::Model;
 
 /// Most refits of one model: in a longer table several points are left out at once.

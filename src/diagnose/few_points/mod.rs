@@ -18,9 +18,9 @@ use super::nested::Nested;
 use super::select::{Search, State, Trial};
 use super::split::{FEWEST_RECORDS, Parts};
 use super::verdict;
+use crate::data::{Dataset, Regime};
 use crate::effects::Location;
-use crate::identify::InterruptHook;
-use crate::measure::{Dataset, Regime};
+use crate::fit::InterruptHook;
 use crate::model::Model;
 
 /// Gain of a step over its standard error, at least.

@@ -1,7 +1,7 @@
 //! What drives an oscillator, from the columns of a record.
 
+use crate::data::{Record, Regime};
 use crate::harmonic::common_periods;
-use crate::measure::{Record, Regime};
 
 /// A measured force on a mass.
 #[derive(Debug, Clone)]
@@ -10,7 +10,7 @@ pub(super) struct Force {
     pub mass: usize,
     /// At the samples (N).
     pub values: Vec<f64>,
-    /// Bow from each sample to the next, as [`crate::integrate::Drive::bow`]: what shakers do between two samples is
+    /// Bow from each sample to the next, as [`crate::time::Drive::bow`]: what shakers do between two samples is
     /// smooth, and a straight line would be too small by `(ωh)²/12`.
     pub bows: Vec<f64>,
 }

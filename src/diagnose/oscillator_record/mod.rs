@@ -9,8 +9,8 @@ mod tests;
 
 use super::predict::derivative_order;
 use super::simulation::{Direction, Simulation};
-use crate::identify;
-use crate::measure::{Channel, Record, Regime};
+use crate::data::{Channel, Record, Regime};
+use crate::fit;
 use crate::model::{Model, Structure};
 use inputs::{Inputs, mass_of};
 use run::{Observed, Run};
@@ -102,7 +102,7 @@ impl Simulation for OscillatorRecord<'_> {
         &self.channels
     }
 
-    fn nuisances(&mut self, model: &Model) -> Result<Vec<identify::Parameter>, String> {
+    fn nuisances(&mut self, model: &Model) -> Result<Vec<fit::Parameter>, String> {
         match self.regime {
             Regime::UnknownInitialState => start::search(self, model),
             _ => Ok(Vec::new()),

@@ -1,8 +1,8 @@
 //! One oscillator under the drives of one record.
 
 use super::inputs::Inputs;
-use crate::integrate::{Drive, SampledIntegrator};
 use crate::model::Model;
+use crate::time::{Drive, SampledIntegrator};
 
 /// Most steps from one sample to the next: a structure much faster than the sampling is not seen by it either.
 const MOST_SUBSTEPS: usize = 64;

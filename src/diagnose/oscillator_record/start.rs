@@ -2,7 +2,7 @@
 
 use super::OscillatorRecord;
 use super::run::Run;
-use crate::identify::{self, Options, Parameter, Scale};
+use crate::fit::{self, Options, Parameter, Scale};
 use crate::model::Model;
 
 /// Share of a record by which its start is judged: a damped structure forgets it.
@@ -67,14 +67,14 @@ pub(super) fn search(record: &OscillatorRecord, model: &Model) -> Result<Vec<Par
         Ok(())
     };
     let options = Options { max_iterations: STEPS, tolerance: 1e-7, ..Options::default() };
-    let mut best: Option<identify::Fit> = None;
+    let mut best: Option<fit::Fit> = None;
     let force = read.last().copied();
     for share in FORCES {
         let mut start = read.clone();
         if let (Some(force), Some(read)) = (start.last_mut(), force) {
             force.start = share * read.upper;
         }
-        let fit = identify::fit(residual, samples * record.channels.len(), &start, &options)
+        let fit = fit::fit(residual, samples * record.channels.len(), &start, &options)
             .map_err(|error| error.to_string())?;
         if best.as_ref().is_none_or(|best| fit.root_mean_square < best.root_mean_square) {
             best = Some(fit);

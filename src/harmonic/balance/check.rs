@@ -1,7 +1,7 @@
 //! What a beam must be for its balance to have a meaning.
 
 use crate::harmonic::HarmonicError;
-use crate::structure::ModalBeam;
+use crate::system::ModalBeam;
 
 /// Refuses lists that do not fit and numbers that make no sense.
 pub(super) fn check_beam(beam: &ModalBeam) -> Result<(), HarmonicError> {

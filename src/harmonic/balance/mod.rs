@@ -42,7 +42,7 @@ use crate::harmonic::modal::ModalEquations;
 use crate::harmonic::set::HarmonicSet;
 use crate::harmonic::system::{Observation, Operating, PeriodicSystem, Scalar};
 use crate::harmonic::{ContactOnBeam, HarmonicError, Method, Point, guess};
-use crate::structure::ModalBeam;
+use crate::system::ModalBeam;
 use check::check_beam;
 use drag::Drag;
 use relief::Relief;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::harmonic::stability::{Undecided, decide_for_beam};
-use crate::integrate::LoadedContact;
+use crate::time::LoadedContact;
 
 impl PeriodicSystem for Balance<'_> {
     fn unknowns(&self) -> usize {

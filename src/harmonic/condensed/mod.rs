@@ -29,7 +29,7 @@ use super::system::{Observation, Operating, PeriodicSystem, Scalar};
 use super::transfer::{Of, Transfer, add_product};
 use super::variation::Rebuild;
 use super::{HarmonicError, Method, Point};
-use crate::structure::{LinearStructure, Output, Receptance, Rows};
+use crate::system::{LinearStructure, Output, Receptance, Rows};
 
 /// The balance of one structure with its contacts.
 pub(crate) struct Condensed<'a> {

@@ -10,7 +10,7 @@ use crate::harmonic::stability::{Undecided, decide};
 use crate::harmonic::system::{Observation, Operating, Scalar};
 use crate::harmonic::transfer::{Of, add_product};
 use crate::harmonic::{HarmonicError, Point};
-use crate::integrate::LoadedContact;
+use crate::time::LoadedContact;
 
 impl Condensed<'_> {
     /// One harmonic of an output.

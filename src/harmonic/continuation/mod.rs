@@ -22,7 +22,7 @@ use super::landmarks::Landmark;
 use super::problem::{Condition, Newton, Stopping};
 use super::system::{Operating, PeriodicSystem, Scalar};
 use super::unit::Unit;
-use crate::structure::StructureError;
+use crate::system::StructureError;
 
 /// Steps below this are given up (the range has length 1).
 const SMALLEST_STEP: f64 = 1e-8;

@@ -8,9 +8,9 @@
 use super::feedback::{Disturbed, Feedback, Seat, Series, events_of};
 use super::history::{Step, history};
 use super::signal::evaluate;
-use crate::integrate::oscillator::system::{System, dot};
-use crate::integrate::{LoadedContact, OscillatorError};
-use crate::structure::{LinearStructure, ModalBeam};
+use crate::system::{LinearStructure, ModalBeam};
+use crate::time::oscillator::system::{System, dot};
+use crate::time::{LoadedContact, OscillatorError};
 
 /// A beam and its periodic motion.
 pub(super) struct Bent<'a> {

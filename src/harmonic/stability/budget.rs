@@ -1,6 +1,6 @@
 //! How much may be computed for one point of a curve.
 
-use crate::integrate::OscillatorError;
+use crate::time::OscillatorError;
 
 /// Multiplications, of which a processor does one to five thousand million a second. Counted rather than timed: the
 /// same point has the same answer on every machine, whatever else it does.

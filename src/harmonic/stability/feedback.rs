@@ -5,8 +5,8 @@ use nalgebra::DMatrix;
 use super::history::{Step, history, jumps};
 use super::impulse;
 use super::signal::turning_points;
-use crate::integrate::oscillator::system::System;
-use crate::integrate::{LoadedContact, OscillatorError};
+use crate::time::oscillator::system::System;
+use crate::time::{LoadedContact, OscillatorError};
 
 /// A structure in a periodic motion, as a disturbance of it sees it: constant, with forces fed back.
 pub(super) trait Disturbed {

@@ -7,8 +7,8 @@ use super::impulse::Impulse;
 use super::regimes::Path;
 use super::signal::evaluate;
 use crate::contact::{ContactLaw, Inputs, Period, PeriodicSolver, Slider, StateTangents};
-use crate::integrate::oscillator::elements::Element;
-use crate::integrate::{LoadedContact, OscillatorError};
+use crate::time::oscillator::elements::Element;
+use crate::time::{LoadedContact, OscillatorError};
 
 /// Derivatives of one step of a law.
 #[derive(Debug, Default)]

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use super::history::Step;
 use super::signal::{evaluate, root, turning_points};
 use crate::contact::{Inputs, Period, PeriodicSolver, StateTangents};
-use crate::integrate::LoadedContact;
+use crate::time::LoadedContact;
 
 /// How far beside a jump the law is looked at, as share of the displacement.
 const BESIDE: f64 = 1e-9;

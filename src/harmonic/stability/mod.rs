@@ -31,10 +31,10 @@ mod tangents;
 use nalgebra::{Complex, DMatrix};
 
 use crate::contact::Slider;
-use crate::integrate::oscillator::multipliers;
-use crate::integrate::oscillator::system::System;
-use crate::integrate::{LoadedContact, OscillatorError};
-use crate::structure::{LinearStructure, ModalBeam};
+use crate::system::{LinearStructure, ModalBeam};
+use crate::time::oscillator::multipliers;
+use crate::time::oscillator::system::System;
+use crate::time::{LoadedContact, OscillatorError};
 use beam::Bent;
 use budget::Budget;
 use feedback::Linear;
@@ -89,7 +89,7 @@ pub fn floquet(
 ///
 /// ```
 /// use stickslip::harmonic::stability::floquet_of_beam;
-/// use stickslip::structure::ModalBeam;
+/// use stickslip::system::ModalBeam;
 /// let beam = ModalBeam {
 ///     angular_frequency: vec![330.0],
 ///     damping_ratio: vec![0.003],
@@ -107,7 +107,7 @@ pub fn floquet(
 /// let multipliers = floquet_of_beam(&beam, None, &[0.0, 1e-3, 0.0], &[], 300.0)?;
 /// let decay = (-0.003 * 330.0 * std::f64::consts::TAU / 300.0_f64).exp();
 /// assert!((multipliers.values[0].norm() - decay).abs() < 1e-9);
-/// # Ok::<(), stickslip::integrate::OscillatorError>(())
+/// # Ok::<(), stickslip::time::OscillatorError>(())
 /// ```
 ///
 /// # Errors

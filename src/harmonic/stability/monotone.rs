@@ -8,8 +8,8 @@
 use nalgebra::{Cholesky, DMatrix};
 
 use crate::contact::Slider;
-use crate::integrate::LoadedContact;
-use crate::structure::{Entries, LinearStructure};
+use crate::system::{Entries, LinearStructure};
+use crate::time::LoadedContact;
 
 /// Most degrees of freedom of a matrix that is factored to see its sign.
 const MOST_FACTORED: usize = 300;

@@ -7,9 +7,9 @@ use nalgebra::DMatrix;
 use super::budget::Budget;
 use super::exponential::{PRODUCTS, exponential, norm, squarings};
 use super::signal::{evaluate, root, turning_points};
-use crate::integrate::oscillator::elements::{Branch, Element, Memory, elements};
-use crate::integrate::oscillator::system::System;
-use crate::integrate::{LoadedContact, OscillatorError};
+use crate::time::oscillator::elements::{Branch, Element, Memory, elements};
+use crate::time::oscillator::system::System;
+use crate::time::{LoadedContact, OscillatorError};
 
 /// Phases (rad) closer than this are the same: rounding of a few periods.
 const SAME_PHASE: f64 = 1e-14;

@@ -8,10 +8,10 @@ use nalgebra::{Complex, DMatrix};
 use super::balancing::balance;
 use super::budget::Budget;
 use super::feedback::{Disturbed, Feedback};
-use crate::integrate::OscillatorError;
-use crate::integrate::oscillator::multipliers;
-use crate::integrate::oscillator::polynomial::{DEGREE, Series};
-use crate::integrate::oscillator::system::System;
+use crate::time::OscillatorError;
+use crate::time::oscillator::multipliers;
+use crate::time::oscillator::polynomial::{DEGREE, Series};
+use crate::time::oscillator::system::System;
 
 /// Grids tried that resolve the structure's own motion, each with half the steps of the one before.
 const LEVELS: usize = 7;

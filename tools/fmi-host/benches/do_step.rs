@@ -3,7 +3,7 @@
 //! `cargo bench -p stickslip-fmi-host`
 
 use divan::Bencher;
-use stickslip::slave::Instance;
+use stickslip::fmi::Instance;
 use stickslip_fmi_host::{Library, Slave};
 use stickslip_fmu_package::{library, library_extension, standard_models};
 use tempfile::TempDir;

@@ -15,7 +15,7 @@ use stickslip::cosim::{
     self, Abilities, Algorithm, Causality, Kind, Master, Parallel, Settings, SlaveError, Stepped, System,
     Variable,
 };
-use stickslip::slave::Instance;
+use stickslip::fmi::Instance;
 use stickslip_fmi_host::Fmu;
 use stickslip_fmu_package::{library, library_extension, standard_models, write_fmu};
 use tempfile::TempDir;

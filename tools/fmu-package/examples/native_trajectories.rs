@@ -10,9 +10,9 @@ use std::{env, fs};
 mod native {
     //! The models by the library's own means, not through a slave.
     use stickslip::contact::Inputs;
-    use stickslip::integrate::{BeamInputs, BeamIntegrator, Contact as Acting, Ramp, Settings};
     use stickslip::model::{Beam, Contact, Model, Structure};
-    use stickslip::structure::ModalBeam;
+    use stickslip::system::ModalBeam;
+    use stickslip::time::{BeamInputs, BeamIntegrator, Contact as Acting, Ramp, Settings};
 
     /// Column names and rows.
     pub type Table = (Vec<String>, Vec<Vec<f64>>);

@@ -1,7 +1,7 @@
 //! `documentation/index.html` from the variable table.
 
 use std::fmt::Write as _;
-use stickslip::slave::{Causality, Description, Variable};
+use stickslip::fmi::{Causality, Description, Variable};
 
 /// A page about the model: its variables in tables, its steps, its model file.
 pub fn documentation_html(model_identifier: &str, description: &Description, model_toml: &str) -> String {

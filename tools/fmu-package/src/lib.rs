@@ -19,7 +19,7 @@ pub use systems::{standard_systems, write_system};
 pub use xml::model_description_xml;
 
 use std::io::{Cursor, Read, Write};
-use stickslip::slave::Instance;
+use stickslip::fmi::Instance;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
@@ -35,7 +35,7 @@ pub enum Error {
     UnknownSystem(String),
     /// The model file.
     #[error(transparent)]
-    Model(#[from] stickslip::slave::Error),
+    Model(#[from] stickslip::fmi::Error),
     /// Bytes that are no whole FMU with a model in it.
     #[error("not a whole FMU written by stickslip: {0}")]
     Unreadable(String),

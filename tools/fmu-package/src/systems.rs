@@ -1,6 +1,6 @@
 //! Systems of the standard FMUs, as SSP 1.0 packages.
 
-use stickslip::slave::Instance;
+use stickslip::fmi::Instance;
 use stickslip_readers::ssp::{
     Outline, OutlineComponent, OutlineConnection, OutlineConnector, OutlineParameter,
 };

@@ -2,7 +2,7 @@
 
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 use quick_xml::writer::Writer;
-use stickslip::slave::{
+use stickslip::fmi::{
     Causality, DERIVATIVE_ORDER, Dependency, DependencyKind, Description, Initial, Variability, Variable,
     VariableType,
 };

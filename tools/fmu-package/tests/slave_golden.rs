@@ -1,7 +1,7 @@
 //! The committed model descriptions are those of the standard models.
 
 use std::path::PathBuf;
-use stickslip::slave::Instance;
+use stickslip::fmi::Instance;
 use stickslip_fmu_package::{model_description_xml, standard_models};
 
 /// `STICKSLIP_GOLDEN=write cargo test -p stickslip-fmu-package --test slave_golden` writes them again.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use stickslip::measure::{Channel, Dataset, Record, Regime};
+use stickslip::data::{Channel, Dataset, Record, Regime};
 use stickslip::model::{Beam, Model, Oscillator, Structure};
 
 use crate::error::{Excerpt, InputError, Problem};

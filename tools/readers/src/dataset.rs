@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use stickslip::data::{ChannelName, Dataset, Record, Regime, Use};
 use stickslip::document::{Document, DocumentError, Table};
-use stickslip::measure::{ChannelName, Dataset, Record, Regime, Use};
 
 use crate::error::{InputError, Problem};
 use crate::source::Source;

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 use annotate_snippets::renderer::DecorStyle;
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
+use stickslip::data::{ChannelNameError, UnitError};
 use stickslip::document::DocumentError;
-use stickslip::measure::{ChannelNameError, UnitError};
 use thiserror::Error;
 
 use crate::archive::ArchiveProblem;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
-use stickslip::measure::{Channel, ChannelName, unit_factor};
+use stickslip::data::{Channel, ChannelName, unit_factor};
 use stickslip::vocabulary::Quantity;
 
 use crate::error::{InputError, Problem};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use stickslip::measure::unit_size;
+use stickslip::data::unit_size;
 use thiserror::Error;
 
 use crate::error::InputError;

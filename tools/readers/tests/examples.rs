@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use stickslip::measure::Regime;
+use stickslip::data::Regime;
 use stickslip::model::{Law, Model};
 use stickslip_readers::{check_columns, read_dataset, read_model};
 

@@ -1,8 +1,8 @@
 //! A comparison as JSON.
 
 use serde_json::{Map, Value, json};
+use stickslip::data::{Record, Regime, Use};
 use stickslip::diagnose::{Comparison, Noise, NoiseSource, RecordResult, Stage, StepGain};
-use stickslip::measure::{Record, Regime, Use};
 
 use crate::explorer::Harmonics;
 use crate::{floors, summary, tables};

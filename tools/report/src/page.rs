@@ -1,8 +1,8 @@
 //! The HTML page.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use stickslip::data::Regime;
 use stickslip::diagnose::{Comparison, Noise};
-use stickslip::measure::Regime;
 
 use crate::figure::{Captioned, Figures};
 use crate::stages::{self, name};

@@ -1,8 +1,8 @@
 //! The page's tables: stages, levels, records and parameters.
 
 use maud::{Markup, html};
+use stickslip::data::{Regime, Use};
 use stickslip::diagnose::{Comparison, Parameter};
-use stickslip::measure::{Regime, Use};
 
 use crate::figure;
 use crate::format::{self, Scale};

@@ -1,7 +1,7 @@
 //! What a comparison says, computed once for the page, the terminal and the JSON.
 
+use stickslip::data::{Channel, Record, Regime};
 use stickslip::diagnose::{ChannelResult, Comparison, Stage};
-use stickslip::measure::{Channel, Record, Regime};
 
 use crate::format::{self, Scale};
 

@@ -1,8 +1,8 @@
 //! The page's tables of records: error by record and channel, and by harmonic.
 
 use maud::{Markup, html};
+use stickslip::data::{Record, Regime};
 use stickslip::diagnose::{Comparison, Noise};
-use stickslip::measure::{Record, Regime};
 
 use crate::explorer::{Harmonics, by_harmonic};
 use crate::floors;

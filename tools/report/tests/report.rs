@@ -3,9 +3,9 @@
 mod synthetic;
 
 use serde_json::Value;
+use stickslip::data::{Record, Regime};
 use stickslip::diagnose::Comparison;
 use stickslip::diagnose::Noise;
-use stickslip::measure::{Record, Regime};
 use stickslip_report::Settings;
 
 use synthetic::{HOSTILE, backbone, beam_with_failure, contact, failed, hostile, settings};

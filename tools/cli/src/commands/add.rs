@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use stickslip::data::Dataset;
 use stickslip::diagnose::{Comparison, add, noise_of};
 use stickslip::effects::{Effect, Location, PlaceKind};
-use stickslip::measure::Dataset;
 use stickslip::model::{Model, Structure};
 use stickslip_report::diagnosis::added_json;
 

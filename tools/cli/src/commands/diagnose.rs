@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use stickslip::data::Dataset;
 use stickslip::diagnose::{
     DiagnoseError, DiagnoseOptions, DiagnoseWatch, Diagnosis, RefitError, Verdict, diagnose,
 };
 use stickslip::document::suggestion;
 use stickslip::effects::{self, CATALOGUE, Effect};
-use stickslip::identify::FitError;
-use stickslip::measure::Dataset;
+use stickslip::fit::FitError;
 use stickslip::model::Model;
 use stickslip_report::diagnosis::{Run, diagnosis_html, diagnosis_json, diagnosis_table};
 

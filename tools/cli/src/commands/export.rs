@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
-use stickslip::slave::Instance;
+use stickslip::fmi::Instance;
 
 use super::{check_destinations, list, read_model};
 use crate::output::Outputs;

@@ -16,9 +16,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest as _, Sha256};
+use stickslip::data::Dataset;
 use stickslip::diagnose::{Comparison, Noise, Refit, RefitError, Watch, refit, unused_columns};
-use stickslip::identify::{Ending, FitError};
-use stickslip::measure::Dataset;
+use stickslip::fit::{Ending, FitError};
 use stickslip::model::Model;
 
 use stickslip_report::{InputFile, Settings};
@@ -169,7 +169,7 @@ fn tell_unused(model: &Model, dataset: &Dataset) {
 /// Runs `work` with a spinner that shows the evaluations and the error of the fit so far.
 fn watched<T>(what: &str, work: impl FnOnce(Watch) -> T) -> T {
     let bar = progress::spinner(what);
-    let show = |at: &stickslip::identify::Progress| {
+    let show = |at: &stickslip::fit::Progress| {
         bar.set_message(format!("step {}, {} evaluations", at.iteration, at.evaluations));
     };
     let done = work(Watch { progress: Some(&show), interrupt: Some(&progress::interrupted) });

@@ -1,7 +1,7 @@
 //! A standard FMU, unpacked and loaded.
 
 use std::sync::Arc;
-use stickslip::slave::Instance;
+use stickslip::fmi::Instance;
 use stickslip_fmi_host::{Error, Library, Slave};
 use stickslip_fmu_package::{library, library_extension, standard_models};
 use tempfile::TempDir;

@@ -1,8 +1,8 @@
 //! A diagnosis as JSON.
 
 use serde_json::{Map, Value, json};
+use stickslip::data::{Record, Use};
 use stickslip::diagnose::{Candidate, Diagnosis, Estimate, Group, Stage, Step, Verdict};
-use stickslip::measure::{Record, Use};
 
 use super::Run;
 

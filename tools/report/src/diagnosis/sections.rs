@@ -1,9 +1,9 @@
 //! The sections of the page of a diagnosis that are words and tables.
 
 use maud::{Markup, html};
+use stickslip::data::Use;
 use stickslip::diagnose::{Candidate, Diagnosis, Verdict};
 use stickslip::effects::{self, Effect};
-use stickslip::measure::Use;
 
 use super::page::list;
 use super::{Run, terminal, words};

@@ -10,8 +10,8 @@ pub use views::deviation;
 
 use maud::{Markup, html};
 use serde_json::{Value, json};
+use stickslip::data::{Channel, Record, Regime};
 use stickslip::diagnose::{Comparison, Noise};
-use stickslip::measure::{Channel, Record, Regime};
 
 use self::store::Store;
 use crate::decimate::{keep_extremes, worst_cycles};

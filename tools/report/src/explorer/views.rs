@@ -3,8 +3,8 @@
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 use serde_json::{Value, json};
+use stickslip::data::{Channel, Record, Regime};
 use stickslip::harmonic::whole_periods;
-use stickslip::measure::{Channel, Record, Regime};
 
 use super::store::Store;
 use crate::decimate::samples_per_cycle;

@@ -1,11 +1,11 @@
 //! Diagnoses of every verdict, to look at and to test with.
 
+use stickslip::data::Use;
 use stickslip::diagnose::{
     Candidate, Comparison, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group,
     Noise, NoiseSource, Step, Untried, Verdict,
 };
 use stickslip::effects::CATALOGUE;
-use stickslip::measure::Use;
 use stickslip::model::Model;
 use stickslip_report::diagnosis::Run;
 
@@ -332,12 +332,9 @@ pub fn large() -> Diagnosis {
         }
         let mut channels = vec![channel("time", "s", time), channel("excitation", "N", excitation)];
         channels.extend(measured);
-        let regime = if index % 2 == 0 {
-            stickslip::measure::Regime::Steady
-        } else {
-            stickslip::measure::Regime::FromRest
-        };
-        records.push(stickslip::measure::Record {
+        let regime =
+            if index % 2 == 0 { stickslip::data::Regime::Steady } else { stickslip::data::Regime::FromRest };
+        records.push(stickslip::data::Record {
             name: format!("r{index}.csv"),
             regime,
             use_for: None,

@@ -5,8 +5,8 @@ pub mod diagnosis;
 
 use std::f64::consts::TAU;
 
+use stickslip::data::{Channel, Record, Regime, Use};
 use stickslip::diagnose::{ChannelResult, Comparison, Parameter, RecordResult, Stage};
-use stickslip::measure::{Channel, Record, Regime, Use};
 use stickslip_report::{InputFile, Settings};
 
 /// A first resonance (Hz) measured at held acceleration, and two published predictions of it.

@@ -5,7 +5,7 @@ use stickslip::document::suggestion;
 use stickslip::effects::{Location, Needs};
 use stickslip::harmonic::{Assembly, AttachedContact, Body};
 use stickslip::model::{Model, Structure};
-use stickslip::structure::{LinearStructure, ModalBeam};
+use stickslip::system::{LinearStructure, ModalBeam};
 use stickslip_report::responses::Losses;
 
 use crate::Failure;
@@ -29,7 +29,7 @@ impl Setup {
     /// Prepares `model`, excited where `excite` says, else where the model says.
     pub fn new(model: &Model, excite: Option<&str>) -> Result<Self, Failure> {
         check_effects(model)?;
-        let failed = |error: stickslip::structure::StructureError| Failure::input(error.to_string());
+        let failed = |error: stickslip::system::StructureError| Failure::input(error.to_string());
         let (body, contacts, nodes) = match &model.structure {
             Structure::Prescribed => {
                 return Err(Failure::input(

@@ -17,7 +17,7 @@ const COLOURS: [&str; 2] = ["#0072B2", "#D55E00"];
 
 /// Free and stuck natural frequencies.
 pub fn system_section(system: &System) -> Result<Section, Failure> {
-    let natural = |structure: &stickslip::structure::LinearStructure| {
+    let natural = |structure: &stickslip::system::LinearStructure| {
         let modes = structure.natural_modes().map_err(|error| Failure::other(error.to_string()))?;
         Ok::<_, Failure>(modes.angular_frequency)
     };

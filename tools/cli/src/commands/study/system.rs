@@ -6,7 +6,7 @@ use stickslip::harmonic::{
     periodic_response,
 };
 use stickslip::model::{Model, Oscillator, Structure};
-use stickslip::structure::LinearStructure;
+use stickslip::system::LinearStructure;
 
 use crate::{Failure, progress};
 

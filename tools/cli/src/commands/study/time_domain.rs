@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use stickslip::integrate::{Excitation, LoadedContact, OscillatorFlow, ShootingSettings, shoot};
+use stickslip::time::{Excitation, LoadedContact, OscillatorFlow, ShootingSettings, shoot};
 
 use super::system::System;
 use crate::Failure;
@@ -72,7 +72,7 @@ pub fn from_rest(
     })
 }
 
-fn motion(passage: &stickslip::integrate::Passage) -> Motion {
+fn motion(passage: &stickslip::time::Passage) -> Motion {
     Motion {
         amplitude: (0..passage.output_range.len()).map(|k| passage.amplitude(k)).collect(),
         dissipated: passage.total_dissipated_energy(),

@@ -1,0 +1,120 @@
+//! What records and channels say about themselves.
+
+use super::{Channel, ChannelName, Record};
+
+/// Samples may stand this fraction of a step off an even grid: time stamps are printed with few digits.
+const EVENNESS: f64 = 0.05;
+
+impl Record {
+    /// The channel called `name`; `x=0.550` and `x=0.55` are the same place.
+    pub fn channel(&self, name: &str) -> Option<&Channel> {
+        let name = ChannelName::parse(name).ok()?.to_string();
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// The channels of the quantity called `quantity`, wherever they were measured.
+    pub fn channels_of<'r>(&'r self, quantity: &'r str) -> impl Iterator<Item = &'r Channel> {
+        self.channels.iter().filter(move |channel| channel.quantity() == quantity)
+    }
+
+    /// Number of samples, the same in every channel.
+    pub fn len(&self) -> usize {
+        self.channels.first().map_or(0, |channel| channel.values.len())
+    }
+
+    /// Whether the record has no samples.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The time stamps (s), strictly increasing; a backbone table has none.
+    pub fn time(&self) -> Option<&[f64]> {
+        self.channel("time").map(|channel| channel.values.as_slice())
+    }
+
+    /// The time between samples (s), if they are evenly spaced to within a twentieth of it.
+    ///
+    /// ```
+    /// use stickslip::data::{Channel, Record, Regime};
+    ///
+    /// let time = Channel { name: "time".into(), unit: "s", values: vec![0.0, 0.1, 0.2], noise: None };
+    /// let mut record =
+    ///     Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels: vec![time] };
+    /// assert_eq!(record.sample_step(), Some(0.1));
+    /// record.channels[0].values.push(0.5);
+    /// assert_eq!(record.sample_step(), None);
+    /// ```
+    pub fn sample_step(&self) -> Option<f64> {
+        let time = self.time()?;
+        let (first, last) = (*time.first()?, *time.last()?);
+        let steps = (time.len() - 1) as f64;
+        let step = (last - first) / steps;
+        let even = |(index, stamp): (usize, &f64)| {
+            let expected = first + index as f64 * step;
+            (stamp - expected).abs() <= EVENNESS * step
+        };
+        (step > 0.0 && time.iter().enumerate().all(even)).then_some(step)
+    }
+}
+
+impl Channel {
+    /// The name of the quantity, without the place: `acceleration` of `acceleration:x=0.55`.
+    pub fn quantity(&self) -> &str {
+        self.name.split_once(':').map_or(self.name.as_str(), |(quantity, _)| quantity)
+    }
+
+    /// Where on a beam the channel was measured (m from the clamp), if its name says.
+    pub fn position(&self) -> Option<f64> {
+        self.name.split_once(":x=").and_then(|(_, position)| position.parse().ok())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Regime;
+    use super::*;
+
+    fn record(names: &[&str], values: &[f64]) -> Record {
+        let channel = |name: &&str| Channel {
+            name: (*name).to_owned(),
+            unit: "1",
+            values: values.to_vec(),
+            noise: None,
+        };
+        Record {
+            name: "r".to_owned(),
+            regime: Regime::Steady,
+            use_for: None,
+            channels: names.iter().map(channel).collect(),
+        }
+    }
+
+    #[test]
+    fn channels_are_found_by_name_quantity_and_place() {
+        let record = record(&["time", "acceleration:x=0.55", "acceleration:x=0.1"], &[0.0, 1.0]);
+        assert_eq!(record.channel("acceleration:x=0.550").unwrap().position(), Some(0.55));
+        assert!(record.channel("acceleration").is_none() && record.channel("nonsense").is_none());
+        assert_eq!(record.channels_of("acceleration").count(), 2);
+        assert_eq!((record.len(), record.is_empty()), (2, false));
+    }
+
+    #[test]
+    fn rounded_time_stamps_count_as_even_and_a_gap_does_not() {
+        // 256 Hz printed with six digits, as data loggers do.
+        let mut stamps: Vec<f64> = (0..5000)
+            .map(|index| format!("{:.4}", 0.00146484 + f64::from(index) / 256.0).parse().unwrap())
+            .collect();
+        let step = record(&["time"], &stamps).sample_step().unwrap();
+        assert!((step * 256.0 - 1.0).abs() < 1e-5);
+        stamps.remove(2500);
+        assert_eq!(record(&["time"], &stamps).sample_step(), None);
+    }
+
+    #[test]
+    fn a_step_needs_two_samples() {
+        for stamps in [&[][..], &[1.0]] {
+            assert_eq!(record(&["time"], stamps).sample_step(), None);
+        }
+        assert_eq!(record(&["force"], &[0.0, 1.0]).sample_step(), None);
+    }
+}

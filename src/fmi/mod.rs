@@ -1,0 +1,168 @@
+//! Models as co-simulation slaves, without any version of FMI: a variable table and an instance.
+//!
+//! # One table
+//! [`Description`] lists the variables of a model once. The `modelDescription.xml` of an FMU, its
+//! documentation, the dispatch of values and the identity check (the GUID) all come from it. A value
+//! reference is a position in the table.
+//!
+//! # Contacts
+//! The inputs set before [`Instance::do_step`]`(t, h)` are those reached at `t + h`, on a straight line
+//! from the previous ones; the outputs then belong to `t + h`. The laws are rate-independent: `h` must
+//! be positive and finite, and plays no other role. A contact starts unstressed at displacement 0
+//! under the normal load set at initialization and goes from there to the initial displacement. During
+//! initialization the outputs follow the inputs and parameters without leaving a trace.
+//!
+//! # Beams
+//! A beam starts at rest and undeformed. Its inputs are held constant over a step. Its outputs belong
+//! to the end of the step and change in [`Instance::do_step`] only. A contact point of the model file,
+//! `[[contact_point]] position = 0.3`, takes the force of another contact, `contact_force:x=0.3`, and is a sensor as well:
+//! `displacement:x=0.3`, `velocity:x=0.3`, `acceleration:x=0.3`. The force is restoring, as that of the support.
+//!
+//! # Oscillators
+//! Masses start at rest. As with a contact, the inputs set before a step are those reached at its end, on a straight
+//! line from the previous ones; outputs belong to the end of the step and change in [`Instance::do_step`] only.
+//!
+//! # Derivatives of inputs with respect to time
+//! FMI 2.0 (4.2.1) sets inputs and their derivatives "with respect to the beginning of a communication time step". With
+//! a first derivative d ([`Instance::set_input_derivatives`]) an input of any model therefore begins the step at the
+//! value set and is `value + d t` at t from there. What the previous step ended with is left at once: a beam takes a
+//! jump as it takes one without a derivative; a contact, whose force depends on the way there, goes on a straight line
+//! from the previous inputs to the values set, in no time, and from there on a straight line to the ends. An input
+//! without a derivative meanwhile does as above: with contacts and oscillators it stays during the jump and runs from
+//! its previous value to the one set during the step. A derivative of zero is a derivative: it holds a contact's input.
+//!
+//! The standard does not say how long a derivative lasts. Here it lasts for one step, since a stale one does harm where a
+//! master has none to give. The input stays at the value reached, which is what reading it gives and what holds, or is
+//! the start of a straight line, in the next step.
+//!
+//! # Derivatives of outputs with respect to time
+//! [`Instance::output_derivatives`] gives the first ones at the end of the last step, coming from within the step: of
+//! displacements the velocity and so on, of a contact force its tangents times the rates of displacement, velocity and
+//! normal load, of an acceleration the equation of motion differentiated. That of the dissipated energy is the mean
+//! power over the step (of a contact without its jump), and what curvature of the contact law adds to the acceleration
+//! of a [frictional beam](crate::time)'s contact is looked up a moment ahead. Higher orders would need the second
+//! derivatives of inputs; `maxOutputDerivativeOrder` is 1.
+//!
+//! # Derivatives of outputs with respect to inputs
+//! FMI 2.0 (2.1.9) refers to the mathematical description of co-simulation (4.1.2) for what is differentiated. There
+//! outputs are what `fmi2DoStep` makes of the inputs set before it, and no call can make others of them before the next
+//! step. [`Instance::directional_derivative`] is that derivative: of the outputs at the end of the last step by the
+//! inputs with which it was made, the state at its beginning and the derivatives set for inputs being what they were.
+//! It is what repeating the step from a saved state with other inputs would show, and what Newton's method on
+//! the interface of coupled models needs. As `h → 0` it becomes the direct feed-through at a communication point, on
+//! which the dependencies in [`Description`] are based: those of a beam have no path through the motion, the
+//! derivative has. In the initialization, and until the first step, it is the derivative of the initial outputs.
+//!
+//! Nothing is differenced but what no law tells, the dissipated energy and the curvature of a contact's loop. The step
+//! is repeated with its linearisation: modes, contact forces and the memory of the law carry the change along, through
+//! reversals and from stick to slip, and the step itself costs no more for it. On a kink it is one of the
+//! two derivatives. [`Instance::line_derivative`] changes starts and ends of the inputs' lines separately.
+
+mod beam;
+mod contact;
+mod derivatives;
+mod description;
+mod error;
+mod instance;
+mod oscillator;
+mod parameter;
+mod snapshot;
+
+pub use derivatives::DERIVATIVE_ORDER;
+pub use description::{
+    Causality, Dependency, DependencyKind, Description, Experiment, Initial, Variability, Variable,
+    VariableType,
+};
+pub use error::Error;
+pub use instance::{Instance, Setup, Stage};
+pub use snapshot::{Snapshot, SnapshotError};
+
+use crate::effects::JointChanges;
+use crate::model::{Model, Structure};
+use crate::time::Ramp;
+use std::fmt::Debug;
+
+/// The physics behind an instance. It holds parameters and work space; what it remembers from step to
+/// step is in `state` and `values`, which belong to the instance, so that saving an instance is a copy.
+pub(crate) trait Behaviour: Debug + Send {
+    /// Length of the state.
+    fn state_len(&self) -> usize;
+
+    /// Writes the state and the outputs at the start of a simulation, from nothing but the inputs in
+    /// `values`. On error both are as before.
+    fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String>;
+
+    /// One step of length `step` (s) with the inputs in `values` and their derivatives in `slopes`, which is empty if
+    /// there is none; writes the outputs, and inputs that have run on, to `values`. On error both are as before.
+    fn step(
+        &mut self,
+        state: &mut [f64],
+        values: &mut [f64],
+        slopes: &[Option<f64>],
+        step: f64,
+        tolerance: f64,
+    ) -> Result<(), String>;
+
+    /// Derivatives of all outputs with respect to time at the end of the last step.
+    fn output_rates(&mut self, state: &[f64], rates: &mut [f64]) -> Result<(), String>;
+
+    /// Change of all outputs at the end of the last step, or at the start, when the lines of the inputs over it change
+    /// by `direction`. `tolerance` is that of the step.
+    fn sensitivity(
+        &mut self,
+        state: &[f64],
+        direction: &[Ramp],
+        tolerance: f64,
+        change: &mut [f64],
+    ) -> Result<(), String>;
+}
+
+/// The normal load that acts, from the one that comes in.
+#[derive(Debug, Clone, Copy)]
+struct LoadRule {
+    joint: JointChanges,
+    constant: f64,
+}
+
+impl LoadRule {
+    fn new(model: &Model) -> Self {
+        Self {
+            joint: model.changes().joint,
+            constant: model.contact.map_or(0.0, |contact| contact.normal_load),
+        }
+    }
+
+    /// Change of N per change of the input (1).
+    fn gain(&self) -> f64 {
+        self.joint.load_gain.unwrap_or(1.0)
+    }
+
+    /// N, of the `input` (N): all of it, or the share of its change that reaches the contact.
+    fn acting(&self, input: f64) -> f64 {
+        match self.joint.load_gain {
+            None => input,
+            Some(_) => self.joint.normal_load(self.constant, Some(input)),
+        }
+    }
+}
+
+/// The variable table of a model whose parameters have the rows `parameters`.
+fn describe(model: &Model, parameters: Vec<Variable>) -> Result<Description, String> {
+    match (&model.structure, &model.contact) {
+        (Structure::Prescribed, Some(contact)) => Ok(contact::describe(model, contact, parameters)),
+        (Structure::Prescribed, None) => Err("a contact model needs a contact".to_owned()),
+        (Structure::Beam(beam), contact) => Ok(beam::describe(model, beam, contact.as_ref(), parameters)),
+        (Structure::Oscillator(oscillator), contact) => {
+            Ok(oscillator::describe(model, oscillator, contact.as_ref(), parameters))
+        }
+    }
+}
+
+/// The physics of a model.
+fn behaviour(model: &Model) -> Result<Box<dyn Behaviour>, String> {
+    match (&model.structure, &model.contact) {
+        (Structure::Prescribed, _) => Ok(Box::new(contact::ContactBehaviour::new(model)?)),
+        (Structure::Beam(beam), _) => beam::behaviour(beam, model),
+        (Structure::Oscillator(oscillator), _) => oscillator::behaviour(model, oscillator),
+    }
+}

@@ -1,0 +1,246 @@
+//! One mechanical system: a linear core, named ports, elements at ports.
+
+use std::sync::Arc;
+
+use super::{LinearStructure, ModalBeam, Row};
+use crate::contact::{ContactLaw, Drag, LawError};
+
+/// `M q̈ + C q̇ + K q + Σ Jₚ(q)ᵀ Fₚ = Σ bₖ fₖ(t)`.
+///
+/// A new structure is a builder of it, a new physics an [`Element`]; solvers know neither.
+///
+/// ```
+/// use std::sync::Arc;
+/// use stickslip::contact::Jenkins;
+/// use stickslip::system::{Core, Element, Port, System};
+///
+/// // A mass of 2 kg on a spring of 50 N/m, with a friction contact to the ground, driven at the mass.
+/// let mass = Port::linear("mass", vec![(0, 1.0)]);
+/// let contact = Element::Law { port: 0, law: Arc::new(Jenkins::new(30.0, 0.4)?), normal_load: 2.0 };
+/// let system = System {
+///     core: Core::Matrices {
+///         size: 1,
+///         mass: vec![(0, 0, 2.0)],
+///         damping: vec![(0, 0, 0.1)],
+///         stiffness: vec![(0, 0, 50.0)],
+///     },
+///     shortening: vec![],
+///     ports: vec![mass],
+///     elements: vec![contact],
+///     driven: vec![0],
+///     sensors: vec![0],
+/// };
+/// assert!(system.ports[0].is_linear());
+/// # Ok::<(), stickslip::contact::LawError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct System {
+    /// M, C and K.
+    pub core: Core,
+    /// G of the shortening `½ qᵀG q` (m), row-major and symmetric; empty where no port shortens.
+    pub shortening: Vec<f64>,
+    /// Where forces act and motion is seen.
+    pub ports: Vec<Port>,
+    /// What acts at ports.
+    pub elements: Vec<Element>,
+    /// Ports on which exciters push, as places in [`System::ports`]: `+ b f(t)` on the right-hand side.
+    pub driven: Vec<usize>,
+    /// Ports that are read, as places in [`System::ports`].
+    pub sensors: Vec<usize>,
+}
+
+/// The linear part of a system.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Core {
+    /// Coordinates of unit mass, each with a stiffness and a damper of its own.
+    Modal {
+        /// ωᵢ (rad/s).
+        angular_frequency: Vec<f64>,
+        /// ζᵢ (1).
+        damping_ratio: Vec<f64>,
+    },
+    /// Symmetric matrices, both triangles of each.
+    Matrices {
+        /// Number of degrees of freedom.
+        size: usize,
+        /// M (kg).
+        mass: super::Entries,
+        /// C (N s/m).
+        damping: super::Entries,
+        /// K (N/m).
+        stiffness: super::Entries,
+    },
+}
+
+impl Core {
+    /// Number of coordinates.
+    pub fn size(&self) -> usize {
+        match self {
+            Self::Modal { angular_frequency, .. } => angular_frequency.len(),
+            Self::Matrices { size, .. } => *size,
+        }
+    }
+}
+
+/// A generalised displacement `u = b·q − γ ½ qᵀG q − a F` (m), along which a force acts by `J = b − γ G q`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Port {
+    /// Its name, the same in model files, CSV columns and FMI variables: `m2`, `x=0.55`, `contact`.
+    pub name: String,
+    /// b.
+    pub row: Row,
+    /// γ: 1 where the shortening pulls the port inwards, −1 (with b = 0) for the shortening itself, 0 where the port is
+    /// linear.
+    pub shortening: f64,
+    /// a (m/N): flexibility in series with the element at the port.
+    pub flexibility: f64,
+}
+
+impl Port {
+    /// A port that is linear in the coordinates.
+    pub fn linear(name: &str, row: Row) -> Self {
+        Self { name: name.to_owned(), row, shortening: 0.0, flexibility: 0.0 }
+    }
+
+    /// Whether the displacement is linear in the coordinates.
+    pub fn is_linear(&self) -> bool {
+        self.shortening == 0.0
+    }
+}
+
+/// What acts at a port.
+#[derive(Debug, Clone)]
+pub enum Element {
+    /// A restoring force by a law: a friction contact, a spring, a damper, drag.
+    Law {
+        /// Where, as a place in [`System::ports`].
+        port: usize,
+        /// The law.
+        law: Arc<dyn ContactLaw>,
+        /// Constant normal load (N); laws that know none ignore it.
+        normal_load: f64,
+    },
+    /// Linear springs between the motions of two ports: `F = K u`, K symmetric.
+    Springs {
+        /// Where, as places in [`System::ports`].
+        ports: [usize; 2],
+        /// K (N/m).
+        stiffness: [[f64; 2]; 2],
+    },
+    /// A restoring force (N) given from outside, as by another simulator.
+    Outside {
+        /// Where, as a place in [`System::ports`].
+        port: usize,
+    },
+}
+
+impl Element {
+    /// Where it acts, as places in [`System::ports`].
+    pub fn ports(&self) -> &[usize] {
+        match self {
+            Self::Law { port, .. } | Self::Outside { port } => std::slice::from_ref(port),
+            Self::Springs { ports, .. } => ports,
+        }
+    }
+}
+
+impl System {
+    /// The port called `name`, as a place in [`System::ports`].
+    pub fn port(&self, name: &str) -> Option<usize> {
+        self.ports.iter().position(|port| port.name == name)
+    }
+
+    /// Whether every port with an element is linear in the coordinates.
+    pub fn is_linear_at_ports(&self) -> bool {
+        self.elements.iter().flat_map(Element::ports).all(|port| self.ports[*port].is_linear())
+    }
+}
+
+impl ModalBeam {
+    /// The beam as a system. Ports: the sensors and the contact points (`x=0.55`), `excitation`, `contact`; where
+    /// anything but the contact pulls along the beam `shortening` and `string`. `contact` is the law at the end with its normal load (N); the
+    /// contact points, and the end without a law, take forces from outside.
+    ///
+    /// Stretching has the potential `κ h²` of the shortening h, a string `− k y h` of its stretch y besides: springs
+    /// between the two ports.
+    ///
+    /// # Errors
+    /// Numbers that make no law.
+    pub fn system(&self, contact: Option<(Arc<dyn ContactLaw>, f64)>) -> Result<System, LawError> {
+        let row = |shape: &[f64]| -> Row { shape.iter().copied().enumerate().collect() };
+        let places = self.sensors.iter().chain(&self.contact_points);
+        let mut ports: Vec<Port> =
+            places.map(|at| Port::linear(&format!("x={}", at.position), row(&at.shape))).collect();
+        let excitation = ports.len();
+        ports.push(Port::linear("excitation", row(&self.excitation_shape)));
+        let end = ports.len();
+        ports.push(Port {
+            name: "contact".into(),
+            row: row(&self.contact_shape),
+            shortening: 1.0,
+            flexibility: self.axial_flexibility,
+        });
+        let mut elements = vec![match contact {
+            Some((law, normal_load)) => Element::Law { port: end, law, normal_load },
+            None => Element::Outside { port: end },
+        }];
+        let first_point = self.sensors.len();
+        elements.extend((first_point..excitation).map(|port| Element::Outside { port }));
+        if self.quadratic_damping != 0.0 {
+            let law = Arc::new(Drag::new(self.quadratic_damping)?);
+            elements.push(Element::Law { port: excitation, law, normal_load: 0.0 });
+        }
+        if self.pulls_along() {
+            let [shortening, string] = [ports.len(), ports.len() + 1];
+            ports.push(Port { shortening: -1.0, ..Port::linear("shortening", Row::new()) });
+            ports.push(Port::linear("string", row(&self.string_stretch)));
+            let (own, coupled) = (2.0 * self.stretching_stiffness, -self.string_stiffness);
+            let stiffness = [[own, coupled], [coupled, 0.0]];
+            elements.push(Element::Springs { ports: [shortening, string], stiffness });
+        }
+        Ok(System {
+            core: Core::Modal {
+                angular_frequency: self.angular_frequency.clone(),
+                damping_ratio: self.damping_ratio.clone(),
+            },
+            shortening: self.shortening.clone(),
+            ports,
+            elements,
+            driven: vec![excitation],
+            sensors: (0..first_point).collect(),
+        })
+    }
+}
+
+impl LinearStructure {
+    /// The structure as a system. Ports: the outputs by their names, `excitation`, then a port per contact in their order,
+    /// `contact` the first. `contacts` are their laws, each with its normal load (N).
+    pub fn system(&self, contacts: Vec<(Arc<dyn ContactLaw>, f64)>) -> System {
+        let mut ports: Vec<Port> =
+            self.outputs.iter().map(|output| Port::linear(&output.name, output.row.clone())).collect();
+        let excitation = ports.len();
+        ports.push(Port::linear("excitation", self.excitation.clone()));
+        let first = ports.len();
+        for (place, row) in self.contacts.iter().enumerate() {
+            let name = if place == 0 { "contact".to_owned() } else { format!("contact.{}", place + 1) };
+            ports.push(Port::linear(&name, row.clone()));
+        }
+        let elements = contacts.into_iter().enumerate();
+        let elements = elements
+            .map(|(place, (law, normal_load))| Element::Law { port: first + place, law, normal_load })
+            .collect();
+        System {
+            core: Core::Matrices {
+                size: self.size,
+                mass: self.mass.clone(),
+                damping: self.damping.clone(),
+                stiffness: self.stiffness.clone(),
+            },
+            shortening: Vec::new(),
+            ports,
+            elements,
+            driven: vec![excitation],
+            sensors: (0..excitation).collect(),
+        }
+    }
+}
