@@ -11,7 +11,7 @@ use stickslip_readers::xml::XmlFile;
 
 use crate::component::{Error, Library, Slave};
 use crate::description::{ModelDescription, TypeOfVariable};
-use crate::fmi::FmuSlave;
+use crate::slave::FmuSlave;
 use crate::isolate::IsolatedSlave;
 use crate::log::Log;
 

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use stickslip::cosim::{self, Abilities, Setup, Severity, SlaveError, Stepped, Variable};
 
 use super::protocol::{Call, Frame, Garbled, Reader, severity};
-use crate::fmi::{abilities, name_unit, table};
+use crate::slave::{abilities, name_unit, table};
 use crate::import::{Fmu, ImportProblem};
 use crate::log::Log;
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use stickslip::cosim::{Severity, Slave, SlaveError, Stepped};
 
 use super::protocol::{Call, Frame, Garbled, Reader, severity_number};
-use crate::fmi::FmuSlave;
+use crate::slave::FmuSlave;
 use crate::import::Fmu;
 
 /// Instantiates the FMU that is unpacked in `folder`, and that the user knows as `fmu`, as `name`, and does what the process that started this one asks
