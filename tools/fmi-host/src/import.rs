@@ -11,9 +11,9 @@ use stickslip_readers::xml::XmlFile;
 
 use crate::component::{Error, Library, Slave};
 use crate::description::{ModelDescription, TypeOfVariable};
-use crate::slave::FmuSlave;
 use crate::isolate::IsolatedSlave;
 use crate::log::Log;
+use crate::slave::FmuSlave;
 
 /// Why an FMU cannot be used.
 #[derive(Debug, thiserror::Error)]

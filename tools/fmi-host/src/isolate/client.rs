@@ -11,9 +11,9 @@ use std::time::{Duration, Instant};
 use stickslip::cosim::{self, Abilities, Setup, Severity, SlaveError, Stepped, Variable};
 
 use super::protocol::{Call, Frame, Garbled, Reader, severity};
-use crate::slave::{abilities, name_unit, table};
 use crate::import::{Fmu, ImportProblem};
 use crate::log::Log;
+use crate::slave::{abilities, name_unit, table};
 
 /// An instance in a process of its own. A crash over there is an error with [`Severity::Fatal`]; every call after it,
 /// too.

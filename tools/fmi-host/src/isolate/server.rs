@@ -6,8 +6,8 @@ use std::path::Path;
 use stickslip::cosim::{Severity, Slave, SlaveError, Stepped};
 
 use super::protocol::{Call, Frame, Garbled, Reader, severity_number};
-use crate::slave::FmuSlave;
 use crate::import::Fmu;
+use crate::slave::FmuSlave;
 
 /// Instantiates the FMU that is unpacked in `folder`, and that the user knows as `fmu`, as `name`, and does what the process that started this one asks
 /// for, until that goes away. What the FMU prints is nobody's concern: nothing is said over standard output.
