@@ -20,7 +20,7 @@ fn main() -> ExitCode {
         "check" => check(),
         "test" => test(),
         "golden" => cargo(
-            &["test", "--package", "stickslip-fmu-package", "--test", "slave_golden"],
+            &["test", "--package", "stickslip-fmu-package", "--test", "package"],
             &[("STICKSLIP_GOLDEN", "write")],
         ),
         "cosimulation" => {

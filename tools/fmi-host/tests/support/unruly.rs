@@ -1,4 +1,5 @@
 //! An FMU that misbehaves on demand, compiled by the C compiler here.
+#![allow(dead_code, reason = "the tests of the program use a part")]
 
 use std::io::{Cursor, Write};
 use std::path::PathBuf;

@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 use serde_json::Value;
 use tempfile::TempDir;
 
-const MODEL: &str = include_str!("../../../examples/friction-vibration/model.toml");
+const MODEL: &str = include_str!("../../../../examples/friction-vibration/model.toml");
 
 fn stickslip(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_stickslip")).current_dir(folder).args(arguments).output().unwrap()
@@ -17,7 +17,7 @@ fn stickslip(folder: &Path, arguments: &[&str]) -> Output {
 fn example() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("model.toml"), MODEL).unwrap();
-    let beam = include_str!("../../../examples/frictional-support/published.toml");
+    let beam = include_str!("../../../../examples/frictional-support/published.toml");
     fs::write(folder.path().join("beam.toml"), beam).unwrap();
     folder
 }

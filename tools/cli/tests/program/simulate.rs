@@ -8,9 +8,7 @@ use std::process::{Command, Output};
 use serde_json::Value;
 use tempfile::TempDir;
 
-#[path = "../../fmi-host/tests/support/unruly.rs"]
-#[allow(dead_code)]
-mod unruly;
+use crate::unruly;
 
 fn stickslip(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_stickslip")).current_dir(folder).args(arguments).output().unwrap()

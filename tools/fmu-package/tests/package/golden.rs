@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use stickslip::fmi::Instance;
 use stickslip_fmu_package::{model_description_xml, standard_models};
 
-/// `STICKSLIP_GOLDEN=write cargo test -p stickslip-fmu-package --test slave_golden` writes them again.
+/// `STICKSLIP_GOLDEN=write cargo test -p stickslip-fmu-package --test package` writes them again.
 #[test]
 fn committed_model_descriptions_are_fresh() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../modelDescription");

@@ -8,9 +8,7 @@ use std::sync::Arc;
 use stickslip::cosim::{Severity, Slave, SlaveError, Stepped};
 use stickslip_fmi_host::{Fmu, IsolatedSlave, Status, serve};
 
-#[path = "support/unruly.rs"]
-#[allow(dead_code)]
-mod unruly;
+use crate::unruly;
 
 /// Not a test: the other process, when the tests start themselves.
 #[test]
@@ -24,7 +22,7 @@ fn the_other_process() {
 
 fn isolated(fmu: &Arc<Fmu>) -> IsolatedSlave {
     let mut command = Command::new(std::env::current_exe().unwrap());
-    command.args(["--exact", "the_other_process"]);
+    command.args(["--exact", "isolation::the_other_process"]);
     command.env("STICKSLIP_SERVE_FOLDER", fmu.folder()).env("STICKSLIP_SERVE_NAME", "unruly");
     fmu.isolated("unruly", command, || false).unwrap()
 }

@@ -6,8 +6,7 @@ use std::process::Command;
 use stickslip_fmi_host::{Error, Slave, Status};
 use stickslip_fmu_package::library;
 
-mod support;
-use support::unpack;
+use crate::support::unpack;
 
 #[test]
 #[cfg(target_os = "linux")]
@@ -117,7 +116,7 @@ fn bytes_saved_in_one_process_continue_in_another() {
     slave.free(state).unwrap();
     let expected = format!("{:?}", run(&mut slave, 50));
     let child = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "bytes_saved_in_one_process_continue_in_another"])
+        .args(["--exact", "library::bytes_saved_in_one_process_continue_in_another"])
         .env("STICKSLIP_SAVED_STATE", &file)
         .output()
         .unwrap();

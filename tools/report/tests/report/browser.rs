@@ -1,15 +1,13 @@
 //! The pages in a browser: every figure is drawn, nothing is wider than the screen, nothing is reported as an
 //! error. Skipped, loudly, where there is no Chromium.
 
-mod synthetic;
-
 use std::path::Path;
 use std::process::Command;
 
+use crate::synthetic::diagnosis::{found, insufficient, run, unexplained};
+use crate::synthetic::{backbone, beam_with_failure, contact, hostile, settings};
 use serde_json::Value;
 use stickslip_report::diagnosis::diagnosis_html;
-use synthetic::diagnosis::{found, insufficient, run, unexplained};
-use synthetic::{backbone, beam_with_failure, contact, hostile, settings};
 
 const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 

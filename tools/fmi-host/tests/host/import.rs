@@ -10,10 +10,7 @@ use stickslip_readers::archive::{ArchiveProblem, Limits, unpack};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-#[path = "support/unruly.rs"]
-#[allow(dead_code)]
-mod unruly;
-use unruly::{DESCRIPTION, archive, written};
+use crate::unruly::{self, DESCRIPTION, archive, written};
 
 fn opened(bytes: &[u8]) -> Result<Arc<Fmu>, ImportError> {
     let (_folder, file) = written("Broken.fmu", bytes);

@@ -241,7 +241,7 @@ fn a_smoothness_of_one_is_refused_with_file_and_line() {
 
 #[test]
 fn a_mass_of_zero_is_refused_with_file_and_line() {
-    let beam = include_str!("../../../examples/frictional-support/published.toml")
+    let beam = include_str!("../../../../examples/frictional-support/published.toml")
         .replace("mass = 0.02515", "mass = 0.0");
     assert!(beam.contains("mass = 0.0\n") || beam.contains("mass = 0.0 "));
     refused(
@@ -253,7 +253,7 @@ fn a_mass_of_zero_is_refused_with_file_and_line() {
 
 #[test]
 fn an_oscillator_is_compared_by_its_masses_and_a_contact_loop_is_not_its_record() {
-    let example = include_str!("../../../examples/friction-vibration/model.toml");
+    let example = include_str!("../../../../examples/friction-vibration/model.toml");
     let oscillator = |folder: &Path| fs::write(folder.join("model.toml"), example).unwrap();
     refused(oscillator, &COMPARE, &["loop.csv", "excitation:m1 [N]", "it drives the model"]);
 }
@@ -379,14 +379,14 @@ fn interrupted(folder: &Path, arguments: &[&str]) -> Output {
 fn an_interrupted_refit_writes_what_it_has() {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in [
-        ("backbone.csv", include_str!("../../../examples/frictional-support/backbone.csv")),
-        ("dataset.toml", include_str!("../../../examples/frictional-support/dataset.toml")),
+        ("backbone.csv", include_str!("../../../../examples/frictional-support/backbone.csv")),
+        ("dataset.toml", include_str!("../../../../examples/frictional-support/dataset.toml")),
     ] {
         fs::write(folder.path().join(name), text).unwrap();
     }
     // So many modes that the refit takes a minute.
-    let slow =
-        include_str!("../../../examples/frictional-support/valanis.toml").replace("modes = 4", "modes = 40");
+    let slow = include_str!("../../../../examples/frictional-support/valanis.toml")
+        .replace("modes = 4", "modes = 40");
     assert!(slow.contains("modes = 40"));
     fs::write(folder.path().join("slow.toml"), slow).unwrap();
     let started = std::time::Instant::now();

@@ -8,9 +8,7 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
-#[path = "../../fmi-host/tests/support/unruly.rs"]
-#[allow(dead_code)]
-mod unruly;
+use crate::unruly;
 
 /// A simulation whose FMU does not come back from a step.
 struct Hung {

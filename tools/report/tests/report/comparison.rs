@@ -1,14 +1,12 @@
 //! What a report promises, whatever is compared.
 
-mod synthetic;
-
 use serde_json::Value;
 use stickslip::data::{Record, Regime};
 use stickslip::diagnose::Comparison;
 use stickslip::diagnose::Noise;
 use stickslip_report::Settings;
 
-use synthetic::{HOSTILE, backbone, beam_with_failure, contact, failed, hostile, settings};
+use crate::synthetic::{HOSTILE, backbone, beam_with_failure, contact, failed, hostile, settings};
 
 /// Nothing is known of the noise, unless a test is about it.
 const QUIET: &[Noise] = &[];

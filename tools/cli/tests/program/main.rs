@@ -1,0 +1,12 @@
+//! The program as a user calls it.
+
+#[cfg(target_os = "linux")]
+#[path = "../../../fmi-host/tests/support/unruly.rs"]
+mod unruly;
+
+mod diagnosis;
+mod frf;
+mod hidden_effects;
+mod interrupt;
+mod simulate;
+mod user_stories;

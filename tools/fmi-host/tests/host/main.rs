@@ -1,0 +1,11 @@
+//! FMUs of ours and of anybody, as a host sees them.
+
+#[path = "../support/mod.rs"]
+mod support;
+#[cfg(target_os = "linux")]
+#[path = "../support/unruly.rs"]
+mod unruly;
+
+mod import;
+mod isolation;
+mod library;

@@ -1,0 +1,4 @@
+//! Cases, and the score of a diagnosis of them.
+
+mod generation;
+mod scoring;
