@@ -7,6 +7,7 @@ pub mod contact;
 pub mod cosim;
 pub mod cycle;
 pub mod exact_period;
+pub mod external;
 pub mod finite_elements;
 pub mod fmi;
 pub mod linear_slave;

@@ -1,8 +1,6 @@
 //! Oscillators compared with records: made by the exact flow here, and by a program of other make where its data
 //! are at hand (`../shared/data` or `STICKSLIP_DATA`).
 
-use std::path::PathBuf;
-
 use stickslip::contact::Jenkins;
 use stickslip::data::{Channel, ChannelName, Dataset, Record, Regime};
 use stickslip::diagnose::evaluate;
@@ -11,15 +9,12 @@ use stickslip::fit::{self, Options, Parameter, Scale};
 use stickslip::model::Model;
 use stickslip::time::{Excitation, LoadedContact, OscillatorFlow};
 
+use crate::common::external;
+
 /// A case of the hidden-effect data with the records wanted.
 fn hidden(case: usize, records: &[usize]) -> Option<(Model, Dataset)> {
-    let root = std::env::var_os("STICKSLIP_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
-    let folder = root.join("hidden-effect").join(format!("case-{case}"));
-    let Ok(model) = std::fs::read_to_string(folder.join("model.toml")) else {
-        eprintln!("SKIPPED: there is no {}; set STICKSLIP_DATA", folder.display());
-        return None;
-    };
+    let folder = external::data(&format!("hidden-effect/case-{case}"))?;
+    let model = std::fs::read_to_string(folder.join("model.toml")).unwrap();
     let table = std::fs::read_to_string(folder.join("dataset.toml")).unwrap();
     let noise_of = |record: usize, channel: &str| -> Option<f64> {
         let after = table.split(&format!("\"r{record}.csv\"")).nth(1)?.split("[[record]]").next()?;

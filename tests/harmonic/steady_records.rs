@@ -1,23 +1,11 @@
 //! Steady records of a beam with a hidden effect, made by another program: periods are found, and the
-//! given model (which lacks the effect) answers every excitation from a cold start. Skipped, loudly,
-//! where the data are absent.
-
-use std::path::PathBuf;
+//! given model (which lacks the effect) answers every excitation from a cold start.
 
 use stickslip::contact::Jenkins;
 use stickslip::harmonic::fourier::{coefficient_count, from_samples};
 use stickslip::harmonic::{ContactOnBeam, Method, Settings, forced_response, whole_periods};
 
-fn folder() -> Option<PathBuf> {
-    let data = std::env::var_os("STICKSLIP_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
-    let folder = data.join("hidden-effect/case-8");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("SKIPPED: no steady records at {} (set STICKSLIP_DATA)", folder.display());
-    None
-}
+use crate::common::{external, finite_elements};
 
 /// Columns of a record: time, excitation, accelerations at 0.55, 0.3 and 0.1 m.
 fn columns(path: &std::path::Path) -> Vec<Vec<f64>> {
@@ -33,15 +21,9 @@ fn columns(path: &std::path::Path) -> Vec<Vec<f64>> {
 
 #[test]
 fn every_steady_record_is_answered_from_a_cold_start() {
-    let Some(folder) = folder() else { return };
+    let Some(folder) = external::data("hidden-effect/case-8") else { return };
     let masses = [(0.55, 0.025), (0.3, 0.005), (0.1, 0.005)];
-    let mut beam = crate::common::finite_elements::beam(
-        193_737_638_546.993_47,
-        &masses,
-        0.003_697_017_655_819_057_4,
-        6,
-        24,
-    );
+    let mut beam = finite_elements::beam(193_737_638_546.993_47, &masses, 0.003_697_017_655_819_057_4, 6, 24);
     beam.sensors.truncate(3);
     let law = Jenkins::new(7_198_003.463_408_523, 0.400_647_880_176_607_24).unwrap();
     let contact = ContactOnBeam { law: &law, normal_load: 149.899_456_390_378_36 };

@@ -4,10 +4,15 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
+mod tally;
+
+use tally::Tally;
+
 const USAGE: &str = "usage: cargo xtask TASK
 
   check           what to run before each commit: format, lints, docs, tests, golden files fresh
-  test            every test: Rust, then the FMUs under independent importers (prepares its own Python environment)
+  test            every test: Rust, then the FMUs under independent importers (prepares its own Python
+                  environment); the last line says how many passed, failed and were skipped
   golden          regenerate the golden files under modelDescription/ (review the diff)
   hidden-effects  find hidden effects in simulated measurements and write benches/hidden-effects.md;
                   with arguments (--help lists them) only what they say, and the table under target/
@@ -16,9 +21,10 @@ const USAGE: &str = "usage: cargo xtask TASK
 
 fn main() -> ExitCode {
     let task = std::env::args().nth(1).unwrap_or_default();
+    let mut tally = Tally::default();
     let done = match task.as_str() {
-        "check" => check(),
-        "test" => test(),
+        "check" => check(&mut tally),
+        "test" => test(&mut tally),
         "golden" => cargo(
             &["test", "--package", "stickslip-fmu-package", "--test", "package"],
             &[("STICKSLIP_GOLDEN", "write")],
@@ -29,39 +35,54 @@ fn main() -> ExitCode {
         "hidden-effects" => hidden_effects(std::env::args().skip(2).collect()),
         _ => Err(USAGE.to_owned()),
     };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(message) => {
-            eprintln!("{message}");
-            ExitCode::FAILURE
-        }
+    if let Err(message) = &done {
+        eprintln!("{message}");
     }
+    if tally != Tally::default() {
+        println!("{tally}");
+    }
+    if done.is_ok() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-fn check() -> Result<(), String> {
+fn check(tally: &mut Tally) -> Result<(), String> {
     cargo(&["fmt", "--all", "--check"], &[])?;
     cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--", "--deny", "warnings"], &[])?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked"], &[("RUSTDOCFLAGS", "--deny warnings")])?;
-    test()
+    test(tally)
 }
 
-/// Golden files are compared by the Rust tests, so a stale one fails here.
-fn test() -> Result<(), String> {
-    cargo(&["test", "--workspace", "--locked"], &[])?;
+/// Golden files are compared by the Rust tests, so a stale one fails here. All that can be tested is, whatever failed
+/// before.
+fn test(tally: &mut Tally) -> Result<(), String> {
+    tally.count(|_| cargo(&["test", "--workspace", "--locked", "--no-run"], &[]))?;
+    let rust = ["test", "--workspace", "--locked", "--no-fail-fast"];
+    let rust = tally.count(|tally| tally.watch(cargo_command(&rust)));
+    let python = tally.count(test_fmus);
+    match (rust, python) {
+        (Err(first), Err(second)) => Err(format!("{first}\n{second}")),
+        (rust, python) => rust.and(python),
+    }
+}
+
+/// The FMUs under independent importers.
+fn test_fmus(tally: &mut Tally) -> Result<(), String> {
     let python = python_environment()?;
-    let fmus = root().join("target/fmus-under-test");
+    let fmus = target().join("fmus-under-test");
     // A file that an earlier version exported must not be what is judged.
     let _ = std::fs::remove_dir_all(&fmus);
     // The tests have built both programs; built once more by themselves they would want the library with other features.
     let built =
-        |name: &str| root().join("target/debug").join(name).with_extension(std::env::consts::EXE_EXTENSION);
+        |name: &str| target().join("debug").join(name).with_extension(std::env::consts::EXE_EXTENSION);
     run(Command::new(built("examples/native_trajectories")).arg(&fmus))?;
     let program = built("stickslip");
-    run(Command::new(python)
-        .args(["-m", "pytest", "--quiet", "tests/fmi"])
+    let mut pytest = Command::new(python);
+    pytest
+        .args(["-m", "pytest", "--quiet", "-rs", "tests/fmi"])
         .env("STICKSLIP_FMUS", &fmus)
         .env("STICKSLIP", &program)
-        .env("PYTHONDONTWRITEBYTECODE", "1"))
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .current_dir(root());
+    tally.watch(pytest)
 }
 
 /// Builds the program and hands over to the benchmark; the whole of it writes the table that is committed.
@@ -87,7 +108,7 @@ fn python_environment() -> Result<PathBuf, String> {
     for file in [&requirements, &alone] {
         wanted += &std::fs::read_to_string(file).map_err(|error| format!("{}: {error}", file.display()))?;
     }
-    let environment = root().join("target/python");
+    let environment = target().join("python");
     let python = environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
     let stamp = environment.join("requirements-installed.txt");
     if std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
@@ -114,8 +135,13 @@ fn python_environment() -> Result<PathBuf, String> {
 }
 
 fn cargo(arguments: &[&str], environment: &[(&str, &str)]) -> Result<(), String> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    run(Command::new(cargo).args(arguments).envs(environment.iter().copied()))
+    run(cargo_command(arguments).envs(environment.iter().copied()))
+}
+
+fn cargo_command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(arguments).current_dir(root());
+    command
 }
 
 fn run(command: &mut Command) -> Result<(), String> {
@@ -130,4 +156,9 @@ fn run(command: &mut Command) -> Result<(), String> {
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// Where cargo builds.
+fn target() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
 }

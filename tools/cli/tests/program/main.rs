@@ -1,5 +1,7 @@
 //! The program as a user calls it.
 
+#[path = "../../../../tests/common/external.rs"]
+mod external;
 #[cfg(target_os = "linux")]
 #[path = "../../../fmi-host/tests/support/unruly.rs"]
 mod unruly;

@@ -6,6 +6,8 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
+use crate::external;
+
 const CONTACT: &str = r#"schema = "stickslip.model/1"
 kind = "contact"
 
@@ -399,21 +401,9 @@ fn an_interrupted_refit_writes_what_it_has() {
     assert!(started.elapsed().as_secs() < 30);
 }
 
-/// The measured loops of a friction device have a licence of their own and stay where they are.
-fn friction_damper() -> Option<PathBuf> {
-    let data = std::env::var_os("STICKSLIP_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), PathBuf::from);
-    let folder = data.join("friction-damper");
-    let there = folder.is_dir();
-    if !there {
-        eprintln!("SKIPPED: {} is not there (set STICKSLIP_DATA)", folder.display());
-    }
-    there.then_some(folder)
-}
-
 #[test]
 fn measured_friction_damper_is_compared_where_its_data_are_present() {
-    let Some(folder) = friction_damper() else { return };
+    let Some(folder) = external::data("friction-damper") else { return };
     let out = tempfile::tempdir().unwrap();
     let (model, dataset) = (folder.join("model.toml"), folder.join("dataset.toml"));
     let (model, dataset) = (model.to_str().unwrap(), dataset.to_str().unwrap());
@@ -429,7 +419,7 @@ fn measured_friction_damper_is_compared_where_its_data_are_present() {
 
 #[test]
 fn the_measured_friction_damper_lacks_backlash() {
-    let Some(folder) = friction_damper() else { return };
+    let Some(folder) = external::data("friction-damper") else { return };
     let out = tempfile::tempdir().unwrap();
     let (model, dataset) = (folder.join("model.toml"), folder.join("dataset.toml"));
     let (model, dataset) = (model.to_str().unwrap(), dataset.to_str().unwrap());

@@ -1,5 +1,8 @@
 //! What is read, and what is refused where.
 
+#[path = "../../../../tests/common/external.rs"]
+mod external;
+
 mod any_bytes;
 mod bad_input;
 mod examples;

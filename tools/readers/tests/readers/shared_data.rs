@@ -1,31 +1,15 @@
-//! Every dataset that lies beside the repository can be read. Where there is none, the test says so.
-
-use std::env;
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+//! Every dataset that lies beside the repository can be read.
 
 use stickslip::model::Structure;
 use stickslip_readers::{check_columns, read_dataset, read_model};
 
-/// The folder of the external data: `STICKSLIP_DATA`, or `../shared/data` beside the repository.
-fn data() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let folder = env::var_os("STICKSLIP_DATA").map_or(beside, PathBuf::from);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    // The harness hides what a passing test prints with eprintln; written directly it is seen.
-    let path = folder.display();
-    let _ =
-        writeln!(io::stderr(), "SKIPPED: no data at {path} (set STICKSLIP_DATA to the folder that has it)");
-    None
-}
+use crate::external;
 
 #[test]
 fn the_hidden_effect_cases_are_read() {
-    let Some(data) = data() else { return };
+    let Some(cases) = external::data("hidden-effect") else { return };
     for case in 1..=9 {
-        let folder = data.join(format!("hidden-effect/case-{case}"));
+        let folder = cases.join(format!("case-{case}"));
         let dataset = read_dataset(&folder).unwrap_or_else(|error| panic!("{}", error.render(false)));
         assert_eq!(dataset.records.len(), 8, "case {case}");
         for record in &dataset.records {
@@ -43,8 +27,7 @@ fn the_hidden_effect_cases_are_read() {
 
 #[test]
 fn the_friction_damper_is_read_in_si() {
-    let Some(data) = data() else { return };
-    let folder = data.join("friction-damper");
+    let Some(folder) = external::data("friction-damper") else { return };
     let dataset = read_dataset(&folder).unwrap_or_else(|error| panic!("{}", error.render(false)));
     let model =
         read_model(folder.join("model.toml")).unwrap_or_else(|error| panic!("{}", error.render(false)));

@@ -1,9 +1,10 @@
 //! The pages in a browser: every figure is drawn, nothing is wider than the screen, nothing is reported as an
-//! error. Skipped, loudly, where there is no Chromium.
+//! error.
 
 use std::path::Path;
 use std::process::Command;
 
+use crate::external;
 use crate::synthetic::diagnosis::{found, insufficient, run, unexplained};
 use crate::synthetic::{backbone, beam_with_failure, contact, hostile, settings};
 use serde_json::Value;
@@ -65,7 +66,7 @@ fn seen(browser: &str, folder: &Path, page: &str, width: usize) -> Value {
 fn every_figure_is_drawn_on_wide_and_narrow_screens() {
     let there = |browser: &&&str| Command::new(browser).arg("--version").output().is_ok();
     let Some(browser) = BROWSERS.iter().find(there) else {
-        eprintln!("SKIPPED: there is no Chromium to draw the pages in");
+        external::skip("there is no Chromium to draw the pages in");
         return;
     };
     let folder = std::env::temp_dir().join(format!("stickslip-browser-{}", std::process::id()));

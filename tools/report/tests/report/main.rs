@@ -1,5 +1,7 @@
 //! What pages, tables and JSON promise.
 
+#[path = "../../../../tests/common/external.rs"]
+mod external;
 #[path = "../synthetic/mod.rs"]
 mod synthetic;
 
