@@ -74,9 +74,10 @@ impl Model {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn system(&self) -> Result<System, AssemblyError> {
-        let law = || -> Result<Option<(Arc<dyn ContactLaw>, f64)>, LawError> {
+        let law = || {
             let load = self.contact.as_ref().map_or(0.0, |contact| contact.normal_load);
-            Ok(self.law()?.map(|law| (Arc::from(law), load)))
+            let shared = |law| (Arc::<dyn ContactLaw>::from(law), load);
+            self.law().map(|law| law.map(shared))
         };
         match &self.structure {
             Structure::Prescribed => {
