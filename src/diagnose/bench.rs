@@ -4,12 +4,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::shown::Shown;
-use super::simulation::Seed;
 use super::trial::Fitted;
-use super::{predict, score};
 use crate::data::{Dataset, Record};
 use crate::fit::InterruptHook;
+use crate::fit::predict::{ObservedSimulation, Seed, compared, deviation};
 use crate::model::Model;
 
 /// Normalised error above which a prediction may be another of several responses than the measured.
@@ -89,7 +87,10 @@ impl<'d> Bench<'d> {
             lanes: self
                 .lanes
                 .iter()
-                .map(|lane| Lane { seed: lane.seed.as_ref().map(|_| Seed::AboutMeasured), ..lane.clone() })
+                .map(|lane| Lane {
+                    seed: lane.seed.as_ref().map(|_| Seed::LinearisedAtMeasurement),
+                    ..lane.clone()
+                })
                 .collect(),
             simulations: AtomicUsize::new(0),
             refits: AtomicUsize::new(0),
@@ -122,7 +123,7 @@ impl<'d> Bench<'d> {
         let scored = |&record: &usize| {
             self.score_one(model, record, self.lanes[record].seed.as_ref()).or_else(|reason| {
                 // Without a response near to the measured motion what the equations lack there is the error.
-                let about = self.lanes[record].seed.is_some().then_some(&Seed::AboutMeasured);
+                let about = self.lanes[record].seed.is_some().then_some(&Seed::LinearisedAtMeasurement);
                 about.map_or(Err(reason), |about| self.score_one(model, record, Some(about)))
             })
         };
@@ -147,11 +148,11 @@ impl<'d> Bench<'d> {
 
     fn score_one(&self, model: &Model, record: usize, seed: Option<&Seed>) -> Result<Scored, String> {
         let lane = &self.lanes[record];
-        let mut shown = Shown::near(model, lane.record, seed)?;
+        let mut shown = ObservedSimulation::near(model, lane.record, seed)?;
         let nuisances = shown.nuisances(model)?;
         let settled = match seed {
             // A rough look needs no settled start.
-            Some(Seed::AboutMeasured) => nuisances.iter().map(|nuisance| nuisance.start).collect(),
+            Some(Seed::LinearisedAtMeasurement) => nuisances.iter().map(|nuisance| nuisance.start).collect(),
             _ if nuisances.is_empty() => Vec::new(),
             _ => shown.settle_from(model, &nuisances, &lane.measured, &lane.weights),
         };
@@ -193,7 +194,7 @@ fn square(scored: &Scored) -> f64 {
 
 fn lane<'d>(model: &Model, record: &'d Record) -> Result<Lane<'d>, String> {
     // Building a simulation says what the record lacks.
-    let seed = Shown::new(model, record)?.solution().cloned().map(Seed::Near);
+    let seed = ObservedSimulation::new(model, record)?.solution().cloned().map(Seed::Near);
     let mut lane = Lane {
         record,
         measured: Vec::new(),
@@ -202,10 +203,10 @@ fn lane<'d>(model: &Model, record: &'d Record) -> Result<Lane<'d>, String> {
         channels: Vec::new(),
         seed,
     };
-    for channel in predict::compared(model, record) {
+    for channel in compared(model, record) {
         let start = lane.measured.len();
         lane.measured.extend_from_slice(&channel.values);
-        let scale = 1.0 / score::deviation(channel)?;
+        let scale = 1.0 / deviation(channel)?;
         lane.scales.resize(lane.measured.len(), scale);
         lane.channels.push((&channel.name, start..lane.measured.len()));
     }
@@ -215,8 +216,8 @@ fn lane<'d>(model: &Model, record: &'d Record) -> Result<Lane<'d>, String> {
 
 impl<'d> Lane<'d> {
     /// A simulation of the record.
-    pub fn shown(&self, model: &Model) -> Result<Shown<'d>, String> {
-        Shown::near(model, self.record, self.seed.as_ref())
+    pub fn shown(&self, model: &Model) -> Result<ObservedSimulation<'d>, String> {
+        ObservedSimulation::near(model, self.record, self.seed.as_ref())
     }
 
     /// (prediction − measurement) · weight.

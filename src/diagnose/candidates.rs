@@ -3,11 +3,11 @@
 use super::bench::Bench;
 use super::diagnosis::Untried;
 use super::magnitudes;
-use super::motion::white_noise;
 use super::trial::Unknown;
 use crate::data::{ChannelName, Dataset, Regime};
 use crate::effects::{AppliedEffect, CATALOGUE, Effect, Kind, Location, Needs, PlaceKind, Range, Scales};
 use crate::fit::Parameter;
+use crate::fit::predict::white_noise;
 use crate::model::{Model, Structure};
 
 /// An effect at a place.

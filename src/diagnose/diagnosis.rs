@@ -1,7 +1,7 @@
 //! The result of a diagnosis, as data for tables, JSON and reports.
 
-use super::comparison::Comparison;
 use crate::data::Use;
+use crate::fit::compare::Comparison;
 use crate::model::Model;
 
 /// What was found, what it rests on, and what to do next.

@@ -4,8 +4,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::bench::{Bench, Scored, mean_square};
 use super::candidates::{self, Candidate};
-use super::compare::{RefitError, evaluate_from};
-use super::comparison::{Comparison, Stage};
 use super::diagnosis::{Cost, Diagnosis, Errors, Noise, Verdict};
 use super::findings::{ADEQUATE, Findings, Left, Outcome, UNEXPLAINED};
 use super::noise;
@@ -18,6 +16,7 @@ use super::{
 use crate::data::Dataset;
 use crate::effects::{Effect, Location};
 use crate::fit::InterruptHook;
+use crate::fit::compare::{Comparison, RefitError, Stage, evaluate_from};
 use crate::model::Model;
 
 /// Mean square of the weighted residuals below which the noise must be smaller than it is said to be.

@@ -4,9 +4,8 @@
 use rayon::prelude::*;
 
 use super::bench::{Bench, Lane};
-use super::motion::white_noise;
-use super::{predict, shown::Shown};
 use crate::data::Channel;
+use crate::fit::predict::{ObservedSimulation, compared, white_noise};
 use crate::model::Model;
 
 /// Standard deviation of what the inputs' noise makes of each compared channel of each record, under `model`.
@@ -21,12 +20,11 @@ pub(super) fn through(model: &Model, bench: &Bench) -> Vec<Vec<f64>> {
 
 fn one(model: &Model, lane: &Lane, index: usize) -> Result<Vec<f64>, String> {
     let record = lane.record;
-    let compared: Vec<&str> =
-        predict::compared(model, record).iter().map(|channel| channel.name.as_str()).collect();
+    let names: Vec<&str> = compared(model, record).iter().map(|channel| channel.name.as_str()).collect();
     let mut shaken = record.clone();
     let mut random = Random(index as u64);
     for channel in &mut shaken.channels {
-        let driving = !compared.contains(&channel.name.as_str()) && channel.name != "time";
+        let driving = !names.contains(&channel.name.as_str()) && channel.name != "time";
         let noise = if driving { input_noise(channel) } else { 0.0 };
         if noise > 0.0 {
             channel.values.iter_mut().for_each(|value| *value += noise * random.normal());
@@ -34,13 +32,13 @@ fn one(model: &Model, lane: &Lane, index: usize) -> Result<Vec<f64>, String> {
     }
     let mut values = [Vec::new(), Vec::new()];
     for (record, values) in [record, &shaken].into_iter().zip(&mut values) {
-        let mut shown = Shown::near(model, record, lane.seed.as_ref())?;
+        let mut shown = ObservedSimulation::near(model, record, lane.seed.as_ref())?;
         let nuisances = shown.settle(model)?;
         shown.predict(model, &nuisances, values)?;
     }
     let [plain, shaken] = values;
     let mut start = 0;
-    Ok(predict::compared(model, record)
+    Ok(compared(model, record)
         .iter()
         .map(|channel| {
             let range = start..start + channel.values.len();

@@ -4,9 +4,9 @@
 //! reversal in the direction of the motion, and the force has the sign of that direction, so that all branches
 //! rise from about −T to about T. The slope e that is left at the end of a branch is taken off first.
 
-use super::motion::Motion;
 use crate::data::Record;
 use crate::effects::Features;
+use crate::fit::predict::Motion;
 
 /// Change of direction that makes a reversal, as a share of the record's range.
 const TURN: f64 = 0.05;

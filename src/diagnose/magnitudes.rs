@@ -77,7 +77,7 @@ pub(super) fn of(model: &Model, dataset: &Dataset) -> Scales {
 /// The same for an effect at `location`: the channel's own size.
 pub(super) fn at(scales: &Scales, dataset: &Dataset, location: Option<&Location>) -> Scales {
     let Some(Location::Channel(name)) = location else { return *scales };
-    let deviation = |channel: &Channel| super::score::deviation(channel).ok();
+    let deviation = |channel: &Channel| crate::fit::predict::deviation(channel).ok();
     let channel = fold(dataset, f64::max, |record| record.channel(name).and_then(deviation));
     if channel.is_finite() && channel > 0.0 { Scales { channel, ..*scales } } else { *scales }
 }
@@ -102,7 +102,7 @@ pub(super) fn drive_rate(record: &Record) -> Option<f64> {
         );
     }
     let step = record.sample_step()?;
-    let motion = super::motion::Motion::even(&noise::driver(record)?.values, step);
+    let motion = crate::fit::predict::Motion::even(&noise::driver(record)?.values, step);
     let mean = motion.values.iter().sum::<f64>() / motion.values.len() as f64;
     let square: f64 = motion.values.iter().map(|x| (x - mean).powi(2)).sum();
     let rate: f64 = motion.rates.iter().map(|x| x * x).sum();

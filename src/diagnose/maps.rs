@@ -3,9 +3,9 @@
 
 use super::bench::{Bench, Scored};
 use super::blocks::{self, Gain};
-use super::motion::Motion;
 use super::noise::driver;
 use crate::data::Record;
+use crate::fit::predict::Motion;
 
 /// Cells of a map along the motion, in each direction.
 const CELLS: usize = 16;

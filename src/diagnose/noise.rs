@@ -3,9 +3,9 @@
 
 use super::bench::Lane;
 use super::diagnosis::{Noise, NoiseSource};
-use super::motion::white_noise;
-use super::{periods, predict, tone};
+use super::tone;
 use crate::data::{Channel, Dataset, Record};
+use crate::fit::predict::{Motion, compared, period, white_noise};
 use crate::model::Model;
 
 /// The channel that drives a record: the displacement of a contact, the first excitation of a structure.
@@ -26,7 +26,7 @@ pub fn noise_of(model: &Model, dataset: &Dataset) -> Vec<Noise> {
             channels: Vec::new(),
             seed: None,
         };
-        for channel in predict::compared(model, record) {
+        for channel in compared(model, record) {
             let start = lane.measured.len();
             lane.measured.extend_from_slice(&channel.values);
             lane.channels.push((channel.name.as_str(), start..lane.measured.len()));
@@ -92,7 +92,7 @@ const DEAD: f64 = 0.1;
 /// From the record itself, or from another of the same motion.
 fn seen(lanes: &[Lane], record: usize, name: &str, values: &[f64]) -> (Option<Seen>, NoiseSource) {
     let Some(drive) = driver(lanes[record].record) else { return (None, NoiseSource::Unknown) };
-    if let Some(period) = periods::period(&drive.values)
+    if let Some(period) = period(&drive.values)
         && inputs_repeat(lanes[record].record, period)
         && let Some(deviation) = from_periods(values, period)
     {
@@ -122,7 +122,7 @@ fn inputs_repeat(record: &Record, period: f64) -> bool {
     let others =
         record.channels.iter().filter(|c| c.name.starts_with("normal_") || c.quantity() == "excitation");
     others.into_iter().all(|channel| {
-        let motion = super::motion::Motion::even(&channel.values, 1.0).values;
+        let motion = Motion::even(&channel.values, 1.0).values;
         let lag = period.round() as usize;
         let mean = motion.iter().sum::<f64>() / motion.len() as f64;
         let variance = motion.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / motion.len() as f64;

@@ -2,8 +2,9 @@
 //! to the motion, its rate and slow time.
 
 use super::bench::{Bench, Scored};
+use super::blocks;
 use super::noise::driver;
-use super::{blocks, periods};
+use crate::fit::predict::period;
 
 /// Standard errors beyond which a relation is no chance.
 const BEYOND: f64 = 3.0;
@@ -42,7 +43,7 @@ pub(super) fn follows(bench: &Bench, scored: &[Scored]) -> Vec<&'static str> {
     for one in scored {
         let lane = &bench.lanes[one.record];
         let drive = driver(lane.record);
-        let period = drive.and_then(|drive| periods::period(&drive.values));
+        let period = drive.and_then(|drive| period(&drive.values));
         for (_, range) in &lane.channels {
             let residual = &one.residuals[range.clone()];
             let count = residual.len();

@@ -7,12 +7,12 @@ use rayon::prelude::*;
 
 use super::bench::Bench;
 use super::magnitudes::drive_rate;
-use super::predict::derivative_order;
 use super::select::{Search, State};
 use super::trial::{self, Effort, Unknown};
 use crate::data::Regime;
 use crate::effects::Features;
 use crate::fit::Parameter;
+use crate::fit::predict::derivative_order;
 use crate::model::Model;
 
 /// Fewest records that can show a dependence on the level.

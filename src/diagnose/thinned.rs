@@ -1,9 +1,9 @@
 //! Long records of a bare contact with fewer samples, for the many refits of the search: a contact's force
 //! follows the path of the motion, which a sample far below every turn of it shows as well as all do.
 
-use super::motion::{Motion, white_noise};
 use super::noise::driver;
 use crate::data::{Channel, Dataset, Record, Regime};
+use crate::fit::predict::{Motion, white_noise};
 use crate::model::{Model, Structure};
 
 /// Records up to this many samples stay as they are.

@@ -5,8 +5,7 @@ use rayon::prelude::*;
 use super::bench::Bench;
 use super::blocks;
 use super::diagnosis::Estimate;
-use super::shown::{NUISANCE_STEP, Shown, inward};
-use super::simulation::{Direction, Seed};
+use crate::fit::predict::{Direction, NUISANCE_STEP, ObservedSimulation, Seed, inward};
 use crate::fit::{Coordinate, Limits, Parameter, SumOfSquares, Sums, minimise, student_quantile};
 use crate::harmonic::steady::Start;
 use crate::model::Model;
@@ -136,7 +135,7 @@ struct Joint<'a, 'd> {
 /// A record within the problem.
 struct Slot<'d> {
     index: usize,
-    shown: Shown<'d>,
+    shown: ObservedSimulation<'d>,
     /// Coordinates of its own unknowns, and where the first of them stands.
     own: Vec<Coordinate>,
     offset: usize,

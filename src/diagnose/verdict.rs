@@ -2,7 +2,6 @@
 
 use super::bench::{Bench, mean_square};
 use super::candidates::{Candidate as Tried, effect_of};
-use super::comparison::Stage;
 use super::confound;
 use super::diagnosis::{Candidate, Cost, Diagnosis, Errors, Estimate, Group, Noise, Step, Untried, Verdict};
 use super::engine::{comparison, cost, errors, stage};
@@ -12,6 +11,7 @@ use super::select::{PASSING_SHARE, PASSING_Z, Search, Trial};
 use super::sensitivity::{self, Sensitivities};
 use super::split::Parts;
 use crate::data::Dataset;
+use crate::fit::compare::Stage;
 use crate::model::Model;
 
 /// Share of the squared residual above which a part of it that repeats from record to record says that something

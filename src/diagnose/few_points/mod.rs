@@ -10,17 +10,17 @@ use self::leave_out::LeftOut;
 use super::bench::mean_square;
 use super::blocks::Gain;
 use super::candidates::{self, Candidate};
-use super::comparison::Stage;
 use super::confound;
 use super::diagnosis::{Diagnosis, Group, Noise, Step, Untried, Verdict};
 use super::engine::{DiagnoseOptions, comparison, cost, stage};
-use super::nested::Nested;
 use super::select::{Search, State, Trial};
 use super::split::{FEWEST_RECORDS, Parts};
 use super::verdict;
 use crate::data::{Dataset, Regime};
 use crate::effects::Location;
 use crate::fit::InterruptHook;
+use crate::fit::compare::Nested;
+use crate::fit::compare::Stage;
 use crate::model::Model;
 
 /// Gain of a step over its standard error, at least.

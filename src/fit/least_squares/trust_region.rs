@@ -5,8 +5,11 @@ use basin::{
     Jacobian, Residual, StepOutcome, Termination, TrustRegionReflective,
 };
 
-use super::problem::{Coordinate, Scaled, Stop};
-use super::{Ending, Fit, FitError, Options, Parameter, Progress, Uncertainty};
+use super::coordinate::Coordinate;
+use super::options::{Options, Parameter, Progress};
+use super::outcome::{Ending, Fit, FitError};
+use super::problem::{Scaled, Stop};
+use super::uncertainty::Uncertainty;
 
 /// Share of a coordinate's unit within which a parameter counts as being at its bound: the method
 /// keeps strictly inside and only approaches it.

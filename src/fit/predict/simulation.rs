@@ -1,10 +1,10 @@
 //! Predicting one record again and again, with changing models: what a fit of many parameters needs from a
 //! simulator, whatever the kind of model.
 
-use super::beam_record::BeamSimulation;
-use super::contact_record::ContactRecord;
-use super::oscillator_record::OscillatorRecord;
-use super::predict;
+use super::beam::BeamSimulation;
+use super::channels;
+use super::contact::ContactRecord;
+use super::oscillator::OscillatorRecord;
 use crate::data::{Channel, Record};
 use crate::fit;
 use crate::harmonic::steady::Start;
@@ -12,24 +12,24 @@ use crate::model::{Model, Structure};
 
 /// Where simulations of a record start from that solve for its motion.
 #[derive(Debug, Clone)]
-pub(super) enum Seed {
+pub(crate) enum Seed {
     /// The solution of another.
     Near(Start),
     /// They do not solve: predictions are those to first order about the motion that was measured. Where a model has
     /// several responses, or none near to the measured one, these lead a fit on.
-    AboutMeasured,
+    LinearisedAtMeasurement,
 }
 
 /// The simulation of `record` for models of the kind of `model`, from `seed` if there is one.
 ///
 /// # Errors
 /// What the record lacks, for a reader of the comparison.
-pub(super) fn of<'r>(
+pub(crate) fn of<'r>(
     model: &Model,
     record: &'r Record,
     seed: Option<&Seed>,
 ) -> Result<Box<dyn Simulation + 'r>, String> {
-    let channels = predict::compared(model, record);
+    let channels = channels::compared(model, record);
     if channels.is_empty() {
         return Err("it has no column that the model predicts".into());
     }
@@ -46,7 +46,7 @@ pub(super) fn of<'r>(
 /// Predictions must not depend on which predictions were asked for before, beyond the tolerance of the solver
 /// and in the same order with the same bits: only [`Simulation::linearise`] may move the starting point that later predictions
 /// use.
-pub(super) trait Simulation: Send {
+pub(crate) trait Simulation: Send {
     /// The channels predicted, in the order of all predictions.
     fn channels(&self) -> &[&Channel];
 
@@ -97,7 +97,7 @@ pub(super) trait Simulation: Send {
 
 /// A small step in one parameter or nuisance.
 #[derive(Debug, Clone)]
-pub(super) struct Direction {
+pub(crate) struct Direction {
     /// The model after the step.
     pub model: Model,
     /// The nuisances after the step.

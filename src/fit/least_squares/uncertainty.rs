@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::problem::Coordinate;
+use super::coordinate::Coordinate;
 
 /// Directions of the scaled Jacobian whose singular value falls below this share of the largest are
 /// not determined by the data.

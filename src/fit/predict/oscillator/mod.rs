@@ -4,10 +4,8 @@ mod inputs;
 mod run;
 mod start;
 mod steady;
-#[cfg(test)]
-mod tests;
 
-use super::predict::derivative_order;
+use super::channels::derivative_order;
 use super::simulation::{Direction, Simulation};
 use crate::data::{Channel, Record, Regime};
 use crate::fit;

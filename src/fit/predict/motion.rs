@@ -11,7 +11,7 @@ const EXCESS: f64 = 1.1;
 
 /// A measured motion and its rate.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Motion {
+pub(crate) struct Motion {
     /// Values with the noise reduced.
     pub values: Vec<f64>,
     /// Time derivative (unit/s).
@@ -20,7 +20,7 @@ pub(super) struct Motion {
 
 /// Standard deviation of white noise on smooth `values`, from fourth differences and their median, so that
 /// single corners do not count. Coloured noise is underestimated; values without noise have none.
-pub(super) fn white_noise(values: &[f64]) -> f64 {
+pub(crate) fn white_noise(values: &[f64]) -> f64 {
     let mut differences: Vec<f64> =
         values.windows(5).map(|w| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).collect();
     // Those of noise change their sign nearly every time, those of a smooth curve twice a period.
@@ -37,7 +37,7 @@ pub(super) fn white_noise(values: &[f64]) -> f64 {
 
 /// How a motion goes on outside of its samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Outside {
+pub(crate) enum Outside {
     /// It stands still where it is.
     Still,
     /// At the rate that it has at the end.
@@ -100,7 +100,7 @@ impl Motion {
 }
 
 /// `values` as they were `samples` earlier, on straight lines between them; the first and the last value last.
-pub(super) fn earlier(values: &[f64], samples: f64) -> Vec<f64> {
+pub(crate) fn earlier(values: &[f64], samples: f64) -> Vec<f64> {
     let last = values.len().saturating_sub(1);
     let at = |index: usize| {
         let place = (index as f64 - samples).clamp(0.0, last as f64);

@@ -10,7 +10,7 @@ use crate::fit::{Parameter, Scale};
 
 /// The story before a record, with what it needs to know of the motion.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Prehistory {
+pub(crate) struct Prehistory {
     kind: Kind,
     /// Samples of the first period, or of the whole record where it does not repeat.
     cycle: usize,
@@ -26,7 +26,7 @@ pub(super) struct Prehistory {
 
 /// The stories.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     /// From rest along the virgin curve to a force; the unknown says where it lies between the least and the largest
     /// that the contact can carry there.
     Virgin,
@@ -60,7 +60,7 @@ impl Prehistory {
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), u| (low.min(*u), high.max(*u)));
         let count = displacement.len();
-        let period = super::periods::period(displacement);
+        let period = super::period::period(displacement);
         let cycle = period.map_or(count, |period| (period.round() as usize).min(count));
         Self {
             kind: Kind::Virgin,

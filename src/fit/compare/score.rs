@@ -1,12 +1,39 @@
 //! How far a prediction is from a measurement.
 
 use super::comparison::{ChannelResult, RecordResult};
-use crate::data::Channel;
+use crate::data::{Channel, Record};
+use crate::fit::predict::{Seed, compared, deviation, predict_from};
+use crate::model::Model;
+
+/// Predicts and scores, from the solution `seed` if there is one; a failure is kept as text, for the other records
+/// still count.
+pub(crate) fn scored(model: &Model, record: &Record, seed: Option<&Seed>) -> RecordResult {
+    let channels = predict_from(model, record, seed).and_then(|predictions| {
+        let pairs = compared(model, record).into_iter().zip(predictions);
+        pairs.map(|(measured, predicted)| channel(measured, predicted.values)).collect()
+    });
+    match channels {
+        Ok(channels) => self::record(channels),
+        Err(failure) => RecordResult { error: f64::NAN, channels: Vec::new(), failure: Some(failure) },
+    }
+}
+
+/// Prediction minus measurement of every compared channel, over its standard deviation and over the
+/// square root of its length: the sum of squares is that of the channels' normalised errors.
+pub(crate) fn normalised_residual(model: &Model, record: &Record) -> Result<Vec<f64>, String> {
+    let mut residual = Vec::new();
+    for (channel, predicted) in compared(model, record).into_iter().zip(predict_from(model, record, None)?) {
+        let scale = deviation(channel)? * (channel.values.len() as f64).sqrt();
+        let pairs = channel.values.iter().zip(predicted.values);
+        residual.extend(pairs.map(|(measured, value)| (value - measured) / scale));
+    }
+    Ok(residual)
+}
 
 /// Scores `predicted` against the measured `channel`; both have the same length and unit.
 ///
 /// A channel that does not vary has no standard deviation to measure an error by and is refused.
-pub(super) fn channel(channel: &Channel, predicted: Vec<f64>) -> Result<ChannelResult, String> {
+pub(crate) fn channel(channel: &Channel, predicted: Vec<f64>) -> Result<ChannelResult, String> {
     let deviation = deviation(channel)?;
     let squares =
         channel.values.iter().zip(&predicted).map(|(measured, predicted)| (predicted - measured).powi(2));
@@ -24,38 +51,19 @@ pub(super) fn channel(channel: &Channel, predicted: Vec<f64>) -> Result<ChannelR
 }
 
 /// Root-mean-square of the channels' normalised errors.
-pub(super) fn record(channels: Vec<ChannelResult>) -> RecordResult {
+pub(crate) fn record(channels: Vec<ChannelResult>) -> RecordResult {
     let error = root_mean_square(channels.iter().map(|channel| channel.error));
     RecordResult { error, channels, failure: None }
 }
 
 /// Root-mean-square over all channels of all records that could be predicted; NaN when none could.
-pub(super) fn total(records: &[RecordResult]) -> f64 {
+pub(crate) fn total(records: &[RecordResult]) -> f64 {
     root_mean_square(records.iter().flat_map(|record| &record.channels).map(|channel| channel.error))
 }
 
 fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0_usize), |(sum, count), value| (sum + value * value, count + 1));
     (sum / count as f64).sqrt()
-}
-
-/// A standard deviation below this share of the largest value is the rounding of a constant.
-const ROUNDING: f64 = 1e-12;
-
-/// Population standard deviation of a channel: what its errors are measured by.
-pub(super) fn deviation(channel: &Channel) -> Result<f64, String> {
-    let Channel { name, values, .. } = channel;
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let deviation = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
-    let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
-    if !deviation.is_finite() {
-        return Err(format!("`{name}` is too large to compare: its squares overflow"));
-    }
-    if deviation <= ROUNDING * largest {
-        return Err(format!("`{name}` is the same number throughout; there is nothing to compare"));
-    }
-    Ok(deviation)
 }
 
 #[cfg(test)]

@@ -1,19 +1,24 @@
 //! A beam excited as measured, or held at measured response levels.
 
+mod linearised;
+mod steady;
+#[cfg(test)]
+mod tests;
+
 use std::f64::consts::TAU;
 
-use super::beam_about::AboutMeasured;
-use super::beam_steady::SteadyRecord;
-use super::simulation::{Direction, Seed, Simulation};
 use crate::contact::ContactLaw;
 use crate::data::{Channel, Record, Regime};
 use crate::effects::JointChanges;
 use crate::fit;
+use crate::fit::predict::simulation::{Direction, Seed, Simulation};
 use crate::harmonic::steady::{Driven, Start};
 use crate::harmonic::{self, ContactOnBeam, Method, Resonance, Settings};
 use crate::model::{Beam, Model, Structure};
 use crate::system::ModalBeam;
 use crate::time::{self, BeamInputs, BeamIntegrator, Ramp, SensorReading};
+use linearised::LinearisedAtMeasurement;
+use steady::SteadyRecord;
 
 /// Harmonics at phase resonance: the frequencies of the frictional support are then within 0.1 mHz of those
 /// with 15.
@@ -115,7 +120,7 @@ pub(super) struct BeamSimulation<'r> {
 enum Task {
     Steady(Box<SteadyRecord>),
     /// A steady state to first order about the measured one.
-    AboutMeasured(Box<AboutMeasured>),
+    LinearisedAtMeasurement(Box<LinearisedAtMeasurement>),
     /// The last solutions, one per amplitude.
     Backbone(Vec<Resonance>),
     FromRest,
@@ -141,7 +146,9 @@ impl<'r> BeamSimulation<'r> {
                 let highest = Attached::new(model, &positions, None)?.beam.angular_frequency.last().copied();
                 let mut steady = SteadyRecord::new(record, &channels, highest.unwrap_or(0.0))?;
                 match seed {
-                    Some(Seed::AboutMeasured) => Task::AboutMeasured(Box::new(AboutMeasured::new(steady))),
+                    Some(Seed::LinearisedAtMeasurement) => {
+                        Task::LinearisedAtMeasurement(Box::new(LinearisedAtMeasurement::new(steady)))
+                    }
                     seed => {
                         if let Some(Seed::Near(start)) = seed {
                             steady.start_from(start);
@@ -166,7 +173,7 @@ impl<'r> BeamSimulation<'r> {
     fn attached(&self, model: &Model, nuisances: &[f64]) -> Result<Attached, String> {
         let load = match &self.task {
             Task::Steady(steady) => steady.load(),
-            Task::AboutMeasured(about) => about.load(),
+            Task::LinearisedAtMeasurement(about) => about.load(),
             Task::Backbone(_) | Task::FromRest => None,
         };
         let seat = nuisances.first().copied().unwrap_or(0.0);
@@ -197,13 +204,13 @@ impl Simulation for BeamSimulation<'_> {
     fn solution(&self) -> Option<&Start> {
         match &self.task {
             Task::Steady(steady) => steady.start(),
-            Task::AboutMeasured(_) | Task::Backbone(_) | Task::FromRest => None,
+            Task::LinearisedAtMeasurement(_) | Task::Backbone(_) | Task::FromRest => None,
         }
     }
 
     /// Of a steady state where the contact has been seated before.
     fn nuisances(&mut self, model: &Model) -> Result<Vec<fit::Parameter>, String> {
-        if !matches!(self.task, Task::Steady(_) | Task::AboutMeasured(_)) {
+        if !matches!(self.task, Task::Steady(_) | Task::LinearisedAtMeasurement(_)) {
             return Ok(Vec::new());
         }
         let elastic = model
@@ -219,7 +226,7 @@ impl Simulation for BeamSimulation<'_> {
         let at = At { model, nuisances, attached: &attached };
         match &mut self.task {
             Task::Steady(steady) => steady.predict(&at, out),
-            Task::AboutMeasured(about) => about.predict(&at, out),
+            Task::LinearisedAtMeasurement(about) => about.predict(&at, out),
             Task::Backbone(starts) => {
                 let points = backbone(&attached, self.record, starts)?;
                 observe(&points, &self.channels, out);
@@ -244,7 +251,7 @@ impl Simulation for BeamSimulation<'_> {
             neighbours.collect::<Result<Vec<_>, _>>()
         };
         let neighbours = match self.task {
-            Task::Steady(_) | Task::AboutMeasured(_) => neighbours()?,
+            Task::Steady(_) | Task::LinearisedAtMeasurement(_) => neighbours()?,
             Task::Backbone(_) | Task::FromRest => Vec::new(),
         };
         let neighbours: Vec<Driven> = neighbours.iter().map(Attached::driven).collect();
@@ -252,7 +259,9 @@ impl Simulation for BeamSimulation<'_> {
         let at = At { model, nuisances, attached: &attached };
         match &mut self.task {
             Task::Steady(steady) => steady.linearise(&at, &neighbours, predictions, derivatives)?,
-            Task::AboutMeasured(about) => about.linearise(&at, &neighbours, predictions, derivatives)?,
+            Task::LinearisedAtMeasurement(about) => {
+                about.linearise(&at, &neighbours, predictions, derivatives)?
+            }
             Task::Backbone(starts) => {
                 *starts = backbone(&attached, self.record, starts)?;
                 self.differences(model, directions, predictions, derivatives)?;

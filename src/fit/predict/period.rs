@@ -7,7 +7,7 @@ const REPEATS: f64 = 1e-3;
 
 /// The period of `values` in samples, not always whole; `None` when the record does not repeat over at least
 /// the last half of a second period.
-pub(super) fn period(values: &[f64]) -> Option<f64> {
+pub(crate) fn period(values: &[f64]) -> Option<f64> {
     let count = values.len();
     let mean = values.iter().sum::<f64>() / count.max(1) as f64;
     let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count.max(1) as f64;

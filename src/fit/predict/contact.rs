@@ -11,7 +11,7 @@ use crate::model::Model;
 
 /// Predictions of a record of a bare contact: the force, and the normal load where the model has a normal
 /// stiffness.
-pub(super) struct ContactRecord<'r> {
+pub(crate) struct ContactRecord<'r> {
     channels: Vec<&'r Channel>,
     regime: Regime,
     displacement: Motion,

@@ -4,7 +4,7 @@ use crate::fit::student_quantile;
 
 /// Sums of squares of a model and of one with more parameters, fitted to the same values.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Nested {
+pub(crate) struct Nested {
     /// Number of values.
     pub values: usize,
     /// Parameters before and after.

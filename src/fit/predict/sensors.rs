@@ -10,7 +10,7 @@ use crate::effects::SensorFault;
 use crate::model::Model;
 
 /// The fault of `channel` under `model`, if it has one.
-pub(super) fn fault(model: &Model, channel: &Channel) -> Option<SensorFault> {
+pub(crate) fn fault(model: &Model, channel: &Channel) -> Option<SensorFault> {
     if model.effects.is_empty() {
         return None;
     }
@@ -21,7 +21,7 @@ pub(super) fn fault(model: &Model, channel: &Channel) -> Option<SensorFault> {
 ///
 /// A steady record is late by the phases of its harmonics. Elsewhere a delay is linear between samples, and the first
 /// and the last value last. With `delayed` false the values are late already.
-pub(super) fn apply(model: &Model, record: &Record, channel: &Channel, delayed: bool, values: &mut [f64]) {
+pub(crate) fn apply(model: &Model, record: &Record, channel: &Channel, delayed: bool, values: &mut [f64]) {
     let Some(fault) = fault(model, channel) else { return };
     if delayed
         && fault.delay != 0.0

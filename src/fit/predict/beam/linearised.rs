@@ -1,13 +1,13 @@
 //! A steady beam to first order about the motion that was measured.
 
-use super::beam_record::{At, Known};
-use super::beam_steady::SteadyRecord;
+use super::steady::SteadyRecord;
+use super::{At, Known};
 use crate::harmonic::HarmonicError;
 use crate::harmonic::about::About;
 use crate::harmonic::steady::Driven;
 
 /// The record, and the model it was last predicted with: a fit that accepts a step asks for the derivatives there next.
-pub(super) struct AboutMeasured {
+pub(super) struct LinearisedAtMeasurement {
     record: SteadyRecord,
     last: Option<Last>,
 }
@@ -18,7 +18,7 @@ struct Last {
     predictions: Vec<f64>,
 }
 
-impl AboutMeasured {
+impl LinearisedAtMeasurement {
     pub fn new(record: SteadyRecord) -> Self {
         Self { record, last: None }
     }

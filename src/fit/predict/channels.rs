@@ -1,14 +1,7 @@
-//! What a model predicts of a record, whatever the model's kind and the record's regime.
+//! Which columns of a record drive a model and which it predicts.
 
-use super::comparison::RecordResult;
-use super::score;
-use super::shown::Shown;
-use super::simulation::Seed;
 use crate::data::{Channel, Record, Regime};
 use crate::model::{Model, Structure};
-
-/// A measured channel and what the model predicts of it, in its unit.
-pub(super) type Prediction<'r> = (&'r Channel, Vec<f64>);
 
 /// What a comparison does with the columns of a record.
 struct Roles {
@@ -40,7 +33,7 @@ fn roles(model: &Model, regime: Regime) -> Roles {
 
 /// The channels of `record` that a model of this structure predicts. A contact's normal load is one where the
 /// model has a normal stiffness and the approach was measured.
-pub(super) fn compared<'r>(model: &Model, record: &'r Record) -> Vec<&'r Channel> {
+pub(crate) fn compared<'r>(model: &Model, record: &'r Record) -> Vec<&'r Channel> {
     let roles = roles(model, record.regime);
     let mut channels: Vec<&Channel> =
         roles.compared.iter().flat_map(|quantity| record.channels_of(quantity)).collect();
@@ -53,7 +46,7 @@ pub(super) fn compared<'r>(model: &Model, record: &'r Record) -> Vec<&'r Channel
 }
 
 /// Time derivative of the displacement that a channel measures.
-pub(super) fn derivative_order(channel: &Channel) -> usize {
+pub(crate) fn derivative_order(channel: &Channel) -> usize {
     match channel.quantity() {
         "acceleration" => 2,
         "velocity" => 1,
@@ -72,47 +65,21 @@ pub fn unused_columns<'r>(model: &Model, record: &'r Record) -> Vec<&'r str> {
     unused.map(|channel| channel.name.as_str()).collect()
 }
 
-/// One prediction per compared channel, as the sensors show it. The start of the record is fitted to it.
-fn predictions<'r>(
-    model: &Model,
-    record: &'r Record,
-    seed: Option<&Seed>,
-) -> Result<Vec<Prediction<'r>>, String> {
-    let mut shown = Shown::near(model, record, seed)?;
-    let nuisances = shown.settle(model)?;
-    let mut values = Vec::new();
-    shown.predict(model, &nuisances, &mut values)?;
-    let mut rest = values.as_slice();
-    Ok(compared(model, record)
-        .into_iter()
-        .map(|channel| {
-            let (here, after) = rest.split_at(channel.values.len().min(rest.len()));
-            rest = after;
-            (channel, here.to_vec())
-        })
-        .collect())
-}
+/// A standard deviation below this share of the largest value is the rounding of a constant.
+const ROUNDING: f64 = 1e-12;
 
-/// Predicts and scores, from the solution `seed` if there is one; a failure is kept as text, for the other records
-/// still count.
-pub(super) fn scored(model: &Model, record: &Record, seed: Option<&Seed>) -> RecordResult {
-    let channels = predictions(model, record, seed).and_then(|predictions| {
-        predictions.into_iter().map(|(channel, values)| score::channel(channel, values)).collect()
-    });
-    match channels {
-        Ok(channels) => score::record(channels),
-        Err(failure) => RecordResult { error: f64::NAN, channels: Vec::new(), failure: Some(failure) },
+/// Population standard deviation of a channel: what its errors are measured by.
+pub(crate) fn deviation(channel: &Channel) -> Result<f64, String> {
+    let Channel { name, values, .. } = channel;
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let deviation = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
+    let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    if !deviation.is_finite() {
+        return Err(format!("`{name}` is too large to compare: its squares overflow"));
     }
-}
-
-/// Prediction minus measurement of every compared channel, over its standard deviation and over the
-/// square root of its length: the sum of squares is that of the channels' normalised errors.
-pub(super) fn normalised_residual(model: &Model, record: &Record) -> Result<Vec<f64>, String> {
-    let mut residual = Vec::new();
-    for (channel, predicted) in predictions(model, record, None)? {
-        let scale = score::deviation(channel)? * (channel.values.len() as f64).sqrt();
-        residual
-            .extend(channel.values.iter().zip(predicted).map(|(measured, value)| (value - measured) / scale));
+    if deviation <= ROUNDING * largest {
+        return Err(format!("`{name}` is the same number throughout; there is nothing to compare"));
     }
-    Ok(residual)
+    Ok(deviation)
 }

@@ -1,27 +1,27 @@
 //! A record's simulation as the sensors show it, and the start that fits it best.
 
 use super::simulation::{Direction, Seed, Simulation};
-use super::{score, sensors, simulation};
+use super::{channels, sensors, simulation};
 use crate::data::Record;
 use crate::fit::{self, Coordinate, Limits, SumOfSquares, Sums, minimise};
 use crate::model::Model;
 
 /// A simulation behind its sensors.
-pub(super) struct Shown<'r> {
+pub(crate) struct ObservedSimulation<'r> {
     record: &'r Record,
     simulation: Box<dyn Simulation + 'r>,
 }
 
 /// Step of differences in a nuisance, in its coordinate of size one.
-pub(super) const NUISANCE_STEP: f64 = 1e-5;
+pub(crate) const NUISANCE_STEP: f64 = 1e-5;
 
-impl<'r> Shown<'r> {
+impl<'r> ObservedSimulation<'r> {
     /// Of `record`, for models of the kind of `model`.
     pub fn new(model: &Model, record: &'r Record) -> Result<Self, String> {
         Self::near(model, record, None)
     }
 
-    /// As [`Shown::new`], starting from `seed`.
+    /// As [`ObservedSimulation::new`], starting from `seed`.
     pub fn near(model: &Model, record: &'r Record, seed: Option<&Seed>) -> Result<Self, String> {
         Ok(Self { record, simulation: simulation::of(model, record, seed)? })
     }
@@ -97,14 +97,14 @@ impl<'r> Shown<'r> {
         let mut measured = Vec::with_capacity(self.len());
         let mut weights = Vec::with_capacity(self.len());
         for channel in self.simulation.channels() {
-            let weight = 1.0 / score::deviation(channel)?;
+            let weight = 1.0 / channels::deviation(channel)?;
             measured.extend_from_slice(&channel.values);
             weights.extend(channel.values.iter().map(|_| weight));
         }
         Ok(self.settle_from(model, &nuisances, &measured, &weights))
     }
 
-    /// As [`Shown::settle`], from given starts and with the weights of the channels' samples.
+    /// As [`ObservedSimulation::settle`], from given starts and with the weights of the channels' samples.
     pub fn settle_from(
         &mut self,
         model: &Model,
@@ -141,7 +141,7 @@ impl<'r> Shown<'r> {
 
 /// The sum of squares of one record as a function of its start.
 struct Start<'a, 'r> {
-    shown: &'a mut Shown<'r>,
+    shown: &'a mut ObservedSimulation<'r>,
     model: &'a Model,
     coordinates: &'a [Coordinate],
     measured: &'a [f64],
@@ -204,6 +204,6 @@ impl SumOfSquares for Start<'_, '_> {
 }
 
 /// A step of this size that does not leave through the upper bound.
-pub(super) fn inward(y: f64, upper: f64, step: f64) -> f64 {
+pub(crate) fn inward(y: f64, upper: f64, step: f64) -> f64 {
     if y + step <= upper { step } else { -step }
 }

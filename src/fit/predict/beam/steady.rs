@@ -6,8 +6,8 @@ use std::sync::Arc;
 use nalgebra::Complex;
 use realfft::{ComplexToReal, RealFftPlanner};
 
-use super::beam_record::{At, Known};
-use super::predict::derivative_order;
+use super::super::channels::derivative_order;
+use super::{At, Known};
 use crate::data::{Channel, Record};
 use crate::harmonic::HarmonicError;
 use crate::harmonic::fourier::{self, coefficient_count, time_derivative};

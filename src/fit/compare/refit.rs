@@ -1,41 +1,9 @@
-//! Compare a model with a dataset, refit it, compare again.
+//! Refits the free parameters of a model to a dataset.
 
-use super::comparison::{Parameter, RecordResult, Stage};
-use super::simulation::Seed;
-use super::{predict, score, unseen};
+use super::{Stage, evaluate, score, unseen};
 use crate::data::{Dataset, Record, Use};
 use crate::fit::{self, Ending, FitError, InterruptHook, Options, ProgressHook};
 use crate::model::Model;
-
-/// Predicts every record of `dataset` with `model` and scores the predictions.
-///
-/// A record that cannot be predicted keeps the reason in [`RecordResult::failure`]; the others count.
-pub fn evaluate(name: &str, model: &Model, dataset: &Dataset) -> Stage {
-    evaluate_from(name, model, dataset, |_| None)
-}
-
-/// The same, each record from the solution that `seed` has for its index.
-pub(super) fn evaluate_from(
-    name: &str,
-    model: &Model,
-    dataset: &Dataset,
-    seed: impl Fn(usize) -> Option<Seed>,
-) -> Stage {
-    let numbered = dataset.records.iter().enumerate();
-    let records: Vec<RecordResult> =
-        numbered.map(|(index, record)| predict::scored(model, record, seed(index).as_ref())).collect();
-    let parameters = model
-        .parameters()
-        .into_iter()
-        .map(|parameter| Parameter {
-            unit: parameter.quantity.unit,
-            value: parameter.value,
-            path: parameter.path,
-            fitted_from: None,
-        })
-        .collect();
-    Stage { name: name.to_owned(), parameters, error: score::total(&records), records, evaluations: 0 }
-}
 
 /// How a refit is watched and stopped.
 #[derive(Clone, Copy, Default)]
@@ -106,7 +74,7 @@ pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Resu
     }
     let mut count = 0;
     for &record in &fitted {
-        count += predict::normalised_residual(model, record)
+        count += score::normalised_residual(model, record)
             .map_err(|reason| RefitError::Unpredictable { record: record.name.clone(), reason })?
             .len();
     }
@@ -121,7 +89,7 @@ pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Resu
         let trial = with(values)?;
         let mut rest = out;
         for &record in &fitted {
-            let part = predict::normalised_residual(&trial, record)?;
+            let part = score::normalised_residual(&trial, record)?;
             let (here, after) = std::mem::take(&mut rest).split_at_mut(part.len());
             here.copy_from_slice(&part);
             rest = after;

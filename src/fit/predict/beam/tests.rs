@@ -1,9 +1,9 @@
 //! Predictions of beams and their derivatives.
 
-use super::beam_record::BeamSimulation;
-use super::shown::Shown;
-use super::simulation::{Direction, Seed, Simulation};
+use super::BeamSimulation;
 use crate::data::{Channel, Record, Regime};
+use crate::fit::predict::observed::ObservedSimulation;
+use crate::fit::predict::simulation::{Direction, Seed, Simulation};
 use crate::model::Model;
 
 const SAMPLES: usize = 96;
@@ -173,7 +173,7 @@ fn derivatives_after_predictions_are_those_without() {
         let mut neighbour = there.clone();
         neighbour.set(path, 1e-3 + 1.001 * there.get(path).unwrap()).unwrap();
         let directions = [Direction { model: neighbour, nuisances: vec![0.0], step: 1e-3 }];
-        for seed in [None, Some(&Seed::AboutMeasured)] {
+        for seed in [None, Some(&Seed::LinearisedAtMeasurement)] {
             let linearised = |before: &[f64]| {
                 let channels = measured.channels_of("acceleration").collect();
                 let mut simulation = BeamSimulation::new(&model, &measured, channels, seed).unwrap();
@@ -219,7 +219,8 @@ fn about_the_measured_motion_predictions_are_right_to_first_order() {
     let mut motion = Vec::new();
     simulation(&model, &measured).predict(&model, &[], &mut motion).unwrap();
     let channels = measured.channels_of("acceleration").collect();
-    let mut about = BeamSimulation::new(&model, &measured, channels, Some(&Seed::AboutMeasured)).unwrap();
+    let mut about =
+        BeamSimulation::new(&model, &measured, channels, Some(&Seed::LinearisedAtMeasurement)).unwrap();
     let size = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>().sqrt();
     let apart = |a: &[f64], b: &[f64]| size(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>());
     // The error of the prediction, and what there is to be predicted.
@@ -256,7 +257,7 @@ fn where_a_sticking_contact_was_seated_is_found_and_a_slipping_one_forgets_it() 
     let sticking = record(0.3, 40.0);
     assert!(change(&sticking) > 1e-3, "{:e}", change(&sticking));
     let sticking = showing(&model, &[SEAT], sticking);
-    let found = Shown::new(&model, &sticking).unwrap().settle(&model).unwrap();
+    let found = ObservedSimulation::new(&model, &sticking).unwrap().settle(&model).unwrap();
     assert!((found[0] - SEAT).abs() < 1e-3 * SEAT, "{found:?}");
 }
 

@@ -3,7 +3,6 @@
 //! The friction coefficient of a contact that never slips changes nothing: once a fit is there, no derivative leads
 //! back to where the contact slips, and the value it ends at means nothing.
 
-use super::noise::root_mean_square;
 use crate::fit::{Fit, FitError, Options, Parameter, Scale, fit};
 
 /// Norm of the residuals' change with the whole of a parameter, over that of the residuals, below which it is unseen.
@@ -18,7 +17,7 @@ const FACTOR: f64 = 1.5;
 ///
 /// # Errors
 /// As [`fit`].
-pub(super) fn fit_seeing<F>(
+pub(crate) fn fit_seeing<F>(
     residual: F,
     count: usize,
     parameters: &[Parameter],
@@ -38,7 +37,9 @@ where
         let mut error = |value: f64| {
             values[index] = value;
             best.evaluations += 1;
-            residual(&values, &mut out).map_or(f64::INFINITY, |()| root_mean_square(&out))
+            residual(&values, &mut out).map_or(f64::INFINITY, |()| {
+                (out.iter().map(|r| r * r).sum::<f64>() / out.len() as f64).sqrt()
+            })
         };
         let start = parameters[index].start;
         let at_start = error(start);

@@ -1,1 +1,0 @@
-//! Items to verify: see the names.

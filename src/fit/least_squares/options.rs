@@ -1,0 +1,106 @@
+//! What a fit is told: its parameters and how to run.
+
+/// In which measure a parameter is stepped and its interval is symmetric.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Scale {
+    /// As it is.
+    #[default]
+    Linear,
+    /// By its logarithm: positive parameters known by order of magnitude.
+    Logarithmic,
+}
+
+/// One parameter of a fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// Where the first start begins; moved into the bounds.
+    pub start: f64,
+    /// Smallest value; −∞ for none. A logarithmic parameter needs a positive one.
+    pub lower: f64,
+    /// Largest value; +∞ for none. Equal bounds hold the parameter.
+    pub upper: f64,
+    /// Its measure.
+    pub scale: Scale,
+}
+
+/// How derivatives are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Difference {
+    /// One evaluation per parameter, first order.
+    #[default]
+    Forward,
+    /// Two evaluations per parameter, second order.
+    Central,
+}
+
+/// What a caller sees while a fit runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Which start, from 0.
+    pub start: usize,
+    /// How many there are.
+    pub starts: usize,
+    /// Accepted steps in this start.
+    pub iteration: usize,
+    /// Root mean square of the residuals there.
+    pub root_mean_square: f64,
+    /// Evaluations of the residual so far, all starts together.
+    pub evaluations: usize,
+}
+
+/// Called after every accepted step.
+pub type ProgressHook<'a> = &'a (dyn Fn(&Progress) + Sync);
+
+/// Asked before every evaluation; `true` ends the fit with the best point so far.
+pub type InterruptHook<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// How a fit is run.
+#[derive(Clone, Copy)]
+pub struct Options<'a> {
+    /// Number of starts, at least 1. Further ones are spread evenly over the bounds (or one unit of
+    /// the scale around the start where there is no bound), the same in every run.
+    pub starts: usize,
+    /// Accepted steps per start.
+    pub max_iterations: usize,
+    /// Relative change of the sum of squares, and of the parameters, that counts as none.
+    pub tolerance: f64,
+    /// Step of the finite differences, in shares of the parameter's range or value (of its logarithm's
+    /// unit for a logarithmic one). It should be well above the solver's own error.
+    pub difference_step: f64,
+    /// How derivatives are taken.
+    pub difference: Difference,
+    /// Level of the intervals, between 0 and 1.
+    pub confidence: f64,
+    /// Called after every accepted step.
+    pub progress: Option<ProgressHook<'a>>,
+    /// Asked before every evaluation.
+    pub interrupt: Option<InterruptHook<'a>>,
+}
+
+impl std::fmt::Debug for Options<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Options")
+            .field("starts", &self.starts)
+            .field("max_iterations", &self.max_iterations)
+            .field("tolerance", &self.tolerance)
+            .field("difference_step", &self.difference_step)
+            .field("difference", &self.difference)
+            .field("confidence", &self.confidence)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Default for Options<'_> {
+    fn default() -> Self {
+        Self {
+            starts: 1,
+            max_iterations: 100,
+            tolerance: 1e-9,
+            difference_step: 1e-5,
+            difference: Difference::Forward,
+            confidence: 0.95,
+            progress: None,
+            interrupt: None,
+        }
+    }
+}
