@@ -20,6 +20,16 @@ pub struct Quantity {
     pub open: bool,
 }
 
+/// In which measure a parameter is stepped and its interval is symmetric.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Scale {
+    /// As it is.
+    #[default]
+    Linear,
+    /// By its logarithm: positive parameters known by order of magnitude.
+    Logarithmic,
+}
+
 macro_rules! vocabulary {
     ($($id:ident = $name:literal [$unit:literal] $min:expr, $max:expr, $open:literal, $nominal:literal, $text:literal;)*) => {
         $(

@@ -11,6 +11,7 @@
 
 mod backlash;
 mod carried;
+mod changes;
 mod cubic;
 mod drag;
 mod element;
@@ -27,6 +28,7 @@ mod valanis;
 
 pub use backlash::Backlash;
 pub(crate) use carried::Carried;
+pub use changes::JointChanges;
 pub use cubic::CubicSpring;
 pub use drag::Drag;
 pub use error::{Bounds, LawError};

@@ -1,6 +1,6 @@
 //! A mass on the structure.
 
-use super::{Effect, EffectParameter, Kind, Needs, PlaceKind, magnitudes};
+use super::{Effect, EffectParameter, Kind, Location, Needs, PlaceKind, magnitudes};
 use crate::vocabulary as v;
 
 pub(super) const EFFECT: Effect = Effect {
@@ -20,8 +20,8 @@ pub(super) const EFFECT: Effect = Effect {
     kinds: &[Kind::Oscillator, Kind::Beam],
     needs: Needs::Nothing,
     apply: |values, location, changes| {
-        if let Some(location) = location {
-            changes.structure.added_masses.push((location.clone(), values[0]));
+        if let Some(place) = location.and_then(Location::place) {
+            changes.structure.added_masses.push((place, values[0]));
         }
     },
     signature: |seen| {

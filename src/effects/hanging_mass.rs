@@ -1,6 +1,7 @@
 //! A resonator hung at the contact (seed 2: string and weights).
 
-use super::{Effect, EffectParameter, HangingMass, Kind, Needs, PlaceKind, magnitudes};
+use super::{Effect, EffectParameter, Kind, Needs, PlaceKind, magnitudes};
+use crate::system::HangingMass;
 use crate::vocabulary as v;
 
 /// Shares of the structure's mass to start from, each with every frequency.

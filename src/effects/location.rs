@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use crate::data::{ChannelName, Place};
+use crate::data::{self, ChannelName};
+use crate::system::Place;
 
 /// Where an effect sits: `at = "m2"`, `at = "x=0.55"`, `channel = "force"`.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,9 +50,18 @@ impl Location {
     /// The place a channel was measured at, as a place on the structure.
     pub fn of_channel(name: &ChannelName) -> Option<Self> {
         match &name.place {
-            Place::Unnamed => None,
-            Place::Mass(mass) => Some(Self::Mass(mass.clone())),
-            Place::Position(position) => Some(Self::Position(*position)),
+            data::Place::Unnamed => None,
+            data::Place::Mass(mass) => Some(Self::Mass(mass.clone())),
+            data::Place::Position(position) => Some(Self::Position(*position)),
+        }
+    }
+
+    /// The place on the structure; `None` for a channel.
+    pub fn place(&self) -> Option<Place> {
+        match self {
+            Self::Mass(name) => Some(Place::Mass(name.clone())),
+            Self::Position(position) => Some(Place::Position(*position)),
+            Self::Channel(_) => None,
         }
     }
 }

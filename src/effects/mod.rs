@@ -1,8 +1,8 @@
 //! The catalogue of physical effects that a model may lack: one file each, with the law, the parameters with
 //! units and bounds, the signature in the data, and the words for an engineer.
 //!
-//! An effect changes one of three things, gathered in [`Changes`]: the law of the contact ([`JointChanges`]),
-//! the structure ([`StructureChanges`]), or what the sensors show ([`SensorFault`]). The solvers know the
+//! An effect changes one of three things, gathered in [`Changes`]: the law of the contact ([`JointChanges`](crate::contact::JointChanges)),
+//! the structure ([`StructureChanges`](crate::system::StructureChanges)), or what the sensors show ([`SensorFault`]). The solvers know the
 //! changes, never the effects: whatever several effects come to together works in time integration, harmonic
 //! balance and FMUs alike.
 //!
@@ -39,13 +39,12 @@ mod velocity_weakening;
 mod wear;
 
 pub use applied::AppliedEffect;
-pub use changes::{Changes, HangingMass, JointChanges, SensorFault, StructureChanges};
+pub use changes::{Changes, SensorFault};
 pub use features::Features;
 pub use location::{Location, LocationError};
 pub use scales::Scales;
 
-use crate::fit::Scale;
-use crate::vocabulary::Quantity;
+use crate::vocabulary::{Quantity, Scale};
 
 /// An entry of the catalogue.
 pub struct Effect {

@@ -77,7 +77,7 @@ pub use error::Error;
 pub use instance::{Instance, Setup, Stage};
 pub use snapshot::{Snapshot, SnapshotError};
 
-use crate::effects::JointChanges;
+use crate::contact::JointChanges;
 use crate::model::{Model, Structure};
 use crate::time::Ramp;
 use std::fmt::Debug;

@@ -3,7 +3,7 @@
 use super::{Model, Oscillator, Structure};
 use std::sync::Arc;
 
-use crate::contact::{ContactLaw, CubicSpring, Drag, LawError};
+use crate::contact::{ContactLaw, LawError};
 use crate::system::{Core, Element, LinearStructure, ModalBeam, Port, Row, StructureError, System};
 
 /// A linear structure with the law of its contact.
@@ -129,25 +129,20 @@ impl Model {
     /// ```
     pub fn assembled(&self) -> Result<Assembled, AssemblyError> {
         let changes = self.changes().structure;
-        let mut structure = match &self.structure {
+        let (structure, added) = match &self.structure {
             Structure::Prescribed => return Err(AssemblyError::NoStructure),
-            Structure::Beam(beam) => LinearStructure::from_beam(&ModalBeam::with_changes(beam, &changes)?),
-            Structure::Oscillator(oscillator) => oscillator.structure_with(&changes)?,
+            Structure::Beam(beam) => {
+                let mut structure = LinearStructure::from_beam(&ModalBeam::with_changes(beam, &changes)?);
+                if self.contact.is_none() {
+                    structure.contacts.clear();
+                }
+                (structure, Vec::new())
+            }
+            Structure::Oscillator(oscillator) => {
+                (oscillator.structure_with(&changes)?, Oscillator::added_laws(&changes)?)
+            }
         };
-        if self.contact.is_none() {
-            structure.contacts.clear();
-        }
         let law = self.law()?;
-        let mut added: Vec<Box<dyn ContactLaw>> = Vec::new();
-        if let Structure::Oscillator(_) = self.structure {
-            if changes.cubic_stiffness != 0.0 {
-                added.push(Box::new(CubicSpring::new(0.0, changes.cubic_stiffness)?));
-            }
-            if changes.quadratic_damping != 0.0 {
-                added.push(Box::new(Drag::new(changes.quadratic_damping)?));
-            }
-            structure.contacts.extend(added.iter().map(|_| Oscillator::first_mass()));
-        }
         let normal_load = self.contact.as_ref().map_or(0.0, |contact| contact.normal_load);
         Ok(Assembled { structure, law, normal_load, added })
     }

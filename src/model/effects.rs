@@ -17,8 +17,7 @@ use super::write::{line, quoted, write_quantity};
 use super::{Law, Model, ModelError, ParameterError, Structure};
 use crate::document::{Table, suggestion};
 use crate::effects::{self, ALL_KINDS, AppliedEffect, CATALOGUE, Changes, Kind, Location, PlaceKind, Scales};
-use crate::fit::Scale;
-use crate::vocabulary::Quantity;
+use crate::vocabulary::{Quantity, Scale};
 
 /// Reads `[[effect]]` of a model of `kind`.
 pub(super) fn parse(root: &Table<'_>, kind: Kind) -> Result<Vec<AppliedEffect>, ModelError> {

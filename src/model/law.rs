@@ -2,10 +2,10 @@
 
 use super::Model;
 use super::{Contact, Law};
+use crate::contact::JointChanges;
 use crate::contact::{
     ContactLaw, Iwan, IwanSpacing, Jenkins, Joint, JointBase, LawError, MICRO_SLIDERS, Valanis,
 };
-use crate::effects::JointChanges;
 
 /// How finely a model's Iwan element is cut: the shortest interval is about 1/7000 of the longest stretch.
 const IWAN_INTERVALS: usize = 40;

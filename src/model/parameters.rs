@@ -6,8 +6,7 @@
 
 use super::{Beam, Damping, Law, Model, ParameterError, Structure};
 use crate::document::suggestion;
-use crate::fit::Scale;
-use crate::vocabulary::{self as v, Quantity};
+use crate::vocabulary::{self as v, Quantity, Scale};
 
 /// One number of a model that may be read, set, or fitted.
 #[derive(Debug, Clone, PartialEq)]

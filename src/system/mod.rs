@@ -1,9 +1,10 @@
 //! Structures as the contact sees them: modal mass, damping, stiffness and the map to the contact.
 //!
-//! [`ModalBeam::new`] reduces a [`model::Beam`](Beam) to its exact modes;
+//! [`ModalBeam::new`] reduces a [`Beam`] to its exact modes;
 //! [`rotational_stiffness_from_frequency`] reads the support's stiffness off a measured frequency.
 
 pub mod beam;
+mod changes;
 mod error;
 mod linear;
 mod oscillator;
@@ -11,6 +12,7 @@ mod ports;
 mod receptance;
 
 pub use beam::{Beam, Damping, PointMass, rotational_stiffness_from_frequency, tip_rotational_compliance};
+pub use changes::{HangingMass, Place, StructureChanges};
 pub use error::StructureError;
 pub use linear::{Entries, LinearStructure, MOST_DENSE_MODES, NaturalModes, Output, Row};
 pub use oscillator::{Anchor, Mass, Oscillator, Spring};

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::StructureError;
-use super::linear::{LinearStructure, Output, Row, Sum};
-use crate::effects::{HangingMass, Location, StructureChanges};
+use super::linear::{LinearStructure, Output, Sum};
+use super::{HangingMass, Place, StructureChanges, StructureError};
+use crate::contact::{ContactLaw, CubicSpring, Drag, LawError};
 use crate::vocabulary as v;
 
 /// `[[mass]]`, `[[spring]]` and where contact and excitation are: masses on springs, each moving along one line, with a contact between one of them and the ground.
@@ -63,18 +63,13 @@ pub enum Anchor {
 }
 
 impl Oscillator {
-    /// The matrices with the linear part of `changes`: masses added, and masses hung at the contact, each one more
-    /// degree of freedom that is no output. Cubic stiffness and drag are forces along [`Oscillator::first_mass`],
-    /// which [`Model::assembled`](crate::model::Model::assembled) adds.
-    ///
-    /// # Errors
-    /// As [`Oscillator::structure`]; [`StructureError::NoSuchMass`], [`StructureError::NothingToHangAt`].
-    pub fn structure_with(&self, changes: &StructureChanges) -> Result<LinearStructure, StructureError> {
+    /// The oscillator with the masses of `changes`, those hung at the contact on springs of their own.
+    fn changed(&self, changes: &StructureChanges) -> Result<Self, StructureError> {
         let mut changed = self.clone();
         for (place, added) in &changes.added_masses {
             let found = match place {
-                Location::Mass(name) => changed.masses.iter_mut().find(|mass| mass.name == *name),
-                Location::Position(_) | Location::Channel(_) => None,
+                Place::Mass(name) => changed.masses.iter_mut().find(|mass| mass.name == *name),
+                Place::Position(_) => None,
             };
             let mass = found.ok_or_else(|| StructureError::NoSuchMass { place: place.to_string() })?;
             mass.mass += added;
@@ -86,14 +81,37 @@ impl Oscillator {
             changed.masses.push(Mass { name: String::new(), mass });
             changed.springs.push(Spring { between, stiffness, damping: 0.0 });
         }
-        let mut structure = changed.structure()?;
+        Ok(changed)
+    }
+
+    /// The matrices with `changes`; a mass hung at the contact is one more degree of freedom that is no output. Cubic
+    /// stiffness and drag are laws at contacts of their own, which follow the oscillator's: see
+    /// [`Oscillator::added_laws`].
+    ///
+    /// # Errors
+    /// As [`Oscillator::structure`]; [`StructureError::NoSuchMass`], [`StructureError::NothingToHangAt`].
+    pub fn structure_with(&self, changes: &StructureChanges) -> Result<LinearStructure, StructureError> {
+        let mut structure = self.changed(changes)?.structure()?;
         structure.outputs.truncate(self.masses.len());
+        let added =
+            [changes.cubic_stiffness, changes.quadratic_damping].into_iter().filter(|law| *law != 0.0);
+        structure.contacts.extend(added.map(|_| vec![(0, 1.0)]));
         Ok(structure)
     }
 
-    /// The row of the first mass, where the structure's own nonlinearities act.
-    pub fn first_mass() -> Row {
-        vec![(0, 1.0)]
+    /// The laws that `changes` add between the first mass and the ground, which know no normal load.
+    ///
+    /// # Errors
+    /// A number that is not finite.
+    pub fn added_laws(changes: &StructureChanges) -> Result<Vec<Box<dyn ContactLaw>>, LawError> {
+        let mut added: Vec<Box<dyn ContactLaw>> = Vec::new();
+        if changes.cubic_stiffness != 0.0 {
+            added.push(Box::new(CubicSpring::new(0.0, changes.cubic_stiffness)?));
+        }
+        if changes.quadratic_damping != 0.0 {
+            added.push(Box::new(Drag::new(changes.quadratic_damping)?));
+        }
+        Ok(added)
     }
 
     /// The matrices: one degree of freedom and one output per mass, in their order and by their names.

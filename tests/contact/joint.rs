@@ -1,11 +1,11 @@
 //! A contact with effects, by law: closed forms of each change, what it leaves alone, and what all share.
 
 use crate::common::contact::{Carried, close};
+use stickslip::contact::JointChanges;
 use stickslip::contact::{
     ContactLaw, Inputs, Iwan, IwanSpacing, Jenkins, Joint, JointBase, LawError, SlipState, StateTangents,
     Valanis,
 };
-use stickslip::effects::JointChanges;
 
 const STIFFNESS: f64 = 5e6;
 const FRICTION: f64 = 0.5;

@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 
 use crate::common::time::one_mode;
 use stickslip::contact::CubicSpring;
-use stickslip::effects::{HangingMass, Location, StructureChanges};
 use stickslip::harmonic::{Method, Resonance, Settings, forced_response, phase_resonance};
 use stickslip::model::{Beam, Damping, PointMass};
 use stickslip::system::ModalBeam;
+use stickslip::system::{HangingMass, Place, StructureChanges};
 use stickslip::time::{self, BeamInputs, BeamIntegrator, Contact, Ramp};
 
 fn steel(modes: usize) -> Beam {
@@ -44,7 +44,7 @@ fn hung(beam: &Beam, mass: f64, frequency: f64) -> ModalBeam {
 #[test]
 fn an_added_mass_is_a_point_mass_and_leaves_the_sensors_where_they_were() {
     let beam = steel(4);
-    let added_masses = vec![(Location::Position(0.55), 0.02)];
+    let added_masses = vec![(Place::Position(0.55), 0.02)];
     let with_effect = changed(&beam, StructureChanges { added_masses, ..Default::default() });
     let mut built_in = beam.clone();
     built_in.sensors = vec![0.3];
@@ -183,7 +183,7 @@ fn a_hanging_mass_moves_as_the_beam_and_the_mass_written_down_separately() {
 
 #[test]
 fn masses_off_the_beam_are_refused() {
-    for place in [Location::Mass("m1".into()), Location::Position(0.7), Location::Position(-0.1)] {
+    for place in [Place::Mass("m1".into()), Place::Position(0.7), Place::Position(-0.1)] {
         let changes = StructureChanges { added_masses: vec![(place, 0.01)], ..Default::default() };
         assert!(ModalBeam::with_changes(&steel(2), &changes).is_err());
     }

@@ -1,8 +1,8 @@
 //! A contact with effects in harmonic balance: carried over a period exactly and by samples, with its derivative.
 
 use crate::common::cycle::{LOAD, differences, evaluated, motions};
+use stickslip::contact::JointChanges;
 use stickslip::contact::{ContactLaw, Jenkins, Joint, JointBase, Valanis};
-use stickslip::effects::JointChanges;
 use stickslip::harmonic::{ContactMapping, HarmonicSet, Method};
 
 /// Motions are of the size of one; so is the yield displacement here.

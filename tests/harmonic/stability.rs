@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 
 use crate::common::matrices::{chain, single, two_mass};
 use nalgebra::{Complex, DMatrix, DVector};
+use stickslip::contact::JointChanges;
 use stickslip::contact::{
     ContactLaw, CubicSpring, Jenkins, Joint, JointBase, ParallelSliders, Unilateral, Valanis,
 };
-use stickslip::effects::JointChanges;
 use stickslip::harmonic::fourier::from_samples;
 use stickslip::harmonic::stability::{Multipliers, Undecided, decide, floquet, is_stable};
 use stickslip::time::{Excitation, LoadedContact, OscillatorFlow, ShootingSettings, shoot};

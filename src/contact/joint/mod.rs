@@ -10,7 +10,7 @@ use super::{
     ContactLaw, Inputs, Iwan, Jenkins, Jump, ParallelSliders, Response, Slider, SlipState, StateTangents,
     Valanis,
 };
-use crate::effects::JointChanges;
+use crate::contact::JointChanges;
 use crate::vocabulary::{self as v, Quantity};
 use base::{Base, Look};
 use sliders::Sliders;
@@ -70,7 +70,7 @@ use std::ops::Bound;
 ///
 /// ```
 /// use stickslip::contact::{ContactLaw, Inputs, Jenkins, Joint, JointBase};
-/// use stickslip::effects::JointChanges;
+/// use stickslip::contact::JointChanges;
 /// let changes = JointChanges { half_gap: 10e-6, residual_stiffness: 1e5, ..JointChanges::default() };
 /// let law = Joint::new(JointBase::Jenkins(Jenkins::new(2e6, 0.5)?), changes)?;
 /// let mut state = vec![0.0; law.state_len()];

@@ -1,7 +1,8 @@
 //! Parameters as coordinates of size one.
 
-use super::options::{Parameter, Scale};
+use super::options::Parameter;
 use super::outcome::FitError;
+use crate::vocabulary::Scale;
 
 /// One parameter's coordinate `y`, zero at the parameter's start and about one across its range.
 #[derive(Debug, Clone, Copy)]

@@ -13,9 +13,10 @@ mod problem;
 mod trust_region;
 mod uncertainty;
 
+pub use crate::vocabulary::Scale;
 pub(crate) use coordinate::Coordinate;
 pub(crate) use gauss_newton::{Limits, SumOfSquares, Sums, minimise};
-pub use options::{Difference, InterruptHook, Options, Parameter, Progress, ProgressHook, Scale};
+pub use options::{Difference, InterruptHook, Options, Parameter, Progress, ProgressHook};
 pub use outcome::{Ending, Fit, FitError};
 pub use trust_region::fit;
 pub use uncertainty::{Interval, Uncertainty, student_quantile};

@@ -1,14 +1,6 @@
 //! What a fit is told: its parameters and how to run.
 
-/// In which measure a parameter is stepped and its interval is symmetric.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Scale {
-    /// As it is.
-    #[default]
-    Linear,
-    /// By its logarithm: positive parameters known by order of magnitude.
-    Logarithmic,
-}
+use crate::vocabulary::Scale;
 
 /// One parameter of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]

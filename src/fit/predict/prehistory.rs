@@ -185,8 +185,8 @@ fn golden_section(mut low: f64, mut high: f64, cost: &mut impl FnMut(f64) -> f64
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::JointChanges;
     use crate::contact::{Jenkins, Joint, JointBase};
-    use crate::effects::JointChanges;
 
     /// Every force between the contact's two limits can be the first of a record: springs beside the slider and
     /// unequal limits included.

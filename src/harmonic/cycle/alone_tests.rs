@@ -3,8 +3,8 @@
 use super::map::ContactMap;
 use super::reference::ReferenceCycle;
 use super::{Cycle, PeriodicContact};
+use crate::contact::JointChanges;
 use crate::contact::{ContactLaw, Jenkins, Joint, JointBase, Valanis};
-use crate::effects::JointChanges;
 use crate::harmonic::Method;
 use crate::harmonic::set::HarmonicSet;
 

@@ -136,8 +136,8 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
+    use crate::contact::JointChanges;
     use crate::contact::{ContactLaw, Jenkins, Joint, JointBase};
-    use crate::effects::JointChanges;
     use crate::harmonic::cycle::reference::ReferenceCycle;
 
     const OMEGA: f64 = 300.0;

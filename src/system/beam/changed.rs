@@ -4,10 +4,29 @@
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::check;
-use crate::effects::{HangingMass, Location, StructureChanges};
-use crate::system::{Beam, PointMass};
-use crate::system::{ModalBeam, StructureError};
+use crate::system::{Beam, HangingMass, ModalBeam, Place, PointMass, StructureChanges, StructureError};
 use crate::vocabulary;
+
+impl Beam {
+    /// The beam with the masses and the clamp of `changes`; its sensors stay where they are.
+    fn changed(&self, changes: &StructureChanges) -> Result<Self, StructureError> {
+        let mut changed = self.clone();
+        if changed.sensors.is_empty() {
+            changed.sensors = self.point_masses.iter().map(|point| point.position).collect();
+        }
+        for (place, mass) in &changes.added_masses {
+            let Place::Position(position) = *place else {
+                return Err(StructureError::NotOnTheBeam { place: place.to_string() });
+            };
+            changed.point_masses.push(PointMass { position, mass: *mass });
+        }
+        if let Some(spring) = changes.clamp_stiffness {
+            changed.clamp_stiffness =
+                Some(self.clamp_stiffness.map_or(spring, |own| spring * own / (spring + own)));
+        }
+        Ok(changed)
+    }
+}
 
 impl ModalBeam {
     /// Reduces a beam with `changes` to its modes; without changes this is [`ModalBeam::new`].
@@ -20,9 +39,7 @@ impl ModalBeam {
     /// As [`ModalBeam::new`]; [`StructureError::NotOnTheBeam`] for a mass that is not at a position.
     ///
     /// ```
-    /// use stickslip::effects::{Location, StructureChanges};
-    /// use stickslip::model::{Beam, Damping, PointMass};
-    /// use stickslip::system::ModalBeam;
+    /// use stickslip::system::{Beam, Damping, ModalBeam, Place, PointMass, StructureChanges};
     /// let bare = Beam {
     ///     length: 0.6, width: 0.04, thickness: 0.005, density: 7850.0, youngs_modulus: 2e11,
     ///     modes: 4, static_correction: false, damping: Damping::Uniform(0.003), point_masses: vec![],
@@ -30,7 +47,7 @@ impl ModalBeam {
     ///     excitation_position: 0.55, sensors: vec![0.3], contact_points: vec![],
     /// };
     /// let added = StructureChanges {
-    ///     added_masses: vec![(Location::Position(0.3), 0.02)],
+    ///     added_masses: vec![(Place::Position(0.3), 0.02)],
     ///     ..StructureChanges::default()
     /// };
     /// let built_in = Beam { point_masses: vec![PointMass { position: 0.3, mass: 0.02 }], ..bare.clone() };
@@ -38,21 +55,7 @@ impl ModalBeam {
     /// # Ok::<(), stickslip::system::StructureError>(())
     /// ```
     pub fn with_changes(beam: &Beam, changes: &StructureChanges) -> Result<Self, StructureError> {
-        let mut changed = beam.clone();
-        if changed.sensors.is_empty() {
-            changed.sensors = beam.point_masses.iter().map(|point| point.position).collect();
-        }
-        for (place, mass) in &changes.added_masses {
-            let Location::Position(position) = *place else {
-                return Err(StructureError::NotOnTheBeam { place: place.to_string() });
-            };
-            changed.point_masses.push(PointMass { position, mass: *mass });
-        }
-        if let Some(spring) = changes.clamp_stiffness {
-            changed.clamp_stiffness =
-                Some(beam.clamp_stiffness.map_or(spring, |own| spring * own / (spring + own)));
-        }
-        let mut modal = Self::linear(&changed)?;
+        let mut modal = Self::linear(&beam.changed(changes)?)?;
         modal.stretching_stiffness = modal.stretching(beam, changes.cubic_stiffness)?;
         modal.quadratic_damping = changes.quadratic_damping;
         for hanging in &changes.hanging_masses {

@@ -57,7 +57,7 @@ impl ModalBeam {
     /// see [`StructureError`].
     ///
     /// ```
-    /// use stickslip::model::{Beam, Damping};
+    /// use stickslip::system::{Beam, Damping};
     /// let steel = Beam {
     ///     length: 0.6, width: 0.04, thickness: 0.005, density: 7850.0, youngs_modulus: 2e11,
     ///     modes: 4, static_correction: false, damping: Damping::Uniform(0.003), point_masses: vec![],

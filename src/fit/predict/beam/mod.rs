@@ -8,8 +8,8 @@ mod tests;
 use std::f64::consts::TAU;
 
 use crate::contact::ContactLaw;
+use crate::contact::JointChanges;
 use crate::data::{Channel, Record, Regime};
-use crate::effects::JointChanges;
 use crate::fit;
 use crate::fit::predict::simulation::{Direction, Seed, Simulation};
 use crate::harmonic::steady::{Driven, Start};
