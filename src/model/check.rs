@@ -1,47 +1,12 @@
 //! The rules a model keeps, whether it was read from a file, built in code or changed by a fit.
 
-use std::fmt;
-
+use super::error::ParameterError;
 use super::{Beam, Contact, Damping, Law, Model, Structure};
 use crate::vocabulary::{self, Quantity};
 
 /// Magnitudes outside this range are refused: no physical parameter in SI units has them, and
 /// products of a few of them would overflow.
 pub const SMALLEST_AND_LARGEST: (f64, f64) = (1e-30, 1e30);
-
-/// Why a parameter, or another entry of a model, cannot be what it is.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ParameterError {
-    /// Path of the entry, elements of arrays counted from 1: `beam.point_mass.2.mass`.
-    pub path: String,
-    /// What is wrong, in one sentence.
-    pub message: String,
-    /// What would be right, if there is more to say.
-    pub help: Option<String>,
-}
-
-impl ParameterError {
-    pub(super) fn new(path: impl Into<String>, message: impl Into<String>) -> Self {
-        ParameterError { path: path.into(), message: message.into(), help: None }
-    }
-
-    pub(super) fn with_help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
-        self
-    }
-}
-
-impl fmt::Display for ParameterError {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "{}: {}", self.path, self.message)?;
-        match &self.help {
-            Some(help) => write!(formatter, " ({help})"),
-            None => Ok(()),
-        }
-    }
-}
-
-impl std::error::Error for ParameterError {}
 
 impl Model {
     /// Checks every rule: bounds, counts, positions on the beam, names and references of masses, and that each free path means something.

@@ -12,9 +12,9 @@
 //! gain = 1.07
 //! ```
 
-use super::parameters::Slot;
-use super::write::{line, quoted, write_quantity};
-use super::{Law, Model, ModelError, ParameterError, Structure};
+use super::error::ParameterError;
+use super::text::{line, quoted, write_quantity};
+use super::{Law, Model, ModelError, Structure};
 use crate::document::{Table, suggestion};
 use crate::effects::{self, ALL_KINDS, AppliedEffect, CATALOGUE, Changes, Kind, Location, PlaceKind, Scales};
 use crate::vocabulary::{Quantity, Scale};
@@ -82,16 +82,6 @@ pub(super) fn write(text: &mut String, effects: &[AppliedEffect]) {
         }
         for (index, value) in applied.values.iter().enumerate() {
             write_quantity(text, applied.quantity(index), *value);
-        }
-    }
-}
-
-/// Adds the parameters of `effects` to `slots`.
-pub(super) fn slots<'a>(effects: &'a mut [AppliedEffect], slots: &mut Vec<Slot<'a>>) {
-    for (number, applied) in effects.iter_mut().enumerate() {
-        let quantities: Vec<_> = (0..applied.values.len()).map(|index| applied.quantity(index)).collect();
-        for (quantity, value) in quantities.into_iter().zip(&mut applied.values) {
-            slots.push((format!("effect.{}.{}", number + 1, quantity.name), quantity, value));
         }
     }
 }

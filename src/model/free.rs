@@ -1,6 +1,7 @@
 //! `[fit] free`: which parameters a fit may change.
 
-use super::{Model, ParameterError};
+use super::Model;
+use super::error::ParameterError;
 use crate::document::suggestion;
 
 const NORMAL_LOAD: &str = "contact.normal_load";

@@ -27,15 +27,19 @@
 mod assembled;
 mod check;
 mod effects;
+mod error;
 mod free;
 mod law;
 mod oscillator;
 mod parameters;
 mod parse;
+mod slots;
+mod text;
 mod write;
 
 pub use assembled::{Assembled, AssemblyError};
-pub use check::{ParameterError, SMALLEST_AND_LARGEST};
+pub use check::SMALLEST_AND_LARGEST;
+pub use error::ParameterError;
 pub use oscillator::GROUND;
 pub use parameters::ModelParameter;
 

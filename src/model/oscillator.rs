@@ -16,9 +16,9 @@
 
 use std::collections::BTreeMap;
 
-use super::parameters::Slot;
-use super::write::{line, quoted, write_quantity};
-use super::{ModelError, ParameterError};
+use super::ModelError;
+use super::error::ParameterError;
+use super::text::{line, quoted, write_quantity};
 use crate::document::{Located, Table, nearest, suggestion};
 use crate::system::{Anchor, Mass, Oscillator, Spring};
 use crate::vocabulary::{self as v, Quantity};
@@ -161,18 +161,6 @@ impl Oscillator {
         match anchor {
             Anchor::Ground => GROUND,
             Anchor::Mass(mass) => self.masses.get(mass).map_or("", |mass| &mass.name),
-        }
-    }
-
-    /// Adds the oscillator's parameters to `slots`.
-    pub(super) fn slots<'a>(&'a mut self, slots: &mut Vec<Slot<'a>>) {
-        for (index, mass) in self.masses.iter_mut().enumerate() {
-            slots.push((format!("mass.{}.mass", index + 1), &v::MASS, &mut mass.mass));
-        }
-        for (index, spring) in self.springs.iter_mut().enumerate() {
-            let place = format!("spring.{}", index + 1);
-            slots.push((format!("{place}.stiffness"), &v::STIFFNESS, &mut spring.stiffness));
-            slots.push((format!("{place}.damping"), &v::DAMPING, &mut spring.damping));
         }
     }
 

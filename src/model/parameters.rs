@@ -4,9 +4,11 @@
 //! `beam.damping_ratio.3` (the third mode's), `beam.point_mass.1.mass`, `support.offset`, `mass.1.mass`,
 //! `spring.2.stiffness`, `effect.1.half_gap`. Elements are counted from 1. Where sensors and contact points sit is no parameter.
 
-use super::{Beam, Damping, Law, Model, ParameterError, Structure};
+use super::error::ParameterError;
+use super::slots::Value;
+use super::{Beam, Law, Model, Structure};
 use crate::document::suggestion;
-use crate::vocabulary::{self as v, Quantity, Scale};
+use crate::vocabulary::{Quantity, Scale};
 
 /// One number of a model that may be read, set, or fitted.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,16 +28,6 @@ pub struct ModelParameter {
     /// Whether a fit may change it.
     pub free: bool,
 }
-
-/// A parameter without its role in a fit.
-pub(super) struct Value {
-    pub(super) path: String,
-    pub(super) quantity: &'static Quantity,
-    pub(super) value: f64,
-}
-
-/// Path, quantity and place of a parameter.
-pub(super) type Slot<'a> = (String, &'static Quantity, &'a mut f64);
 
 impl Model {
     /// Every parameter, in the file's order.
@@ -116,49 +108,6 @@ impl Model {
         )))
     }
 
-    pub(super) fn values(&self) -> Vec<Value> {
-        // The one walk over the parameters lends them mutably; reading pays for a copy of the model.
-        self.clone()
-            .slots()
-            .into_iter()
-            .map(|(path, quantity, slot)| Value { path, quantity, value: *slot })
-            .collect()
-    }
-
-    /// The one list of parameters: path, quantity and place.
-    fn slots(&mut self) -> Vec<Slot<'_>> {
-        let mut slots = Vec::new();
-        match &mut self.structure {
-            Structure::Prescribed => {}
-            Structure::Beam(beam) => beam_slots(beam, &mut slots),
-            Structure::Oscillator(oscillator) => oscillator.slots(&mut slots),
-        }
-        if let Some(contact) = &mut self.contact {
-            let mut add = |quantity: &'static Quantity, slot| {
-                slots.push((format!("contact.{}", quantity.name), quantity, slot));
-            };
-            add(&v::TANGENTIAL_STIFFNESS, &mut contact.tangential_stiffness);
-            add(&v::FRICTION_COEFFICIENT, &mut contact.friction_coefficient);
-            add(&v::NORMAL_LOAD, &mut contact.normal_load);
-            match &mut contact.law {
-                Law::Jenkins => {}
-                Law::Valanis { smoothness, residual_stiffness } => {
-                    add(&v::SMOOTHNESS, smoothness);
-                    add(&v::RESIDUAL_STIFFNESS, residual_stiffness);
-                }
-                Law::Iwan { exponent, ratio } => {
-                    add(&v::EXPONENT, exponent);
-                    add(&v::RATIO, ratio);
-                }
-            }
-            if contact.normal_stiffness != 0.0 {
-                add(&v::NORMAL_STIFFNESS, &mut contact.normal_stiffness);
-            }
-        }
-        super::effects::slots(&mut self.effects, &mut slots);
-        slots
-    }
-
     /// Bounds and scale for a fit of `quantity`, starting at `value`.
     fn fit_range(&self, quantity: &Quantity, value: f64) -> (f64, f64, Scale) {
         use Scale::{Linear, Logarithmic};
@@ -201,46 +150,6 @@ impl Model {
             if scale == Logarithmic && value <= 0.0 { (0.0, Linear) } else { (lower, scale) };
         (lower.min(value), upper.max(value), scale)
     }
-}
-
-/// Adds the beam's parameters to `slots`.
-fn beam_slots<'a>(beam: &'a mut Beam, slots: &mut Vec<Slot<'a>>) {
-    let mut add = |table: &str, quantity: &'static Quantity, slot| {
-        slots.push((format!("{table}.{}", quantity.name), quantity, slot));
-    };
-    add("beam", &v::LENGTH, &mut beam.length);
-    add("beam", &v::WIDTH, &mut beam.width);
-    add("beam", &v::THICKNESS, &mut beam.thickness);
-    add("beam", &v::DENSITY, &mut beam.density);
-    add("beam", &v::YOUNGS_MODULUS, &mut beam.youngs_modulus);
-    let damping: Vec<Slot<'_>> = match &mut beam.damping {
-        Damping::Uniform(ratio) => vec![(String::new(), &v::DAMPING_RATIO, ratio)],
-        Damping::PerMode(ratios) => ratios
-            .iter_mut()
-            .enumerate()
-            .map(|(index, ratio)| (format!(".{}", index + 1), &v::DAMPING_RATIO, ratio))
-            .collect(),
-        Damping::Proportional { mass, stiffness } => {
-            vec![(String::new(), &v::MASS_DAMPING, mass), (String::new(), &v::STIFFNESS_DAMPING, stiffness)]
-        }
-    };
-    for (suffix, quantity, slot) in damping {
-        slots.push((format!("beam.{}{suffix}", quantity.name), quantity, slot));
-    }
-    let mut add = |table: &str, quantity: &'static Quantity, slot| {
-        slots.push((format!("{table}.{}", quantity.name), quantity, slot));
-    };
-    for (index, mass) in beam.point_masses.iter_mut().enumerate() {
-        let table = format!("beam.point_mass.{}", index + 1);
-        add(&table, &v::POSITION, &mut mass.position);
-        add(&table, &v::MASS, &mut mass.mass);
-    }
-    add("support", &v::OFFSET, &mut beam.offset);
-    add("support", &v::ROTATIONAL_STIFFNESS, &mut beam.rotational_stiffness);
-    if let Some(stiffness) = &mut beam.clamp_stiffness {
-        add("support", &v::CLAMP_STIFFNESS, stiffness);
-    }
-    add("excitation", &v::POSITION, &mut beam.excitation_position);
 }
 
 impl Beam {

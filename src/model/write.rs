@@ -1,9 +1,8 @@
 //! From a [`Model`] to the text of a `model.toml`.
 
-use std::fmt::Write;
-
+use super::text::{line, quoted, write_quantity};
 use super::{Beam, Contact, Damping, Law, Model, SCHEMA, Structure, effects};
-use crate::vocabulary::{self as v, Quantity};
+use crate::vocabulary as v;
 
 impl Model {
     /// The text of the model's file. [`Model::parse`] reads the same model from it, to the last bit of
@@ -36,24 +35,6 @@ impl Model {
         }
         text
     }
-}
-
-pub(super) fn line(text: &mut String, arguments: std::fmt::Arguments<'_>) {
-    // Writing to a String cannot fail.
-    let _ = writeln!(text, "{arguments}");
-}
-
-/// `name = value`, with the unit as a comment. `{:?}` gives the shortest digits that read back the same.
-pub(super) fn write_quantity(text: &mut String, quantity: &Quantity, value: f64) {
-    let assignment = format!("{} = {value:?}", quantity.name);
-    match quantity.unit {
-        "1" => line(text, format_args!("{assignment}")),
-        unit => line(text, format_args!("{assignment:<40} # {unit}")),
-    }
-}
-
-pub(super) fn quoted(string: &str) -> String {
-    toml::Value::String(string.to_owned()).to_string()
 }
 
 fn write_contact(text: &mut String, contact: &Contact, at: Option<&str>) {
