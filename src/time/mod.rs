@@ -40,27 +40,27 @@ mod change;
 mod contact_point;
 mod error;
 mod events;
+pub mod exact;
+mod implicit;
 mod motion;
-pub mod oscillator;
 mod propagator;
 mod rates;
+mod sampled;
 mod step;
 mod trial;
 
 pub use beam::{BeamIntegrator, BeamOutputs, SensorReading};
 pub(crate) use change::{BeamChange, BeamInputChange};
 pub use error::{BeamError, IntegrationError};
+pub use exact::{
+    Excitation, LoadedContact, OscillatorError, OscillatorFlow, OscillatorMotion, Passage, PeriodicMotion,
+    RungeKutta, ShootingSettings, Transient, shoot,
+};
+pub use implicit::{OscillatorIntegrator, OscillatorState};
 pub use motion::BeamMotion;
-pub(crate) use oscillator::Followed;
-pub use oscillator::{
-    Drive, Excitation, LoadedContact, MOST_STEPPED, OscillatorError, OscillatorFlow, OscillatorMotion,
-    Passage,
-};
-pub use oscillator::{
-    OscillatorIntegrator, OscillatorState, PeriodicMotion, RungeKutta, SampledIntegrator, ShootingSettings,
-    Transient, shoot,
-};
 pub(crate) use rates::BeamRates;
+pub(crate) use sampled::Followed;
+pub use sampled::{Drive, MOST_STEPPED, SampledIntegrator};
 
 use crate::contact::ContactLaw;
 

@@ -9,7 +9,7 @@ use super::feedback::{Disturbed, Feedback, Seat, Series, events_of};
 use super::history::{Step, history};
 use super::signal::evaluate;
 use crate::system::{LinearStructure, ModalBeam};
-use crate::time::oscillator::system::{System, dot};
+use crate::time::exact::system::{System, dot};
 use crate::time::{LoadedContact, OscillatorError};
 
 /// A beam and its periodic motion.

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::history::{Step, history, jumps};
 use super::impulse;
 use super::signal::turning_points;
-use crate::time::oscillator::system::System;
+use crate::time::exact::system::System;
 use crate::time::{LoadedContact, OscillatorError};
 
 /// A structure in a periodic motion, as a disturbance of it sees it: constant, with forces fed back.

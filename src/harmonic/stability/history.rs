@@ -7,7 +7,7 @@ use super::impulse::Impulse;
 use super::regimes::Path;
 use super::signal::evaluate;
 use crate::contact::{ContactLaw, Inputs, Period, PeriodicSolver, Slider, StateTangents};
-use crate::time::oscillator::elements::Element;
+use crate::time::exact::elements::Element;
 use crate::time::{LoadedContact, OscillatorError};
 
 /// Derivatives of one step of a law.

@@ -32,8 +32,8 @@ use nalgebra::{Complex, DMatrix};
 
 use crate::contact::Slider;
 use crate::system::{LinearStructure, ModalBeam};
-use crate::time::oscillator::multipliers;
-use crate::time::oscillator::system::System;
+use crate::time::exact::multipliers;
+use crate::time::exact::system::System;
 use crate::time::{LoadedContact, OscillatorError};
 use beam::Bent;
 use budget::Budget;

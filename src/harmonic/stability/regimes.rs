@@ -7,8 +7,8 @@ use nalgebra::DMatrix;
 use super::budget::Budget;
 use super::exponential::{PRODUCTS, exponential, norm, squarings};
 use super::signal::{evaluate, root, turning_points};
-use crate::time::oscillator::elements::{Branch, Element, Memory, elements};
-use crate::time::oscillator::system::System;
+use crate::time::exact::elements::{Branch, Element, Memory, elements};
+use crate::time::exact::system::System;
 use crate::time::{LoadedContact, OscillatorError};
 
 /// Phases (rad) closer than this are the same: rounding of a few periods.

@@ -9,9 +9,9 @@ use super::balancing::balance;
 use super::budget::Budget;
 use super::feedback::{Disturbed, Feedback};
 use crate::time::OscillatorError;
-use crate::time::oscillator::multipliers;
-use crate::time::oscillator::polynomial::{DEGREE, Series};
-use crate::time::oscillator::system::System;
+use crate::time::exact::multipliers;
+use crate::time::exact::polynomial::{DEGREE, Series};
+use crate::time::exact::system::System;
 
 /// Grids tried that resolve the structure's own motion, each with half the steps of the one before.
 const LEVELS: usize = 7;

@@ -2,8 +2,8 @@
 
 use nalgebra::{Cholesky, DMatrix, Dyn};
 
-use super::super::OscillatorError;
 use crate::system::{Entries, LinearStructure, Row};
+use crate::time::OscillatorError;
 
 /// Most degrees of freedom: a step costs the square, and its operators the cube, of their number.
 pub const MOST_STEPPED: usize = 200;

@@ -10,7 +10,7 @@ pub(crate) use followed::Followed;
 pub use hold::MOST_STEPPED;
 
 use super::OscillatorError;
-use super::system::System;
+use super::exact::system::System;
 use crate::contact::{ContactLaw, Inputs, Response};
 use crate::system::{LinearStructure, Row};
 use balance::Balance;

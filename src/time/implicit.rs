@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::elements::LoadedContact;
-use super::polynomial::{DEGREE, Series};
-use super::system::{System, dot};
+use super::exact::elements::LoadedContact;
+use super::exact::polynomial::{DEGREE, Series};
+use super::exact::system::{System, dot};
 use super::{Excitation, OscillatorError};
 use crate::contact::{Inputs, Response};
 use crate::system::LinearStructure;
