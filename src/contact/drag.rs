@@ -2,6 +2,7 @@
 
 use super::error::{Bounds, LawError, checked};
 use super::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tangents};
+use crate::vocabulary as v;
 
 /// Drag of a medium that is pushed aside.
 ///
@@ -41,7 +42,8 @@ impl Drag {
     /// # Errors
     /// [`LawError::OutOfBounds`] unless it is finite.
     pub fn new(quadratic_damping: f64) -> Result<Self, LawError> {
-        let quadratic_damping = checked("quadratic_damping", "N.s^2/m^2", quadratic_damping, Bounds::FINITE)?;
+        let quadratic_damping =
+            checked(v::QUADRATIC_DAMPING.name, v::QUADRATIC_DAMPING.unit, quadratic_damping, Bounds::FINITE)?;
         Ok(Self { quadratic_damping })
     }
 

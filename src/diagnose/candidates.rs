@@ -84,22 +84,7 @@ fn refusal(effect: &Effect, model: &Model, dataset: &Dataset) -> Option<String> 
         return Some(format!("a {} has no such effect", kind_name(model.kind())));
     }
     let contact = model.contact.as_ref();
-    let at_contact = matches!(
-        effect.id,
-        "micro_slip"
-            | "residual_stiffness"
-            | "normal_load_variation"
-            | "contact_damping"
-            | "velocity_weakening"
-            | "wear"
-            | "backlash"
-            | "stiffening"
-            | "asymmetry"
-            | "hanging_mass"
-            | "normal_hardening"
-            | "impact_damping"
-    );
-    if at_contact && contact.is_none() {
+    if effect.part.needs_contact() && contact.is_none() {
         return Some("the model has no contact".to_owned());
     }
     match effect.needs {

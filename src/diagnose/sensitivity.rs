@@ -24,8 +24,6 @@ struct Probe {
     size: f64,
     /// Value of the first parameter at which there is no effect.
     neutral: f64,
-    /// Whether the effect shrinks as the parameter grows.
-    inverse: bool,
 }
 
 /// What the sensitivities say.
@@ -76,7 +74,11 @@ pub(super) fn around(
         }
         let multiple = visible.then(|| detectable::multiple(projected[(k, k)], variances[k], &noise));
         let size = multiple.map(|multiple| {
-            if probe.inverse { probe.size / multiple } else { (probe.size - probe.neutral).abs() * multiple }
+            if probe.neutral.is_infinite() {
+                probe.size / multiple
+            } else {
+                (probe.size - probe.neutral).abs() * multiple
+            }
         });
         detectable::smaller(&mut found.detectable, &probe.candidate, size);
     }
@@ -96,14 +98,12 @@ pub(super) fn around(
 /// A tenth of the first start, where zero means none; the start itself elsewhere.
 fn probe(candidate: &Candidate, ranges: &[Range]) -> (Vec<f64>, Probe) {
     let mut values: Vec<f64> = ranges.iter().map(|range| range.starts[0]).collect();
-    let id = candidate.effect.id;
-    let neutral = if id == "sensor_gain" { 1.0 } else { 0.0 };
-    let inverse = id == "support_compliance";
-    if !inverse {
+    let neutral = candidate.effect.neutral();
+    if neutral.is_finite() {
         values[0] = neutral + 0.1 * (values[0] - neutral);
         values[0] = values[0].clamp(ranges[0].lower, ranges[0].upper);
     }
-    let probe = Probe { candidate: candidate.clone(), size: values[0], neutral, inverse };
+    let probe = Probe { candidate: candidate.clone(), size: values[0], neutral };
     (values, probe)
 }
 

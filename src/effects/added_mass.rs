@@ -1,24 +1,44 @@
 //! A mass on the structure.
 
-use super::{Effect, EffectParameter, Kind, Location, Needs, PlaceKind, magnitudes};
+use super::{
+    Confusion, Effect, EffectParameter, InResonances, Kind, Location, Needs, Part, PlaceKind, experiments,
+    magnitudes,
+};
 use crate::vocabulary as v;
 
-pub(super) const EFFECT: Effect = Effect {
+pub(super) static EFFECT: Effect = Effect {
     id: "added_mass",
     title: "Added mass",
     summary: "A mass on the structure that the model lacks",
     explanation: "A sensor, its cable, the stinger and head of a shaker, or a part left out of the model. Every \
           resonance in which the place moves is lower than the model's, by the same ratio at every level.",
     confirmation: "Weigh what is attached; put a known mass at the place and see the frequencies shift as predicted.",
+    confused_with: &[
+        Confusion {
+            with: &super::support_compliance::EFFECT,
+            why: "both lower the first resonance by the same ratio at every level",
+            experiment: "measure a second mode: an added mass matters where the mode moves, a soft clamp where it bends",
+        },
+        Confusion {
+            with: &super::sensor_gain::EFFECT,
+            why: "a larger mass moves less, and a sensor of too small a gain shows less",
+            experiment: "fix a known mass beside the sensor: the frequencies must move as they should, whatever the sensor \
+                  shows",
+        },
+    ],
+    next_experiment: experiments::SECOND_MODE,
     parameters: &[EffectParameter {
         quantity: &v::MASS,
+        neutral: Some(0.0),
         range: |scales| {
             magnitudes(1e-4 * scales.structure_mass, scales.structure_mass, &[0.02 * scales.structure_mass])
         },
     }],
+    part: Part::Structure,
     place: PlaceKind::Structure,
     kinds: &[Kind::Oscillator, Kind::Beam],
     needs: Needs::Nothing,
+    in_resonances: InResonances::Shown,
     apply: |values, location, changes| {
         if let Some(place) = location.and_then(Location::place) {
             changes.structure.added_masses.push((place, values[0]));

@@ -1,9 +1,12 @@
 //! A limit that depends on the direction of slip.
 
-use super::{ALL_KINDS, Effect, EffectParameter, Needs, PlaceKind, both_signs};
+use super::{
+    ALL_KINDS, Confusion, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, both_signs,
+    experiments,
+};
 use crate::vocabulary as v;
 
-pub(super) const EFFECT: Effect = Effect {
+pub(super) static EFFECT: Effect = Effect {
     id: "asymmetry",
     title: "Asymmetric limit",
     summary: "The limit depends on the direction: limit · (1 ± a)",
@@ -11,10 +14,23 @@ pub(super) const EFFECT: Effect = Effect {
           the loop lies higher than the other is low, and even harmonics appear in the response.",
     confirmation: "Turn the part round, or drive it backwards: the high plateau changes sides. A shifted zero of the \
           load cell does not.",
-    parameters: &[EffectParameter { quantity: &v::ASYMMETRY, range: |_| both_signs(0.9, 0.1) }],
+    confused_with: &[Confusion {
+        with: &super::sensor_offset::EFFECT,
+        why: "both raise one plateau of the loop above the height of the other",
+        experiment: "start a record from rest at a low level, where nothing slips: a shifted zero is there at once, an \
+              asymmetric limit is not; or turn the part round, and the asymmetry changes sides",
+    }],
+    next_experiment: experiments::OTHER_LEVELS,
+    parameters: &[EffectParameter {
+        quantity: &v::ASYMMETRY,
+        neutral: Some(0.0),
+        range: |_| both_signs(0.9, 0.1),
+    }],
+    part: Part::Joint,
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
+    in_resonances: InResonances::Shown,
     apply: |values, _, changes| changes.joint.asymmetry = values[0],
     signature: |seen| {
         seen.loop_asymmetry.filter(|difference| difference.abs() > 0.02).map(|difference| {

@@ -1,9 +1,12 @@
 //! Viscous damping in the contact.
 
-use super::{ALL_KINDS, Effect, EffectParameter, Needs, PlaceKind, both_signs};
+use super::{
+    ALL_KINDS, Confusion, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, both_signs,
+    experiments,
+};
 use crate::vocabulary as v;
 
-pub(super) const EFFECT: Effect = Effect {
+pub(super) static EFFECT: Effect = Effect {
     id: "contact_damping",
     title: "Contact damping",
     summary: "A damper beside the contact: c·u̇",
@@ -12,13 +15,36 @@ pub(super) const EFFECT: Effect = Effect {
           the frequency.",
     confirmation: "Repeat one amplitude at two or three frequencies: the difference of the forces at zero displacement \
           grows in proportion to the frequency.",
+    confused_with: &[
+        Confusion {
+            with: &super::sensor_delay::EFFECT,
+            why: "a late channel opens a line to an ellipse, as a damper does",
+            experiment: "repeat one level at two frequencies far apart: a delay's share of the force grows with the \
+                  stiffness, a damper's does not; or swap the sensors, and the delay stays with the channel",
+        },
+        Confusion {
+            with: &super::quadratic_damping::EFFECT,
+            why: "both resist the motion, and at one level both can take the same energy",
+            experiment: "repeat one frequency at two levels: a damper's force grows with the speed, drag with its square",
+        },
+        Confusion {
+            with: &super::velocity_weakening::EFFECT,
+            why: "with both the height of the loop depends on the speed",
+            experiment: "repeat one amplitude at speeds over two decades and plot the height of the loop against the \
+                  logarithm of the speed: weakening levels off, a damper does not",
+        },
+    ],
+    next_experiment: experiments::OTHER_FREQUENCIES,
     parameters: &[EffectParameter {
         quantity: &v::CONTACT_DAMPING,
+        neutral: Some(0.0),
         range: |scales| both_signs(30.0 * scales.limit / scales.velocity, 0.003),
     }],
+    part: Part::Joint,
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
+    in_resonances: InResonances::DampingAlone,
     apply: |values, _, changes| changes.joint.damping = values[0],
     signature: |seen| {
         seen.residual_by_velocity.filter(|correlation| correlation.abs() > 0.2).map(|correlation| {

@@ -1,9 +1,11 @@
 //! Stretching of the structure at large amplitude (Duffing's term).
 
-use super::{Effect, EffectParameter, Kind, Needs, PlaceKind, both_signs};
+use super::{
+    Confusion, Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind, both_signs, experiments,
+};
 use crate::vocabulary as v;
 
-pub(super) const EFFECT: Effect = Effect {
+pub(super) static EFFECT: Effect = Effect {
     id: "geometric_stiffening",
     title: "Geometric stiffening",
     summary: "Cubic stretching of the structure: k3 x³ (first mass to the ground, or the mid-plane of the beam)",
@@ -12,15 +14,24 @@ pub(super) const EFFECT: Effect = Effect {
           and odd harmonics appear.",
     confirmation: "Measure the resonance at three levels with the contact locked or removed: the frequency still climbs \
           with the square of the amplitude.",
+    confused_with: &[Confusion {
+        with: &super::stiffening::EFFECT,
+        why: "both raise the resonance with the square of the amplitude",
+        experiment: "measure a second mode, or lift the contact off: the stiffening of the structure stays",
+    }],
+    next_experiment: experiments::HALF_AND_TWICE,
     parameters: &[EffectParameter {
         quantity: &v::CUBIC_STIFFNESS,
+        neutral: Some(0.0),
         range: |scales| {
             both_signs(100.0 * scales.structure_force / scales.structure_displacement.powi(3), 0.002)
         },
     }],
+    part: Part::Structure,
     place: PlaceKind::Nowhere,
     kinds: &[Kind::Oscillator, Kind::Beam],
     needs: Needs::Nothing,
+    in_resonances: InResonances::Shown,
     apply: |values, _, changes| changes.structure.cubic_stiffness = values[0],
     signature: |seen| {
         seen.frequency_by_level.filter(|change| *change > 0.002).map(|change| {

@@ -1,6 +1,6 @@
 //! A resonator hung at the contact (seed 2: string and weights).
 
-use super::{Effect, EffectParameter, Kind, Needs, PlaceKind, magnitudes};
+use super::{Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind, experiments, magnitudes};
 use crate::system::HangingMass;
 use crate::vocabulary as v;
 
@@ -24,7 +24,7 @@ fn starts(of: impl Fn(usize) -> f64) -> Vec<f64> {
     (0..SHARES.len() * FREQUENCIES).map(of).collect()
 }
 
-pub(super) const EFFECT: Effect = Effect {
+pub(super) static EFFECT: Effect = Effect {
     id: "hanging_mass",
     title: "Hanging mass",
     summary: "A resonator hung at the contact: a mass on a string or a soft mount",
@@ -32,9 +32,12 @@ pub(super) const EFFECT: Effect = Effect {
           frequency of this pendulum or bounce the response has a second, narrow resonance, and above it the \
           mass stands still.",
     confirmation: "Change the length of the string: the narrow resonance moves with it.",
+    confused_with: &[],
+    next_experiment: experiments::SECOND_MODE,
     parameters: &[
         EffectParameter {
             quantity: &v::MASS,
+            neutral: Some(0.0),
             range: |scales| {
                 magnitudes(
                     1e-4 * scales.structure_mass,
@@ -45,15 +48,18 @@ pub(super) const EFFECT: Effect = Effect {
         },
         EffectParameter {
             quantity: &v::HANGING_FREQUENCY,
+            neutral: None,
             range: |scales| {
                 let starts = starts(|start| frequency(start) * scales.frequency);
                 magnitudes(0.05 * scales.frequency, 20.0 * scales.frequency, &starts)
             },
         },
     ],
+    part: Part::HungAtContact,
     place: PlaceKind::Nowhere,
     kinds: &[Kind::Oscillator, Kind::Beam],
     needs: Needs::Nothing,
+    in_resonances: InResonances::Shown,
     apply: |values, _, changes| {
         changes.structure.hanging_masses.push(HangingMass { mass: values[0], frequency: values[1] });
     },

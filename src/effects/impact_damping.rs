@@ -1,9 +1,9 @@
 //! Damping of impacts (Hunt & Crossley 1975).
 
-use super::{Effect, EffectParameter, Kind, Needs, PlaceKind, both_signs};
+use super::{Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind, both_signs, experiments};
 use crate::vocabulary as v;
 
-pub(super) const EFFECT: Effect = Effect {
+pub(super) static EFFECT: Effect = Effect {
     id: "impact_damping",
     title: "Impact damping",
     summary: "Hunt and Crossley's factor 1 + λ δ̇ on the normal load",
@@ -11,13 +11,18 @@ pub(super) const EFFECT: Effect = Effect {
           Load against normal displacement makes a loop that closes at zero load, as a damper's would not.",
     confirmation: "Tap the contact closed at several speeds: the coefficient of restitution falls in proportion to the \
           speed.",
+    confused_with: &[],
+    next_experiment: experiments::TWO_NORMAL_SPEEDS,
     parameters: &[EffectParameter {
         quantity: &v::IMPACT_DAMPING,
+        neutral: Some(0.0),
         range: |scales| both_signs(30.0 / scales.normal_velocity, 0.005),
     }],
+    part: Part::NormalDirection,
     place: PlaceKind::Nowhere,
     kinds: &[Kind::Contact],
     needs: Needs::NormalMotion,
+    in_resonances: InResonances::Shown,
     apply: |values, _, changes| changes.joint.impact_damping = values[0],
     signature: |seen| {
         seen.normal_residual_by_velocity.filter(|correlation| correlation.abs() > 0.2).map(|correlation| {

@@ -1,9 +1,12 @@
 //! Gradual slip below the limit (Iwan 1966: distributed yield instead of one slider).
 
-use super::{ALL_KINDS, Effect, EffectParameter, Needs, PlaceKind, from_zero};
+use super::{
+    ALL_KINDS, Confusion, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, experiments,
+    from_zero,
+};
 use crate::vocabulary as v;
 
-pub(super) const EFFECT: Effect = Effect {
+pub(super) static EFFECT: Effect = Effect {
     id: "micro_slip",
     title: "Micro-slip",
     summary: "Slip sets in gradually: the yield displacements of many sliders spread over (1 ± spread) times their \
@@ -13,10 +16,23 @@ pub(super) const EFFECT: Effect = Effect {
           and a little energy is lost even at amplitudes far below the limit. One slider cannot show either.",
     confirmation: "Load the joint slowly to half of its friction limit and back: with micro-slip the small loop has an \
           area that grows with the third power of the amplitude; one slider gives a straight line.",
-    parameters: &[EffectParameter { quantity: &v::SPREAD, range: |_| from_zero(1.0, &[0.5, 0.95]) }],
+    confused_with: &[Confusion {
+        with: &super::backlash::EFFECT,
+        why: "both lower the mean stiffness of a small loop",
+        experiment: "move the joint slowly around zero at the lowest level: within a play there is no force at all, with \
+              gradual slip there is the full stiffness",
+    }],
+    next_experiment: experiments::OTHER_LEVELS,
+    parameters: &[EffectParameter {
+        quantity: &v::SPREAD,
+        neutral: Some(0.0),
+        range: |_| from_zero(1.0, &[0.5, 0.95]),
+    }],
+    part: Part::Joint,
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
+    in_resonances: InResonances::Shown,
     apply: |values, _, changes| changes.joint.spread = values[0],
     signature: |seen| {
         let bend = seen.corner_share.filter(|share| *share > 0.15).map(|share| {

@@ -1,10 +1,14 @@
 //! The catalogue of physical effects that a model may lack: one file each, with the law, the parameters with
 //! units and bounds, the signature in the data, and the words for an engineer.
 //!
-//! An effect changes one of three things, gathered in [`Changes`]: the law of the contact ([`JointChanges`](crate::contact::JointChanges)),
-//! the structure ([`StructureChanges`](crate::system::StructureChanges)), or what the sensors show ([`SensorFault`]). The solvers know the
-//! changes, never the effects: whatever several effects come to together works in time integration, harmonic
-//! balance and FMUs alike.
+//! An effect changes one of three things, gathered in [`Changes`]: the contact
+//! ([`JointChanges`](crate::contact::JointChanges)), the structure
+//! ([`StructureChanges`](crate::system::StructureChanges)), or what the sensors show ([`SensorFault`]). The changes
+//! are made part of the system's description, so that no solver knows an effect: whatever several effects come to
+//! together works in time integration, harmonic balance and FMUs alike.
+//!
+//! A new effect is a file with an [`Effect`], and its line in [`CATALOGUE`]. Whoever needs to know something of an
+//! effect asks for a property of it, never for its id: if no property answers, [`Effect`] lacks one.
 //!
 //! ```
 //! use stickslip::effects;
@@ -14,8 +18,11 @@
 
 mod applied;
 mod changes;
+mod effect;
+mod experiments;
 mod features;
 mod location;
+mod range;
 mod scales;
 
 mod added_mass;
@@ -40,109 +47,12 @@ mod wear;
 
 pub use applied::AppliedEffect;
 pub use changes::{Changes, SensorFault};
+pub use effect::{ALL_KINDS, Confusion, Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind};
 pub use features::Features;
 pub use location::{Location, LocationError};
+pub use range::Range;
+use range::{both_signs, from_zero, magnitudes};
 pub use scales::Scales;
-
-use crate::vocabulary::{Quantity, Scale};
-
-/// An entry of the catalogue.
-pub struct Effect {
-    /// The name in files and on the command line: `backlash`.
-    pub id: &'static str,
-    /// The name for people: `Backlash`.
-    pub title: &'static str,
-    /// What it adds, in one line, with the formula.
-    pub summary: &'static str,
-    /// One paragraph for an engineer: what it is and where it comes from.
-    pub explanation: &'static str,
-    /// How to confirm it by inspection or by one more test.
-    pub confirmation: &'static str,
-    /// The parameters, in the order of [`AppliedEffect::values`].
-    pub parameters: &'static [EffectParameter],
-    /// Whether it sits somewhere, and what kind of place that is.
-    pub place: PlaceKind,
-    /// The kinds of model it can be added to.
-    pub kinds: &'static [Kind],
-    /// What a record must hold for the effect to show at all.
-    pub needs: Needs,
-    /// Adds the effect with `values` (one per parameter, SI) at a place to the changes.
-    pub apply: fn(values: &[f64], location: Option<&Location>, changes: &mut Changes),
-    /// What of it shows in the views of the residual, as a sentence; `None` when nothing does. It explains a
-    /// verdict and never decides it.
-    pub signature: fn(&Features) -> Option<String>,
-}
-
-/// A parameter of an effect.
-pub struct EffectParameter {
-    /// Name, unit, legal values.
-    pub quantity: &'static Quantity,
-    /// What a fit may try, on a problem of these magnitudes.
-    pub range: fn(&Scales) -> Range,
-}
-
-/// Bounds and starting values of a parameter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Range {
-    /// Smallest value, legal itself.
-    pub lower: f64,
-    /// Largest value, legal itself.
-    pub upper: f64,
-    /// How a fit steps.
-    pub scale: Scale,
-    /// Values to start from, each in a fit of its own; both signs where both are possible. The parameters of
-    /// an effect have equally many.
-    pub starts: Vec<f64>,
-}
-
-/// What kind of place an effect sits at.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PlaceKind {
-    /// None, or the only one there is: the contact, the clamp.
-    Nowhere,
-    /// A mass of an oscillator or a position on a beam: `at = "m2"`, `at = "x=0.55"`.
-    Structure,
-    /// A measured channel: `channel = "displacement:m1"`.
-    Channel,
-}
-
-/// `kind` of a model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// A bare contact with prescribed motion.
-    Contact,
-    /// Masses and springs.
-    Oscillator,
-    /// The beam with a frictional support.
-    Beam,
-}
-
-impl Kind {
-    /// The name in model files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Contact => "contact",
-            Self::Oscillator => "oscillator",
-            Self::Beam => "beam",
-        }
-    }
-}
-
-/// All kinds.
-pub const ALL_KINDS: &[Kind] = &[Kind::Contact, Kind::Oscillator, Kind::Beam];
-
-/// What a record must hold for an effect to show.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Needs {
-    /// Nothing beyond what its kind of model needs.
-    Nothing,
-    /// A measured normal load that varies.
-    VaryingNormalLoad,
-    /// A measured normal displacement and normal load, and a model with `contact.normal_stiffness`.
-    NormalMotion,
-    /// A start from rest: over a steady state the effect has no meaning.
-    Transient,
-}
 
 /// Every effect, in the order of the documentation.
 pub static CATALOGUE: [&Effect; 19] = [
@@ -167,36 +77,14 @@ pub static CATALOGUE: [&Effect; 19] = [
     &sensor_offset::EFFECT,
 ];
 
+/// Effects that look like `effect`, each with what the two have in common and what tells them apart.
+pub fn look_alikes(effect: &Effect) -> impl Iterator<Item = (&'static Effect, &'static Confusion)> {
+    CATALOGUE.into_iter().filter_map(|other| Some((other, effect.confusion(other)?)))
+}
+
 /// The effect called `id`, if there is one.
 pub fn find(id: &str) -> Option<&'static Effect> {
     CATALOGUE.iter().copied().find(|effect| effect.id == id)
-}
-
-impl PartialEq for Effect {
-    fn eq(&self, other: &Self) -> bool {
-        self.id == other.id
-    }
-}
-
-impl std::fmt::Debug for Effect {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(formatter, "Effect({})", self.id)
-    }
-}
-
-/// A range from zero to `upper` with starts at shares of it.
-fn from_zero(upper: f64, shares: &[f64]) -> Range {
-    Range { lower: 0.0, upper, scale: Scale::Linear, starts: shares.iter().map(|s| s * upper).collect() }
-}
-
-/// A range `±size` with starts at `±share·size`.
-fn both_signs(size: f64, share: f64) -> Range {
-    Range { lower: -size, upper: size, scale: Scale::Linear, starts: vec![share * size, -share * size] }
-}
-
-/// A range of magnitudes from `lower` to `upper`, both above zero.
-fn magnitudes(lower: f64, upper: f64, starts: &[f64]) -> Range {
-    Range { lower, upper, scale: Scale::Logarithmic, starts: starts.to_vec() }
 }
 
 #[cfg(test)]
@@ -210,6 +98,27 @@ mod tests {
             assert_eq!(find(effect.id), Some(*effect));
         }
         assert_eq!(find("magic"), None);
+    }
+
+    #[test]
+    fn an_effect_vanishes_at_its_neutral_value_which_no_start_is() {
+        for effect in CATALOGUE {
+            for parameter in effect.parameters {
+                let starts = (parameter.range)(&Scales::default()).starts;
+                assert!(parameter.neutral.is_none_or(|neutral| !starts.contains(&neutral)), "{}", effect.id);
+            }
+            assert_eq!(effect.parameters[0].neutral, Some(effect.neutral()), "{}", effect.id);
+        }
+    }
+
+    #[test]
+    fn each_pair_of_look_alikes_stands_in_one_file() {
+        for effect in CATALOGUE {
+            for pair in effect.confused_with {
+                assert!(pair.with.confused_with.iter().all(|back| back.with != effect), "{}", effect.id);
+                assert_eq!(effect.confused_with.iter().filter(|two| two.with == pair.with).count(), 1);
+            }
+        }
     }
 
     #[test]

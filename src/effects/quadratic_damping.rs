@@ -1,9 +1,9 @@
 //! Drag of the surrounding medium.
 
-use super::{Effect, EffectParameter, Kind, Needs, PlaceKind, both_signs};
+use super::{Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind, both_signs, experiments};
 use crate::vocabulary as v;
 
-pub(super) const EFFECT: Effect = Effect {
+pub(super) static EFFECT: Effect = Effect {
     id: "quadratic_damping",
     title: "Quadratic damping",
     summary: "Drag on the structure: q |v| v",
@@ -11,13 +11,18 @@ pub(super) const EFFECT: Effect = Effect {
           proportion to the amplitude, where friction's falls.",
     confirmation: "Free decay at large amplitude, or two levels at one resonance: the damping ratio is proportional to \
           the amplitude. Change the medium (vacuum, a cover plate).",
+    confused_with: &[],
+    next_experiment: experiments::HALF_AND_TWICE,
     parameters: &[EffectParameter {
         quantity: &v::QUADRATIC_DAMPING,
+        neutral: Some(0.0),
         range: |scales| both_signs(30.0 * scales.structure_force / scales.structure_velocity.powi(2), 0.005),
     }],
+    part: Part::Structure,
     place: PlaceKind::Nowhere,
     kinds: &[Kind::Oscillator, Kind::Beam],
     needs: Needs::Nothing,
+    in_resonances: InResonances::DampingAlone,
     apply: |values, _, changes| changes.structure.quadratic_damping = values[0],
     signature: |seen| {
         seen.damping_exponent.filter(|exponent| (0.5..1.5).contains(exponent)).map(|exponent| {

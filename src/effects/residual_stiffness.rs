@@ -1,9 +1,12 @@
 //! Slope left in macro-slip (e_t of Valanis' law; Gaul & Lenz 1997).
 
-use super::{ALL_KINDS, Effect, EffectParameter, Needs, PlaceKind, from_zero};
+use super::{
+    ALL_KINDS, Confusion, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, experiments,
+    from_zero,
+};
 use crate::vocabulary as v;
 
-pub(super) const EFFECT: Effect = Effect {
+pub(super) static EFFECT: Effect = Effect {
     id: "residual_stiffness",
     title: "Residual stiffness",
     summary: "A spring beside the contact: slope e_t u left in macro-slip",
@@ -12,13 +15,23 @@ pub(super) const EFFECT: Effect = Effect {
           lower plateaus are parallel and inclined instead of level.",
     confirmation: "Slip well past the limit at a constant normal load: the slope of the plateau is the residual \
           stiffness, whatever the amplitude.",
+    confused_with: &[Confusion {
+        with: &super::stiffening::EFFECT,
+        why: "both make the force rise further in slip",
+        experiment: "slip farther than in any record so far: a straight plateau means a spring, a bent one a stiffening \
+              contact",
+    }],
+    next_experiment: experiments::OTHER_LEVELS,
     parameters: &[EffectParameter {
         quantity: &v::RESIDUAL_STIFFNESS,
+        neutral: Some(0.0),
         range: |scales| from_zero(0.9 * scales.stiffness, &[0.03, 0.3]),
     }],
+    part: Part::Joint,
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
+    in_resonances: InResonances::Shown,
     apply: |values, _, changes| changes.joint.residual_stiffness = values[0],
     signature: |seen| {
         seen.slip_slope_share.filter(|share| *share > 0.01).map(|share| {

@@ -1,9 +1,11 @@
 //! A cubic spring in the contact.
 
-use super::{ALL_KINDS, Effect, EffectParameter, Needs, PlaceKind, both_signs};
+use super::{
+    ALL_KINDS, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, both_signs, experiments,
+};
 use crate::vocabulary as v;
 
-pub(super) const EFFECT: Effect = Effect {
+pub(super) static EFFECT: Effect = Effect {
     id: "stiffening",
     title: "Stiffening contact",
     summary: "A cubic spring beside the contact: k3 u³",
@@ -12,8 +14,11 @@ pub(super) const EFFECT: Effect = Effect {
           change.",
     confirmation: "Compare the slope near the ends of the stroke at two amplitudes: it grows with the square of the \
           amplitude.",
+    confused_with: &[],
+    next_experiment: experiments::HALF_AND_TWICE,
     parameters: &[EffectParameter {
         quantity: &v::CUBIC_STIFFNESS,
+        neutral: Some(0.0),
         range: |scales| {
             let stiffness = scales.limit / scales.displacement + 0.1 * scales.stiffness;
             let mut range = both_signs(100.0 * stiffness / scales.displacement.powi(2), 0.003);
@@ -22,9 +27,11 @@ pub(super) const EFFECT: Effect = Effect {
             range
         },
     }],
+    part: Part::Joint,
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
+    in_resonances: InResonances::Shown,
     apply: |values, _, changes| changes.joint.cubic_stiffness = values[0],
     signature: |seen| {
         seen.residual_by_cube.filter(|correlation| correlation.abs() > 0.2).map(|correlation| {

@@ -1,17 +1,20 @@
 //! A clamp that gives way.
 
-use super::{Effect, EffectParameter, Kind, Needs, PlaceKind, magnitudes};
+use super::{Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind, experiments, magnitudes};
 use crate::vocabulary as v;
 
-pub(super) const EFFECT: Effect = Effect {
+pub(super) static EFFECT: Effect = Effect {
     id: "support_compliance",
     title: "Compliant clamp",
     summary: "The clamp is a rotational spring instead of rigid",
     explanation: "Bolts, a thin foot or a fixture on the shaker table give way. The lowest resonances are too low at \
           every level, the first the most, and the mode shapes turn at the clamp.",
     confirmation: "Measure the rotation at the clamp, or tighten it and see the frequencies climb.",
+    confused_with: &[],
+    next_experiment: experiments::SECOND_MODE,
     parameters: &[EffectParameter {
         quantity: &v::CLAMP_STIFFNESS,
+        neutral: Some(f64::INFINITY),
         range: |scales| {
             magnitudes(
                 0.1 * scales.rotational_stiffness,
@@ -20,9 +23,11 @@ pub(super) const EFFECT: Effect = Effect {
             )
         },
     }],
+    part: Part::Structure,
     place: PlaceKind::Nowhere,
     kinds: &[Kind::Beam],
     needs: Needs::Nothing,
+    in_resonances: InResonances::Shown,
     apply: |values, _, changes| changes.structure.clamp_stiffness = Some(values[0]),
     signature: |seen| {
         seen.frequency_error.filter(|error| *error < -0.001).map(|error| {

@@ -1,9 +1,11 @@
 //! A limit that falls with the sliding speed (Stribeck 1902).
 
-use super::{ALL_KINDS, Effect, EffectParameter, Needs, PlaceKind, Range, Scale, magnitudes};
-use crate::vocabulary as v;
+use super::{
+    ALL_KINDS, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, Range, experiments, magnitudes,
+};
+use crate::vocabulary::{self as v, Scale};
 
-pub(super) const EFFECT: Effect = Effect {
+pub(super) static EFFECT: Effect = Effect {
     id: "velocity_weakening",
     title: "Velocity weakening",
     summary: "The limit falls with speed: limit · (1 + δ exp(−|u̇|/v_s))",
@@ -12,13 +14,17 @@ pub(super) const EFFECT: Effect = Effect {
           makes joints squeal: falling friction feeds energy into the structure.",
     confirmation: "Slide at constant speeds over two decades at one load and plot friction against speed; or compare a \
           slow with a fast loop of one amplitude.",
+    confused_with: &[],
+    next_experiment: experiments::OTHER_FREQUENCIES,
     parameters: &[
         EffectParameter {
             quantity: &v::WEAKENING,
+            neutral: Some(0.0),
             range: |_| Range { lower: -0.9, upper: 3.0, scale: Scale::Linear, starts: vec![0.3, 0.3, -0.2] },
         },
         EffectParameter {
             quantity: &v::WEAKENING_VELOCITY,
+            neutral: None,
             range: |scales| {
                 magnitudes(
                     1e-4 * scales.velocity,
@@ -28,9 +34,11 @@ pub(super) const EFFECT: Effect = Effect {
             },
         },
     ],
+    part: Part::Joint,
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
+    in_resonances: InResonances::Shown,
     apply: |values, _, changes| changes.joint.weakening = Some((values[0], values[1])),
     signature: |seen| {
         seen.height_by_speed.filter(|change| change.abs() > 0.02).map(|change| {

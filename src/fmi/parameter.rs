@@ -1,7 +1,7 @@
 //! Which numbers of a model file are parameters of its slave, and what they are called there.
 
 use super::description::Variable;
-use crate::effects::{AppliedEffect, PlaceKind};
+use crate::effects::AppliedEffect;
 use crate::model::{Model, ParameterError, Structure};
 use std::borrow::Cow;
 
@@ -12,7 +12,9 @@ pub(super) fn parameters(model: &Model) -> (Vec<String>, Vec<Variable>) {
     let is_parameter = |path: &str| {
         // Load and normal displacement come from outside; what sensors show is not in an FMU.
         let about_the_load = ["contact.normal_load", "contact.normal_stiffness"].contains(&path);
-        !about_the_load && !path.ends_with(".position") && effect(model, path).is_none_or(acts_in_an_fmu)
+        !about_the_load
+            && !path.ends_with(".position")
+            && effect(model, path).is_none_or(|applied| applied.effect.part.is_in_fmu())
     };
     let list = model.parameters().into_iter().filter(|parameter| is_parameter(&parameter.path));
     list.map(|parameter| {
@@ -52,12 +54,6 @@ pub(super) fn parameters(model: &Model) -> (Vec<String>, Vec<Variable>) {
 fn effect<'a>(model: &'a Model, path: &str) -> Option<&'a AppliedEffect> {
     let number: usize = path.strip_prefix("effect.")?.split('.').next()?.parse().ok()?;
     model.effects.get(number.checked_sub(1)?)
-}
-
-/// The normal load is an input of an FMU, however it comes about; faults of sensors belong to measurements.
-fn acts_in_an_fmu(applied: &AppliedEffect) -> bool {
-    let without_meaning = ["normal_hardening", "impact_damping"];
-    applied.effect.place != PlaceKind::Channel && !without_meaning.contains(&applied.effect.id)
 }
 
 /// `model` with its parameters replaced by `values`, in the order of `paths`.

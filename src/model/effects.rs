@@ -16,7 +16,7 @@ use super::error::ParameterError;
 use super::text::{line, quoted, write_quantity};
 use super::{Law, Model, ModelError, Structure};
 use crate::document::{Table, suggestion};
-use crate::effects::{self, ALL_KINDS, AppliedEffect, CATALOGUE, Changes, Kind, Location, PlaceKind, Scales};
+use crate::effects::{self, ALL_KINDS, AppliedEffect, CATALOGUE, Kind, Location, PlaceKind};
 use crate::vocabulary::{Quantity, Scale};
 
 /// Reads `[[effect]]` of a model of `kind`.
@@ -156,28 +156,18 @@ fn check_kind(path: &str, applied: &AppliedEffect, model: &Model) -> Result<(), 
         return Err(ParameterError::new(path, message)
             .with_help(format!("it belongs to kind = \"{}\"", owners.join("\" or \""))));
     }
-    if model.contact.is_none() && acts_in_contact(applied) {
+    if model.contact.is_none() && effect.part.is_contact() {
         let message = format!("\"{}\" acts in the contact, and the model has no [contact]", effect.id);
         return Err(ParameterError::new(path, message));
     }
     match model.contact.map(|contact| contact.law) {
-        Some(law) if effect.id == "micro_slip" && law != Law::Jenkins => {
-            let message = format!("\"micro_slip\" does not go with law = \"{}\"", law.name());
+        Some(law) if effect.splits_slider() && law != Law::Jenkins => {
+            let message = format!("\"{}\" does not go with law = \"{}\"", effect.id, law.name());
             Err(ParameterError::new(path, message)
                 .with_help("this law slips gradually by itself: fit its shape, or use law = \"jenkins\""))
         }
         _ => Ok(()),
     }
-}
-
-/// Whether the effect changes the contact's law or load.
-fn acts_in_contact(applied: &AppliedEffect) -> bool {
-    // Not its own values: those may be zero.
-    let starts =
-        applied.effect.parameters.iter().map(|parameter| (parameter.range)(&Scales::default()).starts[0]);
-    let mut changes = Changes::default();
-    (applied.effect.apply)(&starts.collect::<Vec<_>>(), applied.location.as_ref(), &mut changes);
-    changes.joint != Changes::default().joint
 }
 
 fn check_location(path: &str, location: &Location, structure: &Structure) -> Result<(), ParameterError> {

@@ -79,7 +79,7 @@ impl Model {
         if self.effects.is_empty() {
             return contact.law().map(Some);
         }
-        let spreads = self.effects.iter().any(|applied| applied.effect.id == "micro_slip");
+        let spreads = self.effects.iter().any(|applied| applied.effect.splits_slider());
         let sliders = if spreads { MICRO_SLIDERS } else { 1 };
         Ok(Some(Box::new(Joint::with_sliders(contact.base()?, self.changes().joint, sliders)?)))
     }

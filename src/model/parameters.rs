@@ -8,7 +8,7 @@ use super::error::ParameterError;
 use super::slots::Value;
 use super::{Beam, Law, Model, Structure};
 use crate::document::suggestion;
-use crate::vocabulary::{Quantity, Scale};
+use crate::vocabulary::{self as v, Quantity, Scale};
 
 /// One number of a model that may be read, set, or fitted.
 #[derive(Debug, Clone, PartialEq)]
@@ -127,7 +127,7 @@ impl Model {
             "smoothness" => (0.0, 0.98, Linear),
             "exponent" => (-0.95, 0.0, Linear),
             "ratio" => (0.0, 100.0, Linear),
-            "residual_stiffness" => (0.0, 0.9 * tangential, Linear),
+            name if name == v::RESIDUAL_STIFFNESS.name => (0.0, 0.9 * tangential, Linear),
             "damping_ratio" => (1e-6, 0.5, Logarithmic),
             "mass_damping" => (1e-6, 1e4, Logarithmic),
             "stiffness_damping" => (1e-12, 1.0, Logarithmic),

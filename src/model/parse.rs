@@ -10,7 +10,7 @@ const KINDS: [&str; 3] = ["contact", "beam", "oscillator"];
 const LAWS: [&str; 3] = ["jenkins", "valanis", "iwan"];
 const COMMON_CONTACT_KEYS: [&str; 5] =
     ["law", "tangential_stiffness", "friction_coefficient", "normal_load", "normal_stiffness"];
-const VALANIS_KEYS: [&str; 2] = ["smoothness", "residual_stiffness"];
+const VALANIS_KEYS: [&str; 2] = [v::SMOOTHNESS.name, v::RESIDUAL_STIFFNESS.name];
 const IWAN_KEYS: [&str; 2] = ["exponent", "ratio"];
 const BEAM_KEYS: [&str; 11] = [
     "length",

@@ -4,6 +4,7 @@
 mod common;
 
 mod beam;
+mod catalogue;
 mod instance;
 mod model;
 mod oscillator;

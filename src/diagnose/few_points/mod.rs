@@ -17,7 +17,7 @@ use super::select::{Search, State, Trial};
 use super::split::{FEWEST_RECORDS, Parts};
 use super::verdict;
 use crate::data::{Dataset, Regime};
-use crate::effects::Location;
+use crate::effects::{InResonances, Location};
 use crate::fit::InterruptHook;
 use crate::fit::compare::Nested;
 use crate::fit::compare::Stage;
@@ -123,17 +123,18 @@ pub(super) fn diagnose(search: &Search, material: Material) -> Result<Diagnosis,
 /// Why a table cannot show `candidate`.
 fn unseen_in(dataset: &Dataset, candidate: &Candidate) -> Option<String> {
     let damping = dataset.records.iter().any(|record| record.channel("damping_ratio").is_some());
-    match candidate.effect.id {
-        "sensor_gain" | "sensor_offset" if candidate.location == Some(Location::Channel("frequency".to_owned())) => {
-            Some("a frequency is counted against a clock: it has no gain and no offset".to_owned())
+    let counted = candidate.location == Some(Location::Channel("frequency".to_owned()));
+    let reason = match candidate.effect.in_resonances {
+        InResonances::AllButFrequency if counted => {
+            "a frequency is counted against a clock: it has no gain and no offset"
         }
-        "sensor_delay" => Some("a table of resonances has no time in which a sensor could be late".to_owned()),
-        "quadratic_damping" | "contact_damping" if !damping => Some(
+        InResonances::Nothing => "a table of resonances has no time in which a sensor could be late",
+        InResonances::DampingAlone if !damping => {
             "damping does not shift a frequency measured at phase resonance; it needs the column `damping_ratio`"
-                .to_owned(),
-        ),
-        _ => None,
-    }
+        }
+        InResonances::Shown | InResonances::DampingAlone | InResonances::AllButFrequency => return None,
+    };
+    Some(reason.to_owned())
 }
 
 /// `state` with its points predicted one by one without them.

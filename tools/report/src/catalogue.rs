@@ -1,6 +1,6 @@
 //! The catalogue of effects as text for a terminal.
 
-use stickslip::effects::{CATALOGUE, Effect, EffectParameter, Kind, Needs, PlaceKind};
+use stickslip::effects::{CATALOGUE, Effect, EffectParameter, Kind, Needs, PlaceKind, look_alikes};
 
 use crate::format;
 use crate::table::{BOLD, Text};
@@ -32,6 +32,14 @@ pub fn effect_table(effect: &Effect, width: usize, color: bool) -> String {
     };
     section("What it is", &[effect.explanation.to_owned()]);
     section("How to confirm it", &[effect.confirmation.to_owned()]);
+    let alike: Vec<String> = look_alikes(effect)
+        .map(|(other, pair)| {
+            format!("{}: {}. To tell them apart, {}.", other.title, pair.why, pair.experiment)
+        })
+        .collect();
+    if !alike.is_empty() {
+        section("What it is confused with", &alike);
+    }
     section("Parameters", &effect.parameters.iter().map(parameter).collect::<Vec<_>>());
     section("Where", &[place(effect)]);
     section("What the data must hold", &[needs(effect.needs).to_owned()]);
@@ -69,7 +77,8 @@ fn place(effect: &Effect) -> String {
         PlaceKind::Structure => format!("At a mass or a position: {0}@m2, {0}@x=0.55", effect.id),
         PlaceKind::Channel => format!("On a measured channel: {0}@force, {0}@displacement:m1", effect.id),
     };
-    format!("{place}. In models of kind {}.", kinds.join(", "))
+    let fmu = if effect.part.is_in_fmu() { "An FMU has it" } else { "An FMU leaves it out" };
+    format!("{place}. In models of kind {}. {fmu}.", kinds.join(", "))
 }
 
 fn needs(needs: Needs) -> &'static str {
