@@ -1,7 +1,7 @@
 //! Time of a point of a response curve: the two masses with a Jenkins element, the beam with a frictional
 //! support, and how it grows with harmonics, sliders and degrees of freedom.
 //!
-//! `cargo bench -p stickslip --features sparse --bench harmonic` prints a table, with `-- --json` what
+//! `cargo bench -p stickslip --bench harmonic` prints a table, with `-- --json` what
 //! `benches/harmonic_balance.py` reads. Everything runs on one core. A curve is followed several times and
 //! the fastest counts, since other load can only slow.
 

@@ -30,7 +30,7 @@ RECORD = TARGET / "harmonic-balance.json"
 REQUIREMENTS = HERE / "requirements.txt"
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
 COMMAND = "python3 benches/harmonic_balance.py"
-CARGO = ["cargo", "bench", "-p", "stickslip", "--features", "sparse", "--bench", "harmonic"]
+CARGO = ["cargo", "bench", "-p", "stickslip", "--bench", "harmonic"]
 
 # k1 = 1, k2 = 0.5, c1 = c2 = 0.1, m1 = m2 = 1; Jenkins element on the second mass, force on the first.
 STIFFNESS = [[1.5, -0.5], [-0.5, 0.5]]

@@ -1,4 +1,4 @@
-//! Time and allocations of condensing a structure: `cargo bench --bench receptance --features sparse`.
+//! Time and allocations of condensing a structure: `cargo bench --bench receptance`.
 //!
 //! One evaluation is one harmonic: compliances of one contact against contact and excitation, with their
 //! derivatives. `eleven_harmonics` is what one Newton step on 21 odd harmonics of the two-mass system takes.
@@ -60,7 +60,6 @@ fn dense(bencher: Bencher, size: usize) {
     harmonics(bencher, size, Method::Dense, 0.1, 1);
 }
 
-#[cfg(feature = "sparse")]
 #[divan::bench(args = [2, 10, 30, 100, 300, 1000, 10_000])]
 fn sparse(bencher: Bencher, size: usize) {
     harmonics(bencher, size, Method::Sparse, 0.1, 1);

@@ -9,6 +9,7 @@ mod error;
 mod linear;
 mod oscillator;
 mod ports;
+#[cfg(feature = "analysis")]
 mod receptance;
 
 pub use beam::{Beam, Damping, PointMass, rotational_stiffness_from_frequency, tip_rotational_compliance};
@@ -17,6 +18,7 @@ pub use error::StructureError;
 pub use linear::{Entries, LinearStructure, MOST_DENSE_MODES, NaturalModes, Output, Row};
 pub use oscillator::{Anchor, Mass, Oscillator, Spring};
 pub use ports::{Core, Element, Port, System};
+#[cfg(feature = "analysis")]
 pub use receptance::{Compliance, Method, Receptance, Rows};
 
 /// A beam reduced to mass-normalised modes with a contact at its end.

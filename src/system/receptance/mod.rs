@@ -6,16 +6,14 @@
 //!   Caughey & O'Kelly 1965) a compliance is a sum over modes, `Σ bᵣ eᵣ / (ωᵣ² + d cᵣ + s)`, with all modes
 //!   kept: nothing is truncated.
 //! - **dense**: complex LU factors of `Z = K + d C + s M` with partial pivoting; effort ∝ size³.
-//! - **sparse**: the same of a sparse Z, its ordering found once; effort ∝ size for a chain. With the feature
-//!   `sparse`; without it the dense way serves structures of every size.
+//! - **sparse**: the same of a sparse Z, its ordering found once; effort ∝ size for a chain.
 //!
 //! Derivatives by the factors come from the same solutions, as `∂Z⁻¹ = −Z⁻¹ ∂Z Z⁻¹` and Z is symmetric.
-//! No way allocates in [`Receptance::evaluate`], but for the sparse factors the first few times.
+//! In [`Receptance::evaluate`] the sparse factors alone allocate: fifteen times, at any size.
 
 mod condensation;
 mod lu;
 mod modal;
-#[cfg(feature = "sparse")]
 mod sparse;
 #[cfg(test)]
 mod tests;
@@ -31,8 +29,7 @@ use modal::Modal;
 /// Largest structure whose modes are computed for the modal way: preparing it grows with the cube.
 const MOST_MODAL: usize = 300;
 
-/// Largest structure that is factorised as a dense matrix where the sparse way is at hand.
-#[cfg(feature = "sparse")]
+/// Largest structure that is factorised as a dense matrix.
 const MOST_DENSE: usize = 40;
 
 /// Compliances (m/N) of a linear structure at one pair of factors, and their derivatives.
@@ -83,7 +80,6 @@ pub struct Receptance {
 enum Solver {
     Modal(Modal),
     Dense(Condensation, DenseFactors),
-    #[cfg(feature = "sparse")]
     Sparse(Condensation, Box<sparse::SparseFactors>),
 }
 
@@ -103,7 +99,6 @@ impl Receptance {
         if let Some(modal) = Modal::new(structure) {
             return Ok(Self::with_solver(structure, Solver::Modal(modal)));
         }
-        #[cfg(feature = "sparse")]
         if structure.size > MOST_DENSE {
             return Self::with_method(structure, Method::Sparse);
         }
@@ -114,7 +109,7 @@ impl Receptance {
     ///
     /// # Errors
     /// As [`Receptance::new`]; [`StructureError::Unavailable`] for modes that do not diagonalise the damping
-    /// or are too many, and for the sparse way without the feature `sparse`.
+    /// or are too many.
     pub fn with_method(structure: &LinearStructure, method: Method) -> Result<Self, StructureError> {
         check(structure)?;
         let solver = match method {
@@ -126,16 +121,10 @@ impl Receptance {
                 let matrices = Matrices::new(structure);
                 Solver::Dense(Condensation::new(structure, matrices), DenseFactors::new(structure.size))
             }
-            #[cfg(feature = "sparse")]
             Method::Sparse => {
                 let matrices = Matrices::new(structure);
                 let factors = Box::new(sparse::SparseFactors::new(&matrices)?);
                 Solver::Sparse(Condensation::new(structure, matrices), factors)
-            }
-            #[cfg(not(feature = "sparse"))]
-            Method::Sparse => {
-                let reason = "the library is built without the feature `sparse`";
-                return Err(StructureError::Unavailable { method: "sparse", reason });
             }
         };
         Ok(Self::with_solver(structure, solver))
@@ -155,7 +144,6 @@ impl Receptance {
         match &self.solver {
             Solver::Modal(_) => Method::Modal,
             Solver::Dense(..) => Method::Dense,
-            #[cfg(feature = "sparse")]
             Solver::Sparse(..) => Method::Sparse,
         }
     }
@@ -209,7 +197,6 @@ impl Receptance {
             Solver::Dense(condensation, factors) => factors
                 .factorise(condensation.matrices(), damping, inertia)
                 .and_then(|()| condensation.fill(rows, |column| factors.solve(column), out)),
-            #[cfg(feature = "sparse")]
             Solver::Sparse(condensation, factors) => factors
                 .factorise(condensation.matrices(), damping, inertia)
                 .and_then(|()| condensation.fill(rows, |column| factors.solve(column), out)),

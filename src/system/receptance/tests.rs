@@ -43,11 +43,7 @@ fn distance(left: &DMatrix<Complex<f64>>, right: &DMatrix<Complex<f64>>) -> f64 
 }
 
 fn methods() -> Vec<Method> {
-    let mut methods = vec![Method::Modal, Method::Dense];
-    if cfg!(feature = "sparse") {
-        methods.push(Method::Sparse);
-    }
-    methods
+    vec![Method::Modal, Method::Dense, Method::Sparse]
 }
 
 /// Between the natural frequencies of the chain, and beyond them.
@@ -157,8 +153,7 @@ fn one_damper_that_is_not_proportional_rules_the_modal_way_out() {
     let refused = Receptance::with_method(&structure, Method::Modal).unwrap_err();
     assert!(refused.to_string().contains("do not diagonalise"), "{refused}");
     let large = Receptance::new(&chain(301, 1e-3, 0.0)).unwrap();
-    let expected = if cfg!(feature = "sparse") { Method::Sparse } else { Method::Dense };
-    assert_eq!(large.method(), expected);
+    assert_eq!(large.method(), Method::Sparse);
 }
 
 #[test]
