@@ -1,6 +1,5 @@
 //! Figures for plotly.js. A trace names the columns of its `x` and `y` by number; the page's script
-//! puts the values in. So a column that several figures draw is in the file once, which the typed
-//! traces of the `plotly` crate cannot express: that crate supplies the script library.
+//! puts the values in, so that a column that several figures draw is in the file once.
 
 use serde_json::{Value, json};
 

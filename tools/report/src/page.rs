@@ -13,6 +13,9 @@ use crate::{Settings, explorer, floors, format, plots, tables};
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
                       img-src data: blob:; base-uri 'none'; form-action 'none'";
 
+/// The script library that draws the figures.
+const PLOTLY: &str = include_str!(concat!(env!("OUT_DIR"), "/plotly.min.js"));
+
 /// One self-contained HTML page: it opens without a network, prints, and reads on a small screen.
 ///
 /// `noise` is what is known of the noise ([`stickslip::diagnose::noise_of`]). Besides these two it depends on
@@ -89,7 +92,7 @@ impl Shell<'_> {
                     noscript { p.warning { "The figures need JavaScript; the tables do not." } }
                     main { (sections) }
                     script type="application/json" id="figures" { (PreEscaped(figures.to_json())) }
-                    (PreEscaped(plotly_js()))
+                    script { (PreEscaped(PLOTLY)) }
                     script {
                         (PreEscaped(include_str!("explorer.js")))
                         (PreEscaped(include_str!("page.js")))
@@ -99,14 +102,6 @@ impl Shell<'_> {
         };
         page.into_string()
     }
-}
-
-/// The `<script>` element with plotly.js. The crate hands it out together with MathJax, which no
-/// figure here uses and which would add two megabytes: the first element is plotly.js.
-fn plotly_js() -> String {
-    let both = plotly::Plot::offline_js_sources();
-    let end = both.find("</script>").map_or(both.len(), |start| start + "</script>".len());
-    both[..end].to_owned()
 }
 
 /// What was compared, and where the largest error remains.
