@@ -5,18 +5,18 @@
 //! solution for every amplitude, with the mode's frequency Ω, damping ratio ζ and shape, harmonics included.
 //! Where ζ is small and modes are apart, the resonances of the forced structure lie on it.
 
-use super::assembly::{Assembly, AttachedContact, Body, CurveSettings};
-use super::balance::{Balance, Extent, Signals};
-use super::condensed::Condensed;
-use super::condition::{HeldAmplitude, Phase};
-use super::curve::Point;
-use super::fourier::coefficient_count;
-use super::problem::{Condition, Newton, Stopping};
-use super::system::{Operating, PeriodicSystem, Scalar};
-use super::tracker::{Solution, describe_by, more_harmonics};
-use super::tracking::{LARGEST_CHANGE, LEAST_SHARE, between};
 use super::{ContactOnBeam, HarmonicError};
-use crate::contact::{ContactLaw, Inputs};
+use crate::harmonic::balance::assembly::{Assembly, AttachedContact, Body, CurveSettings};
+use crate::harmonic::balance::beam::{Balance, Extent, Signals};
+use crate::harmonic::balance::condensed::Condensed;
+use crate::harmonic::newton::Point;
+use crate::harmonic::newton::condition::{HeldAmplitude, Phase};
+use crate::harmonic::newton::problem::{Condition, Newton, Stopping};
+use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
+use crate::harmonic::response::linear_resonances::tangent_stiffness;
+use crate::harmonic::response::tracker::{Solution, describe_by, more_harmonics};
+use crate::harmonic::response::tracking::{LARGEST_CHANGE, LEAST_SHARE, between};
+use crate::numeric::fourier::coefficient_count;
 use crate::system::{LinearStructure, ModalBeam, Output, Row};
 
 const FREE: [Scalar; 2] = [Scalar::AngularFrequency, Scalar::SelfExcitation];
@@ -295,14 +295,6 @@ fn with_dampers(structure: &LinearStructure, damping: f64) -> LinearStructure {
         }
     }
     damped
-}
-
-/// Slope (N/m) of the force of a contact at rest that remembers nothing.
-pub(super) fn tangent_stiffness(law: &dyn ContactLaw, normal_load: f64) -> f64 {
-    let (mut state, mut next) = (vec![0.0; law.state_len()], vec![0.0; law.state_len()]);
-    law.set_state(0.0, normal_load, 0.0, &mut state);
-    let inputs = Inputs { displacement: 0.0, velocity: 0.0, normal_load };
-    law.step(&state, inputs, &mut next).tangents.displacement
 }
 
 /// Carries a free vibration from amplitude to amplitude.

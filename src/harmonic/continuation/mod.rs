@@ -11,18 +11,20 @@
 //! Georg 2003): it tells which way the curve leaves a corner, even by more than a right angle.
 
 mod correction;
+mod locate;
 mod location;
+mod unit;
 
-pub(crate) use location::NotFound;
+pub(crate) use locate::NotFound;
+pub use location::Ending;
+pub(crate) use location::{Landmark, Location};
 
 use super::HarmonicError;
-use super::condition::ArcLength;
-use super::curve::Ending;
-use super::landmarks::Landmark;
-use super::problem::{Condition, Newton, Stopping};
-use super::system::{Operating, PeriodicSystem, Scalar};
-use super::unit::Unit;
+use crate::harmonic::newton::condition::ArcLength;
+use crate::harmonic::newton::problem::{Condition, Newton, Stopping};
+use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
 use crate::system::StructureError;
+use unit::Unit;
 
 /// Steps below this are given up (the range has length 1).
 const SMALLEST_STEP: f64 = 1e-8;
@@ -53,21 +55,6 @@ const MOST_ITERATIONS: usize = 8;
 const AIMED_ITERATIONS: f64 = 2.0;
 /// Correction over step beyond which a point is another branch's.
 const LARGEST_CORRECTION: f64 = 0.5;
-
-/// A solution and the direction of the curve there, per unit of arc length.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Location {
-    /// The unknowns.
-    pub x: Vec<f64>,
-    /// The scalars.
-    pub at: Operating,
-    /// Direction: unknowns.
-    pub unknowns: Vec<f64>,
-    /// Direction: scalars, in the order of [`Scalar`].
-    pub scalars: [f64; 4],
-    /// Newton steps it took.
-    pub iterations: usize,
-}
 
 /// What is followed, and how.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -16,10 +16,8 @@
 //!
 //! A slider that never slips keeps any position; that neutral direction is not counted.
 
-mod balancing;
 mod beam;
 mod budget;
-mod exponential;
 mod feedback;
 mod history;
 mod impulse;

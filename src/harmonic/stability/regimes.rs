@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use nalgebra::DMatrix;
 
 use super::budget::Budget;
-use super::exponential::{PRODUCTS, exponential, norm, squarings};
 use super::signal::{evaluate, root, turning_points};
+use crate::numeric::exponential::{PRODUCTS, exponential, norm, squarings};
 use crate::time::exact::elements::{Branch, Element, Memory, elements};
 use crate::time::exact::system::System;
 use crate::time::{LoadedContact, OscillatorError};

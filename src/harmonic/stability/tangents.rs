@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Complex, DMatrix};
 
-use super::balancing::balance;
 use super::budget::Budget;
 use super::feedback::{Disturbed, Feedback};
+use crate::numeric::balancing::balance;
 use crate::time::OscillatorError;
 use crate::time::exact::multipliers;
 use crate::time::exact::polynomial::{DEGREE, Series};

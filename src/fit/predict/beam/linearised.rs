@@ -3,8 +3,8 @@
 use super::steady::SteadyRecord;
 use super::{At, Known};
 use crate::harmonic::HarmonicError;
-use crate::harmonic::about::About;
 use crate::harmonic::steady::Driven;
+use crate::harmonic::steady::about::About;
 
 /// The record, and the model it was last predicted with: a fit that accepts a step asks for the derivatives there next.
 pub(super) struct LinearisedAtMeasurement {

@@ -10,9 +10,10 @@ use super::super::channels::derivative_order;
 use super::{At, Known};
 use crate::data::{Channel, Record};
 use crate::harmonic::HarmonicError;
-use crate::harmonic::fourier::{self, coefficient_count, time_derivative};
 use crate::harmonic::steady::{Driven, Forcing, Start, Steady};
 use crate::harmonic::{common_periods, excited_harmonics};
+use crate::numeric::fourier;
+use crate::numeric::fourier::{coefficient_count, time_derivative};
 
 /// Largest share of an input (root-mean-square, of an excitation without its mean) that may lie outside the harmonics
 /// kept: more is not noise.

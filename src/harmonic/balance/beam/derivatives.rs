@@ -1,0 +1,164 @@
+//! Derivatives of the balance, made when they are asked for.
+
+use super::{Balance, attached, mean_square, sized};
+use crate::harmonic::newton::system::{Operating, Scalar};
+use crate::harmonic::period::{Cycle, PeriodicContact};
+use nalgebra::DMatrix;
+
+impl Balance<'_> {
+    /// ∂forces/∂unknowns.
+    pub(super) fn law(&self) -> &DMatrix<f64> {
+        if self.has_contact_alone() { self.cycle.jacobian() } else { &self.matrices.law }
+    }
+
+    /// Makes the contact's derivatives at its last evaluation. Where they are not found those there are stay: a step
+    /// with them is judged by the residual as any other.
+    fn complete_contact(&mut self, angular_frequency: f64) {
+        if let Some((law, normal_load)) = attached(&self.contact, &self.varied) {
+            let contact = PeriodicContact { law, normal_load, load_swing: &self.load_swing, compliance: 0.0 };
+            let _ = self.cycle.complete(&contact, angular_frequency, &self.evaluated);
+        }
+    }
+
+    /// B, A⁻¹ B and the derivatives of the forces.
+    pub fn differentiate(&mut self, angular_frequency: f64) {
+        self.complete_contact(angular_frequency);
+        let modes = self.modes();
+        let (size, rows) = (self.q.len(), self.matrices.weights.nrows());
+        sized(&mut self.matrices.adjoint, size, rows);
+        sized(&mut self.matrices.moved, size, rows);
+        for row in 0..rows {
+            let scale = self.row_mean_square(row);
+            let weights = self.matrices.weights.as_slice()[row..].iter().step_by(rows);
+            let column = &mut self.matrices.adjoint.as_mut_slice()[row * size..(row + 1) * size];
+            for (place, (to, weight)) in column.iter_mut().zip(weights).enumerate() {
+                *to = scale / mean_square(place / modes) * weight;
+            }
+        }
+        self.differentiate_laws(angular_frequency);
+        self.equations.solve_many(&self.matrices.adjoint, &mut self.matrices.moved);
+        self.complete = false;
+        self.undifferentiated = None;
+    }
+
+    /// Makes the derivatives of the last evaluation if they are not made yet.
+    pub(super) fn catch_up(&mut self) {
+        let Some(at) = self.undifferentiated.take() else { return };
+        if !self.is_linear() {
+            self.differentiate(at.angular_frequency);
+        }
+        for k in 0..self.asked.len() {
+            self.differentiate_by(self.asked[k], &at);
+        }
+        self.differentiated = true;
+    }
+
+    /// a + W A⁻¹ B and ∂r/∂unknowns.
+    pub(super) fn complete_jacobian(&mut self) {
+        let rows = self.matrices.weights.nrows();
+        sized(&mut self.matrices.compliance, rows, rows);
+        sized(&mut self.matrices.jacobian, rows, rows);
+        self.matrices.compliance.gemm(1.0, &self.matrices.weights, &self.matrices.moved, 0.0);
+        (0..self.wide).for_each(|m| self.matrices.compliance[(m, m)] += self.beam.axial_flexibility);
+        // As `law`, of which the borrow would hold all of the balance.
+        let law = if self.has_contact_alone() { self.cycle.jacobian() } else { &self.matrices.law };
+        self.matrices.jacobian.gemm(1.0, &self.matrices.compliance, law, 0.0);
+        (0..rows).for_each(|m| self.matrices.jacobian[(m, m)] += 1.0);
+        self.complete = true;
+    }
+
+    /// ∂forces/∂unknowns where there is more than the contact.
+    fn differentiate_laws(&mut self, angular_frequency: f64) {
+        if self.has_contact_alone() {
+            return;
+        }
+        let unknowns = self.residual.len();
+        sized(&mut self.matrices.law, unknowns, unknowns);
+        let (count, wide) = (self.count, self.wide);
+        let (shortening, excitation) = (self.shortening_row(), self.excitation_row());
+        if self.contact.is_some() {
+            self.matrices.law.view_mut((0, 0), (wide, wide)).copy_from(self.cycle.jacobian());
+        }
+        if self.signals.shortening {
+            let stretching = 2.0 * self.beam.stretching_stiffness;
+            (shortening..shortening + count).for_each(|m| self.matrices.law[(m, m)] = stretching);
+        }
+        if self.signals.string {
+            let string = self.string_row();
+            for m in 0..count {
+                self.matrices.law[(shortening + m, string + m)] = -self.beam.string_stiffness;
+                self.matrices.law[(string + m, shortening + m)] = -self.beam.string_stiffness;
+            }
+        }
+        if let Some(drag) = &mut self.drag {
+            drag.differentiate(self.beam.quadratic_damping, angular_frequency);
+            self.matrices.law.view_mut((excitation, excitation), (count, count)).copy_from(&drag.jacobian);
+        }
+        self.relief_law(angular_frequency);
+    }
+
+    /// ∂forces/∂Ω at fixed unknowns; false where it vanishes.
+    fn force_rates(&mut self, angular_frequency: f64) -> bool {
+        self.rates.fill(0.0);
+        if self.contact.is_some() {
+            self.rates[..self.wide].copy_from_slice(self.cycle.by_frequency());
+        }
+        let excitation = self.excitation_row();
+        if let Some(drag) = &self.drag {
+            // Quadratic in the velocity, hence in Ω.
+            let rates = self.rates[excitation..].iter_mut().zip(&drag.force);
+            rates.for_each(|(rate, force)| *rate = 2.0 * force / angular_frequency);
+        }
+        self.relief_rates(angular_frequency);
+        self.rates.iter().any(|rate| *rate != 0.0)
+    }
+
+    /// ∂q/∂scalar and ∂r/∂scalar at fixed u.
+    fn differentiate_by(&mut self, scalar: Scalar, at: &Operating) {
+        let (modes, index) = (self.modes(), scalar.index());
+        let mut right = std::mem::take(&mut self.right);
+        match scalar {
+            Scalar::AngularFrequency => {
+                self.equations.by_frequency(&self.q, &mut right);
+                if self.force_rates(at.angular_frequency) {
+                    let mut forces = std::mem::take(&mut self.modal_by[index]);
+                    self.project(&self.rates, &mut forces);
+                    right.iter_mut().zip(&forces).for_each(|(r, c)| *r += c);
+                    self.modal_by[index] = forces;
+                }
+                right.iter_mut().for_each(|r| *r = -*r);
+            }
+            Scalar::Parameter if self.force_by_parameter() => {
+                self.project(&self.rates, &mut right);
+                right.iter_mut().for_each(|r| *r = -*r);
+            }
+            Scalar::Level => {
+                for (k, right) in right.chunks_exact_mut(modes).enumerate() {
+                    let shapes = right.iter_mut().zip(&self.beam.excitation_shape);
+                    shapes.for_each(|(r, e)| *r = self.waveform[k] * e);
+                }
+            }
+            Scalar::SelfExcitation => {
+                self.equations.by_self_excitation(&self.q, &mut right);
+                right.iter_mut().for_each(|r| *r = -*r);
+            }
+            Scalar::Parameter => right.fill(0.0),
+        }
+        let moved = &mut self.modal_by[index];
+        if right.iter().all(|r| *r == 0.0) || !self.equations.solve(&right, moved) {
+            moved.fill(0.0);
+        }
+        self.right = right;
+        let by = &mut self.by[index];
+        by.fill(0.0);
+        for (column, q) in self.matrices.weights.as_slice().chunks_exact(by.len()).zip(&self.modal_by[index])
+        {
+            by.iter_mut().zip(column).for_each(|(b, w)| *b -= w * q);
+        }
+        // What the forces themselves change by is at hand in both cases.
+        if matches!(scalar, Scalar::AngularFrequency | Scalar::Parameter) && self.contact.is_some() {
+            let series = self.beam.axial_flexibility;
+            by.iter_mut().zip(&self.rates[..self.wide]).for_each(|(b, rate)| *b += series * rate);
+        }
+    }
+}

@@ -1,0 +1,304 @@
+//! Balance equations with conditions on top: Newton's method on unknowns and free scalars together.
+
+use super::system::{Observation, Operating, PeriodicSystem, Scalar};
+use crate::harmonic::HarmonicError;
+use crate::numeric::lu::Factors;
+
+/// Gradient of a condition.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct ConditionRow {
+    /// By the unknowns.
+    pub by_unknowns: Vec<f64>,
+    /// By the scalars, in the order of [`Scalar`].
+    pub by_scalars: [f64; 4],
+    /// What it sees of an output, beside the above.
+    pub seen: Option<Seen>,
+}
+
+/// Weights of the cosine and the sine of an output's harmonic in a gradient: their derivatives take an effort that a
+/// solution does not ask for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Seen {
+    /// Which output.
+    pub node: usize,
+    /// Which harmonic.
+    pub order: usize,
+    /// The weights.
+    pub weights: [f64; 2],
+}
+
+/// A scalar equation beside the balance.
+pub(crate) trait Condition {
+    /// Value at the system's last evaluation, which was at `x` and `at`, and its gradient; `row` comes zeroed
+    /// and as long as `x`. The value is relative: 1 is a complete miss.
+    fn evaluate(
+        &mut self,
+        system: &mut dyn PeriodicSystem,
+        x: &[f64],
+        at: &Operating,
+        row: &mut ConditionRow,
+    ) -> f64;
+}
+
+/// A residual this many times the tolerance is accepted where it does not fall any more.
+const STALLED: f64 = 1e3;
+/// A residual larger than this is never taken for rounding.
+const LARGEST_ROUNDING: f64 = 1e-6;
+/// … after a step that changes the unknowns by this share at most.
+const SMALL_STEP: f64 = 1e-6;
+
+/// When a solution is good enough, and when it is given up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Stopping {
+    /// Largest residual accepted, as share of the largest term; the conditions count in full.
+    pub tolerance: f64,
+    /// Newton steps at most.
+    pub max_iterations: usize,
+    /// Longest step wanted, as multiple of the unknowns, from which the solution is still near.
+    pub reach: f64,
+}
+
+/// How a solution was reached.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Effort {
+    /// Newton steps made.
+    pub iterations: usize,
+    /// Largest relative residual left.
+    pub residual: f64,
+}
+
+/// Solves balance and conditions for `x` and the scalars `free`, as many as there are conditions, starting
+/// from what they hold; on failure they hold the last iterate. For many solves keep a [`Newton`].
+pub(crate) fn solve(
+    system: &mut dyn PeriodicSystem,
+    x: &mut [f64],
+    at: &mut Operating,
+    free: &[Scalar],
+    conditions: &mut [&mut dyn Condition],
+    stopping: &Stopping,
+) -> Result<Effort, HarmonicError> {
+    Newton::default().solve(system, x, at, free, conditions, stopping)
+}
+
+/// Newton's method with a line search, and its buffers.
+///
+/// Rows of the balance are divided by the size of their terms, so that all residuals are relative.
+#[derive(Debug, Default)]
+pub(crate) struct Newton {
+    factors: Factors,
+    residual: Vec<f64>,
+    step: Vec<f64>,
+    trial: Vec<f64>,
+    rows: Vec<ConditionRow>,
+    observation: Observation,
+    scale: f64,
+    factored: bool,
+}
+
+impl Newton {
+    /// As the function [`solve`].
+    pub fn solve(
+        &mut self,
+        system: &mut dyn PeriodicSystem,
+        x: &mut [f64],
+        at: &mut Operating,
+        free: &[Scalar],
+        conditions: &mut [&mut dyn Condition],
+        stopping: &Stopping,
+    ) -> Result<Effort, HarmonicError> {
+        debug_assert_eq!(free.len(), conditions.len());
+        self.factored = false;
+        self.evaluate(system, x, at, free, conditions)?;
+        let mut residual = largest(&self.residual);
+        let mut before = f64::INFINITY;
+        let mut iterations = 0;
+        loop {
+            let settled = |system: &mut dyn PeriodicSystem| {
+                residual <= LARGEST_ROUNDING && largest(&self.residual[x.len()..]) <= stopping.tolerance && {
+                    residual <= system.rounding(at)
+                }
+            };
+            if residual <= stopping.tolerance || settled(system) {
+                return Ok(Effort { iterations, residual });
+            }
+            if iterations == stopping.max_iterations || residual.is_nan() {
+                return Err(HarmonicError::NotConverged { residual, iterations });
+            }
+            // Under quadratic convergence a step with the last factors leaves 2 r²/r_before: often enough.
+            let chord = self.factored && 4.0 * residual * residual <= stopping.tolerance * before;
+            if !chord && !self.factor(system, free) {
+                return Err(HarmonicError::NotConverged { residual, iterations });
+            }
+            let norm = length(&self.residual);
+            self.step.clear();
+            self.step.extend(self.residual.iter().map(|r| -r));
+            self.factors.solve(&mut self.step);
+            if self.step.iter().any(|s| !s.is_finite()) {
+                return Err(HarmonicError::NotConverged { residual, iterations });
+            }
+            if length(&self.step[..x.len()]) > stopping.reach * length(x) {
+                return Err(HarmonicError::NotConverged { residual, iterations });
+            }
+            before = residual;
+            residual = match self.search(system, x, at, free, conditions, norm, stopping) {
+                Some(smaller) => smaller,
+                // The compliances of a large structure are only as good as its condition allows: there
+                // the residual stops falling before it meets the tolerance.
+                None if residual <= STALLED * stopping.tolerance
+                    && length(&self.step[..x.len()]) <= SMALL_STEP * length(x) =>
+                {
+                    self.evaluate(system, x, at, free, conditions)?;
+                    return Ok(Effort { iterations, residual });
+                }
+                None => return Err(HarmonicError::NotConverged { residual, iterations }),
+            };
+            iterations += 1;
+        }
+    }
+
+    /// Makes sure that there are factors: of the last Newton step or, where the start was already the solution,
+    /// of the last evaluation. False where the matrix is singular.
+    pub fn prepare(&mut self, system: &mut dyn PeriodicSystem, free: &[Scalar]) -> bool {
+        self.factored || self.factor(system, free)
+    }
+
+    /// Factors the matrix of the last evaluation anew: a direction is then as good as the solution.
+    pub fn refactor(&mut self, system: &mut dyn PeriodicSystem, free: &[Scalar]) -> bool {
+        self.factor(system, free)
+    }
+
+    /// Solves with the factors there are: `right` has an entry per unknown, relative to the size of the
+    /// balance's terms, and one per condition. False where the result is not finite.
+    pub fn solve_linear(&self, right: &mut [f64]) -> bool {
+        self.factors.solve(right);
+        right.iter().all(|value| value.is_finite())
+    }
+
+    /// Sign of the determinant of the matrix factored last.
+    pub fn orientation(&self) -> f64 {
+        self.factors.orientation()
+    }
+
+    /// Size of the terms of the balance at the last evaluation.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// The longest sensible step along the direction found, then halves until the residual falls. Returns
+    /// the new residual; `x` and `at` are moved.
+    #[expect(clippy::too_many_arguments, reason = "the problem's four parts, and what is known of them")]
+    fn search(
+        &mut self,
+        system: &mut dyn PeriodicSystem,
+        x: &mut [f64],
+        at: &mut Operating,
+        free: &[Scalar],
+        conditions: &mut [&mut dyn Condition],
+        norm: f64,
+        stopping: &Stopping,
+    ) -> Option<f64> {
+        const HALVINGS: usize = 12;
+        let n = x.len();
+        let mut share = longest_share(at, free, &self.step[n..]);
+        for _ in 0..=HALVINGS {
+            let mut moved = *at;
+            let mut trial = std::mem::take(&mut self.trial);
+            trial.clear();
+            trial.extend(x.iter().zip(&self.step).map(|(x, s)| x + share * s));
+            for (scalar, step) in free.iter().zip(&self.step[n..]) {
+                moved.set(*scalar, at.get(*scalar) + share * step);
+            }
+            let done = self.evaluate(system, &trial, &moved, free, conditions).is_ok();
+            self.trial = trial;
+            let residual = largest(&self.residual);
+            // At the accuracy of the contacts' periodic states the norm cannot fall any more.
+            if done
+                && (length(&self.residual) <= (1.0 - 1e-4 * share) * norm || residual <= stopping.tolerance)
+            {
+                x.copy_from_slice(&self.trial);
+                *at = moved;
+                return Some(residual);
+            }
+            share *= 0.5;
+        }
+        None
+    }
+
+    fn evaluate(
+        &mut self,
+        system: &mut dyn PeriodicSystem,
+        x: &[f64],
+        at: &Operating,
+        free: &[Scalar],
+        conditions: &mut [&mut dyn Condition],
+    ) -> Result<(), HarmonicError> {
+        let scale = system.evaluate(x, at, free)?;
+        self.scale = if scale > 0.0 { scale } else { 1.0 };
+        self.residual.clear();
+        self.residual.extend(system.residual().iter().map(|r| r / self.scale));
+        self.rows.resize_with(conditions.len(), ConditionRow::default);
+        for (condition, row) in conditions.iter_mut().zip(&mut self.rows) {
+            row.by_unknowns.clear();
+            row.by_unknowns.resize(x.len(), 0.0);
+            row.by_scalars = [0.0; 4];
+            row.seen = None;
+            self.residual.push(condition.evaluate(system, x, at, row));
+        }
+        Ok(())
+    }
+
+    /// Completes the conditions' gradients by what they see of the outputs.
+    fn look(&mut self, system: &mut dyn PeriodicSystem) {
+        for row in &mut self.rows {
+            let Some(Seen { node, order, weights }) = row.seen.take() else { continue };
+            system.observe(node, order, &mut self.observation);
+            for (part, weight) in weights.into_iter().enumerate().filter(|(_, weight)| *weight != 0.0) {
+                let gradient = row.by_unknowns.iter_mut().zip(&self.observation.by_unknowns[part]);
+                gradient.for_each(|(r, d)| *r += weight * d);
+                let gradient = row.by_scalars.iter_mut().zip(&self.observation.by_scalars[part]);
+                gradient.for_each(|(r, d)| *r += weight * d);
+            }
+        }
+    }
+
+    fn factor(&mut self, system: &mut dyn PeriodicSystem, free: &[Scalar]) -> bool {
+        let n = system.unknowns();
+        let size = n + free.len();
+        let weight = 1.0 / self.scale;
+        system.jacobian();
+        self.look(system);
+        let matrix = self.factors.reset(size);
+        for (k, source) in system.jacobian().as_slice().chunks_exact(n.max(1)).enumerate() {
+            let column = &mut matrix[k * size..(k + 1) * size];
+            column.iter_mut().zip(source).for_each(|(c, s)| *c = s * weight);
+            column[n..].iter_mut().zip(&self.rows).for_each(|(c, row)| *c = row.by_unknowns[k]);
+        }
+        for (k, scalar) in free.iter().enumerate() {
+            let column = &mut matrix[(n + k) * size..(n + k + 1) * size];
+            column.iter_mut().zip(system.by(*scalar)).for_each(|(c, s)| *c = s * weight);
+            let rows = column[n..].iter_mut().zip(&self.rows);
+            rows.for_each(|(c, row)| *c = row.by_scalars[scalar.index()]);
+        }
+        self.factored = self.factors.factor();
+        self.factored
+    }
+}
+
+/// Keeps the frequency positive: at most halved in a step.
+fn longest_share(at: &Operating, free: &[Scalar], step: &[f64]) -> f64 {
+    let frequency = free.iter().position(|scalar| *scalar == Scalar::AngularFrequency);
+    frequency.map_or(1.0, |k| {
+        let fall = -step[k];
+        if fall > 0.5 * at.angular_frequency { 0.5 * at.angular_frequency / fall } else { 1.0 }
+    })
+}
+
+/// Euclidean norm.
+pub(crate) fn length(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Largest magnitude; NaN where there is one.
+fn largest(v: &[f64]) -> f64 {
+    v.iter().fold(0.0, |m: f64, x| if x.abs() > m || x.is_nan() { x.abs() } else { m })
+}

@@ -1,0 +1,560 @@
+//! The periodic contact: Fourier coefficients of the displacement in, of the force out.
+//!
+//! This is the seam between the balance equations and the way a contact is integrated over a period:
+//! [`SampledCycle::evaluate`] answers with the force's coefficients and their exact derivatives for
+//! the discretisation it uses. Here the period is sampled (alternating frequency/time, Cameron &
+//! Griffin 1989); within a step the displacement runs linearly, so that the turning points are met
+//! to the second order of the step only. Where the force jumps within a step is known ([`jump`]).
+//!
+//! The contact's state is part of the problem: a period is marched with the derivatives of every
+//! quantity with respect to the coefficients *and* to the state at its start. The monodromy matrix
+//! gives the periodic state by Newton's method, and the implicit function theorem its derivative.
+//! Where the memory does not fade (a stuck contact keeps whatever it remembers) the periodic state
+//! is not unique; then the one reached by loading the virgin contact to the largest displacement of
+//! the period counts, and its derivative is carried through that loading.
+
+mod alone;
+mod jump;
+
+use std::f64::consts::TAU;
+
+use nalgebra::{DMatrix, DMatrixView, Dyn};
+
+use super::PeriodicContact;
+use crate::contact::{Inputs, Response, StateTangents};
+use crate::harmonic::HarmonicError;
+use crate::numeric::elimination::solve_ranked;
+use crate::numeric::fourier::{Basis, coefficient_count, differentiate, dot};
+use crate::numeric::implicit::Implicit;
+
+/// Where a pivot of `1 − monodromy` (scaled) counts as zero: the memory does not fade.
+const UNFADING: f64 = 1e-9;
+/// Share of the largest force left as error of the implicit step through the series spring.
+const STEP_TOLERANCE: f64 = 1e-11;
+/// Change of force (share of the largest) and of the state (of each part's largest) below which the periodic state is
+/// finished to first order.
+const LINEAR_FINISH: f64 = 1e-6;
+const MAX_CYCLES: usize = 60;
+/// Up to this size the matrix product takes strided columns as slices, which end before the last of them.
+const SMALL_PRODUCT: usize = 5;
+
+/// Workspace and result of one evaluation.
+#[derive(Debug, Clone)]
+pub(crate) struct SampledCycle {
+    basis: Basis,
+    samples: usize,
+    wide: usize,
+    /// Coefficients of the force (N), as many as the displacement has.
+    pub force: Vec<f64>,
+    /// ∂force/∂displacement coefficients, `wide × wide` (N/m).
+    pub jacobian: DMatrix<f64>,
+    /// ∂force coefficients/∂angular frequency; zero for rate-independent laws.
+    pub by_frequency: Vec<f64>,
+    displacement: Vec<f64>,
+    rate: Vec<f64>,
+    slope: Vec<f64>,
+    /// Normal load (N) at the samples.
+    load: Vec<f64>,
+    force_samples: Vec<f64>,
+    /// Column `k`: derivatives of the force at sample `k` by coefficients, frequency, start state.
+    sensitivity: DMatrix<f64>,
+    state_len: usize,
+    /// The sample the march starts from.
+    origin: usize,
+    virgin: Vec<f64>,
+    start: Vec<f64>,
+    state: Vec<f64>,
+    next: Vec<f64>,
+    state_scale: Vec<f64>,
+    start_sensitivity: Vec<f64>,
+    state_sensitivity: Vec<f64>,
+    next_sensitivity: Vec<f64>,
+    displacement_row: Vec<f64>,
+    velocity_row: Vec<f64>,
+    solution: Vec<f64>,
+    system: Vec<f64>,
+    pivots: Vec<usize>,
+    tangents: StateTangents,
+    jump: jump::Workspace,
+    force_scale: f64,
+    previous: Vec<f64>,
+    /// The samples and sensitivities belong to a converged evaluation at `previous`.
+    warm: bool,
+    /// The start and the forces are those of the displacement `previous` itself, without derivatives.
+    settled: bool,
+}
+
+/// What one marched period tells about the periodic state.
+struct Closure {
+    unique: bool,
+    /// Largest change (N) of a force sample, to first order.
+    force_change: f64,
+    /// Largest change of the start state, in sizes of its parts over the period.
+    state_change: f64,
+}
+
+impl SampledCycle {
+    /// `harmonics` are those of the displacement and of the force.
+    pub fn new(harmonics: usize, samples: usize) -> Self {
+        let wide = coefficient_count(harmonics);
+        Self {
+            basis: Basis::new(harmonics, samples),
+            samples,
+            wide,
+            force: vec![0.0; wide],
+            jacobian: DMatrix::zeros(wide, wide),
+            by_frequency: vec![0.0; wide],
+            displacement: vec![0.0; samples],
+            rate: vec![0.0; samples],
+            slope: vec![0.0; wide],
+            load: vec![0.0; samples],
+            force_samples: vec![0.0; samples],
+            sensitivity: DMatrix::zeros(0, 0),
+            state_len: usize::MAX,
+            origin: 0,
+            virgin: Vec::new(),
+            start: Vec::new(),
+            state: Vec::new(),
+            next: Vec::new(),
+            state_scale: Vec::new(),
+            start_sensitivity: Vec::new(),
+            state_sensitivity: Vec::new(),
+            next_sensitivity: Vec::new(),
+            displacement_row: Vec::new(),
+            velocity_row: Vec::new(),
+            solution: Vec::new(),
+            system: Vec::new(),
+            pivots: Vec::new(),
+            tangents: StateTangents::default(),
+            jump: jump::Workspace::default(),
+            force_scale: 0.0,
+            previous: vec![0.0; wide],
+            warm: false,
+            settled: false,
+        }
+    }
+
+    /// Forgets the last solution, so that the next evaluation depends on its arguments alone.
+    pub fn forget(&mut self) {
+        (self.warm, self.settled) = (false, false);
+    }
+
+    /// Displacement (m), its slope over the phase (m), and force (N) at sample `k` of the last evaluation.
+    pub fn sample(&self, k: usize) -> (f64, f64, f64) {
+        (self.displacement[k], self.rate[k], self.force_samples[k])
+    }
+
+    /// Normal load (N) at sample `k` of the last evaluation.
+    pub fn load(&self, k: usize) -> f64 {
+        self.load[k]
+    }
+
+    /// Writes the load at the samples.
+    fn take_load(&mut self, contact: &PeriodicContact) {
+        self.load.fill(contact.normal_load);
+        for (order, pair) in (1..).zip(contact.load_swing.chunks_exact(2)) {
+            for (k, load) in self.load.iter_mut().enumerate() {
+                let turn = (order * k % self.samples) as f64 / self.samples as f64;
+                let (sine, cosine) = (TAU * turn).sin_cos();
+                *load += pair[0] * cosine + pair[1] * sine;
+            }
+        }
+    }
+
+    fn reserve(&mut self, state_len: usize) {
+        if self.state_len == state_len {
+            return;
+        }
+        self.state_len = state_len;
+        let columns = self.wide + 1 + state_len;
+        self.sensitivity = DMatrix::zeros(columns, self.samples);
+        for buffer in
+            [&mut self.virgin, &mut self.start, &mut self.state, &mut self.next, &mut self.state_scale]
+        {
+            *buffer = vec![0.0; state_len];
+        }
+        for buffer in [&mut self.start_sensitivity, &mut self.state_sensitivity, &mut self.next_sensitivity] {
+            *buffer = vec![0.0; state_len * columns];
+        }
+        self.displacement_row = vec![0.0; columns];
+        self.velocity_row = vec![0.0; columns];
+        self.solution = vec![0.0; state_len * (self.wide + 2)];
+        self.system = vec![0.0; state_len * (state_len + self.wide + 2)];
+        self.pivots = vec![0; state_len];
+        self.forget();
+    }
+
+    /// Evaluates the contact for the displacement with coefficients `u` (m; before the series spring gives way) at
+    /// the fundamental `angular_frequency` (rad/s). The velocity a rate-dependent law sees is that of `u`.
+    ///
+    /// # Errors
+    /// [`HarmonicError::ContactNotPeriodic`] when no periodic state is found.
+    pub fn evaluate(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+    ) -> Result<(), HarmonicError> {
+        self.take_motion(contact, u);
+        let settled = std::mem::take(&mut self.settled) && self.previous == u;
+        let mut from_hint = self.warm || settled;
+        if self.warm {
+            self.predict(u);
+        } else if !settled {
+            self.start_virgin(contact, angular_frequency);
+        }
+        self.previous.copy_from_slice(u);
+        self.warm = false;
+        let (mut last_change, mut plain) = (f64::INFINITY, false);
+        for _ in 0..MAX_CYCLES {
+            self.march(contact, angular_frequency);
+            let closure = self.close();
+            if from_hint && !(closure.unique && closure.force_change.is_finite()) {
+                from_hint = false;
+                self.start_virgin(contact, angular_frequency);
+                continue;
+            }
+            // Where the force follows the limit it does not show a change of the state that puts an end to that.
+            let unmoved = closure.state_change <= LINEAR_FINISH;
+            if unmoved && closure.force_change <= LINEAR_FINISH * self.force_scale {
+                self.finish();
+                self.correct_start();
+                self.warm = true;
+                return Ok(());
+            }
+            // Newton may overshoot where the loop bends sharply; plain marching always contracts.
+            let change = closure.force_change.max(closure.state_change * self.force_scale);
+            plain = !closure.force_change.is_finite() || change > last_change && !plain;
+            last_change = change;
+            self.improve_start(plain, contact, angular_frequency);
+        }
+        Err(HarmonicError::ContactNotPeriodic { cycles: MAX_CYCLES })
+    }
+
+    /// Writes displacement, slope and load at the samples, and the contact that remembers nothing.
+    fn take_motion(&mut self, contact: &PeriodicContact, u: &[f64]) {
+        self.reserve(contact.law.state_len());
+        self.basis.evaluate(u, &mut self.displacement);
+        differentiate(u, &mut self.slope);
+        self.basis.evaluate(&self.slope, &mut self.rate);
+        self.take_load(contact);
+        contact.law.set_state(0.0, self.load[self.farthest_sample()], 0.0, &mut self.virgin);
+    }
+
+    /// The sample of the largest displacement: a turning point, where most of the memory is wiped out.
+    fn farthest_sample(&self) -> usize {
+        let mut best = 0;
+        for (k, u) in self.displacement.iter().enumerate() {
+            if u.abs() > self.displacement[best].abs() {
+                best = k;
+            }
+        }
+        best
+    }
+
+    /// First-order prediction of the force samples and the start state from the last solution.
+    fn predict(&mut self, u: &[f64]) {
+        for (previous, u) in self.previous.iter_mut().zip(u) {
+            *previous = u - *previous;
+        }
+        let columns = self.sensitivity.nrows();
+        for (force, column) in
+            self.force_samples.iter_mut().zip(self.sensitivity.as_slice().chunks_exact(columns))
+        {
+            *force += dot(&column[..self.wide], &self.previous);
+        }
+        for (state, row) in self.start.iter_mut().zip(self.start_sensitivity.chunks_exact(columns)) {
+            *state += dot(&row[..self.wide], &self.previous);
+        }
+    }
+
+    /// The state after loading the virgin contact to the largest displacement, and its derivative.
+    fn start_virgin(&mut self, contact: &PeriodicContact, angular_frequency: f64) {
+        self.origin = self.farthest_sample();
+        self.state.copy_from_slice(&self.virgin);
+        self.state_sensitivity.fill(0.0);
+        self.force_scale = 0.0;
+        self.step(contact, angular_frequency, self.origin, 0.0, None);
+        self.start.copy_from_slice(&self.next);
+        self.start_sensitivity.copy_from_slice(&self.next_sensitivity);
+        self.force_samples.fill(f64::NAN);
+    }
+
+    /// One step from `state` to the sample `k` through the series spring; leaves `next` and its
+    /// sensitivity, and writes the force's sensitivity to column `column` if there is one.
+    fn step(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        k: usize,
+        predicted: f64,
+        column: Option<usize>,
+    ) -> f64 {
+        let (inputs, response) = self.step_alone(contact, angular_frequency, k, predicted);
+        contact.law.state_tangents(&self.state, inputs, &mut self.tangents);
+        self.carry(&response, contact.compliance, angular_frequency, k, column);
+        response.force
+    }
+
+    /// As [`SampledCycle::step`], without sensitivities.
+    fn step_alone(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        k: usize,
+        predicted: f64,
+    ) -> (Inputs, Response) {
+        let mut inputs = Inputs {
+            displacement: 0.0,
+            velocity: angular_frequency * self.rate[k],
+            normal_load: self.load[k],
+        };
+        let mut implicit = Implicit::new(predicted);
+        loop {
+            inputs.displacement = self.displacement[k] - contact.compliance * implicit.force;
+            let response = contact.law.step(&self.state, inputs, &mut self.next);
+            let scale = self.force_scale.max(response.force.abs());
+            let gradient = 1.0 + contact.compliance * response.tangents.displacement;
+            if implicit.accept(response.force, gradient, contact.compliance, STEP_TOLERANCE * scale) {
+                return (inputs, response);
+            }
+        }
+    }
+
+    /// Carries the derivatives through the step just made.
+    fn carry(
+        &mut self,
+        response: &Response,
+        compliance: f64,
+        angular_frequency: f64,
+        k: usize,
+        column: Option<usize>,
+    ) {
+        let (n, wide) = (self.state_len, self.wide);
+        let columns = wide + 1 + n;
+        let rated =
+            response.tangents.velocity != 0.0 || self.tangents.next_by_velocity.iter().any(|d| *d != 0.0);
+        let functions = self.basis.functions(k);
+        let (stiffness, damping) = (response.tangents.displacement, response.tangents.velocity);
+        let row = &mut self.displacement_row;
+        // Force at a held series spring …
+        for (r, b) in row.iter_mut().zip(functions) {
+            *r = stiffness * b;
+        }
+        row[wide..].fill(0.0);
+        if rated {
+            let velocity = &mut self.velocity_row;
+            differentiate_functions(functions, angular_frequency, velocity);
+            velocity[wide] = self.rate[k];
+            velocity[wide + 1..].fill(0.0);
+            row.iter_mut().zip(velocity.iter()).for_each(|(r, v)| *r += damping * v);
+        }
+        for (weight, source) in
+            self.tangents.force_by_state.iter().zip(self.state_sensitivity.chunks_exact(columns))
+        {
+            add_scaled(row, *weight, source);
+        }
+        // … the spring gives way: dT (1 + a ∂T/∂u) is what was summed …
+        let softening = 1.0 / (1.0 + compliance * stiffness);
+        row.iter_mut().for_each(|r| *r *= softening);
+        if let Some(column) = column {
+            self.sensitivity.as_mut_slice()[column * columns..(column + 1) * columns].copy_from_slice(row);
+        }
+        // … and the contact moves by du − a dT.
+        row.iter_mut().for_each(|r| *r *= -compliance);
+        row.iter_mut().zip(functions).for_each(|(r, b)| *r += b);
+        for (i, target) in self.next_sensitivity.chunks_exact_mut(columns).enumerate() {
+            target.fill(0.0);
+            add_scaled(target, self.tangents.next_by_displacement[i], row);
+            if rated {
+                add_scaled(target, self.tangents.next_by_velocity[i], &self.velocity_row);
+            }
+            let weights = &self.tangents.next_by_state[i * n..(i + 1) * n];
+            for (weight, source) in weights.iter().zip(self.state_sensitivity.chunks_exact(columns)) {
+                add_scaled(target, *weight, source);
+            }
+        }
+    }
+
+    /// Marches one period from `start`, which is the state at sample `origin`.
+    fn march(&mut self, contact: &PeriodicContact, angular_frequency: f64) {
+        let (n, wide) = (self.state_len, self.wide);
+        let columns = wide + 1 + n;
+        self.state.copy_from_slice(&self.start);
+        self.state_sensitivity.copy_from_slice(&self.start_sensitivity);
+        for i in 0..n {
+            self.state_sensitivity[i * columns + wide + 1..(i + 1) * columns].fill(0.0);
+            self.state_sensitivity[i * columns + wide + 1 + i] = 1.0;
+            self.state_scale[i] = self.start[i].abs();
+        }
+        self.jump.given.clear();
+        self.jump.given.resize(self.samples, 0.0);
+        let mut last = 0.0;
+        let mut largest = 0.0_f64;
+        for i in 1..=self.samples {
+            let k = (self.origin + i) % self.samples;
+            let known = self.force_samples[k];
+            let predicted = if known.is_finite() { known } else { last };
+            last = self.step(contact, angular_frequency, k, predicted, Some(k));
+            self.force_samples[k] = last;
+            // Behind a spring the force does not jump; nor does it right behind the farthest turning point.
+            if contact.compliance == 0.0 && i > 1 {
+                self.place_jump(contact, angular_frequency, k, true);
+            }
+            largest = largest.max(last.abs());
+            std::mem::swap(&mut self.state, &mut self.next);
+            std::mem::swap(&mut self.state_sensitivity, &mut self.next_sensitivity);
+            for (scale, value) in self.state_scale.iter_mut().zip(&self.state) {
+                *scale = scale.max(value.abs());
+            }
+        }
+        self.force_scale = largest;
+    }
+
+    /// Solves `(1 − M) δ = end − start` for the state and its sensitivities (left in `solution`, one
+    /// column for the state, then the coefficients and the frequency).
+    fn close(&mut self) -> Closure {
+        let (n, wide) = (self.state_len, self.wide);
+        let (columns, right) = (wide + 1 + n, wide + 2);
+        let width = n + right;
+        for scale in &mut self.state_scale {
+            if *scale == 0.0 {
+                *scale = 1.0;
+            }
+        }
+        for i in 0..n {
+            let end = &self.state_sensitivity[i * columns..(i + 1) * columns];
+            let begin = &self.start_sensitivity[i * columns..(i + 1) * columns];
+            let row = &mut self.system[i * width..(i + 1) * width];
+            for j in 0..n {
+                let identity = f64::from(u8::from(i == j));
+                row[j] = identity - end[wide + 1 + j] * self.state_scale[j] / self.state_scale[i];
+            }
+            row[n] = (self.state[i] - self.start[i]) / self.state_scale[i];
+            for m in 0..=wide {
+                row[n + 1 + m] = (end[m] - begin[m]) / self.state_scale[i];
+            }
+        }
+        self.hold_conserved(width);
+        let rank = solve_ranked(&mut self.system, &mut self.pivots, right, UNFADING, &mut self.solution);
+        // Memory that does not fade must be the virgin contact's, or the result would depend on the
+        // evaluations before.
+        let unique = (0..n).all(|i| {
+            self.pivots[..rank].contains(&i)
+                || (self.start[i] - self.virgin[i]).abs() <= 1e-12 * self.state_scale[i]
+        });
+        let steps = self.solution.chunks_exact(right).map(|row| row[0].abs());
+        let state_change = steps.fold(0.0, f64::max);
+        for (row, scale) in self.solution.chunks_exact_mut(right).zip(&self.state_scale) {
+            row.iter_mut().for_each(|x| *x *= scale);
+        }
+        let mut force_change = 0.0_f64;
+        for column in self.sensitivity.as_slice().chunks_exact(columns) {
+            let by_state = &column[wide + 1..];
+            let change: f64 = by_state.iter().enumerate().map(|(i, d)| d * self.solution[i * right]).sum();
+            // `max` would drop a NaN.
+            force_change =
+                if change.abs() > force_change || change.is_nan() { change.abs() } else { force_change };
+            if force_change.is_nan() {
+                break;
+            }
+        }
+        Closure { unique, force_change, state_change }
+    }
+
+    /// Takes the memory that a period leaves exactly as it was out of the linear system: what a stuck
+    /// slider or an unstressed length remembers is kept, not traded against the rest of the state, which
+    /// elimination by the largest pivot would be free to do.
+    fn hold_conserved(&mut self, width: usize) {
+        let n = self.state_len;
+        for i in 0..n {
+            let conserved = self.system[i * width..i * width + n].iter().all(|x| x.abs() <= UNFADING);
+            if conserved {
+                self.system[i * width..(i + 1) * width].fill(0.0);
+                (0..n).for_each(|k| self.system[k * width + i] = 0.0);
+            }
+        }
+    }
+
+    /// Moves the start towards the periodic state: by Newton's step, or to where the period ended.
+    fn improve_start(&mut self, plain: bool, contact: &PeriodicContact, angular_frequency: f64) {
+        if plain && self.state.iter().any(|x| !x.is_finite()) {
+            self.start_virgin(contact, angular_frequency);
+        } else if plain {
+            self.start.copy_from_slice(&self.state);
+            self.start_sensitivity.copy_from_slice(&self.state_sensitivity);
+        } else {
+            self.correct_start();
+        }
+    }
+
+    /// Newton's step on the start state and its sensitivity.
+    fn correct_start(&mut self) {
+        let (columns, right) = (self.wide + 1 + self.state_len, self.wide + 2);
+        for (i, solution) in self.solution.chunks_exact(right).enumerate() {
+            self.start[i] += solution[0];
+            let row = &mut self.start_sensitivity[i * columns..];
+            row.iter_mut().zip(&solution[1..]).for_each(|(s, d)| *s += d);
+        }
+    }
+
+    /// Adds what the start state contributes, to first order, and projects on the harmonics.
+    fn finish(&mut self) {
+        let (n, wide, samples) = (self.state_len, self.wide, self.samples);
+        let (columns, right) = (wide + 1 + n, wide + 2);
+        for (force, column) in
+            self.force_samples.iter_mut().zip(self.sensitivity.as_mut_slice().chunks_exact_mut(columns))
+        {
+            let (total, by_state) = column.split_at_mut(wide + 1);
+            for (i, weight) in by_state.iter().enumerate() {
+                if *weight != 0.0 {
+                    *force += weight * self.solution[i * right];
+                    add_scaled(total, *weight, &self.solution[i * right + 1..(i + 1) * right]);
+                }
+            }
+        }
+        self.force_samples.iter_mut().zip(&self.jump.given).for_each(|(force, given)| *force += given);
+        self.basis.project(&self.force_samples, &mut self.force);
+        // jacobian = projectionᵀ · sensitivityᵀ, both as strided views so that the fast product is used.
+        let projection = &self.basis.projection;
+        let left = transposed(projection.as_slice(), samples, wide, samples);
+        let right_factor = transposed(self.sensitivity.as_slice(), wide, samples, columns);
+        if wide > SMALL_PRODUCT {
+            self.jacobian.gemm(1.0, &left, &right_factor, 0.0);
+        } else {
+            for (m, column) in self.jacobian.as_mut_slice().chunks_exact_mut(wide).enumerate() {
+                for (value, function) in column.iter_mut().zip(projection.as_slice().chunks_exact(samples)) {
+                    *value = function.iter().enumerate().map(|(k, p)| p * self.sensitivity[(m, k)]).sum();
+                }
+            }
+        }
+        for (m, value) in self.by_frequency.iter_mut().enumerate() {
+            let column = &projection.as_slice()[m * samples..(m + 1) * samples];
+            *value = column.iter().enumerate().map(|(k, p)| p * self.sensitivity[(wide, k)]).sum();
+        }
+    }
+}
+
+/// The transpose of a column-major `rows × columns` matrix with the given column stride, as a view.
+pub(crate) fn transposed(
+    data: &[f64],
+    rows: usize,
+    columns: usize,
+    stride: usize,
+) -> DMatrixView<'_, f64, Dyn, Dyn> {
+    DMatrixView::from_slice_with_strides_generic(data, Dyn(columns), Dyn(rows), Dyn(stride), Dyn(1))
+}
+
+fn differentiate_functions(functions: &[f64], angular_frequency: f64, out: &mut [f64]) {
+    out[0] = 0.0;
+    for h in 1..=functions.len() / 2 {
+        out[2 * h - 1] = -(h as f64) * angular_frequency * functions[2 * h];
+        out[2 * h] = h as f64 * angular_frequency * functions[2 * h - 1];
+    }
+}
+
+fn add_scaled(target: &mut [f64], weight: f64, source: &[f64]) {
+    if weight != 0.0 {
+        target.iter_mut().zip(source).for_each(|(t, s)| *t += weight * s);
+    }
+}

@@ -1,0 +1,72 @@
+//! Where a response curve may turn sharply: the resonances of the linear structure, its contacts free and at rest.
+
+use crate::contact::{ContactLaw, Inputs};
+use crate::harmonic::balance::assembly::{Assembly, Body};
+use crate::harmonic::continuation::Landmark;
+use crate::system::LinearStructure;
+
+/// Structures beyond this size have no landmarks: their modes take longer than the curve.
+const LARGEST: usize = 200;
+/// Damping ratios below this are rounding: an undamped resonance itself has no response to look at.
+const SHARPEST: f64 = 1e-9;
+/// Entries of the waveform below this share of the largest excite nothing.
+const SILENT: f64 = 1e-12;
+
+/// The landmarks of `assembly`, ascending: one resonance that is nowhere near a point of a curve leaves no trace in
+/// its neighbours, however sharp. None for structures too large, or without natural modes.
+pub(crate) fn landmarks(assembly: &Assembly) -> Vec<Landmark> {
+    let of_beam;
+    let (structure, flexibility) = match assembly.body {
+        Body::Linear(structure) => (structure, 0.0),
+        Body::Beam(beam) => {
+            of_beam = LinearStructure::from_beam(beam);
+            (&of_beam, beam.axial_flexibility)
+        }
+    };
+    if structure.size > LARGEST {
+        return Vec::new();
+    }
+    let mut found = resonances(structure);
+    if !assembly.contacts.is_empty() {
+        let mut stuck = structure.clone();
+        for (row, contact) in structure.contacts.iter().zip(&assembly.contacts) {
+            let stiffness = tangent_stiffness(contact.law, contact.normal_load);
+            let stiffness = stiffness / (1.0 + flexibility * stiffness);
+            let pairs = row.iter().flat_map(|left| row.iter().map(move |right| (left, right)));
+            stuck.stiffness.extend(pairs.map(|((i, a), (j, b))| (*i, *j, a * stiffness * b)));
+        }
+        found.extend(resonances(&stuck));
+    }
+    let mut all: Vec<Landmark> =
+        excited(&assembly.waveform).flat_map(|order| found.iter().map(move |one| one.over(order))).collect();
+    all.sort_by(|a, b| a.angular_frequency.total_cmp(&b.angular_frequency));
+    all.dedup_by(|next, kept| next.angular_frequency - kept.angular_frequency < 0.1 * kept.half_width);
+    all
+}
+
+/// Orders of the harmonics that excite.
+fn excited(waveform: &[f64]) -> impl Iterator<Item = f64> + '_ {
+    let largest = waveform.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
+    let pairs = waveform.get(1..).unwrap_or(&[]).chunks(2).enumerate();
+    pairs
+        .filter(move |(_, pair)| pair.iter().any(|f| f.abs() > SILENT * largest))
+        .map(|(place, _)| (place + 1) as f64)
+}
+
+fn resonances(structure: &LinearStructure) -> Vec<Landmark> {
+    let Ok(modes) = structure.natural_modes() else { return Vec::new() };
+    let with_shapes = modes.angular_frequency.iter().zip(modes.shapes.column_iter());
+    let resonance = with_shapes.map(|(frequency, shape)| {
+        let rate: f64 = structure.damping.iter().map(|(i, j, c)| shape[*i] * c * shape[*j]).sum();
+        Landmark { angular_frequency: *frequency, half_width: 0.5 * rate }
+    });
+    resonance.filter(|one| one.half_width > SHARPEST * one.angular_frequency).collect()
+}
+
+/// Slope (N/m) of the force of a contact at rest that remembers nothing.
+pub(crate) fn tangent_stiffness(law: &dyn ContactLaw, normal_load: f64) -> f64 {
+    let (mut state, mut next) = (vec![0.0; law.state_len()], vec![0.0; law.state_len()]);
+    law.set_state(0.0, normal_load, 0.0, &mut state);
+    let inputs = Inputs { displacement: 0.0, velocity: 0.0, normal_load };
+    law.step(&state, inputs, &mut next).tangents.displacement
+}

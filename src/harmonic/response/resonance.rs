@@ -1,0 +1,196 @@
+//! Phase resonance under response control, and backbones.
+
+use super::follow::{Family, State, find};
+use crate::harmonic::balance::beam::Balance;
+use crate::harmonic::balance::beam::guess;
+use crate::harmonic::newton::problem::{Condition, ConditionRow, Effort, Newton, Seen, Stopping};
+use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
+use crate::harmonic::{ContactOnBeam, HarmonicError, Settings};
+use crate::system::ModalBeam;
+
+/// A periodic response at phase resonance: the excitation `F cos Ωt` is in phase with the first
+/// harmonic of the velocity where it acts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Resonance {
+    /// Ω (rad/s).
+    pub angular_frequency: f64,
+    /// F (N).
+    pub force_amplitude: f64,
+    /// First-harmonic amplitude of the acceleration at the excitation (m/s²), as held.
+    pub acceleration_amplitude: f64,
+    /// Modal coordinates (m √kg): `[a0, c1, s1, …, cH, sH]` per mode.
+    pub coefficients: Vec<f64>,
+    /// Contact displacement `c·q − ½ qᵀG q` before the series spring gives way (m), harmonics `0..=2H`.
+    pub contact_displacement: Vec<f64>,
+    /// Restoring contact force (N), harmonics `0..=2H`.
+    pub contact_force: Vec<f64>,
+    /// Energy the contact takes per cycle (J).
+    pub dissipated_energy: f64,
+    /// Energy the modal damping takes per cycle (J).
+    pub viscous_energy: f64,
+    /// Newton steps of the last solve.
+    pub iterations: usize,
+    /// Largest residual of the balance as share of the largest force.
+    pub residual: f64,
+}
+
+impl Resonance {
+    /// Equivalent viscous damping ratio (1): energy lost per cycle over 4π times the kinetic energy's peak,
+    /// `ΔE/(2π Ω² Σ |qᵢ|²)` in first harmonics. For a linear mode its modal damping ratio.
+    pub fn damping_ratio(&self) -> f64 {
+        // Displacements have 2H + 1 coefficients per mode where the contact has 4H + 1.
+        let per_mode = self.contact_displacement.len() / 2 + 1;
+        let squares: f64 = self.coefficients.chunks_exact(per_mode).map(|q| q[1] * q[1] + q[2] * q[2]).sum();
+        let lost = self.dissipated_energy + self.viscous_energy;
+        lost / (std::f64::consts::TAU * self.angular_frequency.powi(2) * squares)
+    }
+}
+
+/// Phase resonance of the beam's first mode with the first-harmonic acceleration at the excitation held
+/// at `acceleration_amplitude` (m/s²): harmonics of the modes, frequency and force are the unknowns.
+/// Without a contact, or with one that never slips, this is the resonance of the linear beam.
+///
+/// `start`, a solution nearby (another level, or other parameters), saves Newton steps; the result does
+/// not depend on it where the response is unique.
+///
+/// # Errors
+/// [`HarmonicError::InvalidInput`] for arguments that do not fit; the other kinds when no solution was
+/// found even by following it from small amplitudes.
+pub fn phase_resonance(
+    beam: &ModalBeam,
+    contact: Option<ContactOnBeam>,
+    acceleration_amplitude: f64,
+    settings: &Settings,
+    start: Option<&Resonance>,
+) -> Result<Resonance, HarmonicError> {
+    Solver::new(beam, contact, settings)?.solve(acceleration_amplitude, start)
+}
+
+/// [`phase_resonance`] at every amplitude (m/s²), in the caller's order. `starts` are earlier results
+/// for the same amplitudes (with other parameters), or empty; then each level starts from the ones below.
+///
+/// # Errors
+/// Those of the first level, from below, that fails.
+pub fn backbone(
+    beam: &ModalBeam,
+    contact: Option<ContactOnBeam>,
+    acceleration_amplitudes: &[f64],
+    settings: &Settings,
+    starts: &[Resonance],
+) -> Result<Vec<Resonance>, HarmonicError> {
+    if !(starts.is_empty() || starts.len() == acceleration_amplitudes.len()) {
+        return Err(HarmonicError::InvalidInput("the starts are not one per amplitude"));
+    }
+    let mut solver = Solver::new(beam, contact, settings)?;
+    let mut order: Vec<usize> = (0..acceleration_amplitudes.len()).collect();
+    order.sort_by(|a, b| acceleration_amplitudes[*a].total_cmp(&acceleration_amplitudes[*b]));
+    let mut results: Vec<Option<Resonance>> = vec![None; order.len()];
+    let mut below: Option<usize> = None;
+    for &level in &order {
+        let start = starts.get(level).or(below.and_then(|index| results[index].as_ref()));
+        let result = solver.solve(acceleration_amplitudes[level], start)?;
+        results[level] = Some(result);
+        below = Some(level);
+    }
+    Ok(results.into_iter().flatten().collect())
+}
+
+struct Solver<'a> {
+    balance: Balance<'a>,
+    settings: Settings,
+}
+
+impl<'a> Solver<'a> {
+    fn new(
+        beam: &'a ModalBeam,
+        contact: Option<ContactOnBeam<'a>>,
+        settings: &Settings,
+    ) -> Result<Self, HarmonicError> {
+        settings.check()?;
+        let balance = Balance::new(beam, contact, &[0.0, 1.0, 0.0], settings.harmonics, settings.method)?;
+        if beam.excitation_shape.iter().all(|phi| *phi == 0.0) {
+            return Err(HarmonicError::InvalidInput("the excitation moves no mode"));
+        }
+        Ok(Self { balance, settings: *settings })
+    }
+
+    fn solve(&mut self, acceleration: f64, start: Option<&Resonance>) -> Result<Resonance, HarmonicError> {
+        if !(acceleration > 0.0 && acceleration.is_finite()) {
+            return Err(HarmonicError::InvalidInput("the acceleration amplitude must be positive"));
+        }
+        let balance = &mut self.balance;
+        let start = start.filter(|s| s.coefficients.len() == balance.q.len()).map(|start| {
+            let ratio = acceleration / start.acceleration_amplitude;
+            let scaled: Vec<f64> = start.coefficients.iter().map(|q| ratio * q).collect();
+            let force: Vec<f64> = start.contact_force.iter().map(|force| ratio * force).collect();
+            let x = balance.unknowns_of(&scaled, &force);
+            let at = Operating::forced(start.angular_frequency, ratio * start.force_amplitude);
+            State { x, at }
+        });
+        let (state, effort) = find(&mut PhaseResonance, balance, acceleration, start, &self.settings)?;
+        Ok(Resonance {
+            angular_frequency: state.at.angular_frequency,
+            force_amplitude: state.at.level,
+            acceleration_amplitude: acceleration,
+            coefficients: balance.modal_coefficients(),
+            contact_displacement: balance.displacement.clone(),
+            contact_force: balance.force().to_vec(),
+            dissipated_energy: balance.dissipated_energy(),
+            viscous_energy: balance.viscous_energy(state.at.angular_frequency),
+            iterations: effort.iterations,
+            residual: effort.residual,
+        })
+    }
+}
+
+/// Responses at phase resonance: the displacement's first harmonic at the excitation is `a/Ω² sin Ωt`, a
+/// quarter period behind the force. Ω and F are free.
+struct PhaseResonance;
+
+impl Family for PhaseResonance {
+    fn solve(
+        &mut self,
+        balance: &mut Balance,
+        newton: &mut Newton,
+        amount: f64,
+        state: &mut State,
+        stopping: &Stopping,
+    ) -> Result<Effort, HarmonicError> {
+        let node = balance.nodes() - 1;
+        let mut cosine = InQuadrature { node, part: 0, acceleration: amount };
+        let mut sine = InQuadrature { node, part: 1, acceleration: amount };
+        let free = [Scalar::AngularFrequency, Scalar::Level];
+        newton.solve(balance, &mut state.x, &mut state.at, &free, &mut [&mut cosine, &mut sine], stopping)
+    }
+
+    fn guess(&mut self, balance: &mut Balance, amount: f64) -> Result<State, HarmonicError> {
+        let (frequency, force) = guess::resonance(balance, amount)?;
+        Ok(State { x: balance.start(), at: Operating::forced(frequency, force) })
+    }
+}
+
+/// One part of `X₁ = a/Ω² sin Ωt`. Linear in the displacement, unlike amplitude and phase.
+struct InQuadrature {
+    node: usize,
+    /// 0 for the cosine, 1 for the sine.
+    part: usize,
+    acceleration: f64,
+}
+
+impl Condition for InQuadrature {
+    fn evaluate(
+        &mut self,
+        system: &mut dyn PeriodicSystem,
+        _x: &[f64],
+        at: &Operating,
+        row: &mut ConditionRow,
+    ) -> f64 {
+        let factor = at.angular_frequency * at.angular_frequency / self.acceleration;
+        let value = factor * system.glance(self.node, 1)[self.part];
+        let mut weights = [0.0; 2];
+        weights[self.part] = factor;
+        row.seen = Some(Seen { node: self.node, order: 1, weights });
+        row.by_scalars[Scalar::AngularFrequency.index()] += 2.0 * value / at.angular_frequency;
+        value - self.part as f64
+    }
+}

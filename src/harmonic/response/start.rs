@@ -1,0 +1,332 @@
+//! The first solution of a curve, from nothing.
+
+use crate::harmonic::HarmonicError;
+use crate::harmonic::balance::assembly::{Control, CurveSettings};
+use crate::harmonic::continuation::{Advance, Path, Route, Verdict};
+use crate::harmonic::newton::condition::HeldAmplitude;
+use crate::harmonic::newton::problem::{Condition, Stopping, solve};
+use crate::harmonic::newton::system::{Observation, Operating, PeriodicSystem, Scalar};
+
+/// Level from which a response is followed up where Newton's method fails at once, as share of the wanted.
+const WEAK: f64 = 1e-3;
+
+/// Points of such a curve after which it is given up: the response may be out of reach, and is to say so soon.
+const MOST_POINTS: usize = 400;
+/// Springs in front of contacts, in compliances of the structure there: the first leaves almost nothing of
+/// the contacts, beyond the last there is nothing left to be gained.
+const SOFTEST: f64 = 100.0;
+const STIFFEST: f64 = 1e-13;
+/// Newton steps for such a spring, and springs tried.
+const SOFT_ITERATIONS: usize = 10;
+const SOFT_STEPS: usize = 60;
+/// Harmonics to begin with where all of them lead nowhere, and neighbouring frequencies, as ratios.
+const FEW: [usize; 4] = [11, 7, 3, 1];
+const NEIGHBOURS: [f64; 8] = [0.9, 1.1, 0.8, 1.3, 0.6, 1.6, 2.5, 0.4];
+
+impl CurveSettings {
+    pub(crate) fn stopping(&self) -> Stopping {
+        let (tolerance, max_iterations) = (self.tolerance, self.max_iterations);
+        Stopping { tolerance, max_iterations, reach: f64::INFINITY }
+    }
+}
+
+/// The condition that `control` puts beside the balance; the level is free then.
+pub(crate) fn condition(control: &Control) -> Option<HeldAmplitude> {
+    match *control {
+        Control::Level(_) => None,
+        Control::Held { node, order, derivative, amplitude } => {
+            Some(HeldAmplitude::new(node, order, derivative, amplitude))
+        }
+    }
+}
+
+pub(crate) fn check_control(control: &Control, nodes: usize, harmonics: usize) -> Result<(), HarmonicError> {
+    let refuse = |message| Err(HarmonicError::InvalidInput(message));
+    match *control {
+        Control::Level(level) if !level.is_finite() => refuse("the level is not finite"),
+        Control::Held { node, .. } if node >= nodes => refuse("there is no such node to hold"),
+        Control::Held { order, derivative, .. } if order == 0 || order > harmonics || derivative > 2 => {
+            refuse("only displacement, velocity or acceleration of a harmonic of the set can be held")
+        }
+        Control::Held { amplitude, .. } if !(amplitude > 0.0 && amplitude.is_finite()) => {
+            refuse("the amplitude held must be positive")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Solves at `angular_frequency` under `control`: by Newton's method from equivalent linearisation, and where
+/// that fails along the level from a weak excitation up.
+pub(crate) fn first(
+    system: &mut dyn PeriodicSystem,
+    angular_frequency: f64,
+    control: &Control,
+    settings: &CurveSettings,
+) -> Result<(Vec<f64>, Operating), HarmonicError> {
+    check_control(control, system.nodes(), system.harmonics())?;
+    match control {
+        Control::Level(level) => at_level(system, Operating::forced(angular_frequency, *level), settings),
+        Control::Held { .. } => held(system, angular_frequency, control, settings),
+    }
+}
+
+/// Solves at `at` as [`first`] does: directly, along the level from a weak excitation up, from fewer harmonics, or
+/// along the frequency from a neighbouring one.
+pub(crate) fn at_level(
+    system: &mut dyn PeriodicSystem,
+    at: Operating,
+    settings: &CurveSettings,
+) -> Result<(Vec<f64>, Operating), HarmonicError> {
+    if let Some(x) = directly(system, at, settings)? {
+        return Ok((x, at));
+    }
+    let from_weak = up(system, at, WEAK * at.level, at.level, settings);
+    if let Some(found) = end_of(from_weak, settings)? {
+        return Ok(found);
+    }
+    if let Some(x) = from_fewer(system, at, settings)? {
+        return Ok((x, at));
+    }
+    for ratio in NEIGHBOURS {
+        let there = Operating { angular_frequency: ratio * at.angular_frequency, ..at };
+        let path = along_frequency(system, there, at.angular_frequency, settings);
+        if let Some(found) = end_of(path, settings)? {
+            return Ok(found);
+        }
+    }
+    Err(HarmonicError::NotConverged { residual: f64::INFINITY, iterations: settings.max_points })
+}
+
+/// Where a path arrives; `None` where it does not, or could not begin.
+fn end_of(
+    path: Result<Path, HarmonicError>,
+    settings: &CurveSettings,
+) -> Result<Option<(Vec<f64>, Operating)>, HarmonicError> {
+    let mut path = match path {
+        Ok(path) => path,
+        Err(error) if error.is_of_the_step() => return Ok(None),
+        Err(error) => return Err(error),
+    };
+    for _ in 0..settings.max_points.min(MOST_POINTS) {
+        match path.advance(&mut |_, _, _, _| Ok(Verdict::Keep(0.0)))? {
+            Advance::Going => {}
+            Advance::Arrived(crate::harmonic::Ending::Complete) => {
+                return Ok(Some((path.present.x, path.present.at)));
+            }
+            _ => break,
+        }
+    }
+    Ok(None)
+}
+
+/// Solves at `at` with fewer harmonics, which are then added; `None` where that fails, or the system keeps its
+/// harmonics.
+fn from_fewer(
+    system: &mut dyn PeriodicSystem,
+    at: Operating,
+    settings: &CurveSettings,
+) -> Result<Option<Vec<f64>>, HarmonicError> {
+    let wanted = system.harmonics();
+    let mut x = vec![0.0; system.unknowns()];
+    let mut found = false;
+    for few in FEW.into_iter().filter(|few| *few < wanted) {
+        if !system.set_harmonics(few, &mut [&mut x])? {
+            return Ok(None);
+        }
+        if let Some(start) = directly(system, at, settings)? {
+            (x, found) = (start, true);
+            break;
+        }
+    }
+    let mut stride = 2;
+    while found && system.harmonics() < wanted {
+        let (now, before) = (system.harmonics(), x.clone());
+        system.set_harmonics((now + stride).min(wanted), &mut [&mut x])?;
+        system.forget();
+        if solve(system, &mut x, &mut at.clone(), &[], &mut [], &settings.stopping()).is_ok() {
+            stride *= 2;
+        } else if stride > 2 {
+            system.set_harmonics(now, &mut [&mut x])?;
+            (x, stride) = (before, 2);
+        } else {
+            found = false;
+        }
+    }
+    if !found {
+        system.set_harmonics(wanted, &mut [&mut x])?;
+    }
+    Ok(found.then_some(x))
+}
+
+/// A path along the frequency, from `at` to the angular frequency `to` (rad/s).
+fn along_frequency<'s>(
+    system: &'s mut dyn PeriodicSystem,
+    at: Operating,
+    to: f64,
+    settings: &CurveSettings,
+) -> Result<Path<'s>, HarmonicError> {
+    let not_found =
+        HarmonicError::NotConverged { residual: f64::INFINITY, iterations: settings.max_iterations };
+    let x = directly(system, at, settings)?.ok_or(not_found)?;
+    let route = Route {
+        along: Scalar::AngularFrequency,
+        from: at.angular_frequency,
+        to,
+        stopping: settings.stopping(),
+        max_step: 1.0,
+    };
+    Path::new(system, route, &[], Vec::new(), x, at)
+}
+
+/// Solves at `at` by Newton's method from equivalent linearisation, or from the structure without its contacts, which
+/// are then made as stiff as they are; `None` where both fail.
+fn directly(
+    system: &mut dyn PeriodicSystem,
+    at: Operating,
+    settings: &CurveSettings,
+) -> Result<Option<Vec<f64>>, HarmonicError> {
+    let mut x = vec![0.0; system.unknowns()];
+    system.guess(&at, &mut x)?;
+    let attempt = |system: &mut dyn PeriodicSystem, x: &mut Vec<f64>, most: usize| {
+        system.forget();
+        let stopping = settings.stopping();
+        let stopping = Stopping { max_iterations: stopping.max_iterations.min(most), ..stopping };
+        solve(system, x, &mut at.clone(), &[], &mut [], &stopping).is_ok()
+    };
+    if attempt(system, &mut x, settings.max_iterations) {
+        return Ok(Some(x));
+    }
+    if !system.soften(SOFTEST) {
+        return Ok(None);
+    }
+    x.fill(0.0);
+    let mut here = attempt(system, &mut x, SOFT_ITERATIONS).then_some((SOFTEST, x));
+    let mut before: Option<(f64, Vec<f64>)> = None;
+    let mut factor: f64 = 0.3;
+    let mut found = None;
+    for _ in 0..SOFT_STEPS {
+        let Some((softness, x)) = &here else { break };
+        let mut whole = x.clone();
+        system.soften(0.0);
+        if attempt(system, &mut whole, SOFT_ITERATIONS) {
+            found = Some(whole);
+            break;
+        }
+        let next = factor * softness;
+        if next < STIFFEST || factor > 0.99 {
+            break;
+        }
+        // Over the logarithm of the softness a response runs evenly.
+        let mut ahead = x.clone();
+        if let Some((last, y)) = &before {
+            let share = factor.ln() / (softness / last).ln();
+            ahead.iter_mut().zip(y).for_each(|(x, y)| *x += share * (*x - y));
+        }
+        system.soften(next);
+        if attempt(system, &mut ahead, SOFT_ITERATIONS) {
+            before = here.replace((next, ahead));
+            factor = (factor * factor.sqrt()).max(0.1);
+        } else {
+            factor = factor.sqrt();
+        }
+    }
+    system.soften(0.0);
+    Ok(found)
+}
+
+/// A path along the level.
+fn up<'s>(
+    system: &'s mut dyn PeriodicSystem,
+    at: Operating,
+    from: f64,
+    to: f64,
+    settings: &CurveSettings,
+) -> Result<Path<'s>, HarmonicError> {
+    let weak = Operating { level: from, ..at };
+    let x = match directly(system, weak, settings)? {
+        Some(x) => x,
+        None => {
+            return Err(HarmonicError::NotConverged {
+                residual: f64::INFINITY,
+                iterations: settings.max_iterations,
+            });
+        }
+    };
+    let route =
+        Route { along: Scalar::Level, from, to, stopping: settings.stopping(), max_step: settings.max_step };
+    Path::new(system, route, &[], Vec::new(), x, weak)
+}
+
+fn held(
+    system: &mut dyn PeriodicSystem,
+    angular_frequency: f64,
+    control: &Control,
+    settings: &CurveSettings,
+) -> Result<(Vec<f64>, Operating), HarmonicError> {
+    const ROUNDS: usize = 30;
+    const EXPANSIONS: usize = 6;
+    let Control::Held { node, order, derivative, amplitude } = *control else {
+        return Err(HarmonicError::InvalidInput("nothing is held"));
+    };
+    let wanted = amplitude / (order as f64 * angular_frequency).powi(derivative as i32);
+    let mut x = vec![0.0; system.unknowns()];
+    let mut at = Operating::forced(angular_frequency, 1.0);
+    let mut seen = Observation::default();
+    let mut observed = |system: &mut dyn PeriodicSystem, x: &[f64], at: &Operating| {
+        system.evaluate(x, at, &[Scalar::Level])?;
+        system.observe(node, order, &mut seen);
+        Ok::<f64, HarmonicError>(seen.value[0].hypot(seen.value[1]))
+    };
+    for _ in 0..ROUNDS {
+        system.guess(&at, &mut x)?;
+        let found = observed(system, &x, &at)?;
+        if !(found > 0.0 && found.is_finite()) {
+            return Err(HarmonicError::InvalidInput("the excitation does not move what is held"));
+        }
+        // The level follows in proportion, tamed for responses that grow suddenly.
+        let factor = (wanted / found).clamp(1e-6, 1e6);
+        at.level *= if (0.5..2.0).contains(&factor) { factor.sqrt() } else { factor };
+        if (factor - 1.0).abs() < 0.02 {
+            break;
+        }
+    }
+    let mut condition = condition(control).ok_or(HarmonicError::InvalidInput("nothing is held"))?;
+    let guessed = at.level;
+    {
+        let mut all: [&mut dyn Condition; 1] = [&mut condition];
+        system.forget();
+        let solved = solve(system, &mut x, &mut at, &[Scalar::Level], &mut all, &settings.stopping());
+        // A negative level is the excitation half a period later: a solution, but not the one meant.
+        if solved.is_ok() && at.level > 0.0 {
+            return Ok((x, at));
+        }
+    }
+    let mut top = 4.0 * guessed;
+    for _ in 0..EXPANSIONS {
+        let start = Operating::forced(angular_frequency, guessed);
+        let mut path = up(system, start, WEAK * guessed, top, settings)?;
+        let mut solved = None;
+        for _ in 0..settings.max_points.min(MOST_POINTS) {
+            let advance = path.advance(&mut |_, _, _, _| Ok(Verdict::Keep(0.0)))?;
+            if advance == Advance::Stuck {
+                break;
+            }
+            let present = (path.present.x.clone(), path.present.at);
+            if observed(path.system, &present.0, &present.1)? >= wanted {
+                solved = Some(present);
+                break;
+            }
+            if advance != Advance::Going {
+                break;
+            }
+        }
+        drop(path);
+        if let Some((mut x, mut at)) = solved {
+            let mut all: [&mut dyn Condition; 1] = [&mut condition];
+            solve(system, &mut x, &mut at, &[Scalar::Level], &mut all, &settings.stopping())?;
+            return Ok((x, at));
+        }
+        top *= 4.0;
+    }
+    Err(HarmonicError::NotConverged { residual: f64::INFINITY, iterations: settings.max_points })
+}

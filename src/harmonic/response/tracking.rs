@@ -1,0 +1,325 @@
+//! Resonances followed over the excitation's level or over a parameter of the contacts.
+
+use super::frequency_response::system_of;
+use super::parameter::{ContactAt, attached, made, varied_balance};
+use super::start::at_level;
+use super::tracker::{Solution, Sought, Tracker, describe, more_harmonics};
+use crate::harmonic::HarmonicError;
+use crate::harmonic::balance::assembly::{Assembly, CurveSettings};
+use crate::harmonic::newton::Point;
+use crate::harmonic::newton::system::{Operating, PeriodicSystem};
+
+/// Share of the way from one value to the next below which it is given up.
+pub(crate) const LEAST_SHARE: f64 = 1e-5;
+/// Change of the frequency in a step, relative, beyond which another resonance may have been taken for this.
+pub(crate) const LARGEST_CHANGE: f64 = 0.03;
+
+/// What is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Followed {
+    /// The frequency at which the node's amplitude, its largest displacement over a period, is largest.
+    Peak,
+    /// The frequency at which the first harmonic of the node's displacement is a quarter period behind that
+    /// of the excitation, or ahead of it (as it may be away from the excitation).
+    Phase,
+    /// A constant frequency.
+    Frequency,
+}
+
+/// What is followed, of which node, and from where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tracking {
+    /// What is followed.
+    pub followed: Followed,
+    /// Which node of the structure.
+    pub node: usize,
+    /// Ω (rad/s) near which it is at the first value: the peak is the next one uphill from there.
+    pub angular_frequency: f64,
+}
+
+/// The response followed at one value of what is varied.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tracked {
+    /// The value: a level, or of the parameter.
+    pub value: f64,
+    /// Amplitude of the node: its largest displacement over a period (m).
+    pub amplitude: f64,
+    /// Amplitude over level; for an excitation of unit amplitude the receptance (m/N).
+    pub receptance: f64,
+    /// The response with frequency, level and energies.
+    pub point: Point,
+}
+
+/// A response followed over values of a level or a parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrackedCurve {
+    /// The responses at the values in their order, as far as they were reached.
+    pub points: Vec<Tracked>,
+    /// Why the rest is missing, if it is: no response was found, however small the step from the last one. A
+    /// resonance may end there (the phase of a node may cease to pass a quarter period, and a peak may
+    /// merge with its neighbour).
+    pub lost: Option<HarmonicError>,
+}
+
+/// Follows a response over the excitation's levels, in the order given.
+///
+/// ```
+/// use stickslip::contact::Jenkins;
+/// use stickslip::harmonic::{
+///     Assembly, AttachedContact, Body, CurveSettings, Followed, Tracking, track_levels,
+/// };
+/// use stickslip::model::{Anchor, Mass, Oscillator, Spring};
+/// let structure = Oscillator {
+///     masses: vec![Mass { name: "m1".into(), mass: 1.0 }],
+///     springs: vec![Spring { between: [Anchor::Ground, Anchor::Mass(0)], stiffness: 1.0, damping: 0.1 }],
+///     contact: Some(0),
+///     excitation: 0,
+/// }
+/// .structure()?;
+/// let law = Jenkins::new(0.44, 0.1)?;
+/// let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+/// let assembly = Assembly::new(Body::Linear(&structure), contacts);
+/// let tracking = Tracking { followed: Followed::Peak, node: 0, angular_frequency: 1.1 };
+/// let levels = [0.001, 1.0, 100.0];
+/// let peaks = track_levels(&assembly, &tracking, &levels, &CurveSettings::default())?.points;
+/// // From stuck, √1.44, to free.
+/// assert!((peaks[0].point.angular_frequency - 1.2).abs() < 0.01);
+/// assert!((peaks[2].point.angular_frequency - 1.0).abs() < 0.01);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`HarmonicError::InvalidInput`] for arguments that do not fit; the other kinds where there is no response
+/// at the first value.
+pub fn track_levels(
+    assembly: &Assembly,
+    tracking: &Tracking,
+    levels: &[f64],
+    settings: &CurveSettings,
+) -> Result<TrackedCurve, HarmonicError> {
+    if levels.iter().any(|level| !(level.is_finite() && *level != 0.0)) {
+        return Err(HarmonicError::InvalidInput("a level is zero or not finite"));
+    }
+    let mut system = system_of(assembly, settings)?;
+    let mut follower = Follower::new(assembly, tracking, settings, &mut *system)?;
+    follower.over(levels, |at, value| at.level = value)
+}
+
+/// Follows a response at a constant `level` over `values` of a parameter of the contacts, in the order given.
+/// The contacts of `assembly` are replaced by those that `contact` makes.
+///
+/// ```
+/// use stickslip::contact::Jenkins;
+/// use stickslip::harmonic::{
+///     Assembly, AttachedContact, Body, CurveSettings, Followed, OwnedContact, Tracking, track_parameter,
+/// };
+/// use stickslip::model::{Anchor, Mass, Oscillator, Spring};
+/// let structure = Oscillator {
+///     masses: vec![Mass { name: "m1".into(), mass: 1.0 }],
+///     springs: vec![Spring { between: [Anchor::Ground, Anchor::Mass(0)], stiffness: 1.0, damping: 0.1 }],
+///     contact: Some(0),
+///     excitation: 0,
+/// }
+/// .structure()?;
+/// let law = Jenkins::new(0.44, 0.1)?;
+/// let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+/// let assembly = Assembly::new(Body::Linear(&structure), contacts);
+/// let contact = |_, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.44, friction)?, 1.0));
+/// let tracking = Tracking { followed: Followed::Phase, node: 0, angular_frequency: 1.1 };
+/// let settings = CurveSettings::default();
+/// let curve = track_parameter(&assembly, &contact, 0.5, &tracking, &[0.1, 0.2, 0.3], &settings)?;
+/// let resonances = curve.points;
+/// assert!(resonances[2].point.angular_frequency > resonances[0].point.angular_frequency);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// Those of [`track_levels`], and [`HarmonicError::Law`] where `contact` fails at any value.
+pub fn track_parameter(
+    assembly: &Assembly,
+    contact: &ContactAt,
+    level: f64,
+    tracking: &Tracking,
+    values: &[f64],
+    settings: &CurveSettings,
+) -> Result<TrackedCurve, HarmonicError> {
+    if !(level.is_finite() && level != 0.0) {
+        return Err(HarmonicError::InvalidInput("the level is zero or not finite"));
+    }
+    if values.iter().any(|value| !value.is_finite()) {
+        return Err(HarmonicError::InvalidInput("a value of the parameter is not finite"));
+    }
+    let Some(first) = values.first() else { return Ok(TrackedCurve { points: Vec::new(), lost: None }) };
+    let owned = made(assembly, contact, *first)?;
+    let attached = attached(assembly, &owned);
+    let mut system = varied_balance(&attached, contact, 0.0, settings)?;
+    let mut follower = Follower::new(assembly, tracking, settings, &mut *system)?;
+    follower.over(values, |at, value| (at.level, at.parameter) = (level, value))
+}
+
+/// Carries the response from value to value.
+struct Follower<'s> {
+    system: &'s mut (dyn PeriodicSystem + 's),
+    settings: CurveSettings,
+    tracker: Tracker,
+    sought: Sought,
+    node: usize,
+    angular_frequency: f64,
+    /// The last two values with their responses, the later one first.
+    reached: Vec<(f64, Solution)>,
+}
+
+impl<'s> Follower<'s> {
+    fn new(
+        assembly: &Assembly,
+        tracking: &Tracking,
+        settings: &CurveSettings,
+        system: &'s mut (dyn PeriodicSystem + 's),
+    ) -> Result<Self, HarmonicError> {
+        if tracking.node >= system.nodes() {
+            return Err(HarmonicError::InvalidInput("the structure has no such node"));
+        }
+        if !(tracking.angular_frequency > 0.0 && tracking.angular_frequency.is_finite()) {
+            return Err(HarmonicError::InvalidInput("the frequency to start from must be positive"));
+        }
+        let sought = match tracking.followed {
+            Followed::Frequency => Sought::Frequency,
+            Followed::Peak => Sought::Peak(tracking.node),
+            Followed::Phase => {
+                let part = |place: usize| assembly.waveform.get(place).copied().unwrap_or(0.0);
+                let excitation = [part(1), part(2)];
+                if excitation == [0.0; 2] {
+                    return Err(HarmonicError::InvalidInput("the excitation has no first harmonic"));
+                }
+                Sought::Phase(tracking.node, excitation)
+            }
+        };
+        Ok(Self {
+            system,
+            settings: *settings,
+            tracker: Tracker::new(settings.stopping()),
+            sought,
+            node: tracking.node,
+            angular_frequency: tracking.angular_frequency,
+            reached: Vec::new(),
+        })
+    }
+
+    /// The responses at all values; `set` makes them known to the balance.
+    fn over(
+        &mut self,
+        values: &[f64],
+        set: impl Fn(&mut Operating, f64),
+    ) -> Result<TrackedCurve, HarmonicError> {
+        let mut points = Vec::with_capacity(values.len());
+        for value in values {
+            match self.reach(*value, &set) {
+                Ok(point) => points.push(point),
+                Err(error) if !points.is_empty() && error.is_of_the_step() => {
+                    return Ok(TrackedCurve { points, lost: Some(error) });
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(TrackedCurve { points, lost: None })
+    }
+
+    /// The response at a value, on smaller and smaller steps from the last one.
+    fn reach(&mut self, value: f64, set: &impl Fn(&mut Operating, f64)) -> Result<Tracked, HarmonicError> {
+        let mut share = 1.0;
+        loop {
+            let next = self.reached.first().map_or(value, |(from, _)| between(*from, value, share));
+            match self.step(next, set) {
+                Ok(point) if next == value => {
+                    let amplitude = point.amplitude[self.node];
+                    return Ok(Tracked {
+                        value,
+                        amplitude,
+                        receptance: amplitude / point.level.abs(),
+                        point,
+                    });
+                }
+                Ok(_) => share = f64::min(2.0 * share, 1.0),
+                Err(error) => {
+                    share *= 0.5;
+                    if self.reached.is_empty() || share < LEAST_SHARE || !error.is_of_the_step() {
+                        return Err(error);
+                    }
+                    self.system.forget();
+                }
+            }
+        }
+    }
+
+    /// One step to a value.
+    fn step(&mut self, value: f64, set: &impl Fn(&mut Operating, f64)) -> Result<Point, HarmonicError> {
+        let start = match self.predicted(value, set) {
+            Some(start) => start,
+            None => {
+                let mut at = Operating::forced(self.angular_frequency, 0.0);
+                set(&mut at, value);
+                let (x, at) = at_level(self.system, at, &self.settings)?;
+                Solution { x, at }
+            }
+        };
+        let mut solution = self.tracker.locate(self.system, self.sought, start)?;
+        let mut point = describe(self.system, &solution, &self.settings)?;
+        while let Some(harmonics) = more_harmonics(&point, &self.settings) {
+            let mut vectors: Vec<&mut Vec<f64>> = vec![&mut solution.x];
+            vectors.extend(self.reached.iter_mut().map(|(_, reached)| &mut reached.x));
+            if !self.system.set_harmonics(harmonics, &mut vectors)? {
+                break;
+            }
+            solution = self.tracker.locate(self.system, self.sought, solution)?;
+            point = describe(self.system, &solution, &self.settings)?;
+        }
+        point.iterations = self.tracker.take_iterations();
+        if let Some((_, last)) = self.reached.first() {
+            let change = solution.at.angular_frequency / last.at.angular_frequency - 1.0;
+            if change.abs() > LARGEST_CHANGE {
+                return Err(HarmonicError::NotConverged {
+                    residual: change.abs(),
+                    iterations: point.iterations,
+                });
+            }
+        }
+        self.reached.insert(0, (value, solution));
+        self.reached.truncate(2);
+        Ok(point)
+    }
+
+    /// The response at a value, on the straight line through the last two.
+    fn predicted(&self, value: f64, set: &impl Fn(&mut Operating, f64)) -> Option<Solution> {
+        let (last_value, last) = self.reached.first()?;
+        let mut start = last.clone();
+        set(&mut start.at, value);
+        match self.reached.get(1) {
+            Some((before_value, before)) if before_value != last_value => {
+                let ahead = (value - last_value) / (last_value - before_value);
+                // Far beyond the two a straight line is no better than the last.
+                let ahead = ahead.clamp(-1.0, 2.0);
+                start.x.iter_mut().zip(&before.x).for_each(|(x, b)| *x += ahead * (*x - b));
+                let change = last.at.angular_frequency - before.at.angular_frequency;
+                let most = 0.1 * last.at.angular_frequency;
+                start.at.angular_frequency += (ahead * change).clamp(-most, most);
+            }
+            // A new level, at first: as if all were linear.
+            _ => {
+                let ratio = start.at.level / last.at.level;
+                start.x.iter_mut().for_each(|x| *x *= ratio);
+            }
+        }
+        Some(start)
+    }
+}
+
+/// A share of the way from one value to another, by ratio where both have the same sign.
+pub(crate) fn between(from: f64, to: f64, share: f64) -> f64 {
+    if share >= 1.0 || from == to {
+        to
+    } else if from * to > 0.0 {
+        from * (to / from).powf(share)
+    } else {
+        from + share * (to - from)
+    }
+}

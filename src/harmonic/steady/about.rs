@@ -1,0 +1,71 @@
+//! Beams to first order about a motion that need not be a response of theirs: one step of Newton's method, which is no
+//! search and finds no other response.
+
+use super::{Driven, Forcing, Start, factored, sensed};
+use crate::harmonic::HarmonicError;
+use crate::harmonic::balance::beam::{Signals, Workspace};
+use crate::harmonic::newton::system::{Operating, PeriodicSystem};
+use crate::numeric::lu::Factors;
+
+/// Share of a step by which the change along it is told.
+const PROBE: f64 = 1e-4;
+
+/// A beam's equations as they stand at a motion.
+#[derive(Debug)]
+pub(crate) struct About {
+    unknowns: Vec<f64>,
+    at: Operating,
+    factors: Factors,
+    signals: Signals,
+    /// What the last beam worked in.
+    left: Option<Workspace>,
+}
+
+impl About {
+    /// `driven` as it stands at `start`, with unknowns that its `neighbours` have too; in the workspace that another
+    /// has left.
+    ///
+    /// # Errors
+    /// [`HarmonicError`] for a beam or contact that cannot be balanced, or whose equations are singular there.
+    pub fn new(
+        forcing: &Forcing,
+        driven: Driven,
+        neighbours: &[Driven],
+        start: &Start,
+        left: Option<Workspace>,
+    ) -> Result<Self, HarmonicError> {
+        let signals = Signals::of_all(driven, neighbours);
+        let (unknowns, at) = (start.unknowns(signals), forcing.operating());
+        let mut balance = forcing.balance(driven, signals, left)?;
+        let mut factors = Factors::default();
+        factored(&mut balance, &unknowns, &at, &mut factors)?;
+        Ok(Self { unknowns, at, factors, signals, left: Some(balance.into_workspace()) })
+    }
+
+    /// Whether its unknowns are those that `driven` and its `neighbours` have.
+    pub fn covers(&self, driven: Driven, neighbours: &[Driven]) -> bool {
+        self.signals == Signals::of_all(driven, neighbours)
+    }
+
+    /// The workspace, for another.
+    pub fn into_workspace(self) -> Option<Workspace> {
+        self.left
+    }
+
+    /// Displacement coefficients (m) of every sensor that `driven`, the beam itself or one very near to it, has to first
+    /// order. The derivatives are those of the beam itself: between neighbours only the residual differs. Far from a
+    /// solution that is not the whole change.
+    pub fn first_order(&mut self, forcing: &Forcing, driven: Driven) -> Result<Vec<f64>, HarmonicError> {
+        let mut there = forcing.balance(driven, self.signals, self.left.take())?;
+        there.balance_alone(&self.unknowns, &self.at)?;
+        let mut moved: Vec<f64> = there.residual().iter().map(|r| -PROBE * r).collect();
+        self.factors.solve(&mut moved);
+        moved.iter_mut().zip(&self.unknowns).for_each(|(step, x)| *step += x);
+        let mut found = sensed(&mut there, &self.at, forcing);
+        there.balance_alone(&moved, &self.at)?;
+        let probed = sensed(&mut there, &self.at, forcing);
+        self.left = Some(there.into_workspace());
+        found.iter_mut().zip(probed).for_each(|(here, probed)| *here += (probed - *here) / PROBE);
+        Ok(found)
+    }
+}

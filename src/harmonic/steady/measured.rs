@@ -1,0 +1,57 @@
+//! Where a measured motion lies among the periodic responses of a beam.
+
+use nalgebra::Complex;
+
+use super::Forcing;
+use crate::harmonic::balance::beam::Balance;
+
+/// Modal coefficients, mode after mode, and coefficients of the contact's force (N) with which the linear part of the
+/// beam moves as measured: harmonic by harmonic the one force at the contact that explains the sensors best, by least
+/// squares. `motion` has displacement coefficients (m) of every sensor; where all are zero there is no force.
+pub(super) fn explained(balance: &Balance, forcing: &Forcing, motion: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+    let (beam, modes, count) = (balance.beam, balance.modes(), balance.count);
+    let mut coefficients = vec![0.0; modes * count];
+    let mut force = vec![0.0; balance.displacement.len()];
+    for order in 1..=count / 2 {
+        let speed = order as f64 * forcing.angular_frequency;
+        let at = |values: &[f64]| match values.get(2 * order - 1..=2 * order) {
+            Some(pair) => Complex::new(pair[0], -pair[1]),
+            None => Complex::new(0.0, 0.0),
+        };
+        let excitation = at(&forcing.coefficients);
+        let receptance: Vec<Complex<f64>> = beam
+            .angular_frequency
+            .iter()
+            .zip(&beam.damping_ratio)
+            .map(|(natural, ratio)| {
+                Complex::new(natural * natural - speed * speed, 2.0 * ratio * natural * speed).inv()
+            })
+            .collect();
+        let along = |shape: &[f64], acting: &[f64]| -> Complex<f64> {
+            let terms = receptance.iter().zip(shape).zip(acting);
+            terms.map(|((receptance, shape), acting)| receptance * (shape * acting)).sum()
+        };
+        let (mut found, mut size) = (Complex::new(0.0, 0.0), 0.0);
+        if motion.iter().any(|sensor| at(sensor).norm_sqr() > 0.0) {
+            for (sensor, measured) in beam.sensors.iter().zip(motion) {
+                let by_contact = along(&sensor.shape, &beam.contact_shape);
+                let free = along(&sensor.shape, &beam.excitation_shape) * excitation;
+                found += by_contact.conj() * (free - at(measured));
+                size += by_contact.norm_sqr();
+            }
+        }
+        let contact = if size > 0.0 { found / size } else { Complex::new(0.0, 0.0) };
+        if contact.re.is_finite() && contact.im.is_finite() {
+            (force[2 * order - 1], force[2 * order]) = (contact.re, -contact.im);
+        }
+        for mode in 0..modes {
+            let acting = excitation * beam.excitation_shape[mode] - contact * beam.contact_shape[mode];
+            let moved = receptance[mode] * acting;
+            if moved.re.is_finite() && moved.im.is_finite() {
+                coefficients[mode * count + 2 * order - 1] = moved.re;
+                coefficients[mode * count + 2 * order] = -moved.im;
+            }
+        }
+    }
+    (coefficients, force)
+}

@@ -1,0 +1,346 @@
+//! The periodic response of one beam after another to the same excitation, each near the last, and to first order
+//! its change from one to another.
+//!
+//! The unknowns are displacements at the contact (and the excitation), not modal coordinates: they mean the same
+//! whatever the modes, so that beams with other masses or another clamp are neighbours too. At a solution
+//! `r(x; p) = 0` the change with a parameter is `dx = −J⁻¹ ∂r/∂p dp`: one residual of the neighbour at the same x
+//! and the factors there are, no search.
+
+pub(crate) mod about;
+mod measured;
+
+use super::{ContactOnBeam, HarmonicError, Method, Settings};
+use crate::harmonic::balance::beam::{Balance, Extent, Signals, Workspace};
+use crate::harmonic::newton::problem::{Newton, Stopping, length};
+use crate::harmonic::newton::system::{Operating, PeriodicSystem};
+use crate::harmonic::response::follow::{Family, State, find};
+use crate::harmonic::response::forced::Forced;
+use crate::numeric::fourier::coefficient_count;
+use crate::numeric::lu::Factors;
+use crate::system::ModalBeam;
+use measured::explained;
+
+/// Steps with factors found elsewhere, before the search starts anew.
+const MOST_STEPS: usize = 40;
+/// Share to which a step must bring the residual for the factors to be used again.
+const GOOD_FACTORS: f64 = 0.2;
+/// Share to which a step with new factors must bring the residual; else a search with shorter steps is better.
+const GOOD_STEP: f64 = 0.9;
+
+/// Step, as multiple of the motion itself, that leads nowhere near: those that led to a response were 8 times as long at
+/// most, the others up to 5000 times, and under the forces there a single evaluation takes as long as ten solutions.
+const REACH: f64 = 20.0;
+/// Damped steps from a start that is not near enough for the factors, and from nothing.
+const NEAR_ITERATIONS: usize = 12;
+const FAR_ITERATIONS: usize = 25;
+
+/// A beam with its contact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Driven<'a> {
+    pub beam: &'a ModalBeam,
+    pub contact: Option<ContactOnBeam<'a>>,
+    /// Coefficients `[c1, s1, …]` (N) of the normal load's swing over the period; empty where it is constant.
+    pub load_swing: &'a [f64],
+    /// Displacement (m) at which the contact that never moved has no force.
+    pub seat: f64,
+}
+
+/// The excitation, and the discretisation of the response to it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Forcing {
+    /// Fundamental (rad/s).
+    pub angular_frequency: f64,
+    /// Coefficients `[a0, c1, s1, …]` (N), of the response's harmonics at most.
+    pub coefficients: Vec<f64>,
+    /// Highest harmonic of the modes.
+    pub harmonics: usize,
+    /// Highest harmonic of the contact, from that of the modes to twice that.
+    pub contact_harmonics: usize,
+    /// Highest harmonic of the sensors' motion, at least that of the modes: above that the modes follow the contact's
+    /// force without acting on it.
+    pub sensed_harmonics: usize,
+    /// Largest residual accepted, as share of the largest displacement among the unknowns.
+    pub tolerance: f64,
+}
+
+/// A solution to start from, for beams with the same signals and with others.
+#[derive(Debug, Clone)]
+pub(crate) struct Start {
+    /// Displacement at the contact, shortening, displacement at the excitation, stretch of the string.
+    contact: Vec<f64>,
+    shortening: Vec<f64>,
+    excitation: Vec<f64>,
+    string: Vec<f64>,
+    /// Factors at a solution, and the signals they belong to.
+    factors: Option<(Signals, Factors)>,
+}
+
+/// A periodic response with its equations as they stand there.
+#[derive(Debug)]
+pub(crate) struct Steady<'a> {
+    balance: Balance<'a>,
+    unknowns: Vec<f64>,
+    at: Operating,
+    factors: Factors,
+    /// Whether derivatives and factors are those at the solution.
+    current: bool,
+    /// Coefficients of the sensors there.
+    sensors: Vec<f64>,
+    /// What the last neighbour worked in.
+    left: Option<Workspace>,
+}
+
+impl Signals {
+    /// What any of them needs.
+    pub fn of_all(driven: Driven, neighbours: &[Driven]) -> Self {
+        neighbours.iter().fold(Self::of(driven.beam), |all, next| all.or(Self::of(next.beam)))
+    }
+}
+
+impl Forcing {
+    pub(super) fn operating(&self) -> Operating {
+        Operating::forced(self.angular_frequency, 1.0)
+    }
+
+    fn extent(&self, signals: Signals) -> Extent {
+        Extent { harmonics: self.harmonics, contact: self.contact_harmonics, signals }
+    }
+
+    /// `driven` in the workspace that another has left.
+    pub(super) fn balance<'a>(
+        &self,
+        driven: Driven<'a>,
+        signals: Signals,
+        left: Option<Workspace>,
+    ) -> Result<Balance<'a>, HarmonicError> {
+        let extent = self.extent(signals);
+        let (beam, contact) = (driven.beam, driven.contact);
+        let mut balance = Balance::with(beam, contact, &self.coefficients, &extent, Method::Exact, left)?;
+        balance.swing_load(driven.load_swing);
+        balance.seat(driven.seat);
+        Ok(balance)
+    }
+
+    /// The response of `driven`, with unknowns that its `neighbours` have too: that near `start`, or without a start
+    /// one sought from nothing.
+    ///
+    /// # Errors
+    /// [`HarmonicError`] where no solution was found.
+    pub fn solve<'a>(
+        &self,
+        driven: Driven<'a>,
+        neighbours: &[Driven],
+        start: Option<&Start>,
+    ) -> Result<Steady<'a>, HarmonicError> {
+        let signals = Signals::of_all(driven, neighbours);
+        let mut balance = self.balance(driven, signals, None)?;
+        let at = self.operating();
+        let steady = |balance, unknowns| Steady::new(balance, unknowns, self);
+        let mut family = Forced { angular_frequency: self.angular_frequency };
+        if let Some(start) = start {
+            let mut unknowns = start.unknowns(signals);
+            let factors =
+                start.factors.as_ref().filter(|(of, _)| *of == signals).map(|(_, factors)| factors.clone());
+            if self.correct(&mut balance, &mut unknowns, &at, factors) {
+                return Ok(steady(balance, unknowns));
+            }
+            let mut state = State { x: start.unknowns(signals), at };
+            let stopping =
+                Stopping { tolerance: self.tolerance, max_iterations: NEAR_ITERATIONS, reach: REACH };
+            balance.forget();
+            family.solve(&mut balance, &mut Newton::default(), 1.0, &mut state, &stopping)?;
+            return Ok(steady(balance, state.x));
+        }
+        let settings = Settings {
+            harmonics: self.harmonics,
+            method: Method::Exact,
+            tolerance: self.tolerance,
+            max_iterations: FAR_ITERATIONS,
+        };
+        let (state, _) = find(&mut family, &mut balance, 1.0, None, &settings)?;
+        Ok(steady(balance, state.x))
+    }
+
+    /// Where to look for the response that was measured: the displacement coefficients (m) of every sensor of the beam
+    /// are `motion`, zero where nothing was seen. In the workspace that another has left, left for another.
+    ///
+    /// # Errors
+    /// [`HarmonicError`] for a beam or contact that cannot be balanced.
+    pub fn start_at(
+        &self,
+        driven: Driven,
+        motion: &[Vec<f64>],
+        left: &mut Option<Workspace>,
+    ) -> Result<Start, HarmonicError> {
+        let mut balance = self.balance(driven, Signals::of(driven.beam), left.take())?;
+        let (coefficients, force) = explained(&balance, self, motion);
+        let unknowns = balance.unknowns_of(&coefficients, &force);
+        let start = Start::of(&balance, &unknowns, None);
+        *left = Some(balance.into_workspace());
+        Ok(start)
+    }
+
+    /// Newton's method with the factors at hand as long as they are good enough; false where it does not converge.
+    fn correct(
+        &self,
+        balance: &mut Balance,
+        unknowns: &mut [f64],
+        at: &Operating,
+        factors: Option<Factors>,
+    ) -> bool {
+        balance.forget();
+        // Without factors the first step must find its own.
+        let (mut before, mut fresh) = (if factors.is_some() { f64::INFINITY } else { 0.0 }, false);
+        let mut factors = factors.unwrap_or_default();
+        let mut step = vec![0.0; unknowns.len()];
+        for _ in 0..MOST_STEPS {
+            let Ok(scale) = balance.balance(unknowns, at) else { return false };
+            let largest = balance.residual().iter().fold(0.0_f64, |most, r| most.max(r.abs()));
+            let residual = if scale > 0.0 { largest / scale } else { largest };
+            if residual <= self.tolerance {
+                return true;
+            }
+            if !residual.is_finite() || (fresh && residual > GOOD_STEP * before) {
+                return false;
+            }
+            fresh = residual > GOOD_FACTORS * before;
+            if fresh {
+                balance.differentiate(at.angular_frequency);
+                factors.reset(unknowns.len()).copy_from_slice(balance.jacobian().as_slice());
+                if !factors.factor() {
+                    return false;
+                }
+            }
+            before = residual;
+            step.iter_mut().zip(balance.residual()).for_each(|(s, r)| *s = -r);
+            factors.solve(&mut step);
+            if length(&step) > REACH * length(unknowns) {
+                return false;
+            }
+            unknowns.iter_mut().zip(&step).for_each(|(x, s)| *x += s);
+        }
+        false
+    }
+}
+
+impl Start {
+    fn of(balance: &Balance, unknowns: &[f64], factors: Option<(Signals, Factors)>) -> Self {
+        let contact = unknowns[..balance.displacement.len()].to_vec();
+        let straight = balance.output(&balance.beam.contact_shape);
+        let shortening = straight.iter().zip(&balance.displacement).map(|(c, u)| c - u).collect();
+        let excitation = balance.output(&balance.beam.excitation_shape);
+        let string = balance.output(&balance.beam.string_stretch);
+        Self { contact, shortening, excitation, string, factors }
+    }
+
+    /// The unknowns as they are: found anew without a step.
+    fn exactly(balance: &Balance, unknowns: &[f64]) -> Self {
+        let mut start = Self::of(balance, unknowns, None);
+        let (signals, mut rest) = (balance.signals(), &unknowns[start.contact.len()..]);
+        for (there, signal) in [
+            (signals.shortening, &mut start.shortening),
+            (signals.excitation, &mut start.excitation),
+            (signals.string, &mut start.string),
+        ] {
+            if there {
+                let (own, after) = rest.split_at(signal.len().min(balance.count));
+                signal[..own.len()].copy_from_slice(own);
+                rest = after;
+            }
+        }
+        start
+    }
+
+    /// Whether it has the harmonics of `forcing`.
+    pub fn fits(&self, forcing: &Forcing) -> bool {
+        self.contact.len() == coefficient_count(forcing.contact_harmonics)
+            && self.excitation.len() == coefficient_count(forcing.harmonics)
+    }
+
+    /// What a balance with `signals` calls its unknowns.
+    pub(super) fn unknowns(&self, signals: Signals) -> Vec<f64> {
+        let mut unknowns = self.contact.clone();
+        if signals.shortening {
+            unknowns.extend_from_slice(&self.shortening);
+        }
+        if signals.excitation {
+            unknowns.extend_from_slice(&self.excitation);
+        }
+        if signals.string {
+            unknowns.extend_from_slice(&self.string);
+        }
+        unknowns
+    }
+}
+
+impl<'a> Steady<'a> {
+    fn new(balance: Balance<'a>, unknowns: Vec<f64>, forcing: &Forcing) -> Self {
+        let (at, factors) = (forcing.operating(), Factors::default());
+        Self { balance, unknowns, at, factors, current: false, sensors: Vec::new(), left: None }
+    }
+
+    /// Displacement coefficients (m) of every sensor, one after the other.
+    pub fn sensors(&mut self, forcing: &Forcing) -> Vec<f64> {
+        sensed(&mut self.balance, &self.at, forcing)
+    }
+
+    /// The solution, to be found again without a step.
+    pub fn here(&self) -> Start {
+        Start::exactly(&self.balance, &self.unknowns)
+    }
+
+    /// The solution as a start for others.
+    pub fn start(mut self) -> Result<Start, HarmonicError> {
+        self.linearise()?;
+        let factors = (self.balance.signals(), self.factors);
+        Ok(Start::of(&self.balance, &self.unknowns, Some(factors)))
+    }
+
+    /// Change of [`Steady::sensors`] to first order when the beam and its contact become `neighbour`, one of those
+    /// the response was solved for and very near to it.
+    pub fn change(&mut self, forcing: &Forcing, neighbour: Driven) -> Result<Vec<f64>, HarmonicError> {
+        self.linearise()?;
+        if self.sensors.is_empty() {
+            self.sensors = self.sensors(forcing);
+        }
+        let mut other = forcing.balance(neighbour, self.balance.signals(), self.left.take())?;
+        other.balance_alone(&self.unknowns, &self.at)?;
+        let residuals = other.residual().iter().zip(self.balance.residual());
+        let mut moved: Vec<f64> = residuals.map(|(there, here)| here - there).collect();
+        self.factors.solve(&mut moved);
+        moved.iter_mut().zip(&self.unknowns).for_each(|(step, x)| *step += x);
+        other.balance_alone(&moved, &self.at)?;
+        let after = sensed(&mut other, &self.at, forcing);
+        self.left = Some(other.into_workspace());
+        Ok(after.iter().zip(&self.sensors).map(|(after, before)| after - before).collect())
+    }
+
+    /// Makes derivatives and factors those at the solution.
+    fn linearise(&mut self) -> Result<(), HarmonicError> {
+        if self.current {
+            return Ok(());
+        }
+        factored(&mut self.balance, &self.unknowns, &self.at, &mut self.factors)?;
+        self.current = true;
+        Ok(())
+    }
+}
+
+/// Evaluates the balance and factors its derivatives.
+pub(super) fn factored(
+    balance: &mut Balance,
+    unknowns: &[f64],
+    at: &Operating,
+    factors: &mut Factors,
+) -> Result<(), HarmonicError> {
+    balance.evaluate(unknowns, at, &[])?;
+    factors.reset(unknowns.len()).copy_from_slice(balance.jacobian().as_slice());
+    let singular = HarmonicError::InvalidInput("the balance is singular at the solution");
+    if factors.factor() { Ok(()) } else { Err(singular) }
+}
+
+/// Displacement coefficients (m) of every sensor at the last evaluation.
+pub(super) fn sensed(balance: &mut Balance, at: &Operating, forcing: &Forcing) -> Vec<f64> {
+    let beyond = balance.beyond(at, forcing.sensed_harmonics);
+    balance.beam.sensors.iter().flat_map(|sensor| balance.output_with(&sensor.shape, &beyond)).collect()
+}

@@ -1,0 +1,21 @@
+//! Numerical methods without physics, for every layer above.
+//!
+//! Linear equations: [`lu`] (dense factors), [`elimination`] (small systems that may be singular),
+//! [`gmres`] (iterations with a product alone). Signals over a period: [`fourier`], the harmonics a signal may have
+//! ([`HarmonicSet`]), where it is largest ([`extremum`]), and how many periods a record holds ([`periods`]). Roots:
+//! [`bracket`]. Matrices: [`exponential`], [`balancing`]. Implicit derivatives: [`implicit`].
+
+pub(crate) mod balancing;
+pub(crate) mod bracket;
+pub(crate) mod elimination;
+pub(crate) mod exponential;
+pub(crate) mod extremum;
+pub mod fourier;
+pub(crate) mod gmres;
+mod harmonic_set;
+pub(crate) mod implicit;
+pub(crate) mod lu;
+mod periods;
+
+pub use harmonic_set::HarmonicSet;
+pub use periods::{common_periods, excited_harmonics, whole_periods};
