@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use divan::Bencher;
 use stickslip::contact::{Jenkins, Valanis};
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, ContactOnBeam, Control, CurveSettings, Method, Settings, backbone,
-    forced_response, frequency_response, phase_resonance,
+    Assembly, Body, Control, CurveSettings, LoadedContact, Method, Settings, backbone, forced_response,
+    frequency_response, phase_resonance,
 };
 use stickslip::model::{Beam, Damping, Model, Structure};
 use stickslip::system::ModalBeam;
@@ -31,7 +31,7 @@ fn valanis() -> Valanis {
 #[divan::bench(args = [(4, 5), (6, 9)])]
 fn backbone_of_61_levels(bencher: Bencher, (modes, harmonics): (usize, usize)) {
     let (beam, law) = (published(modes), valanis());
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings = Settings { harmonics, ..Settings::default() };
     let levels: Vec<f64> = (10..=70).map(f64::from).collect();
     bencher.bench(|| backbone(&beam, Some(contact), &levels, &settings, &[]).expect("converged"));
@@ -41,7 +41,7 @@ fn backbone_of_61_levels(bencher: Bencher, (modes, harmonics): (usize, usize)) {
 #[divan::bench(args = [10.0, 40.0])]
 fn cold_resonance_6_modes_9_harmonics(bencher: Bencher, level: f64) {
     let (beam, law) = (published(6), valanis());
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings = Settings { harmonics: 9, ..Settings::default() };
     bencher.bench(|| phase_resonance(&beam, Some(contact), level, &settings, None).expect("converged"));
 }
@@ -51,7 +51,7 @@ fn cold_resonance_6_modes_9_harmonics(bencher: Bencher, level: f64) {
 fn cold_steady_record(bencher: Bencher, (modes, harmonics): (usize, usize)) {
     let beam = published(modes);
     let law = Jenkins::new(7e6, 0.5).expect("a law");
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings = Settings { harmonics, method: Method::Exact, tolerance: 1e-8, max_iterations: 40 };
     let mut force = [0.0; 7];
     (force[1], force[5]) = (6.0, 10.0);
@@ -64,7 +64,7 @@ fn cold_steady_record(bencher: Bencher, (modes, harmonics): (usize, usize)) {
 #[divan::bench(args = ["held at 30 m/s²", "at 8 N"])]
 fn frequency_response_6_modes_9_harmonics(bencher: Bencher, control: &str) {
     let (beam, law) = (published(6), valanis());
-    let contacts = vec![AttachedContact { law: &law, normal_load: LOAD }];
+    let contacts = vec![LoadedContact { law: &law, normal_load: LOAD }];
     let assembly = Assembly::new(Body::Beam(&beam), contacts);
     let node = beam.sensors.len();
     let control = match control {

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use stickslip::contact::{ContactLaw, Iwan, IwanSpacing, Jenkins, Valanis};
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, Control, CurveSettings, Ending, HarmonicError, frequency_response,
+    Assembly, Body, Control, CurveSettings, Ending, HarmonicError, LoadedContact, frequency_response,
 };
 use stickslip::model::{Beam, Damping, Model, Structure};
 use stickslip::system::{LinearStructure, ModalBeam, Output, Receptance};
@@ -106,7 +106,7 @@ fn two_masses(law: &dyn ContactLaw, harmonics: usize) -> Measured {
         excitation: vec![(0, 1.0)],
         outputs: vec![output("x", 0), output("y", 1)],
     };
-    let assembly = Assembly::new(Body::Linear(&structure), vec![AttachedContact { law, normal_load: 1.0 }]);
+    let assembly = Assembly::new(Body::Linear(&structure), vec![LoadedContact { law, normal_load: 1.0 }]);
     let settings = CurveSettings { harmonics, ..CurveSettings::default() };
     follow(&assembly, (0.2, 2.0), &Control::Level(0.4), &settings).expect("a curve")
 }
@@ -125,7 +125,7 @@ fn beam() -> Option<Measured> {
     let beam = Beam { modes: BEAM_MODES, damping: Damping::Uniform(0.003), ..beam };
     let beam = ModalBeam::new(&beam).expect("a beam");
     let law = Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, 147.15).expect("a law");
-    let contacts = vec![AttachedContact { law: &law, normal_load: 147.15 }];
+    let contacts = vec![LoadedContact { law: &law, normal_load: 147.15 }];
     let assembly = Assembly::new(Body::Beam(&beam), contacts);
     let settings = CurveSettings { harmonics: BEAM_HARMONICS, ..CurveSettings::default() };
     let held = Control::Held { node: 0, order: 1, derivative: 2, amplitude: 40.0 };
@@ -158,7 +158,7 @@ fn rod(size: usize) -> Measured {
     };
     let (_, preparation) = fastest(|| Receptance::new(&structure).expect("a receptance"));
     let law = jenkins();
-    let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+    let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
     let assembly = Assembly::new(Body::Linear(&structure), contacts);
     // The dynamic stiffness of a rod cut ever finer is ever nearer to singular, as size², and rounding in
     // its factors is what the balance can be met to: up to a thousand masses the default is.

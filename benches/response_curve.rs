@@ -6,9 +6,7 @@
 
 use divan::Bencher;
 use stickslip::contact::Jenkins;
-use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, Control, Curve, CurveSettings, frequency_response,
-};
+use stickslip::harmonic::{Assembly, Body, Control, Curve, CurveSettings, LoadedContact, frequency_response};
 use stickslip::system::{LinearStructure, Output};
 
 fn main() {
@@ -39,7 +37,7 @@ fn follow(harmonics: usize, all_harmonics: bool) -> Curve {
         outputs: vec![output("x", 0), output("y", 1)],
     };
     let law = Jenkins::new(0.2, 0.02).expect("legal parameters");
-    let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+    let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
     let assembly = Assembly::new(Body::Linear(&structure), contacts);
     let settings = CurveSettings { harmonics, all_harmonics, ..CurveSettings::default() };
     frequency_response(&assembly, 0.2, 2.0, &Control::Level(0.4), &settings, &mut |_| true)

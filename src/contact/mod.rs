@@ -41,6 +41,15 @@ pub use slider::Slider;
 pub use unilateral::Unilateral;
 pub use valanis::Valanis;
 
+/// A contact law under the constant normal load it has in a structure.
+#[derive(Debug, Clone, Copy)]
+pub struct LoadedContact<'a> {
+    /// The law.
+    pub law: &'a dyn ContactLaw,
+    /// Normal load (N); laws that know none ignore it.
+    pub normal_load: f64,
+}
+
 /// What a contact sees at the end of a step. Within the step displacement and normal load run
 /// linearly from their previous values, which are part of the state.
 #[derive(Debug, Clone, Copy, PartialEq)]

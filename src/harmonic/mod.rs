@@ -23,8 +23,9 @@ mod settings;
 pub mod stability;
 pub(crate) mod steady;
 
+pub use crate::contact::LoadedContact;
 pub use crate::numeric::{HarmonicSet, common_periods, excited_harmonics, fourier, whole_periods};
-pub use balance::assembly::{Assembly, AttachedContact, Body, Control, CurveSettings, UNRESOLVED};
+pub use balance::assembly::{Assembly, Body, Control, CurveSettings, UNRESOLVED};
 pub use continuation::Ending;
 pub use error::HarmonicError;
 pub use modes::{ModePoint, ModeRange, NonlinearMode, nonlinear_mode};
@@ -37,4 +38,4 @@ pub use response::parameter::{ContactAt, OwnedContact, Varied, VariedCurve, para
 pub use response::resonance::{Resonance, backbone, phase_resonance};
 pub use response::tracking::{Followed, Tracked, TrackedCurve, Tracking, track_levels, track_parameter};
 pub use response::{Curve, Fold, Peak};
-pub use settings::{ContactOnBeam, Method, Settings};
+pub use settings::{Method, Settings};

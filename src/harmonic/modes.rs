@@ -5,8 +5,8 @@
 //! solution for every amplitude, with the mode's frequency Ω, damping ratio ζ and shape, harmonics included.
 //! Where ζ is small and modes are apart, the resonances of the forced structure lie on it.
 
-use super::{ContactOnBeam, HarmonicError};
-use crate::harmonic::balance::assembly::{Assembly, AttachedContact, Body, CurveSettings};
+use super::HarmonicError;
+use crate::harmonic::balance::assembly::{Assembly, Body, CurveSettings};
 use crate::harmonic::balance::beam::{Balance, Extent, Signals};
 use crate::harmonic::balance::condensed::Condensed;
 use crate::harmonic::newton::Point;
@@ -65,7 +65,7 @@ pub struct NonlinearMode {
 ///
 /// ```
 /// use stickslip::contact::CubicSpring;
-/// use stickslip::harmonic::{AttachedContact, Assembly, Body, CurveSettings, ModeRange, nonlinear_mode};
+/// use stickslip::harmonic::{LoadedContact, Assembly, Body, CurveSettings, ModeRange, nonlinear_mode};
 /// use stickslip::model::{Anchor, Mass, Oscillator, Spring};
 /// let structure = Oscillator {
 ///     masses: vec![Mass { name: "m1".into(), mass: 1.0 }],
@@ -75,7 +75,7 @@ pub struct NonlinearMode {
 /// }
 /// .structure()?;
 /// let law = CubicSpring::new(0.0, 1.0)?;
-/// let contacts = vec![AttachedContact { law: &law, normal_load: 0.0 }];
+/// let contacts = vec![LoadedContact { law: &law, normal_load: 0.0 }];
 /// let assembly = Assembly::new(Body::Linear(&structure), contacts);
 /// let range = ModeRange { mode: 0, node: 0, amplitudes: [0.01, 1.0], points: 20 };
 /// let mode = nonlinear_mode(&assembly, &range, &CurveSettings::default())?;
@@ -107,10 +107,10 @@ pub fn nonlinear_mode(
     let start = LinearStart::new(structure, laws, range)?;
     // Free vibrations are poles of the structure's compliance where the contacts carry little; a damper moved
     // from the contacts to the structure, more than any friction damps, keeps the poles away.
-    let relief = start.angular_frequency / start.contact_share;
-    let damped = with_dampers(structure, relief);
+    let damping_shift = start.angular_frequency / start.contact_share;
+    let damped = with_dampers(structure, damping_shift);
     let mut system = Condensed::new(&Assembly { body: Body::Linear(&damped), ..assembly.clone() }, settings)?;
-    system.relieve(relief);
+    system.shift_damping(damping_shift);
     let mut x = vec![0.0; system.unknowns()];
     let set = system.set();
     for (u, row) in x.chunks_exact_mut(set.len()).zip(&structure.contacts) {
@@ -132,9 +132,7 @@ fn mode_of_beam(
     if assembly.contacts.is_empty() && !beam.pulls_along() {
         return Err(HarmonicError::InvalidInput("a beam without a contact has linear modes"));
     }
-    let contact = assembly.contacts.first();
-    let contact = contact
-        .map(|AttachedContact { law, normal_load }| ContactOnBeam { law: *law, normal_load: *normal_load });
+    let contact = assembly.contacts.first().copied();
     let mut structure = LinearStructure::from_beam(beam);
     let at_excitation = Output { name: "excitation".into(), row: structure.excitation.clone() };
     structure.outputs.push(at_excitation);
@@ -148,7 +146,7 @@ fn mode_of_beam(
     let harmonics = settings.harmonics;
     let extent = Extent { harmonics, contact: 2 * harmonics, signals };
     let mut system = Balance::with(beam, contact, &[], &extent, settings.method, None)?;
-    system.relieve(start.angular_frequency);
+    system.shift_damping(start.angular_frequency);
     let count = coefficient_count(harmonics);
     let mut modal = vec![0.0; count * start.shape.len()];
     for (mode, share) in modal.chunks_exact_mut(count).zip(&start.shape) {

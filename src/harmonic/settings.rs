@@ -1,16 +1,6 @@
 //! How a period of the contact is computed, and when a beam's balance counts as solved.
 
 use super::HarmonicError;
-use crate::contact::ContactLaw;
-
-/// A contact law under the constant normal load it has on the beam.
-#[derive(Debug, Clone, Copy)]
-pub struct ContactOnBeam<'a> {
-    /// The law.
-    pub law: &'a dyn ContactLaw,
-    /// Normal load (N).
-    pub normal_load: f64,
-}
 
 /// How a contact is carried over a period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

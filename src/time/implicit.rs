@@ -2,10 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::exact::elements::LoadedContact;
 use super::exact::polynomial::{DEGREE, Series};
 use super::exact::system::{System, dot};
 use super::{Excitation, OscillatorError};
+use crate::contact::LoadedContact;
 use crate::contact::{Inputs, Response};
 use crate::system::LinearStructure;
 

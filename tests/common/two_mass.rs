@@ -1,7 +1,7 @@
 //! Two masses in a row on springs, a contact on the second, the excitation on the first.
 
 use stickslip::contact::{ContactLaw, Jenkins};
-use stickslip::harmonic::{Assembly, AttachedContact, Body, CurveSettings};
+use stickslip::harmonic::{Assembly, Body, CurveSettings, LoadedContact};
 use stickslip::system::{LinearStructure, Output};
 
 /// The structure with its law.
@@ -23,7 +23,7 @@ impl TwoMass {
     }
 
     pub fn assembly(&self) -> Assembly<'_> {
-        let contact = AttachedContact { law: self.law.as_ref(), normal_load: self.normal_load };
+        let contact = LoadedContact { law: self.law.as_ref(), normal_load: self.normal_load };
         Assembly::new(Body::Linear(&self.structure), vec![contact])
     }
 }

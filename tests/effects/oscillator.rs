@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use stickslip::effects::{AppliedEffect, Location, find};
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, Control, CurveSettings, Ending, Point, frequency_response,
+    Assembly, Body, Control, CurveSettings, Ending, LoadedContact, Point, frequency_response,
     periodic_response,
 };
 use stickslip::model::Model;
@@ -98,7 +98,7 @@ fn harmonic_balance_with_effects_of_the_structure_agrees_with_time_integration()
     for changed in &variants {
         let assembled = changed.assembled().unwrap();
         let contacts =
-            assembled.laws().map(|(law, normal_load)| AttachedContact { law, normal_load }).collect();
+            assembled.laws().map(|(law, normal_load)| LoadedContact { law, normal_load }).collect();
         let assembly = Assembly::new(Body::Linear(&assembled.structure), contacts);
         let settings = CurveSettings { harmonics: 31, ..CurveSettings::default() };
         let point = periodic_response(&assembly, omega, &Control::Level(force), &settings, None).unwrap();
@@ -120,7 +120,7 @@ fn curve_agrees_with_time_integration(
     stability: bool,
 ) {
     let assembled = changed.assembled().unwrap();
-    let contacts = assembled.laws().map(|(law, normal_load)| AttachedContact { law, normal_load }).collect();
+    let contacts = assembled.laws().map(|(law, normal_load)| LoadedContact { law, normal_load }).collect();
     let assembly = Assembly::new(Body::Linear(&assembled.structure), contacts);
     let settings = CurveSettings { harmonics, max_points: 400, stability, ..CurveSettings::default() };
     let force = Control::Level(0.4);

@@ -6,9 +6,9 @@ use std::f64::consts::TAU;
 use crate::common::beam::frictional_support;
 use stickslip::contact::{ContactLaw, CubicSpring, LawError, Valanis};
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, ContactOnBeam, Control, CurveSettings, Ending, Followed, ModeRange,
-    NonlinearMode, OwnedContact, Settings, Tracking, nonlinear_mode, parameter_response, periodic_response,
-    phase_resonance, track_levels, track_parameter,
+    Assembly, Body, Control, CurveSettings, Ending, Followed, LoadedContact, ModeRange, NonlinearMode,
+    OwnedContact, Settings, Tracking, nonlinear_mode, parameter_response, periodic_response, phase_resonance,
+    track_levels, track_parameter,
 };
 use stickslip::model::Beam;
 use stickslip::system::ModalBeam;
@@ -20,7 +20,7 @@ fn published(modes: usize) -> ModalBeam {
 }
 
 fn assembly<'a>(beam: &'a ModalBeam, law: &'a dyn ContactLaw, normal_load: f64) -> Assembly<'a> {
-    Assembly::new(Body::Beam(beam), vec![AttachedContact { law, normal_load }])
+    Assembly::new(Body::Beam(beam), vec![LoadedContact { law, normal_load }])
 }
 
 fn settings(harmonics: usize) -> CurveSettings {
@@ -121,7 +121,7 @@ fn with_one_mode_and_one_harmonic_the_backbone_is_phase_resonance() {
     // The damping that sustains the vibration then is a force in phase with the velocity where it acts.
     let (beam, law) = (published(1), valanis(FRICTION).unwrap());
     let balance = Settings { harmonics: 1, ..Settings::default() };
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     for acceleration in [2.0, 15.0, 60.0] {
         let forced = phase_resonance(&beam, Some(contact), acceleration, &balance, None).unwrap();
         let amplitude = acceleration / forced.angular_frequency.powi(2);

@@ -11,12 +11,12 @@ use stickslip::contact::{
 };
 use stickslip::harmonic::stability::{Multipliers, beam_is_stable, floquet, floquet_of_beam};
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, Control, CurveSettings, Ending, frequency_response, phase_resonance,
+    Assembly, Body, Control, CurveSettings, Ending, LoadedContact, frequency_response, phase_resonance,
 };
-use stickslip::harmonic::{ContactOnBeam, Resonance, Settings as BalanceSettings};
+use stickslip::harmonic::{Resonance, Settings as BalanceSettings};
 use stickslip::model::Beam;
 use stickslip::system::{LinearStructure, ModalBeam};
-use stickslip::time::{BeamInputs, BeamIntegrator, Contact, LoadedContact, Ramp, Settings};
+use stickslip::time::{BeamInputs, BeamIntegrator, Contact, Ramp, Settings};
 
 const LOAD: f64 = 147.15;
 
@@ -165,7 +165,7 @@ fn resonance(
     acceleration: f64,
     harmonics: usize,
 ) -> (Resonance, Vec<f64>) {
-    let contact = ContactOnBeam { law, normal_load: LOAD };
+    let contact = LoadedContact { law, normal_load: LOAD };
     let settings = BalanceSettings { harmonics, ..BalanceSettings::default() };
     let found = phase_resonance(beam, Some(contact), acceleration, &settings, None).unwrap();
     let pairs = found.contact_displacement.iter().zip(&found.contact_force);
@@ -264,7 +264,7 @@ fn verdicts(
     range: [f64; 2],
     level: f64,
 ) -> (Vec<bool>, usize) {
-    let contacts = law.map(|law| AttachedContact { law, normal_load: LOAD }).into_iter().collect();
+    let contacts = law.map(|law| LoadedContact { law, normal_load: LOAD }).into_iter().collect();
     let assembly = Assembly::new(Body::Beam(beam), contacts);
     let settings =
         CurveSettings { harmonics: 7, tolerance: 1e-9, stability: true, ..CurveSettings::default() };

@@ -3,7 +3,7 @@
 use crate::common::oscillators::single_mass;
 use stickslip::contact::Jenkins;
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, Control, CurveSettings, Ending, Followed, Tracking, frequency_response,
+    Assembly, Body, Control, CurveSettings, Ending, Followed, LoadedContact, Tracking, frequency_response,
     track_levels,
 };
 
@@ -24,7 +24,7 @@ fn a_curve_passes_the_corners_at_which_slip_begins_and_ends() {
     for (damping, stiffness, limit, level) in CASES {
         let structure = single_mass(1.0, damping);
         let law = Jenkins::new(stiffness, limit).unwrap();
-        let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+        let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
         let assembly = Assembly::new(Body::Linear(&structure), contacts);
         let settings = CurveSettings { harmonics: 3, ..CurveSettings::default() };
         let control = Control::Level(level);

@@ -2,7 +2,7 @@
 
 use stickslip::contact::{ContactLaw, CubicSpring, Jenkins, Unilateral};
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, Control, Curve, CurveSettings, Ending, HarmonicError, Method,
+    Assembly, Body, Control, Curve, CurveSettings, Ending, HarmonicError, LoadedContact, Method,
     frequency_response, periodic_response,
 };
 use stickslip::system::{LinearStructure, Output};
@@ -21,7 +21,7 @@ fn oscillator(stiffness: f64, damping: f64, contacts: usize) -> LinearStructure 
 }
 
 fn assembly<'a>(structure: &'a LinearStructure, laws: &[&'a dyn ContactLaw]) -> Assembly<'a> {
-    let attach = |law: &&'a dyn ContactLaw| AttachedContact { law: *law, normal_load: 1.0 };
+    let attach = |law: &&'a dyn ContactLaw| LoadedContact { law: *law, normal_load: 1.0 };
     Assembly::new(Body::Linear(structure), laws.iter().map(attach).collect())
 }
 

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 
 use stickslip::contact::Valanis;
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, ContactOnBeam, Control, CurveSettings, Ending, Method, Settings,
-    backbone, frequency_response, phase_resonance,
+    Assembly, Body, Control, CurveSettings, Ending, LoadedContact, Method, Settings, backbone,
+    frequency_response, phase_resonance,
 };
 use stickslip::model::{Beam, Damping, Model, Structure};
 use stickslip::system::ModalBeam;
@@ -28,7 +28,7 @@ fn valanis() -> Valanis {
 /// and the largest acceleration per force along the curve (1/kg).
 fn held_response(beam: &ModalBeam, acceleration: f64, harmonics: usize, around: f64) -> (f64, f64, f64) {
     let law = valanis();
-    let contacts = vec![AttachedContact { law: &law, normal_load: LOAD }];
+    let contacts = vec![LoadedContact { law: &law, normal_load: LOAD }];
     let assembly = Assembly::new(Body::Beam(beam), contacts);
     let node = beam.sensors.len();
     let control = Control::Held { node, order: 1, derivative: 2, amplitude: acceleration };
@@ -75,7 +75,7 @@ const SIX_MODES_NINE_HARMONICS: [(f64, f64, f64); 8] = [
 #[test]
 fn phase_resonance_at_held_acceleration_has_the_reference_frequencies_and_peaks() {
     let law = valanis();
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     for (modes, harmonics, reference) in [(4, 5, FOUR_MODES_FIVE_HARMONICS), (6, 9, SIX_MODES_NINE_HARMONICS)]
     {
         let beam = published(modes, false);
@@ -113,7 +113,7 @@ fn held_frequency_responses_have_the_reference_resonances_and_peaks() {
 /// Frequency (Hz) at phase resonance of the four-mode beam at 20 m/s².
 fn resonance_at_20(settings: Settings) -> f64 {
     let law = valanis();
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     let found = phase_resonance(&published(4, false), Some(contact), 20.0, &settings, None).unwrap();
     found.angular_frequency / TAU
 }
@@ -141,7 +141,7 @@ fn five_harmonics_are_enough_for_the_resonance() {
 /// Frequencies (Hz) at phase resonance.
 fn resonances(modes: usize, static_correction: bool) -> [f64; 3] {
     let law = valanis();
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings = Settings { harmonics: 5, ..Settings::default() };
     let beam = published(modes, static_correction);
     let found = backbone(&beam, Some(contact), &[0.5, 20.0, 70.0], &settings, &[]).unwrap();

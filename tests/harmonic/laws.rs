@@ -7,7 +7,7 @@ use crate::common::exact_period::{Oscillator, steady_period};
 use stickslip::contact::{Jenkins, Valanis};
 use stickslip::harmonic::fourier::value;
 use stickslip::harmonic::{
-    ContactOnBeam, HarmonicError, Method, Resonance, Settings, backbone, excited_harmonics, forced_response,
+    HarmonicError, LoadedContact, Method, Resonance, Settings, backbone, excited_harmonics, forced_response,
     phase_resonance, whole_periods,
 };
 use stickslip::system::ModalBeam;
@@ -123,7 +123,7 @@ fn stuck_contact_is_a_spring_in_series_with_the_axial_one() {
     let mut beam = single_mode(0.01);
     beam.axial_flexibility = 4e-8;
     let law = Jenkins::new(5e6, 1e6).unwrap();
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings = Settings { harmonics: 3, method: Method::Sampled { samples: 64 }, ..Settings::default() };
     let found = phase_resonance(&beam, Some(contact), 10.0, &settings, None).unwrap();
     let stiffness = 5e6 / (1.0 + 4e-8 * 5e6);
@@ -139,7 +139,7 @@ fn stuck_contact_is_a_spring_in_series_with_the_axial_one() {
 fn jenkins_oscillator_matches_its_exact_event_driven_solution() {
     let (stiffness, limit) = (4e6, 60.0);
     let law = Jenkins::new(stiffness, limit / LOAD).unwrap();
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings =
         Settings { harmonics: 15, method: Method::Sampled { samples: 512 }, ..Settings::default() };
     for (damping_ratio, frequency, force) in [(0.02, 52.0, 20.0), (0.05, 60.0, 40.0), (0.02, 57.0, 6.0)] {
@@ -167,7 +167,7 @@ fn jenkins_oscillator_matches_its_exact_event_driven_solution() {
 fn resonance_at(amplitude: f64) -> (ModalBeam, Resonance) {
     let beam = three_modes();
     let law = valanis();
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings = Settings { harmonics: 5, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     let found = phase_resonance(&beam, Some(contact), amplitude, &settings, None).unwrap();
     (beam, found)
@@ -187,7 +187,7 @@ fn excitation_work_is_dissipated_in_contact_and_modes() {
 #[test]
 fn excitation_work_balances_with_several_harmonics() {
     let (beam, law) = (three_modes(), valanis());
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings = Settings { harmonics: 7, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     let force = [0.0, 15.0, 4.0, 0.5, -0.4, 6.0, 8.0];
     let response = forced_response(&beam, Some(contact), 0.0195, &force, &settings, None).unwrap();
@@ -211,7 +211,7 @@ fn response_is_odd_without_shortening_and_not_with_it() {
     assert!(even(&with.coefficients) > 1e-4 * with.coefficients[2].abs());
     beam.shortening.fill(0.0);
     let law = valanis();
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings = Settings { harmonics: 5, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     let without = phase_resonance(&beam, Some(contact), 30.0, &settings, None).unwrap();
     assert!(even(&without.coefficients) < 1e-9 * without.coefficients[2].abs());
@@ -242,7 +242,7 @@ fn published_beam_softens_as_the_reference_does() {
     ];
     let beam = crate::common::finite_elements::published_beam(4, 24);
     let law = valanis();
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings = Settings { harmonics: 5, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     // Falling and rising: the caller's order is kept, and does not matter.
     let amplitudes: Vec<f64> = reference.iter().rev().map(|r| r.0).collect();
@@ -263,7 +263,7 @@ fn published_beam_softens_as_the_reference_does() {
 fn frequency_converges_with_the_square_of_the_sampling_step() {
     let beam = three_modes();
     let law = valanis();
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     let at = |samples: usize| {
         let settings = Settings { harmonics: 5, method: Method::Sampled { samples }, ..Settings::default() };
         phase_resonance(&beam, Some(contact), 20.0, &settings, None).unwrap().angular_frequency
@@ -280,11 +280,11 @@ fn starts_do_not_change_the_answer() {
     let beam = three_modes();
     let settings = Settings { harmonics: 5, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     let law = Jenkins::new(5e6, 0.8).unwrap();
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     let amplitudes = [5.0, 35.0];
     let cold = backbone(&beam, Some(contact), &amplitudes, &settings, &[]).unwrap();
     let other_law = valanis();
-    let other = ContactOnBeam { law: &other_law, normal_load: LOAD };
+    let other = LoadedContact { law: &other_law, normal_load: LOAD };
     let elsewhere = backbone(&beam, Some(other), &amplitudes, &settings, &[]).unwrap();
     let warm = backbone(&beam, Some(contact), &amplitudes, &settings, &elsewhere).unwrap();
     for (a, b) in cold.iter().zip(&warm) {

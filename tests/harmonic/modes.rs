@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use crate::common::oscillators::{single_mass, two_masses};
 use stickslip::contact::{ContactLaw, CubicSpring, Jenkins};
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, CurveSettings, Followed, HarmonicError, ModeRange, NonlinearMode,
+    Assembly, Body, CurveSettings, Followed, HarmonicError, LoadedContact, ModeRange, NonlinearMode,
     Tracking, nonlinear_mode, track_levels,
 };
 use stickslip::system::LinearStructure;
@@ -18,7 +18,7 @@ fn mode(
     range: &ModeRange,
     harmonics: usize,
 ) -> NonlinearMode {
-    let assembly = Assembly::new(Body::Linear(structure), vec![AttachedContact { law, normal_load: 1.0 }]);
+    let assembly = Assembly::new(Body::Linear(structure), vec![LoadedContact { law, normal_load: 1.0 }]);
     let settings = CurveSettings { harmonics, ..CurveSettings::default() };
     nonlinear_mode(&assembly, range, &settings).unwrap()
 }
@@ -154,7 +154,7 @@ fn two_mass_modes_go_from_stuck_to_free_sliding() {
 fn lightly_damped_resonances_lie_on_the_mode() {
     let structure = two_masses(0.002);
     let law = Jenkins::new(0.02, 0.02).unwrap();
-    let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+    let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
     let assembly = Assembly::new(Body::Linear(&structure), contacts);
     let settings = CurveSettings { harmonics: 9, ..CurveSettings::default() };
     let tracking = Tracking { followed: Followed::Phase, node: 0, angular_frequency: 0.5554 };
@@ -192,7 +192,7 @@ fn a_mode_does_not_depend_on_the_way_its_amplitudes_are_walked() {
 fn modes_that_are_not_there_are_refused() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+    let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
     let assembly = Assembly::new(Body::Linear(&structure), contacts);
     let range = ModeRange { mode: 0, node: 0, amplitudes: [1e-3, 1.0], points: 5 };
     let wrong = [
@@ -213,7 +213,7 @@ fn harmonics_grow_until_a_mode_is_resolved() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let assembly =
-        Assembly::new(Body::Linear(&structure), vec![AttachedContact { law: &law, normal_load: 1.0 }]);
+        Assembly::new(Body::Linear(&structure), vec![LoadedContact { law: &law, normal_load: 1.0 }]);
     let range = ModeRange { mode: 0, node: 1, amplitudes: [0.05, 2.0], points: 5 };
     let settings =
         CurveSettings { harmonics: 1, truncation: Some(1e-3), max_harmonics: 51, ..CurveSettings::default() };

@@ -3,7 +3,7 @@
 
 use stickslip::contact::{Jenkins, Valanis};
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, Control, CurveSettings, Ending, frequency_response, periodic_response,
+    Assembly, Body, Control, CurveSettings, Ending, LoadedContact, frequency_response, periodic_response,
 };
 use stickslip::system::{LinearStructure, Output};
 
@@ -73,7 +73,7 @@ fn a_jenkins_contact_does_not_end_a_lightly_damped_curve() {
         for level in [0.01, 0.1, 1.0] {
             let mut structure = chain(masses, 100.0, damping);
             structure.contacts = vec![vec![(masses - 1, 1.0)]];
-            let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+            let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
             let assembly = Assembly::new(Body::Linear(&structure), contacts);
             let control = Control::Level(level);
             let curve =
@@ -94,7 +94,7 @@ fn a_jenkins_contact_does_not_end_a_lightly_damped_curve() {
 fn the_estimate_of_the_beam_follows_its_true_error() {
     let beam = crate::common::finite_elements::published_beam(4, 60);
     let law = Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, 147.15).unwrap();
-    let contacts = || vec![AttachedContact { law: &law, normal_load: 147.15 }];
+    let contacts = || vec![LoadedContact { law: &law, normal_load: 147.15 }];
     for omega in [330.0, 339.0, 350.0] {
         let response = |harmonics: usize| {
             let assembly = Assembly::new(Body::Beam(&beam), contacts());
@@ -189,7 +189,7 @@ fn the_peak_that_meets_a_point_of_the_curve_is_listed() {
     let mut structure = watched(chain(10, 4.0, 0.01));
     structure.contacts = vec![vec![(5, 1.0)]];
     let law = Jenkins::new(2.0, 0.1).unwrap();
-    let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+    let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
     let assembly = Assembly::new(Body::Linear(&structure), contacts);
     let control = Control::Level(1e-4);
     let curve = frequency_response(&assembly, 0.8, 1.05, &control, &settings(21), &mut |_| true).unwrap();

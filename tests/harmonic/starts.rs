@@ -3,7 +3,7 @@
 
 use stickslip::contact::{ContactLaw, Jenkins, Unilateral};
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, Control, CurveSettings, Point, frequency_response, periodic_response,
+    Assembly, Body, Control, CurveSettings, LoadedContact, Point, frequency_response, periodic_response,
 };
 use stickslip::system::{LinearStructure, Output};
 
@@ -34,7 +34,7 @@ fn one_mass() -> LinearStructure {
 
 fn response(law: &dyn ContactLaw, omega: f64, control: &Control) -> Point {
     let structure = two_masses();
-    let contacts = vec![AttachedContact { law, normal_load: 1.0 }];
+    let contacts = vec![LoadedContact { law, normal_load: 1.0 }];
     let assembly = Assembly::new(Body::Linear(&structure), contacts);
     let settings = CurveSettings { harmonics: 15, ..CurveSettings::default() };
     periodic_response(&assembly, omega, control, &settings, None).expect("a response")
@@ -85,7 +85,7 @@ fn a_mass_that_sticks_and_slips_has_a_start_at_any_frequency() {
     let structure = one_mass();
     for (stiffness, omega, harmonics) in [(1e2, 0.3, 31), (1e2, 0.2, 21), (1e3, 0.3, 21), (1e4, 0.2, 21)] {
         let law = Jenkins::new(stiffness, 0.1).unwrap();
-        let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+        let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
         let assembly = Assembly::new(Body::Linear(&structure), contacts);
         let settings = CurveSettings { harmonics, ..CurveSettings::default() };
         let point = periodic_response(&assembly, omega, &Control::Level(1.0), &settings, None)
@@ -104,7 +104,7 @@ fn a_mass_that_sticks_and_slips_has_a_start_at_any_frequency() {
 fn a_curve_that_adapts_its_harmonics_starts_among_stick_and_slip() {
     let structure = one_mass();
     let law = Jenkins::new(1e2, 0.1).unwrap();
-    let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+    let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
     let assembly = Assembly::new(Body::Linear(&structure), contacts);
     let settings = CurveSettings { truncation: Some(1e-3), ..CurveSettings::default() };
     let curve =

@@ -3,7 +3,7 @@
 
 use stickslip::contact::Jenkins;
 use stickslip::harmonic::fourier::{coefficient_count, from_samples};
-use stickslip::harmonic::{ContactOnBeam, Method, Settings, forced_response, whole_periods};
+use stickslip::harmonic::{LoadedContact, Method, Settings, forced_response, whole_periods};
 
 use crate::common::{external, finite_elements};
 
@@ -26,7 +26,7 @@ fn every_steady_record_is_answered_from_a_cold_start() {
     let mut beam = finite_elements::beam(193_737_638_546.993_47, &masses, 0.003_697_017_655_819_057_4, 6, 24);
     beam.sensors.truncate(3);
     let law = Jenkins::new(7_198_003.463_408_523, 0.400_647_880_176_607_24).unwrap();
-    let contact = ContactOnBeam { law: &law, normal_load: 149.899_456_390_378_36 };
+    let contact = LoadedContact { law: &law, normal_load: 149.899_456_390_378_36 };
     let settings = Settings { harmonics: 7, method: Method::Exact, ..Settings::default() };
     for record in [0, 1, 5, 7] {
         let columns = columns(&folder.join(format!("r{record}.csv")));

@@ -4,13 +4,13 @@
 use crate::common::oscillators::{single_mass, two_masses};
 use stickslip::contact::{ContactLaw, CubicSpring, Jenkins, Unilateral};
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, CurveSettings, Ending, Followed, HarmonicError, OwnedContact, Tracked,
+    Assembly, Body, CurveSettings, Ending, Followed, HarmonicError, LoadedContact, OwnedContact, Tracked,
     TrackedCurve, Tracking, Varied, parameter_response, track_levels, track_parameter,
 };
 use stickslip::system::LinearStructure;
 
 fn assembly<'a>(structure: &'a LinearStructure, law: &'a dyn ContactLaw) -> Assembly<'a> {
-    Assembly::new(Body::Linear(structure), vec![AttachedContact { law, normal_load: 1.0 }])
+    Assembly::new(Body::Linear(structure), vec![LoadedContact { law, normal_load: 1.0 }])
 }
 
 /// The whole curve.

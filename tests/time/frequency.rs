@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use stickslip::contact::Valanis;
 use stickslip::harmonic::fourier::{from_samples, value};
-use stickslip::harmonic::{ContactOnBeam, Method, Settings, backbone, forced_response};
+use stickslip::harmonic::{LoadedContact, Method, Settings, backbone, forced_response};
 use stickslip::model::{Beam, Damping, Model, Structure};
 use stickslip::system::ModalBeam;
 use stickslip::time::{self, BeamInputs, BeamIntegrator, BeamMotion, Contact, Ramp};
@@ -77,7 +77,7 @@ fn the_published_model_file_has_the_backbone_of_an_independent_harmonic_balance(
         (70.0, 49.41478, 5.17085),
     ];
     let law = valanis();
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     for (modes, harmonics, reference) in [(4, 5, four_modes_five_harmonics), (6, 9, six_modes_nine_harmonics)]
     {
         let beam = published(modes, 0.003);
@@ -121,7 +121,7 @@ fn the_transient_from_rest_is_that_of_the_published_equations() {
 fn harmonic_balance_finds_the_steady_state_of_a_long_run_in_time() {
     let beam = published(4, 0.02);
     let law = valanis();
-    let contact = ContactOnBeam { law: &law, normal_load: LOAD };
+    let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings =
         Settings { harmonics: 15, method: Method::Sampled { samples: 512 }, ..Settings::default() };
     let balance =

@@ -1,17 +1,8 @@
 //! A structure with its contacts and its excitation, and how its periodic responses are to be computed.
 
-use crate::contact::ContactLaw;
+use crate::contact::LoadedContact;
 use crate::harmonic::{HarmonicError, Method};
 use crate::system::{LinearStructure, ModalBeam};
-
-/// A contact law under the constant normal load it has in the structure.
-#[derive(Debug, Clone, Copy)]
-pub struct AttachedContact<'a> {
-    /// The law.
-    pub law: &'a dyn ContactLaw,
-    /// Normal load (N).
-    pub normal_load: f64,
-}
 
 /// What the contacts are attached to.
 #[derive(Debug, Clone, Copy)]
@@ -28,14 +19,14 @@ pub struct Assembly<'a> {
     /// The structure.
     pub body: Body<'a>,
     /// One per contact of a linear structure, in its order.
-    pub contacts: Vec<AttachedContact<'a>>,
+    pub contacts: Vec<LoadedContact<'a>>,
     /// Coefficients `[a0, c1, s1, …]` of the excitation at level 1: `[0, 1, 0]` is cos Ωt.
     pub waveform: Vec<f64>,
 }
 
 impl<'a> Assembly<'a> {
     /// Under the excitation cos Ωt.
-    pub fn new(body: Body<'a>, contacts: Vec<AttachedContact<'a>>) -> Self {
+    pub fn new(body: Body<'a>, contacts: Vec<LoadedContact<'a>>) -> Self {
         Self { body, contacts, waveform: vec![0.0, 1.0, 0.0] }
     }
 

@@ -32,14 +32,14 @@ pub enum Ending {
 
 /// A frequency at which a step must not pass unseen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Landmark {
+pub(crate) struct LinearResonance {
     /// Ω (rad/s).
     pub angular_frequency: f64,
     /// Half of the bandwidth at half the power, ζ Ω (rad/s).
     pub half_width: f64,
 }
 
-impl Landmark {
+impl LinearResonance {
     /// Where the harmonic `order` of the excitation meets it.
     pub(crate) fn over(&self, order: f64) -> Self {
         Self { angular_frequency: self.angular_frequency / order, half_width: self.half_width / order }

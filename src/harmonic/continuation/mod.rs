@@ -17,7 +17,7 @@ mod unit;
 
 pub(crate) use locate::NotFound;
 pub use location::Ending;
-pub(crate) use location::{Landmark, Location};
+pub(crate) use location::{LinearResonance, Location};
 
 use super::HarmonicError;
 use crate::harmonic::newton::condition::ArcLength;
@@ -35,7 +35,7 @@ const CORNER_STEP: f64 = 1e-4;
 const SHARPEST_BEND: f64 = 1e-6;
 const BEND_OF_RESONANCE: f64 = 0.02;
 const LEAST_BEND: f64 = 3e-8;
-/// A landmark this near counts as reached: in half bandwidths, and as share of the range.
+/// A resonance this near counts as reached: in half bandwidths, and as share of the range.
 const REACHED: f64 = 0.3;
 const REACHED_IN_RANGE: f64 = 1e-9;
 /// What is free besides counts in units so many times its largest value: the force that holds a response falls and
@@ -121,7 +121,7 @@ pub(crate) struct Path<'s> {
     at_corner: bool,
     /// Largest magnitude of each scalar so far.
     largest: [f64; 4],
-    landmarks: Vec<Landmark>,
+    linear_resonances: Vec<LinearResonance>,
     /// Steps this small are taken however much what is watched turns.
     sharpest: f64,
     /// The point before the present one.
@@ -159,7 +159,7 @@ impl<'s> Path<'s> {
             orientation: 0.0,
             at_corner: false,
             largest: [0.0; 4],
-            landmarks: Vec::new(),
+            linear_resonances: Vec::new(),
             sharpest: SHARPEST_BEND,
             previous: location.clone(),
             next: location.clone(),
@@ -170,27 +170,28 @@ impl<'s> Path<'s> {
         Ok(path)
     }
 
-    /// Has a path along the frequency pause at `landmarks`, so that none is passed unseen.
-    pub fn heed(&mut self, landmarks: &[Landmark]) {
+    /// Has a path along the frequency pause at `linear_resonances`, so that none is passed unseen.
+    pub fn pause_at(&mut self, linear_resonances: &[LinearResonance]) {
         let Route { along, from, to, .. } = self.route;
         if along != Scalar::AngularFrequency {
             return;
         }
-        let within = |one: &&Landmark| {
+        let within = |one: &&LinearResonance| {
             (one.angular_frequency - from) * (one.angular_frequency - to) < 0.0 && one.half_width > 0.0
         };
-        self.landmarks = landmarks.iter().filter(within).copied().collect();
-        let narrowest = self.landmarks.iter().fold(f64::INFINITY, |least, one| least.min(one.half_width));
+        self.linear_resonances = linear_resonances.iter().filter(within).copied().collect();
+        let narrowest =
+            self.linear_resonances.iter().fold(f64::INFINITY, |least, one| least.min(one.half_width));
         let resolved = BEND_OF_RESONANCE * narrowest / (to - from).abs();
         self.sharpest = SHARPEST_BEND.min(resolved.max(LEAST_BEND));
     }
 
-    /// The step to the next landmark.
-    fn step_to_landmark(&self) -> f64 {
+    /// The step to the next resonance.
+    fn step_to_resonance(&self) -> f64 {
         let along = self.route.along.index();
         let (rate, here) = (self.present.scalars[along], self.present.at.get(self.route.along));
         let range = (self.route.to - self.route.from).abs();
-        let ahead = self.landmarks.iter().filter_map(|one| {
+        let ahead = self.linear_resonances.iter().filter_map(|one| {
             let distance = (one.angular_frequency - here) * rate.signum();
             (distance > REACHED * one.half_width + REACHED_IN_RANGE * range).then_some(distance)
         });
@@ -254,7 +255,7 @@ impl<'s> Path<'s> {
         let rate = (self.present.scalars[along] * self.unit.scalars[along]).abs();
         self.step = self.step.min(LARGEST_STEP).min(self.route.max_step / rate.max(1e-12));
         let wished = self.step;
-        self.step = self.step.min(self.step_to_landmark());
+        self.step = self.step.min(self.step_to_resonance());
         let mut shortened = self.step < wished;
         loop {
             if self.step < SMALLEST_STEP && (self.at_corner || !self.cross_corner()) {
@@ -268,7 +269,7 @@ impl<'s> Path<'s> {
             };
             match outcome.and_then(|arrived| self.settle(arrived, judge)) {
                 Ok(Some(advance)) => {
-                    // A landmark where nothing is to be seen does not hold the next steps up.
+                    // A resonance where nothing is to be seen does not hold the next steps up.
                     self.step = if shortened { self.step.max(0.5 * wished) } else { self.step };
                     return Ok(advance);
                 }

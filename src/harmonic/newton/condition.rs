@@ -33,7 +33,7 @@ impl Condition for HeldAmplitude {
         at: &Operating,
         row: &mut ConditionRow,
     ) -> f64 {
-        let value = system.glance(self.node, self.order);
+        let value = system.output(self.node, self.order);
         let speed = self.order as f64 * at.angular_frequency;
         let factor = (speed.powi(self.derivative as i32) / self.amplitude).powi(2);
         let parts = if self.order == 0 { 1 } else { 2 };
@@ -85,7 +85,7 @@ impl Condition for Phase {
         _at: &Operating,
         row: &mut ConditionRow,
     ) -> f64 {
-        let [c, s] = system.glance(self.node, self.order);
+        let [c, s] = system.output(self.node, self.order);
         let size = c.hypot(s);
         if size == 0.0 {
             return 1.0;

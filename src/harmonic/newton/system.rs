@@ -95,9 +95,9 @@ pub(crate) trait PeriodicSystem {
 
     /// Cosine and sine coefficient (m) of output `node` in harmonic `order` at the last evaluation; zeros for a harmonic
     /// that the system has not.
-    fn glance(&mut self, node: usize, order: usize) -> [f64; 2];
+    fn output(&mut self, node: usize, order: usize) -> [f64; 2];
 
-    /// As [`PeriodicSystem::glance`], with derivatives.
+    /// As [`PeriodicSystem::output`], with derivatives.
     fn observe(&mut self, node: usize, order: usize, out: &mut Observation);
 
     /// Makes the next evaluation depend on its arguments alone.
@@ -122,7 +122,7 @@ pub(crate) trait PeriodicSystem {
     /// Puts a spring of so many of the contacts' own compliances between each contact and the structure, on the way
     /// to a start; 0 takes it away. A contact then is as strong as ever and no stiffer than the spring. False where
     /// the system cannot.
-    fn soften(&mut self, compliances: f64) -> bool {
+    fn compliance_homotopy(&mut self, compliances: f64) -> bool {
         let _ = compliances;
         false
     }

@@ -13,7 +13,7 @@ use crate::numeric::HarmonicSet;
 /// contact it has. The damper that the structure is given is taken from the contact, which leaves the sum of
 /// both forces as it was.
 #[derive(Debug)]
-pub(crate) struct RelievedMap {
+pub(crate) struct ShiftedMap {
     map: ContactMap,
     set: HarmonicSet,
     /// N s/m.
@@ -25,7 +25,7 @@ pub(crate) struct RelievedMap {
     by_frequency: Vec<f64>,
 }
 
-impl RelievedMap {
+impl ShiftedMap {
     /// A contact map on `set`, without `damping` (N s/m), which may be zero.
     pub fn new(set: HarmonicSet, method: Method, damping: f64) -> Self {
         Self {
@@ -46,7 +46,7 @@ impl RelievedMap {
     }
 }
 
-impl Cycle for RelievedMap {
+impl Cycle for ShiftedMap {
     fn evaluate(
         &mut self,
         contact: &PeriodicContact,

@@ -20,11 +20,11 @@ pub(crate) struct ContactMap {
     set: HarmonicSet,
     method: Method,
     sliders: Vec<Slider>,
-    way: Way,
+    scheme: Scheme,
 }
 
 #[derive(Debug)]
-enum Way {
+enum Scheme {
     Piecewise(Box<PiecewiseCycle>),
     Damped(Box<DampedCycle>),
     Smooth(Box<SmoothCycle>),
@@ -34,11 +34,11 @@ enum Way {
 impl ContactMap {
     /// A contact map on `set`.
     pub fn new(set: HarmonicSet, method: Method) -> Self {
-        let way = match method {
-            Method::Exact => Way::Piecewise(Box::new(PiecewiseCycle::new(set))),
-            Method::Sampled { samples } => Way::Reference(Box::new(ReferenceCycle::new(set, samples))),
+        let scheme = match method {
+            Method::Exact => Scheme::Piecewise(Box::new(PiecewiseCycle::new(set))),
+            Method::Sampled { samples } => Scheme::Reference(Box::new(ReferenceCycle::new(set, samples))),
         };
-        Self { set, method, sliders: Vec::new(), way }
+        Self { set, method, sliders: Vec::new(), scheme }
     }
 
     /// Makes the way fit the law.
@@ -47,19 +47,19 @@ impl ContactMap {
             return;
         }
         if contact.law.limit_moves() || !contact.load_swing.is_empty() {
-            if !matches!(self.way, Way::Reference(_)) {
-                self.way = Way::Reference(Box::new(ReferenceCycle::new(self.set, SAMPLES_IN_MOTION)));
+            if !matches!(self.scheme, Scheme::Reference(_)) {
+                self.scheme = Scheme::Reference(Box::new(ReferenceCycle::new(self.set, SAMPLES_IN_MOTION)));
             }
             return;
         }
         let damping = contact.law.sliders_and_damper(contact.normal_load, &mut self.sliders);
         // Behind a spring the damper's velocity is not that of the displacement given.
         let damping = damping.filter(|damping| *damping == 0.0 || contact.compliance == 0.0);
-        match (&self.way, damping) {
-            (Way::Piecewise(_), Some(0.0)) | (Way::Damped(_), Some(_)) | (Way::Smooth(_), None) => {}
-            (_, Some(0.0)) => self.way = Way::Piecewise(Box::new(PiecewiseCycle::new(self.set))),
-            (_, Some(_)) => self.way = Way::Damped(Box::new(DampedCycle::new(self.set))),
-            (_, None) => self.way = Way::Smooth(Box::new(SmoothCycle::new(self.set))),
+        match (&self.scheme, damping) {
+            (Scheme::Piecewise(_), Some(0.0)) | (Scheme::Damped(_), Some(_)) | (Scheme::Smooth(_), None) => {}
+            (_, Some(0.0)) => self.scheme = Scheme::Piecewise(Box::new(PiecewiseCycle::new(self.set))),
+            (_, Some(_)) => self.scheme = Scheme::Damped(Box::new(DampedCycle::new(self.set))),
+            (_, None) => self.scheme = Scheme::Smooth(Box::new(SmoothCycle::new(self.set))),
         }
     }
 
@@ -73,20 +73,20 @@ impl ContactMap {
     }
 
     fn cycle(&self) -> &dyn Cycle {
-        match &self.way {
-            Way::Piecewise(cycle) => cycle.as_ref(),
-            Way::Damped(cycle) => cycle.as_ref(),
-            Way::Smooth(cycle) => cycle.as_ref(),
-            Way::Reference(cycle) => cycle.as_ref(),
+        match &self.scheme {
+            Scheme::Piecewise(cycle) => cycle.as_ref(),
+            Scheme::Damped(cycle) => cycle.as_ref(),
+            Scheme::Smooth(cycle) => cycle.as_ref(),
+            Scheme::Reference(cycle) => cycle.as_ref(),
         }
     }
 
     fn cycle_mut(&mut self) -> &mut dyn Cycle {
-        match &mut self.way {
-            Way::Piecewise(cycle) => cycle.as_mut(),
-            Way::Damped(cycle) => cycle.as_mut(),
-            Way::Smooth(cycle) => cycle.as_mut(),
-            Way::Reference(cycle) => cycle.as_mut(),
+        match &mut self.scheme {
+            Scheme::Piecewise(cycle) => cycle.as_mut(),
+            Scheme::Damped(cycle) => cycle.as_mut(),
+            Scheme::Smooth(cycle) => cycle.as_mut(),
+            Scheme::Reference(cycle) => cycle.as_mut(),
         }
     }
 }

@@ -4,7 +4,7 @@ use super::follow::{Family, State, find};
 use crate::harmonic::balance::beam::Balance;
 use crate::harmonic::newton::problem::{Effort, Newton, Stopping};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
-use crate::harmonic::{ContactOnBeam, HarmonicError, Settings};
+use crate::harmonic::{HarmonicError, LoadedContact, Settings};
 use crate::numeric::fourier::{coefficient_count, time_derivative, value};
 use crate::system::ModalBeam;
 
@@ -65,7 +65,7 @@ impl ForcedResponse {
 /// found.
 pub fn forced_response(
     beam: &ModalBeam,
-    contact: Option<ContactOnBeam>,
+    contact: Option<LoadedContact>,
     period: f64,
     excitation: &[f64],
     settings: &Settings,

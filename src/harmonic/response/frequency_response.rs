@@ -1,18 +1,18 @@
 //! Response curves over frequency and level, and single responses.
 
 use super::curve::{Curve, Fold, Peak};
-use super::linear_resonances::landmarks;
+use super::linear_resonances::linear_resonances;
 use super::start::{check_control, condition, first};
+use crate::harmonic::HarmonicError;
 use crate::harmonic::balance::assembly::{Assembly, Body, Control, CurveSettings, UNRESOLVED};
 use crate::harmonic::balance::beam::Balance;
 use crate::harmonic::balance::condensed::Condensed;
 use crate::harmonic::continuation::Ending;
-use crate::harmonic::continuation::Landmark;
+use crate::harmonic::continuation::LinearResonance;
 use crate::harmonic::continuation::{Advance, Location, NotFound, Path, Route, Verdict};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::problem::{Condition, Newton, solve};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
-use crate::harmonic::{ContactOnBeam, HarmonicError};
 use crate::numeric::extremum::{Extremum, value_at};
 use crate::numeric::fourier::dot;
 
@@ -46,8 +46,8 @@ pub fn frequency_response(
         return Err(HarmonicError::InvalidInput("the angular frequencies must be positive and different"));
     }
     let mut system = system_of(assembly, settings)?;
-    let landmarks = landmarks(assembly);
-    let sweep = Sweep { along: Scalar::AngularFrequency, from, to, control: *control, landmarks };
+    let linear_resonances = linear_resonances(assembly);
+    let sweep = Sweep { along: Scalar::AngularFrequency, from, to, control: *control, linear_resonances };
     sweep.run(system.as_mut(), node_names(assembly), settings, watch)
 }
 
@@ -72,7 +72,7 @@ pub fn level_response(
     }
     let mut system = system_of(assembly, settings)?;
     let control = Control::Level(from);
-    let sweep = Sweep { along: Scalar::Level, from, to, control, landmarks: Vec::new() };
+    let sweep = Sweep { along: Scalar::Level, from, to, control, linear_resonances: Vec::new() };
     sweep.run_at(system.as_mut(), angular_frequency, node_names(assembly), settings, watch)
 }
 
@@ -125,10 +125,7 @@ pub(crate) fn system_of<'a>(
     match assembly.body {
         Body::Linear(_) => Ok(Box::new(Condensed::new(assembly, settings)?)),
         Body::Beam(beam) => {
-            let contact = assembly
-                .contacts
-                .first()
-                .map(|contact| ContactOnBeam { law: contact.law, normal_load: contact.normal_load });
+            let contact = assembly.contacts.first().copied();
             let (waveform, harmonics) = (&assembly.waveform, settings.harmonics);
             Ok(Box::new(Balance::new(beam, contact, waveform, harmonics, settings.method)?))
         }
@@ -192,7 +189,7 @@ struct Sweep {
     from: f64,
     to: f64,
     control: Control,
-    landmarks: Vec<Landmark>,
+    linear_resonances: Vec<LinearResonance>,
 }
 
 impl Sweep {
@@ -281,7 +278,7 @@ impl Sweep {
             None => Path::new(system, route, &[], Vec::new(), x, at)?,
             Some(held) => Path::new(system, route, &[Scalar::Level], vec![Box::new(held)], x, at)?,
         };
-        path.heed(&self.landmarks);
+        path.pause_at(&self.linear_resonances);
         Ok(path)
     }
 }

@@ -2,19 +2,19 @@
 
 use crate::contact::{ContactLaw, Inputs};
 use crate::harmonic::balance::assembly::{Assembly, Body};
-use crate::harmonic::continuation::Landmark;
+use crate::harmonic::continuation::LinearResonance;
 use crate::system::LinearStructure;
 
-/// Structures beyond this size have no landmarks: their modes take longer than the curve.
+/// Structures beyond this size have no linear_resonances: their modes take longer than the curve.
 const LARGEST: usize = 200;
 /// Damping ratios below this are rounding: an undamped resonance itself has no response to look at.
 const SHARPEST: f64 = 1e-9;
 /// Entries of the waveform below this share of the largest excite nothing.
 const SILENT: f64 = 1e-12;
 
-/// The landmarks of `assembly`, ascending: one resonance that is nowhere near a point of a curve leaves no trace in
+/// The linear_resonances of `assembly`, ascending: one resonance that is nowhere near a point of a curve leaves no trace in
 /// its neighbours, however sharp. None for structures too large, or without natural modes.
-pub(crate) fn landmarks(assembly: &Assembly) -> Vec<Landmark> {
+pub(crate) fn linear_resonances(assembly: &Assembly) -> Vec<LinearResonance> {
     let of_beam;
     let (structure, flexibility) = match assembly.body {
         Body::Linear(structure) => (structure, 0.0),
@@ -37,7 +37,7 @@ pub(crate) fn landmarks(assembly: &Assembly) -> Vec<Landmark> {
         }
         found.extend(resonances(&stuck));
     }
-    let mut all: Vec<Landmark> =
+    let mut all: Vec<LinearResonance> =
         excited(&assembly.waveform).flat_map(|order| found.iter().map(move |one| one.over(order))).collect();
     all.sort_by(|a, b| a.angular_frequency.total_cmp(&b.angular_frequency));
     all.dedup_by(|next, kept| next.angular_frequency - kept.angular_frequency < 0.1 * kept.half_width);
@@ -53,12 +53,12 @@ fn excited(waveform: &[f64]) -> impl Iterator<Item = f64> + '_ {
         .map(|(place, _)| (place + 1) as f64)
 }
 
-fn resonances(structure: &LinearStructure) -> Vec<Landmark> {
+fn resonances(structure: &LinearStructure) -> Vec<LinearResonance> {
     let Ok(modes) = structure.natural_modes() else { return Vec::new() };
     let with_shapes = modes.angular_frequency.iter().zip(modes.shapes.column_iter());
     let resonance = with_shapes.map(|(frequency, shape)| {
         let rate: f64 = structure.damping.iter().map(|(i, j, c)| shape[*i] * c * shape[*j]).sum();
-        Landmark { angular_frequency: *frequency, half_width: 0.5 * rate }
+        LinearResonance { angular_frequency: *frequency, half_width: 0.5 * rate }
     });
     resonance.filter(|one| one.half_width > SHARPEST * one.angular_frequency).collect()
 }

@@ -3,7 +3,7 @@
 use super::start::at_level;
 use super::tracker::{Solution, describe, more_harmonics};
 use crate::contact::{ContactLaw, LawError};
-use crate::harmonic::balance::assembly::{Assembly, AttachedContact, Body, CurveSettings};
+use crate::harmonic::balance::assembly::{Assembly, Body, CurveSettings};
 use crate::harmonic::balance::beam::Balance;
 use crate::harmonic::balance::condensed::Condensed;
 use crate::harmonic::balance::variation::Rebuild;
@@ -11,7 +11,7 @@ use crate::harmonic::continuation::Ending;
 use crate::harmonic::continuation::{Advance, Path, Route, Verdict};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
-use crate::harmonic::{ContactOnBeam, HarmonicError};
+use crate::harmonic::{HarmonicError, LoadedContact};
 
 /// A contact law that belongs to its holder, under its constant normal load.
 #[derive(Debug)]
@@ -61,7 +61,7 @@ pub struct VariedCurve {
 /// ```
 /// use stickslip::contact::Jenkins;
 /// use stickslip::harmonic::{
-///     Assembly, AttachedContact, Body, CurveSettings, Ending, OwnedContact, parameter_response,
+///     Assembly, LoadedContact, Body, CurveSettings, Ending, OwnedContact, parameter_response,
 /// };
 /// use stickslip::model::{Anchor, Mass, Oscillator, Spring};
 /// let structure = Oscillator {
@@ -72,7 +72,7 @@ pub struct VariedCurve {
 /// }
 /// .structure()?;
 /// let law = Jenkins::new(0.44, 0.1)?;
-/// let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+/// let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
 /// let assembly = Assembly::new(Body::Linear(&structure), contacts);
 /// let contact = |_, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.44, friction)?, 1.0));
 /// let settings = CurveSettings::default();
@@ -168,7 +168,7 @@ pub(super) fn made(
 /// The assembly with other contacts.
 pub(super) fn attached<'a>(assembly: &Assembly<'a>, contacts: &'a [OwnedContact]) -> Assembly<'a> {
     let attach =
-        |contact: &'a OwnedContact| AttachedContact { law: &*contact.law, normal_load: contact.normal_load };
+        |contact: &'a OwnedContact| LoadedContact { law: &*contact.law, normal_load: contact.normal_load };
     Assembly { contacts: contacts.iter().map(attach).collect(), ..assembly.clone() }
 }
 
@@ -195,11 +195,7 @@ pub(super) fn varied_balance<'a>(
             Ok(Box::new(system))
         }
         Body::Beam(beam) => {
-            let contact = assembly.contacts.first();
-            let contact = contact.map(|AttachedContact { law, normal_load }| ContactOnBeam {
-                law: *law,
-                normal_load: *normal_load,
-            });
+            let contact = assembly.contacts.first().copied();
             let mut system =
                 Balance::new(beam, contact, &assembly.waveform, settings.harmonics, settings.method)?;
             if contact.is_some() {

@@ -5,7 +5,7 @@ use crate::harmonic::balance::beam::Balance;
 use crate::harmonic::balance::beam::guess;
 use crate::harmonic::newton::problem::{Condition, ConditionRow, Effort, Newton, Seen, Stopping};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
-use crate::harmonic::{ContactOnBeam, HarmonicError, Settings};
+use crate::harmonic::{HarmonicError, LoadedContact, Settings};
 use crate::system::ModalBeam;
 
 /// A periodic response at phase resonance: the excitation `F cos Ωt` is in phase with the first
@@ -58,7 +58,7 @@ impl Resonance {
 /// found even by following it from small amplitudes.
 pub fn phase_resonance(
     beam: &ModalBeam,
-    contact: Option<ContactOnBeam>,
+    contact: Option<LoadedContact>,
     acceleration_amplitude: f64,
     settings: &Settings,
     start: Option<&Resonance>,
@@ -73,7 +73,7 @@ pub fn phase_resonance(
 /// Those of the first level, from below, that fails.
 pub fn backbone(
     beam: &ModalBeam,
-    contact: Option<ContactOnBeam>,
+    contact: Option<LoadedContact>,
     acceleration_amplitudes: &[f64],
     settings: &Settings,
     starts: &[Resonance],
@@ -103,7 +103,7 @@ struct Solver<'a> {
 impl<'a> Solver<'a> {
     fn new(
         beam: &'a ModalBeam,
-        contact: Option<ContactOnBeam<'a>>,
+        contact: Option<LoadedContact<'a>>,
         settings: &Settings,
     ) -> Result<Self, HarmonicError> {
         settings.check()?;
@@ -186,7 +186,7 @@ impl Condition for InQuadrature {
         row: &mut ConditionRow,
     ) -> f64 {
         let factor = at.angular_frequency * at.angular_frequency / self.acceleration;
-        let value = factor * system.glance(self.node, 1)[self.part];
+        let value = factor * system.output(self.node, 1)[self.part];
         let mut weights = [0.0; 2];
         weights[self.part] = factor;
         row.seen = Some(Seen { node: self.node, order: 1, weights });

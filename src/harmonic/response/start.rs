@@ -14,11 +14,11 @@ const WEAK: f64 = 1e-3;
 const MOST_POINTS: usize = 400;
 /// Springs in front of contacts, in compliances of the structure there: the first leaves almost nothing of
 /// the contacts, beyond the last there is nothing left to be gained.
-const SOFTEST: f64 = 100.0;
-const STIFFEST: f64 = 1e-13;
+const LARGEST_COMPLIANCE: f64 = 100.0;
+const LEAST_COMPLIANCE: f64 = 1e-13;
 /// Newton steps for such a spring, and springs tried.
-const SOFT_ITERATIONS: usize = 10;
-const SOFT_STEPS: usize = 60;
+const HOMOTOPY_ITERATIONS: usize = 10;
+const HOMOTOPY_STEPS: usize = 60;
 /// Harmonics to begin with where all of them lead nowhere, and neighbouring frequencies, as ratios.
 const FEW: [usize; 4] = [11, 7, 3, 1];
 const NEIGHBOURS: [f64; 8] = [0.9, 1.1, 0.8, 1.3, 0.6, 1.6, 2.5, 0.4];
@@ -196,41 +196,41 @@ fn directly(
     if attempt(system, &mut x, settings.max_iterations) {
         return Ok(Some(x));
     }
-    if !system.soften(SOFTEST) {
+    if !system.compliance_homotopy(LARGEST_COMPLIANCE) {
         return Ok(None);
     }
     x.fill(0.0);
-    let mut here = attempt(system, &mut x, SOFT_ITERATIONS).then_some((SOFTEST, x));
+    let mut here = attempt(system, &mut x, HOMOTOPY_ITERATIONS).then_some((LARGEST_COMPLIANCE, x));
     let mut before: Option<(f64, Vec<f64>)> = None;
     let mut factor: f64 = 0.3;
     let mut found = None;
-    for _ in 0..SOFT_STEPS {
-        let Some((softness, x)) = &here else { break };
+    for _ in 0..HOMOTOPY_STEPS {
+        let Some((compliance, x)) = &here else { break };
         let mut whole = x.clone();
-        system.soften(0.0);
-        if attempt(system, &mut whole, SOFT_ITERATIONS) {
+        system.compliance_homotopy(0.0);
+        if attempt(system, &mut whole, HOMOTOPY_ITERATIONS) {
             found = Some(whole);
             break;
         }
-        let next = factor * softness;
-        if next < STIFFEST || factor > 0.99 {
+        let next = factor * compliance;
+        if next < LEAST_COMPLIANCE || factor > 0.99 {
             break;
         }
-        // Over the logarithm of the softness a response runs evenly.
+        // Over the logarithm of the compliance a response runs evenly.
         let mut ahead = x.clone();
         if let Some((last, y)) = &before {
-            let share = factor.ln() / (softness / last).ln();
+            let share = factor.ln() / (compliance / last).ln();
             ahead.iter_mut().zip(y).for_each(|(x, y)| *x += share * (*x - y));
         }
-        system.soften(next);
-        if attempt(system, &mut ahead, SOFT_ITERATIONS) {
+        system.compliance_homotopy(next);
+        if attempt(system, &mut ahead, HOMOTOPY_ITERATIONS) {
             before = here.replace((next, ahead));
             factor = (factor * factor.sqrt()).max(0.1);
         } else {
             factor = factor.sqrt();
         }
     }
-    system.soften(0.0);
+    system.compliance_homotopy(0.0);
     Ok(found)
 }
 

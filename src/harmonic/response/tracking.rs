@@ -66,7 +66,7 @@ pub struct TrackedCurve {
 /// ```
 /// use stickslip::contact::Jenkins;
 /// use stickslip::harmonic::{
-///     Assembly, AttachedContact, Body, CurveSettings, Followed, Tracking, track_levels,
+///     Assembly, LoadedContact, Body, CurveSettings, Followed, Tracking, track_levels,
 /// };
 /// use stickslip::model::{Anchor, Mass, Oscillator, Spring};
 /// let structure = Oscillator {
@@ -77,7 +77,7 @@ pub struct TrackedCurve {
 /// }
 /// .structure()?;
 /// let law = Jenkins::new(0.44, 0.1)?;
-/// let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+/// let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
 /// let assembly = Assembly::new(Body::Linear(&structure), contacts);
 /// let tracking = Tracking { followed: Followed::Peak, node: 0, angular_frequency: 1.1 };
 /// let levels = [0.001, 1.0, 100.0];
@@ -111,7 +111,7 @@ pub fn track_levels(
 /// ```
 /// use stickslip::contact::Jenkins;
 /// use stickslip::harmonic::{
-///     Assembly, AttachedContact, Body, CurveSettings, Followed, OwnedContact, Tracking, track_parameter,
+///     Assembly, LoadedContact, Body, CurveSettings, Followed, OwnedContact, Tracking, track_parameter,
 /// };
 /// use stickslip::model::{Anchor, Mass, Oscillator, Spring};
 /// let structure = Oscillator {
@@ -122,7 +122,7 @@ pub fn track_levels(
 /// }
 /// .structure()?;
 /// let law = Jenkins::new(0.44, 0.1)?;
-/// let contacts = vec![AttachedContact { law: &law, normal_load: 1.0 }];
+/// let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
 /// let assembly = Assembly::new(Body::Linear(&structure), contacts);
 /// let contact = |_, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.44, friction)?, 1.0));
 /// let tracking = Tracking { followed: Followed::Phase, node: 0, angular_frequency: 1.1 };

@@ -2,23 +2,27 @@
 
 use nalgebra::Complex;
 
-use super::Forcing;
+use super::SteadyProblem;
 use crate::harmonic::balance::beam::Balance;
 
 /// Modal coefficients, mode after mode, and coefficients of the contact's force (N) with which the linear part of the
 /// beam moves as measured: harmonic by harmonic the one force at the contact that explains the sensors best, by least
 /// squares. `motion` has displacement coefficients (m) of every sensor; where all are zero there is no force.
-pub(super) fn explained(balance: &Balance, forcing: &Forcing, motion: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+pub(super) fn explained(
+    balance: &Balance,
+    problem: &SteadyProblem,
+    motion: &[Vec<f64>],
+) -> (Vec<f64>, Vec<f64>) {
     let (beam, modes, count) = (balance.beam, balance.modes(), balance.count);
     let mut coefficients = vec![0.0; modes * count];
     let mut force = vec![0.0; balance.displacement.len()];
     for order in 1..=count / 2 {
-        let speed = order as f64 * forcing.angular_frequency;
+        let speed = order as f64 * problem.angular_frequency;
         let at = |values: &[f64]| match values.get(2 * order - 1..=2 * order) {
             Some(pair) => Complex::new(pair[0], -pair[1]),
             None => Complex::new(0.0, 0.0),
         };
-        let excitation = at(&forcing.coefficients);
+        let excitation = at(&problem.coefficients);
         let receptance: Vec<Complex<f64>> = beam
             .angular_frequency
             .iter()

@@ -6,10 +6,10 @@
 //! `r(x; p) = 0` the change with a parameter is `dx = −J⁻¹ ∂r/∂p dp`: one residual of the neighbour at the same x
 //! and the factors there are, no search.
 
-pub(crate) mod about;
+pub(crate) mod linearised;
 mod measured;
 
-use super::{ContactOnBeam, HarmonicError, Method, Settings};
+use super::{HarmonicError, LoadedContact, Method, Settings};
 use crate::harmonic::balance::beam::{Balance, Extent, Signals, Workspace};
 use crate::harmonic::newton::problem::{Newton, Stopping, length};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
@@ -36,18 +36,18 @@ const FAR_ITERATIONS: usize = 25;
 
 /// A beam with its contact.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Driven<'a> {
+pub(crate) struct ForcedBeam<'a> {
     pub beam: &'a ModalBeam,
-    pub contact: Option<ContactOnBeam<'a>>,
+    pub contact: Option<LoadedContact<'a>>,
     /// Coefficients `[c1, s1, …]` (N) of the normal load's swing over the period; empty where it is constant.
     pub load_swing: &'a [f64],
     /// Displacement (m) at which the contact that never moved has no force.
-    pub seat: f64,
+    pub static_offset: f64,
 }
 
 /// The excitation, and the discretisation of the response to it.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Forcing {
+pub(crate) struct SteadyProblem {
     /// Fundamental (rad/s).
     pub angular_frequency: f64,
     /// Coefficients `[a0, c1, s1, …]` (N), of the response's harmonics at most.
@@ -92,12 +92,12 @@ pub(crate) struct Steady<'a> {
 
 impl Signals {
     /// What any of them needs.
-    pub fn of_all(driven: Driven, neighbours: &[Driven]) -> Self {
-        neighbours.iter().fold(Self::of(driven.beam), |all, next| all.or(Self::of(next.beam)))
+    pub fn of_all(forced: ForcedBeam, neighbours: &[ForcedBeam]) -> Self {
+        neighbours.iter().fold(Self::of(forced.beam), |all, next| all.or(Self::of(next.beam)))
     }
 }
 
-impl Forcing {
+impl SteadyProblem {
     pub(super) fn operating(&self) -> Operating {
         Operating::forced(self.angular_frequency, 1.0)
     }
@@ -106,34 +106,34 @@ impl Forcing {
         Extent { harmonics: self.harmonics, contact: self.contact_harmonics, signals }
     }
 
-    /// `driven` in the workspace that another has left.
+    /// `forced` in the workspace that another has left.
     pub(super) fn balance<'a>(
         &self,
-        driven: Driven<'a>,
+        forced: ForcedBeam<'a>,
         signals: Signals,
         left: Option<Workspace>,
     ) -> Result<Balance<'a>, HarmonicError> {
         let extent = self.extent(signals);
-        let (beam, contact) = (driven.beam, driven.contact);
+        let (beam, contact) = (forced.beam, forced.contact);
         let mut balance = Balance::with(beam, contact, &self.coefficients, &extent, Method::Exact, left)?;
-        balance.swing_load(driven.load_swing);
-        balance.seat(driven.seat);
+        balance.swing_load(forced.load_swing);
+        balance.static_offset(forced.static_offset);
         Ok(balance)
     }
 
-    /// The response of `driven`, with unknowns that its `neighbours` have too: that near `start`, or without a start
+    /// The response of `forced`, with unknowns that its `neighbours` have too: that near `start`, or without a start
     /// one sought from nothing.
     ///
     /// # Errors
     /// [`HarmonicError`] where no solution was found.
     pub fn solve<'a>(
         &self,
-        driven: Driven<'a>,
-        neighbours: &[Driven],
+        forced: ForcedBeam<'a>,
+        neighbours: &[ForcedBeam],
         start: Option<&Start>,
     ) -> Result<Steady<'a>, HarmonicError> {
-        let signals = Signals::of_all(driven, neighbours);
-        let mut balance = self.balance(driven, signals, None)?;
+        let signals = Signals::of_all(forced, neighbours);
+        let mut balance = self.balance(forced, signals, None)?;
         let at = self.operating();
         let steady = |balance, unknowns| Steady::new(balance, unknowns, self);
         let mut family = Forced { angular_frequency: self.angular_frequency };
@@ -168,11 +168,11 @@ impl Forcing {
     /// [`HarmonicError`] for a beam or contact that cannot be balanced.
     pub fn start_at(
         &self,
-        driven: Driven,
+        forced: ForcedBeam,
         motion: &[Vec<f64>],
         left: &mut Option<Workspace>,
     ) -> Result<Start, HarmonicError> {
-        let mut balance = self.balance(driven, Signals::of(driven.beam), left.take())?;
+        let mut balance = self.balance(forced, Signals::of(forced.beam), left.take())?;
         let (coefficients, force) = explained(&balance, self, motion);
         let unknowns = balance.unknowns_of(&coefficients, &force);
         let start = Start::of(&balance, &unknowns, None);
@@ -226,10 +226,10 @@ impl Forcing {
 impl Start {
     fn of(balance: &Balance, unknowns: &[f64], factors: Option<(Signals, Factors)>) -> Self {
         let contact = unknowns[..balance.displacement.len()].to_vec();
-        let straight = balance.output(&balance.beam.contact_shape);
+        let straight = balance.displacement_along(&balance.beam.contact_shape);
         let shortening = straight.iter().zip(&balance.displacement).map(|(c, u)| c - u).collect();
-        let excitation = balance.output(&balance.beam.excitation_shape);
-        let string = balance.output(&balance.beam.string_stretch);
+        let excitation = balance.displacement_along(&balance.beam.excitation_shape);
+        let string = balance.displacement_along(&balance.beam.string_stretch);
         Self { contact, shortening, excitation, string, factors }
     }
 
@@ -251,10 +251,10 @@ impl Start {
         start
     }
 
-    /// Whether it has the harmonics of `forcing`.
-    pub fn fits(&self, forcing: &Forcing) -> bool {
-        self.contact.len() == coefficient_count(forcing.contact_harmonics)
-            && self.excitation.len() == coefficient_count(forcing.harmonics)
+    /// Whether it has the harmonics of `problem`.
+    pub fn fits(&self, problem: &SteadyProblem) -> bool {
+        self.contact.len() == coefficient_count(problem.contact_harmonics)
+            && self.excitation.len() == coefficient_count(problem.harmonics)
     }
 
     /// What a balance with `signals` calls its unknowns.
@@ -274,14 +274,14 @@ impl Start {
 }
 
 impl<'a> Steady<'a> {
-    fn new(balance: Balance<'a>, unknowns: Vec<f64>, forcing: &Forcing) -> Self {
-        let (at, factors) = (forcing.operating(), Factors::default());
+    fn new(balance: Balance<'a>, unknowns: Vec<f64>, problem: &SteadyProblem) -> Self {
+        let (at, factors) = (problem.operating(), Factors::default());
         Self { balance, unknowns, at, factors, current: false, sensors: Vec::new(), left: None }
     }
 
     /// Displacement coefficients (m) of every sensor, one after the other.
-    pub fn sensors(&mut self, forcing: &Forcing) -> Vec<f64> {
-        sensed(&mut self.balance, &self.at, forcing)
+    pub fn sensors(&mut self, problem: &SteadyProblem) -> Vec<f64> {
+        sensed(&mut self.balance, &self.at, problem)
     }
 
     /// The solution, to be found again without a step.
@@ -298,19 +298,23 @@ impl<'a> Steady<'a> {
 
     /// Change of [`Steady::sensors`] to first order when the beam and its contact become `neighbour`, one of those
     /// the response was solved for and very near to it.
-    pub fn change(&mut self, forcing: &Forcing, neighbour: Driven) -> Result<Vec<f64>, HarmonicError> {
+    pub fn change(
+        &mut self,
+        problem: &SteadyProblem,
+        neighbour: ForcedBeam,
+    ) -> Result<Vec<f64>, HarmonicError> {
         self.linearise()?;
         if self.sensors.is_empty() {
-            self.sensors = self.sensors(forcing);
+            self.sensors = self.sensors(problem);
         }
-        let mut other = forcing.balance(neighbour, self.balance.signals(), self.left.take())?;
+        let mut other = problem.balance(neighbour, self.balance.signals(), self.left.take())?;
         other.balance_alone(&self.unknowns, &self.at)?;
         let residuals = other.residual().iter().zip(self.balance.residual());
         let mut moved: Vec<f64> = residuals.map(|(there, here)| here - there).collect();
         self.factors.solve(&mut moved);
         moved.iter_mut().zip(&self.unknowns).for_each(|(step, x)| *step += x);
         other.balance_alone(&moved, &self.at)?;
-        let after = sensed(&mut other, &self.at, forcing);
+        let after = sensed(&mut other, &self.at, problem);
         self.left = Some(other.into_workspace());
         Ok(after.iter().zip(&self.sensors).map(|(after, before)| after - before).collect())
     }
@@ -340,7 +344,7 @@ pub(super) fn factored(
 }
 
 /// Displacement coefficients (m) of every sensor at the last evaluation.
-pub(super) fn sensed(balance: &mut Balance, at: &Operating, forcing: &Forcing) -> Vec<f64> {
-    let beyond = balance.beyond(at, forcing.sensed_harmonics);
+pub(super) fn sensed(balance: &mut Balance, at: &Operating, problem: &SteadyProblem) -> Vec<f64> {
+    let beyond = balance.beyond(at, problem.sensed_harmonics);
     balance.beam.sensors.iter().flat_map(|sensor| balance.output_with(&sensor.shape, &beyond)).collect()
 }

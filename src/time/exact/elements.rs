@@ -1,16 +1,7 @@
 //! The sliders of all contacts and the branch each one is on.
 
 use super::OscillatorError;
-use crate::contact::{ContactLaw, Slider};
-
-/// A contact law under a constant normal load, at a contact of a lumped oscillator.
-#[derive(Debug, Clone, Copy)]
-pub struct LoadedContact<'a> {
-    /// The law.
-    pub law: &'a dyn ContactLaw,
-    /// Normal load (N).
-    pub normal_load: f64,
-}
+use crate::contact::{LoadedContact, Slider};
 
 /// Linear piece of a slider's law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,10 +1,11 @@
 //! The exact motion of a lumped oscillator with piecewise-linear contacts, from event to event.
 
-use super::elements::{Element, LoadedContact, Memory, elements};
+use super::elements::{Element, Memory, elements};
 use super::passage::{Passage, RULE, widen};
 use super::polynomial::{self, DEGREE, Series};
 use super::system::{System, dot};
 use super::{Excitation, OscillatorError};
+use crate::contact::LoadedContact;
 use crate::system::LinearStructure;
 
 /// Moves a [`LinearStructure`] with piecewise-linear contacts under constant normal loads, exactly.

@@ -20,7 +20,7 @@ mod runge_kutta;
 mod shooting;
 pub(crate) mod system;
 
-pub use elements::LoadedContact;
+pub use crate::contact::LoadedContact;
 pub use error::OscillatorError;
 pub use excitation::Excitation;
 pub use flow::{OscillatorFlow, OscillatorMotion};

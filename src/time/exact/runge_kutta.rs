@@ -3,9 +3,10 @@
 
 use std::f64::consts::TAU;
 
-use super::elements::{Element, LoadedContact, elements};
+use super::elements::{Element, elements};
 use super::system::{System, dot};
 use super::{Excitation, OscillatorError};
+use crate::contact::LoadedContact;
 use crate::system::LinearStructure;
 
 /// A structure with piecewise-linear contacts whose sliders obey `ż = u̇` at the limit and outwards, `ż = 0`

@@ -3,8 +3,8 @@
 use super::steady::SteadyRecord;
 use super::{At, Known};
 use crate::harmonic::HarmonicError;
-use crate::harmonic::steady::Driven;
-use crate::harmonic::steady::about::About;
+use crate::harmonic::steady::ForcedBeam;
+use crate::harmonic::steady::linearised::Linearised;
 
 /// The record, and the model it was last predicted with: a fit that accepts a step asks for the derivatives there next.
 pub(super) struct LinearisedAtMeasurement {
@@ -14,7 +14,7 @@ pub(super) struct LinearisedAtMeasurement {
 
 struct Last {
     known: Known,
-    about: About,
+    about: Linearised,
     predictions: Vec<f64>,
 }
 
@@ -40,7 +40,7 @@ impl LinearisedAtMeasurement {
     pub fn linearise(
         &mut self,
         at: &At,
-        neighbours: &[Driven],
+        neighbours: &[ForcedBeam],
         predictions: &mut Vec<f64>,
         differences: &mut [Vec<f64>],
     ) -> Result<(), String> {
@@ -56,7 +56,7 @@ impl LinearisedAtMeasurement {
     }
 
     /// What was made of the model last time, if it serves; else made now.
-    fn at(&mut self, at: &At, others: &[Driven]) -> Result<Last, HarmonicError> {
+    fn at(&mut self, at: &At, others: &[ForcedBeam]) -> Result<Last, HarmonicError> {
         let driven = at.attached.driven();
         let mut left = None;
         if let Some(last) = self.last.take() {
@@ -67,7 +67,7 @@ impl LinearisedAtMeasurement {
         }
         let forcing = &self.record.forcing;
         let start = forcing.start_at(driven, &self.record.motion, &mut left)?;
-        let mut about = About::new(forcing, driven, others, &start, left)?;
+        let mut about = Linearised::new(forcing, driven, others, &start, left)?;
         let mut predictions = Vec::new();
         self.record.observe(&about.first_order(forcing, driven)?, &mut predictions);
         Ok(Last { known: at.known(), about, predictions })

@@ -12,8 +12,8 @@ use crate::contact::JointChanges;
 use crate::data::{Channel, Record, Regime};
 use crate::fit;
 use crate::fit::predict::simulation::{Direction, Seed, Simulation};
-use crate::harmonic::steady::{Driven, Start};
-use crate::harmonic::{self, ContactOnBeam, Method, Resonance, Settings};
+use crate::harmonic::steady::{ForcedBeam, Start};
+use crate::harmonic::{self, LoadedContact, Method, Resonance, Settings};
 use crate::model::{Beam, Model, Structure};
 use crate::system::ModalBeam;
 use crate::time::{self, BeamInputs, BeamIntegrator, Ramp, SensorReading};
@@ -73,13 +73,18 @@ impl Attached {
         Ok(Self { beam, law, normal_load, load_swing, seat: 0.0, joint })
     }
 
-    fn contact(&self) -> Option<ContactOnBeam<'_>> {
+    fn contact(&self) -> Option<LoadedContact<'_>> {
         let law = self.law.as_deref()?;
-        Some(ContactOnBeam { law, normal_load: self.normal_load })
+        Some(LoadedContact { law, normal_load: self.normal_load })
     }
 
-    pub fn driven(&self) -> Driven<'_> {
-        Driven { beam: &self.beam, contact: self.contact(), load_swing: &self.load_swing, seat: self.seat }
+    pub fn driven(&self) -> ForcedBeam<'_> {
+        ForcedBeam {
+            beam: &self.beam,
+            contact: self.contact(),
+            load_swing: &self.load_swing,
+            static_offset: self.seat,
+        }
     }
 }
 
@@ -254,7 +259,7 @@ impl Simulation for BeamSimulation<'_> {
             Task::Steady(_) | Task::LinearisedAtMeasurement(_) => neighbours()?,
             Task::Backbone(_) | Task::FromRest => Vec::new(),
         };
-        let neighbours: Vec<Driven> = neighbours.iter().map(Attached::driven).collect();
+        let neighbours: Vec<ForcedBeam> = neighbours.iter().map(Attached::driven).collect();
         derivatives.resize_with(directions.len(), Vec::new);
         let at = At { model, nuisances, attached: &attached };
         match &mut self.task {
@@ -317,7 +322,7 @@ fn from_rest(
     let acting = |from: usize, to: usize| BeamInputs {
         excitation: Ramp { start: force[from], end: force[to] },
         contact: match contact {
-            Some(ContactOnBeam { law, .. }) => {
+            Some(LoadedContact { law, .. }) => {
                 time::Contact::Friction { law, normal_load: Ramp { start: load(from), end: load(to) } }
             }
             None => time::Contact::Force(Ramp::held(0.0)),

@@ -10,7 +10,7 @@ use super::super::channels::derivative_order;
 use super::{At, Known};
 use crate::data::{Channel, Record};
 use crate::harmonic::HarmonicError;
-use crate::harmonic::steady::{Driven, Forcing, Start, Steady};
+use crate::harmonic::steady::{ForcedBeam, Start, Steady, SteadyProblem};
 use crate::harmonic::{common_periods, excited_harmonics};
 use crate::numeric::fourier;
 use crate::numeric::fourier::{coefficient_count, time_derivative};
@@ -34,7 +34,7 @@ const TOLERANCE: f64 = 1e-8;
 
 /// What does not change from one prediction of the record to the next.
 pub(super) struct SteadyRecord {
-    pub forcing: Forcing,
+    pub forcing: SteadyProblem,
     /// Periods of the excitation in the record.
     periods: usize,
     /// From spectral lines to samples.
@@ -78,7 +78,7 @@ impl SteadyRecord {
         let mut measured: Vec<f64> = values().flatten().copied().collect();
         measured.chunks_exact_mut(time.len()).for_each(remove_mean);
         let contact_harmonics = (harmonics + CONTACT_BEYOND).min(2 * harmonics);
-        let forcing = Forcing {
+        let forcing = SteadyProblem {
             angular_frequency,
             coefficients,
             harmonics,
@@ -128,7 +128,7 @@ impl SteadyRecord {
     pub fn linearise(
         &mut self,
         at: &At,
-        neighbours: &[Driven],
+        neighbours: &[ForcedBeam],
         predictions: &mut Vec<f64>,
         differences: &mut [Vec<f64>],
     ) -> Result<(), String> {
@@ -153,7 +153,7 @@ impl SteadyRecord {
     fn nearest<'m>(
         &self,
         at: &At<'m>,
-        others: &[Driven],
+        others: &[ForcedBeam],
         predictions: &mut Vec<f64>,
     ) -> Result<Steady<'m>, HarmonicError> {
         let driven = at.attached.driven();

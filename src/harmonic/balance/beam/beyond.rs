@@ -58,7 +58,7 @@ impl Balance<'_> {
     /// Coefficients of the displacement (m) up to harmonic `highest` where the modes have the values `shape`, of
     /// which those above H come from `beyond`.
     pub fn output_with(&self, shape: &[f64], beyond: &[Complex<f64>]) -> Vec<f64> {
-        let mut coefficients = self.output(shape);
+        let mut coefficients = self.displacement_along(shape);
         for modes in beyond.chunks_exact(shape.len()) {
             let moved: Complex<f64> = modes.iter().zip(shape).map(|(q, phi)| q * phi).sum();
             coefficients.extend([moved.re, -moved.im]);

@@ -34,7 +34,7 @@ impl Relief {
 
 impl Balance<'_> {
     /// Sets the damper (1/s, in the equation of the mode of unit mass).
-    pub fn relieve(&mut self, rate: f64) {
+    pub fn shift_damping(&mut self, rate: f64) {
         if let Some(relief) = &mut self.relief {
             let arm = self.beam.contact_shape[relief.mode];
             relief.damping = rate / (arm * arm);

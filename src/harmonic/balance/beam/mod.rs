@@ -39,7 +39,7 @@ use crate::harmonic::newton::Contacting;
 use crate::harmonic::newton::system::{Observation, Operating, PeriodicSystem, Scalar};
 use crate::harmonic::period::map::ContactMap;
 use crate::harmonic::period::{Cycle, PeriodicContact};
-use crate::harmonic::{ContactOnBeam, HarmonicError, Method, Point};
+use crate::harmonic::{HarmonicError, LoadedContact, Method, Point};
 use crate::numeric::HarmonicSet;
 use crate::numeric::extremum::Extremum;
 use crate::numeric::fourier::{coefficient_count, multiplication, work_per_cycle};
@@ -125,7 +125,7 @@ struct Matrices {
 #[derive(Debug)]
 pub(crate) struct Balance<'a> {
     pub beam: &'a ModalBeam,
-    pub contact: Option<ContactOnBeam<'a>>,
+    pub contact: Option<LoadedContact<'a>>,
     /// Coefficients per mode, `2H + 1`.
     pub count: usize,
     /// Modal coefficients of the last evaluation, coefficient after coefficient.
@@ -146,8 +146,8 @@ pub(crate) struct Balance<'a> {
     /// Swing of the normal load, as [`PeriodicContact::load_swing`].
     load_swing: Vec<f64>,
     /// Displacement (m) at which the contact that never moved has no force.
-    seat: f64,
-    /// Displacement (m) from the seat that the contact was last evaluated for.
+    static_offset: f64,
+    /// Displacement (m) from the static_offset that the contact was last evaluated for.
     evaluated: Vec<f64>,
     /// Coefficients of the contact force (N).
     force: Vec<f64>,
@@ -181,7 +181,7 @@ impl<'a> Balance<'a> {
     /// left out.
     pub fn new(
         beam: &'a ModalBeam,
-        contact: Option<ContactOnBeam<'a>>,
+        contact: Option<LoadedContact<'a>>,
         waveform: &[f64],
         harmonics: usize,
         method: Method,
@@ -193,7 +193,7 @@ impl<'a> Balance<'a> {
     /// As [`Balance::new`], with the coefficients of `extent`, in the workspace that another has left if that fits.
     pub fn with(
         beam: &'a ModalBeam,
-        contact: Option<ContactOnBeam<'a>>,
+        contact: Option<LoadedContact<'a>>,
         waveform: &[f64],
         extent: &Extent,
         method: Method,
@@ -241,7 +241,7 @@ impl<'a> Balance<'a> {
             relief: signals.mode.map(|mode| Relief::new(mode, count)),
             varied: None,
             load_swing: Vec::new(),
-            seat: 0.0,
+            static_offset: 0.0,
             evaluated: vec![0.0; wide],
             force: vec![0.0; wide],
             tension: vec![0.0; wide],
@@ -269,11 +269,11 @@ impl<'a> Balance<'a> {
         self.load_swing = coefficients.to_vec();
     }
 
-    /// Lets the contact that never moved have no force at the displacement `seat` (m). One that slips forgets it; one
+    /// Lets the contact that never moved have no force at the displacement `static_offset` (m). One that slips forgets it; one
     /// that sticks all through a steady state keeps the force it was left with, and the shortening makes that a load
     /// along the beam.
-    pub fn seat(&mut self, seat: f64) {
-        self.seat = seat;
+    pub fn static_offset(&mut self, static_offset: f64) {
+        self.static_offset = static_offset;
     }
 
     /// Number of modes.
@@ -317,10 +317,10 @@ impl<'a> Balance<'a> {
             unknowns.extend_from_slice(&self.shortening);
         }
         if self.signals.excitation {
-            unknowns.extend(self.output(&self.beam.excitation_shape));
+            unknowns.extend(self.displacement_along(&self.beam.excitation_shape));
         }
         if self.signals.string {
-            unknowns.extend(self.output(&self.beam.string_stretch));
+            unknowns.extend(self.displacement_along(&self.beam.string_stretch));
         }
         unknowns.extend(self.relieved_mode());
         unknowns
@@ -396,7 +396,7 @@ impl<'a> Balance<'a> {
         let Some((law, normal_load)) = attached(&self.contact, &self.varied) else { return Ok(()) };
         let contact = PeriodicContact { law, normal_load, load_swing: &self.load_swing, compliance: series };
         self.evaluated.copy_from_slice(u);
-        self.evaluated[0] -= self.seat;
+        self.evaluated[0] -= self.static_offset;
         if alone {
             let set = HarmonicSet::full(self.wide / 2);
             return self.cycle.force_alone(
@@ -530,12 +530,12 @@ impl<'a> Balance<'a> {
             rest.zip(&self.shortening).for_each(|((r, x), h)| *r = x - h);
         }
         if self.signals.excitation {
-            let found = self.output(&self.beam.excitation_shape);
+            let found = self.displacement_along(&self.beam.excitation_shape);
             let rest = self.residual[excitation..].iter_mut().zip(&x[excitation..]);
             rest.zip(&found).for_each(|((r, x), y)| *r = x - y);
         }
         if self.signals.string {
-            let found = self.output(&self.beam.string_stretch);
+            let found = self.displacement_along(&self.beam.string_stretch);
             let rest = self.residual[string..].iter_mut().zip(&x[string..]);
             rest.zip(&found).for_each(|((r, x), y)| *r = x - y);
         }
@@ -552,7 +552,7 @@ impl<'a> Balance<'a> {
     }
 
     /// Coefficients of the displacement (m) where the modes have the values `shape`.
-    pub fn output(&self, shape: &[f64]) -> Vec<f64> {
+    pub fn displacement_along(&self, shape: &[f64]) -> Vec<f64> {
         let dot = |q: &[f64]| q.iter().zip(shape).map(|(q, phi)| q * phi).sum();
         self.q.chunks_exact(self.modes()).map(dot).collect()
     }
@@ -569,8 +569,9 @@ impl<'a> Balance<'a> {
             }
         }
         let drag = self.drag.as_ref();
-        let drag =
-            drag.map_or(0.0, |drag| work_per_cycle(&drag.force, &self.output(&self.beam.excitation_shape)));
+        let drag = drag.map_or(0.0, |drag| {
+            work_per_cycle(&drag.force, &self.displacement_along(&self.beam.excitation_shape))
+        });
         std::f64::consts::PI * sum + drag
     }
 }

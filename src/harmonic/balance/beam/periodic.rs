@@ -40,7 +40,7 @@ impl PeriodicSystem for Balance<'_> {
         &self.by[scalar.index()]
     }
 
-    fn glance(&mut self, node: usize, order: usize) -> [f64; 2] {
+    fn output(&mut self, node: usize, order: usize) -> [f64; 2] {
         let (modes, shape) = (self.modes(), self.output_shape(node));
         let seen = |place: usize| -> f64 {
             let q = &self.q[place * modes..(place + 1) * modes];
@@ -167,7 +167,7 @@ impl PeriodicSystem for Balance<'_> {
 
     fn describe(&mut self, x: &[f64], at: &Operating) -> Result<Point, HarmonicError> {
         let nodes: Vec<Vec<f64>> =
-            (0..self.nodes()).map(|node| self.output(self.output_shape(node))).collect();
+            (0..self.nodes()).map(|node| self.displacement_along(self.output_shape(node))).collect();
         let contacts = match &self.contact {
             None => Vec::new(),
             Some(_) => {
@@ -181,7 +181,7 @@ impl PeriodicSystem for Balance<'_> {
                 }]
             }
         };
-        let driven = self.output(&self.beam.excitation_shape);
+        let driven = self.displacement_along(&self.beam.excitation_shape);
         Ok(Point {
             angular_frequency: at.angular_frequency,
             level: at.level,

@@ -55,7 +55,7 @@ impl ContactLaw for Damper {
 fn jacobian_error(law: &dyn ContactLaw, size: f64) -> f64 {
     const SCALARS: [Scalar; 3] = [Scalar::AngularFrequency, Scalar::Level, Scalar::SelfExcitation];
     let beam = beam();
-    let contact = ContactOnBeam { law, normal_load: 100.0 };
+    let contact = LoadedContact { law, normal_load: 100.0 };
     let mut balance =
         Balance::new(&beam, Some(contact), &[0.0, 30.0, 5.0], 3, Method::Sampled { samples: 64 }).unwrap();
     balance.equations.derivative_error = 1e-10;
@@ -130,7 +130,7 @@ fn jacobian_equals_central_differences() {
 fn loop_of(law: &dyn ContactLaw, load: f64, amplitude: f64, samples: usize) -> f64 {
     let mut beam = beam();
     beam.axial_flexibility = 0.0;
-    let contact = ContactOnBeam { law, normal_load: load };
+    let contact = LoadedContact { law, normal_load: load };
     let mut balance = Balance::new(&beam, Some(contact), &[], 2, Method::Sampled { samples }).unwrap();
     balance.displacement[2] = amplitude;
     let u = balance.displacement.clone();

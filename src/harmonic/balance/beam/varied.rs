@@ -3,7 +3,7 @@
 use super::Balance;
 use crate::contact::ContactLaw;
 use crate::harmonic::balance::variation::{Rebuild, differentiate};
-use crate::harmonic::{ContactOnBeam, HarmonicError};
+use crate::harmonic::{HarmonicError, LoadedContact};
 
 /// The contact as it is made of the parameter's value.
 pub(super) struct Varied<'a> {
@@ -26,7 +26,7 @@ impl std::fmt::Debug for Varied<'_> {
 
 /// The contact there is.
 pub(super) fn attached<'l>(
-    given: &'l Option<ContactOnBeam>,
+    given: &'l Option<LoadedContact>,
     varied: &'l Option<Varied>,
 ) -> Option<(&'l dyn ContactLaw, f64)> {
     match varied.as_ref().and_then(|varied| varied.built.as_ref()) {

@@ -3,7 +3,7 @@
 use crate::contact::ContactLaw;
 use crate::harmonic::HarmonicError;
 use crate::harmonic::balance::variation::{Rebuild, differentiate};
-use crate::harmonic::period::damping_shift::RelievedMap;
+use crate::harmonic::period::damping_shift::ShiftedMap;
 use crate::harmonic::period::{Cycle, PeriodicContact};
 
 pub(super) enum Law<'a> {
@@ -26,20 +26,22 @@ pub(super) struct Attached<'a> {
     /// Least size of the parameter, by which steps of it are measured.
     pub least: f64,
     /// Compliance (m/N) of a spring in front of the contact, on the way to a start.
-    pub softening: f64,
+    pub homotopy_compliance: f64,
     /// Whether the harmonics kept ask for an odd law.
     pub odd: bool,
-    pub cycle: RelievedMap,
+    pub cycle: ShiftedMap,
     /// The same contact on twice the harmonics, to see what the set leaves out.
-    pub wide: Option<RelievedMap>,
+    pub wide: Option<ShiftedMap>,
     /// ∂force/∂parameter on the set.
     pub by_parameter: Vec<f64>,
 }
 
 impl Attached<'_> {
     pub fn evaluate(&mut self, angular_frequency: f64, u: &[f64]) -> Result<(), HarmonicError> {
-        let contact =
-            PeriodicContact { compliance: self.softening, ..contact_of(&self.law, self.normal_load) };
+        let contact = PeriodicContact {
+            compliance: self.homotopy_compliance,
+            ..contact_of(&self.law, self.normal_load)
+        };
         self.cycle.evaluate(&contact, angular_frequency, u)
     }
 

@@ -19,12 +19,13 @@ use nalgebra::DMatrix;
 
 use attached::{Attached, Law, contact_of};
 
-use super::assembly::{Assembly, AttachedContact, Body, CurveSettings};
+use super::assembly::{Assembly, Body, CurveSettings};
 use super::transfer::{Of, Transfer, add_product};
 use super::variation::Rebuild;
+use crate::contact::LoadedContact;
 use crate::harmonic::newton::system::{Observation, Operating, PeriodicSystem, Scalar};
 use crate::harmonic::period::Cycle;
-use crate::harmonic::period::damping_shift::RelievedMap;
+use crate::harmonic::period::damping_shift::ShiftedMap;
 use crate::harmonic::stability::Undecided;
 use crate::harmonic::{HarmonicError, Method, Point};
 use crate::numeric::HarmonicSet;
@@ -39,7 +40,7 @@ pub(crate) struct Condensed<'a> {
     waveform: Vec<f64>,
     method: Method,
     /// Damper (N s/m) that the structure has taken over from every contact.
-    relief: f64,
+    damping_shift: f64,
     odd: bool,
     set: HarmonicSet,
     wide: HarmonicSet,
@@ -93,7 +94,7 @@ impl<'a> Condensed<'a> {
 
     fn with_set(
         structure: &'a LinearStructure,
-        contacts: &[AttachedContact<'a>],
+        contacts: &[LoadedContact<'a>],
         waveform: &[f64],
         odd: bool,
         settings: &CurveSettings,
@@ -103,14 +104,14 @@ impl<'a> Condensed<'a> {
         seen.outputs.push(Output { name: String::new(), row: structure.excitation.clone() });
         let receptance = Receptance::new(&seen)?;
         let set = set_of(odd, settings.harmonics);
-        let attach = |contact: &AttachedContact<'a>| Attached {
+        let attach = |contact: &LoadedContact<'a>| Attached {
             law: Law::Given(contact.law),
             normal_load: contact.normal_load,
             rebuild: None,
             least: 0.0,
-            softening: 0.0,
+            homotopy_compliance: 0.0,
             odd,
-            cycle: RelievedMap::new(set, settings.method, 0.0),
+            cycle: ShiftedMap::new(set, settings.method, 0.0),
             wide: None,
             by_parameter: Vec::new(),
         };
@@ -120,7 +121,7 @@ impl<'a> Condensed<'a> {
             contacts: contacts.iter().map(attach).collect(),
             waveform: waveform.to_vec(),
             method: settings.method,
-            relief: 0.0,
+            damping_shift: 0.0,
             odd,
             set,
             wide: set,
@@ -157,10 +158,10 @@ impl<'a> Condensed<'a> {
 
     /// Takes a damper (N s/m) from every contact that the structure has been given there, so that compliances
     /// are finite at free vibrations.
-    pub fn relieve(&mut self, damping: f64) {
-        self.relief = damping;
+    pub fn shift_damping(&mut self, damping: f64) {
+        self.damping_shift = damping;
         for contact in &mut self.contacts {
-            contact.cycle = RelievedMap::new(self.set, self.method, damping);
+            contact.cycle = ShiftedMap::new(self.set, self.method, damping);
             contact.wide = None;
         }
     }
@@ -355,7 +356,7 @@ impl<'a> Condensed<'a> {
     }
 
     /// Coefficients `[a0, c1, s1, …]` of an output row (contacts first) at the last evaluation.
-    fn output(&self, row: usize) -> Vec<f64> {
+    fn coefficients_of(&self, row: usize) -> Vec<f64> {
         let mut out = vec![0.0; 2 * self.set.highest() + 1];
         for (k, (order, place)) in self.orders.iter().enumerate() {
             let span = span(*order, *place);
@@ -397,7 +398,7 @@ impl PeriodicSystem for Condensed<'_> {
         &self.by[scalar.index()]
     }
 
-    fn glance(&mut self, node: usize, order: usize) -> [f64; 2] {
+    fn output(&mut self, node: usize, order: usize) -> [f64; 2] {
         self.seen(node, order)
     }
 
@@ -425,7 +426,7 @@ impl PeriodicSystem for Condensed<'_> {
         self.rounding_about(at)
     }
 
-    fn soften(&mut self, compliances: f64) -> bool {
+    fn compliance_homotopy(&mut self, compliances: f64) -> bool {
         let p = self.contacts.len();
         for (i, contact) in self.contacts.iter_mut().enumerate() {
             // The largest at the harmonics of the last evaluation.
@@ -433,7 +434,7 @@ impl PeriodicSystem for Condensed<'_> {
                 let [re, im] = self.at_contacts.get(k, Of::Value, i, i);
                 re.hypot(im)
             });
-            contact.softening = compliances * own.fold(0.0, f64::max);
+            contact.homotopy_compliance = compliances * own.fold(0.0, f64::max);
         }
         p > 0
     }
@@ -489,7 +490,7 @@ impl PeriodicSystem for Condensed<'_> {
         self.set = new;
         let method = method_on(self.method, new);
         for contact in &mut self.contacts {
-            contact.cycle = RelievedMap::new(new, method, self.relief);
+            contact.cycle = ShiftedMap::new(new, method, self.damping_shift);
         }
         self.reserve();
         Ok(true)

@@ -4,7 +4,7 @@ use super::{Condensed, compliance_derivative, contact_of, full_place, method_on,
 use crate::harmonic::balance::transfer::{Of, add_product};
 use crate::harmonic::newton::Contacting;
 use crate::harmonic::newton::system::{Observation, Operating, Scalar};
-use crate::harmonic::period::damping_shift::RelievedMap;
+use crate::harmonic::period::damping_shift::ShiftedMap;
 use crate::harmonic::period::{Cycle, PeriodicContact};
 use crate::harmonic::stability::{Undecided, decide};
 use crate::harmonic::{HarmonicError, Point};
@@ -83,9 +83,9 @@ impl Condensed<'_> {
         self.everywhere.evaluate(&mut self.receptance, at)?;
         let (p, set) = (self.contacts.len(), self.set);
         let full = HarmonicSet::full(set.highest());
-        let nodes: Vec<Vec<f64>> = (0..self.nodes).map(|node| self.output(p + node)).collect();
+        let nodes: Vec<Vec<f64>> = (0..self.nodes).map(|node| self.coefficients_of(p + node)).collect();
         let amplitude = nodes.iter().map(|node| self.extremum.of(node).1).collect();
-        let driven = self.output(p + self.nodes);
+        let driven = self.coefficients_of(p + self.nodes);
         let waveform = &self.waveform[..self.waveform.len().min(driven.len())];
         let work = at.level * work_per_cycle(waveform, &driven);
         let contacting = |(contact, u): (&mut super::Attached, &[f64])| {
@@ -120,7 +120,7 @@ impl Condensed<'_> {
 
     /// Whether the response lasts. A free vibration sustained by its artificial damping is no response.
     pub(super) fn lasts(&self, point: &Point) -> Result<bool, Undecided> {
-        if self.relief != 0.0 {
+        if self.damping_shift != 0.0 {
             return Err(Undecided::NoResponse);
         }
         let contacts: Vec<LoadedContact> = self
@@ -322,8 +322,8 @@ impl Condensed<'_> {
         for (j, contact) in self.contacts.iter_mut().enumerate() {
             let attached = contact_of(&contact.law, contact.normal_load);
             let set = self.wide;
-            let (method, relief) = (method_on(self.method, set), self.relief);
-            let cycle = contact.wide.get_or_insert_with(|| RelievedMap::new(set, method, relief));
+            let (method, damping_shift) = (method_on(self.method, set), self.damping_shift);
+            let cycle = contact.wide.get_or_insert_with(|| ShiftedMap::new(set, method, damping_shift));
             let u = &self.scratch.wide[j * wide..(j + 1) * wide];
             let into = &mut self.scratch.kept[j * width..(j + 1) * width];
             cycle.force_alone(&attached, at.angular_frequency, u, self.set, into)?;

@@ -46,7 +46,7 @@ fn derivatives_equal_central_differences() {
     let structure = structure();
     let pairs: [[&dyn ContactLaw; 2]; 2] = [[&jenkins, &valanis], [&stop, &jenkins]];
     for laws in pairs {
-        let contacts = laws.map(|law| AttachedContact { law, normal_load: 1.0 }).to_vec();
+        let contacts = laws.map(|law| LoadedContact { law, normal_load: 1.0 }).to_vec();
         let assembly = Assembly::new(Body::Linear(&structure), contacts);
         let settings = CurveSettings { harmonics: 3, ..CurveSettings::default() };
         let mut system = Condensed::new(&assembly, &settings).unwrap();
@@ -109,7 +109,7 @@ fn derivatives_equal_central_differences() {
 fn derivatives_along_a_direction_are_those_of_the_outputs() {
     let structure = structure();
     let jenkins = Jenkins::new(0.8, 0.2).unwrap();
-    let contacts = vec![AttachedContact { law: &jenkins, normal_load: 1.0 }; 2];
+    let contacts = vec![LoadedContact { law: &jenkins, normal_load: 1.0 }; 2];
     let assembly = Assembly::new(Body::Linear(&structure), contacts);
     let settings = CurveSettings { harmonics: 5, ..CurveSettings::default() };
     let mut system = Condensed::new(&assembly, &settings).unwrap();

@@ -7,7 +7,7 @@
 //! Sliders with unequal limits can remember their first loading for ever, for it happened against other forces
 //! behind the spring. Of turning points of equal magnitude the first in phase is then loaded to.
 
-use super::integrals::{Ledger, Piece, Source};
+use super::integrals::{Piece, PiecewiseForceIntegrals, Source};
 use super::{Path, Reach, Record, Region};
 use crate::contact::Slider;
 use crate::harmonic::period::motion::Motion;
@@ -70,7 +70,7 @@ pub(super) struct Bundle {
 
 /// Where a recorded period goes to.
 pub(super) struct Books<'a> {
-    pub ledger: &'a mut Ledger,
+    pub integrals: &'a mut PiecewiseForceIntegrals,
     pub record: &'a mut Record,
     pub motion: &'a Motion,
 }
@@ -90,8 +90,11 @@ impl Total {
 
     /// The force over the displacement of contact and spring together.
     fn piece(&self, compliance: f64) -> Piece {
-        let softening = 1.0 / (1.0 + compliance * self.stiffness);
-        Piece { stiffness: softening * self.stiffness, constant: softening * self.constant }
+        let homotopy_compliance = 1.0 / (1.0 + compliance * self.stiffness);
+        Piece {
+            stiffness: homotopy_compliance * self.stiffness,
+            constant: homotopy_compliance * self.constant,
+        }
     }
 }
 
@@ -131,17 +134,17 @@ impl Bundle {
             self.start_leg(path, leg);
             let after = self.total.piece(compliance);
             books.record.force[leg] += after.force(path.points[leg].value);
-            books.ledger.turn(leg, (before, Source::NONE), (after, Source::NONE));
-            self.book_pulls(books.ledger, Some(leg));
+            books.integrals.turn(leg, (before, Source::NONE), (after, Source::NONE));
+            self.book_pulls(books.integrals, Some(leg));
             self.leg(path, leg, Some(books));
             before = self.total.piece(compliance);
             self.remember_pulls();
             self.arrive(path, leg + 1);
         }
-        books.ledger.turn(sources, (before, Source::NONE), (Piece::NONE, Source::NONE));
+        books.integrals.turn(sources, (before, Source::NONE), (Piece::NONE, Source::NONE));
         self.total.pulls.fill(0.0);
         self.total.stiffness = 0.0;
-        self.book_pulls(books.ledger, Some(sources));
+        self.book_pulls(books.integrals, Some(sources));
         self.solve_contact(sources);
         true
     }
@@ -293,8 +296,8 @@ impl Bundle {
                 books.record.loose.push((member.loose_since, phase));
             }
             member.loose_since = phase;
-            books.ledger.change(phase, before, self.total.piece(self.compliance));
-            self.book_pulls(books.ledger, None);
+            books.integrals.change(phase, before, self.total.piece(self.compliance));
+            self.book_pulls(books.integrals, None);
             passed += 1;
         }
         for member in self.members.iter().filter(|member| play(member) || member.slip.is_some()) {
@@ -305,21 +308,21 @@ impl Bundle {
 
     /// The pulls left of a change, softened by the spring.
     fn remember_pulls(&mut self) {
-        let softening = 1.0 / (1.0 + self.compliance * self.total.stiffness);
+        let homotopy_compliance = 1.0 / (1.0 + self.compliance * self.total.stiffness);
         for (before, pull) in self.before.iter_mut().zip(&self.total.pulls) {
-            *before = softening * pull;
+            *before = homotopy_compliance * pull;
         }
     }
 
     /// Writes the change of the pulls since they were remembered, at a turning point or at the last change.
-    fn book_pulls(&mut self, ledger: &mut Ledger, turning: Option<usize>) {
-        let softening = 1.0 / (1.0 + self.compliance * self.total.stiffness);
+    fn book_pulls(&mut self, integrals: &mut PiecewiseForceIntegrals, turning: Option<usize>) {
+        let homotopy_compliance = 1.0 / (1.0 + self.compliance * self.total.stiffness);
         for (index, (before, pull)) in self.before.iter().zip(&self.total.pulls).enumerate() {
             let source = Source { index, sign: 1.0 };
-            let change = before - softening * pull;
+            let change = before - homotopy_compliance * pull;
             match turning {
-                Some(point) => ledger.pull_at_turn(point, source, change),
-                None => ledger.pull(source, change),
+                Some(point) => integrals.pull_at_turn(point, source, change),
+                None => integrals.pull(source, change),
             }
         }
     }

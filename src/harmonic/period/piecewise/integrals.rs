@@ -67,7 +67,7 @@ struct Other {
 
 /// The list, and the sums it makes up.
 #[derive(Debug, Default)]
-pub(super) struct Ledger {
+pub(super) struct PiecewiseForceIntegrals {
     changes: Vec<Change>,
     pulls: Vec<Pull>,
     /// Pulls at the turning points: `turning points × sources`.
@@ -83,7 +83,7 @@ pub(super) struct Ledger {
     other: Option<Other>,
 }
 
-impl Ledger {
+impl PiecewiseForceIntegrals {
     pub fn new(set: HarmonicSet) -> Self {
         let by_stiffness = Waves::product(set, set);
         let by_constant = Waves::single(set);

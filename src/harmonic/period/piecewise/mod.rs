@@ -16,7 +16,7 @@ use crate::contact::Slider;
 use crate::harmonic::HarmonicError;
 use crate::numeric::HarmonicSet;
 use bundle::{Books, Bundle, MOST_ROUNDS};
-use integrals::{Ledger, Piece, Source};
+use integrals::{Piece, PiecewiseForceIntegrals, Source};
 
 /// Rounds after which the state must repeat; one is enough for sliders on their own.
 const MAX_ROUNDS: usize = 20;
@@ -36,7 +36,7 @@ pub(crate) struct PiecewiseCycle {
     motion: Motion,
     turnings: Vec<Turning>,
     path: Path,
-    ledger: Ledger,
+    integrals: PiecewiseForceIntegrals,
     bundle: Bundle,
     record: Record,
     compliance: f64,
@@ -212,14 +212,14 @@ impl PiecewiseCycle {
             motion: Motion::default(),
             turnings: Vec::new(),
             path: Path::default(),
-            ledger: Ledger::new(set),
+            integrals: PiecewiseForceIntegrals::new(set),
             bundle: Bundle::default(),
             record: Record::default(),
             compliance: 0.0,
         }
     }
 
-    /// The motion of a slider on its own over the period, to the ledger.
+    /// The motion of a slider on its own over the period, to the integrals.
     fn run(&mut self, reach: &Reach) {
         let (mut position, mut source) = periodic_position(reach, &self.path);
         let mut before = (Piece::NONE, Source::NONE);
@@ -229,7 +229,7 @@ impl PiecewiseCycle {
             let mut region = reach.region(position, from.value, rising);
             let mut piece = reach.piece(region, position);
             self.record.force[leg] += piece.force(from.value);
-            self.ledger.turn(leg, before, (piece, source));
+            self.integrals.turn(leg, before, (piece, source));
             let mut apart_since = from.phase;
             while let Some((next, end)) = reach.next(region, rising) {
                 let target = position + end;
@@ -238,8 +238,8 @@ impl PiecewiseCycle {
                 }
                 let phase = self.motion.phase_of(target, &from, &to);
                 let after = reach.piece(next, position);
-                self.ledger.change(phase, piece, after);
-                self.ledger.pull(source, piece.stiffness - after.stiffness);
+                self.integrals.change(phase, piece, after);
+                self.integrals.pull(source, piece.stiffness - after.stiffness);
                 if next == Region::Play {
                     apart_since = phase;
                 } else {
@@ -259,8 +259,8 @@ impl PiecewiseCycle {
                 };
                 let phase = self.motion.phase_of(position + end, &from, &to);
                 let slip = Piece { stiffness: 0.0, constant: limit };
-                self.ledger.change(phase, piece, slip);
-                self.ledger.pull(source, piece.stiffness);
+                self.integrals.change(phase, piece, slip);
+                self.integrals.pull(source, piece.stiffness);
                 self.record.loose.push((phase, to.phase));
                 self.record.dissipated_energy += limit * (followed - position);
                 piece = slip;
@@ -271,7 +271,7 @@ impl PiecewiseCycle {
                 before = (piece, source);
             }
         }
-        self.ledger.turn(self.path.points.len() - 1, before, (Piece::NONE, Source::NONE));
+        self.integrals.turn(self.path.points.len() - 1, before, (Piece::NONE, Source::NONE));
     }
 
     /// Follows the contact through the period and keeps the books; at rest they are complete.
@@ -292,10 +292,10 @@ impl PiecewiseCycle {
             self.rest();
             return Ok(Followed::AtRest);
         }
-        self.ledger.start(&self.path.points);
+        self.integrals.start(&self.path.points);
         if contact.compliance != 0.0 && self.sliders.len() > 1 {
-            let Self { bundle, sliders, path, ledger, record, motion, .. } = self;
-            if !bundle.run(sliders, contact.compliance, path, &mut Books { ledger, record, motion }) {
+            let Self { bundle, sliders, path, integrals, record, motion, .. } = self;
+            if !bundle.run(sliders, contact.compliance, path, &mut Books { integrals, record, motion }) {
                 return Err(HarmonicError::ContactNotPeriodic { cycles: MOST_ROUNDS });
             }
             return Ok(Followed::Together);
@@ -379,7 +379,7 @@ impl Cycle for PiecewiseCycle {
         };
         let contact_by_points = together.then_some(self.bundle.by_points.as_slice());
         let (force, jacobian) = (&mut self.force, &mut self.jacobian);
-        self.ledger.integrate(self.set, self.path.share(), u, contact_by_points, force, jacobian);
+        self.integrals.integrate(self.set, self.path.share(), u, contact_by_points, force, jacobian);
         Ok(())
     }
 
@@ -414,7 +414,7 @@ impl Cycle for PiecewiseCycle {
         if self.path.points.is_empty() {
             self.set.convert(&self.force, set, out);
         } else {
-            self.ledger.force_on(set, self.set, self.path.share(), &self.displacement, out);
+            self.integrals.force_on(set, self.set, self.path.share(), &self.displacement, out);
         }
     }
 

@@ -355,8 +355,8 @@ impl SampledCycle {
             add_scaled(row, *weight, source);
         }
         // … the spring gives way: dT (1 + a ∂T/∂u) is what was summed …
-        let softening = 1.0 / (1.0 + compliance * stiffness);
-        row.iter_mut().for_each(|r| *r *= softening);
+        let homotopy_compliance = 1.0 / (1.0 + compliance * stiffness);
+        row.iter_mut().for_each(|r| *r *= homotopy_compliance);
         if let Some(column) = column {
             self.sensitivity.as_mut_slice()[column * columns..(column + 1) * columns].copy_from_slice(row);
         }

@@ -150,10 +150,10 @@ impl Chain {
         self.states[..self.n].copy_from_slice(&self.next);
         self.force_scale = response.force.abs();
         contact.law.state_tangents(&self.virgin, inputs, &mut self.tangents);
-        let softening = 1.0 / (1.0 + contact.compliance * response.tangents.displacement);
+        let homotopy_compliance = 1.0 / (1.0 + contact.compliance * response.tangents.displacement);
         let columns = self.points + self.n;
         for i in 0..self.n {
-            self.sensitivities[i * columns] = self.tangents.next_by_displacement[i] * softening;
+            self.sensitivities[i * columns] = self.tangents.next_by_displacement[i] * homotopy_compliance;
         }
     }
 
@@ -204,8 +204,8 @@ impl Chain {
         for (weight, source) in self.tangents.force_by_state.iter().zip(before.chunks_exact(columns)) {
             add_scaled(row, *weight, source);
         }
-        let softening = 1.0 / (1.0 + contact.compliance * stiffness);
-        row.iter_mut().for_each(|r| *r *= softening);
+        let homotopy_compliance = 1.0 / (1.0 + contact.compliance * stiffness);
+        row.iter_mut().for_each(|r| *r *= homotopy_compliance);
         self.force_by_start[j * n..(j + 1) * n].copy_from_slice(&row[points..]);
         row.iter_mut().for_each(|r| *r *= -contact.compliance);
         row[ahead] += 1.0;

@@ -323,14 +323,14 @@ impl SmoothCycle {
                 contact.law.state_tangents(state, inputs, &mut self.tangents);
                 response
             };
-            let softening = 1.0 / (1.0 + contact.compliance * response.tangents.displacement);
+            let homotopy_compliance = 1.0 / (1.0 + contact.compliance * response.tangents.displacement);
             node.force = response.force;
-            node.stiffness = softening * response.tangents.displacement;
+            node.stiffness = homotopy_compliance * response.tangents.displacement;
             before = (node.force, node.stiffness, displacement);
-            node.damping = softening * response.tangents.velocity;
+            node.damping = homotopy_compliance * response.tangents.velocity;
             node.stuck = response.slip_state == SlipState::Stick;
             for (to, from) in by_state.iter_mut().zip(&self.tangents.force_by_state) {
-                *to = softening * from;
+                *to = homotopy_compliance * from;
             }
         }
     }

@@ -3,7 +3,7 @@
 use stickslip::contact::ContactLaw;
 use stickslip::document::suggestion;
 use stickslip::effects::{Location, Needs};
-use stickslip::harmonic::{Assembly, AttachedContact, Body};
+use stickslip::harmonic::{Assembly, Body, LoadedContact};
 use stickslip::model::{Model, Structure};
 use stickslip::system::{LinearStructure, ModalBeam};
 use stickslip_report::responses::Losses;
@@ -98,7 +98,7 @@ impl Setup {
         let contacts = self
             .contacts
             .iter()
-            .map(|(law, normal_load)| AttachedContact { law: law.as_ref(), normal_load: *normal_load })
+            .map(|(law, normal_load)| LoadedContact { law: law.as_ref(), normal_load: *normal_load })
             .collect();
         Assembly { body, contacts, waveform: vec![0.0, 1.0, 0.0] }
     }

@@ -2,7 +2,7 @@
 
 use stickslip::contact::Jenkins;
 use stickslip::harmonic::{
-    Assembly, AttachedContact, Body, Control, Curve, CurveSettings, Peak, Point, frequency_response,
+    Assembly, Body, Control, Curve, CurveSettings, LoadedContact, Peak, Point, frequency_response,
     periodic_response,
 };
 use stickslip::model::{Model, Oscillator, Structure};
@@ -137,7 +137,7 @@ impl System {
     }
 
     fn under<'a>(&'a self, law: &'a Jenkins) -> Assembly<'a> {
-        let contacts = vec![AttachedContact { law, normal_load: self.normal_load }];
+        let contacts = vec![LoadedContact { law, normal_load: self.normal_load }];
         Assembly { body: Body::Linear(&self.structure), contacts, waveform: vec![0.0, 1.0, 0.0] }
     }
 }

@@ -1,7 +1,7 @@
 //! Beams to first order about a motion that need not be a response of theirs: one step of Newton's method, which is no
 //! search and finds no other response.
 
-use super::{Driven, Forcing, Start, factored, sensed};
+use super::{ForcedBeam, Start, SteadyProblem, factored, sensed};
 use crate::harmonic::HarmonicError;
 use crate::harmonic::balance::beam::{Signals, Workspace};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
@@ -12,7 +12,7 @@ const PROBE: f64 = 1e-4;
 
 /// A beam's equations as they stand at a motion.
 #[derive(Debug)]
-pub(crate) struct About {
+pub(crate) struct Linearised {
     unknowns: Vec<f64>,
     at: Operating,
     factors: Factors,
@@ -21,30 +21,30 @@ pub(crate) struct About {
     left: Option<Workspace>,
 }
 
-impl About {
-    /// `driven` as it stands at `start`, with unknowns that its `neighbours` have too; in the workspace that another
+impl Linearised {
+    /// `forced` as it stands at `start`, with unknowns that its `neighbours` have too; in the workspace that another
     /// has left.
     ///
     /// # Errors
     /// [`HarmonicError`] for a beam or contact that cannot be balanced, or whose equations are singular there.
     pub fn new(
-        forcing: &Forcing,
-        driven: Driven,
-        neighbours: &[Driven],
+        problem: &SteadyProblem,
+        forced: ForcedBeam,
+        neighbours: &[ForcedBeam],
         start: &Start,
         left: Option<Workspace>,
     ) -> Result<Self, HarmonicError> {
-        let signals = Signals::of_all(driven, neighbours);
-        let (unknowns, at) = (start.unknowns(signals), forcing.operating());
-        let mut balance = forcing.balance(driven, signals, left)?;
+        let signals = Signals::of_all(forced, neighbours);
+        let (unknowns, at) = (start.unknowns(signals), problem.operating());
+        let mut balance = problem.balance(forced, signals, left)?;
         let mut factors = Factors::default();
         factored(&mut balance, &unknowns, &at, &mut factors)?;
         Ok(Self { unknowns, at, factors, signals, left: Some(balance.into_workspace()) })
     }
 
-    /// Whether its unknowns are those that `driven` and its `neighbours` have.
-    pub fn covers(&self, driven: Driven, neighbours: &[Driven]) -> bool {
-        self.signals == Signals::of_all(driven, neighbours)
+    /// Whether its unknowns are those that `forced` and its `neighbours` have.
+    pub fn covers(&self, forced: ForcedBeam, neighbours: &[ForcedBeam]) -> bool {
+        self.signals == Signals::of_all(forced, neighbours)
     }
 
     /// The workspace, for another.
@@ -52,18 +52,22 @@ impl About {
         self.left
     }
 
-    /// Displacement coefficients (m) of every sensor that `driven`, the beam itself or one very near to it, has to first
+    /// Displacement coefficients (m) of every sensor that `forced`, the beam itself or one very near to it, has to first
     /// order. The derivatives are those of the beam itself: between neighbours only the residual differs. Far from a
     /// solution that is not the whole change.
-    pub fn first_order(&mut self, forcing: &Forcing, driven: Driven) -> Result<Vec<f64>, HarmonicError> {
-        let mut there = forcing.balance(driven, self.signals, self.left.take())?;
+    pub fn first_order(
+        &mut self,
+        problem: &SteadyProblem,
+        forced: ForcedBeam,
+    ) -> Result<Vec<f64>, HarmonicError> {
+        let mut there = problem.balance(forced, self.signals, self.left.take())?;
         there.balance_alone(&self.unknowns, &self.at)?;
         let mut moved: Vec<f64> = there.residual().iter().map(|r| -PROBE * r).collect();
         self.factors.solve(&mut moved);
         moved.iter_mut().zip(&self.unknowns).for_each(|(step, x)| *step += x);
-        let mut found = sensed(&mut there, &self.at, forcing);
+        let mut found = sensed(&mut there, &self.at, problem);
         there.balance_alone(&moved, &self.at)?;
-        let probed = sensed(&mut there, &self.at, forcing);
+        let probed = sensed(&mut there, &self.at, problem);
         self.left = Some(there.into_workspace());
         found.iter_mut().zip(probed).for_each(|(here, probed)| *here += (probed - *here) / PROBE);
         Ok(found)
