@@ -24,6 +24,7 @@ pub mod fmi;
 #[cfg(feature = "analysis")]
 pub mod harmonic;
 pub mod model;
+#[cfg(feature = "analysis")]
 pub(crate) mod numeric;
 pub mod system;
 pub mod time;
