@@ -76,12 +76,10 @@ pub enum LawError {
         bounds: Bounds,
     },
     /// The law and the parameter do not go together.
-    #[error("{law} law slips gradually by itself and takes no {parameter}")]
+    #[error("the law slips gradually by itself and takes no {parameter}")]
     Combination {
         /// Name of the parameter.
         parameter: &'static str,
-        /// Whose law, in the genitive.
-        law: &'static str,
     },
 }
 

@@ -4,7 +4,11 @@ use std::ops::Bound;
 
 use super::error::{Bounds, LawError, checked};
 use super::jenkins::checked_pair;
-use super::{ContactLaw, Inputs, ParallelSliders, Response, Slider, StateTangents};
+use super::{
+    ContactLaw, Inputs, JointBase, LawKind, LawParameter, LawRule, LawValues, ParallelSliders, Response,
+    Slider, StateTangents,
+};
+use crate::vocabulary::{self as v, Scale};
 
 /// The four-parameter Iwan element: sliders of every strength side by side, as a joint slips from its
 /// edge inwards.
@@ -102,6 +106,43 @@ impl IwanSpacing {
         })
     }
 }
+
+/// How finely a model's Iwan element is cut: the shortest interval is about 1/7000 of the longest stretch.
+const INTERVALS: usize = 40;
+const SPACING: IwanSpacing = IwanSpacing::Geometric { growth: 1.2 };
+
+pub(super) static KIND: LawKind = LawKind {
+    name: "iwan",
+    fmu_name: "IwanContact",
+    summary: "Friction contact: the four-parameter Iwan element",
+    parameters: &[
+        LawParameter {
+            quantity: &v::EXPONENT,
+            default: None,
+            includes_min: false,
+            range: |_| (-0.95, 0.0, Scale::Linear),
+        },
+        LawParameter {
+            quantity: &v::RATIO,
+            default: None,
+            includes_min: false,
+            range: |_| (0.0, 100.0, Scale::Linear),
+        },
+    ],
+    one_slider: false,
+    refuses: |values| {
+        let exponent = values.own[0];
+        (exponent > 0.0).then(|| LawRule {
+            parameter: v::EXPONENT.name,
+            message: format!("`exponent` must be above -1 and at most 0, not {exponent}"),
+            help: "above 0 the weakest sliders would be the rarest",
+        })
+    },
+    build: |&LawValues { tangential_stiffness, friction_coefficient, own }| {
+        let iwan = Iwan::new(tangential_stiffness, friction_coefficient, own[0], own[1], INTERVALS, SPACING)?;
+        Ok(JointBase::Iwan(iwan))
+    },
+};
 
 /// More sliders than this cost time and tell nothing.
 const MOST_INTERVALS: f64 = 10_000.0;

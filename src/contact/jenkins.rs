@@ -2,7 +2,7 @@
 
 use super::element::Element;
 use super::error::{Bounds, LawError, checked};
-use super::{ContactLaw, Inputs, Response, Slider, StateTangents};
+use super::{ContactLaw, Inputs, JointBase, LawKind, Response, Slider, StateTangents};
 use crate::vocabulary::{FRICTION_COEFFICIENT, Quantity, TANGENTIAL_STIFFNESS};
 
 /// Jenkins' element, `T = k (u − z)` with `|T| ≤ μ N`.
@@ -55,6 +55,18 @@ use crate::vocabulary::{FRICTION_COEFFICIENT, Quantity, TANGENTIAL_STIFFNESS};
 pub struct Jenkins {
     element: Element,
 }
+
+pub(super) static KIND: LawKind = LawKind {
+    name: "jenkins",
+    fmu_name: "JenkinsContact",
+    summary: "Friction contact: Jenkins' element",
+    parameters: &[],
+    one_slider: true,
+    refuses: |_| None,
+    build: |values| {
+        Ok(JointBase::Jenkins(Jenkins::new(values.tangential_stiffness, values.friction_coefficient)?))
+    },
+};
 
 impl Jenkins {
     /// A law with stiffness `tangential_stiffness` (N/m) and `friction_coefficient` (1).

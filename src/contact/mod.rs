@@ -11,12 +11,14 @@
 
 mod backlash;
 mod carried;
+mod catalogue;
 mod changes;
 mod cubic;
 mod drag;
 mod element;
 mod endochronic;
 mod error;
+mod gradual;
 mod iwan;
 mod jenkins;
 mod joint;
@@ -28,10 +30,12 @@ mod valanis;
 
 pub use backlash::Backlash;
 pub(crate) use carried::Carried;
+pub use catalogue::{LAWS, Law, LawKind, LawParameter, LawRule, LawValues, MOST_PARAMETERS};
 pub use changes::JointChanges;
 pub use cubic::CubicSpring;
 pub use drag::Drag;
 pub use error::{Bounds, LawError};
+pub use gradual::GradualLaw;
 pub use iwan::{Iwan, IwanSpacing};
 pub use jenkins::Jenkins;
 pub use joint::{Joint, JointBase, MICRO_SLIDERS};

@@ -2,9 +2,12 @@
 
 use super::endochronic::{Stretch, advance, dissipation, within};
 use super::error::{Bounds, LawError, checked};
-use super::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tangents, cut_to};
+use super::{
+    ContactLaw, GradualLaw, Inputs, JointBase, LawKind, LawParameter, LawRule, LawValues, Response,
+    SlipState, StateTangents, Tangents, catalogue, cut_to,
+};
 use crate::vocabulary::{
-    FRICTION_COEFFICIENT, NORMAL_LOAD, RESIDUAL_STIFFNESS, SMOOTHNESS, TANGENTIAL_STIFFNESS,
+    FRICTION_COEFFICIENT, NORMAL_LOAD, RESIDUAL_STIFFNESS, SMOOTHNESS, Scale, TANGENTIAL_STIFFNESS,
 };
 
 /// Valanis' law: slip sets in gradually, without a switch, and may keep a residual stiffness.
@@ -151,6 +154,37 @@ const FIRST_LOAD: f64 = 1.0 / 3.0;
 /// step: it cuts the force to this many limits before the motion, which keeps the gap below 3.
 const BEHIND: f64 = 2.0;
 
+pub(super) static KIND: LawKind = LawKind {
+    name: "valanis",
+    fmu_name: "ValanisContact",
+    summary: "Friction contact: Valanis' law",
+    parameters: &[
+        LawParameter {
+            quantity: &SMOOTHNESS,
+            default: None,
+            includes_min: true,
+            range: |_| (0.0, 0.98, Scale::Linear),
+        },
+        catalogue::RESIDUAL_STIFFNESS,
+    ],
+    one_slider: false,
+    refuses: |values| {
+        // The message of the bounds would not say why one is excluded.
+        let corner = (values.own[0] == 1.0).then(|| LawRule {
+            parameter: SMOOTHNESS.name,
+            message:
+                "`smoothness` must be below 1: at 1 the Valanis law has a corner and is Jenkins' element"
+                    .to_owned(),
+            help: "use law = \"jenkins\"",
+        });
+        corner.or_else(|| catalogue::residual_rule(values.own[1], values.tangential_stiffness))
+    },
+    build: |&LawValues { tangential_stiffness, friction_coefficient, own }| {
+        let law = Valanis::new(tangential_stiffness, friction_coefficient, own[0], own[1])?;
+        Ok(JointBase::Gradual(Box::new(law)))
+    },
+};
+
 impl Valanis {
     /// A law with stiffness `tangential_stiffness` e0 (N/m), `friction_coefficient` μ (1), `smoothness`
     /// κ (1) and `residual_stiffness` e_t (N/m).
@@ -237,25 +271,14 @@ impl Valanis {
         self.tangential_stiffness * (self.hysteretic_stiffness / r) / self.limit(normal_load)
     }
 
-    /// Slope of the virgin curve of the hysteretic part, p = e0 − e_t (N/m).
-    pub(super) fn hysteretic_stiffness(&self) -> f64 {
-        self.hysteretic_stiffness
-    }
-
-    /// The law with the limits `1 ± asymmetry` times its own, which lies between −1 and 1.
-    pub(super) fn with_asymmetry(self, asymmetry: f64) -> Self {
-        Self { asymmetry, ..self }
-    }
-
     /// The limit against motion in the direction `sign`, over μ N.
-    pub(super) fn side(&self, sign: f64) -> f64 {
+    fn side(&self, sign: f64) -> f64 {
         1.0 + sign * self.asymmetry
     }
 
     /// Energy (J) kept in `state`: the hysteretic part's and the residual spring's.
     pub fn stored_energy(&self, state: &[f64]) -> f64 {
-        let stretch = state[1] - state[3];
-        0.5 * (state[0] * state[0] / self.hysteretic_stiffness + self.residual_stiffness * stretch * stretch)
+        GradualLaw::stored_energy(self, state)
     }
 
     /// Whether a step that ends under this load and limit ends apart; a limit that underflows is none.
@@ -451,6 +474,28 @@ impl Valanis {
         let stretch = displacement + travel - origin;
         let hysteretic = moved.hysteretic_force * moved.hysteretic_force / self.hysteretic_stiffness;
         moved.dissipated_energy + 0.5 * (hysteretic + self.residual_stiffness * stretch * stretch)
+    }
+}
+
+impl GradualLaw for Valanis {
+    fn boxed(&self) -> Box<dyn GradualLaw> {
+        Box::new(*self)
+    }
+
+    fn with_asymmetry(&self, asymmetry: f64) -> Box<dyn GradualLaw> {
+        Box::new(Self { asymmetry, ..*self })
+    }
+
+    fn asymmetry(&self) -> f64 {
+        self.asymmetry
+    }
+
+    fn hysteretic_stiffness(&self) -> f64 {
+        self.hysteretic_stiffness
+    }
+
+    fn residual_stiffness(&self) -> f64 {
+        self.residual_stiffness
     }
 }
 

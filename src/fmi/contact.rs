@@ -3,7 +3,7 @@
 use super::description::{DependencyKind, Description, Experiment, Variable};
 use super::{Behaviour, LoadRule};
 use crate::contact::{Carried, ContactLaw, Inputs, Response, Tangents};
-use crate::model::{Contact, Law, Model};
+use crate::model::{Contact, Model};
 use crate::time::Ramp;
 use crate::vocabulary as v;
 
@@ -18,11 +18,7 @@ const PARAMETERS: usize = 6;
 
 /// Inputs and outputs of a contact, followed by `parameters`.
 pub(super) fn describe(model: &Model, contact: &Contact, parameters: Vec<Variable>) -> Description {
-    let (name, summary) = match contact.law {
-        Law::Jenkins => ("JenkinsContact", "Friction contact: Jenkins' element"),
-        Law::Valanis { .. } => ("ValanisContact", "Friction contact: Valanis' law"),
-        Law::Iwan { .. } => ("IwanContact", "Friction contact: the four-parameter Iwan element"),
-    };
+    let (name, summary) = (contact.law.kind.fmu_name, contact.law.kind.summary);
     let joint = model.changes().joint;
     let rate_dependent = joint.damping != 0.0 || joint.weakening.is_some();
     let mut inputs = vec![DISPLACEMENT, NORMAL_LOAD];

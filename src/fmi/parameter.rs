@@ -41,9 +41,11 @@ pub(super) fn parameters(model: &Model) -> (Vec<String>, Vec<Variable>) {
                 variable.name = Cow::Owned(format!("{}:mode={element}", parameter.quantity.name));
                 variable.description = Cow::Owned(format!("Damping ratio of mode {element}"));
             }
-            // Zero is the most gradual slip and legal; one would be Jenkins' element.
-            (None, _) if parameter.quantity.name == "smoothness" => variable.includes_min = true,
-            (None, _) => {}
+            (None, _) => {
+                let kind = model.contact.map(|contact| contact.law.kind);
+                let of_law = kind.and_then(|kind| kind.parameter(parameter.quantity.name));
+                variable.includes_min |= of_law.is_some_and(|parameter| parameter.includes_min);
+            }
         }
         (parameter.path, variable)
     })

@@ -1,7 +1,9 @@
 //! The rules a model keeps, whether it was read from a file, built in code or changed by a fit.
 
 use super::error::ParameterError;
-use super::{Beam, Contact, Damping, Law, Model, Structure};
+use super::slots::Value;
+use super::{Beam, Contact, Damping, Model, Structure};
+use crate::contact::LawRule;
 use crate::vocabulary::{self, Quantity};
 
 /// Magnitudes outside this range are refused: no physical parameter in SI units has them, and
@@ -20,8 +22,13 @@ impl Model {
 
     /// The rules that a change of a parameter's value can break.
     pub(super) fn check_values(&self) -> Result<(), ParameterError> {
-        for parameter in self.values() {
-            check_value(&parameter.path, parameter.quantity, parameter.value)?;
+        // Before the bounds: what a law says of its own numbers is said better.
+        self.contact.as_ref().map_or(Ok(()), check_law)?;
+        let law = self.contact.map(|contact| contact.law.kind);
+        for Value { path, quantity, value } in self.values() {
+            let of_law = law.and_then(|law| law.parameter(quantity.name));
+            let includes_min = of_law.is_some_and(|parameter| parameter.includes_min);
+            check_value(&path, quantity, includes_min, value)?;
         }
         match (&self.structure, &self.contact) {
             (Structure::Prescribed, None) => {
@@ -31,26 +38,24 @@ impl Model {
             (Structure::Oscillator(oscillator), contact) => oscillator.check(contact.is_some())?,
             (Structure::Prescribed, Some(_)) => {}
         }
-        super::effects::check(self)?;
-        self.contact.as_ref().map_or(Ok(()), check_contact)
+        super::effects::check(self)
     }
 }
 
-/// Checks `value` against the bounds of `quantity` and of sense.
-fn check_value(path: &str, quantity: &Quantity, value: f64) -> Result<(), ParameterError> {
+/// Checks `value` against the bounds of `quantity`, of which open ones may include the smallest value, and of sense.
+fn check_value(
+    path: &str,
+    quantity: &Quantity,
+    includes_min: bool,
+    value: f64,
+) -> Result<(), ParameterError> {
     let (smallest, largest) = SMALLEST_AND_LARGEST;
     let name = quantity.name;
     if !value.is_finite() {
         return Err(ParameterError::new(path, format!("`{name}` must be a finite number")));
     }
-    if *quantity == vocabulary::SMOOTHNESS && value == 1.0 {
-        // The general message would not say why the bound itself is excluded.
-        let message =
-            "`smoothness` must be below 1: at 1 the Valanis law has a corner and is Jenkins' element";
-        return Err(ParameterError::new(path, message).with_help("use law = \"jenkins\""));
-    }
-    // Smoothness is open at 1 only, and a contact that is never loaded is no contact.
-    let open_below = quantity.open && *quantity != vocabulary::SMOOTHNESS;
+    // A contact that is never loaded is no contact.
+    let open_below = quantity.open && !includes_min;
     let (min, open_below) =
         if *quantity == vocabulary::NORMAL_LOAD { (Some(0.0), true) } else { (quantity.min, open_below) };
     let above = min.is_none_or(|min| if open_below { value > min } else { value >= min });
@@ -72,25 +77,18 @@ fn allowed(quantity: &Quantity, min: Option<f64>, open_below: bool) -> String {
     [lower, upper].into_iter().flatten().collect::<Vec<_>>().join(" and ")
 }
 
-fn check_contact(contact: &Contact) -> Result<(), ParameterError> {
-    if let Law::Valanis { residual_stiffness, .. } = contact.law
-        && residual_stiffness >= contact.tangential_stiffness
-    {
-        let message = format!(
-            "`residual_stiffness` ({residual_stiffness} N/m) must be below `tangential_stiffness` ({} N/m)",
-            contact.tangential_stiffness
-        );
-        return Err(ParameterError::new("contact.residual_stiffness", message)
-            .with_help("the slope left in macro-slip cannot exceed the slope in stick"));
+/// The law's own rules, which hold for numbers that are some.
+fn check_law(contact: &Contact) -> Result<(), ParameterError> {
+    let stiffness = contact.tangential_stiffness;
+    if !(stiffness > 0.0 && contact.law.values().iter().all(|value| value.is_finite())) {
+        return Ok(());
     }
-    if let Law::Iwan { exponent, .. } = contact.law
-        && exponent > 0.0
-    {
-        let message = format!("`exponent` must be above -1 and at most 0, not {exponent}");
-        return Err(ParameterError::new("contact.exponent", message)
-            .with_help("above 0 the weakest sliders would be the rarest"));
+    match contact.law.refuses(stiffness, contact.friction_coefficient) {
+        Some(LawRule { parameter, message, help }) => {
+            Err(ParameterError::new(format!("contact.{parameter}"), message).with_help(help))
+        }
+        None => Ok(()),
     }
-    Ok(())
 }
 
 fn check_beam(beam: &Beam) -> Result<(), ParameterError> {

@@ -14,7 +14,7 @@
 
 use super::error::ParameterError;
 use super::text::{line, quoted, write_quantity};
-use super::{Law, Model, ModelError, Structure};
+use super::{Model, ModelError, Structure};
 use crate::document::{Table, suggestion};
 use crate::effects::{self, ALL_KINDS, AppliedEffect, CATALOGUE, Kind, Location, PlaceKind};
 use crate::vocabulary::{Quantity, Scale};
@@ -161,8 +161,8 @@ fn check_kind(path: &str, applied: &AppliedEffect, model: &Model) -> Result<(), 
         return Err(ParameterError::new(path, message));
     }
     match model.contact.map(|contact| contact.law) {
-        Some(law) if effect.splits_slider() && law != Law::Jenkins => {
-            let message = format!("\"{}\" does not go with law = \"{}\"", effect.id, law.name());
+        Some(law) if effect.splits_slider() && !law.kind.one_slider => {
+            let message = format!("\"{}\" does not go with law = \"{}\"", effect.id, law.kind.name);
             Err(ParameterError::new(path, message)
                 .with_help("this law slips gradually by itself: fit its shape, or use law = \"jenkins\""))
         }

@@ -1,15 +1,7 @@
 //! From the model's contact to its law.
 
-use super::Model;
-use super::{Contact, Law};
-use crate::contact::JointChanges;
-use crate::contact::{
-    ContactLaw, Iwan, IwanSpacing, Jenkins, Joint, JointBase, LawError, MICRO_SLIDERS, Valanis,
-};
-
-/// How finely a model's Iwan element is cut: the shortest interval is about 1/7000 of the longest stretch.
-const IWAN_INTERVALS: usize = 40;
-const IWAN_GROWTH: f64 = 1.2;
+use super::{Contact, Model};
+use crate::contact::{ContactLaw, Joint, JointBase, JointChanges, LawError, MICRO_SLIDERS};
 
 impl Contact {
     /// The contact law with this contact's parameters. The normal load is not part of a law: it goes
@@ -18,11 +10,7 @@ impl Contact {
     /// # Errors
     /// A parameter outside its bounds.
     pub fn law(&self) -> Result<Box<dyn ContactLaw>, LawError> {
-        Ok(match self.base()? {
-            JointBase::Jenkins(law) => Box::new(law),
-            JointBase::Valanis(law) => Box::new(law),
-            JointBase::Iwan(law) => Box::new(law),
-        })
+        Ok(self.base()?.into_law())
     }
 
     /// The contact law with `changes`: the plain law where they are none.
@@ -34,17 +22,7 @@ impl Contact {
     }
 
     fn base(&self) -> Result<JointBase, LawError> {
-        let (stiffness, friction) = (self.tangential_stiffness, self.friction_coefficient);
-        Ok(match self.law {
-            Law::Jenkins => JointBase::Jenkins(Jenkins::new(stiffness, friction)?),
-            Law::Valanis { smoothness, residual_stiffness } => {
-                JointBase::Valanis(Valanis::new(stiffness, friction, smoothness, residual_stiffness)?)
-            }
-            Law::Iwan { exponent, ratio } => {
-                let spacing = IwanSpacing::Geometric { growth: IWAN_GROWTH };
-                JointBase::Iwan(Iwan::new(stiffness, friction, exponent, ratio, IWAN_INTERVALS, spacing)?)
-            }
-        })
+        self.law.base(self.tangential_stiffness, self.friction_coefficient)
     }
 }
 

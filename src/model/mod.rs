@@ -43,6 +43,7 @@ pub use error::ParameterError;
 pub use oscillator::GROUND;
 pub use parameters::ModelParameter;
 
+pub use crate::contact::Law;
 pub use crate::system::{Anchor, Beam, Damping, Mass, Oscillator, PointMass, Spring};
 
 use crate::effects::{AppliedEffect, Changes, Kind};
@@ -103,7 +104,7 @@ pub enum Structure {
 pub struct Contact {
     /// Which law, with the parameters only it has.
     pub law: Law,
-    /// Stiffness in stick (N/m), e0 for Valanis.
+    /// Stiffness in stick (N/m), e0 of Valanis' law.
     pub tangential_stiffness: f64,
     /// Coefficient of friction (1).
     pub friction_coefficient: f64,
@@ -111,36 +112,4 @@ pub struct Contact {
     pub normal_load: f64,
     /// Normal stiffness (N/m), by which a measured normal displacement changes the load; 0 when absent.
     pub normal_stiffness: f64,
-}
-
-/// The contact laws a model file can name.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Law {
-    /// One spring, one slider.
-    Jenkins,
-    /// Valanis' endochronic law; `λ` follows from e0 and the limit μN.
-    Valanis {
-        /// κ in [0, 1): 0 rounds the loop most, 1 would be Jenkins.
-        smoothness: f64,
-        /// e_t (N/m), slope left in macro-slip, below the tangential stiffness.
-        residual_stiffness: f64,
-    },
-    /// Segalman's four-parameter Iwan element.
-    Iwan {
-        /// χ in (−1, 0]: small loops dissipate with the power χ + 3 of the amplitude.
-        exponent: f64,
-        /// β ≥ 0: stiffness of the sliders that yield last, all at once, over that of all others.
-        ratio: f64,
-    },
-}
-
-impl Law {
-    /// The name in model files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Jenkins => "jenkins",
-            Self::Valanis { .. } => "valanis",
-            Self::Iwan { .. } => "iwan",
-        }
-    }
 }

@@ -6,9 +6,9 @@
 
 use super::error::ParameterError;
 use super::slots::Value;
-use super::{Beam, Law, Model, Structure};
+use super::{Beam, Model, Structure};
 use crate::document::suggestion;
-use crate::vocabulary::{self as v, Quantity, Scale};
+use crate::vocabulary::{Quantity, Scale};
 
 /// One number of a model that may be read, set, or fitted.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,22 +112,18 @@ impl Model {
     fn fit_range(&self, quantity: &Quantity, value: f64) -> (f64, f64, Scale) {
         use Scale::{Linear, Logarithmic};
         let tangential = self.contact.map_or(0.0, |contact| contact.tangential_stiffness);
-        let residual = match self.contact.map(|contact| contact.law) {
-            Some(Law::Valanis { residual_stiffness, .. }) => residual_stiffness,
-            _ => 0.0,
-        };
+        let residual = self.contact.map_or(0.0, |contact| contact.law.residual_stiffness());
         let (length, farthest) = match &self.structure {
             Structure::Beam(beam) => (beam.length, beam.farthest_position()),
             Structure::Prescribed | Structure::Oscillator(_) => (0.0, 0.0),
         };
+        if let Some(parameter) = self.contact.and_then(|contact| contact.law.kind.parameter(quantity.name)) {
+            return (parameter.range)(tangential);
+        }
         let (lower, upper, scale) = match quantity.name {
             "tangential_stiffness" => (f64::max(1.0, residual / 0.9), 1e12, Logarithmic),
             // Far beyond any coefficient: with an unknown load it stands for the whole friction limit.
             "friction_coefficient" => (1e-4, 1e4, Logarithmic),
-            "smoothness" => (0.0, 0.98, Linear),
-            "exponent" => (-0.95, 0.0, Linear),
-            "ratio" => (0.0, 100.0, Linear),
-            name if name == v::RESIDUAL_STIFFNESS.name => (0.0, 0.9 * tangential, Linear),
             "damping_ratio" => (1e-6, 0.5, Logarithmic),
             "mass_damping" => (1e-6, 1e4, Logarithmic),
             "stiffness_damping" => (1e-12, 1.0, Logarithmic),

@@ -3,15 +3,13 @@
 use super::{
     Beam, Contact, Damping, Law, Model, ModelError, PointMass, SCHEMA, Structure, effects, oscillator,
 };
+use crate::contact::{LAWS, LawKind, LawParameter};
 use crate::document::{Document, Numbers, Table, suggestion};
 use crate::vocabulary as v;
 
 const KINDS: [&str; 3] = ["contact", "beam", "oscillator"];
-const LAWS: [&str; 3] = ["jenkins", "valanis", "iwan"];
 const COMMON_CONTACT_KEYS: [&str; 5] =
     ["law", "tangential_stiffness", "friction_coefficient", "normal_load", "normal_stiffness"];
-const VALANIS_KEYS: [&str; 2] = [v::SMOOTHNESS.name, v::RESIDUAL_STIFFNESS.name];
-const IWAN_KEYS: [&str; 2] = ["exponent", "ratio"];
 const BEAM_KEYS: [&str; 11] = [
     "length",
     "width",
@@ -126,34 +124,21 @@ fn contact(table: &Table<'_>, structure: &Structure) -> Result<Contact, ModelErr
     if let Structure::Oscillator(_) = structure {
         keys.push("at");
     }
-    let law = table.required_string("law").map_err(|error| with_list(error, "laws", &LAWS))?;
-    let law = match law.value {
-        "jenkins" => {
-            refuse_keys_of_other_laws(table, law.value)?;
-            table.allow(&keys)?;
-            Law::Jenkins
-        }
-        "iwan" => {
-            refuse_keys_of_other_laws(table, law.value)?;
-            table.allow(&[&keys[..], &IWAN_KEYS[..]].concat())?;
-            Law::Iwan { exponent: table.quantity(&v::EXPONENT)?, ratio: table.quantity(&v::RATIO)? }
-        }
-        "valanis" => {
-            refuse_keys_of_other_laws(table, law.value)?;
-            table.allow(&[&keys[..], &VALANIS_KEYS[..]].concat())?;
-            Law::Valanis {
-                smoothness: table.quantity(&v::SMOOTHNESS)?,
-                residual_stiffness: table
-                    .number(v::RESIDUAL_STIFFNESS.name)?
-                    .map_or(0.0, |stiffness| stiffness.value),
-            }
-        }
-        other => {
-            return Err(law
-                .error(format!("unknown law \"{other}\""))
-                .with_help(suggestion(other, &LAWS, "laws")));
-        }
-    };
+    let names: Vec<&str> = LAWS.iter().map(|kind| kind.name).collect();
+    let name = table.required_string("law").map_err(|error| with_list(error, "laws", &names))?;
+    let kind = LawKind::find(name.value).ok_or_else(|| {
+        let message = format!("unknown law \"{}\"", name.value);
+        name.error(message).with_help(suggestion(name.value, &names, "laws"))
+    })?;
+    refuse_keys_of_other_laws(table, kind)?;
+    keys.extend(kind.parameters.iter().map(|parameter| parameter.quantity.name));
+    table.allow(&keys)?;
+    let own = kind.parameters.iter().map(|LawParameter { quantity, default, .. }| match default {
+        None => table.quantity(quantity),
+        Some(default) => Ok(table.number(quantity.name)?.map_or(*default, |number| number.value)),
+    });
+    let own: Vec<f64> = own.collect::<Result<_, _>>()?;
+    let law = Law::new(kind, &own).ok_or_else(|| name.error("a law of too many parameters"))?;
     Ok(Contact {
         law,
         tangential_stiffness: table.quantity(&v::TANGENTIAL_STIFFNESS)?,
@@ -164,13 +149,16 @@ fn contact(table: &Table<'_>, structure: &Structure) -> Result<Contact, ModelErr
 }
 
 /// The keys that only one law has say so at any other.
-fn refuse_keys_of_other_laws(table: &Table<'_>, law: &str) -> Result<(), ModelError> {
-    let owners = [("valanis", VALANIS_KEYS), ("iwan", IWAN_KEYS)];
-    for key in table.keys() {
-        let owner = owners.iter().find(|(owner, keys)| *owner != law && keys.contains(&key.value));
-        if let Some((owner, _)) = owner {
-            let message = format!("`{}` does not belong to law = \"{law}\"", key.value);
-            return Err(key.error(message).with_help(format!("it belongs to law = \"{owner}\"")));
+fn refuse_keys_of_other_laws(table: &Table<'_>, law: &LawKind) -> Result<(), ModelError> {
+    for key in table.keys().iter().filter(|key| law.parameter(key.value).is_none()) {
+        let owners: Vec<String> = LAWS
+            .iter()
+            .filter(|kind| kind.parameter(key.value).is_some())
+            .map(|kind| format!("law = \"{}\"", kind.name))
+            .collect();
+        if !owners.is_empty() {
+            let message = format!("`{}` does not belong to law = \"{}\"", key.value, law.name);
+            return Err(key.error(message).with_help(format!("it belongs to {}", owners.join(" or "))));
         }
     }
     Ok(())

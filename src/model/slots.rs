@@ -1,6 +1,6 @@
 //! The one list of a model's numbers: path, quantity and place of each, in the file's order.
 
-use super::{Beam, Damping, Law, Model, Oscillator, Structure};
+use super::{Beam, Damping, Model, Oscillator, Structure};
 use crate::effects::AppliedEffect;
 use crate::vocabulary::{self as v, Quantity};
 
@@ -40,16 +40,8 @@ impl Model {
             add(&v::TANGENTIAL_STIFFNESS, &mut contact.tangential_stiffness);
             add(&v::FRICTION_COEFFICIENT, &mut contact.friction_coefficient);
             add(&v::NORMAL_LOAD, &mut contact.normal_load);
-            match &mut contact.law {
-                Law::Jenkins => {}
-                Law::Valanis { smoothness, residual_stiffness } => {
-                    add(&v::SMOOTHNESS, smoothness);
-                    add(&v::RESIDUAL_STIFFNESS, residual_stiffness);
-                }
-                Law::Iwan { exponent, ratio } => {
-                    add(&v::EXPONENT, exponent);
-                    add(&v::RATIO, ratio);
-                }
+            for (parameter, value) in contact.law.kind.parameters.iter().zip(contact.law.values_mut()) {
+                add(parameter.quantity, value);
             }
             if contact.normal_stiffness != 0.0 {
                 add(&v::NORMAL_STIFFNESS, &mut contact.normal_stiffness);

@@ -1,7 +1,7 @@
 //! From a [`Model`] to the text of a `model.toml`.
 
 use super::text::{line, quoted, write_quantity};
-use super::{Beam, Contact, Damping, Law, Model, SCHEMA, Structure, effects};
+use super::{Beam, Contact, Damping, Model, SCHEMA, Structure, effects};
 use crate::vocabulary as v;
 
 impl Model {
@@ -42,20 +42,12 @@ fn write_contact(text: &mut String, contact: &Contact, at: Option<&str>) {
     if let Some(mass) = at {
         line(text, format_args!("at = {}", quoted(mass)));
     }
-    line(text, format_args!("law = \"{}\"", contact.law.name()));
+    line(text, format_args!("law = \"{}\"", contact.law.kind.name));
     write_quantity(text, &v::TANGENTIAL_STIFFNESS, contact.tangential_stiffness);
     write_quantity(text, &v::FRICTION_COEFFICIENT, contact.friction_coefficient);
     write_quantity(text, &v::NORMAL_LOAD, contact.normal_load);
-    match contact.law {
-        Law::Jenkins => {}
-        Law::Valanis { smoothness, residual_stiffness } => {
-            write_quantity(text, &v::SMOOTHNESS, smoothness);
-            write_quantity(text, &v::RESIDUAL_STIFFNESS, residual_stiffness);
-        }
-        Law::Iwan { exponent, ratio } => {
-            write_quantity(text, &v::EXPONENT, exponent);
-            write_quantity(text, &v::RATIO, ratio);
-        }
+    for (parameter, value) in contact.law.parameters() {
+        write_quantity(text, parameter.quantity, value);
     }
     if contact.normal_stiffness != 0.0 {
         write_quantity(text, &v::NORMAL_STIFFNESS, contact.normal_stiffness);

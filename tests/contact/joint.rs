@@ -27,7 +27,8 @@ fn joint(changes: JointChanges) -> Joint {
 }
 
 fn on_valanis(changes: JointChanges) -> Joint {
-    Joint::new(JointBase::Valanis(Valanis::new(STIFFNESS, FRICTION, 0.3, 0.0).unwrap()), changes).unwrap()
+    Joint::new(JointBase::Gradual(Box::new(Valanis::new(STIFFNESS, FRICTION, 0.3, 0.0).unwrap())), changes)
+        .unwrap()
 }
 
 /// Force at the end of a motion through `corners` (m) in steps of at most `step` (m).
@@ -117,7 +118,7 @@ fn without_changes_a_joint_is_its_base_law() {
     let iwan = Iwan::new(STIFFNESS, FRICTION, -0.4, 2.0, 12, IwanSpacing::Equal).unwrap();
     let pairs: [(Box<dyn ContactLaw>, JointBase); 3] = [
         (Box::new(jenkins()), JointBase::Jenkins(jenkins())),
-        (Box::new(valanis), JointBase::Valanis(valanis)),
+        (Box::new(valanis), JointBase::Gradual(Box::new(valanis))),
         (Box::new(iwan.clone()), JointBase::Iwan(iwan)),
     ];
     for (law, base) in pairs {
@@ -380,7 +381,7 @@ fn spread_keeps_stiffness_and_limit_and_loses_energy_in_small_loops() {
 
 #[test]
 fn a_spread_on_a_gradual_law_is_refused() {
-    let base = || JointBase::Valanis(Valanis::new(STIFFNESS, FRICTION, 0.3, 0.0).unwrap());
+    let base = || JointBase::Gradual(Box::new(Valanis::new(STIFFNESS, FRICTION, 0.3, 0.0).unwrap()));
     let refused = Joint::new(base(), JointChanges { spread: 0.5, ..none() });
     assert!(matches!(refused, Err(LawError::Combination { parameter: "spread", .. })));
     for changes in [

@@ -160,7 +160,7 @@ fn iwans_law_and_the_normal_stiffness_read_back() {
         .replace("normal_load = 162.0", "normal_load = 162.0\nnormal_stiffness = 2e7");
     let model = Model::parse(&text).unwrap();
     let contact = model.contact.unwrap();
-    assert_eq!(contact.law, Law::Iwan { exponent: -0.4, ratio: 2.0 });
+    assert_eq!(contact.law, Law::named("iwan", &[-0.4, 2.0]).unwrap());
     assert_eq!(contact.normal_stiffness, 2e7);
     assert_eq!(Model::parse(&model.to_toml()).unwrap(), model);
     assert_eq!(model.get("contact.exponent"), Some(-0.4));

@@ -39,7 +39,7 @@ fn joints() -> Vec<(&'static str, Joint)> {
             (name, Joint::new(base, changes).unwrap())
         })
         .collect();
-    let base = JointBase::Valanis(Valanis::new(stiffness, friction, 0.3, 0.0).unwrap());
+    let base = JointBase::Gradual(Box::new(Valanis::new(stiffness, friction, 0.3, 0.0).unwrap()));
     let changes = JointChanges { asymmetry: 0.3, cubic_stiffness: 0.05, ..none };
     all.push(("valanis", Joint::new(base.clone(), changes).unwrap()));
     let changes = JointChanges { half_gap: 0.2, damping: 5e-4, ..none };

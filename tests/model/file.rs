@@ -79,7 +79,7 @@ fn the_samples_are_read_as_they_stand() {
     let model = Model::parse(CONTACT).unwrap();
     assert_eq!(model.structure, Structure::Prescribed);
     let contact = model.contact.unwrap();
-    assert_eq!(contact.law, Law::Valanis { smoothness: 0.3, residual_stiffness: 3e5 });
+    assert_eq!(contact.law, Law::named("valanis", &[0.3, 3e5]).unwrap());
     assert_eq!(contact.tangential_stiffness, 7.9e6);
     let Structure::Beam(beam) = Model::parse(BEAM).unwrap().structure else { panic!("not a beam") };
     assert_eq!(beam.density, 7850.0);
@@ -244,8 +244,8 @@ fn contact() -> impl Strategy<Value = Contact> {
     let law = prop::option::of((0.0..0.999f64, 0.0..0.999f64));
     (law, positive(), positive(), positive()).prop_map(|(law, stiffness, coefficient, load)| Contact {
         law: match law {
-            None => Law::Jenkins,
-            Some((smoothness, ratio)) => Law::Valanis { smoothness, residual_stiffness: ratio * stiffness },
+            None => Law::named("jenkins", &[]).unwrap(),
+            Some((smoothness, ratio)) => Law::named("valanis", &[smoothness, ratio * stiffness]).unwrap(),
         },
         tangential_stiffness: stiffness,
         friction_coefficient: coefficient,

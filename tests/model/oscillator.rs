@@ -73,7 +73,7 @@ fn the_sample_is_read_as_it_stands() {
     let between = [Anchor::Mass(1), Anchor::Ground];
     assert_eq!(found.springs[2], Spring { between, stiffness: 0.0, damping: 0.3 });
     assert_eq!((found.excitation, found.contact), (0, Some(1)));
-    assert_eq!(model.contact.unwrap().law, Law::Jenkins);
+    assert_eq!(model.contact.unwrap().law, Law::named("jenkins", &[]).unwrap());
 }
 
 #[test]
@@ -288,7 +288,7 @@ fn oscillators() -> impl Strategy<Value = Model> {
                     excitation: excitation % count.max(1),
                 }),
                 contact: contact.map(|(_, stiffness)| Contact {
-                    law: Law::Jenkins,
+                    law: Law::named("jenkins", &[]).unwrap(),
                     tangential_stiffness: stiffness,
                     friction_coefficient: 0.5,
                     normal_load: 3.0,

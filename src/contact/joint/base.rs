@@ -1,13 +1,14 @@
-//! What acts behind the play of a joint: sliders or Valanis' law, under a load that scales the limit.
+//! What acts behind the play of a joint: sliders or a law that slips gradually, under a load that scales the limit.
 
 use super::sliders::Sliders;
-use crate::contact::{ContactLaw, Inputs, SlipState, StateTangents, Valanis};
+use crate::contact::gradual::{GradualLaw, STATE};
+use crate::contact::{Inputs, SlipState, StateTangents};
 
 /// The law proper.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) enum Base {
     Sliders(Sliders),
-    Valanis(Valanis),
+    Gradual(Box<dyn GradualLaw>),
 }
 
 /// One step, without the next state.
@@ -34,14 +35,11 @@ pub(super) struct Path {
     pub by_load: f64,
 }
 
-/// Length of the state of Valanis' law.
-const VALANIS: usize = 4;
-
 impl Base {
     pub fn state_len(&self) -> usize {
         match self {
             Self::Sliders(sliders) => sliders.state_len(),
-            Self::Valanis(law) => law.state_len(),
+            Self::Gradual(law) => law.state_len(),
         }
     }
 
@@ -49,7 +47,7 @@ impl Base {
     pub fn displacement_index(&self) -> usize {
         match self {
             Self::Sliders(_) => 0,
-            Self::Valanis(_) => 1,
+            Self::Gradual(_) => 1,
         }
     }
 
@@ -57,7 +55,7 @@ impl Base {
     pub fn before(&self, state: &[f64]) -> (f64, f64) {
         match self {
             Self::Sliders(_) => (state[0], state[1]),
-            Self::Valanis(_) => (state[1], state[2]),
+            Self::Gradual(_) => (state[1], state[2]),
         }
     }
 
@@ -65,7 +63,7 @@ impl Base {
     pub fn scale_load(&self, state: &mut [f64], factor: f64) {
         match self {
             Self::Sliders(_) => state[1] *= factor,
-            Self::Valanis(_) => state[2] *= factor,
+            Self::Gradual(_) => state[2] *= factor,
         }
     }
 
@@ -73,7 +71,7 @@ impl Base {
     pub fn limit(&self, load: f64) -> f64 {
         match self {
             Self::Sliders(sliders) => sliders.limit(load),
-            Self::Valanis(law) => law.limit(load) * law.side(1.0).max(law.side(-1.0)),
+            Self::Gradual(law) => law.limit(load) * (1.0 + law.asymmetry().abs()),
         }
     }
 
@@ -81,7 +79,7 @@ impl Base {
     pub fn set_state(&self, displacement: f64, load: f64, force: f64, state: &mut [f64]) -> f64 {
         match self {
             Self::Sliders(sliders) => sliders.set_state(displacement, load, force, state),
-            Self::Valanis(law) => {
+            Self::Gradual(law) => {
                 law.set_state(displacement, load, force, state);
                 state[0]
             }
@@ -93,7 +91,7 @@ impl Base {
     pub fn advance(&self, state: &mut [f64], displacement: f64, load: f64) -> f64 {
         match self {
             Self::Sliders(sliders) => sliders.advance(state, displacement, load),
-            Self::Valanis(law) => law.advance(state, inputs(displacement, load)),
+            Self::Gradual(law) => law.advance(state, inputs(displacement, load)),
         }
     }
 
@@ -101,18 +99,18 @@ impl Base {
     pub fn force(&self, state: &[f64], displacement: f64, load: f64) -> (f64, f64) {
         match self {
             Self::Sliders(sliders) => sliders.force(state, displacement, load),
-            Self::Valanis(law) => {
-                let response = law.step(state, inputs(displacement, load), &mut [0.0; VALANIS]);
+            Self::Gradual(law) => {
+                let response = law.step(state, inputs(displacement, load), &mut [0.0; STATE]);
                 (response.force, response.tangents.displacement)
             }
         }
     }
 
-    /// Distance slipped in a step. Of Valanis' law that is the displacement less the elastic part of the force.
+    /// Distance slipped in a step. Of a gradual law that is the displacement less the elastic part of the force.
     pub fn path(&self, state: &[f64], displacement: f64, load: f64) -> Path {
         match self {
             Self::Sliders(sliders) => sliders.path(state, displacement, load),
-            Self::Valanis(_) => self.look(state, displacement, load).path,
+            Self::Gradual(_) => self.look(state, displacement, load).path,
         }
     }
 
@@ -120,9 +118,9 @@ impl Base {
     pub fn look(&self, state: &[f64], displacement: f64, load: f64) -> Look {
         let law = match self {
             Self::Sliders(sliders) => return sliders.look(state, displacement, load),
-            Self::Valanis(law) => law,
+            Self::Gradual(law) => law,
         };
-        let mut next = [0.0; VALANIS];
+        let mut next = [0.0; STATE];
         let response = law.step(state, inputs(displacement, load), &mut next);
         let mut path = Path::default();
         // A step in which the contact opens or closes is left out: the path there is of no account.
@@ -161,32 +159,32 @@ impl Base {
             Self::Sliders(sliders) => {
                 return sliders.partials(state, displacement, load, out, (offset, path_row));
             }
-            Self::Valanis(law) => law,
+            Self::Gradual(law) => law,
         };
         let n = out.force_by_state.len();
         let path = self.look(state, displacement, load).path;
         law.state_tangents(state, inputs(displacement, load), out);
-        let mut own = [[0.0; VALANIS]; VALANIS + 3];
+        let mut own = [[0.0; STATE]; STATE + 3];
         own[0].copy_from_slice(&out.force_by_state);
         own[1].copy_from_slice(&out.next_by_displacement);
         own[2].copy_from_slice(&out.next_by_normal_load);
-        for row in 0..VALANIS {
-            own[3 + row].copy_from_slice(&out.next_by_state[row * VALANIS..(row + 1) * VALANIS]);
+        for row in 0..STATE {
+            own[3 + row].copy_from_slice(&out.next_by_state[row * STATE..(row + 1) * STATE]);
         }
         out.reset(n);
-        let block = offset..offset + VALANIS;
+        let block = offset..offset + STATE;
         out.force_by_state[block.clone()].copy_from_slice(&own[0]);
         out.next_by_displacement[block.clone()].copy_from_slice(&own[1]);
         out.next_by_normal_load[block.clone()].copy_from_slice(&own[2]);
-        for row in 0..VALANIS {
-            out.next_by_state[(offset + row) * n + offset..][..VALANIS].copy_from_slice(&own[3 + row]);
+        for row in 0..STATE {
+            out.next_by_state[(offset + row) * n + offset..][..STATE].copy_from_slice(&own[3 + row]);
         }
         if path.length > 0.0 {
             let elastic = 1.0 / law.hysteretic_stiffness();
-            let plastic =
-                (displacement - state[1]) - elastic * (own_end(law, state, displacement, load) - state[0]);
+            let plastic = (displacement - state[1])
+                - elastic * (own_end(law.as_ref(), state, displacement, load) - state[0]);
             let sign = plastic.signum();
-            let row = &mut out.next_by_state[path_row * n + offset..][..VALANIS];
+            let row = &mut out.next_by_state[path_row * n + offset..][..STATE];
             for (column, entry) in row.iter_mut().enumerate() {
                 let by_start = [elastic, -1.0, 0.0, 0.0][column];
                 *entry = sign * (by_start - elastic * own[3][column]);
@@ -198,14 +196,14 @@ impl Base {
     pub fn stored_energy(&self, state: &[f64]) -> f64 {
         match self {
             Self::Sliders(sliders) => sliders.stored_energy(state),
-            Self::Valanis(law) => law.stored_energy(state),
+            Self::Gradual(law) => law.stored_energy(state),
         }
     }
 }
 
-/// Hysteretic force (N) of Valanis' law after a step.
-fn own_end(law: &Valanis, state: &[f64], displacement: f64, load: f64) -> f64 {
-    let mut next = [0.0; VALANIS];
+/// Hysteretic force (N) of a gradual law after a step.
+fn own_end(law: &dyn GradualLaw, state: &[f64], displacement: f64, load: f64) -> f64 {
+    let mut next = [0.0; STATE];
     law.step(state, inputs(displacement, load), &mut next);
     next[0]
 }

@@ -7,8 +7,8 @@ mod tangents;
 
 use super::error::{Bounds, LawError, checked};
 use super::{
-    ContactLaw, Inputs, Iwan, Jenkins, Jump, ParallelSliders, Response, Slider, SlipState, StateTangents,
-    Valanis,
+    ContactLaw, GradualLaw, Inputs, Iwan, Jenkins, Jump, ParallelSliders, Response, Slider, SlipState,
+    StateTangents,
 };
 use crate::contact::JointChanges;
 use crate::vocabulary::{self as v, Quantity};
@@ -43,7 +43,7 @@ use std::ops::Bound;
 /// reversal is elastic: each direction only has its own limit to reach.
 ///
 /// **Wear.** s is the mean distance the sliders have slipped since the state was set or
-/// [`ContactLaw::restart`]ed; of Valanis' law it is the displacement less the elastic part of the force.
+/// [`ContactLaw::restart`]ed; of a gradual law it is the displacement less the elastic part of the force.
 ///
 /// **Separation.** At `N ≤ 0` friction is zero and remembers nothing. Spring and damper stand beside the
 /// contact and go on acting.
@@ -80,7 +80,7 @@ use std::ops::Bound;
 /// assert!((force(110e-6) - (50.0 + 10.0)).abs() < 1e-9);
 /// # Ok::<(), stickslip::contact::LawError>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Joint {
     base: Base,
     changes: JointChanges,
@@ -89,14 +89,14 @@ pub struct Joint {
 }
 
 /// The law that a [`Joint`] changes.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum JointBase {
     /// One slider, or with a spread many.
     Jenkins(Jenkins),
-    /// Valanis' law, which has its own gradual slip and takes no spread.
-    Valanis(Valanis),
-    /// Iwan's distribution, which takes no spread either.
+    /// Iwan's distribution, which has its own gradual slip and takes no spread.
     Iwan(Iwan),
+    /// Another law that slips gradually, which takes no spread either.
+    Gradual(Box<dyn GradualLaw>),
 }
 
 /// Number of sliders that stand for an even distribution of yield displacements. A response near a resonance of three
@@ -152,17 +152,15 @@ impl Joint {
     ) -> Result<Self, LawError> {
         check(&changes)?;
         let spread = changes.spread;
-        let refused = |law| Err(LawError::Combination { parameter: v::SPREAD.name, law });
         let base = match base {
             JointBase::Jenkins(law) => {
                 Base::Sliders(Sliders::new(spread_out(&law, spread, sliders)?, changes.asymmetry))
             }
-            JointBase::Iwan(_) if spread > 0.0 => return refused("Iwan's"),
+            _ if spread > 0.0 => return Err(LawError::Combination { parameter: v::SPREAD.name }),
             JointBase::Iwan(law) => {
                 Base::Sliders(Sliders::new(law.sliders_alone().clone(), changes.asymmetry))
             }
-            JointBase::Valanis(_) if spread > 0.0 => return refused("Valanis'"),
-            JointBase::Valanis(law) => Base::Valanis(law.with_asymmetry(changes.asymmetry)),
+            JointBase::Gradual(law) => Base::Gradual(law.with_asymmetry(changes.asymmetry)),
         };
         Ok(Self { base, changes, passive_damper: changes.damping >= 0.0 })
     }

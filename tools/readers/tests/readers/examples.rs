@@ -52,7 +52,7 @@ fn the_published_contact_has_the_limit_of_table_3() {
         assert_eq!(contact.tangential_stiffness, 7.9e6);
     }
     let contact = model("published").contact.unwrap();
-    assert_eq!(contact.law, Law::Valanis { smoothness: 0.3, residual_stiffness: 0.0 });
+    assert_eq!(contact.law, Law::named("valanis", &[0.3, 0.0]).unwrap());
 }
 
 #[test]
