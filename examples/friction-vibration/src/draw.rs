@@ -1,11 +1,11 @@
 //! From curves to lines and tables of the page.
 
 use stickslip::harmonic::{Curve, Point};
+use stickslip_report::contact_loop;
 use stickslip_report::document::{Axis, Block, Cell, Line, Panel, Plot, Stroke, Table, palette};
 
-use super::system::System;
 use crate::Failure;
-use crate::commands::frf::loops::contact_loop;
+use crate::system::System;
 
 /// A curve of `value` over frequency.
 pub fn over_frequency(
@@ -42,7 +42,7 @@ pub fn hysteresis(name: String, system: &System, point: &Point, stroke: Stroke) 
     let law = system.law()?;
     let series = point.contacts.first().map_or(&[][..], |contact| &contact.displacement);
     let (x, y) = contact_loop(&law, system.normal_load, point.angular_frequency, series)
-        .ok_or_else(|| Failure::other("the contact did not become periodic"))?;
+        .ok_or_else(|| Failure::from("the contact did not become periodic"))?;
     Ok(Line { name, x, y, stroke })
 }
 

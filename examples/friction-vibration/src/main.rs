@@ -1,4 +1,8 @@
-//! The study of two masses with a Jenkins element: each figure's data, and what the text makes of them.
+//! A published study of two masses with a Jenkins element, computed again with the library: each figure's data, and
+//! which statements of the text its own model supports.
+//!
+//! `cargo run --release -p friction-vibration [FOLDER]` writes `friction-vibration.html` and `.json` to the folder
+//! (`stickslip-demo` unless given).
 
 mod draw;
 mod response;
@@ -7,37 +11,61 @@ mod sweeps;
 mod system;
 mod time_domain;
 
-use stickslip_report::document::{Document, scientific};
+use std::path::PathBuf;
 
-pub use self::system::MODEL;
-use self::system::System;
-use crate::{Failure, progress};
+use sha2::{Digest as _, Sha256};
+use stickslip_report::document::{Document, document_html, document_json, scientific};
+use stickslip_report::{InputFile, Settings};
+
+use self::system::{MODEL, System};
+
+/// Why there is no result.
+type Failure = Box<dyn std::error::Error>;
 
 /// Schema of the study's data.
-pub const SCHEMA: &str = "stickslip.study/1";
+const SCHEMA: &str = "stickslip.study/1";
+
+fn main() -> Result<(), Failure> {
+    let folder = std::env::args_os().nth(1).map_or_else(|| PathBuf::from("stickslip-demo"), PathBuf::from);
+    std::fs::create_dir_all(&folder)?;
+    let study = friction_vibration()?;
+    println!("{}\n{}\n", study.title, study.lead);
+    let model = "examples/friction-vibration/model.toml";
+    let hash = Sha256::digest(MODEL).iter().map(|byte| format!("{byte:02x}")).collect();
+    let settings = Settings {
+        command: "cargo run --release -p friction-vibration".into(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        files: vec![InputFile { name: model.into(), sha256: hash }],
+        date: None,
+    };
+    let data = document_json(&study, SCHEMA);
+    for (name, text) in [
+        ("friction-vibration.json", format!("{data}\n")),
+        ("friction-vibration.html", document_html(&study, &settings)),
+    ] {
+        std::fs::write(folder.join(name), text)?;
+        println!("wrote {}", folder.join(name).display());
+    }
+    Ok(())
+}
 
 /// Computes everything.
-pub fn friction_vibration() -> Result<Document, Failure> {
-    let bar = progress::spinner("friction-vibration");
+fn friction_vibration() -> Result<Document, Failure> {
     let started = std::time::Instant::now();
     let system = System::new()?;
-    let mut sections = vec![response::system_section(&system)?];
-    bar.set_message("figures 4 to 6");
-    let (section, deviation) = response::response_section(&system)?;
-    sections.push(section);
-    sections.push(response::loop_section(&system)?);
-    bar.set_message("figures 7 and 8");
     let forces = sweeps::over_force(&system)?;
-    sections.push(sweeps::force_section(&system, &forces)?);
-    bar.set_message("figures 9 and 10");
     let frictions = sweeps::over_friction(&system)?;
-    sections.push(sweeps::friction_section(&system, &frictions)?);
-    bar.set_message("figures 12 to 14");
-    sections.push(sweeps::stiffness_section(&system)?);
-    bar.set_message("statements");
     let (statements, failing) = statements::section(&system, &forces, &frictions)?;
-    sections.insert(0, statements);
-    bar.finish_and_clear();
+    let (response, deviation) = response::response_section(&system)?;
+    let sections = vec![
+        statements,
+        response::system_section(&system)?,
+        response,
+        response::loop_section(&system)?,
+        sweeps::force_section(&system, &forces)?,
+        sweeps::friction_section(&system, &frictions)?,
+        sweeps::stiffness_section(&system)?,
+    ];
     Ok(Document {
         title: "Two masses, one of them on a rough ground".into(),
         lead: format!(

@@ -3,10 +3,10 @@
 use stickslip::harmonic::{CurveSettings, Point};
 use stickslip_report::document::{Axis, Block, Cell, Line, Plot, Scaling, Section, Stroke};
 
-use super::draw::{frequency, hysteresis, over_frequency, plot, table};
-use super::system::{ABOVE_SUPERHARMONICS, FORCE, RANGE, System, X, Y, fine, linear};
-use super::time_domain::{self, Motion};
 use crate::Failure;
+use crate::draw::{frequency, hysteresis, over_frequency, plot, table};
+use crate::system::{ABOVE_SUPERHARMONICS, FORCE, RANGE, System, X, Y, fine, linear};
+use crate::time_domain::{self, Motion};
 
 /// Frequencies of the table (rad/s): the paper's loop, both resonances, between them, and in stick.
 const FREQUENCIES: [f64; 5] = [0.5, 0.541, 1.0, 1.3, 2.0];
@@ -18,7 +18,7 @@ const COLOURS: [&str; 2] = ["#0072B2", "#D55E00"];
 /// Free and stuck natural frequencies.
 pub fn system_section(system: &System) -> Result<Section, Failure> {
     let natural = |structure: &stickslip::system::LinearStructure| {
-        let modes = structure.natural_modes().map_err(|error| Failure::other(error.to_string()))?;
+        let modes = structure.natural_modes()?;
         Ok::<_, Failure>(modes.angular_frequency)
     };
     let (free, stuck) = (natural(system.structure())?, natural(&system.stuck())?);

@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 use stickslip::harmonic::CurveSettings;
 use stickslip_report::document::{Block, Cell, Section, scientific};
 
-use super::draw::{equivalent_stiffness, table};
-use super::sweeps::{FIXED, FRICTIONS, Resonance, STIFFNESSES, share};
-use super::system::{ABOVE_SUPERHARMONICS, FORCE, RANGE, System, X, Y, fine, linear, minimum};
-use super::time_domain;
 use crate::Failure;
+use crate::draw::{equivalent_stiffness, table};
+use crate::sweeps::{FIXED, FRICTIONS, Resonance, STIFFNESSES, share};
+use crate::system::{ABOVE_SUPERHARMONICS, FORCE, RANGE, System, X, Y, fine, linear, minimum};
+use crate::time_domain;
 
 /// A statement and what became of it.
 struct Statement {
@@ -459,7 +459,7 @@ pub fn stuck_above(system: &System) -> Result<f64, Failure> {
         Ok::<_, Failure>(system.stiffness * stuck_receptance(system, frequency)? * FORCE > system.limit())
     };
     if !slips(low)? || slips(high)? {
-        return Err(Failure::other("the contact does not go from slip to stick above the second resonance"));
+        return Err(Failure::from("the contact does not go from slip to stick above the second resonance"));
     }
     while high - low > 1e-10 {
         let middle = 0.5 * (low + high);

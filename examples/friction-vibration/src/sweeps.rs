@@ -3,9 +3,9 @@
 use stickslip::harmonic::{Curve, Point};
 use stickslip_report::document::{Axis, Block, Cell, Line, Panel, Plot, Scaling, Section, Stroke};
 
-use super::draw::{equivalent_stiffness, frequency, hysteresis, ordered, over_frequency, plot, table};
-use super::system::{FORCE, RANGE, System, Tracked, X, Y, fine, linear, logarithmic};
 use crate::Failure;
+use crate::draw::{equivalent_stiffness, frequency, hysteresis, ordered, over_frequency, plot, table};
+use crate::system::{FORCE, RANGE, System, Tracked, X, Y, fine, linear, logarithmic};
 
 /// Amplitudes of the force (N) of figures 7, 8 and 13; from stuck throughout to nearly free.
 pub const FORCES: [f64; 8] = [0.002, 0.02, 0.04, 0.0632, 0.1, 0.2, 0.4, 0.8];
@@ -261,11 +261,11 @@ pub fn stiffness_section(system: &System) -> Result<Section, Failure> {
 fn extremes(system: &System) -> Result<Block, Failure> {
     let row = |name: &str, near: (f64, f64), sign: f64| {
         let of = |frequency: f64| Ok(sign * equivalent_stiffness(&system.point(FORCE, frequency, &fine())?));
-        let at = super::system::minimum(near, 1e-6, of)?;
+        let at = crate::system::minimum(near, 1e-6, of)?;
         let value = equivalent_stiffness(&system.point(FORCE, at, &fine())?);
         Ok::<_, Failure>([Cell::text(name), Cell::Number(at, 5), Cell::Number(value, 6)])
     };
-    let stuck = super::statements::stuck_above(system)?;
+    let stuck = crate::statements::stuck_above(system)?;
     Ok(table(
         "Equivalent stiffness at A = 0.4 N",
         ["At μ = 0.02, k_t = 0.2 N/m, A = 0.4 N", "ω (rad/s)", "k_eq (N/m)"],

@@ -8,10 +8,10 @@ use stickslip::harmonic::{
 use stickslip::model::{Model, Oscillator, Structure};
 use stickslip::system::LinearStructure;
 
-use crate::{Failure, progress};
+use crate::Failure;
 
 /// The example's model file.
-pub const MODEL: &str = include_str!("../../../../../examples/friction-vibration/model.toml");
+pub const MODEL: &str = include_str!("../model.toml");
 /// Amplitude of the force on the first mass (N), which a model file does not hold.
 pub const FORCE: f64 = 0.4;
 /// Where the first resonance lies, whatever the force, the friction (rad/s).
@@ -40,9 +40,9 @@ pub struct System {
 impl System {
     /// As the model file says.
     pub fn new() -> Result<Self, Failure> {
-        let model = Model::parse(MODEL).map_err(|error| Failure::other(error.message))?;
+        let model = Model::parse(MODEL).map_err(|error| error.message)?;
         let (Structure::Oscillator(oscillator), Some(contact)) = (model.structure, model.contact) else {
-            return Err(Failure::other("the example's model is not an oscillator with a contact"));
+            return Err(Failure::from("the example's model is not an oscillator with a contact"));
         };
         Ok(Self {
             structure: assembled(&oscillator)?,
@@ -96,20 +96,15 @@ impl System {
 
     /// The contact law.
     pub fn law(&self) -> Result<Jenkins, Failure> {
-        Jenkins::new(self.stiffness, self.friction).map_err(|error| Failure::other(error.to_string()))
+        Jenkins::new(self.stiffness, self.friction).map_err(Failure::from)
     }
 
     /// The response over frequency under a force of amplitude `force` (N).
     pub fn curve(&self, force: f64, range: (f64, f64), settings: &CurveSettings) -> Result<Curve, Failure> {
         let law = self.law()?;
-        let watch = &mut |_: &Point| !progress::interrupted();
-        let curve =
-            frequency_response(&self.under(&law), range.0, range.1, &Control::Level(force), settings, watch)
-                .map_err(|error| Failure::other(error.to_string()))?;
-        if progress::interrupted() {
-            return Err(Failure { code: 130, message: "interrupted; no results were written".into() });
-        }
-        Ok(curve)
+        let control = Control::Level(force);
+        frequency_response(&self.under(&law), range.0, range.1, &control, settings, &mut |_: &Point| true)
+            .map_err(Failure::from)
     }
 
     /// The response at one frequency (rad/s).
@@ -122,7 +117,7 @@ impl System {
         let law = self.law()?;
         let control = Control::Level(force);
         periodic_response(&self.under(&law), angular_frequency, &control, settings, None)
-            .map_err(|error| Failure::other(error.to_string()))
+            .map_err(Failure::from)
     }
 
     /// The first resonance of a node under `force` (N), with the state there.
@@ -131,7 +126,7 @@ impl System {
         let curve = self.curve(force, FIRST_RESONANCE, &settings)?;
         let peaks = curve.peaks.iter().filter(|peak| peak.node == node);
         let peak = peaks.max_by(|a, b| a.amplitude.total_cmp(&b.amplitude)).copied().ok_or_else(|| {
-            Failure::other(format!("no first resonance under {force} N with a friction of {}", self.friction))
+            Failure::from(format!("no first resonance under {force} N with a friction of {}", self.friction))
         })?;
         Ok(Tracked { peak, point: self.point(force, peak.angular_frequency, &settings)? })
     }
@@ -155,7 +150,7 @@ pub fn fine() -> CurveSettings {
 }
 
 fn assembled(oscillator: &Oscillator) -> Result<LinearStructure, Failure> {
-    oscillator.structure().map_err(|error| Failure::other(error.to_string()))
+    oscillator.structure().map_err(Failure::from)
 }
 
 /// Where `of` is smallest between `low` and `high`, by Brent's golden section alone, to `tolerance`.

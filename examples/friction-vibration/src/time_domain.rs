@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use stickslip::time::{Excitation, LoadedContact, OscillatorFlow, ShootingSettings, shoot};
 
-use super::system::System;
 use crate::Failure;
+use crate::system::System;
 
 /// What a period of a motion does.
 #[derive(Debug, Clone)]
@@ -92,5 +92,5 @@ fn with_flow<T>(
 }
 
 fn failed(error: &dyn std::fmt::Display) -> Failure {
-    Failure::other(format!("time integration: {error}"))
+    Failure::from(format!("time integration: {error}"))
 }

@@ -3,6 +3,7 @@
 //! the same bytes, and nothing is read from or written to disk or network.
 
 mod catalogue;
+mod contact_loop;
 mod decimate;
 pub mod diagnosis;
 pub mod document;
@@ -21,6 +22,7 @@ mod table;
 mod tables;
 
 pub use catalogue::{catalogue_table, effect_table};
+pub use contact_loop::contact_loop;
 pub use json::json;
 pub use page::html;
 pub use table::{harmonic_text, terminal_table};

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use stickslip::diagnose::{Comparison, Stage, evaluate, noise_of};
-use stickslip_report::document::{document_html, document_json};
 
 use super::present;
 use crate::output::{Outputs, say};
@@ -38,75 +37,29 @@ const FILES: [(&str, &str); 8] = [
     ("valanis-residual.toml", example!("valanis-residual.toml")),
 ];
 
-/// The files of the study.
-const STUDY_FILES: [(&str, &str); 2] = [
-    ("README.md", include_str!("../../../../examples/friction-vibration/README.md")),
-    ("model.toml", super::study::MODEL),
-];
-
 /// Arguments of `stickslip demo`.
 #[derive(clap::Args)]
 pub struct Demo {
-    /// What is shown
-    #[arg(value_enum, default_value_t = Subject::FrictionalSupport)]
-    subject: Subject,
     /// Folder for the example's files, the report, the best model and its FMU; made if it is not there
     #[arg(long, value_name = "DIR", default_value = DEFAULT_FOLDER)]
     out: PathBuf,
-}
-
-/// What there is to be shown.
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum Subject {
-    /// A beam on a frictional support: the models against measured resonance frequencies
-    FrictionalSupport,
-    /// Two masses with a Jenkins element: every figure of a published study, computed, and what its text makes of them
-    FrictionVibration,
 }
 
 const DEFAULT_FOLDER: &str = "stickslip-demo";
 
 impl Default for Demo {
     fn default() -> Self {
-        Self { subject: Subject::FrictionalSupport, out: DEFAULT_FOLDER.into() }
+        Self { out: DEFAULT_FOLDER.into() }
     }
 }
 
 impl Demo {
-    /// Shows what was asked for.
+    /// Compares, reports, exports.
     pub fn run(self) -> Result<(), Failure> {
-        match self.subject {
-            Subject::FrictionalSupport => self.compare(),
-            Subject::FrictionVibration => self.study(),
-        }
-    }
-
-    /// The example's files in a folder of their own, and the page and the data of the study beside it.
-    fn study(self) -> Result<(), Failure> {
-        let example = self.example("friction-vibration", &STUDY_FILES)?;
-        let study = super::study::friction_vibration()?;
-        let settings = super::settings(&[&example.join("model.toml")])?;
-        let data = document_json(&study, super::study::SCHEMA);
-        let mut outputs = Outputs::default();
-        outputs.add(&self.out.join("friction-vibration.json"), format!("{data}\n"));
-        outputs.add(&self.out.join("friction-vibration.html"), document_html(&study, &settings));
-        say(&format!("{}\n{}\n\n", study.title, study.lead))?;
-        super::list(&outputs.write()?)
-    }
-
-    /// Makes the folder of an example and writes its files.
-    fn example(&self, name: &str, files: &[(&str, &str)]) -> Result<PathBuf, Failure> {
-        let example = self.out.join(name);
+        let example = self.out.join("frictional-support");
         std::fs::create_dir_all(&example)
             .map_err(|error| Failure::other(format!("cannot make {}: {error}", example.display())))?;
-        write_example(&example, files)?;
-        Ok(example)
-    }
-
-    /// Compares, reports, exports.
-    fn compare(self) -> Result<(), Failure> {
-        let example = self.example("frictional-support", &FILES)?;
-
+        write_example(&example, &FILES)?;
         let dataset = stickslip_readers::read_dataset(&example).map_err(super::shown)?;
         say(&format!("{}\n\n", dataset.title.as_deref().unwrap_or_default()))?;
         let mut models = Vec::new();

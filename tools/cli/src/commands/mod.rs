@@ -10,7 +10,6 @@ pub mod fmu;
 pub mod frf;
 pub mod serve;
 pub mod simulate;
-mod study;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

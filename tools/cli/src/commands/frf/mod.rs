@@ -1,7 +1,7 @@
 //! `stickslip frf`
 
 mod held;
-pub mod loops;
+mod loops;
 mod request;
 mod setup;
 
