@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
+mod figures;
 mod tally;
 
 use tally::Tally;
@@ -14,6 +15,8 @@ const USAGE: &str = "usage: cargo xtask TASK
   test            every test: Rust, then the FMUs under independent importers (prepares its own Python
                   environment); the last line says how many passed, failed and were skipped
   golden          regenerate the golden files under modelDescription/ (review the diff)
+  figures         lines and files per folder, long functions, public items without an example; with a number, the
+                  seconds of the last timed build
   hidden-effects  find hidden effects in simulated measurements and write benches/hidden-effects.md;
                   with arguments (--help lists them) only what they say, and the table under target/
   cosimulation    errors of coupled slaves over the communication step; write benches/cosimulation.md and .svg
@@ -29,6 +32,9 @@ fn main() -> ExitCode {
             &["test", "--package", "stickslip-fmu-package", "--test", "package"],
             &[("STICKSLIP_GOLDEN", "write")],
         ),
+        "figures" => {
+            figures::figures(&root(), std::env::args().nth(2).as_deref()).map(|text| print!("{text}"))
+        }
         "cosimulation" => {
             cargo(&["run", "--release", "--package", "stickslip", "--example", "cosimulation"], &[])
         }
