@@ -60,6 +60,8 @@ vocabulary! {
     RESIDUAL_STIFFNESS = "residual_stiffness" ["N/m"] Some(0.0), None, false, 1e5, "Slope left in macro-slip (e_t of the Valanis law), below the tangential stiffness";
     EXPONENT = "exponent" ["1"] Some(-1.0), None, true, 0.5, "Chi of the four-parameter Iwan law, above -1 and at most 0: the energy lost in small loops grows with the power chi + 3 of the amplitude";
     RATIO = "ratio" ["1"] Some(0.0), None, false, 1.0, "Beta of the four-parameter Iwan law: stiffness of the sliders that yield last, all at once, over that of all others";
+    SHARPNESS = "sharpness" ["1"] Some(1.0), Some(50.0), false, 2.0, "Exponent of Bouc and Wen's law: slip sets in most gradually at 1, and at a corner as it grows";
+    UNLOADING_RATIO = "unloading_ratio" ["1"] Some(1.0), Some(2.0), false, 1.0, "Slope on reversal from slip over that in stick: 1 unloads along a straight line; in Bouc and Wen's law beta/gamma is ratio/(2 - ratio)";
     // Beam: parameters.
     LENGTH = "length" ["m"] Some(0.0), None, true, 1.0, "Length of the beam from clamp to pin";
     WIDTH = "width" ["m"] Some(0.0), None, true, 0.05, "Width of the beam";

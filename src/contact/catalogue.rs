@@ -1,7 +1,7 @@
 //! The catalogue of contact laws that a model file can name. A law is a file with its [`LawKind`], and its line in
 //! [`LAWS`]; files, parameters by path, FMUs and what a fit may try come from it.
 
-use super::{ContactLaw, JointBase, LawError, iwan, jenkins, valanis};
+use super::{ContactLaw, JointBase, LawError, bouc_wen, iwan, jenkins, valanis};
 use crate::vocabulary::{self as v, Quantity, Scale};
 
 /// An entry of the catalogue.
@@ -57,7 +57,7 @@ pub struct LawRule {
 }
 
 /// Every law, in the order of the documentation.
-pub static LAWS: [&LawKind; 3] = [&jenkins::KIND, &valanis::KIND, &iwan::KIND];
+pub static LAWS: [&LawKind; 4] = [&jenkins::KIND, &valanis::KIND, &iwan::KIND, &bouc_wen::KIND];
 
 /// Most parameters that a law has of its own.
 pub const MOST_PARAMETERS: usize = 4;

@@ -10,6 +10,7 @@
 //! the law: roll-back, rejected trial steps and harmonic balance need no more than a copy.
 
 mod backlash;
+mod bouc_wen;
 mod carried;
 mod catalogue;
 mod changes;
@@ -24,11 +25,13 @@ mod jenkins;
 mod joint;
 mod parallel;
 mod periodic;
+mod saturation;
 mod slider;
 mod unilateral;
 mod valanis;
 
 pub use backlash::Backlash;
+pub use bouc_wen::BoucWen;
 pub(crate) use carried::Carried;
 pub use catalogue::{LAWS, Law, LawKind, LawParameter, LawRule, LawValues, MOST_PARAMETERS};
 pub use changes::JointChanges;

@@ -3,8 +3,8 @@
 use crate::common::contact::{Carried, close};
 use stickslip::contact::JointChanges;
 use stickslip::contact::{
-    ContactLaw, Inputs, Iwan, IwanSpacing, Jenkins, Joint, JointBase, LawError, SlipState, StateTangents,
-    Valanis,
+    BoucWen, ContactLaw, Inputs, Iwan, IwanSpacing, Jenkins, Joint, JointBase, LawError, SlipState,
+    StateTangents, Valanis,
 };
 
 const STIFFNESS: f64 = 5e6;
@@ -116,7 +116,9 @@ fn many_laws() -> Vec<Joint> {
 fn without_changes_a_joint_is_its_base_law() {
     let valanis = Valanis::new(STIFFNESS, FRICTION, 0.3, 2e5).unwrap();
     let iwan = Iwan::new(STIFFNESS, FRICTION, -0.4, 2.0, 12, IwanSpacing::Equal).unwrap();
-    let pairs: [(Box<dyn ContactLaw>, JointBase); 3] = [
+    let bouc_wen = BoucWen::new(STIFFNESS, FRICTION, 1.5, 1.4, 2e5).unwrap();
+    let pairs: [(Box<dyn ContactLaw>, JointBase); 4] = [
+        (Box::new(bouc_wen), JointBase::Gradual(Box::new(bouc_wen))),
         (Box::new(jenkins()), JointBase::Jenkins(jenkins())),
         (Box::new(valanis), JointBase::Gradual(Box::new(valanis))),
         (Box::new(iwan.clone()), JointBase::Iwan(iwan)),

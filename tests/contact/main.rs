@@ -4,6 +4,7 @@
 mod common;
 
 mod backlash;
+mod bouc_wen;
 mod derivatives;
 mod energy;
 mod iwan;

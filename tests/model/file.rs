@@ -1,7 +1,9 @@
 //! The model file: it reads back exactly what was written, and says what is wrong and where.
 
 use proptest::prelude::*;
+use stickslip::contact::LAWS;
 use stickslip::model::{Beam, Contact, Damping, Law, Model, PointMass, Structure};
+use stickslip::vocabulary::Scale;
 
 const CONTACT: &str = r#"schema = "stickslip.model/1"
 kind = "contact"
@@ -202,6 +204,25 @@ fn residual_stiffness_stays_below_tangential_stiffness() {
     refused(&replaced(CONTACT, "3e5", "7.9e6"), 10, "7.9e6", &["below `tangential_stiffness`"]);
     let without = Model::parse(&replaced(CONTACT, "residual_stiffness = 3e5", "")).unwrap();
     assert_eq!(without.get("contact.residual_stiffness"), Some(0.0));
+}
+
+#[test]
+fn every_law_of_the_catalogue_is_read_written_and_fitted_by_its_own_keys() {
+    for kind in LAWS {
+        let keys = kind.parameters.iter().filter(|parameter| parameter.default.is_none());
+        let value = |range: fn(f64) -> (f64, f64, Scale)| 0.5 * (range(7.9e6).0 + range(7.9e6).1);
+        let keys: String =
+            keys.map(|key| format!("{} = {:?}\n", key.quantity.name, value(key.range))).collect();
+        let text = replaced(CONTACT, "smoothness = 0.3\nresidual_stiffness = 3e5\n", &keys);
+        let model = Model::parse(&replaced(&text, "\"valanis\"", &format!("\"{}\"", kind.name))).unwrap();
+        assert_eq!(Model::parse(&model.to_toml()).unwrap(), model);
+        assert!(model.law().unwrap().unwrap().limit(100.0) > 0.0);
+        for (parameter, value) in model.contact.unwrap().law.parameters() {
+            let path = format!("contact.{}", parameter.quantity.name);
+            let found = model.parameters().into_iter().find(|found| found.path == path).unwrap();
+            assert!(found.free && found.value == value && found.upper <= (parameter.range)(7.9e6).1);
+        }
+    }
 }
 
 #[test]

@@ -1,0 +1,196 @@
+//! How a hysteretic force nears its limit: `dx/dw = 1 − a xⁿ`, x over the limit, integrated to rounding.
+
+/// Both integrals of the curve of the power `n ≥ 1` and the factor a: 1 towards the limit, `−1 ≤ a ≤ 0` away from it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Saturation {
+    pub n: f64,
+    pub a: f64,
+}
+
+/// Where the curve ends, from 0 to 1.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Reached {
+    pub x: f64,
+    /// ∂x/∂x₀.
+    pub by_start: f64,
+    /// `∫ x |a| xⁿ/(1 − a xⁿ) dx`: work less the energy kept, at least zero.
+    pub lost: f64,
+}
+
+/// A series in `a xⁿ` serves up to here, which takes at most 50 terms; quadrature beyond.
+const NEAR: f64 = 0.5;
+
+/// More rounds than any step needs; the bound only stops a NaN.
+const ROUNDS: usize = 60;
+
+/// Nodes above the middle and weights of Gauss and Legendre's quadrature with 16 points on `[−1, 1]`.
+const QUADRATURE: [(f64, f64); 8] = [
+    (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
+    (0.281_603_550_779_258_9, 0.182_603_415_044_923_58),
+    (0.458_016_777_657_227_4, 0.169_156_519_395_002_54),
+    (0.617_876_244_402_643_7, 0.149_595_988_816_576_73),
+    (0.755_404_408_355_003, 0.124_628_971_255_533_87),
+    (0.865_631_202_387_831_7, 0.095_158_511_682_492_78),
+    (0.944_575_023_073_232_6, 0.062_253_523_938_647_89),
+    (0.989_400_934_991_649_9, 0.027_152_459_411_754_095),
+];
+
+fn integral(from: f64, to: f64, of: impl Fn(f64) -> f64) -> f64 {
+    let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+    let pair = |&(node, weight): &(f64, f64)| weight * (of(middle - half * node) + of(middle + half * node));
+    half * QUADRATURE.iter().map(pair).sum::<f64>()
+}
+
+impl Saturation {
+    /// `1 − a xⁿ`, the slope of the curve.
+    pub fn slope(&self, x: f64) -> f64 {
+        if self.a == 1.0 { -(self.n * x.ln()).exp_m1() } else { 1.0 - self.a * x.powf(self.n) }
+    }
+
+    /// Follows the curve from `x`, in `[0, 1]` where a = 1, over the way `w ≥ 0` upwards.
+    pub fn rise(&self, x: f64, w: f64) -> Reached {
+        let whole = self.way(x) + w;
+        // The last number below one.
+        if !(x < 1.0 && whole < self.way(1.0 - 0.5 * f64::EPSILON)) {
+            let by_start = if x < 1.0 { 0.0 } else { (-self.n * w).exp() };
+            return Reached { x: 1.0, by_start, lost: self.lost_rising(x, 1.0, w) };
+        }
+        // The way is concave in −ln(1 − x): from below Newton's steps never go too far.
+        let mut gap = (1.0 - x) * (-w).exp();
+        for _ in 0..ROUNDS {
+            let at = 1.0 - gap;
+            let next = gap * (-(whole - self.way(at)) * self.slope(at) / gap).exp();
+            if next.is_nan() || next >= gap * (1.0 - f64::EPSILON) {
+                break;
+            }
+            gap = next;
+        }
+        let end = (1.0 - gap).max(x);
+        Reached { x: end, by_start: self.slope(end) / self.slope(x), lost: self.lost_rising(x, end, w) }
+    }
+
+    /// Follows the curve from `x ≥ 0` downwards over the way `w ≥ 0`, to zero at the least; the way left over.
+    pub fn fall(&self, x: f64, w: f64) -> (Reached, f64) {
+        let whole = self.way(x) - w;
+        if whole <= 0.0 {
+            let by_start = 1.0 / self.slope(x);
+            return (Reached { x: 0.0, by_start, lost: self.lost(x).abs() }, -whole);
+        }
+        // The way is concave in x.
+        let mut end = (x - w * self.slope(x)).max(0.0);
+        for _ in 0..ROUNDS {
+            let next = end + (whole - self.way(end)) * self.slope(end);
+            if next.is_nan() || next <= end * (1.0 + f64::EPSILON) {
+                break;
+            }
+            end = next;
+        }
+        let end = end.min(x);
+        let lost = (self.lost(x) - self.lost(end)).abs();
+        (Reached { x: end, by_start: self.slope(end) / self.slope(x), lost }, 0.0)
+    }
+
+    /// `∫₀ˣ dt/(1 − a tⁿ)`, infinite at the limit.
+    fn way(&self, x: f64) -> f64 {
+        let near = self.near().min(x);
+        let series = near * self.series(near, |k| 1.0 / (1.0 + k));
+        if near == x {
+            return series;
+        }
+        series
+            + if self.a == 1.0 {
+                let n = self.n;
+                let smooth = integral(near, x, |t| 1.0 / self.slope(t) - 1.0 / (n * (1.0 - t)));
+                smooth + ((1.0 - near) / (1.0 - x)).ln() / n
+            } else {
+                integral(near, x, |t| 1.0 / self.slope(t))
+            }
+    }
+
+    /// `∫₀ˣ a tⁿ⁺¹/(1 − a tⁿ) dt`.
+    fn lost(&self, x: f64) -> f64 {
+        let near = self.near().min(x);
+        let series = near * near * (self.series(near, |k| 1.0 / (2.0 + k)) - 0.5);
+        let beyond = |t: f64| t * (1.0 / self.slope(t) - 1.0);
+        if near == x { series } else { series + integral(near, x, beyond) }
+    }
+
+    /// As [`Saturation::lost`] between `x` and `end`, where `w` is the way between them.
+    fn lost_rising(&self, x: f64, end: f64, w: f64) -> f64 {
+        let near = self.near();
+        if end <= near {
+            return (self.lost(end) - self.lost(x)).max(0.0);
+        }
+        let (from, before, way) = if x < near {
+            (near, self.lost(near) - self.lost(x), w - (self.way(near) - self.way(x)))
+        } else {
+            (x, 0.0, w)
+        };
+        // Of the integral without bound the way is known.
+        let bounded = integral(from, end, |t| if t < 1.0 { (1.0 - t) / self.slope(t) } else { 1.0 / self.n });
+        (before + way - bounded - 0.5 * (end * end - from * from)).max(0.0)
+    }
+
+    fn near(&self) -> f64 {
+        if self.a == 0.0 { f64::INFINITY } else { (NEAR / self.a.abs()).powf(1.0 / self.n) }
+    }
+
+    /// `Σ (a xⁿ)ᵏ c(k n)` from k = 0.
+    fn series(&self, x: f64, coefficient: impl Fn(f64) -> f64) -> f64 {
+        let ratio = self.a * x.powf(self.n);
+        let (mut power, mut k, mut sum) = (1.0_f64, 0.0, 0.0);
+        while power.abs() > 1e-17 && k < 60.0 {
+            sum += power * coefficient(k * self.n);
+            power *= ratio;
+            k += 1.0;
+        }
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_integrals_are_the_closed_forms_of_the_first_two_powers() {
+        for x in [1e-9, 0.1, 0.49, 0.51, 0.7, 0.72, 0.9, 0.999, 1.0 - 1e-9] {
+            let close = |found: f64, expected: f64| {
+                assert!(
+                    (found - expected).abs() < 2e-14 * expected.abs().max(1e-3),
+                    "{x}: {found} {expected}"
+                );
+            };
+            close(Saturation { n: 1.0, a: 1.0 }.way(x), -(-x).ln_1p());
+            close(Saturation { n: 2.0, a: 1.0 }.way(x), x.atanh());
+            close(Saturation { n: 1.0, a: -1.0 }.way(x), x.ln_1p());
+            close(Saturation { n: 2.0, a: -1.0 }.way(x), x.atan());
+            close(Saturation { n: 1.0, a: -1.0 }.lost(x), x - 0.5 * x * x - x.ln_1p());
+            let one = Saturation { n: 1.0, a: 1.0 };
+            close(one.lost_rising(0.0, x, one.way(x)), -(-x).ln_1p() - x - 0.5 * x * x);
+        }
+    }
+
+    #[test]
+    fn a_way_up_and_down_is_the_sum_of_its_parts() {
+        for n in [1.0, 1.3, 2.0, 4.5, 20.0] {
+            let up = Saturation { n, a: 1.0 };
+            for (x, w) in [(0.0, 0.3), (0.2, 1.5), (0.9, 0.01), (0.99, 3.0), (0.0, 30.0)] {
+                let half = up.rise(x, 0.5 * w);
+                let (two, one) = (up.rise(half.x, 0.5 * w), up.rise(x, w));
+                assert!((two.x - one.x).abs() < 1e-13, "{n} {x} {w}: {} {}", two.x, one.x);
+                let lost = half.lost + two.lost;
+                assert!((lost - one.lost).abs() < 1e-12 * one.lost.max(1.0), "{n} {x} {w}");
+                assert!((half.by_start * two.by_start - one.by_start).abs() < 1e-11, "{n} {x} {w}");
+            }
+            let down = Saturation { n, a: -0.7 };
+            let (half, _) = down.fall(0.9, 0.2);
+            let ((two, _), (one, rest)) = (down.fall(half.x, 0.3), down.fall(0.9, 0.5));
+            assert!(
+                rest == 0.0
+                    && (two.x - one.x).abs() < 1e-14
+                    && (half.lost + two.lost - one.lost).abs() < 1e-14
+            );
+        }
+    }
+}
