@@ -40,8 +40,7 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
     let chosen = findings.base.chi_square();
     match (told.verdict, outcome.chi_square) {
         (Verdict::NothingMissing, Some(chi_square)) => reasons.push(format!(
-            "the refitted model leaves {chi_square:.2} times the noise's mean square on records that nothing was \
-             fitted to, and {}",
+            "the refitted model has a reduced χ² of {chi_square:.2} on the test records, and {}",
             nothing_gained(outcome)
         )),
         (Verdict::NothingMissing, None) => reasons.push(format!(
@@ -75,7 +74,7 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
             (true, _) => String::new(),
             (false, false) => "; dropped again at the end, the others do as well without".to_owned(),
             (false, true) => format!(
-                "; {} is taken back, since the error of the untouched records does not bear it out",
+                "; {} is taken back, since the test records do not confirm it",
                 step.without.iter().map(|c| c.effect.title).collect::<Vec<_>>().join(" with ")
             ),
         };
@@ -84,7 +83,7 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
             false => "",
         };
         reasons.push(format!(
-            "{} removes {} of the squared error of the selecting records, {:.0} standard errors above nothing{how}{fate}",
+            "{} removes {} of the squared error of the validation records, {:.0} standard errors above nothing{how}{fate}",
             names.join(" with "),
             percent(step.gain.share),
             step.gain.z
@@ -92,7 +91,7 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
     }
     if !findings.effects().is_empty() {
         reasons.push(format!(
-            "on the untouched records the error goes from {} with the model as it came, and {} with that refitted, \
+            "on the test records the error goes from {} with the model as it came, and {} with that refitted, \
              to {} of the channels' own variation",
             percent(outcome.given),
             percent(error.untouched_refitted),
@@ -101,13 +100,13 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
     }
     match outcome.chi_square {
         Some(chi_square) if told.verdict == Verdict::EffectFound && chi_square > ADEQUATE => reasons.push(format!(
-            "a small part remains unexplained: {chi_square:.2} times the noise's mean square"
+            "a small part remains unexplained: the reduced χ² is {chi_square:.2}"
         )),
         Some(chi_square) if told.verdict == Verdict::EffectFound => {
-            reasons.push(format!("what remains is noise: {chi_square:.2} times its mean square"));
+            reasons.push(format!("the residual is noise: the reduced χ² is {chi_square:.2}"));
         }
         None if told.verdict == Verdict::EffectFound => reasons.push(format!(
-            "{} of the channels' variation is left unexplained on the untouched records; the noise is unknown, since \
+            "{} of the channels' variation is left unexplained on the test records; the noise is unknown, since \
              no motion was repeated closely enough to show it, so how much of that is noise these records cannot say",
             percent(error.untouched)
         )),
@@ -117,7 +116,7 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
         && !outcome.follows.is_empty()
     {
         reasons.push(format!(
-            "what remains on the untouched records is not noise alone: it follows {}",
+            "the residual of the test records is not noise alone: it follows {}",
             outcome.follows.join(", ")
         ));
     }
@@ -126,7 +125,7 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
     }
     reasons.extend(told.groups.iter().map(|group| group.reason.clone()));
     if *known && told.verdict == Verdict::NothingMissing && chosen > ADEQUATE {
-        reasons.push(format!("on the selecting records {chosen:.2} times the noise's mean square remain"));
+        reasons.push(format!("on the validation records the reduced χ² is {chosen:.2}"));
     }
     let most = outcome.chi_square.map_or(f64::NAN, |chi_square| chi_square.max(chosen));
     if *known && told.verdict == Verdict::NothingMissing && most > UNEXPLAINED {
@@ -170,7 +169,7 @@ fn opposed(search: &Search, outcome: &Outcome) -> Vec<String> {
 fn nothing_gained(outcome: &Outcome) -> String {
     let best = outcome.findings.rounds.first().and_then(|round| round.iter().find(|trial| trial.passes()));
     match best {
-        None => format!("no effect of the catalogue gains {} on the selecting records", thresholds()),
+        None => format!("no effect of the catalogue gains {} on the validation records", thresholds()),
         Some(best) => format!(
             "the best effect of the catalogue, {}, removes {} of what is no more than noise already",
             best.ids().join(" + "),
@@ -179,7 +178,7 @@ fn nothing_gained(outcome: &Outcome) -> String {
     }
 }
 
-/// A multiple of the noise's mean square.
+/// A reduced χ².
 fn times(chi_square: f64) -> String {
     if chi_square < 1e4 { format!("{chi_square:.1}") } else { format!("{chi_square:.0e}") }
 }
@@ -188,18 +187,18 @@ fn times(chi_square: f64) -> String {
 fn unexplained(outcome: &Outcome, search: &Search, untouched: f64) -> String {
     let selecting = outcome.selecting;
     let (chi_square, records) = match (untouched > UNEXPLAINED, selecting > UNEXPLAINED, outcome.repeated) {
-        (true, _, _) => (untouched, "records that nothing was fitted to"),
+        (true, _, _) => (untouched, "the test records"),
         (_, true, _) if selecting < outcome.findings.last().chi_square() => {
-            (selecting, "the selecting records beyond what the doubt of the parameters makes of them")
+            (selecting, "the validation records beyond what the uncertainty of the parameters explains")
         }
-        (_, true, _) => (selecting, "the selecting records"),
+        (_, true, _) => (selecting, "the validation records"),
         _ if outcome.left.is_some_and(|left| left.is_too_much()) => return at_worst(outcome, search),
         (_, _, Some(repeated)) => return format!("{}, so it is not noise", repeats(repeated)),
-        _ => (untouched, "records that nothing was fitted to"),
+        _ => (untouched, "the test records"),
     };
     format!(
-        "{} times the noise's mean square remain on {records}; above {UNEXPLAINED} a model does not \
-         explain its data, and names found on the way are surrogates; most are left in `{}`: {} times",
+        "the reduced χ² of {records} is {}; above {UNEXPLAINED} a model does not explain its data, and names found \
+         on the way are surrogates; it is largest in `{}`: {}",
         times(chi_square),
         worst(outcome, search).0,
         times(worst(outcome, search).1)
@@ -217,8 +216,8 @@ fn at_worst(outcome: &Outcome, search: &Search) -> String {
     let Some(left) = outcome.left else { return String::new() };
     let name = worst(outcome, search).0;
     format!(
-        "{} times the noise's mean square remain over all records that were seen, and {} times in `{name}`: look at that \
-         record first, at what only it has (its level, its speed, a fault of its measurement)",
+        "the reduced χ² over all records that were seen is {}, and {} in `{name}`: look at that record first, at what \
+         only it has (its level, its speed, a fault of its measurement)",
         times(left.seen),
         times(left.worst.1)
     )

@@ -32,12 +32,12 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Compare five models of a frictional support with its measured resonance frequencies and
+    /// Compare six models of a frictional support with its measured resonance frequencies and
     /// export the best as an FMU (what a bare `stickslip` does)
     Demo(commands::demo::Demo),
     /// Compare a model with a dataset, refit it, and compare again
     Compare(commands::compare::Compare),
-    /// Tell which physical effect the model lacks, from measurements
+    /// Find the physical effect that the model lacks, from measurements
     Diagnose(commands::diagnose::Diagnose),
     /// Add an effect to a model, refit it, and show the error before and after
     Add(commands::add::Add),

@@ -64,7 +64,7 @@ pub fn step_list(comparison: &Comparison) -> Markup {
     let steps = comparison.steps();
     html! {
         @if !steps.is_empty() {
-            h3 { "What each step gains, and how far chance would do the same" }
+            h3 { "What each step gains, and the probability that chance explains the gain" }
             ul { @for step in &steps {
                 li {
                     strong { (name(&comparison.stages[step.stages[0]].name)) " → " (name(&comparison.stages[step.stages[1]].name)) }

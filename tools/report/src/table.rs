@@ -143,7 +143,7 @@ fn steps(out: &mut Text, comparison: &Comparison) {
         return;
     }
     out.line("");
-    out.paragraph("Steps: what each gains, and how far chance would do the same", BOLD);
+    out.paragraph("Steps: what each gains, and the probability that chance explains the gain", BOLD);
     for step in steps {
         let [from, to] = step.stages.map(|index| comparison.stages[index].name.as_str());
         out.paragraph(&format!("{from} → {to}: {}", step.words), "");

@@ -107,8 +107,12 @@ impl Figures {
             let _ = writeln!(text, "  {lines:4}  {name}  {}", file.display());
         }
         let without = self.without_example.len();
-        let _ =
-            writeln!(text, "\npublic items of the library: {}; without an example: {without}", self.public);
+        let public = self.public;
+        let _ = writeln!(
+            text,
+            "\nitems of the library marked `pub`, those of private modules included: {public}; without an example of \
+             their own: {without}"
+        );
         let mut by_file: BTreeMap<&Path, Vec<&str>> = BTreeMap::new();
         for Place { file, name, .. } in &self.without_example {
             by_file.entry(file).or_default().push(name);

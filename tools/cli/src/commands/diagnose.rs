@@ -36,7 +36,7 @@ pub struct Diagnose {
     /// Try only these effects of the catalogue (see `stickslip effects`)
     #[arg(long, value_name = "ID,ID,...", value_delimiter = ',')]
     effects: Option<Vec<String>>,
-    /// Add at most so many effects
+    /// Add at most N effects
     #[arg(long, value_name = "N", default_value_t = DiagnoseOptions::default().max_effects)]
     max_effects: usize,
     /// Write the model with what was found, refitted

@@ -9,7 +9,7 @@ use crate::output::say;
 /// Arguments of `stickslip effects`.
 #[derive(clap::Args)]
 pub struct Effects {
-    /// Tell all about this effect
+    /// Show what this effect is, its parameters, and how to confirm it
     #[arg(value_name = "ID")]
     id: Option<String>,
 }

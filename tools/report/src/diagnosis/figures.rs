@@ -60,7 +60,7 @@ pub fn ranking(figures: &mut Figures, candidates: &[Candidate]) -> Option<(Capti
     layout["yaxis"]["nticks"] = json!(0);
     layout["xaxis"]["zerolinecolor"] = json!("#000000");
     layout["xaxis"]["range"] = json!([low - 5.0, 105.0]);
-    let caption = "Share of the squared error on the selecting records that each candidate removes when the whole model is \
+    let caption = "Fraction of the squared error on the validation records that each candidate removes when the whole model is \
                    refitted with it, ±1 standard error over blocks. Right of the line helps; a bar that reaches the line \
                    may be chance. What makes it worse by more than a third is only in the table."
         .to_owned();

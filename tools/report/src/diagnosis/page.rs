@@ -71,7 +71,7 @@ fn left(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if diagnosis.verdict == Verdict::Unexplained {
             section id="left" {
-                h2 { "What is left" }
+                h2 { "Residual" }
                 p.text {
                     "The part of the measurement that the last model does not give. A curve that depends on one of these "
                     "and on nothing else points to its cause: on displacement, something that is fixed in space; on "

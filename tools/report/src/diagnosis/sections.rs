@@ -31,7 +31,7 @@ pub fn errors(diagnosis: &Diagnosis) -> Markup {
     html! {
         div.scroll tabindex="0" role="region" aria-label="Errors" {
             table {
-                thead { tr { th { "Normalised error" } th.number { "all records" } th.number { "untouched records" } } }
+                thead { tr { th { "Normalised error" } th.number { "all records" } th.number { "test records" } } }
                 tbody {
                     tr { th scope="row" { "model as given" } td.number { (format::error(error.baseline)) } td.number {} }
                     tr {
@@ -56,10 +56,10 @@ pub fn errors(diagnosis: &Diagnosis) -> Markup {
         }
         p.note {
             "The normalised error is the root mean square over all compared channels, each divided by its own standard "
-            "deviation in its record: 0 is perfect, 1 is no better than the channel’s mean. Untouched records were neither "
-            "fitted to nor chosen by; they are read once, at the end."
+            "deviation in its record: 0 is perfect, 1 is no better than the channel’s mean. Nothing is "
+            "fitted to the test records and nothing chosen by them; they are read once, at the end."
             @if let Some(chi_square) = diagnosis.chi_square {
-                " On them the mean square of the residual is " (format::significant(chi_square, 3)) " times that of the noise (1 would be perfect)."
+                " On the test records the reduced χ² is " (format::significant(chi_square, 3)) " (1 means noise alone)."
             }
         }
     }
@@ -98,7 +98,7 @@ fn steps(diagnosis: &Diagnosis) -> Markup {
             div.scroll tabindex="0" role="region" aria-label="Steps of the selection" {
                 table {
                     thead { tr {
-                        th { "Step" } th.number { "Error, selecting records" } th.number { "Squared error removed" }
+                        th { "Step" } th.number { "Error, validation records" } th.number { "Squared error removed" }
                         th.number { "z" } th {}
                     } }
                     tbody { @for step in &diagnosis.steps { tr {
@@ -110,7 +110,7 @@ fn steps(diagnosis: &Diagnosis) -> Markup {
                     } } }
                 }
             }
-            p.note { "z is the gain over its standard error, from blocks of the selecting records; below 3 it may be chance." }
+            p.note { "z is the gain over its standard error, from blocks of the validation records; below 3 it may be chance." }
         }
     }
 }
@@ -174,7 +174,7 @@ pub fn candidates(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if !diagnosis.candidates.is_empty() {
             (candidate_table("First round: each beside the model as it is", &diagnosis.candidates))
-            p.note { "Errors are on the selecting records. Intervals in brackets hold the value with 95 % confidence, as far as \
+            p.note { "Errors are on the validation records. Intervals in brackets hold the value with 95 % confidence, as far as \
                       the model is right." }
         }
         @for (round, candidates) in diagnosis.rounds.iter().enumerate() {
@@ -224,7 +224,7 @@ pub fn detectable(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if !diagnosis.detectable.is_empty() {
             section id="detectable" {
-                h2 { "What would have been seen" }
+                h2 { "Detection limits" }
                 p.note { "The smallest size of each effect that would have stood out of these data." }
                 div.scroll tabindex="0" role="region" aria-label="Detectable sizes" {
                     table {

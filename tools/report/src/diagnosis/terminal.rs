@@ -87,7 +87,7 @@ fn errors(out: &mut Text, diagnosis: &Diagnosis) {
     };
     let mut left = vec![String::new(), "as given".to_owned(), "refitted".to_owned()];
     let mut cells = vec![
-        vec!["all records".to_owned(), "untouched".to_owned()],
+        vec!["all records".to_owned(), "test records".to_owned()],
         vec![format::error(error.baseline), String::new()],
         vec![format::error(error.refitted), format::error(error.untouched_refitted)],
     ];
@@ -104,7 +104,7 @@ fn candidates(out: &mut Text, candidates: &[Candidate]) {
     if candidates.is_empty() {
         return;
     }
-    heading(out, "Candidates, each refitted with the whole model; error on the records for selecting");
+    heading(out, "Candidates, each refitted with the whole model; error on the validation records");
     let mut left = vec!["effect".to_owned()];
     let mut cells = vec![["error", "gain", "z", "parameter"].map(str::to_owned).to_vec()];
     for one in candidates.iter().take(CANDIDATES) {

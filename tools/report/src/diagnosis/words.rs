@@ -95,7 +95,7 @@ fn fall(diagnosis: &Diagnosis) -> String {
         _ => "With the best of them",
     };
     let (before, after, whose) = if error.untouched.is_finite() && error.untouched_refitted.is_finite() {
-        (error.untouched_refitted, error.untouched, " on records that nothing was fitted to")
+        (error.untouched_refitted, error.untouched, " on the test records")
     } else {
         (error.refitted, error.last, "")
     };
@@ -139,7 +139,7 @@ pub fn next_steps(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
             steps.extend(diagnosis.groups.iter().map(|group| group.experiment.clone()));
         }
         Verdict::Unexplained => steps.push(
-            "Look at what is left: the section “What is left” shows it against displacement, velocity, load and time. Its \
+            "Look at the residual: the section “Residual” shows it against displacement, velocity, load and time. Its \
              shape is the best hint at a cause that is not in the catalogue."
                 .to_owned(),
         ),
@@ -151,10 +151,7 @@ pub fn next_steps(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
         steps.push(experiment.clone());
     }
     if steps.is_empty() && diagnosis.verdict == Verdict::NothingMissing {
-        steps.push(
-            "Use the refitted model. What would have been seen, and how large it would have had to be, is listed below."
-                .to_owned(),
-        );
+        steps.push("Use the refitted model. The detection limits are listed below.".to_owned());
     }
     steps
 }
@@ -206,8 +203,7 @@ pub fn warnings(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
     }
     if !diagnosis.error.untouched.is_finite() && diagnosis.verdict == Verdict::EffectFound {
         all.push(
-            "No record was left untouched: the error after adding is not confirmed on data of its own."
-                .to_owned(),
+            "There is no test record: the error after adding is not confirmed on data of its own.".to_owned(),
         );
     }
     let known = |source| !matches!(source, NoiseSource::Unknown);

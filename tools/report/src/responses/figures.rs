@@ -90,7 +90,7 @@ pub fn contact(responses: &Responses) -> Vec<Plot> {
     let has_stick = |point: &Point| losses.contact(point).is_some_and(|one| one.stick_fraction.is_some());
     if responses.points().any(has_stick) {
         panels.push((Axis::new("stick fraction", "1"), &stick));
-        caption.push_str(" Below, the share of the period in stick.");
+        caption.push_str(" Below, the fraction of the period in stick.");
     }
     plots.push(plot(responses, caption, true, panels));
     plots
@@ -112,8 +112,8 @@ fn energy(responses: &Responses, what: &str, of: &dyn Fn(&Point) -> f64) -> Plot
     let share =
         |_: &ResponseCurve, point: &Point| if point.work > 0.0 { of(point) / point.work } else { f64::NAN };
     let y = Axis::new("energy per cycle", "J").scaled(Scaling::Either);
-    let caption = format!("{what}; below, as share of the work of the excitation.");
-    plot(responses, caption, true, vec![(y, &taken), (Axis::new("share of the work", "1"), &share)])
+    let caption = format!("{what}; below, as fraction of the work of the excitation.");
+    plot(responses, caption, true, vec![(y, &taken), (Axis::new("fraction of the work", "1"), &share)])
 }
 
 /// Estimated error on a logarithmic axis; unresolved points are marked.
@@ -123,7 +123,7 @@ pub fn errors(responses: &Responses) -> Vec<Plot> {
         if point.error_estimate > 0.0 { point.error_estimate.max(1e-17) } else { f64::NAN }
     };
     let y = Axis::new("error estimate", "1").scaled(Scaling::Logarithmic);
-    let caption = "Estimated truncation error of the displacements, as share of the amplitude.".to_owned();
+    let caption = "Estimated truncation error of the displacements, as fraction of the amplitude.".to_owned();
     let mut plot = plot(responses, caption, false, vec![(y, &estimate)]);
     if plot.panels[0].lines.iter().all(|line| line.y.iter().all(|value| !value.is_finite())) {
         return Vec::new();

@@ -179,7 +179,7 @@ fn error_note(responses: &Responses) -> Block {
         },
     );
     Block::Note(format!(
-        "The estimate is of what the harmonics left out would change in the displacements, as share of the amplitude. \
+        "The estimate is of what the harmonics left out would change in the displacements, as fraction of the amplitude. \
          {tolerance}"
     ))
 }

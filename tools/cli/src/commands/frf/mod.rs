@@ -56,17 +56,17 @@ pub struct Frf {
     /// Mass that the force acts on; the model's excitation if not given (oscillators only)
     #[arg(long, value_name = "MASS")]
     excite: Option<String>,
-    /// Harmonics of the response; with --tolerance the number to begin with
+    /// Harmonics of the response; with --tolerance the number to start with
     #[arg(long, value_name = "H", default_value_t = 21)]
     harmonics: usize,
-    /// Add harmonics until the estimated truncation error of the displacements is below this share of the
+    /// Add harmonics until the estimated truncation error of the displacements is below this fraction of the
     /// amplitude, up to 101 harmonics or --harmonics if that is more. Without it the number of harmonics
     /// stays what it is, and points above 0.01 count as unresolved
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "FRACTION", allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Do not tell stable from unstable points. Without contacts and on sliders without play telling costs nothing;
-    /// else it is told up to 60 degrees of freedom, where a point may take half a second, and left out where it
-    /// would take longer
+    /// Do not compute stability. Without contacts and on sliders without play the response is always stable and no
+    /// check is needed; otherwise stability is computed up to 60 degrees of freedom, and left out where a point would
+    /// take longer than half a second
     #[arg(long)]
     no_stability: bool,
     #[command(flatten)]

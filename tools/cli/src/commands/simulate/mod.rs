@@ -59,7 +59,7 @@ pub struct Simulate {
     /// Records `component.variable` besides the outputs; can be given several times
     #[arg(long, value_name = "NAME")]
     record: Vec<String>,
-    /// Records every so many communication points
+    /// Records every COUNT-th communication point
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     every: u64,
     /// Runs each FMU in a process of its own, so that a crash of one ends the simulation in order
