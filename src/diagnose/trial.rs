@@ -68,13 +68,14 @@ pub(super) enum Effort {
 
 impl Effort {
     fn limits(self) -> Limits {
-        match self {
-            Self::None => Limits { iterations: 0, tolerance: 1e-3, useful: f64::INFINITY },
-            Self::Rough => Limits { iterations: 20, tolerance: 1e-4, useful: f64::INFINITY },
-            Self::Screen => Limits { iterations: 6, tolerance: 1e-3, useful: f64::INFINITY },
-            Self::Full => Limits { iterations: 40, tolerance: 1e-6, useful: f64::INFINITY },
-            Self::Below(useful) => Limits { useful, ..Self::Full.limits() },
-        }
+        let (iterations, tolerance) = match self {
+            Self::None => (0, 1e-3),
+            Self::Screen => (6, 1e-3),
+            Self::Rough => (20, 1e-4),
+            Self::Full | Self::Below(_) => (40, 1e-6),
+        };
+        let useful = if let Self::Below(useful) = self { useful } else { f64::INFINITY };
+        Limits { iterations, tolerance, useful, ..Limits::default() }
     }
 }
 
@@ -105,7 +106,7 @@ pub(super) fn fit(
     let estimates = match effort {
         Effort::Screen | Effort::Rough => Vec::new(),
         // What is no minimum has no intervals.
-        _ if end.given_up || effort == Effort::None || bench.interrupted() => {
+        _ if end.ending.is_none() || effort == Effort::None || bench.interrupted() => {
             let none = vec![None; joint.shared.len()];
             joint.estimates_with(&end.y, &none)
         }
@@ -410,7 +411,7 @@ pub(super) fn set(
 }
 
 fn coordinate(index: usize, parameter: &Parameter) -> Result<Coordinate, String> {
-    Coordinate::new::<String>(index, parameter).map_err(|error| error.to_string())
+    Coordinate::new(parameter).map_err(|what| format!("parameter {index}: {what}"))
 }
 
 impl Slot<'_> {

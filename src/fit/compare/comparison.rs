@@ -3,7 +3,7 @@
 use super::nested::Nested;
 use crate::data::{Record, Regime};
 
-/// Values of all tables together up to which the gain of a step is told with its doubt.
+/// Values of all tables together up to which the gain of a step is told with its uncertainty.
 const FEW: usize = 40;
 
 /// One or more models (or the same before and after a refit) against one dataset.

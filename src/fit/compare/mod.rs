@@ -2,12 +2,48 @@
 //!
 //! [`evaluate`] makes a [`Stage`] of one model and a dataset, [`refit`] of the model whose free parameters fit best;
 //! a [`Comparison`] holds both for tables and reports.
+//!
+//! ```
+//! use stickslip::data::{Channel, Dataset, Record, Regime};
+//! use stickslip::fit::compare::{Watch, evaluate, refit};
+//! use stickslip::model::Model;
+//! // A slider that was pulled 1 mm, and a model of it that slips too early.
+//! let model = Model::parse(
+//!     r#"
+//!     schema = "stickslip.model/1"
+//!     kind = "contact"
+//!     contact = { law = "jenkins", tangential_stiffness = 2e3, friction_coefficient = 0.08, normal_load = 10.0 }
+//!     fit = { free = ["contact.friction_coefficient"] }
+//!     "#,
+//! )?;
+//! let channel = |name: &str, unit, values: &[f64]| Channel {
+//!     name: name.to_owned(),
+//!     unit,
+//!     values: values.to_vec(),
+//!     noise: None,
+//! };
+//! let record = Record {
+//!     name: "pull".to_owned(),
+//!     regime: Regime::FromRest,
+//!     use_for: None,
+//!     channels: vec![
+//!         channel("time", "s", &[0.0, 1.0, 2.0, 3.0, 4.0]),
+//!         channel("displacement", "m", &[0.0, 0.25e-3, 0.5e-3, 0.75e-3, 1e-3]),
+//!         channel("force", "N", &[0.0, 0.5, 0.9, 0.9, 0.9]),
+//!     ],
+//! };
+//! let dataset = Dataset { title: None, records: vec![record] };
+//! let before = evaluate("baseline", &model, &dataset);
+//! let after = refit("refitted", &model, &dataset, Watch::default())?;
+//! assert!(before.error > 0.1 && after.stage.error < 1e-6);
+//! assert!((after.model.get("contact.friction_coefficient").unwrap() - 0.09).abs() < 1e-7);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod comparison;
 mod nested;
 mod refit;
 mod score;
-mod unseen;
 
 pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Stage, StepGain};
 pub(crate) use nested::Nested;

@@ -1,7 +1,8 @@
 //! Refits the free parameters of a model to a dataset.
 
-use super::{Stage, evaluate, score, unseen};
+use super::{Stage, evaluate, score};
 use crate::data::{Dataset, Record, Use};
+use crate::fit::least_squares::fit_reviving;
 use crate::fit::{self, Ending, FitError, InterruptHook, Options, ProgressHook};
 use crate::model::Model;
 
@@ -106,7 +107,7 @@ pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Resu
         })
         .collect();
     let options = Options { progress: watch.progress, interrupt: watch.interrupt, ..Options::default() };
-    let (fit, unseen) = unseen::fit_seeing(residual, count, &parameters, &options)?;
+    let (fit, unseen) = fit_reviving(residual, count, &parameters, &options)?;
     let best = with(&fit.parameters).map_err(|reason| FitError::NoStart { first: Some(reason) })?;
     let mut stage = evaluate(name, &best, dataset);
     stage.evaluations = fit.evaluations;

@@ -1,7 +1,6 @@
 //! Parameters as coordinates of size one.
 
 use super::options::Parameter;
-use super::outcome::FitError;
 use crate::vocabulary::Scale;
 
 /// One parameter's coordinate `y`, zero at the parameter's start and about one across its range.
@@ -17,11 +16,11 @@ pub(crate) struct Coordinate {
 }
 
 impl Coordinate {
-    pub fn new<E>(index: usize, parameter: &Parameter) -> Result<Self, FitError<E>> {
+    /// The coordinate of `parameter`, or what is wrong with it.
+    pub fn new(parameter: &Parameter) -> Result<Self, &'static str> {
         let Parameter { start, lower, upper, scale } = *parameter;
-        let refuse = |what| Err(FitError::InvalidParameter { index, what });
         if !start.is_finite() {
-            return refuse("the start is not finite");
+            return Err("the start is not finite");
         }
         if lower.is_nan()
             || upper.is_nan()
@@ -29,11 +28,11 @@ impl Coordinate {
             || lower == f64::INFINITY
             || upper == -f64::INFINITY
         {
-            return refuse("the lower bound is not below the upper");
+            return Err("the lower bound is not below the upper");
         }
         let start = start.clamp(lower, upper);
         if scale == Scale::Logarithmic && !(lower > 0.0 && start > 0.0) {
-            return refuse("a logarithmic parameter needs a positive lower bound");
+            return Err("a logarithmic parameter needs a positive lower bound");
         }
         let unit = match scale {
             Scale::Logarithmic => 1.0,
@@ -76,7 +75,7 @@ impl Coordinate {
         self.lower >= self.upper
     }
 
-    /// The point a share `t` in [0, 1] of the way between the bounds, or within a unit of the start.
+    /// The point a fraction `t` in [0, 1] of the way between the bounds, or within a unit of the start.
     pub fn spread(self, t: f64) -> f64 {
         let (low, high) = (self.lower.max(-1e3), self.upper.min(1e3));
         let low = if self.lower.is_finite() { low } else { (-1.0_f64).min(high - 1.0) };

@@ -1,22 +1,26 @@
 //! Bounded nonlinear least squares and the uncertainty of what it finds.
 //!
-//! [`fit`] minimises `½ Σ r²` over parameters within bounds, from one or several deterministic starts,
-//! by the trust-region-reflective method (Branch, Coleman & Li 1999) with finite-difference Jacobians.
-//! An evaluation that fails (a solver did not converge, a law refused a parameter) is a rejected step,
-//! not the end of the fit. `trust_region` is the one file that knows the optimisation crate.
+//! [`fit`] minimises `½ Σ r²` over parameters within bounds, from one or several deterministic starts: parameters
+//! become coordinates of size one (`coordinate`), the residual a sum of squares with derivatives by differences
+//! (`problem`), which Levenberg's and Marquardt's method minimises (`levenberg_marquardt`). An evaluation that fails (a
+//! solver did not converge, a law refused a parameter) is a rejected step, not the end of the fit. Joint fits to
+//! many records, which have derivatives of their own, use the same method. `revive` brings parameters back that a fit
+//! has lost sight of, `uncertainty` gives intervals.
 
 mod coordinate;
-mod gauss_newton;
+mod levenberg_marquardt;
 mod options;
 mod outcome;
 mod problem;
-mod trust_region;
+mod revive;
+mod starts;
 mod uncertainty;
 
 pub use crate::vocabulary::Scale;
 pub(crate) use coordinate::Coordinate;
-pub(crate) use gauss_newton::{Limits, SumOfSquares, Sums, minimise};
+pub(crate) use levenberg_marquardt::{Limits, SumOfSquares, Sums, minimise};
 pub use options::{Difference, InterruptHook, Options, Parameter, Progress, ProgressHook};
 pub use outcome::{Ending, Fit, FitError};
-pub use trust_region::fit;
+pub(crate) use revive::fit_reviving;
+pub use starts::fit;
 pub use uncertainty::{Interval, Uncertainty, student_quantile};

@@ -1,4 +1,4 @@
-//! The residual as a function of coordinates: failures, counters and finite differences.
+//! The caller's residual as a sum of squares over coordinates: failures, counters, finite differences.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -6,26 +6,25 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::coordinate::Coordinate;
-use super::options::{Difference, Options};
+use super::levenberg_marquardt::{SumOfSquares, Sums};
+use super::options::{Difference, Options, Progress};
+
+/// The residual with what is counted of it.
+pub(super) struct Residual<'a, R, E> {
+    residual: &'a R,
+    pub coordinates: &'a [Coordinate],
+    pub count: usize,
+    pub options: &'a Options<'a>,
+    evaluations: AtomicUsize,
+    failures: AtomicUsize,
+    first_error: Mutex<Option<E>>,
+}
 
 /// Asked to stop.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stop;
 
-/// The residual as a function of the coordinates.
-pub(super) struct Scaled<'a, R, E> {
-    residual: &'a R,
-    pub coordinates: &'a [Coordinate],
-    pub count: usize,
-    options: &'a Options<'a>,
-    evaluations: AtomicUsize,
-    failures: AtomicUsize,
-    first_error: Mutex<Option<E>>,
-    /// The last point evaluated, so that a Jacobian at an accepted point need not repeat it.
-    last: Mutex<(Vec<f64>, Vec<f64>)>,
-}
-
-impl<'a, R, E> Scaled<'a, R, E>
+impl<'a, R, E> Residual<'a, R, E>
 where
     R: Fn(&[f64], &mut [f64]) -> Result<(), E> + Sync,
     E: Send,
@@ -44,7 +43,6 @@ where
             evaluations: AtomicUsize::new(0),
             failures: AtomicUsize::new(0),
             first_error: Mutex::new(None),
-            last: Mutex::new((Vec::new(), Vec::new())),
         }
     }
 
@@ -61,40 +59,17 @@ where
         self.first_error.lock().ok().and_then(|mut error| error.take())
     }
 
+    /// Whether the caller wants the end.
+    pub fn interrupted(&self) -> bool {
+        self.options.interrupt.is_some_and(|interrupt| interrupt())
+    }
+
     pub fn values(&self, y: &[f64]) -> Vec<f64> {
         self.coordinates.iter().zip(y).map(|(c, y)| c.value(*y)).collect()
     }
 
     /// Residuals at `y`; NaN throughout when the evaluation failed.
-    pub fn evaluate(&self, y: &[f64]) -> Result<Vec<f64>, Stop> {
-        if let Some(known) = self.known(y) {
-            return Ok(known);
-        }
-        let residuals = self.evaluate_afresh(y)?;
-        if let Ok(mut last) = self.last.lock() {
-            *last = (y.to_vec(), residuals.clone());
-        }
-        Ok(residuals)
-    }
-
-    /// As `evaluate`, without asking whether to stop.
-    pub fn evaluate_uninterrupted(&self, y: &[f64]) -> Vec<f64> {
-        self.known(y).unwrap_or_else(|| self.compute(y))
-    }
-
-    /// The residuals at `y` if it was evaluated last.
-    fn known(&self, y: &[f64]) -> Option<Vec<f64>> {
-        self.last.lock().ok().filter(|last| last.0 == y).map(|last| last.1.clone())
-    }
-
-    fn evaluate_afresh(&self, y: &[f64]) -> Result<Vec<f64>, Stop> {
-        if self.options.interrupt.is_some_and(|interrupt| interrupt()) {
-            return Err(Stop);
-        }
-        Ok(self.compute(y))
-    }
-
-    fn compute(&self, y: &[f64]) -> Vec<f64> {
+    pub fn at(&self, y: &[f64]) -> Vec<f64> {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
         let mut out = vec![0.0; self.count];
         let outcome = (self.residual)(&self.values(y), &mut out);
@@ -110,12 +85,15 @@ where
         out
     }
 
-    /// ∂residual/∂y, column by column; the columns are evaluated in parallel, each on its own, so that
-    /// the result does not depend on the number of threads. A column is taken from the other side
+    fn unless_stopped(&self, y: &[f64]) -> Result<Vec<f64>, Stop> {
+        if self.interrupted() { Err(Stop) } else { Ok(self.at(y)) }
+    }
+
+    /// ∂residual/∂y about `y` with the residuals `base`, column by column; the columns are evaluated in parallel, each
+    /// on its own, so that the result does not depend on the number of threads. A column is taken from the other side
     /// where an evaluation fails, and is NaN if both sides fail.
-    pub fn jacobian(&self, y: &[f64]) -> Result<Vec<Vec<f64>>, Stop> {
-        let base = self.evaluate(y)?;
-        (0..y.len()).into_par_iter().map(|j| self.column(y, j, &base)).collect()
+    pub fn jacobian(&self, y: &[f64], base: &[f64]) -> Result<Vec<Vec<f64>>, Stop> {
+        (0..y.len()).into_par_iter().map(|j| self.column(y, j, base)).collect()
     }
 
     fn column(&self, y: &[f64], j: usize, base: &[f64]) -> Result<Vec<f64>, Stop> {
@@ -128,7 +106,7 @@ where
         let side = |step: f64| -> Result<(f64, Vec<f64>), Stop> {
             let mut moved = y.to_vec();
             moved[j] += step;
-            Ok((moved[j] - y[j], self.evaluate_afresh(&moved)?))
+            Ok((moved[j] - y[j], self.unless_stopped(&moved)?))
         };
         let up_fits = y[j] + step <= coordinate.upper;
         let down_fits = y[j] - step >= coordinate.lower;
@@ -148,5 +126,98 @@ where
             return Ok(difference(&side(-step)?));
         }
         Ok(difference(&first))
+    }
+}
+
+/// One start's search.
+pub(super) struct Run<'p, 'a, R, E> {
+    pub residual: &'p Residual<'a, R, E>,
+    /// Which start it is.
+    pub start: usize,
+    /// The last point evaluated with its residuals: derivatives are asked for where a step was accepted.
+    last: (Vec<f64>, Vec<f64>),
+    /// The last point differentiated, with the columns of the Jacobian.
+    differentiated: (Vec<f64>, Vec<Vec<f64>>),
+}
+
+impl<'p, 'a, R, E> Run<'p, 'a, R, E>
+where
+    R: Fn(&[f64], &mut [f64]) -> Result<(), E> + Sync,
+    E: Send,
+{
+    pub fn new(residual: &'p Residual<'a, R, E>, start: usize) -> Self {
+        Self { residual, start, last: Default::default(), differentiated: Default::default() }
+    }
+
+    /// Residuals at `y`, known or not, interrupted or not.
+    pub fn residuals(&mut self, y: &[f64]) -> Vec<f64> {
+        if self.last.0 != y {
+            self.last = (y.to_vec(), self.residual.at(y));
+        }
+        self.last.1.clone()
+    }
+
+    /// The Jacobian's columns at `y`; none when interrupted before they are known.
+    pub fn columns(&mut self, y: &[f64]) -> Option<Vec<Vec<f64>>> {
+        if self.differentiated.0 != y {
+            let base = self.residuals(y);
+            self.differentiated = (y.to_vec(), self.residual.jacobian(y, &base).ok()?);
+        }
+        Some(self.differentiated.1.clone())
+    }
+}
+
+pub(super) fn half_square(residuals: &[f64]) -> f64 {
+    0.5 * residuals.iter().map(|r| r * r).sum::<f64>()
+}
+
+impl<R, E> SumOfSquares for Run<'_, '_, R, E>
+where
+    R: Fn(&[f64], &mut [f64]) -> Result<(), E> + Sync,
+    E: Send,
+{
+    fn cost(&mut self, y: &[f64]) -> Option<f64> {
+        let residuals = self.residual.unless_stopped(y).ok()?;
+        let cost = half_square(&residuals);
+        self.last = (y.to_vec(), residuals);
+        Some(cost)
+    }
+
+    fn sums(&mut self, y: &[f64]) -> Option<Sums> {
+        if self.residual.interrupted() {
+            return None;
+        }
+        let residuals = self.residuals(y);
+        let cost = half_square(&residuals);
+        if !cost.is_finite() {
+            return None;
+        }
+        let columns = self.columns(y)?;
+        // What cannot be differentiated stays where it is.
+        let product = |a: &[f64], b: &[f64]| {
+            let sum = a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            if sum.is_finite() { sum } else { 0.0 }
+        };
+        Some(Sums {
+            cost,
+            gradient: columns.iter().map(|column| product(column, &residuals)).collect(),
+            curvature: columns.iter().flat_map(|a| columns.iter().map(|b| product(a, b))).collect(),
+        })
+    }
+
+    fn interrupted(&self) -> bool {
+        self.residual.interrupted()
+    }
+
+    fn accepted(&mut self, step: usize, cost: f64) {
+        if let Some(progress) = self.residual.options.progress {
+            progress(&Progress {
+                start: self.start,
+                starts: self.residual.options.starts,
+                iteration: step,
+                root_mean_square: (2.0 * cost / self.residual.count as f64).sqrt(),
+                evaluations: self.residual.evaluations(),
+            });
+        }
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::coordinate::Coordinate;
 
-/// Directions of the scaled Jacobian whose singular value falls below this share of the largest are
+/// Directions of the scaled Jacobian whose singular value falls below this fraction of the largest are
 /// not determined by the data.
 const UNDETERMINED: f64 = 1e-7;
 

@@ -54,6 +54,13 @@ pub(crate) fn derivative_order(channel: &Channel) -> usize {
     }
 }
 
+/// Where on the beam (m) a channel was measured.
+pub(super) fn position(channel: &Channel) -> Result<f64, String> {
+    channel
+        .position()
+        .ok_or_else(|| format!("`{}` does not say where on the beam it was measured", channel.name))
+}
+
 /// Names of the columns of `record` that a comparison with `model` leaves aside: neither do they drive the
 /// model nor does it predict them. A measured normal load is one, since a model's load is constant.
 pub fn unused_columns<'r>(model: &Model, record: &'r Record) -> Vec<&'r str> {
@@ -65,7 +72,7 @@ pub fn unused_columns<'r>(model: &Model, record: &'r Record) -> Vec<&'r str> {
     unused.map(|channel| channel.name.as_str()).collect()
 }
 
-/// A standard deviation below this share of the largest value is the rounding of a constant.
+/// A standard deviation below this fraction of the largest value is the rounding of a constant.
 const ROUNDING: f64 = 1e-12;
 
 /// Population standard deviation of a channel: what its errors are measured by.

@@ -126,7 +126,7 @@ fn half_width(values: &[f64]) -> usize {
         let inner = half..values.len() - half;
         let change =
             inner.clone().map(|i| (values[i] - smoothed[i]).powi(2)).sum::<f64>() / inner.len() as f64;
-        // A smoothed value keeps a share of its own sample's noise, and loses the rest.
+        // A smoothed value keeps a fraction of its own sample's noise, and loses the rest.
         let (s0, s2, s4, _) = moments(half);
         let removed = noise * noise * (1.0 - s4 / (s0 * s4 - s2 * s2));
         if change > EXCESS * EXCESS * removed {

@@ -1,14 +1,10 @@
 //! Predicting one record again and again, with changing models: what a fit of many parameters needs from a
 //! simulator, whatever the kind of model.
 
-use super::beam::BeamSimulation;
-use super::channels;
-use super::contact::ContactRecord;
-use super::oscillator::OscillatorRecord;
-use crate::data::{Channel, Record};
-use crate::fit;
+use crate::data::Channel;
+use crate::fit::least_squares::Parameter;
 use crate::harmonic::steady::Start;
-use crate::model::{Model, Structure};
+use crate::model::Model;
 
 /// Where simulations of a record start from that solve for its motion.
 #[derive(Debug, Clone)]
@@ -18,26 +14,6 @@ pub(crate) enum Seed {
     /// They do not solve: predictions are those to first order about the motion that was measured. Where a model has
     /// several responses, or none near to the measured one, these lead a fit on.
     LinearisedAtMeasurement,
-}
-
-/// The simulation of `record` for models of the kind of `model`, from `seed` if there is one.
-///
-/// # Errors
-/// What the record lacks, for a reader of the comparison.
-pub(crate) fn of<'r>(
-    model: &Model,
-    record: &'r Record,
-    seed: Option<&Seed>,
-) -> Result<Box<dyn Simulation + 'r>, String> {
-    let channels = channels::compared(model, record);
-    if channels.is_empty() {
-        return Err("it has no column that the model predicts".into());
-    }
-    Ok(match &model.structure {
-        Structure::Prescribed => Box::new(ContactRecord::new(record, channels)?),
-        Structure::Beam(_) => Box::new(BeamSimulation::new(model, record, channels, seed)?),
-        Structure::Oscillator(_) => Box::new(OscillatorRecord::new(model, record, channels)?),
-    })
 }
 
 /// The predictions of one record. It keeps what does not change from one prediction to the next (the
@@ -64,7 +40,10 @@ pub(crate) trait Simulation: Send {
     /// What the record leaves unknown besides the model's parameters: the state of the contact at its start.
     /// The starts are found by a search over the first part of the record under `model`. Empty where nothing
     /// is unknown. How many there are depends on the record alone.
-    fn nuisances(&mut self, model: &Model) -> Result<Vec<fit::Parameter>, String>;
+    fn nuisances(&mut self, model: &Model) -> Result<Vec<Parameter>, String> {
+        let _ = model;
+        Ok(Vec::new())
+    }
 
     /// Writes the predictions of all channels, one after the other, `Σ len` numbers, in the channels' units.
     fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String>;
@@ -84,10 +63,20 @@ pub(crate) trait Simulation: Send {
         derivatives: &mut Vec<Vec<f64>>,
     ) -> Result<(), String> {
         self.predict(model, nuisances, predictions)?;
+        self.differences(directions, predictions, derivatives)
+    }
+
+    /// Writes the derivatives by differences from `predictions`.
+    fn differences(
+        &mut self,
+        directions: &[Direction],
+        predictions: &[f64],
+        derivatives: &mut Vec<Vec<f64>>,
+    ) -> Result<(), String> {
         derivatives.resize_with(directions.len(), Vec::new);
         for (direction, derivative) in directions.iter().zip(derivatives) {
             self.predict(&direction.model, &direction.nuisances, derivative)?;
-            for (moved, base) in derivative.iter_mut().zip(&*predictions) {
+            for (moved, base) in derivative.iter_mut().zip(predictions) {
                 *moved = (*moved - base) / direction.step;
             }
         }

@@ -3,7 +3,10 @@
 //! The friction coefficient of a contact that never slips changes nothing: once a fit is there, no derivative leads
 //! back to where the contact slips, and the value it ends at means nothing.
 
-use crate::fit::{Fit, FitError, Options, Parameter, Scale, fit};
+use super::options::{Options, Parameter};
+use super::outcome::{Fit, FitError};
+use super::starts::fit;
+use crate::vocabulary::Scale;
 
 /// Norm of the residuals' change with the whole of a parameter, over that of the residuals, below which it is unseen.
 const UNSEEN: f64 = 1e-6;
@@ -17,7 +20,7 @@ const FACTOR: f64 = 1.5;
 ///
 /// # Errors
 /// As [`fit`].
-pub(crate) fn fit_seeing<F>(
+pub(crate) fn fit_reviving<F>(
     residual: F,
     count: usize,
     parameters: &[Parameter],

@@ -1,21 +1,18 @@
-//! What happened to a contact before its record began: one unknown number, and a choice of stories that it
-//! belongs to.
+//! What happened to a contact before its record began: hypotheses of its initial state, each with one unknown number.
 //!
 //! A force at the first sample is the whole state of one slider, but not of many, and not of a contact that
 //! was half-way through an unloading. What was repeated before the record began was most likely the motion
-//! of the record itself: the second story runs once through its first period, around an unknown centre.
+//! of the record itself: the second hypothesis runs once through its first period, around an unknown centre.
 
 use crate::contact::{ContactLaw, Inputs};
-use crate::fit::{Parameter, Scale};
+use crate::fit::least_squares::{Parameter, Scale};
 
-/// The story before a record, with what it needs to know of the motion.
+/// A hypothesis of the state at the first sample, with what it needs to know of the motion.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Prehistory {
-    kind: Kind,
+pub(super) struct InitialState {
+    hypothesis: Hypothesis,
     /// Samples of the first period, or of the whole record where it does not repeat.
     cycle: usize,
-    /// The period (samples), not always whole.
-    period: Option<f64>,
     /// Half of the range of the motion (m), and its middle.
     reach: f64,
     middle: f64,
@@ -24,18 +21,22 @@ pub(crate) struct Prehistory {
     upper: f64,
 }
 
-/// The stories.
+/// What may have happened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// From rest along the virgin curve to a force; the unknown says where it lies between the least and the largest
+pub(super) enum Hypothesis {
+    /// From rest along the first loading curve to a force; the unknown says where it lies between the least and the largest
     /// that the contact can carry there.
-    Virgin,
+    FirstLoading,
     /// From rest at an unknown displacement through the motion of one period.
     Cycle,
     /// Slipping, then moved back by an unknown distance: the motion before the record was larger than its own, or
     /// does not repeat. Above zero it came from a larger displacement.
-    Return,
+    Unloading,
 }
+
+/// The hypotheses in the order of trial; the later must be better to be chosen.
+pub(super) const HYPOTHESES: [Hypothesis; 3] =
+    [Hypothesis::FirstLoading, Hypothesis::Cycle, Hypothesis::Unloading];
 
 /// Candidates of the search before the refinement: the error has several minima in the unknown when the
 /// record starts with small loops.
@@ -46,26 +47,21 @@ const RETURN: f64 = 4.0;
 const FAR: f64 = 1e100;
 /// Golden-section steps after that; each shrinks the bracket by 0.618.
 const REFINEMENTS: usize = 12;
-/// Share of a record by which its start is judged: long enough to see it, and no longer, since a contact
+/// Fraction of a record by which its start is judged: long enough to see it, and no longer, since a contact
 /// that slips forgets it.
-const TELLING_SHARE: f64 = 0.25;
+const TELLING: f64 = 0.25;
 
-impl Prehistory {
-    /// The stories in the order of trial; the later must be better to be chosen.
-    pub const KINDS: [Kind; 3] = [Kind::Virgin, Kind::Cycle, Kind::Return];
-
-    /// For a record of this `displacement` (m).
-    pub fn new(displacement: &[f64]) -> Self {
+impl InitialState {
+    /// For a record of this `displacement` (m), which repeats after `period` samples, not always whole ones.
+    pub fn new(displacement: &[f64], period: Option<f64>) -> Self {
         let range = displacement
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), u| (low.min(*u), high.max(*u)));
         let count = displacement.len();
-        let period = super::period::period(displacement);
         let cycle = period.map_or(count, |period| (period.round() as usize).min(count));
         Self {
-            kind: Kind::Virgin,
+            hypothesis: Hypothesis::FirstLoading,
             cycle,
-            period,
             reach: 0.5 * (range.1 - range.0),
             middle: 0.5 * (range.1 + range.0),
             lower: -1.0,
@@ -73,27 +69,22 @@ impl Prehistory {
         }
     }
 
-    /// The motion's period (samples), where it has one.
-    pub fn period(&self) -> Option<f64> {
-        self.period
-    }
-
     /// Samples that tell the start of a record of `count`.
     pub fn telling(&self, count: usize) -> usize {
-        ((count as f64 * TELLING_SHARE) as usize).max(2).min(count)
+        ((count as f64 * TELLING) as usize).max(2).min(count)
     }
 
-    /// Takes up a story; `law` and `load` (N) say how far a centre may lie outside the motion.
-    pub fn choose(&mut self, kind: Kind, law: &dyn ContactLaw, load: f64) {
-        self.kind = kind;
-        (self.lower, self.upper) = match kind {
-            Kind::Virgin => (-1.0, 1.0),
-            Kind::Cycle => {
+    /// Takes up a hypothesis; `law` and `load` (N) say how far a centre may lie outside the motion.
+    pub fn choose(&mut self, hypothesis: Hypothesis, law: &dyn ContactLaw, load: f64) {
+        self.hypothesis = hypothesis;
+        (self.lower, self.upper) = match hypothesis {
+            Hypothesis::FirstLoading => (-1.0, 1.0),
+            Hypothesis::Cycle => {
                 // Farther out every slider has slipped, and the centre is forgotten.
                 let slack = 2.0 * self.reach + yield_displacement(law, load);
                 (self.middle - slack, self.middle + slack)
             }
-            Kind::Return => {
+            Hypothesis::Unloading => {
                 let back = RETURN * yield_displacement(law, load);
                 (-back, back)
             }
@@ -117,7 +108,7 @@ impl Prehistory {
     }
 
     /// Puts the state before the first sample into `state`; `next` is room of the same length.
-    pub fn start(
+    pub fn put(
         &self,
         law: &dyn ContactLaw,
         inputs: &impl Fn(usize) -> Inputs,
@@ -126,8 +117,8 @@ impl Prehistory {
         next: &mut [f64],
     ) {
         let first = inputs(0);
-        match self.kind {
-            Kind::Virgin => {
+        match self.hypothesis {
+            Hypothesis::FirstLoading => {
                 let [least, largest] = [-FAR, FAR].map(|force| {
                     law.set_state(first.displacement, first.normal_load, force, state);
                     law.step(state, Inputs { velocity: 0.0, ..first }, next).force
@@ -135,7 +126,7 @@ impl Prehistory {
                 let force = 0.5 * ((1.0 - value) * least + (1.0 + value) * largest);
                 law.set_state(first.displacement, first.normal_load, force, state);
             }
-            Kind::Cycle => {
+            Hypothesis::Cycle => {
                 law.set_state(value, first.normal_load, 0.0, state);
                 for index in 0..self.cycle {
                     law.step(state, inputs(index), next);
@@ -143,7 +134,7 @@ impl Prehistory {
                 }
                 law.restart(state);
             }
-            Kind::Return => {
+            Hypothesis::Unloading => {
                 law.set_state(first.displacement + value, first.normal_load, value.signum() * FAR, state);
                 law.step(state, Inputs { velocity: 0.0, ..first }, next);
                 state.copy_from_slice(next);
@@ -153,7 +144,7 @@ impl Prehistory {
     }
 }
 
-/// Displacement (m) at which a virgin contact reaches its limit in stick.
+/// Displacement (m) at which a contact from rest reaches its limit in stick.
 fn yield_displacement(law: &dyn ContactLaw, load: f64) -> f64 {
     let limit = law.limit(load);
     let mut state = vec![0.0; law.state_len()];
@@ -191,15 +182,15 @@ mod tests {
     /// Every force between the contact's two limits can be the first of a record: springs beside the slider and
     /// unequal limits included.
     #[test]
-    fn the_virgin_story_reaches_every_force_and_no_value_twice() {
+    fn first_loading_reaches_every_force_and_no_value_twice() {
         let changes = JointChanges { residual_stiffness: 2e5, asymmetry: 0.3, ..JointChanges::default() };
         let law = Joint::new(JointBase::Jenkins(Jenkins::new(2e6, 0.5).unwrap()), changes).unwrap();
         let first = Inputs { displacement: 3e-4, velocity: 0.0, normal_load: 100.0 };
-        let mut story = Prehistory::new(&[3e-4; 20]);
-        story.choose(Kind::Virgin, &law, 100.0);
+        let mut initial = InitialState::new(&[3e-4; 20], None);
+        initial.choose(Hypothesis::FirstLoading, &law, 100.0);
         let (mut state, mut next) = (vec![0.0; law.state_len()], vec![0.0; law.state_len()]);
         let mut force = |value| {
-            story.start(&law, &|_| first, value, &mut state, &mut next);
+            initial.put(&law, &|_| first, value, &mut state, &mut next);
             law.step(&state, first, &mut next).force
         };
         let spring = 2e5 * 3e-4;
@@ -213,11 +204,11 @@ mod tests {
     fn a_contact_that_slipped_and_moved_back_carries_what_is_left() {
         let law = Jenkins::new(2e6, 0.5).unwrap();
         let first = Inputs { displacement: 1e-4, velocity: 0.0, normal_load: 100.0 };
-        let mut story = Prehistory::new(&[1e-4; 20]);
-        story.choose(Kind::Return, &law, 100.0);
+        let mut initial = InitialState::new(&[1e-4; 20], None);
+        initial.choose(Hypothesis::Unloading, &law, 100.0);
         let (mut state, mut next) = (vec![0.0; law.state_len()], vec![0.0; law.state_len()]);
         for (back, expected) in [(1e-5, 30.0), (-1e-5, -30.0), (4e-5, -30.0), (8e-5, -50.0)] {
-            story.start(&law, &|_| first, back, &mut state, &mut next);
+            initial.put(&law, &|_| first, back, &mut state, &mut next);
             let force = law.step(&state, first, &mut next).force;
             assert!((force - expected).abs() < 1e-9, "{back}: {force}");
         }

@@ -1,8 +1,8 @@
 //! Predictions of beams and their derivatives.
 
-use super::BeamSimulation;
 use crate::data::{Channel, Record, Regime};
 use crate::fit::predict::observed::ObservedSimulation;
+use crate::fit::predict::regimes;
 use crate::fit::predict::simulation::{Direction, Seed, Simulation};
 use crate::model::Model;
 
@@ -54,9 +54,8 @@ fn record(amplitude: f64, frequency: f64) -> Record {
     }
 }
 
-fn simulation<'r>(model: &Model, record: &'r Record) -> BeamSimulation<'r> {
-    BeamSimulation::new(model, record, record.channels_of("acceleration").collect(), None)
-        .expect("a steady response")
+fn simulation<'r>(model: &Model, record: &'r Record) -> Box<dyn Simulation + 'r> {
+    regimes::simulation(model, record, None).expect("a steady response")
 }
 
 /// `record` with the channels measuring what `model` predicts.
@@ -175,8 +174,7 @@ fn derivatives_after_predictions_are_those_without() {
         let directions = [Direction { model: neighbour, nuisances: vec![0.0], step: 1e-3 }];
         for seed in [None, Some(&Seed::LinearisedAtMeasurement)] {
             let linearised = |before: &[f64]| {
-                let channels = measured.channels_of("acceleration").collect();
-                let mut simulation = BeamSimulation::new(&model, &measured, channels, seed).unwrap();
+                let mut simulation = regimes::simulation(&model, &measured, seed).unwrap();
                 let (mut out, mut derivatives) = (Vec::new(), Vec::new());
                 for share in before {
                     simulation.predict(&moved(&model, BASE[0], *share), &[0.0], &mut out).unwrap();
@@ -218,9 +216,7 @@ fn about_the_measured_motion_predictions_are_right_to_first_order() {
     let measured = showing(&model, &[], record(12.0, 51.0));
     let mut motion = Vec::new();
     simulation(&model, &measured).predict(&model, &[], &mut motion).unwrap();
-    let channels = measured.channels_of("acceleration").collect();
-    let mut about =
-        BeamSimulation::new(&model, &measured, channels, Some(&Seed::LinearisedAtMeasurement)).unwrap();
+    let mut about = regimes::simulation(&model, &measured, Some(&Seed::LinearisedAtMeasurement)).unwrap();
     let size = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>().sqrt();
     let apart = |a: &[f64], b: &[f64]| size(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>());
     // The error of the prediction, and what there is to be predicted.
@@ -239,16 +235,16 @@ fn about_the_measured_motion_predictions_are_right_to_first_order() {
 /// A contact that sticks all through a steady state keeps the force it was left with, which the sensors show; one that
 /// slips keeps nothing.
 #[test]
-fn where_a_sticking_contact_was_seated_is_found_and_a_slipping_one_forgets_it() {
-    const SEAT: f64 = 4e-6; // m; the contact slips 8.6e-6 m from it
+fn where_a_sticking_contact_was_left_is_found_and_a_slipping_one_forgets_it() {
+    const OFFSET: f64 = 4e-6; // m; the contact slips 8.6e-6 m from it
     let model = model("");
-    let predicted = |record: &Record, seat: f64| {
+    let predicted = |record: &Record, offset: f64| {
         let mut out = Vec::new();
-        simulation(&model, record).predict(&model, &[seat], &mut out).unwrap();
+        simulation(&model, record).predict(&model, &[offset], &mut out).unwrap();
         out
     };
     let change = |record: &Record| {
-        let (none, some) = (predicted(record, 0.0), predicted(record, SEAT));
+        let (none, some) = (predicted(record, 0.0), predicted(record, OFFSET));
         let square = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
         square(&mut none.iter().zip(&some).map(|(a, b)| a - b)) / square(&mut none.iter().copied())
     };
@@ -256,9 +252,9 @@ fn where_a_sticking_contact_was_seated_is_found_and_a_slipping_one_forgets_it() 
     assert!(change(&slipping) < 1e-6, "{:e}", change(&slipping));
     let sticking = record(0.3, 40.0);
     assert!(change(&sticking) > 1e-3, "{:e}", change(&sticking));
-    let sticking = showing(&model, &[SEAT], sticking);
+    let sticking = showing(&model, &[OFFSET], sticking);
     let found = ObservedSimulation::new(&model, &sticking).unwrap().settle(&model).unwrap();
-    assert!((found[0] - SEAT).abs() < 1e-3 * SEAT, "{found:?}");
+    assert!((found[0] - OFFSET).abs() < 1e-3 * OFFSET, "{found:?}");
 }
 
 /// A beam that stretches has two steady states above its resonance; the one that was measured is predicted.
@@ -269,8 +265,7 @@ fn of_several_responses_the_measured_one_is_predicted() {
     model.set("contact.friction_coefficient", 40.0).unwrap();
     let silent = |step: i32| record(10.0, 50.0 + 0.25 * f64::from(step));
     let predicted = |record: &Record, seed: Option<&Seed>| {
-        let channels = record.channels_of("acceleration").collect();
-        let mut simulation = BeamSimulation::new(&model, record, channels, seed).expect("a record");
+        let mut simulation = regimes::simulation(&model, record, seed).expect("a record");
         let mut out = Vec::new();
         simulation.predict(&model, &[], &mut out).ok()?;
         Some((out, Seed::Near(simulation.solution()?.clone())))
@@ -313,8 +308,7 @@ fn beside_a_fold_the_measured_response_is_predicted() {
     let mut model = model("effect = [{ id = \"geometric_stiffening\", cubic_stiffness = 3e10 }]");
     model.set("contact.friction_coefficient", 40.0).unwrap();
     let predicted = |record: &Record, seed: Option<&Seed>| {
-        let channels = record.channels_of("acceleration").collect();
-        let mut simulation = BeamSimulation::new(&model, record, channels, seed).expect("a record");
+        let mut simulation = regimes::simulation(&model, record, seed).expect("a record");
         let mut out = Vec::new();
         simulation.predict(&model, &[0.0], &mut out).ok()?;
         Some((out, Seed::Near(simulation.solution()?.clone())))

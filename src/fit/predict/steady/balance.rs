@@ -1,24 +1,21 @@
-//! A beam in a steady state under a measured periodic excitation.
+//! A beam in a steady state under a measured periodic excitation, by harmonic balance.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use nalgebra::Complex;
 use realfft::{ComplexToReal, RealFftPlanner};
 
-use super::super::channels::derivative_order;
-use super::{At, Known};
+use super::spectrum::{displacement, input};
 use crate::data::{Channel, Record};
+use crate::fit::predict::attached::Attached;
+use crate::fit::predict::channels::derivative_order;
 use crate::harmonic::HarmonicError;
 use crate::harmonic::steady::{ForcedBeam, Start, Steady, SteadyProblem};
-use crate::harmonic::{common_periods, excited_harmonics};
-use crate::numeric::fourier;
-use crate::numeric::fourier::{coefficient_count, time_derivative};
+use crate::model::Model;
+use crate::numeric::common_periods;
+use crate::numeric::fourier::{self, coefficient_count, time_derivative};
 
-/// Largest share of an input (root-mean-square, of an excitation without its mean) that may lie outside the harmonics
-/// kept: more is not noise.
-const UNREPRESENTED: f64 = 0.1;
-/// The contact excites every mode, and accelerations show the highest of them: harmonics beyond it, as share of it.
+/// The contact excites every mode, and accelerations show the highest of them: harmonics beyond it, as a fraction of it.
 const BEYOND_HIGHEST_MODE: f64 = 1.4;
 /// Fewest and most harmonics.
 const HARMONICS: (usize, usize) = (9, 60);
@@ -27,10 +24,35 @@ const HARMONICS: (usize, usize) = (9, 60);
 const SENSED: usize = 3;
 /// Harmonics of the contact beyond those of the modes: the products with the shortening, which moves slowly.
 const CONTACT_BEYOND: usize = 4;
-/// Root-mean-square share of the motion above which a prediction may be another of several responses than the measured.
-const ASTRAY: f64 = 0.2;
-/// Residual as share of the largest displacement: far below the noise of any sensor.
+/// Root-mean-square fraction of the motion above which a prediction may be another of several responses than the measured.
+const WRONG_BRANCH: f64 = 0.2;
+/// Residual as a fraction of the largest displacement: far below the noise of any sensor.
 const TOLERANCE: f64 = 1e-8;
+
+/// A model with its nuisances, and its beam.
+pub(super) struct At<'a> {
+    pub model: &'a Model,
+    pub nuisances: &'a [f64],
+    pub attached: &'a Attached,
+}
+
+/// What a prediction was made of, to know it again.
+pub(super) struct Known {
+    model: Model,
+    nuisances: Vec<f64>,
+}
+
+impl At<'_> {
+    pub fn known(&self) -> Known {
+        Known { model: self.model.clone(), nuisances: self.nuisances.to_vec() }
+    }
+}
+
+impl Known {
+    pub fn is(&self, at: &At) -> bool {
+        self.nuisances == at.nuisances && self.model == *at.model
+    }
+}
 
 /// What does not change from one prediction of the record to the next.
 pub(super) struct SteadyRecord {
@@ -156,34 +178,20 @@ impl SteadyRecord {
         others: &[ForcedBeam],
         predictions: &mut Vec<f64>,
     ) -> Result<Steady<'m>, HarmonicError> {
-        let driven = at.attached.driven();
-        let here = self.last.as_ref().filter(|(known, _)| self.settled && known.is(at)).map(|(_, here)| here);
         let mut best: Option<(f64, Steady)> = None;
         let mut failure = None;
         let mut near = Vec::new();
-        for way in [Way::Last, Way::Measured, Way::Nothing] {
-            let found = match way {
-                Way::Last => match here.or(self.start.as_ref()) {
-                    Some(start) => self.forcing.solve(driven, others, Some(start)),
-                    None => continue,
-                },
-                Way::Measured if self.motion.iter().flatten().all(|x| *x == 0.0) => continue,
-                Way::Measured => self
-                    .forcing
-                    .start_at(driven, &self.motion, &mut None)
-                    .and_then(|start| self.forcing.solve(driven, others, Some(&start))),
-                Way::Nothing if self.settled || self.start.is_some() && best.is_some() => continue,
-                Way::Nothing => self.forcing.solve(driven, others, None),
-            };
+        for origin in [Origin::LastSolution, Origin::MeasuredMotion, Origin::Nothing] {
+            let Some(found) = self.solve_from(origin, at, others, best.is_some()) else { continue };
             match found {
                 Ok(mut steady) => {
                     self.observe(&steady.sensors(&self.forcing), &mut near);
-                    let astray = self.astray(&near);
-                    if best.as_ref().is_none_or(|(least, _)| astray < *least) {
+                    let distance = self.distance(&near);
+                    if best.as_ref().is_none_or(|(least, _)| distance < *least) {
                         predictions.clone_from(&near);
-                        best = Some((astray, steady));
+                        best = Some((distance, steady));
                     }
-                    if astray <= ASTRAY {
+                    if distance <= WRONG_BRANCH {
                         break;
                     }
                 }
@@ -197,8 +205,37 @@ impl SteadyRecord {
         }
     }
 
-    /// Root-mean-square difference of `predictions` from the measured motion as share of it, means apart.
-    fn astray(&self, predictions: &[f64]) -> f64 {
+    /// The response sought from `origin`, if there is something to seek from; `found` says whether there is one already.
+    fn solve_from<'m>(
+        &self,
+        origin: Origin,
+        at: &At<'m>,
+        others: &[ForcedBeam],
+        found: bool,
+    ) -> Option<Result<Steady<'m>, HarmonicError>> {
+        let driven = at.attached.driven();
+        match origin {
+            Origin::LastSolution => {
+                let last = self.last.as_ref().filter(|(known, _)| self.settled && known.is(at));
+                let start = last.map(|(_, here)| here).or(self.start.as_ref())?;
+                Some(self.forcing.solve(driven, others, Some(start)))
+            }
+            Origin::MeasuredMotion => {
+                if self.motion.iter().flatten().all(|x| *x == 0.0) {
+                    return None;
+                }
+                let start = self.forcing.start_at(driven, &self.motion, &mut None);
+                Some(start.and_then(|start| self.forcing.solve(driven, others, Some(&start))))
+            }
+            Origin::Nothing => {
+                let needless = self.settled || self.start.is_some() && found;
+                (!needless).then(|| self.forcing.solve(driven, others, None))
+            }
+        }
+    }
+
+    /// Root-mean-square difference of `predictions` from the measured motion as a fraction of it, means apart.
+    fn distance(&self, predictions: &[f64]) -> f64 {
         let samples = self.inverse.len();
         let (mut sum, mut channels) = (0.0, 0.0);
         let mut moved = vec![0.0; samples];
@@ -230,9 +267,9 @@ impl SteadyRecord {
 
 /// Where a response is sought.
 #[derive(Clone, Copy)]
-enum Way {
-    Last,
-    Measured,
+enum Origin {
+    LastSolution,
+    MeasuredMotion,
     Nothing,
 }
 
@@ -244,61 +281,4 @@ fn text(error: HarmonicError) -> String {
 fn remove_mean(values: &mut [f64]) {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     values.iter_mut().for_each(|value| *value -= mean);
-}
-
-/// Displacement coefficients (m) of a measured time derivative of the order `order`, zero where the measurement shows
-/// noise alone.
-fn displacement(
-    values: &[f64],
-    order: usize,
-    periods: usize,
-    harmonics: usize,
-    angular_frequency: f64,
-) -> Vec<f64> {
-    let measured = fourier::from_samples(values, periods, harmonics);
-    let mut moved = vec![0.0; measured.len()];
-    for harmonic in excited_harmonics(values, periods) {
-        if harmonic == 0 || harmonic > harmonics {
-            continue;
-        }
-        let mut value = Complex::new(measured[2 * harmonic - 1], -measured[2 * harmonic]);
-        for _ in 0..order {
-            value /= Complex::new(0.0, harmonic as f64 * angular_frequency);
-        }
-        (moved[2 * harmonic - 1], moved[2 * harmonic]) = (value.re, -value.im);
-    }
-    moved
-}
-
-/// Coefficients of the harmonics that stand out of the noise of an input: of all others of the excitation a lightly
-/// damped mode would make more than there is.
-fn input(name: &str, values: &[f64], periods: usize, harmonics: usize) -> Result<Vec<f64>, String> {
-    let mut coefficients = fourier::from_samples(values, periods, harmonics);
-    check_represented(name, values, periods, &coefficients)?;
-    let excited = excited_harmonics(values, periods);
-    for (place, coefficient) in coefficients.iter_mut().enumerate() {
-        if !excited.contains(&place.div_ceil(2)) {
-            *coefficient = 0.0;
-        }
-    }
-    Ok(coefficients)
-}
-
-/// Refuses an input with a good part beyond the harmonics kept, as a wide multisine has or a record that
-/// does not hold whole periods: the response to the rest of it would not be the response to it. Of a load its mean is
-/// a part.
-fn check_represented(name: &str, values: &[f64], periods: usize, kept: &[f64]) -> Result<(), String> {
-    let mean = if name == "excitation" { kept[0] } else { 0.0 };
-    let mean_square = values.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / values.len() as f64;
-    let represented = (kept[0] - mean).powi(2) + 0.5 * kept[1..].iter().map(|f| f * f).sum::<f64>();
-    let share = (1.0 - represented / mean_square).max(0.0).sqrt();
-    if share <= UNREPRESENTED {
-        return Ok(());
-    }
-    Err(format!(
-        "{:.0} % of `{name}` lies beyond harmonic {} of the period found ({periods} of it in the \
-         record); a steady record holds whole periods, and of few harmonics",
-        100.0 * share,
-        kept.len() / 2
-    ))
 }

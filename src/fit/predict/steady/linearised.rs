@@ -1,7 +1,6 @@
 //! A steady beam to first order about the motion that was measured.
 
-use super::steady::SteadyRecord;
-use super::{At, Known};
+use super::balance::{At, Known, SteadyRecord};
 use crate::harmonic::HarmonicError;
 use crate::harmonic::steady::ForcedBeam;
 use crate::harmonic::steady::linearised::Linearised;

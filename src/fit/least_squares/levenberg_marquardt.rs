@@ -1,9 +1,12 @@
-//! Bounded least squares for a caller that has derivatives and sums them itself.
+//! Levenberg's method with Marquardt's scaling and an active set for the bounds, on sums that the caller makes.
 //!
 //! A joint fit to many records has unknowns that touch one record each. Its caller adds up `JᵀJ` and `Jᵀr`
-//! record by record, never holding the whole Jacobian, and this file steps: Levenberg's method with
-//! Marquardt's scaling, an active set for the bounds. The method tolerates kinks (a sample that changes from
-//! stick to slip): a step that does not lower the sum is shortened and tried again.
+//! record by record, never holding the whole Jacobian, and this file steps. The method tolerates kinks (a sample that
+//! changes from stick to slip) and failures: a step that does not lower the sum is shortened and tried again.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::outcome::Ending;
 
 /// The sums of a problem at one point.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +31,11 @@ pub(crate) trait SumOfSquares {
     fn interrupted(&self) -> bool {
         false
     }
+
+    /// Told of every accepted step, from 1, with the cost it led to.
+    fn accepted(&mut self, step: usize, cost: f64) {
+        let _ = (step, cost);
+    }
 }
 
 /// When to stop.
@@ -37,12 +45,17 @@ pub(crate) struct Limits {
     pub iterations: usize,
     /// Relative fall of the sum of squares that counts as none.
     pub tolerance: f64,
+    /// Largest change of a coordinate that counts as none; infinite where the fall alone is to tell.
+    pub change: f64,
     /// Cost above which the end is of no use: a search that cannot come below it any more is given up.
     pub useful: f64,
 }
 
-/// Times faster than in its last step that a search may go on falling before it counts as hopeless.
-const HOPE: f64 = 2.0;
+impl Default for Limits {
+    fn default() -> Self {
+        Self { iterations: 40, tolerance: 1e-6, change: f64::INFINITY, useful: f64::INFINITY }
+    }
+}
 
 /// Where a fit ended.
 #[derive(Debug, Clone)]
@@ -51,15 +64,19 @@ pub(crate) struct End {
     pub y: Vec<f64>,
     /// The sums there.
     pub sums: Sums,
-    /// Whether the search was given up, above [`Limits::useful`].
-    pub given_up: bool,
+    /// Why it ended; `None` where the search was given up, above [`Limits::useful`].
+    pub ending: Option<Ending>,
 }
 
+/// Times faster than in its last step that a search may go on falling before it counts as hopeless.
+const HOPE: f64 = 2.0;
 /// Failed trials of a step before the point is taken for a minimum.
 const TRIALS: usize = 10;
-/// Damping at the start, as a share of the curvature's diagonal.
+/// Damping at the start, as a fraction of the curvature's diagonal.
 const FIRST_DAMPING: f64 = 1e-3;
 const LEAST_DAMPING: f64 = 1e-9;
+/// Sum of squares, as a fraction of that at the start, which is rounding alone.
+const ROUNDING: f64 = 1e-20;
 
 /// Minimises from `y` within `[lower, upper]`; `None` when the start cannot be evaluated.
 pub(crate) fn minimise(
@@ -70,49 +87,94 @@ pub(crate) fn minimise(
     limits: Limits,
 ) -> Option<End> {
     into_bounds(&mut y, lower, upper);
-    let mut sums = problem.sums(&y).filter(|sums| sums.cost.is_finite())?;
-    let mut damping = FIRST_DAMPING;
-    let mut trial = y.clone();
-    for iteration in 1..=limits.iterations {
-        let mut accepted = None;
-        for _ in 0..TRIALS {
-            if problem.interrupted() {
-                return Some(End { y, sums, given_up: false });
-            }
-            let Some(step) = step(&sums, &y, lower, upper, damping) else { break };
-            for (trial, (y, step)) in trial.iter_mut().zip(y.iter().zip(&step)) {
-                *trial = y + step;
-            }
-            into_bounds(&mut trial, lower, upper);
-            let cost = problem.cost(&trial).filter(|cost| *cost < sums.cost);
-            if let Some(cost) = cost {
-                damping = (0.2 * damping).max(LEAST_DAMPING);
-                accepted = Some(cost);
-                break;
-            }
-            damping *= 6.0;
-            // What a step promises falls with the damping: nothing is to be had any more.
-            if promised(&sums, &step) <= 0.1 * limits.tolerance * sums.cost {
-                break;
-            }
+    let sums = problem.sums(&y).filter(|sums| sums.cost.is_finite())?;
+    let exact = ROUNDING * sums.cost;
+    let mut search = Search { problem, lower, upper, y, sums, damping: FIRST_DAMPING };
+    let mut ending = Some(Ending::StepLimit);
+    for step in 1..=limits.iterations {
+        if search.sums.cost <= exact {
+            ending = Some(Ending::Converged);
+            break;
         }
-        let Some(cost) = accepted else { return Some(End { y, sums, given_up: false }) };
-        let fall = sums.cost - cost;
-        let left = (limits.iterations - iteration) as f64;
-        let reachable = cost * (cost / sums.cost).powf(HOPE * left);
-        let enough = fall <= limits.tolerance * sums.cost;
+        let before = search.sums.cost;
+        let (cost, change) = match search.step(limits.tolerance) {
+            Ok(accepted) => accepted,
+            Err(why) => {
+                ending = Some(why);
+                break;
+            }
+        };
+        search.problem.accepted(step, cost);
+        let left = (limits.iterations - step) as f64;
+        let reachable = cost * (cost / before).powf(HOPE * left);
+        let enough = before - cost <= limits.tolerance * before && change <= limits.change;
         let given_up = !enough && reachable > limits.useful;
-        y.copy_from_slice(&trial);
-        match problem.sums(&y) {
-            Some(there) if there.cost.is_finite() => sums = there,
+        match search.problem.sums(&search.y) {
+            Some(there) if there.cost.is_finite() => search.sums = there,
             // Derivatives failed where the value did not: the point stands, without a way on.
-            _ => return Some(End { y, sums: Sums { cost, ..sums }, given_up }),
+            _ => {
+                search.sums.cost = cost;
+                let interrupted = search.problem.interrupted();
+                ending = Some(if interrupted { Ending::Interrupted } else { Ending::Stalled });
+                ending = ending.filter(|_| !given_up);
+                break;
+            }
         }
         if enough || given_up {
-            return Some(End { y, sums, given_up });
+            ending = enough.then_some(Ending::Converged);
+            break;
         }
     }
-    Some(End { y, sums, given_up: false })
+    Some(End { y: search.y, sums: search.sums, ending })
+}
+
+/// The state of a search.
+struct Search<'a, P> {
+    problem: &'a mut P,
+    lower: &'a [f64],
+    upper: &'a [f64],
+    y: Vec<f64>,
+    sums: Sums,
+    damping: f64,
+}
+
+impl<P: SumOfSquares> Search<'_, P> {
+    /// Moves to a lower point; its cost and the largest change of a coordinate, or why there is none.
+    fn step(&mut self, tolerance: f64) -> Result<(f64, f64), Ending> {
+        let mut trial = self.y.clone();
+        let mut promise = None;
+        for _ in 0..TRIALS {
+            if self.problem.interrupted() {
+                return Err(Ending::Interrupted);
+            }
+            let step = step(&self.sums, &self.y, self.lower, self.upper, self.damping);
+            let Some(step) = step else { break };
+            for (trial, (y, step)) in trial.iter_mut().zip(self.y.iter().zip(&step)) {
+                *trial = y + step;
+            }
+            into_bounds(&mut trial, self.lower, self.upper);
+            let cost = self.problem.cost(&trial).filter(|cost| *cost < self.sums.cost);
+            if let Some(cost) = cost {
+                self.damping = (0.2 * self.damping).max(LEAST_DAMPING);
+                let change = trial.iter().zip(&self.y).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                self.y = trial;
+                return Ok((cost, change));
+            }
+            self.damping *= 6.0;
+            // What a step promises falls with the damping: nothing is to be had any more.
+            let promised = promised(&self.sums, &step);
+            promise.get_or_insert(promised);
+            if promised <= 0.1 * tolerance * self.sums.cost {
+                break;
+            }
+        }
+        if self.problem.interrupted() {
+            return Err(Ending::Interrupted);
+        }
+        // Without a step all gradients vanish or point out of the bounds.
+        let flat = promise.is_none_or(|promise| promise <= tolerance.sqrt() * self.sums.cost);
+        Err(if flat { Ending::Converged } else { Ending::Stalled })
+    }
 }
 
 fn into_bounds(y: &mut [f64], lower: &[f64], upper: &[f64]) {
@@ -168,12 +230,11 @@ fn damped(sums: &Sums, free: &[usize], held: &[f64], damping: f64) -> Option<Vec
     let fixed = |i: usize| -> f64 {
         (0..n).filter(|j| !free.contains(j)).map(|j| sums.curvature[i * n + j] * held[j]).sum()
     };
-    let matrix = nalgebra::DMatrix::from_fn(free.len(), free.len(), |a, b| {
+    let matrix = DMatrix::from_fn(free.len(), free.len(), |a, b| {
         let entry = sums.curvature[free[a] * n + free[b]] / (size[a] * size[b]);
         if a == b { entry + damping } else { entry }
     });
-    let right =
-        nalgebra::DVector::from_fn(free.len(), |a, _| -(sums.gradient[free[a]] + fixed(free[a])) / size[a]);
+    let right = DVector::from_fn(free.len(), |a, _| -(sums.gradient[free[a]] + fixed(free[a])) / size[a]);
     let solution = matrix.cholesky()?.solve(&right);
     Some(solution.iter().zip(&size).map(|(s, size)| s / size).collect())
 }
@@ -202,11 +263,13 @@ mod tests {
         }
     }
 
-    const LIMITS: Limits = Limits { iterations: 200, tolerance: 1e-14, useful: f64::INFINITY };
+    fn limits() -> Limits {
+        Limits { iterations: 200, tolerance: 1e-14, ..Limits::default() }
+    }
 
     #[test]
     fn a_curved_valley_is_followed_to_its_bottom() {
-        let end = minimise(&mut Valley, vec![-1.2, 1.0], &[-5.0; 2], &[5.0; 2], LIMITS).unwrap();
+        let end = minimise(&mut Valley, vec![-1.2, 1.0], &[-5.0; 2], &[5.0; 2], limits()).unwrap();
         assert!((end.y[0] - 1.0).abs() < 1e-6 && (end.y[1] - 1.0).abs() < 1e-6, "{:?}", end.y);
     }
 
@@ -233,7 +296,7 @@ mod tests {
     fn a_search_that_cannot_become_useful_is_given_up_and_one_that_can_is_not() {
         let steps = |useful: f64| {
             let mut slow = Slow { exponent: 4, steps: 0 };
-            let limits = Limits { useful, tolerance: 1e-9, ..LIMITS };
+            let limits = Limits { useful, tolerance: 1e-9, ..limits() };
             let end = minimise(&mut slow, vec![2.0], &[-5.0], &[5.0], limits).unwrap();
             (slow.steps, end.sums.cost)
         };
@@ -246,7 +309,7 @@ mod tests {
 
     #[test]
     fn at_a_bound_the_others_find_their_minimum() {
-        let end = minimise(&mut Valley, vec![-1.2, 1.0], &[-5.0; 2], &[0.5, 5.0], LIMITS).unwrap();
+        let end = minimise(&mut Valley, vec![-1.2, 1.0], &[-5.0; 2], &[0.5, 5.0], limits()).unwrap();
         assert!((end.y[0] - 0.5).abs() < 1e-9 && (end.y[1] - 0.25).abs() < 1e-7, "{:?}", end.y);
     }
 }

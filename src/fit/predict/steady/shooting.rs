@@ -6,67 +6,74 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::run::Run;
+use crate::fit::predict::stepper::Stepper;
+use crate::fit::predict::stepper::oscillator::OscillatorStepper;
 
 /// Newton steps before the search is given up.
 const MOST_STEPS: usize = 40;
 /// Periods run before the first Newton step, so that the contact has found its loop.
 const FIRST_PERIODS: usize = 3;
-/// Change over a period, as share of the motion, that counts as none.
+/// Change over a period, as a fraction of the motion, that counts as none.
 const PERIODIC: f64 = 1e-9;
 /// Change over a period that is still well below any noise, where the steps no longer help.
 const NEARLY: f64 = 1e-5;
-/// Step of the differences, as share of the motion.
+/// Step of the differences, as a fraction of the motion.
 const DIFFERENCE: f64 = 1e-6;
 
-/// The state at the first sample of the periodic motion over `samples` samples; from `start` if there is one.
-pub(super) fn periodic(run: &mut Run, start: Option<&[f64]>, samples: usize) -> Result<Vec<f64>, String> {
-    let n = run.size();
-    let rest = run.rest();
+/// Brings `stepper` to the first sample of the periodic motion over `samples` samples; from `start` if there is one.
+pub(super) fn shoot(
+    stepper: &mut OscillatorStepper,
+    start: Option<&[f64]>,
+    samples: usize,
+) -> Result<(), String> {
+    let n = stepper.size();
     // A neighbour may have another mass hanging at its contact.
-    let mut state = match start {
-        Some(start) if start.len() == rest.len() => start.to_vec(),
-        _ => rest,
-    };
+    if let Some(start) = start.filter(|start| start.len() == stepper.state.len()) {
+        stepper.state.copy_from_slice(start);
+    }
     if start.is_none() {
         for _ in 0..FIRST_PERIODS {
-            over_a_period(run, &mut state, samples)?;
+            over_a_period(stepper, samples)?;
         }
     }
     let mut mismatch = f64::INFINITY;
     let mut best: Option<(f64, Vec<f64>)> = None;
     for _ in 0..MOST_STEPS {
-        let mut end = state.clone();
-        let scales = over_a_period(run, &mut end, samples)?;
-        mismatch = change(&state, &end, &scales, n);
+        let begin = stepper.state.clone();
+        let scales = over_a_period(stepper, samples)?;
+        let end = stepper.state.clone();
+        mismatch = change(&begin, &end, &scales, n);
         if best.as_ref().is_none_or(|(least, _)| mismatch < *least) {
             best = Some((mismatch, end.clone()));
         }
         if mismatch <= PERIODIC {
-            return Ok(end);
+            return Ok(());
         }
-        let correction = newton(run, &state, &end, &scales, samples)?;
-        state = end;
-        for (x, correction) in state[..2 * n].iter_mut().zip(correction.iter()) {
+        let correction = newton(stepper, &begin, &end, &scales, samples)?;
+        stepper.state.copy_from_slice(&end);
+        for (x, correction) in stepper.state[..2 * n].iter_mut().zip(correction.iter()) {
             *x += correction;
         }
-        run.settle(&mut state);
+        stepper.settle();
     }
     match best {
-        Some((least, end)) if least <= NEARLY => Ok(end),
+        Some((least, end)) if least <= NEARLY => {
+            stepper.state.copy_from_slice(&end);
+            Ok(())
+        }
         _ => Err(format!(
             "no periodic motion was found: over a period it still changes by {mismatch:.1e} of itself"
         )),
     }
 }
 
-/// Runs `state` over a period; returns the largest displacement and velocity on the way.
-fn over_a_period(run: &mut Run, state: &mut [f64], samples: usize) -> Result<[f64; 2], String> {
-    let n = run.size();
+/// Steps over a period; returns the largest displacement and velocity on the way.
+fn over_a_period(stepper: &mut OscillatorStepper, samples: usize) -> Result<[f64; 2], String> {
+    let n = stepper.size();
     let mut largest = [0.0_f64; 2];
     for index in 0..samples {
-        run.advance(state, index)?;
-        for (largest, part) in largest.iter_mut().zip(state.chunks_exact(n)) {
+        stepper.advance(index)?;
+        for (largest, part) in largest.iter_mut().zip(stepper.state.chunks_exact(n)) {
             *largest = part.iter().fold(*largest, |largest, x| largest.max(x.abs()));
         }
     }
@@ -80,28 +87,28 @@ fn change(start: &[f64], end: &[f64], scales: &[f64; 2], n: usize) -> f64 {
 
 /// What to add to the end of a period, by differences of the period map.
 fn newton(
-    run: &mut Run,
-    state: &[f64],
+    stepper: &mut OscillatorStepper,
+    begin: &[f64],
     end: &[f64],
     scales: &[f64; 2],
     samples: usize,
 ) -> Result<DVector<f64>, String> {
-    let n = run.size();
+    let n = stepper.size();
     let mut system = DMatrix::zeros(2 * n, 2 * n);
     for j in 0..2 * n {
         let step = DIFFERENCE * scales[j / n];
-        let mut moved = state.to_vec();
-        moved[j] += step;
-        over_a_period(run, &mut moved, samples)?;
+        stepper.state.copy_from_slice(begin);
+        stepper.state[j] += step;
+        over_a_period(stepper, samples)?;
         for i in 0..2 * n {
-            let derivative = (moved[i] - end[i]) / step;
+            let derivative = (stepper.state[i] - end[i]) / step;
             // In units of the motion, so that displacements and velocities weigh alike.
             let unit = scales[j / n] / scales[i / n];
             system[(i, j)] = (if i == j { 1.0 } else { 0.0 }) - derivative * unit;
         }
     }
     // x* = P(x*) ≈ P(x) + P' (x* − x) gives (1 − P') (x* − P(x)) = P' (P(x) − x).
-    let moved = DVector::from_fn(2 * n, |i, _| (end[i] - state[i]) / scales[i / n]);
+    let moved = DVector::from_fn(2 * n, |i, _| (end[i] - begin[i]) / scales[i / n]);
     let right = &moved - &system * &moved;
     let solved = system.svd(true, true).solve(&right, 1e-12).map_err(str::to_owned)?;
     Ok(DVector::from_fn(2 * n, |i, _| solved[i] * scales[i / n]))

@@ -1,11 +1,11 @@
-//! What drives an oscillator, from the columns of a record.
+//! What excites an oscillator, from the columns of a record.
 
 use crate::data::{Record, Regime};
-use crate::harmonic::common_periods;
+use crate::numeric::common_periods;
 
 /// A measured force on a mass.
 #[derive(Debug, Clone)]
-pub(super) struct Force {
+pub(in crate::fit::predict) struct ExcitationForce {
     /// Place of the mass.
     pub mass: usize,
     /// At the samples (N).
@@ -17,19 +17,19 @@ pub(super) struct Force {
 
 /// Forces and normal load at the samples: of one period where the record is steady.
 #[derive(Debug, Clone)]
-pub(super) struct Inputs {
+pub(in crate::fit::predict) struct Excitation {
     /// Time between samples (s).
     pub step: f64,
-    /// Samples of the inputs.
+    /// Samples of the excitation.
     pub samples: usize,
     /// Whether the first sample follows the last.
     pub periodic: bool,
-    pub drives: Vec<Force>,
+    pub forces: Vec<ExcitationForce>,
     /// Measured normal load (N).
     pub load: Option<Vec<f64>>,
 }
 
-impl Inputs {
+impl Excitation {
     /// Of a record whose excitations act on the masses called `names`.
     pub fn new(record: &Record, names: &[&str]) -> Result<Self, String> {
         let step = record.sample_step().ok_or("`time` is not there, or not evenly spaced")?;
@@ -49,11 +49,11 @@ impl Inputs {
             forces.iter_mut().for_each(|(_, values)| average(values, samples));
             load.iter_mut().for_each(|values| average(values, samples));
         }
-        let drives = forces
+        let forces = forces
             .into_iter()
-            .map(|(mass, values)| Force { mass, bows: bows(&values, periodic), values })
+            .map(|(mass, values)| ExcitationForce { mass, bows: bows(&values, periodic), values })
             .collect();
-        Ok(Self { step, samples, periodic, drives, load })
+        Ok(Self { step, samples, periodic, forces, load })
     }
 
     /// The sample after `index`; after the last comes the first of a period, and else the last again.

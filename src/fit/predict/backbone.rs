@@ -1,0 +1,66 @@
+//! A beam held at measured response levels in phase resonance.
+
+use std::f64::consts::TAU;
+
+use super::attached::Attached;
+use super::simulation::{Direction, Simulation};
+use crate::data::{Channel, Record};
+use crate::harmonic::{self, Method, Resonance, Settings};
+use crate::model::Model;
+
+/// Harmonics at phase resonance: the frequencies of the frictional support are then within 0.1 mHz of those
+/// with 15.
+const HELD: Settings = Settings { harmonics: 5, method: Method::Exact, tolerance: 1e-9, max_iterations: 40 };
+
+/// Predictions of a table's columns `frequency` (Hz) and `damping_ratio` at each `amplitude`.
+pub(super) struct Backbone<'r> {
+    amplitudes: &'r [f64],
+    channels: Vec<&'r Channel>,
+    /// The last solutions, one per amplitude.
+    starts: Vec<Resonance>,
+}
+
+impl<'r> Backbone<'r> {
+    /// Of `channels` of `record`.
+    pub fn new(record: &'r Record, channels: Vec<&'r Channel>) -> Result<Self, String> {
+        let amplitudes = &record.channel("amplitude").ok_or("there is no `amplitude` column")?.values;
+        Ok(Self { amplitudes, channels, starts: Vec::new() })
+    }
+
+    fn solve(&self, model: &Model) -> Result<Vec<Resonance>, String> {
+        let attached = Attached::new(model, &[], None)?;
+        harmonic::backbone(&attached.beam, attached.contact(), self.amplitudes, &HELD, &self.starts)
+            .map_err(|error| error.to_string())
+    }
+}
+
+impl Simulation for Backbone<'_> {
+    fn channels(&self) -> &[&Channel] {
+        &self.channels
+    }
+
+    fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
+        let points = self.solve(model)?;
+        out.clear();
+        for channel in &self.channels {
+            match channel.quantity() {
+                "damping_ratio" => out.extend(points.iter().map(Resonance::damping_ratio)),
+                _ => out.extend(points.iter().map(|point| point.angular_frequency / TAU)),
+            }
+        }
+        Ok(())
+    }
+
+    fn linearise(
+        &mut self,
+        model: &Model,
+        nuisances: &[f64],
+        directions: &[Direction],
+        predictions: &mut Vec<f64>,
+        derivatives: &mut Vec<Vec<f64>>,
+    ) -> Result<(), String> {
+        self.starts = self.solve(model)?;
+        self.predict(model, nuisances, predictions)?;
+        self.differences(directions, predictions, derivatives)
+    }
+}

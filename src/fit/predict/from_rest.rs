@@ -1,0 +1,62 @@
+//! Records that begin at rest: nothing moves and nothing is remembered at the first sample.
+
+use super::simulation::Simulation;
+use super::stepper::beam::ExcitedBeam;
+use super::stepper::contact::MovedContact;
+use super::stepper::oscillator::ExcitedOscillator;
+use super::stepper::{Stepper, march};
+use crate::data::{Channel, Record};
+use crate::model::{Model, Structure};
+
+/// The simulation of one record from rest.
+pub(super) struct FromRest<'r> {
+    channels: Vec<&'r Channel>,
+    samples: usize,
+    driven: Driven<'r>,
+}
+
+/// What the record drives, by the kind of model.
+enum Driven<'r> {
+    Contact(MovedContact<'r>),
+    Oscillator(ExcitedOscillator),
+    Beam(ExcitedBeam<'r>),
+}
+
+impl<'r> FromRest<'r> {
+    /// Of `channels` of `record`, for models of the kind of `model`.
+    pub fn new(model: &Model, record: &'r Record, channels: Vec<&'r Channel>) -> Result<Self, String> {
+        let driven = match &model.structure {
+            Structure::Prescribed => Driven::Contact(MovedContact::new(record, channels.clone())?),
+            Structure::Oscillator(oscillator) => {
+                Driven::Oscillator(ExcitedOscillator::new(oscillator, record, &channels)?)
+            }
+            Structure::Beam(_) => Driven::Beam(ExcitedBeam::new(record, &channels)?),
+        };
+        Ok(Self { channels, samples: record.len(), driven })
+    }
+}
+
+impl Simulation for FromRest<'_> {
+    fn channels(&self) -> &[&Channel] {
+        &self.channels
+    }
+
+    fn shows_delay(&self, channel: &Channel) -> bool {
+        matches!(&self.driven, Driven::Contact(contact) if contact.shows_delay(channel))
+    }
+
+    fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
+        let mut run = |stepper: &mut dyn Stepper| {
+            stepper.rest();
+            march(stepper, self.channels.len(), self.samples, out)
+        };
+        match &mut self.driven {
+            Driven::Contact(contact) => {
+                let law = contact.drive(model)?;
+                run(&mut contact.stepper(law.as_ref()))
+            }
+            Driven::Oscillator(oscillator) => run(&mut oscillator.stepper(model)?),
+            Driven::Beam(beam) => run(&mut beam.stepper(model)?),
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! A beam excited as measured through whole periods of a steady state.
+
+use super::balance::{At, SteadyRecord};
+use super::linearised::LinearisedAtMeasurement;
+use crate::data::{Channel, Record};
+use crate::fit::least_squares::{Parameter, Scale};
+use crate::fit::predict::attached::Attached;
+use crate::fit::predict::channels::position;
+use crate::fit::predict::simulation::{Direction, Seed, Simulation};
+use crate::harmonic::steady::{ForcedBeam, Start};
+use crate::model::Model;
+
+/// Farthest static offset of a contact, in elastic displacements at the limit (m): from there on it slips wherever it
+/// was.
+const MOST_OFFSET: f64 = 2.0;
+/// The same displacement where a model has no contact to say it.
+const NO_REACH: f64 = 1e-9;
+
+/// The simulation of one steady record of a beam. A contact that sticks all through keeps the force that it was left
+/// with: its static offset is the unknown of the record.
+pub(in crate::fit::predict) struct SteadyBeam<'r> {
+    channels: Vec<&'r Channel>,
+    positions: Vec<f64>,
+    solver: Solver,
+}
+
+enum Solver {
+    Balance(Box<SteadyRecord>),
+    /// To first order about the measured motion.
+    Linearised(Box<LinearisedAtMeasurement>),
+}
+
+impl<'r> SteadyBeam<'r> {
+    /// Of `channels` of `record`, with a discretisation fine enough for models like `model`.
+    /// `seed` is a solution of another simulation of the record.
+    pub fn new(
+        model: &Model,
+        record: &'r Record,
+        channels: Vec<&'r Channel>,
+        seed: Option<&Seed>,
+    ) -> Result<Self, String> {
+        let positions: Vec<f64> =
+            channels.iter().map(|channel| position(channel)).collect::<Result<_, _>>()?;
+        let highest = Attached::new(model, &positions, None)?.beam.angular_frequency.last().copied();
+        let mut steady = SteadyRecord::new(record, &channels, highest.unwrap_or(0.0))?;
+        let solver = match seed {
+            Some(Seed::LinearisedAtMeasurement) => {
+                Solver::Linearised(Box::new(LinearisedAtMeasurement::new(steady)))
+            }
+            seed => {
+                if let Some(Seed::Near(start)) = seed {
+                    steady.start_from(start);
+                }
+                let attached = Attached::new(model, &positions, steady.load())?;
+                // Without a start later predictions search on their own.
+                let at = At { model, nuisances: &[], attached: &attached };
+                let _ = steady.linearise(&at, &[], &mut Vec::new(), &mut []);
+                Solver::Balance(Box::new(steady))
+            }
+        };
+        Ok(Self { channels, positions, solver })
+    }
+
+    fn attached(&self, model: &Model, nuisances: &[f64]) -> Result<Attached, String> {
+        let load = match &self.solver {
+            Solver::Balance(steady) => steady.load(),
+            Solver::Linearised(about) => about.load(),
+        };
+        let offset = nuisances.first().copied().unwrap_or(0.0);
+        Ok(Attached::new(model, &self.positions, load)?.with_offset(offset))
+    }
+}
+
+impl Simulation for SteadyBeam<'_> {
+    fn channels(&self) -> &[&Channel] {
+        &self.channels
+    }
+
+    fn solution(&self) -> Option<&Start> {
+        match &self.solver {
+            Solver::Balance(steady) => steady.start(),
+            Solver::Linearised(_) => None,
+        }
+    }
+
+    fn nuisances(&mut self, model: &Model) -> Result<Vec<Parameter>, String> {
+        let elastic = model
+            .contact
+            .map(|contact| contact.friction_coefficient * contact.normal_load / contact.tangential_stiffness);
+        let reach = elastic.filter(|reach| reach.is_finite() && *reach > 0.0).unwrap_or(NO_REACH);
+        let (lower, upper) = (-MOST_OFFSET * reach, MOST_OFFSET * reach);
+        Ok(vec![Parameter { start: 0.0, lower, upper, scale: Scale::Linear }])
+    }
+
+    fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
+        let attached = self.attached(model, nuisances)?;
+        let at = At { model, nuisances, attached: &attached };
+        match &mut self.solver {
+            Solver::Balance(steady) => steady.predict(&at, out),
+            Solver::Linearised(about) => about.predict(&at, out),
+        }
+    }
+
+    fn linearise(
+        &mut self,
+        model: &Model,
+        nuisances: &[f64],
+        directions: &[Direction],
+        predictions: &mut Vec<f64>,
+        derivatives: &mut Vec<Vec<f64>>,
+    ) -> Result<(), String> {
+        let attached = self.attached(model, nuisances)?;
+        let neighbours = directions.iter().map(|there| self.attached(&there.model, &there.nuisances));
+        let neighbours: Vec<Attached> = neighbours.collect::<Result<_, _>>()?;
+        let neighbours: Vec<ForcedBeam> = neighbours.iter().map(Attached::driven).collect();
+        derivatives.resize_with(directions.len(), Vec::new);
+        let at = At { model, nuisances, attached: &attached };
+        match &mut self.solver {
+            Solver::Balance(steady) => steady.linearise(&at, &neighbours, predictions, derivatives)?,
+            Solver::Linearised(about) => about.linearise(&at, &neighbours, predictions, derivatives)?,
+        }
+        for (direction, derivative) in directions.iter().zip(derivatives) {
+            derivative.iter_mut().for_each(|change| *change /= direction.step);
+        }
+        Ok(())
+    }
+}

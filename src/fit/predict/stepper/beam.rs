@@ -1,0 +1,108 @@
+//! A beam excited as measured.
+
+use super::Stepper;
+use crate::data::{Channel, Record};
+use crate::fit::predict::attached::Attached;
+use crate::fit::predict::channels::{derivative_order, position};
+use crate::harmonic::LoadedContact;
+use crate::model::Model;
+use crate::time::{self, BeamInputs, BeamIntegrator, BeamMotion, BeamOutputs, Ramp, SensorReading};
+
+/// Tolerance of the integration, far below the noise of any sensor.
+const SETTINGS: time::Settings = time::Settings { tolerance: 1e-6, step_limit: 1_000_000 };
+
+/// What excites a beam through one record, and what is observed of it. The excitation and a measured normal load run
+/// linearly from sample to sample.
+pub(in crate::fit::predict) struct ExcitedBeam<'r> {
+    time: &'r [f64],
+    excitation: &'r [f64],
+    normal_load: Option<&'r [f64]>,
+    positions: Vec<f64>,
+    /// Time derivative of the displacement that each channel measures.
+    orders: Vec<usize>,
+}
+
+impl<'r> ExcitedBeam<'r> {
+    /// Of `channels` of `record`.
+    pub fn new(record: &'r Record, channels: &[&Channel]) -> Result<Self, String> {
+        Ok(Self {
+            positions: channels.iter().map(|channel| position(channel)).collect::<Result<_, _>>()?,
+            time: record.time().ok_or("there is no `time` column")?,
+            excitation: &record.channel("excitation").ok_or("there is no `excitation` column")?.values,
+            normal_load: record.channel("normal_load").map(|channel| channel.values.as_slice()),
+            orders: channels.iter().map(|channel| derivative_order(channel)).collect(),
+        })
+    }
+
+    /// `model` at the first sample, at rest.
+    pub fn stepper(&self, model: &Model) -> Result<BeamStepper<'_>, String> {
+        let attached = Attached::new(model, &self.positions, None)?;
+        let mut integrator = BeamIntegrator::new(&attached.beam).map_err(|error| error.to_string())?;
+        let motion = rest(&mut integrator, &attached, self);
+        Ok(BeamStepper { outputs: integrator.new_outputs(), motion, excited: self, attached, integrator })
+    }
+
+    /// What acts on the beam from one sample to another.
+    fn inputs<'a>(&self, attached: &'a Attached, from: usize, to: usize) -> BeamInputs<'a> {
+        let load = |index| self.load(attached, index);
+        BeamInputs {
+            excitation: Ramp { start: self.excitation[from], end: self.excitation[to] },
+            contact: match attached.contact() {
+                Some(LoadedContact { law, .. }) => {
+                    time::Contact::Friction { law, normal_load: Ramp { start: load(from), end: load(to) } }
+                }
+                None => time::Contact::Force(Ramp::held(0.0)),
+            },
+            at_points: &[],
+        }
+    }
+
+    /// Normal load (N) at a sample.
+    fn load(&self, attached: &Attached, index: usize) -> f64 {
+        let measured = self.normal_load.map(|measured| measured[index]);
+        attached.joint.normal_load(attached.normal_load, measured)
+    }
+}
+
+fn rest(integrator: &mut BeamIntegrator, attached: &Attached, excited: &ExcitedBeam) -> BeamMotion {
+    integrator.rest(attached.contact().map(|contact| (contact.law, excited.load(attached, 0))))
+}
+
+/// A beam at one sample of a record.
+pub(in crate::fit::predict) struct BeamStepper<'e> {
+    excited: &'e ExcitedBeam<'e>,
+    attached: Attached,
+    integrator: BeamIntegrator,
+    motion: BeamMotion,
+    outputs: BeamOutputs,
+}
+
+impl Stepper for BeamStepper<'_> {
+    fn rest(&mut self) {
+        self.motion = rest(&mut self.integrator, &self.attached, self.excited);
+    }
+
+    fn observe(&mut self, index: usize, out: &mut [f64]) -> Result<(), String> {
+        let inputs = self.excited.inputs(&self.attached, index, index);
+        self.integrator
+            .outputs(&self.motion, f64::INFINITY, &inputs, &mut self.outputs)
+            .map_err(|error| error.to_string())?;
+        let readings = self.outputs.sensors.iter().zip(&self.excited.orders);
+        for (out, (SensorReading { displacement, velocity, acceleration }, order)) in
+            out.iter_mut().zip(readings)
+        {
+            *out = match order {
+                0 => *displacement,
+                1 => *velocity,
+                _ => *acceleration,
+            };
+        }
+        Ok(())
+    }
+
+    fn advance(&mut self, index: usize) -> Result<(), String> {
+        let inputs = self.excited.inputs(&self.attached, index, index + 1);
+        let step = self.excited.time[index + 1] - self.excited.time[index];
+        self.integrator.advance(&mut self.motion, step, &inputs, &SETTINGS).map_err(|error| error.to_string())
+    }
+}

@@ -1,0 +1,160 @@
+//! A contact driven along a measured displacement.
+
+use super::Stepper;
+use crate::contact::{ContactLaw, Inputs};
+use crate::data::{Channel, Record, Regime};
+use crate::fit::predict::motion::{Motion, Outside, earlier};
+use crate::fit::predict::sensors;
+use crate::model::Model;
+
+/// What drives a contact through one record, and which of its forces are measured.
+pub(in crate::fit::predict) struct MovedContact<'r> {
+    pub channels: Vec<&'r Channel>,
+    pub displacement: Motion,
+    /// The measured normal load (N), smoothed.
+    measured_load: Option<Motion>,
+    normal_displacement: Option<Motion>,
+    /// Seconds between samples, where they are even.
+    step: Option<f64>,
+    /// How the motion goes on outside the record, of which a late sensor shows something; a steady motion repeats.
+    outside: Option<Outside>,
+    /// Normal load (N) at every sample, under the model that drives it now.
+    pub load: Vec<f64>,
+    /// Motion and load by as much earlier as that model's force sensor is late.
+    earlier: Option<(Motion, Vec<f64>)>,
+}
+
+impl<'r> MovedContact<'r> {
+    /// Of `record`, predicting `channels`.
+    pub fn new(record: &'r Record, channels: Vec<&'r Channel>) -> Result<Self, String> {
+        let column = |name: &str| record.channel(name).map(|channel| channel.values.as_slice());
+        let values = column("displacement").ok_or("there is no `displacement` column")?;
+        let motion = |values: &[f64]| match (record.sample_step(), record.time()) {
+            (Some(step), _) => Ok(Motion::even(values, step)),
+            (None, Some(time)) => Ok(Motion::uneven(values, time)),
+            (None, None) => Err("there is no `time` column"),
+        };
+        let displacement = match column("velocity") {
+            Some(rates) => Motion { values: values.to_vec(), rates: rates.to_vec() },
+            None => motion(values)?,
+        };
+        Ok(Self {
+            channels,
+            displacement,
+            measured_load: column("normal_load").map(motion).transpose()?,
+            normal_displacement: column("normal_displacement").map(motion).transpose()?,
+            step: record.sample_step(),
+            outside: (record.regime == Regime::FromRest).then_some(Outside::Still),
+            load: Vec::new(),
+            earlier: None,
+        })
+    }
+
+    /// The motion goes on like that before the record and after it.
+    pub fn going_on(mut self, outside: Outside) -> Self {
+        self.outside = Some(outside);
+        self
+    }
+
+    /// A late force is the force of the earlier motion, which has a past before the record's first sample.
+    pub fn shows_delay(&self, channel: &Channel) -> bool {
+        channel.quantity() == "force" && self.step.is_some() && self.outside.is_some()
+    }
+
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.displacement.values.len()
+    }
+
+    /// Prepares what the contact is driven by under `model`, and gives its law.
+    pub fn drive(&mut self, model: &Model) -> Result<Box<dyn ContactLaw>, String> {
+        self.update_load(model)?;
+        let force = self.channels.iter().copied().find(|channel| self.shows_delay(channel));
+        let delay = force.and_then(|force| sensors::fault(model, force)).map_or(0.0, |fault| fault.delay);
+        self.earlier = match (self.step, self.outside) {
+            (Some(step), Some(outside)) if delay != 0.0 => {
+                let motion = self.displacement.earlier(delay / step, step, outside);
+                Some((motion, earlier(&self.load, delay / step)))
+            }
+            _ => None,
+        };
+        model.law().map_err(|error| error.to_string())?.ok_or_else(|| "the model has no [contact]".to_owned())
+    }
+
+    /// The normal load at every sample.
+    fn update_load(&mut self, model: &Model) -> Result<(), String> {
+        let contact = model.contact.as_ref().ok_or("the model has no [contact]")?;
+        let joint = model.changes().joint;
+        let count = self.samples();
+        self.load.clear();
+        if let (true, Some(normal)) = (contact.normal_stiffness > 0.0, &self.normal_displacement) {
+            let reaction = |(approach, rate): (&f64, &f64)| {
+                joint.normal_reaction(contact.normal_load, contact.normal_stiffness, *approach, *rate)
+            };
+            self.load.extend(normal.values.iter().zip(&normal.rates).map(reaction));
+        } else if let Some(measured) = &self.measured_load {
+            let load = |measured: &f64| joint.normal_load(contact.normal_load, Some(*measured));
+            self.load.extend(measured.values.iter().map(load));
+        } else {
+            self.load.resize(count, contact.normal_load);
+        }
+        Ok(())
+    }
+
+    /// What acts on the contact at a sample, after [`MovedContact::drive`].
+    pub fn inputs(&self, index: usize) -> Inputs {
+        let (motion, load) = match &self.earlier {
+            Some((motion, load)) => (motion, load),
+            None => (&self.displacement, &self.load),
+        };
+        Inputs { displacement: motion.values[index], velocity: motion.rates[index], normal_load: load[index] }
+    }
+
+    /// The contact with `law` at the first sample, with no force where the displacement is zero.
+    pub fn stepper<'s>(&'s self, law: &'s dyn ContactLaw) -> ContactStepper<'s> {
+        let mut stepper = ContactStepper { contact: self, law, state: Vec::new(), next: Vec::new() };
+        stepper.rest();
+        stepper
+    }
+}
+
+/// A contact at one sample of a record.
+pub(in crate::fit::predict) struct ContactStepper<'s> {
+    contact: &'s MovedContact<'s>,
+    law: &'s dyn ContactLaw,
+    /// The state before the sample, and room for the next.
+    pub state: Vec<f64>,
+    pub next: Vec<f64>,
+}
+
+impl ContactStepper<'_> {
+    /// The force at sample `index`; the state after it is the one before the next.
+    pub fn force(&mut self, index: usize) -> f64 {
+        let force = self.law.step(&self.state, self.contact.inputs(index), &mut self.next).force;
+        std::mem::swap(&mut self.state, &mut self.next);
+        force
+    }
+}
+
+impl Stepper for ContactStepper<'_> {
+    fn rest(&mut self) {
+        for state in [&mut self.state, &mut self.next] {
+            state.clear();
+            state.resize(self.law.state_len(), 0.0);
+        }
+        self.law.set_state(0.0, self.contact.inputs(0).normal_load, 0.0, &mut self.state);
+    }
+
+    fn observe(&mut self, index: usize, out: &mut [f64]) -> Result<(), String> {
+        let force = self.force(index);
+        for (channel, out) in self.contact.channels.iter().zip(out) {
+            *out = if channel.quantity() == "normal_load" { self.contact.load[index] } else { force };
+        }
+        Ok(())
+    }
+
+    /// The step to a sample is the one that gives the force there.
+    fn advance(&mut self, _: usize) -> Result<(), String> {
+        Ok(())
+    }
+}
