@@ -7,7 +7,7 @@
 
 use super::HarmonicError;
 use crate::harmonic::balance::assembly::{Assembly, Body, CurveSettings};
-use crate::harmonic::balance::beam::{Balance, Extent, Signals};
+use crate::harmonic::balance::beam::{Balance, Extent, Ports};
 use crate::harmonic::balance::condensed::Condensed;
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::condition::{HeldAmplitude, Phase};
@@ -141,12 +141,12 @@ fn mode_of_beam(
     let start = LinearStart::new(&structure, stiffness.into_iter(), range)?;
     // As for a linear structure, but for the damper: it sits in the mode that takes most part.
     let strongest = start.shape.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-    let mode = strongest.map(|(mode, _)| mode);
-    let signals = Signals { mode, ..Signals::of(beam) };
+    let mode = strongest.map_or(0, |(mode, _)| mode);
+    let ports = Ports::of(beam).with(Balance::shifted(beam, mode));
     let harmonics = settings.harmonics;
-    let extent = Extent { harmonics, contact: 2 * harmonics, signals };
+    let extent = Extent { harmonics, contact: 2 * harmonics, ports };
     let mut system = Balance::with(beam, contact, &[], &extent, settings.method, None)?;
-    system.shift_damping(start.angular_frequency);
+    system.shift_damping(mode, start.angular_frequency);
     let count = coefficient_count(harmonics);
     let mut modal = vec![0.0; count * start.shape.len()];
     for (mode, share) in modal.chunks_exact_mut(count).zip(&start.shape) {

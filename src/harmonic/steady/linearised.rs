@@ -3,7 +3,7 @@
 
 use super::{ForcedBeam, Start, SteadyProblem, factored, sensed};
 use crate::harmonic::HarmonicError;
-use crate::harmonic::balance::beam::{Signals, Workspace};
+use crate::harmonic::balance::beam::{Ports, Workspace};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 use crate::numeric::lu::Factors;
 
@@ -16,7 +16,7 @@ pub(crate) struct Linearised {
     unknowns: Vec<f64>,
     at: Operating,
     factors: Factors,
-    signals: Signals,
+    ports: Ports,
     /// What the last beam worked in.
     left: Option<Workspace>,
 }
@@ -34,17 +34,17 @@ impl Linearised {
         start: &Start,
         left: Option<Workspace>,
     ) -> Result<Self, HarmonicError> {
-        let signals = Signals::of_all(forced, neighbours);
-        let (unknowns, at) = (start.unknowns(signals), problem.operating());
-        let mut balance = problem.balance(forced, signals, left)?;
+        let ports = Ports::of_all(forced, neighbours);
+        let (unknowns, at) = (start.unknowns(&ports), problem.operating());
+        let mut balance = problem.balance(forced, &ports, left)?;
         let mut factors = Factors::default();
         factored(&mut balance, &unknowns, &at, &mut factors)?;
-        Ok(Self { unknowns, at, factors, signals, left: Some(balance.into_workspace()) })
+        Ok(Self { unknowns, at, factors, ports, left: Some(balance.into_workspace()) })
     }
 
     /// Whether its unknowns are those that `forced` and its `neighbours` have.
     pub fn covers(&self, forced: ForcedBeam, neighbours: &[ForcedBeam]) -> bool {
-        self.signals == Signals::of_all(forced, neighbours)
+        self.ports == Ports::of_all(forced, neighbours)
     }
 
     /// The workspace, for another.
@@ -60,7 +60,7 @@ impl Linearised {
         problem: &SteadyProblem,
         forced: ForcedBeam,
     ) -> Result<Vec<f64>, HarmonicError> {
-        let mut there = problem.balance(forced, self.signals, self.left.take())?;
+        let mut there = problem.balance(forced, &self.ports, self.left.take())?;
         there.balance_alone(&self.unknowns, &self.at)?;
         let mut moved: Vec<f64> = there.residual().iter().map(|r| -PROBE * r).collect();
         self.factors.solve(&mut moved);

@@ -10,7 +10,7 @@ pub(crate) mod linearised;
 mod measured;
 
 use super::{HarmonicError, LoadedContact, Method, Settings};
-use crate::harmonic::balance::beam::{Balance, Extent, Signals, Workspace};
+use crate::harmonic::balance::beam::{Balance, Extent, Ports, Workspace};
 use crate::harmonic::newton::problem::{Newton, Stopping, length};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 use crate::harmonic::response::follow::{Family, State, find};
@@ -63,16 +63,15 @@ pub(crate) struct SteadyProblem {
     pub tolerance: f64,
 }
 
-/// A solution to start from, for beams with the same signals and with others.
+/// A solution to start from, for beams condensed to the same ports and to others.
 #[derive(Debug, Clone)]
 pub(crate) struct Start {
-    /// Displacement at the contact, shortening, displacement at the excitation, stretch of the string.
+    /// Displacement at the contact.
     contact: Vec<f64>,
-    shortening: Vec<f64>,
-    excitation: Vec<f64>,
-    string: Vec<f64>,
-    /// Factors at a solution, and the signals they belong to.
-    factors: Option<(Signals, Factors)>,
+    /// Displacements at the other ports, by name.
+    ports: Vec<(String, Vec<f64>)>,
+    /// Factors at a solution, and the ports they belong to.
+    factors: Option<(Ports, Factors)>,
 }
 
 /// A periodic response with its equations as they stand there.
@@ -90,10 +89,10 @@ pub(crate) struct Steady<'a> {
     left: Option<Workspace>,
 }
 
-impl Signals {
+impl Ports {
     /// What any of them needs.
     pub fn of_all(forced: ForcedBeam, neighbours: &[ForcedBeam]) -> Self {
-        neighbours.iter().fold(Self::of(forced.beam), |all, next| all.or(Self::of(next.beam)))
+        neighbours.iter().fold(Self::of(forced.beam), |all, next| all.or(&Self::of(next.beam)))
     }
 }
 
@@ -102,18 +101,18 @@ impl SteadyProblem {
         Operating::forced(self.angular_frequency, 1.0)
     }
 
-    fn extent(&self, signals: Signals) -> Extent {
-        Extent { harmonics: self.harmonics, contact: self.contact_harmonics, signals }
+    fn extent(&self, ports: &Ports) -> Extent {
+        Extent { harmonics: self.harmonics, contact: self.contact_harmonics, ports: ports.clone() }
     }
 
     /// `forced` in the workspace that another has left.
     pub(super) fn balance<'a>(
         &self,
         forced: ForcedBeam<'a>,
-        signals: Signals,
+        ports: &Ports,
         left: Option<Workspace>,
     ) -> Result<Balance<'a>, HarmonicError> {
-        let extent = self.extent(signals);
+        let extent = self.extent(ports);
         let (beam, contact) = (forced.beam, forced.contact);
         let mut balance = Balance::with(beam, contact, &self.coefficients, &extent, Method::Exact, left)?;
         balance.swing_load(forced.load_swing);
@@ -132,19 +131,19 @@ impl SteadyProblem {
         neighbours: &[ForcedBeam],
         start: Option<&Start>,
     ) -> Result<Steady<'a>, HarmonicError> {
-        let signals = Signals::of_all(forced, neighbours);
-        let mut balance = self.balance(forced, signals, None)?;
+        let ports = Ports::of_all(forced, neighbours);
+        let mut balance = self.balance(forced, &ports, None)?;
         let at = self.operating();
         let steady = |balance, unknowns| Steady::new(balance, unknowns, self);
         let mut family = Forced { angular_frequency: self.angular_frequency };
         if let Some(start) = start {
-            let mut unknowns = start.unknowns(signals);
+            let mut unknowns = start.unknowns(&ports);
             let factors =
-                start.factors.as_ref().filter(|(of, _)| *of == signals).map(|(_, factors)| factors.clone());
+                start.factors.as_ref().filter(|(of, _)| *of == ports).map(|(_, factors)| factors.clone());
             if self.correct(&mut balance, &mut unknowns, &at, factors) {
                 return Ok(steady(balance, unknowns));
             }
-            let mut state = State { x: start.unknowns(signals), at };
+            let mut state = State { x: start.unknowns(&ports), at };
             let stopping =
                 Stopping { tolerance: self.tolerance, max_iterations: NEAR_ITERATIONS, reach: REACH };
             balance.forget();
@@ -172,10 +171,10 @@ impl SteadyProblem {
         motion: &[Vec<f64>],
         left: &mut Option<Workspace>,
     ) -> Result<Start, HarmonicError> {
-        let mut balance = self.balance(forced, Signals::of(forced.beam), left.take())?;
+        let mut balance = self.balance(forced, &Ports::of(forced.beam), left.take())?;
         let (coefficients, force) = explained(&balance, self, motion);
         let unknowns = balance.unknowns_of(&coefficients, &force);
-        let start = Start::of(&balance, &unknowns, None);
+        let start = Start::of(&balance, &unknowns, None)?;
         *left = Some(balance.into_workspace());
         Ok(start)
     }
@@ -224,52 +223,39 @@ impl SteadyProblem {
 }
 
 impl Start {
-    fn of(balance: &Balance, unknowns: &[f64], factors: Option<(Signals, Factors)>) -> Self {
+    fn of(
+        balance: &Balance,
+        unknowns: &[f64],
+        factors: Option<(Ports, Factors)>,
+    ) -> Result<Self, HarmonicError> {
         let contact = unknowns[..balance.displacement.len()].to_vec();
-        let straight = balance.displacement_along(&balance.beam.contact_shape);
-        let shortening = straight.iter().zip(&balance.displacement).map(|(c, u)| c - u).collect();
-        let excitation = balance.displacement_along(&balance.beam.excitation_shape);
-        let string = balance.displacement_along(&balance.beam.string_stretch);
-        Self { contact, shortening, excitation, string, factors }
+        Ok(Self { contact, ports: balance.at_ports()?, factors })
     }
 
     /// The unknowns as they are: found anew without a step.
-    fn exactly(balance: &Balance, unknowns: &[f64]) -> Self {
-        let mut start = Self::of(balance, unknowns, None);
-        let (signals, mut rest) = (balance.signals(), &unknowns[start.contact.len()..]);
-        for (there, signal) in [
-            (signals.shortening, &mut start.shortening),
-            (signals.excitation, &mut start.excitation),
-            (signals.string, &mut start.string),
-        ] {
-            if there {
-                let (own, after) = rest.split_at(signal.len().min(balance.count));
-                signal[..own.len()].copy_from_slice(own);
-                rest = after;
+    fn exactly(balance: &Balance, unknowns: &[f64]) -> Result<Self, HarmonicError> {
+        let mut start = Self::of(balance, unknowns, None)?;
+        let own = unknowns[start.contact.len()..].chunks_exact(balance.count);
+        for (name, own) in balance.ports().names().zip(own) {
+            if let Some((_, known)) = start.ports.iter_mut().find(|(known, _)| known == name) {
+                known.copy_from_slice(own);
             }
         }
-        start
+        Ok(start)
     }
 
     /// Whether it has the harmonics of `problem`.
     pub fn fits(&self, problem: &SteadyProblem) -> bool {
+        let count = coefficient_count(problem.harmonics);
         self.contact.len() == coefficient_count(problem.contact_harmonics)
-            && self.excitation.len() == coefficient_count(problem.harmonics)
+            && self.ports.iter().all(|(_, coefficients)| coefficients.len() == count)
     }
 
-    /// What a balance with `signals` calls its unknowns.
-    pub(super) fn unknowns(&self, signals: Signals) -> Vec<f64> {
-        let mut unknowns = self.contact.clone();
-        if signals.shortening {
-            unknowns.extend_from_slice(&self.shortening);
-        }
-        if signals.excitation {
-            unknowns.extend_from_slice(&self.excitation);
-        }
-        if signals.string {
-            unknowns.extend_from_slice(&self.string);
-        }
-        unknowns
+    /// What a balance condensed to `ports` calls its unknowns.
+    pub(super) fn unknowns(&self, ports: &Ports) -> Vec<f64> {
+        let at = |name: &str| self.ports.iter().find(|(known, _)| known == name);
+        let others = ports.names().filter_map(at).flat_map(|(_, coefficients)| coefficients);
+        self.contact.iter().chain(others).copied().collect()
     }
 }
 
@@ -285,15 +271,15 @@ impl<'a> Steady<'a> {
     }
 
     /// The solution, to be found again without a step.
-    pub fn here(&self) -> Start {
+    pub fn here(&self) -> Result<Start, HarmonicError> {
         Start::exactly(&self.balance, &self.unknowns)
     }
 
     /// The solution as a start for others.
     pub fn start(mut self) -> Result<Start, HarmonicError> {
         self.linearise()?;
-        let factors = (self.balance.signals(), self.factors);
-        Ok(Start::of(&self.balance, &self.unknowns, Some(factors)))
+        let factors = (self.balance.ports().clone(), self.factors);
+        Start::of(&self.balance, &self.unknowns, Some(factors))
     }
 
     /// Change of [`Steady::sensors`] to first order when the beam and its contact become `neighbour`, one of those
@@ -307,7 +293,7 @@ impl<'a> Steady<'a> {
         if self.sensors.is_empty() {
             self.sensors = self.sensors(problem);
         }
-        let mut other = problem.balance(neighbour, self.balance.signals(), self.left.take())?;
+        let mut other = problem.balance(neighbour, self.balance.ports(), self.left.take())?;
         other.balance_alone(&self.unknowns, &self.at)?;
         let residuals = other.residual().iter().zip(self.balance.residual());
         let mut moved: Vec<f64> = residuals.map(|(there, here)| here - there).collect();

@@ -141,7 +141,7 @@ impl SteadyRecord {
         };
         let mut steady = self.forcing.solve(driven, &[], Some(start)).map_err(text)?;
         self.observe(&steady.sensors(&self.forcing), out);
-        self.last = Some((at.known(), steady.here()));
+        self.last = Some((at.known(), steady.here().map_err(text)?));
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! Derivatives of the balance, made when they are asked for.
 
 use super::{Balance, attached, mean_square, sized};
-use crate::harmonic::newton::system::{Operating, Scalar};
+use crate::harmonic::newton::system::Scalar;
 use crate::harmonic::period::{Cycle, PeriodicContact};
 use nalgebra::DMatrix;
 
@@ -28,7 +28,7 @@ impl Balance<'_> {
         sized(&mut self.matrices.adjoint, size, rows);
         sized(&mut self.matrices.moved, size, rows);
         for row in 0..rows {
-            let scale = self.row_mean_square(row);
+            let scale = self.mean_squares[row];
             let weights = self.matrices.weights.as_slice()[row..].iter().step_by(rows);
             let column = &mut self.matrices.adjoint.as_mut_slice()[row * size..(row + 1) * size];
             for (place, (to, weight)) in column.iter_mut().zip(weights).enumerate() {
@@ -48,7 +48,7 @@ impl Balance<'_> {
             self.differentiate(at.angular_frequency);
         }
         for k in 0..self.asked.len() {
-            self.differentiate_by(self.asked[k], &at);
+            self.differentiate_by(self.asked[k]);
         }
         self.differentiated = true;
     }
@@ -59,7 +59,9 @@ impl Balance<'_> {
         sized(&mut self.matrices.compliance, rows, rows);
         sized(&mut self.matrices.jacobian, rows, rows);
         self.matrices.compliance.gemm(1.0, &self.matrices.weights, &self.matrices.moved, 0.0);
-        (0..self.wide).for_each(|m| self.matrices.compliance[(m, m)] += self.beam.axial_flexibility);
+        for port in &self.ports {
+            port.rows.clone().for_each(|m| self.matrices.compliance[(m, m)] += port.flexibility);
+        }
         // As `law`, of which the borrow would hold all of the balance.
         let law = if self.has_contact_alone() { self.cycle.jacobian() } else { &self.matrices.law };
         self.matrices.jacobian.gemm(1.0, &self.matrices.compliance, law, 0.0);
@@ -74,53 +76,36 @@ impl Balance<'_> {
         }
         let unknowns = self.residual.len();
         sized(&mut self.matrices.law, unknowns, unknowns);
-        let (count, wide) = (self.count, self.wide);
-        let (shortening, excitation) = (self.shortening_row(), self.excitation_row());
+        self.matrices.law.fill(0.0);
         if self.contact.is_some() {
+            let wide = self.wide;
             self.matrices.law.view_mut((0, 0), (wide, wide)).copy_from(self.cycle.jacobian());
         }
-        if self.signals.shortening {
-            let stretching = 2.0 * self.beam.stretching_stiffness;
-            (shortening..shortening + count).for_each(|m| self.matrices.law[(m, m)] = stretching);
+        for acting in &mut self.acting {
+            acting.differentiate(angular_frequency, &self.unknown, &mut self.matrices.law);
         }
-        if self.signals.string {
-            let string = self.string_row();
-            for m in 0..count {
-                self.matrices.law[(shortening + m, string + m)] = -self.beam.string_stiffness;
-                self.matrices.law[(string + m, shortening + m)] = -self.beam.string_stiffness;
-            }
-        }
-        if let Some(drag) = &mut self.drag {
-            drag.differentiate(self.beam.quadratic_damping, angular_frequency);
-            self.matrices.law.view_mut((excitation, excitation), (count, count)).copy_from(&drag.jacobian);
-        }
-        self.relief_law(angular_frequency);
     }
 
     /// ∂forces/∂Ω at fixed unknowns; false where it vanishes.
-    fn force_rates(&mut self, angular_frequency: f64) -> bool {
+    fn force_rates(&mut self) -> bool {
         self.rates.fill(0.0);
         if self.contact.is_some() {
             self.rates[..self.wide].copy_from_slice(self.cycle.by_frequency());
         }
-        let excitation = self.excitation_row();
-        if let Some(drag) = &self.drag {
-            // Quadratic in the velocity, hence in Ω.
-            let rates = self.rates[excitation..].iter_mut().zip(&drag.force);
-            rates.for_each(|(rate, force)| *rate = 2.0 * force / angular_frequency);
+        for acting in &self.acting {
+            acting.add_rates(&self.unknown, &mut self.rates);
         }
-        self.relief_rates(angular_frequency);
         self.rates.iter().any(|rate| *rate != 0.0)
     }
 
     /// ∂q/∂scalar and ∂r/∂scalar at fixed u.
-    fn differentiate_by(&mut self, scalar: Scalar, at: &Operating) {
+    fn differentiate_by(&mut self, scalar: Scalar) {
         let (modes, index) = (self.modes(), scalar.index());
         let mut right = std::mem::take(&mut self.right);
         match scalar {
             Scalar::AngularFrequency => {
                 self.equations.by_frequency(&self.q, &mut right);
-                if self.force_rates(at.angular_frequency) {
+                if self.force_rates() {
                     let mut forces = std::mem::take(&mut self.modal_by[index]);
                     self.project(&self.rates, &mut forces);
                     right.iter_mut().zip(&forces).for_each(|(r, c)| *r += c);
@@ -156,9 +141,11 @@ impl Balance<'_> {
             by.iter_mut().zip(column).for_each(|(b, w)| *b -= w * q);
         }
         // What the forces themselves change by is at hand in both cases.
-        if matches!(scalar, Scalar::AngularFrequency | Scalar::Parameter) && self.contact.is_some() {
-            let series = self.beam.axial_flexibility;
-            by.iter_mut().zip(&self.rates[..self.wide]).for_each(|(b, rate)| *b += series * rate);
+        if matches!(scalar, Scalar::AngularFrequency | Scalar::Parameter) {
+            for port in self.ports.iter().filter(|port| port.flexibility != 0.0) {
+                let rates = by[port.rows.clone()].iter_mut().zip(&self.rates[port.rows.clone()]);
+                rates.for_each(|(b, rate)| *b += port.flexibility * rate);
+            }
         }
     }
 }

@@ -15,18 +15,17 @@
 //!
 //! W being multiplication by `w_i` and B its adjoint, the projection of `T w_i`.
 //!
-//! A beam that stretches adds the shortening `h = ½ qᵀG q` to the unknowns, and the force `2 κ h` that acts along
-//! `G q = c − w`: in A it goes with −T. Drag adds the displacement y at the excitation, the string of a hanging mass
-//! its stretch, which couples to h. The equations keep their form with W, the weights of `G q`, `φ(S)` and the stretch
-//! stacked, and their forces stacked.
+//! Where other elements act, the displacement of each of their ports joins the unknowns: `r_p = v_p + a_p T_p − u_p(q)`
+//! with `u_p = b_p·q − γ_p ½ qᵀG q`. Forces along the shortening go into A by `Σ γ_p T_p`, the others to the right side by
+//! `Σ b_p T_p`. The equations keep their form with the weights of all ports stacked, and their forces stacked.
 
 mod beyond;
 mod check;
-mod damping_shift;
 mod derivatives;
-mod drag;
+mod elements;
 pub(crate) mod guess;
 mod periodic;
+mod ports;
 #[cfg(test)]
 mod tests;
 mod truncation;
@@ -43,56 +42,26 @@ use crate::harmonic::{HarmonicError, LoadedContact, Method, Point};
 use crate::numeric::HarmonicSet;
 use crate::numeric::extremum::Extremum;
 use crate::numeric::fourier::{coefficient_count, multiplication, work_per_cycle};
-use crate::system::ModalBeam;
+use crate::system::{ModalBeam, Port};
 use check::check_beam;
-use damping_shift::Relief;
-use drag::Drag;
+use elements::{Acting, acting};
+use ports::{CondensedPort, system_of};
 use varied::{Varied, attached};
 
-/// What the balance is condensed to besides the contact's displacement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Signals {
-    /// The shortening, for stretching and for a string.
-    pub shortening: bool,
-    /// The displacement at the excitation, for drag.
-    pub excitation: bool,
-    /// The stretch of a hanging mass's string, which the shortening adds to.
-    pub string: bool,
-    /// That of a mode from whose equation a damper is moved.
-    pub mode: Option<usize>,
-}
+pub(crate) use ports::Ports;
 
-impl Signals {
-    /// What `beam` needs.
-    pub fn of(beam: &ModalBeam) -> Self {
-        Self {
-            shortening: beam.pulls_along(),
-            excitation: beam.quadratic_damping != 0.0,
-            string: beam.string_stiffness != 0.0,
-            mode: None,
-        }
-    }
-
-    /// What either needs.
-    pub fn or(self, other: Self) -> Self {
-        Self {
-            shortening: self.shortening || other.shortening,
-            excitation: self.excitation || other.excitation,
-            string: self.string || other.string,
-            mode: self.mode.or(other.mode),
-        }
-    }
-}
+/// The port, and its name, of a mode from whose equation a damper is moved.
+const SHIFTED_MODE: &str = "mode";
 
 /// Which coefficients a balance carries.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Extent {
     /// Highest harmonic H of the modes.
     pub harmonics: usize,
     /// Highest harmonic of the contact, from H to 2 H: beyond that nothing of it is seen.
     pub contact: usize,
-    /// Signals besides.
-    pub signals: Signals,
+    /// Ports besides that of the contact.
+    pub ports: Ports,
 }
 
 /// What a balance works in, for another of the same extent, number of modes and method to go on with.
@@ -100,6 +69,8 @@ pub(crate) struct Extent {
 pub(crate) struct Workspace {
     extent: Extent,
     cycle: ContactMap,
+    /// Those of the other laws.
+    maps: Vec<ContactMap>,
     equations: ModalEquations,
     matrices: Matrices,
 }
@@ -139,9 +110,12 @@ pub(crate) struct Balance<'a> {
     harmonics: usize,
     /// Coefficients of the contact.
     wide: usize,
-    signals: Signals,
-    drag: Option<Box<Drag>>,
-    relief: Option<Relief>,
+    names: Ports,
+    /// That of the contact first.
+    ports: Vec<CondensedPort>,
+    /// Mean square of each row's basis function.
+    mean_squares: Vec<f64>,
+    acting: Vec<Acting>,
     varied: Option<Varied<'a>>,
     /// Swing of the normal load, as [`PeriodicContact::load_swing`].
     load_swing: Vec<f64>,
@@ -151,10 +125,13 @@ pub(crate) struct Balance<'a> {
     evaluated: Vec<f64>,
     /// Coefficients of the contact force (N).
     force: Vec<f64>,
-    /// Contact force less the force of stretching.
+    /// Coefficients of the forces (N) at all ports, and the unknowns they belong to.
+    forces: Vec<f64>,
+    unknown: Vec<f64>,
+    /// `Σ γ_p T_p`: what pulls along the shortening.
     tension: Vec<f64>,
-    /// Shortening h (m) of the last evaluation.
-    shortening: Vec<f64>,
+    /// Coefficients of the displacements (m) of all ports by the modes.
+    moved: Vec<f64>,
     /// ∂forces/∂Ω, all of them.
     rates: Vec<f64>,
     right: Vec<f64>,
@@ -186,7 +163,7 @@ impl<'a> Balance<'a> {
         harmonics: usize,
         method: Method,
     ) -> Result<Self, HarmonicError> {
-        let extent = Extent { harmonics, contact: 2 * harmonics, signals: Signals::of(beam) };
+        let extent = Extent { harmonics, contact: 2 * harmonics, ports: Ports::of(beam) };
         Self::with(beam, contact, waveform, &extent, method, None)
     }
 
@@ -199,7 +176,7 @@ impl<'a> Balance<'a> {
         method: Method,
         left: Option<Workspace>,
     ) -> Result<Self, HarmonicError> {
-        let Extent { harmonics, contact: highest, signals } = *extent;
+        let Extent { harmonics, contact: highest, ref ports } = *extent;
         check_beam(beam)?;
         if let Some(contact) = &contact
             && !contact.normal_load.is_finite()
@@ -210,18 +187,22 @@ impl<'a> Balance<'a> {
         let (count, wide) = (coefficient_count(harmonics), coefficient_count(highest));
         let modes = beam.angular_frequency.len();
         let size = count * modes;
-        let signal_count = [signals.shortening, signals.excitation, signals.string, signals.mode.is_some()];
-        let more = signal_count.into_iter().filter(|there| *there).count();
-        let unknowns = wide + more * count;
+        let system = system_of(beam)?;
+        let condensed = ports.condensed(&system, modes, wide, count);
+        let unknowns = condensed.last().map_or(wide, |port| port.rows.end);
         let left = left.filter(|left| left.extent == *extent && left.equations.modes() == modes);
-        let (cycle, equations, matrices) = match left {
-            Some(left) => (left.cycle, left.equations.renewed(beam), left.matrices),
+        let (cycle, maps, equations, matrices) = match left {
+            Some(left) => (left.cycle, left.maps, left.equations.renewed(beam), left.matrices),
             None => (
                 ContactMap::new(HarmonicSet::full(highest), method),
+                Vec::new(),
                 ModalEquations::new(beam, harmonics),
                 Matrices::default(),
             ),
         };
+        let acting = acting(&system, ports, &condensed, method, maps);
+        let mut mean_squares = vec![0.5; unknowns];
+        condensed.iter().for_each(|port| mean_squares[port.rows.start] = 1.0);
         let mut kept = waveform.to_vec();
         kept.resize(count, 0.0);
         let mut balance = Self {
@@ -236,16 +217,19 @@ impl<'a> Balance<'a> {
             equations,
             harmonics,
             wide,
-            signals,
-            drag: signals.excitation.then(|| Box::new(Drag::new(harmonics))),
-            relief: signals.mode.map(|mode| Relief::new(mode, count)),
+            names: ports.clone(),
+            ports: condensed,
+            mean_squares,
+            acting,
             varied: None,
             load_swing: Vec::new(),
             static_offset: 0.0,
             evaluated: vec![0.0; wide],
             force: vec![0.0; wide],
+            forces: vec![0.0; unknowns],
+            unknown: vec![0.0; unknowns],
             tension: vec![0.0; wide],
-            shortening: vec![0.0; count],
+            moved: vec![0.0; unknowns],
             rates: vec![0.0; unknowns],
             right: vec![0.0; size],
             shape: vec![0.0; count],
@@ -282,8 +266,41 @@ impl<'a> Balance<'a> {
     }
 
     /// What it is condensed to besides the contact's displacement.
-    pub fn signals(&self) -> Signals {
-        self.signals
+    pub fn ports(&self) -> &Ports {
+        &self.names
+    }
+
+    /// Moves a damper (1/s) from the equation of `mode` to its other side, where it is an element at [`Self::shifted`].
+    ///
+    /// A free vibration is a pole of the modes' compliance where the contact carries little; with a damper in the mode
+    /// that resonates the compliance has none, and the force of the damper is taken away again.
+    pub fn shift_damping(&mut self, mode: usize, rate: f64) {
+        let place = self.names.place(SHIFTED_MODE);
+        if let Some(port) = place.and_then(|place| self.ports.get(place)) {
+            let arm = port.shape[mode];
+            self.equations.add_damping(mode, rate);
+            self.acting.push(Acting::Damper { rows: port.rows.clone(), damping: -rate / (arm * arm) });
+        }
+    }
+
+    /// The port at which the damper of `mode` is taken away.
+    pub fn shifted(beam: &ModalBeam, mode: usize) -> Port {
+        Port::linear(SHIFTED_MODE, vec![(mode, beam.contact_shape[mode])])
+    }
+
+    /// Names and displacements (m), by the modes of the last evaluation, of all ports to which this balance or one of
+    /// another beam may be condensed besides the contact's.
+    pub fn at_ports(&self) -> Result<Vec<(String, Vec<f64>)>, HarmonicError> {
+        let straight = self.displacement_along(&self.beam.contact_shape);
+        let shortening: Vec<f64> = straight.iter().zip(&self.displacement).map(|(c, u)| c - u).collect();
+        let system = system_of(self.beam)?;
+        let others = system.ports.iter().enumerate().filter(|(place, _)| !system.sensors.contains(place));
+        let displaced = |port: &Port| {
+            let port = CondensedPort::new(port, self.modes(), 0..0);
+            let linear = self.displacement_along(&port.shape);
+            linear.iter().zip(&shortening).map(|(u, h)| u - port.shortening * h).collect()
+        };
+        Ok(others.map(|(_, port)| (port.name.clone(), displaced(port))).collect())
     }
 
     /// Coefficients of the contact force (N) of the last evaluation.
@@ -304,26 +321,15 @@ impl<'a> Balance<'a> {
             mode.iter().enumerate().for_each(|(k, value)| self.q[k * modes + i] = *value);
         }
         self.weigh();
-        self.relieved(force)
+        self.unknowns_under(force)
     }
 
     /// The unknowns under a force on the contact: its displacement once the series spring has yielded, and what the
     /// modes give of the others.
-    fn relieved(&self, force: &[f64]) -> Vec<f64> {
+    fn unknowns_under(&self, force: &[f64]) -> Vec<f64> {
         let series = self.beam.axial_flexibility;
         let contact = self.displacement.iter().zip(force).map(|(u, force)| u - series * force);
-        let mut unknowns: Vec<f64> = contact.collect();
-        if self.signals.shortening {
-            unknowns.extend_from_slice(&self.shortening);
-        }
-        if self.signals.excitation {
-            unknowns.extend(self.displacement_along(&self.beam.excitation_shape));
-        }
-        if self.signals.string {
-            unknowns.extend(self.displacement_along(&self.beam.string_stretch));
-        }
-        unknowns.extend(self.relieved_mode());
-        unknowns
+        contact.chain(self.moved[self.wide..].iter().copied()).collect()
     }
 
     /// Whether the modes are all there is to solve for.
@@ -333,38 +339,21 @@ impl<'a> Balance<'a> {
 
     /// Whether it is condensed to no more than the contact's displacement.
     fn has_contact_alone(&self) -> bool {
-        self.signals == Signals::default()
-    }
-
-    /// First row of the signals of a kind, which follow the contact's.
-    fn shortening_row(&self) -> usize {
-        self.wide
-    }
-
-    fn excitation_row(&self) -> usize {
-        self.wide + if self.signals.shortening { self.count } else { 0 }
-    }
-
-    fn string_row(&self) -> usize {
-        self.excitation_row() + if self.signals.excitation { self.count } else { 0 }
-    }
-
-    /// Mean square of a row's basis function.
-    fn row_mean_square(&self, row: usize) -> f64 {
-        let bias = row == 0 || (row >= self.wide && (row - self.wide).is_multiple_of(self.count));
-        if bias { 1.0 } else { 0.5 }
+        self.ports.len() == 1 && self.acting.is_empty()
     }
 
     /// What it works in, for another to go on with.
     pub fn into_workspace(self) -> Workspace {
         let contact = self.wide / 2;
-        let extent = Extent { harmonics: self.harmonics, contact, signals: self.signals };
-        Workspace { extent, cycle: self.cycle, equations: self.equations, matrices: self.matrices }
+        let extent = Extent { harmonics: self.harmonics, contact, ports: self.names };
+        let map = |acting| if let Acting::Law { map, .. } = acting { Some(*map) } else { None };
+        let maps = self.acting.into_iter().filter_map(map).collect();
+        Workspace { extent, cycle: self.cycle, maps, equations: self.equations, matrices: self.matrices }
     }
 
     /// The unknowns of the displacement and the contact force last evaluated.
     pub fn start(&self) -> Vec<f64> {
-        self.relieved(&self.force)
+        self.unknowns_under(&self.force)
     }
 
     /// Energy dissipated in the contact per cycle (J) at the last evaluation: the work of the force on
@@ -412,86 +401,74 @@ impl<'a> Balance<'a> {
         Ok(())
     }
 
-    /// Writes the displacement, the shortening and the weights for the modal coefficients.
+    /// Writes the displacements of all ports and the weights for the modal coefficients.
     pub fn weigh(&mut self) {
-        let (modes, wide, count) = (self.modes(), self.wide, self.count);
-        let (rows, shortening, excitation) =
-            (self.matrices.weights.nrows(), self.shortening_row(), self.excitation_row());
-        let (string, relief) = (self.string_row(), self.relief_row());
-        // u = ½ Σ (w_i + c_i) q_i.
-        self.displacement.fill(0.0);
-        for i in 0..modes {
-            let relieved = self.relief_weight(i);
-            self.shape.fill(0.0);
-            self.shape[0] = self.beam.contact_shape[i];
-            let row = &self.beam.shortening[i * modes..(i + 1) * modes];
-            for (s, q) in self.shape.iter_mut().zip(self.q.chunks_exact(modes)) {
-                *s -= row.iter().zip(q).map(|(g, q)| g * q).sum::<f64>();
-            }
-            multiplication(&self.shape, self.harmonics, wide, &mut self.block);
-            for (k, column) in self.block.chunks_exact(wide).enumerate() {
-                let place = k * modes + i;
-                let weights = &mut self.matrices.weights.as_mut_slice()[place * rows..(place + 1) * rows];
-                weights[..wide].copy_from_slice(column);
-                if self.signals.shortening {
-                    let along = &mut weights[shortening..shortening + count];
-                    along.iter_mut().zip(column).for_each(|(g, w)| *g = -w);
-                    along[k] += self.beam.contact_shape[i];
+        let (modes, unknowns) = (self.modes(), self.residual.len());
+        self.moved.fill(0.0);
+        for port in &self.ports {
+            let (rows, moved) = (port.rows.clone(), &mut self.moved[port.rows.clone()]);
+            for i in 0..modes {
+                let b = port.shape[i];
+                if port.shortening == 0.0 {
+                    for (k, moved) in moved.iter_mut().enumerate() {
+                        let place = k * modes + i;
+                        self.matrices.weights.as_mut_slice()[place * unknowns + rows.start + k] = b;
+                        *moved += b * self.q[place];
+                    }
+                    continue;
                 }
-                if self.signals.excitation {
-                    weights[excitation + k] = self.beam.excitation_shape[i];
+                // w_i = b_i − γ (G q)_i, and u = ½ Σ (w_i + b_i) q_i.
+                self.shape.fill(0.0);
+                self.shape[0] = b;
+                let row = &self.beam.shortening[i * modes..(i + 1) * modes];
+                for (s, q) in self.shape.iter_mut().zip(self.q.chunks_exact(modes)) {
+                    *s -= port.shortening * row.iter().zip(q).map(|(g, q)| g * q).sum::<f64>();
                 }
-                if self.signals.string {
-                    weights[string + k] = self.beam.string_stretch.get(i).copied().unwrap_or(0.0);
+                let block = &mut self.block[..rows.len() * self.count];
+                multiplication(&self.shape, self.harmonics, rows.len(), block);
+                for (k, column) in block.chunks_exact(rows.len()).enumerate() {
+                    let place = k * modes + i;
+                    let weights = &mut self.matrices.weights.as_mut_slice()[place * unknowns..][rows.clone()];
+                    weights.copy_from_slice(column);
+                    let q = 0.5 * self.q[place];
+                    moved.iter_mut().zip(column).for_each(|(u, w)| *u += w * q);
+                    moved[k] += b * q;
                 }
-                if let Some(weight) = relieved {
-                    weights[relief + k] = weight;
-                }
-                let q = 0.5 * self.q[place];
-                self.displacement.iter_mut().zip(column).for_each(|(u, w)| *u += w * q);
-                self.displacement[k] += self.beam.contact_shape[i] * q;
             }
         }
-        if self.signals.shortening {
-            for ((h, u), q) in
-                self.shortening.iter_mut().zip(&self.displacement).zip(self.q.chunks_exact(modes))
-            {
-                *h = q.iter().zip(&self.beam.contact_shape).map(|(q, c)| q * c).sum::<f64>() - u;
-            }
-        }
+        self.displacement.copy_from_slice(&self.moved[..self.wide]);
     }
 
     /// Projection of the stacked forces, `P[T w_i]` and the rest, with the weights of the last evaluation.
     fn project(&self, forces: &[f64], out: &mut [f64]) {
         let modes = self.modes();
         for (place, column) in self.matrices.weights.as_slice().chunks_exact(forces.len()).enumerate() {
-            let terms = forces.iter().zip(column).enumerate();
-            let sum: f64 = terms.map(|(row, (t, w))| self.row_mean_square(row) * t * w).sum();
+            let terms = forces.iter().zip(column).zip(&self.mean_squares);
+            let sum: f64 = terms.map(|((t, w), mean_square)| mean_square * t * w).sum();
             out[place] = sum / mean_square(place / modes);
         }
     }
 
-    /// q under the forces of the contact's and the drag's last evaluation and the unknown shortening and stretch of the
-    /// string, and the weights.
-    fn respond(&mut self, at: &Operating, shortening: &[f64], string: &[f64]) -> Result<(), HarmonicError> {
+    /// q under the forces of the last evaluation, and the weights.
+    fn respond(&mut self, at: &Operating) -> Result<(), HarmonicError> {
         let (modes, beam) = (self.modes(), self.beam);
-        self.tension.copy_from_slice(&self.force);
-        let stretching = 2.0 * beam.stretching_stiffness;
-        self.tension.iter_mut().zip(shortening).for_each(|(t, h)| *t -= stretching * h);
-        self.tension.iter_mut().zip(string).for_each(|(t, y)| *t += beam.string_stiffness * y);
+        self.tension.fill(0.0);
+        for port in self.ports.iter().filter(|port| port.shortening != 0.0) {
+            let forces = &self.forces[port.rows.clone()];
+            self.tension.iter_mut().zip(forces).for_each(|(t, force)| *t += port.shortening * force);
+        }
         let singular = HarmonicError::InvalidInput("the modal equations are singular at this frequency");
         if !self.equations.set(at, &self.tension) {
             return Err(singular);
         }
         for (k, right) in self.right.chunks_exact_mut(modes).enumerate() {
-            let drag = self.drag.as_ref().map_or(0.0, |drag| drag.force[k]);
-            let (excitation, force) = (at.level * self.waveform[k] - drag, self.force[k]);
-            let shapes = beam.excitation_shape.iter().zip(&beam.contact_shape);
-            right.iter_mut().zip(shapes).for_each(|(r, (e, c))| *r = excitation * e - force * c);
-            let shortened = beam.string_stiffness * shortening.get(k).copied().unwrap_or(0.0);
-            right.iter_mut().zip(&beam.string_stretch).for_each(|(r, s)| *r += shortened * s);
+            let excitation = at.level * self.waveform[k];
+            right.iter_mut().zip(&beam.excitation_shape).for_each(|(r, e)| *r = excitation * e);
+            for port in &self.ports {
+                let force = self.forces[port.rows.start + k];
+                right.iter_mut().zip(&port.shape).for_each(|(r, b)| *r -= force * b);
+            }
         }
-        self.relieve_right();
         if !self.equations.solve(&self.right, &mut self.q) {
             return Err(singular);
         }
@@ -510,39 +487,22 @@ impl<'a> Balance<'a> {
     }
 
     fn balance_with(&mut self, x: &[f64], at: &Operating, alone: bool) -> Result<f64, HarmonicError> {
-        let (shortening, excitation) = (self.shortening_row(), self.excitation_row());
-        let (string, relief) = (self.string_row(), self.relief_row());
         self.build(at.parameter)?;
         self.follow_contact(at.angular_frequency, &x[..self.wide], 0.0, alone)?;
-        if let Some(drag) = &mut self.drag {
-            drag.evaluate(self.beam.quadratic_damping, at.angular_frequency, &x[excitation..string]);
+        self.unknown.copy_from_slice(x);
+        self.forces.fill(0.0);
+        self.forces[..self.wide].copy_from_slice(&self.force);
+        for acting in &mut self.acting {
+            acting.act(at.angular_frequency, x, &mut self.forces)?;
         }
-        self.relieve_force(x, at.angular_frequency);
-        self.respond(at, &x[shortening..excitation], &x[string..relief])?;
-        let series = self.beam.axial_flexibility;
-        let mut scale = 0.0_f64;
-        for (((r, x), u), force) in self.residual.iter_mut().zip(x).zip(&self.displacement).zip(&self.force) {
-            *r = x + series * force - u;
-            scale = scale.max(x.abs()).max(u.abs());
+        self.respond(at)?;
+        for port in &self.ports {
+            for row in port.rows.clone() {
+                self.residual[row] = x[row] + port.flexibility * self.forces[row] - self.moved[row];
+            }
         }
-        if self.signals.shortening {
-            let rest = self.residual[shortening..].iter_mut().zip(&x[shortening..]);
-            rest.zip(&self.shortening).for_each(|((r, x), h)| *r = x - h);
-        }
-        if self.signals.excitation {
-            let found = self.displacement_along(&self.beam.excitation_shape);
-            let rest = self.residual[excitation..].iter_mut().zip(&x[excitation..]);
-            rest.zip(&found).for_each(|((r, x), y)| *r = x - y);
-        }
-        if self.signals.string {
-            let found = self.displacement_along(&self.beam.string_stretch);
-            let rest = self.residual[string..].iter_mut().zip(&x[string..]);
-            rest.zip(&found).for_each(|((r, x), y)| *r = x - y);
-        }
-        let found = self.relieved_mode();
-        let rest = self.residual[relief..].iter_mut().zip(&x[relief..]);
-        rest.zip(&found).for_each(|((r, x), p)| *r = x - p);
-        Ok(scale)
+        let terms = x[..self.wide].iter().chain(&self.displacement);
+        Ok(terms.fold(0.0_f64, |scale, term| scale.max(term.abs())))
     }
 
     /// φ of an output.
@@ -568,11 +528,8 @@ impl<'a> Balance<'a> {
                 sum += damping * angular_frequency * (h * h) as f64 * (c * c + s * s);
             }
         }
-        let drag = self.drag.as_ref();
-        let drag = drag.map_or(0.0, |drag| {
-            work_per_cycle(&drag.force, &self.displacement_along(&self.beam.excitation_shape))
-        });
-        std::f64::consts::PI * sum + drag
+        let by_laws: f64 = self.acting.iter().map(|acting| acting.dissipated(&self.moved)).sum();
+        std::f64::consts::PI * sum + by_laws
     }
 }
 
