@@ -64,6 +64,38 @@ fn fitted(dataset: &Dataset) -> Vec<&Record> {
 ///
 /// # Errors
 /// [`RefitError`].
+///
+/// ```
+/// use stickslip::prelude::*;
+/// let model = Model::parse(
+///     r#"
+///     schema = "stickslip.model/1"
+///     kind = "contact"
+///     contact = { law = "jenkins", tangential_stiffness = 2e3, friction_coefficient = 0.1, normal_load = 10.0 }
+///     "#,
+/// )?;
+/// // Up and down by 2 mm, and the force of a slider of 2 N/mm that slips at 1.5 N instead of 1 N.
+/// let displacement: Vec<f64> = (0..40).map(|k: i32| 2e-4 * f64::from(10 - (k - 10).abs())).collect();
+/// let mut slider = 0.0;
+/// let force = displacement.iter().map(|u: &f64| {
+///     slider = f64::clamp(slider, u - 7.5e-4, u + 7.5e-4);
+///     2e3 * (u - slider)
+/// }).collect();
+/// let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+/// let channels = vec![
+///     channel("time", "s", (0..40).map(f64::from).collect()),
+///     channel("displacement", "m", displacement),
+///     channel("force", "N", force),
+/// ];
+/// let record = Record { name: "triangle".into(), regime: Regime::FromRest, use_for: None, channels };
+/// let dataset = Dataset { title: None, records: vec![record] };
+///
+/// assert!(evaluate("as given", &model, &dataset).error > 0.1);
+/// let fitted = refit("refitted", &model, &dataset, Watch::default())?.model;
+/// let limit = 10.0 * fitted.get("contact.friction_coefficient").unwrap();
+/// assert!((limit - 1.5).abs() < 1e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Result<Refit, RefitError> {
     let free: Vec<_> = model.parameters().into_iter().filter(|parameter| parameter.free).collect();
     if free.is_empty() {

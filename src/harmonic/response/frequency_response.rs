@@ -34,6 +34,27 @@ const AMPLE: f64 = 0.1;
 /// # Errors
 /// [`HarmonicError::InvalidInput`] for arguments that do not fit; the other kinds when there is no first
 /// point.
+///
+/// ```
+/// use stickslip::prelude::*;
+/// let model = Model::parse(
+///     r#"
+///     schema = "stickslip.model/1"
+///     kind = "oscillator"
+///     mass = [{ name = "m1", mass = 1.0 }]
+///     spring = [{ between = ["ground", "m1"], stiffness = 9.0, damping = 0.1 }]
+///     contact = { at = "m1", law = "jenkins", tangential_stiffness = 7.0, friction_coefficient = 0.5, normal_load = 2.0 }
+///     "#,
+/// )?;
+/// let assembled = model.assembled()?;
+/// let contacts = assembled.laws().map(|(law, normal_load)| LoadedContact { law, normal_load }).collect();
+/// let system = Assembly::new(Body::Linear(&assembled.structure), contacts);
+/// let settings = CurveSettings::default();
+/// let curve = frequency_response(&system, 2.0, 5.0, &Control::Level(2.0), &settings, &mut |_| true)?;
+/// // The resonance lies between that of the mass that slides freely, 3 rad/s, and that of the stuck one, 4 rad/s.
+/// assert!((3.0..4.0).contains(&curve.peaks[0].angular_frequency));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn frequency_response(
     assembly: &Assembly,
     from: f64,
