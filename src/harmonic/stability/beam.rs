@@ -6,8 +6,9 @@
 //! `δv = w·δq − a δT`.
 
 use super::feedback::{Disturbed, Feedback, Seat, Series, events_of};
-use super::history::{Step, history};
+use super::history::history;
 use super::signal::evaluate;
+use super::step::Step;
 use crate::system::{LinearStructure, ModalBeam};
 use crate::time::exact::system::{System, dot};
 use crate::time::{LoadedContact, OscillatorError};

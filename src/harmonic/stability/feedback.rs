@@ -2,9 +2,10 @@
 
 use nalgebra::DMatrix;
 
-use super::history::{Step, history, jumps};
+use super::history::{history, jumps};
 use super::impulse;
 use super::signal::turning_points;
+use super::step::Step;
 use crate::time::exact::system::System;
 use crate::time::{LoadedContact, OscillatorError};
 

@@ -6,26 +6,10 @@ use std::f64::consts::TAU;
 use super::impulse::Impulse;
 use super::regimes::Path;
 use super::signal::evaluate;
-use crate::contact::{ContactLaw, Inputs, Period, PeriodicSolver, Slider, StateTangents};
+use super::step::Step;
+use crate::contact::{ContactLaw, Inputs, Period, PeriodicSolver, Slider};
 use crate::time::exact::elements::Element;
 use crate::time::{LoadedContact, OscillatorError};
-
-/// Derivatives of one step of a law.
-#[derive(Debug, Default)]
-pub(super) struct Step {
-    /// The force itself (N).
-    pub force: f64,
-    pub by_displacement: f64,
-    pub by_velocity: f64,
-    pub state: StateTangents,
-}
-
-impl Step {
-    /// Whether force or memory answer to the velocity.
-    pub fn follows_velocity(&self) -> bool {
-        self.by_velocity != 0.0 || self.state.next_by_velocity.iter().any(|by| *by != 0.0)
-    }
-}
 
 /// Tangents at every point of the grid along the periodic state; the first point's step has no length. Where the force
 /// jumps there are `impulses` (behind a spring there are none).

@@ -5,8 +5,8 @@
 
 use std::f64::consts::TAU;
 
-use super::history::Step;
 use super::signal::{evaluate, root, turning_points};
+use super::step::Step;
 use crate::contact::{Inputs, Period, PeriodicSolver, StateTangents};
 use crate::time::LoadedContact;
 

@@ -24,6 +24,7 @@ mod impulse;
 mod monotone;
 mod regimes;
 mod signal;
+mod step;
 mod tangents;
 
 use nalgebra::{Complex, DMatrix};

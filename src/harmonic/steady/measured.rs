@@ -2,27 +2,27 @@
 
 use nalgebra::Complex;
 
-use super::SteadyProblem;
 use crate::harmonic::balance::beam::Balance;
 
 /// Modal coefficients, mode after mode, and coefficients of the contact's force (N) with which the linear part of the
 /// beam moves as measured: harmonic by harmonic the one force at the contact that explains the sensors best, by least
-/// squares. `motion` has displacement coefficients (m) of every sensor; where all are zero there is no force.
+/// squares. `excitation` (N) and `motion` are by coefficients: `motion` has the displacement coefficients (m) of every sensor; where all are zero there is no force.
 pub(super) fn explained(
     balance: &Balance,
-    problem: &SteadyProblem,
+    angular_frequency: f64,
+    excitation: &[f64],
     motion: &[Vec<f64>],
 ) -> (Vec<f64>, Vec<f64>) {
     let (beam, modes, count) = (balance.beam, balance.modes(), balance.count);
     let mut coefficients = vec![0.0; modes * count];
     let mut force = vec![0.0; balance.displacement.len()];
     for order in 1..=count / 2 {
-        let speed = order as f64 * problem.angular_frequency;
+        let speed = order as f64 * angular_frequency;
         let at = |values: &[f64]| match values.get(2 * order - 1..=2 * order) {
             Some(pair) => Complex::new(pair[0], -pair[1]),
             None => Complex::new(0.0, 0.0),
         };
-        let excitation = at(&problem.coefficients);
+        let pushed = at(excitation);
         let receptance: Vec<Complex<f64>> = beam
             .angular_frequency
             .iter()
@@ -39,7 +39,7 @@ pub(super) fn explained(
         if motion.iter().any(|sensor| at(sensor).norm_sqr() > 0.0) {
             for (sensor, measured) in beam.sensors.iter().zip(motion) {
                 let by_contact = along(&sensor.shape, &beam.contact_shape);
-                let free = along(&sensor.shape, &beam.excitation_shape) * excitation;
+                let free = along(&sensor.shape, &beam.excitation_shape) * pushed;
                 found += by_contact.conj() * (free - at(measured));
                 size += by_contact.norm_sqr();
             }
@@ -49,7 +49,7 @@ pub(super) fn explained(
             (force[2 * order - 1], force[2 * order]) = (contact.re, -contact.im);
         }
         for mode in 0..modes {
-            let acting = excitation * beam.excitation_shape[mode] - contact * beam.contact_shape[mode];
+            let acting = pushed * beam.excitation_shape[mode] - contact * beam.contact_shape[mode];
             let moved = receptance[mode] * acting;
             if moved.re.is_finite() && moved.im.is_finite() {
                 coefficients[mode * count + 2 * order - 1] = moved.re;

@@ -172,7 +172,7 @@ impl SteadyProblem {
         left: &mut Option<Workspace>,
     ) -> Result<Start, HarmonicError> {
         let mut balance = self.balance(forced, &Ports::of(forced.beam), left.take())?;
-        let (coefficients, force) = explained(&balance, self, motion);
+        let (coefficients, force) = explained(&balance, self.angular_frequency, &self.coefficients, motion);
         let unknowns = balance.unknowns_of(&coefficients, &force);
         let start = Start::of(&balance, &unknowns, None)?;
         *left = Some(balance.into_workspace());

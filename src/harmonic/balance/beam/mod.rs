@@ -20,6 +20,7 @@
 //! `Σ b_p T_p`. The equations keep their form with the weights of all ports stacked, and their forces stacked.
 
 mod beyond;
+mod by_parameter;
 mod check;
 mod derivatives;
 mod elements;

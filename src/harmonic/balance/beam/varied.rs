@@ -1,21 +1,19 @@
 //! A contact on the beam that depends on the model's parameter.
 
-use super::Balance;
-use crate::contact::ContactLaw;
-use crate::harmonic::balance::variation::{Rebuild, differentiate};
-use crate::harmonic::{HarmonicError, LoadedContact};
+use crate::contact::{ContactLaw, LoadedContact};
+use crate::harmonic::balance::variation::Rebuild;
 
 /// The contact as it is made of the parameter's value.
 pub(super) struct Varied<'a> {
-    rebuild: Rebuild<'a>,
+    pub rebuild: Rebuild<'a>,
     /// The law of the last value, with its normal load.
-    built: Option<(Box<dyn ContactLaw>, f64)>,
+    pub built: Option<(Box<dyn ContactLaw>, f64)>,
     /// That value; NaN after a failure.
-    value: f64,
+    pub value: f64,
     /// Least size of the parameter, by which steps of it are measured.
-    least: f64,
+    pub least: f64,
     /// ∂force/∂parameter at fixed displacement.
-    by_parameter: Vec<f64>,
+    pub by_parameter: Vec<f64>,
 }
 
 impl std::fmt::Debug for Varied<'_> {
@@ -32,56 +30,5 @@ pub(super) fn attached<'l>(
     match varied.as_ref().and_then(|varied| varied.built.as_ref()) {
         Some((law, normal_load)) => Some((law.as_ref(), *normal_load)),
         None => given.as_ref().map(|contact| (contact.law, contact.normal_load)),
-    }
-}
-
-impl<'a> Balance<'a> {
-    /// Makes the contact anew, by `rebuild`, for every value of the parameter.
-    pub fn vary(&mut self, least: f64, rebuild: Rebuild<'a>) {
-        let by_parameter = vec![0.0; self.wide];
-        self.varied = Some(Varied { rebuild, built: None, value: f64::NAN, least, by_parameter });
-    }
-
-    /// Makes the contact that belongs to the parameter's value.
-    pub(super) fn build(&mut self, parameter: f64) -> Result<(), HarmonicError> {
-        let Some(varied) = &mut self.varied else { return Ok(()) };
-        if varied.value != parameter {
-            varied.value = f64::NAN;
-            varied.built = Some((varied.rebuild)(parameter)?);
-            varied.value = parameter;
-        }
-        Ok(())
-    }
-
-    /// How the force changes with the parameter where the contact is displaced by `u`.
-    pub(super) fn vary_force(
-        &mut self,
-        angular_frequency: f64,
-        u: &[f64],
-        parameter: f64,
-    ) -> Result<(), HarmonicError> {
-        let Some(varied) = &mut self.varied else { return Ok(()) };
-        let least = varied.least;
-        let mut by = std::mem::take(&mut varied.by_parameter);
-        let done = differentiate(parameter, least, &mut by, &mut |value, force| {
-            self.build(value)?;
-            let found = self.contact_force(angular_frequency, u, 0.0)?;
-            force.clear();
-            force.extend_from_slice(found);
-            Ok(())
-        });
-        if let Some(varied) = &mut self.varied {
-            varied.by_parameter = by;
-        }
-        done
-    }
-
-    /// Writes ∂forces/∂parameter at fixed unknowns; false where it vanishes.
-    pub(super) fn force_by_parameter(&mut self) -> bool {
-        self.rates.fill(0.0);
-        if let Some(varied) = &self.varied {
-            self.rates[..self.wide].copy_from_slice(&varied.by_parameter);
-        }
-        self.rates.iter().any(|rate| *rate != 0.0)
     }
 }

@@ -8,7 +8,7 @@
 //! behind the spring. Of turning points of equal magnitude the first in phase is then loaded to.
 
 use super::integrals::{Piece, PiecewiseForceIntegrals, Source};
-use super::{Path, Reach, Record, Region};
+use super::path::{Path, Reach, Record, Region};
 use crate::contact::Slider;
 use crate::harmonic::period::motion::Motion;
 use crate::numeric::elimination::solve_ranked;
