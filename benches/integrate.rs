@@ -5,10 +5,12 @@
 #[allow(dead_code)]
 mod time;
 
+use std::sync::Arc;
+
 use divan::{AllocProfiler, Bencher};
 use stickslip::contact::{ContactLaw, Jenkins, Valanis};
-use stickslip::time::{BeamInputs, BeamIntegrator, Contact, Ramp, Settings};
-use time::{held, steel_beam};
+use stickslip::time::{Ramp, Settings};
+use time::{held, loaded, rest, steel_beam, supported_by};
 
 #[global_allocator]
 static ALLOC: AllocProfiler = AllocProfiler::system();
@@ -27,13 +29,13 @@ fn excitation(step: usize) -> f64 {
     20.0 * (330.0 * STEP * step as f64).sin()
 }
 
-fn friction(bencher: Bencher, modes: usize, law: &dyn ContactLaw) {
-    let mut integrator = BeamIntegrator::new(&steel_beam(modes, 0.003)).expect("legal beam");
-    let mut motion = integrator.rest(Some((law, LOAD)));
+fn friction(bencher: Bencher, modes: usize, law: Arc<dyn ContactLaw>) {
+    let mut integrator = supported_by(&steel_beam(modes, 0.003), law, LOAD);
+    let mut motion = rest(&mut integrator);
     let settings = Settings::default();
     let mut step = 0;
     let mut advance = move || {
-        let inputs = held(excitation(step), law, LOAD);
+        let inputs = held(excitation(step), LOAD);
         step += 1;
         integrator.advance(&mut motion, STEP, &inputs, &settings).expect("legal step");
     };
@@ -43,27 +45,23 @@ fn friction(bencher: Bencher, modes: usize, law: &dyn ContactLaw) {
 
 #[divan::bench(args = MODES, sample_count = 50, sample_size = 1000)]
 fn frictional_beam_jenkins(bencher: Bencher, modes: usize) {
-    friction(bencher, modes, &Jenkins::new(7.9e6, 0.6).expect("legal law"));
+    friction(bencher, modes, Arc::new(Jenkins::new(7.9e6, 0.6).expect("legal law")));
 }
 
 #[divan::bench(args = MODES, sample_count = 50, sample_size = 1000)]
 fn frictional_beam_valanis(bencher: Bencher, modes: usize) {
-    friction(bencher, modes, &Valanis::new(7.9e6, 0.6, 0.3, 0.0).expect("legal law"));
+    friction(bencher, modes, Arc::new(Valanis::new(7.9e6, 0.6, 0.3, 0.0).expect("legal law")));
 }
 
 #[divan::bench(args = MODES, sample_count = 50, sample_size = 1000)]
 fn modal_beam_external_force(bencher: Bencher, modes: usize) {
-    let mut integrator = BeamIntegrator::new(&steel_beam(modes, 0.003)).expect("legal beam");
-    let mut motion = integrator.rest(None);
+    let mut integrator = loaded(&steel_beam(modes, 0.003));
+    let mut motion = rest(&mut integrator);
     let settings = Settings::default();
     let mut step = 0;
     bencher.bench_local(move || {
         let force = 80.0 * (330.0 * STEP * step as f64).cos();
-        let inputs = BeamInputs {
-            excitation: Ramp::held(excitation(step)),
-            contact: Contact::Force(Ramp::held(force)),
-            at_points: &[],
-        };
+        let inputs = [Ramp::held(excitation(step)), Ramp::held(force)];
         step += 1;
         integrator.advance(&mut motion, STEP, &inputs, &settings).expect("legal step");
     });

@@ -1,20 +1,17 @@
 //! A beam with its contact force prescribed from outside, or with its own frictional contact.
 
+use std::sync::Arc;
+
 use super::description::{DependencyKind, Description, Experiment, Variable};
+use super::driven::{DrivenSystem, Table};
 use super::{Behaviour, LoadRule};
-use crate::contact::ContactLaw;
 use crate::model::{Beam, Contact, Model};
 use crate::system::ModalBeam;
-use crate::time::{
-    BeamChange, BeamInputChange, BeamInputs, BeamIntegrator, BeamMotion, BeamOutputs, BeamRates,
-    Contact as Acting, Ramp, Settings,
-};
 use crate::vocabulary as v;
 
 use DependencyKind::{Dependent, Fixed};
 
-// Rows of both tables.
-const EXCITATION: usize = 0;
+// Rows of both tables; the first is the excitation.
 /// Without a contact of its own: the contact force.
 const CONTACT_FORCE: usize = 1;
 /// With a contact: its normal load.
@@ -26,9 +23,6 @@ const AT_POINTS: usize = 2;
 /// contact there holds the highest modes too: on the standard beam under strong coupling 1e-4 s leaves 1 % of the
 /// displacement and 16 % of a friction damper's force, 1e-5 s 0.02 % and 0.2 %.
 const STEPS: (f64, f64) = (1e-4, 1e-5);
-
-/// Tolerances the integrator takes; a simulation's is moved to the nearest.
-const TOLERANCES: (f64, f64) = (1e-13, 0.1);
 
 /// Inputs and outputs of a beam, followed by `parameters`.
 pub(super) fn describe(
@@ -133,226 +127,15 @@ pub(super) fn behaviour(beam: &Beam, model: &Model) -> Result<Box<dyn Behaviour>
     let beam = Beam { sensors: sensor_positions(beam), ..beam.clone() };
     let modal =
         ModalBeam::with_changes(&beam, &model.changes().structure).map_err(|error| error.to_string())?;
-    let mut integrator = BeamIntegrator::new(&modal).map_err(|error| error.to_string())?;
-    let law = model.law_of_any_values().map_err(|error| error.to_string())?;
-    let motion = integrator.rest(law.as_deref().map(|law| (law, 0.0)));
-    let outputs = integrator.new_outputs();
-    let load = LoadRule::new(model);
-    let held = vec![Ramp::held(0.0); AT_POINTS + beam.contact_points.len()];
-    Ok(Box::new(BeamBehaviour {
-        lines: held.clone(),
-        beyond: held,
-        before: motion.clone(),
-        integrator,
-        law,
-        load,
-        motion,
-        outputs,
-        rates: BeamRates::default(),
-        change: BeamChange::default(),
-        row: Vec::new(),
-    }))
-}
-
-// What the state has behind the motion now and the motion before the last step: of that step
-/// its length (s); 0 before the first;
-const STEP: usize = 0;
-/// the energy dissipated in it (J);
-const DISSIPATED: usize = 1;
-/// the inputs over it, start and end of each.
-const LINES: usize = 2;
-
-/// Integrator, law and work space.
-#[derive(Debug)]
-struct BeamBehaviour {
-    integrator: BeamIntegrator,
-    law: Option<Box<dyn ContactLaw>>,
-    load: LoadRule,
-    motion: BeamMotion,
-    before: BeamMotion,
-    /// Excitation, contact force or normal load, and forces at the contact points over a step.
-    lines: Vec<Ramp>,
-    /// The same over a step that follows.
-    beyond: Vec<Ramp>,
-    outputs: BeamOutputs,
-    rates: BeamRates,
-    change: BeamChange,
-    /// The outputs as they stand in the table.
-    row: Vec<f64>,
-}
-
-/// What acts on the beam along `lines`.
-fn acting<'a>(law: Option<&'a dyn ContactLaw>, load: LoadRule, lines: &'a [Ramp]) -> BeamInputs<'a> {
-    let contact = match law {
-        Some(law) => {
-            let Ramp { start, end } = lines[NORMAL_LOAD];
-            Acting::Friction { law, normal_load: Ramp { start: load.acting(start), end: load.acting(end) } }
-        }
-        None => Acting::Force(lines[CONTACT_FORCE]),
+    let law = model.law().map_err(|error| error.to_string())?;
+    let table = Table {
+        inputs: AT_POINTS + beam.contact_points.len(),
+        load: law.is_some().then_some(NORMAL_LOAD),
+        shows_port: true,
+        runs: false,
     };
-    BeamInputs { excitation: lines[EXCITATION], contact, at_points: &lines[AT_POINTS..] }
-}
-
-/// A line going on beyond its end for as long again.
-fn beyond(&Ramp { start, end }: &Ramp) -> Ramp {
-    if start == end { Ramp::held(end) } else { Ramp { start: end, end: end + (end - start) } }
-}
-
-fn settings(tolerance: f64) -> Settings {
-    Settings { tolerance: tolerance.clamp(TOLERANCES.0, TOLERANCES.1), ..Settings::default() }
-}
-
-impl BeamBehaviour {
-    /// Reads the lines of the last step and its length (s) from `last`, what the state has of it.
-    fn read_last(&mut self, last: &[f64]) -> f64 {
-        for (line, saved) in self.lines.iter_mut().zip(last[LINES..].chunks_exact(2)) {
-            *line = Ramp { start: saved[0], end: saved[1] };
-        }
-        last[STEP]
-    }
-
-    fn look_beyond(&mut self) {
-        self.beyond.iter_mut().zip(&self.lines).for_each(|(next, line)| *next = beyond(line));
-    }
-
-    /// Outputs of the motion at the end of the lines over `step` (s), written to `values` with those ends.
-    fn write_outputs(&mut self, values: &mut [f64], step: f64) -> Result<(), String> {
-        self.look_beyond();
-        let inputs = acting(self.law.as_deref(), self.load, &self.beyond);
-        let outputs = &mut self.outputs;
-        let read = self.integrator.outputs(&self.motion, step, &inputs, outputs);
-        read.map_err(|error| error.to_string())?;
-        self.row.clear();
-        if self.law.is_some() {
-            let slip_state = f64::from(outputs.slip_state as i32);
-            self.row.extend([outputs.contact_force, outputs.dissipated_energy, slip_state]);
-        }
-        self.row.extend([outputs.displacement, outputs.velocity]);
-        for sensor in &outputs.sensors {
-            self.row.extend([sensor.displacement, sensor.velocity, sensor.acceleration]);
-        }
-        if !self.row.iter().all(|value| value.is_finite()) {
-            return Err("an output is beyond all bounds".to_owned());
-        }
-        let (inputs, outputs) = values.split_at_mut(self.lines.len());
-        outputs[..self.row.len()].copy_from_slice(&self.row);
-        for (value, line) in inputs.iter_mut().zip(&self.lines) {
-            *value = line.end;
-        }
-        Ok(())
-    }
-
-    /// Writes to `state` that the present motion was reached along the lines in `step` (s).
-    fn store(&self, state: &mut [f64], step: f64, dissipated: f64) -> Result<(), String> {
-        let (now, rest) = state.split_at_mut(self.motion.state_len());
-        let (before, last) = rest.split_at_mut(self.motion.state_len());
-        before.copy_from_slice(now);
-        for (saved, Ramp { start, end }) in last[LINES..].chunks_exact_mut(2).zip(&self.lines) {
-            saved.copy_from_slice(&[*start, *end]);
-        }
-        (last[STEP], last[DISSIPATED]) = (step, dissipated);
-        if self.motion.write_state(now) { Ok(()) } else { Err(wrong_length()) }
-    }
-}
-
-impl Behaviour for BeamBehaviour {
-    fn state_len(&self) -> usize {
-        2 * self.motion.state_len() + LINES + 2 * self.lines.len()
-    }
-
-    fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
-        self.motion =
-            self.integrator.rest(self.law.as_deref().map(|law| (law, self.load.acting(values[NORMAL_LOAD]))));
-        self.lines.iter_mut().zip(&*values).for_each(|(line, value)| *line = Ramp::held(*value));
-        self.write_outputs(values, f64::INFINITY)?;
-        self.store(state, 0.0, 0.0)
-    }
-
-    fn step(
-        &mut self,
-        state: &mut [f64],
-        values: &mut [f64],
-        slopes: &[Option<f64>],
-        step: f64,
-        tolerance: f64,
-    ) -> Result<(), String> {
-        if !self.motion.read_state(&state[..self.motion.state_len()]) {
-            return Err(wrong_length());
-        }
-        for (input, line) in self.lines.iter_mut().enumerate() {
-            let slope = slopes.get(input).copied().flatten().unwrap_or(0.0);
-            *line = Ramp::with_slope(values[input], slope, step);
-        }
-        let inputs = acting(self.law.as_deref(), self.load, &self.lines);
-        let dissipated = self.motion.dissipated_energy();
-        let advanced = self.integrator.advance(&mut self.motion, step, &inputs, &settings(tolerance));
-        advanced.map_err(|error| error.to_string())?;
-        let dissipated = self.motion.dissipated_energy() - dissipated;
-        self.write_outputs(values, step)?;
-        self.store(state, step, dissipated)
-    }
-
-    fn output_rates(&mut self, state: &[f64], rates: &mut [f64]) -> Result<(), String> {
-        let (now, rest) = state.split_at(self.motion.state_len());
-        let last = &rest[self.motion.state_len()..];
-        let step = self.read_last(last);
-        if !self.motion.read_state(now) {
-            return Err(wrong_length());
-        }
-        let (duration, mean_power) =
-            if step > 0.0 { (step, last[DISSIPATED] / step) } else { (f64::INFINITY, 0.0) };
-        self.look_beyond();
-        let inputs = acting(self.law.as_deref(), self.load, &self.beyond);
-        let found = self.integrator.output_rates(&self.motion, duration, &inputs, &mut self.rates);
-        found.map_err(|error| error.to_string())?;
-        self.row.clear();
-        if self.law.is_some() {
-            self.row.extend([self.rates.contact_force, mean_power, 0.0]);
-        }
-        self.row.extend([self.rates.displacement, self.rates.velocity]);
-        self.row.extend(self.rates.sensors.iter().flatten());
-        rates.copy_from_slice(&self.row);
-        Ok(())
-    }
-
-    fn sensitivity(
-        &mut self,
-        state: &[f64],
-        direction: &[Ramp],
-        tolerance: f64,
-        change: &mut [f64],
-    ) -> Result<(), String> {
-        let (before, last) = state[self.motion.state_len()..].split_at(self.motion.state_len());
-        let step = self.read_last(last);
-        let duration = (step > 0.0).then_some(step);
-        // Before the first step there is no motion before it.
-        let from = if duration.is_some() { before } else { &state[..self.motion.state_len()] };
-        if !self.before.read_state(from) {
-            return Err(wrong_length());
-        }
-        let inputs = acting(self.law.as_deref(), self.load, &self.lines);
-        let gain = if self.law.is_some() { self.load.gain() } else { 1.0 };
-        let Ramp { start, end } = direction[CONTACT_FORCE];
-        let contact = Ramp { start: gain * start, end: gain * end };
-        let at_points = &direction[AT_POINTS..];
-        let by = BeamInputChange { excitation: direction[EXCITATION], contact, at_points };
-        let (beam, settings) = (&mut self.integrator, settings(tolerance));
-        let followed = beam.follow(&self.before, duration, &inputs, &settings, (&mut self.change, &by));
-        let (displacement, velocity) = followed.map_err(|error| error.to_string())?;
-        self.row.clear();
-        if self.law.is_some() {
-            self.row.extend([self.change.force, self.change.dissipated_energy, 0.0]);
-        }
-        self.row.extend([displacement, velocity]);
-        for sensor in &self.integrator.beam().sensors {
-            self.row.extend(self.change.sensor(&sensor.shape));
-        }
-        change.copy_from_slice(&self.row);
-        Ok(())
-    }
-}
-
-/// Lengths come from the same motion; a difference would be a fault here.
-fn wrong_length() -> String {
-    "the state has another length than the beam's motion".to_owned()
+    let system = modal.system(law.map(|law| (Arc::from(law), 0.0))).map_err(|error| error.to_string())?;
+    // The end and the contact points.
+    let own = 1 + beam.contact_points.len();
+    Ok(Box::new(DrivenSystem::new(&system, own, table, LoadRule::new(model))?))
 }

@@ -62,6 +62,7 @@ mod beam;
 mod contact;
 mod derivatives;
 mod description;
+mod driven;
 mod error;
 mod instance;
 mod oscillator;

@@ -8,6 +8,19 @@ use crate::vocabulary::Quantity;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StructureError {
+    /// A list of a beam in modal coordinates does not have one entry per mode.
+    #[error("{field} has {found} entries, expected {expected}")]
+    Entries {
+        /// Field of the beam.
+        field: &'static str,
+        /// Entries needed.
+        expected: usize,
+        /// Entries present.
+        found: usize,
+    },
+    /// Numbers that make no law.
+    #[error(transparent)]
+    Law(#[from] crate::contact::LawError),
     /// A value is outside the bounds of its quantity, or not a finite number.
     #[error("{path} = {value} is not a legal {} ({})", quantity.name, quantity.unit)]
     OutOfBounds {

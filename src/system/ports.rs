@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{LinearStructure, ModalBeam, Row};
-use crate::contact::{ContactLaw, Drag, LawError};
+use super::{LinearStructure, ModalBeam, Row, StructureError};
+use crate::contact::{ContactLaw, Drag};
 
 /// `M q̈ + C q̇ + K q + Σ Jₚ(q)ᵀ Fₚ = Σ bₖ fₖ(t)`.
 ///
@@ -165,8 +165,9 @@ impl ModalBeam {
     /// between the two ports.
     ///
     /// # Errors
-    /// Numbers that make no law.
-    pub fn system(&self, contact: Option<(Arc<dyn ContactLaw>, f64)>) -> Result<System, LawError> {
+    /// Lists without one entry per mode, numbers that make no law.
+    pub fn system(&self, contact: Option<(Arc<dyn ContactLaw>, f64)>) -> Result<System, StructureError> {
+        self.check_lengths()?;
         let row = |shape: &[f64]| -> Row { shape.iter().copied().enumerate().collect() };
         let places = self.sensors.iter().chain(&self.contact_points);
         let mut ports: Vec<Port> =
@@ -209,6 +210,25 @@ impl ModalBeam {
             driven: vec![excitation],
             sensors: (0..first_point).collect(),
         })
+    }
+}
+
+impl ModalBeam {
+    fn check_lengths(&self) -> Result<(), StructureError> {
+        let modes = self.angular_frequency.len();
+        let check = |field: &'static str, expected: usize, found: usize| {
+            if expected == found { Ok(()) } else { Err(StructureError::Entries { field, expected, found }) }
+        };
+        check("angular_frequency", modes.max(1), modes)?;
+        check("damping_ratio", modes, self.damping_ratio.len())?;
+        check("contact_shape", modes, self.contact_shape.len())?;
+        check("excitation_shape", modes, self.excitation_shape.len())?;
+        check("shortening", modes * modes, self.shortening.len())?;
+        if self.string_stiffness != 0.0 {
+            check("string_stretch", modes, self.string_stretch.len())?;
+        }
+        self.sensors.iter().try_for_each(|at| check("sensor shape", modes, at.shape.len()))?;
+        self.contact_points.iter().try_for_each(|at| check("contact point's shape", modes, at.shape.len()))
     }
 }
 

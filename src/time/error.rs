@@ -2,35 +2,44 @@
 
 use thiserror::Error;
 
-/// Why a [`ModalBeam`](crate::system::ModalBeam) cannot be integrated.
+/// Why a [`System`](crate::system::System) cannot be integrated.
 #[derive(Debug, Clone, PartialEq, Error)]
-pub enum BeamError {
-    /// A list does not have one entry per mode (or, for `shortening`, per pair of modes).
+#[non_exhaustive]
+pub enum SystemError {
+    /// A list does not have one entry per coordinate (for `shortening`, per pair), or a place lies outside.
     #[error("{field} has {found} entries, expected {expected}")]
     Length {
-        /// Field of the beam.
+        /// Which list.
         field: &'static str,
         /// Entries needed.
         expected: usize,
         /// Entries present.
         found: usize,
     },
-    /// NaN, an infinity, or a negative frequency, damping ratio or flexibility.
+    /// NaN, an infinity, or a negative frequency, damping ratio, stiffness or flexibility.
     #[error("{field} holds {value}, which is not a legal value")]
     Value {
-        /// Field of the beam.
-        field: &'static str,
+        /// Where.
+        field: String,
         /// The value.
         value: f64,
     },
-    /// `shortening` is not symmetric.
-    #[error("shortening is not symmetric in modes {row} and {column}")]
+    /// A matrix is not symmetric.
+    #[error("{field} is not symmetric in {row} and {column}")]
     Asymmetric {
-        /// First mode, from 0.
+        /// Which matrix.
+        field: &'static str,
+        /// First coordinate, from 0.
         row: usize,
-        /// Second mode, from 0.
+        /// Second coordinate, from 0.
         column: usize,
     },
+    /// The mass matrix is not positive definite.
+    #[error("the mass matrix is not positive definite: a degree of freedom has no mass")]
+    MassNotPositive,
+    /// Drives and sensors act at linear ports; ports of a system that is not modal are linear.
+    #[error("a port that shortens is driven or read, or the system is not modal")]
+    NotLinear,
 }
 
 /// Why a communication step failed. The state is then unchanged.
@@ -44,20 +53,20 @@ pub enum IntegrationError {
         /// The value.
         value: f64,
     },
-    /// The motion does not belong to this beam and contact law.
-    #[error("the motion has {found} numbers, this beam with this contact needs {expected}")]
+    /// The motion does not belong to this system.
+    #[error("the motion has {found} numbers, this system needs {expected}")]
     MotionLength {
         /// Numbers needed.
         expected: usize,
         /// Numbers present.
         found: usize,
     },
-    /// As many forces are needed as the beam has contact points.
-    #[error("{found} forces for {expected} contact points")]
-    ContactPoints {
-        /// Contact points of the beam.
+    /// One input per driven port, law and outside force is needed.
+    #[error("{found} inputs for {expected} driven ports, laws and outside forces")]
+    Inputs {
+        /// Inputs of the system.
         expected: usize,
-        /// Forces given.
+        /// Inputs given.
         found: usize,
     },
     /// The motion holds NaN or infinities.

@@ -1,17 +1,21 @@
-//! The state of a beam in motion.
+//! The state of a system in motion.
 
-/// The state of a beam and of its contact, one flat list of numbers.
+use crate::contact::SlipState;
+
+/// The state of a system and of its contacts, one flat list of numbers.
 ///
-/// Layout, `n` modes and a contact memory of `m` numbers:
-/// `[q (n), q̇ (n), contact memory (m), T, ∂T/∂u, ∂T/∂N, u, N, slip state, dissipated energy,
-/// suggested step]`. Copying the list and writing it back restores the state bit for bit.
+/// Layout, `n` modes, laws that remember `m` numbers together: `[q (n), q̇ (n), memory (m)]`, then for every law and
+/// outside force `[T, ∂T/∂u, ∂T/∂N, u, N, slip state, dissipated energy]`, then the suggested step. Copying the list
+/// and writing it back restores the state bit for bit.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BeamMotion {
+pub struct Motion {
     modes: usize,
+    contacts: usize,
     values: Vec<f64>,
 }
 
-/// Offsets behind the contact memory.
+/// Numbers of a contact besides its memory.
+pub(crate) const PER_CONTACT: usize = 7;
 const FORCE: usize = 0;
 const TANGENT: usize = 1;
 const LOAD_TANGENT: usize = 2;
@@ -19,33 +23,34 @@ const DISPLACEMENT: usize = 3;
 const NORMAL_LOAD: usize = 4;
 const SLIP_STATE: usize = 5;
 const DISSIPATED: usize = 6;
-const STEP: usize = 7;
-const SCALARS: usize = 8;
 
-macro_rules! scalars {
-    ($($(#[doc = $text:literal])+ $get:ident, $set:ident, $offset:ident;)*) => {
-        $(
-            $(#[doc = $text])+
-            pub fn $get(&self) -> f64 {
-                self.values[self.values.len() - SCALARS + $offset]
-            }
-
-            pub(crate) fn $set(&mut self, value: f64) {
-                let index = self.values.len() - SCALARS + $offset;
-                self.values[index] = value;
-            }
-        )*
-    };
+/// A law, or a force from outside, at the end of the last step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactMotion {
+    /// Restoring force T (N).
+    pub force: f64,
+    /// ∂T/∂u of the law (N/m).
+    pub tangent: f64,
+    /// ∂T/∂N of the law (1).
+    pub load_tangent: f64,
+    /// Displacement u of the port (m).
+    pub displacement: f64,
+    /// Normal load (N).
+    pub normal_load: f64,
+    /// Stick, slip or separated; always stick under a force from outside.
+    pub slip_state: SlipState,
+    /// Energy taken since the start (J).
+    pub dissipated_energy: f64,
 }
 
-impl BeamMotion {
-    /// All zero: `modes` modes and a contact memory of `contact_len` numbers.
-    pub(crate) fn zero(modes: usize, contact_len: usize) -> Self {
-        Self { modes, values: vec![0.0; Self::len_for(modes, contact_len)] }
+impl Motion {
+    /// All zero.
+    pub(crate) fn zero(modes: usize, memory: usize, contacts: usize) -> Self {
+        Self { modes, contacts, values: vec![0.0; Self::len_for(modes, memory, contacts)] }
     }
 
-    pub(crate) const fn len_for(modes: usize, contact_len: usize) -> usize {
-        2 * modes + contact_len + SCALARS
+    pub(crate) const fn len_for(modes: usize, memory: usize, contacts: usize) -> usize {
+        2 * modes + memory + PER_CONTACT * contacts + 1
     }
 
     /// Length of the flat state.
@@ -93,40 +98,71 @@ impl BeamMotion {
         &self.values[self.modes..2 * self.modes]
     }
 
-    /// The contact law's memory.
-    pub fn contact_state(&self) -> &[f64] {
-        &self.values[2 * self.modes..self.values.len() - SCALARS]
+    /// What all laws remember.
+    pub fn memory(&self) -> &[f64] {
+        &self.values[2 * self.modes..self.first_contact()]
     }
 
-    pub(crate) fn modal_displacement_mut(&mut self) -> &mut [f64] {
-        &mut self.values[..self.modes]
+    /// The law or outside force at `place`, counted over both in the order of the system's elements.
+    ///
+    /// # Panics
+    /// Where the system has fewer.
+    pub fn contact(&self, place: usize) -> ContactMotion {
+        let from = self.first_contact() + PER_CONTACT * place;
+        let values = &self.values[from..from + PER_CONTACT];
+        let slip_state = [SlipState::Stick, SlipState::Slip, SlipState::Separated]
+            .into_iter()
+            .find(|state| f64::from(*state as i32) == values[SLIP_STATE]);
+        ContactMotion {
+            force: values[FORCE],
+            tangent: values[TANGENT],
+            load_tangent: values[LOAD_TANGENT],
+            displacement: values[DISPLACEMENT],
+            normal_load: values[NORMAL_LOAD],
+            slip_state: slip_state.unwrap_or(SlipState::Stick),
+            dissipated_energy: values[DISSIPATED],
+        }
     }
 
-    pub(crate) fn modal_velocity_mut(&mut self) -> &mut [f64] {
-        &mut self.values[self.modes..2 * self.modes]
+    pub(crate) fn set_contact(&mut self, place: usize, to: &ContactMotion) {
+        let from = self.first_contact() + PER_CONTACT * place;
+        let slip_state = f64::from(to.slip_state as i32);
+        self.values[from..from + PER_CONTACT].copy_from_slice(&[
+            to.force,
+            to.tangent,
+            to.load_tangent,
+            to.displacement,
+            to.normal_load,
+            slip_state,
+            to.dissipated_energy,
+        ]);
     }
 
-    pub(crate) fn contact_state_mut(&mut self) -> &mut [f64] {
-        let end = self.values.len() - SCALARS;
+    /// Number of laws and outside forces.
+    pub fn contacts(&self) -> usize {
+        self.contacts
+    }
+
+    /// Step size that the error control suggests for the next step (s); 0 before the first.
+    pub fn suggested_step(&self) -> f64 {
+        self.values[self.values.len() - 1]
+    }
+
+    pub(crate) fn set_suggested_step(&mut self, step: f64) {
+        let last = self.values.len() - 1;
+        self.values[last] = step;
+    }
+
+    pub(crate) fn modal_mut(&mut self) -> (&mut [f64], &mut [f64]) {
+        self.values[..2 * self.modes].split_at_mut(self.modes)
+    }
+
+    pub(crate) fn memory_mut(&mut self) -> &mut [f64] {
+        let end = self.first_contact();
         &mut self.values[2 * self.modes..end]
     }
 
-    scalars! {
-        /// Restoring contact force T at the end of the last step (N).
-        contact_force, set_contact_force, FORCE;
-        /// ∂T/∂u of the law at the end of the last step (N/m).
-        tangent, set_tangent, TANGENT;
-        /// ∂T/∂N of the law at the end of the last step (1).
-        load_tangent, set_load_tangent, LOAD_TANGENT;
-        /// Relative tangential displacement u of the contact at the end of the last step (m).
-        displacement, set_displacement, DISPLACEMENT;
-        /// Normal load at the end of the last step (N).
-        normal_load, set_normal_load, NORMAL_LOAD;
-        /// [`SlipState`](crate::contact::SlipState) at the end of the last step, as a number.
-        slip_state, set_slip_state, SLIP_STATE;
-        /// Energy dissipated in the contact since the start (J).
-        dissipated_energy, set_dissipated_energy, DISSIPATED;
-        /// Step size that the error control suggests for the next step (s); 0 before the first.
-        suggested_step, set_suggested_step, STEP;
+    fn first_contact(&self) -> usize {
+        self.values.len() - 1 - PER_CONTACT * self.contacts
     }
 }

@@ -1,17 +1,17 @@
 //! The state within a communication step: what is at its start, and taking over a step.
 
+use super::Ramp;
 use super::contact_point::ContactPoint;
-use super::motion::BeamMotion;
+use super::motion::{ContactMotion, Motion};
+use super::plant::{Plant, add_product};
 use super::propagator::Propagator;
 use super::trial::{END, MIDDLE};
-use super::{BeamInputs, Contact};
-use crate::contact::SlipState;
-use crate::system::ModalBeam;
+use crate::contact::{Inputs, Response, SlipState};
 
 /// Amplitudes below this are set to zero: denormal numbers are ten times slower.
 pub(crate) const NEGLIGIBLE: f64 = 1e-150;
 
-/// The contact at one node.
+/// A law or an outside force at one node.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct NodeContact {
     pub force: f64,
@@ -43,54 +43,92 @@ impl NodeContact {
         (self.geometric_velocity - flexibility * self.load_tangent * load_rate)
             / (1.0 + flexibility * self.tangent)
     }
+
+    /// What the law is asked, under a normal load (N), behind a flexibility of its port (m/N) and its own `yielding`.
+    pub fn point(&self, normal_load: f64, flexibility: f64, yielding: f64) -> ContactPoint {
+        ContactPoint {
+            displacement: self.geometric_displacement + yielding * self.force,
+            velocity: self.geometric_velocity / (1.0 + flexibility * self.tangent),
+            flexibility: flexibility + yielding,
+            normal_load,
+            guess: self.force,
+        }
+    }
+
+    pub fn store(&mut self, response: Response, displacement: f64, load: f64) {
+        self.force = response.force;
+        self.tangent = response.tangents.displacement;
+        self.load_tangent = response.tangents.normal_load;
+        self.slip_state = response.slip_state;
+        self.normal_load = load;
+        self.displacement = displacement;
+    }
+
+    /// What a law takes over at the middle of a step.
+    pub fn inputs(&self) -> Inputs {
+        Inputs {
+            displacement: self.displacement,
+            velocity: self.geometric_velocity,
+            normal_load: self.normal_load,
+        }
+    }
 }
 
 /// The part of a communication step that a trial step covers.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Span<'a> {
-    pub inputs: &'a BeamInputs<'a>,
+pub(crate) struct Span {
     /// Length of the trial step (s).
     pub step: f64,
     /// Its ends as fractions of the communication step.
     pub from: f64,
     pub to: f64,
-    /// Rate of the normal load (N/s).
-    pub load_rate: f64,
+    /// Length of the communication step (s).
+    pub duration: f64,
 }
 
-impl Span<'_> {
+impl Span {
+    /// The beginning of a communication step.
+    pub const START: Self = Self { step: 0.0, from: 0.0, to: 0.0, duration: f64::INFINITY };
+
     pub fn fraction(&self, node: f64) -> f64 {
         if node >= 1.0 { self.to } else { self.from + node * (self.to - self.from) }
+    }
+
+    /// Rate of an input (1/s).
+    pub fn rate(&self, ramp: Ramp) -> f64 {
+        if ramp.start == ramp.end { 0.0 } else { (ramp.end - ramp.start) / self.duration }
     }
 }
 
 /// The working state and the buffers of a step. After construction nothing allocates.
 #[derive(Debug, Clone)]
 pub(crate) struct StepSolver {
-    pub beam: ModalBeam,
+    pub plant: Plant,
+    /// Inputs over the communication step.
+    pub ramps: Vec<Ramp>,
     /// Modal displacements, velocities and forcing at the five nodes; node 0 is the state.
     pub q: [Vec<f64>; 5],
     pub v: [Vec<f64>; 5],
     pub forcing: [Vec<f64>; 5],
-    pub nodes: [NodeContact; 5],
-    /// Contact memory at the start; behind the middle; behind the end.
-    pub contact: Vec<f64>,
-    pub contact_middle: Vec<f64>,
-    pub contact_next: Vec<f64>,
-    pub dissipated_energy: f64,
-    /// Energy norm of the state, and of the contact shape.
+    /// Laws and outside forces at the nodes.
+    pub nodes: [Vec<NodeContact>; 5],
+    /// What the laws remember at the start; behind the middle; behind the end.
+    pub memory: Vec<f64>,
+    pub memory_middle: Vec<f64>,
+    pub memory_next: Vec<f64>,
+    pub dissipated_energy: Vec<f64>,
+    /// Energy norm of the state, of each contact's row, and of the modal displacements under its unit force.
     pub energy_norm: f64,
-    pub shape_norm: f64,
-    /// Energy norm of the modal displacements under a unit contact force.
-    pub compliance_norm: f64,
+    pub row_norm: Vec<f64>,
+    pub compliance_norm: Vec<f64>,
     /// The part of the node states due to the start of the step.
     pub q_start: [Vec<f64>; 5],
     pub v_start: [Vec<f64>; 5],
     pub q_end: Vec<f64>,
     pub v_end: Vec<f64>,
-    /// c − G q at the node evaluated last.
-    pub direction: Vec<f64>,
-    /// f φ − Σ Tₖ φₖ at the node evaluated last, of a beam with contact points.
+    /// G q at the node evaluated last.
+    pub pull: Vec<f64>,
+    /// Room for the forcing.
     pushed: Vec<f64>,
     /// Coefficients for the two step sizes used last.
     pub propagators: [Propagator; 2],
@@ -98,83 +136,74 @@ pub(crate) struct StepSolver {
 }
 
 impl StepSolver {
-    pub fn new(beam: &ModalBeam) -> Self {
-        let modes = beam.angular_frequency.len();
+    pub fn new(plant: Plant) -> Self {
+        let modes = plant.size();
         let per_node = || std::array::from_fn(|_| vec![0.0; modes]);
+        let memory = || vec![0.0; plant.memory_len];
+        let norms = |scale: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            let rows = plant.contacts.iter().map(|contact| &plant.ports[contact.port].row);
+            rows.map(|row| norm(row.iter().enumerate().map(|(i, b)| b * scale(i)))).collect()
+        };
+        let slowness =
+            |i: usize| if plant.angular_frequency[i] > 0.0 { 1.0 / plant.angular_frequency[i] } else { 0.0 };
         Self {
-            beam: beam.clone(),
+            ramps: vec![Ramp::held(0.0); plant.inputs()],
             q: per_node(),
             v: per_node(),
             forcing: per_node(),
-            nodes: [NodeContact::REST; 5],
-            contact: Vec::new(),
-            contact_middle: Vec::new(),
-            contact_next: Vec::new(),
-            dissipated_energy: 0.0,
+            nodes: std::array::from_fn(|_| vec![NodeContact::REST; plant.contacts.len()]),
+            memory: memory(),
+            memory_middle: memory(),
+            memory_next: memory(),
+            dissipated_energy: vec![0.0; plant.contacts.len()],
             energy_norm: 0.0,
-            shape_norm: norm(beam.contact_shape.iter().copied()),
-            compliance_norm: norm(
-                beam.contact_shape.iter().zip(&beam.angular_frequency).map(|(c, omega)| c / omega),
-            ),
+            row_norm: norms(&|_| 1.0),
+            compliance_norm: norms(&slowness),
             q_start: per_node(),
             v_start: per_node(),
             q_end: vec![0.0; modes],
             v_end: vec![0.0; modes],
-            direction: vec![0.0; modes],
+            pull: vec![0.0; modes],
             pushed: vec![0.0; modes],
             propagators: [Propagator::new(modes), Propagator::new(modes)],
             current: 0,
+            plant,
         }
     }
 
-    /// Makes room for a contact memory; allocates only when it grows.
-    pub fn reserve_contact(&mut self, len: usize) {
-        for buffer in [&mut self.contact, &mut self.contact_middle, &mut self.contact_next] {
-            buffer.resize(len, 0.0);
-        }
-    }
-
-    /// Fills node 0 from its modal state and the contact force at the start of `span`. Under friction
-    /// a jump of the normal load since the last step is taken here. False if the law fails.
+    /// Completes node 0 from its modal state under the inputs at the start of `span`. A jump of a normal load since
+    /// the last step is taken here. False if a law fails.
     pub fn prepare(&mut self, span: &Span) -> bool {
         self.geometry(0);
-        let fraction = span.from;
-        match span.inputs.contact {
-            Contact::Force(force) => {
-                self.nodes[0] = NodeContact {
-                    force: force.at(fraction),
-                    tangent: 0.0,
-                    load_tangent: 0.0,
-                    slip_state: SlipState::Stick,
-                    normal_load: 0.0,
-                    ..self.nodes[0]
-                };
+        for (e, contact) in self.plant.contacts.iter().enumerate() {
+            let input = self.ramps[contact.input].at(span.from);
+            let flexibility = self.plant.ports[contact.port].flexibility;
+            let at = &mut self.nodes[0][e];
+            let Some(law) = contact.law.as_deref() else {
+                at.force = input;
+                continue;
+            };
+            if input == at.normal_load {
+                at.displacement -= flexibility * at.force;
+                continue;
             }
-            Contact::Friction { law, normal_load } => {
-                let load = normal_load.at(fraction);
-                if load != self.nodes[0].normal_load {
-                    let point = self.point(0, load, 0.0);
-                    let Some((response, displacement)) =
-                        point.solve(law, &self.contact, &mut self.contact_next)
-                    else {
-                        return false;
-                    };
-                    self.store(0, response, displacement, load);
-                    self.dissipated_energy += response.dissipated_energy;
-                    std::mem::swap(&mut self.contact, &mut self.contact_next);
-                } else {
-                    let contact = &mut self.nodes[0];
-                    contact.displacement -= self.beam.axial_flexibility * contact.force;
-                }
-            }
+            let place = contact.memory.clone();
+            let (before, next) = (&mut self.memory[place.clone()], &mut self.memory_next[place]);
+            let Some((response, displacement)) = at.point(input, flexibility, 0.0).solve(law, before, next)
+            else {
+                return false;
+            };
+            at.store(response, displacement, input);
+            self.dissipated_energy[e] += response.dissipated_energy;
+            before.copy_from_slice(next);
         }
-        self.force_modes(0, span.inputs, fraction);
+        self.force_modes(0, span.from);
         self.energy_norm = self.energy(&self.q[0], &self.v[0]);
         true
     }
 
-    /// Commits the step tried last: node 0 and the contact memory move to its end. False, with the
-    /// state no longer usable, if the law fails or the state is not finite.
+    /// Commits the step tried last: node 0 and the memories move to its end. False, with the state no longer usable,
+    /// if a law fails or the state is not finite.
     pub fn commit(&mut self, span: &Span) -> bool {
         std::mem::swap(&mut self.q[0], &mut self.q_end);
         std::mem::swap(&mut self.v[0], &mut self.v_end);
@@ -187,42 +216,48 @@ impl StepSolver {
             }
         }
         self.geometry(0);
-        match span.inputs.contact {
-            Contact::Force(force) => self.nodes[0].force = force.at(span.to),
-            Contact::Friction { law, normal_load } => {
-                if normal_load.start != normal_load.end {
-                    // Two straight pieces follow a curved path in displacement and load better.
-                    let middle = self.nodes[MIDDLE];
-                    let inputs = crate::contact::Inputs {
-                        displacement: middle.displacement,
-                        velocity: middle.geometric_velocity,
-                        normal_load: middle.normal_load,
-                    };
-                    let response = law.step(&self.contact, inputs, &mut self.contact_middle);
-                    self.dissipated_energy += response.dissipated_energy;
-                    std::mem::swap(&mut self.contact, &mut self.contact_middle);
-                }
-                let load = normal_load.at(span.to);
-                self.nodes[0].force = self.nodes[END].force;
-                self.nodes[0].tangent = self.nodes[END].tangent;
-                let point = self.point(0, load, 0.0);
-                let Some((response, displacement)) = point.solve(law, &self.contact, &mut self.contact_next)
-                else {
-                    return false;
-                };
-                self.store(0, response, displacement, load);
-                self.dissipated_energy += response.dissipated_energy;
-                std::mem::swap(&mut self.contact, &mut self.contact_next);
+        for e in 0..self.plant.contacts.len() {
+            if !self.commit_contact(e, span) {
+                return false;
             }
         }
-        self.force_modes(0, span.inputs, span.to);
+        std::mem::swap(&mut self.memory, &mut self.memory_next);
+        self.force_modes(0, span.to);
         self.energy_norm = self.energy(&self.q[0], &self.v[0]);
+        true
+    }
+
+    fn commit_contact(&mut self, e: usize, span: &Span) -> bool {
+        let contact = &self.plant.contacts[e];
+        let ramp = self.ramps[contact.input];
+        let (middle, end) = (self.nodes[MIDDLE][e], self.nodes[END][e]);
+        let at = &mut self.nodes[0][e];
+        let Some(law) = contact.law.as_deref() else {
+            at.force = ramp.at(span.to);
+            return true;
+        };
+        let place = contact.memory.clone();
+        let mut before = &self.memory[place.clone()];
+        if contact.remembers && ramp.start != ramp.end {
+            // Two straight pieces follow a curved path in displacement and load better.
+            let bent = &mut self.memory_middle[place.clone()];
+            self.dissipated_energy[e] += law.step(before, middle.inputs(), bent).dissipated_energy;
+            before = bent;
+        }
+        let load = ramp.at(span.to);
+        (at.force, at.tangent) = (end.force, end.tangent);
+        let point = at.point(load, self.plant.ports[contact.port].flexibility, 0.0);
+        let Some((response, displacement)) = point.solve(law, before, &mut self.memory_next[place]) else {
+            return false;
+        };
+        at.store(response, displacement, load);
+        self.dissipated_energy[e] += response.dissipated_energy;
         true
     }
 
     /// Computes the modal accelerations at node 0; they last until the next attempt.
     pub fn accelerate(&mut self) {
-        let (omega, zeta) = (&self.beam.angular_frequency, &self.beam.damping_ratio);
+        let (omega, zeta) = (&self.plant.angular_frequency, &self.plant.damping_ratio);
         for i in 0..omega.len() {
             self.v_end[i] = self.forcing[0][i]
                 - 2.0 * zeta[i] * omega[i] * self.v[0][i]
@@ -236,137 +271,114 @@ impl StepSolver {
     }
 
     /// Takes over the state of `motion`, whose lengths fit.
-    pub fn load(&mut self, motion: &BeamMotion) {
+    pub fn load(&mut self, motion: &Motion) {
         self.q[0].copy_from_slice(motion.modal_displacement());
         self.v[0].copy_from_slice(motion.modal_velocity());
-        self.contact.copy_from_slice(motion.contact_state());
-        self.dissipated_energy = motion.dissipated_energy();
-        let slip_state = motion.slip_state();
-        self.nodes[0] = NodeContact {
-            force: motion.contact_force(),
-            tangent: motion.tangent(),
-            load_tangent: motion.load_tangent(),
-            slip_state: [SlipState::Stick, SlipState::Slip, SlipState::Separated]
-                .into_iter()
-                .find(|&state| f64::from(state as i32) == slip_state)
-                .unwrap_or(SlipState::Stick),
-            normal_load: motion.normal_load(),
-            displacement: motion.displacement(),
-            ..NodeContact::REST
-        };
-    }
-
-    /// Hands the state back to `motion`, the contact's memory only if it took part.
-    pub fn unload(&self, motion: &mut BeamMotion, friction: bool) {
-        let contact = &self.nodes[0];
-        motion.modal_displacement_mut().copy_from_slice(&self.q[0]);
-        motion.modal_velocity_mut().copy_from_slice(&self.v[0]);
-        motion.set_contact_force(contact.force);
-        motion.set_displacement(contact.geometric_displacement - self.beam.axial_flexibility * contact.force);
-        if friction {
-            motion.contact_state_mut().copy_from_slice(&self.contact);
-            motion.set_tangent(contact.tangent);
-            motion.set_load_tangent(contact.load_tangent);
-            motion.set_normal_load(contact.normal_load);
-            motion.set_slip_state(f64::from(contact.slip_state as i32));
-            motion.set_dissipated_energy(self.dissipated_energy);
+        self.memory.copy_from_slice(motion.memory());
+        for (e, at) in self.nodes[0].iter_mut().enumerate() {
+            let ContactMotion {
+                force,
+                tangent,
+                load_tangent,
+                displacement,
+                normal_load,
+                slip_state,
+                dissipated_energy,
+            } = motion.contact(e);
+            self.dissipated_energy[e] = dissipated_energy;
+            let known = NodeContact { force, tangent, load_tangent, slip_state, ..NodeContact::REST };
+            *at = NodeContact { normal_load, displacement, ..known };
         }
     }
 
-    /// c − G q, and the contact's displacement and velocity as the modes give them.
+    /// Hands the state back to `motion`.
+    pub fn unload(&self, motion: &mut Motion) {
+        let (q, v) = motion.modal_mut();
+        q.copy_from_slice(&self.q[0]);
+        v.copy_from_slice(&self.v[0]);
+        motion.memory_mut().copy_from_slice(&self.memory);
+        for (e, at) in self.nodes[0].iter().enumerate() {
+            let flexibility = self.plant.ports[self.plant.contacts[e].port].flexibility;
+            let contact = ContactMotion {
+                force: at.force,
+                tangent: at.tangent,
+                load_tangent: at.load_tangent,
+                displacement: at.geometric_displacement - flexibility * at.force,
+                normal_load: at.normal_load,
+                slip_state: at.slip_state,
+                dissipated_energy: self.dissipated_energy[e],
+            };
+            motion.set_contact(e, &contact);
+        }
+    }
+
+    /// G q, and displacement and velocity of every law's port as the modes give them; at node 0 of outside forces too.
     pub fn geometry(&mut self, node: usize) {
         let (q, v) = (&self.q[node][..], &self.v[node][..]);
-        let shape = &self.beam.contact_shape[..];
-        let direction = &mut self.direction[..];
-        direction.copy_from_slice(shape);
-        // Symmetric, so a column is a row, and the inner loop runs over neighbours.
-        for (column, &amplitude) in self.beam.shortening.chunks_exact(q.len()).zip(q) {
-            for (d, g) in direction.iter_mut().zip(column) {
-                *d -= g * amplitude;
+        if !self.plant.shortening.is_empty() {
+            self.plant.shorten(q, &mut self.pull);
+        }
+        for (contact, at) in self.plant.contacts.iter().zip(&mut self.nodes[node]) {
+            if node == 0 || contact.law.is_some() {
+                let seen = self.plant.ports[contact.port].motion(q, v, &self.pull);
+                (at.geometric_displacement, at.geometric_velocity) = seen;
+                at.displacement = seen.0;
             }
         }
-        let (mut displacement, mut velocity) = (0.0, 0.0);
-        for (((&d, &c), &q), &v) in direction.iter().zip(shape).zip(q).zip(v) {
-            // c·q − ½ qᵀGq = ½ (c + d)·q
-            displacement += 0.5 * (c + d) * q;
-            velocity += d * v;
-        }
-        let contact = &mut self.nodes[node];
-        contact.geometric_displacement = displacement;
-        contact.geometric_velocity = velocity;
-        contact.displacement = displacement;
-    }
-
-    pub fn point(&self, node: usize, normal_load: f64, yielding: f64) -> ContactPoint {
-        let contact = &self.nodes[node];
-        ContactPoint {
-            displacement: contact.geometric_displacement + yielding * contact.force,
-            velocity: contact.geometric_velocity / (1.0 + self.beam.axial_flexibility * contact.tangent),
-            flexibility: self.beam.axial_flexibility + yielding,
-            normal_load,
-            guess: contact.force,
-        }
-    }
-
-    pub fn store(&mut self, node: usize, response: crate::contact::Response, displacement: f64, load: f64) {
-        let contact = &mut self.nodes[node];
-        contact.force = response.force;
-        contact.tangent = response.tangents.displacement;
-        contact.load_tangent = response.tangents.normal_load;
-        contact.slip_state = response.slip_state;
-        contact.normal_load = load;
-        contact.displacement = displacement;
     }
 
     /// Modal forcing at the node whose geometry was computed last, at `fraction` of the communication step; squared
     /// change.
-    pub fn force_modes(&mut self, node: usize, inputs: &BeamInputs, fraction: f64) -> f64 {
-        let beam = &self.beam;
-        let mut excitation = inputs.excitation.at(fraction);
-        if beam.quadratic_damping != 0.0 {
-            let velocity: f64 = beam.excitation_shape.iter().zip(&self.v[node]).map(|(phi, v)| phi * v).sum();
-            excitation -= beam.quadratic_damping * velocity.abs() * velocity;
+    pub fn force_modes(&mut self, node: usize, fraction: f64) -> f64 {
+        let plant = &self.plant;
+        let (q, v) = (&self.q[node], &self.v[node]);
+        self.pushed.fill(0.0);
+        let mut push = |port: usize, by: f64| {
+            let port = &plant.ports[port];
+            if port.shortening == 0.0 {
+                self.pushed.iter_mut().zip(&port.row).for_each(|(p, b)| *p += by * b);
+            } else {
+                let gain = by * port.shortening;
+                let parts = port.row.iter().zip(&self.pull);
+                self.pushed.iter_mut().zip(parts).for_each(|(p, (b, g))| *p += by * b - gain * g);
+            }
+        };
+        for (port, ramp) in plant.driven.iter().zip(&self.ramps) {
+            push(*port, ramp.at(fraction));
         }
-        let force = self.nodes[node].force;
-        // Stretching and a string pull along G q = c − direction, by κ qᵀ G q − k Σ sᵢ qᵢ.
-        let (mut tension, mut shortened) = (0.0, 0.0);
-        if beam.pulls_along() {
-            let lever = beam.contact_shape.iter().zip(&self.direction).zip(&self.q[node]);
-            let twice = lever.map(|((c, d), q)| (c - d) * q).sum::<f64>();
-            tension = beam.stretching_stiffness * twice - beam.string_pull(&self.q[node]);
-            shortened = 0.5 * twice;
+        for (contact, at) in plant.contacts.iter().zip(&self.nodes[node]) {
+            push(contact.port, -at.force);
         }
-        let mut across = &beam.excitation_shape;
-        if !beam.contact_points.is_empty() {
-            beam.push(excitation, inputs.at_points.iter().map(|ramp| ramp.at(fraction)), &mut self.pushed);
-            (across, excitation) = (&self.pushed, 1.0);
+        for springs in &plant.springs {
+            let u = springs.ports.map(|port| plant.ports[port].motion(q, v, &self.pull).0);
+            for (port, force) in springs.ports.iter().zip(springs.forces(u)) {
+                push(*port, -force);
+            }
+        }
+        if !plant.damping.is_empty() {
+            // Not yet needed: the accelerations at the end of a step.
+            self.q_end.fill(0.0);
+            add_product(&plant.damping, v, &mut self.q_end);
+            self.pushed.iter_mut().zip(&self.q_end).for_each(|(p, d)| *p -= d);
         }
         let mut change = 0.0;
-        let string = beam.string_stretch.iter().map(|s| beam.string_stiffness * shortened * s);
-        let shapes = across.iter().zip(&self.direction).zip(&beam.contact_shape);
-        let shapes = shapes.zip(string.chain(std::iter::repeat(0.0)));
-        for (p, (((phi, d), c), string)) in self.forcing[node].iter_mut().zip(shapes) {
-            let value = excitation * phi - force * d - tension * (c - d) + string;
+        for (p, value) in self.forcing[node].iter_mut().zip(&self.pushed) {
             change += (value - *p) * (value - *p);
-            *p = value;
+            *p = *value;
         }
         change
     }
 
     /// √Σ(ω²q² + v²)
     pub fn energy(&self, q: &[f64], v: &[f64]) -> f64 {
-        let terms = self.beam.angular_frequency.iter().zip(q).zip(v);
+        let terms = self.plant.angular_frequency.iter().zip(q).zip(v);
         terms.map(|((omega, q), v)| omega * omega * q * q + v * v).sum::<f64>().sqrt()
     }
-}
 
-impl ModalBeam {
-    /// `f φᵢ(S) − Σ Tₖ φᵢ(xₖ)`: what `excitation` and the `forces` at the contact points do to the modes.
-    pub(super) fn push(&self, excitation: f64, forces: impl Iterator<Item = f64>, out: &mut [f64]) {
-        out.iter_mut().zip(&self.excitation_shape).for_each(|(out, phi)| *out = excitation * phi);
-        for (force, point) in forces.zip(&self.contact_points) {
-            out.iter_mut().zip(&point.shape).for_each(|(out, phi)| *out -= force * phi);
-        }
+    /// How far a unit force at a contact's port, spread over the step as `by`, moves the port (m/N).
+    pub fn yielding(&self, e: usize, by: &[f64]) -> f64 {
+        let row = &self.plant.ports[self.plant.contacts[e].port].row;
+        row.iter().zip(by).map(|(b, w)| b * b * w).sum::<f64>().max(0.0)
     }
 }
 

@@ -1,6 +1,5 @@
 //! A trial step: collocation by sweeps, correction, error estimate and events.
 
-use super::Contact;
 use super::contact_point::ContactPoint;
 use super::events::{self, Reversal};
 use super::propagator::NODES;
@@ -34,11 +33,11 @@ impl StepSolver {
         }
         for node in [1, 3] {
             self.place(node);
-            if self.evaluate(node, span, 0.0).is_none() {
+            if self.evaluate(node, span, false).is_none() {
                 return Trial::Diverged;
             }
         }
-        let error = self.correct(span, tolerance);
+        let error = self.correct(tolerance);
         if !error.is_finite() {
             return Trial::Diverged;
         }
@@ -52,7 +51,7 @@ impl StepSolver {
         self.current = 1 - self.current;
         let propagator = &mut self.propagators[self.current];
         if !propagator.is_for(step) {
-            propagator.fill(&self.beam.angular_frequency, &self.beam.damping_ratio, step);
+            propagator.fill(&self.plant.angular_frequency, &self.plant.damping_ratio, step);
         }
     }
 
@@ -67,8 +66,9 @@ impl StepSolver {
         let (first, rest) = self.forcing.split_at_mut(1);
         rest[MIDDLE - 1].copy_from_slice(&first[0]);
         rest[END - 1].copy_from_slice(&first[0]);
-        for node in 1..=END {
-            self.nodes[node] = self.nodes[0];
+        let (first, rest) = self.nodes.split_at_mut(1);
+        for node in rest {
+            node.copy_from_slice(&first[0]);
         }
     }
 
@@ -85,14 +85,12 @@ impl StepSolver {
         let mut previous = f64::INFINITY;
         for sweep in 0..SWEEPS {
             self.place(MIDDLE);
-            let yielding = self.own_flexibility(MIDDLE);
-            let Some(middle) = self.evaluate(MIDDLE, span, yielding) else { return false };
+            let Some(middle) = self.evaluate(MIDDLE, span, true) else { return false };
             if sweep == 0 {
                 self.extrapolate_end();
             }
             self.place(END);
-            let yielding = self.own_flexibility(END);
-            let Some(end) = self.evaluate(END, span, yielding) else { return false };
+            let Some(end) = self.evaluate(END, span, true) else { return false };
             let change = (middle + end).sqrt() * span.step;
             let scale = self.energy_norm.max(self.energy(&self.q[END], &self.v[END]));
             if change <= 0.02 * tolerance * scale || change <= NEGLIGIBLE {
@@ -112,45 +110,48 @@ impl StepSolver {
         for ((end, middle), start) in last[0].iter_mut().zip(&before[MIDDLE]).zip(&before[0]) {
             *end = 2.0 * middle - start;
         }
-        self.nodes[END] = self.nodes[MIDDLE];
-        self.nodes[END].force = 2.0 * self.nodes[MIDDLE].force - self.nodes[0].force;
+        let (before, last) = self.nodes.split_at_mut(END);
+        for ((end, middle), start) in last[0].iter_mut().zip(&before[MIDDLE]).zip(&before[0]) {
+            *end = NodeContact { force: 2.0 * middle.force - start.force, ..*middle };
+        }
     }
 
-    /// How far a unit force at a node, spread by the quadratic, moves the same node: with it the
-    /// force answers to itself within a sweep. Zero is always legal, only slower.
-    fn own_flexibility(&self, node: usize) -> f64 {
-        let rows = self.propagators[self.current].node(node).q_forcing;
-        let own = if node == MIDDLE { rows[0] } else { rows[1] };
-        let shape = &self.beam.contact_shape;
-        shape.iter().zip(own).map(|(c, w)| c * c * w).sum::<f64>().max(0.0)
-    }
-
-    /// Contact and forcing at a placed node; squared change of the forcing, or `None` if the law
-    /// fails. `yielding` (m/N) is the node's own flexibility.
-    fn evaluate(&mut self, node: usize, span: &Span, yielding: f64) -> Option<f64> {
+    /// Laws and forcing at a placed node; squared change of the forcing, or `None` if a law fails. In an `implicit`
+    /// evaluation every force answers to what it does to its own port at the node; without, it is only slower.
+    fn evaluate(&mut self, node: usize, span: &Span, implicit: bool) -> Option<f64> {
         self.geometry(node);
         let fraction = span.fraction(NODES[node]);
-        match span.inputs.contact {
-            Contact::Force(force) => self.nodes[node].force = force.at(fraction),
-            Contact::Friction { law, normal_load } => {
-                let load = normal_load.at(fraction);
-                let point = self.point(node, load, yielding);
-                let (response, displacement) = point.solve(law, &self.contact, &mut self.contact_next)?;
-                self.store(node, response, displacement, load);
-            }
+        for e in 0..self.plant.contacts.len() {
+            let yielding = if implicit && self.plant.contacts[e].law.is_some() {
+                let rows = self.propagators[self.current].node(node).q_forcing;
+                self.yielding(e, rows[usize::from(node == END)])
+            } else {
+                0.0
+            };
+            let contact = &self.plant.contacts[e];
+            let (input, at) = (self.ramps[contact.input].at(fraction), &mut self.nodes[node][e]);
+            let Some(law) = contact.law.as_deref() else {
+                at.force = input;
+                continue;
+            };
+            let point = at.point(input, self.plant.ports[contact.port].flexibility, yielding);
+            let place = contact.memory.clone();
+            let (before, next) = (&self.memory[place.clone()], &mut self.memory_next[place]);
+            let (response, displacement) = point.solve(law, before, next)?;
+            at.store(response, displacement, input);
         }
-        Some(self.force_modes(node, span.inputs, fraction))
+        Some(self.force_modes(node, fraction))
     }
 
     /// End state from the quartic through all five nodes; returns the error estimate relative to
     /// the tolerance.
-    fn correct(&mut self, span: &Span, tolerance: f64) -> f64 {
+    fn correct(&mut self, tolerance: f64) -> f64 {
         let propagator = &self.propagators[self.current];
         let start = propagator.node(END);
         let (q_rows, v_rows) = (propagator.quartic_q(), propagator.quartic_v());
         let p: [&[f64]; 5] = std::array::from_fn(|j| &self.forcing[j][..]);
         let (mut error, mut norm) = (0.0, 0.0);
-        for (i, &omega) in self.beam.angular_frequency.iter().enumerate() {
+        for (i, &omega) in self.plant.angular_frequency.iter().enumerate() {
             let (q0, v0) = (self.q[0][i], self.v[0][i]);
             let mut q = start.q_start[0][i] * q0 + start.q_start[1][i] * v0;
             let mut v = start.v_start[0][i] * q0 + start.v_start[1][i] * v0;
@@ -166,51 +167,65 @@ impl StepSolver {
         }
         let scale = self.energy_norm.max(norm.sqrt());
         let modal = if error == 0.0 { 0.0 } else { error.sqrt() / (tolerance * scale) };
-        modal.max(self.path_error(span, tolerance))
+        (0..self.plant.contacts.len()).fold(modal, |error, e| error.max(self.path_error(e, tolerance)))
     }
 
     /// A law takes displacement and normal load to run linearly together within a step, but they
     /// curve; what a stop at the middle changes in the force, relative to the tolerance and the limit.
-    fn path_error(&mut self, span: &Span, tolerance: f64) -> f64 {
-        let Contact::Friction { law, normal_load } = span.inputs.contact else { return 0.0 };
+    fn path_error(&mut self, e: usize, tolerance: f64) -> f64 {
+        let contact = &self.plant.contacts[e];
+        let Some(law) = contact.law.as_deref().filter(|_| contact.remembers) else { return 0.0 };
+        let normal_load = self.ramps[contact.input];
         if normal_load.start == normal_load.end {
             return 0.0;
         }
-        let inputs = |contact: &NodeContact| crate::contact::Inputs {
-            displacement: contact.displacement,
-            velocity: contact.geometric_velocity,
-            normal_load: contact.normal_load,
-        };
-        law.step(&self.contact, inputs(&self.nodes[MIDDLE]), &mut self.contact_middle);
-        let end = &self.nodes[END];
-        let direct = law.step(&self.contact, inputs(end), &mut self.contact_next).force;
-        let bent = law.step(&self.contact_middle, inputs(end), &mut self.contact_next).force;
-        let limit = law.limit(end.normal_load).max(law.limit(self.nodes[0].normal_load));
+        let place = contact.memory.clone();
+        let before = &self.memory[place.clone()];
+        let (middle, next) = (&mut self.memory_middle[place.clone()], &mut self.memory_next[place]);
+        law.step(before, self.nodes[MIDDLE][e].inputs(), middle);
+        let end = &self.nodes[END][e];
+        let direct = law.step(before, end.inputs(), next).force;
+        let bent = law.step(middle, end.inputs(), next).force;
+        let limit = law.limit(end.normal_load).max(law.limit(self.nodes[0][e].normal_load));
         // About to lift off the limit vanishes; what then counts is what a force does to the beam.
-        let scale = limit.max(end.force.abs()).max(0.01 * self.energy_norm / self.compliance_norm);
+        let scale = limit.max(end.force.abs()).max(0.01 * self.energy_norm / self.compliance_norm[e]);
         if direct == bent { 0.0 } else { (direct - bent).abs() / (tolerance.max(FINEST_PATH) * scale) }
     }
 
     /// The first event of the step tried, unless it is its end.
     fn event(&mut self, span: &Span, tolerance: f64) -> Option<f64> {
-        let Contact::Friction { law, normal_load } = span.inputs.contact else { return None };
-        let flexibility = self.beam.axial_flexibility;
-        let velocity = self.nodes.map(|node| node.velocity(flexibility, span.load_rate));
-        let displacement = self.nodes.map(|node| node.displacement);
-        // Motion this small is invisible at the tolerance; what is left of it may be rounding.
-        let norm = self.shape_norm * self.energy_norm;
-        let floor = (1e-6 * tolerance).max(1e-13) * norm;
-        let size = displacement.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-        let rounding = 64.0 * f64::EPSILON * size + 1e-7 * span.step * floor;
-        let mut first = match events::reversal(&velocity, &displacement, floor, rounding) {
-            Reversal::None => f64::INFINITY,
-            Reversal::At(fraction) => fraction,
-            Reversal::Hidden => 0.5,
-        };
-        let mut slip = self.nodes.map(|node| node.slip_state);
-        let nodes = self.nodes;
+        let events = 0..self.plant.contacts.len();
+        let first = events.fold(f64::INFINITY, |first, e| first.min(self.event_of(e, span, tolerance)));
+        (first < 1.0).then_some(first)
+    }
+
+    /// The first event of a law; infinite if there is none.
+    fn event_of(&mut self, e: usize, span: &Span, tolerance: f64) -> f64 {
+        let contact = &self.plant.contacts[e];
+        let Some(law) = contact.law.as_deref() else { return f64::INFINITY };
+        let (normal_load, nodes) =
+            (self.ramps[contact.input], [0, 1, 2, 3, 4].map(|node| self.nodes[node][e]));
+        let flexibility = self.plant.ports[contact.port].flexibility;
+        let mut first = f64::INFINITY;
+        if contact.remembers {
+            let velocity = nodes.map(|node| node.velocity(flexibility, span.rate(normal_load)));
+            let displacement = nodes.map(|node| node.displacement);
+            // Motion this small is invisible at the tolerance; what is left of it may be rounding.
+            let norm = self.row_norm[e] * self.energy_norm;
+            let floor = (1e-6 * tolerance).max(1e-13) * norm;
+            let size = displacement.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+            let rounding = 64.0 * f64::EPSILON * size + 1e-7 * span.step * floor;
+            first = match events::reversal(&velocity, &displacement, floor, rounding) {
+                Reversal::None => f64::INFINITY,
+                Reversal::At(fraction) => fraction,
+                Reversal::Hidden => 0.5,
+            };
+        }
+        let mut slip = nodes.map(|node| node.slip_state);
         let constant = normal_load.start == normal_load.end;
-        let (contact, before, next) = (&self.contact, &mut self.contact_middle, &mut self.contact_next);
+        let place = contact.memory.clone();
+        let memory = &self.memory[place.clone()];
+        let (before, next) = (&mut self.memory_middle[place.clone()], &mut self.memory_next[place]);
         let point = |node: usize, at: f64| {
             let (u, v) = hermite(&nodes[node], &nodes[node + 1], span.step, (at - NODES[node]) * 4.0);
             ContactPoint {
@@ -222,9 +237,9 @@ impl StepSolver {
             }
         };
         let mut probe = |node: usize, at: f64| {
-            let mut from = contact;
+            let mut from = memory;
             if !constant {
-                point(node, at - events::LOOK_BACK).solve(law, contact, before)?;
+                point(node, at - events::LOOK_BACK).solve(law, memory, before)?;
                 from = before;
             }
             point(node, at).solve(law, from, next).map(|(response, _)| response.slip_state)
@@ -234,10 +249,7 @@ impl StepSolver {
             slip[0] = state;
         }
         let parts = if constant { 1 } else { events::PROBES };
-        if let Some(fraction) = events::corner(&slip, parts, probe) {
-            first = first.min(fraction);
-        }
-        (first < 1.0).then_some(first)
+        events::corner(&slip, parts, probe).map_or(first, |fraction| first.min(fraction))
     }
 }
 

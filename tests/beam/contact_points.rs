@@ -2,15 +2,13 @@
 //! against the same in one piece.
 
 use crate::common::cosim::*;
+use crate::common::time::{loaded, rest};
 use stickslip::contact::Jenkins;
 use stickslip::cosim::{Algorithm, Method, Settings, Source, Strong, System};
 use stickslip::fmi::Instance;
 use stickslip::model::{Damping, Model, Structure};
 use stickslip::system::{LinearStructure, ModalBeam, Sensor};
-use stickslip::time::{
-    BeamInputs, BeamIntegrator, Contact, Excitation, LoadedContact, OscillatorFlow, Ramp,
-    Settings as Accuracy,
-};
+use stickslip::time::{Excitation, LoadedContact, OscillatorFlow, Outputs, Ramp, Settings as Accuracy};
 
 /// The standard beam with contact points at `places`, which are its sensors as well.
 fn beam(places: &[f64], damping: f64) -> ModalBeam {
@@ -28,8 +26,8 @@ fn along(shape: &[f64], q: &[f64]) -> f64 {
 #[test]
 fn the_work_of_held_forces_is_the_energy_of_an_undamped_beam() {
     let beam = beam(&[0.2, 0.37], 0.0);
-    let mut integrator = BeamIntegrator::new(&beam).unwrap();
-    let mut motion = integrator.rest(None);
+    let mut integrator = loaded(&beam);
+    let mut motion = rest(&mut integrator);
     let accuracy = Accuracy { tolerance: 1e-12, ..Accuracy::default() };
     // What the end's force T does work on is c·q − ½ qᵀG q; the axial spring takes none of it back under a held force.
     let places = |q: &[f64]| {
@@ -50,12 +48,7 @@ fn the_work_of_held_forces_is_the_energy_of_an_undamped_beam() {
             8.0 * (700.0 * time).sin(),
             5.0 * (90.0 * time).cos(),
         ];
-        let at_points = [Ramp::held(forces[2]), Ramp::held(forces[3])];
-        let inputs = BeamInputs {
-            excitation: Ramp::held(forces[0]),
-            contact: Contact::Force(Ramp::held(forces[1])),
-            at_points: &at_points,
-        };
+        let inputs = forces.map(Ramp::held);
         let before = places(motion.modal_displacement());
         integrator.advance(&mut motion, 1e-4, &inputs, &accuracy).unwrap();
         let after = places(motion.modal_displacement());
@@ -75,17 +68,13 @@ fn the_work_of_held_forces_is_the_energy_of_an_undamped_beam() {
 fn a_force_at_the_exciter_is_the_excitation_turned_round() {
     let run = |turned: bool| {
         let beam = beam(&[0.55], 0.003);
-        let mut integrator = BeamIntegrator::new(&beam).unwrap();
-        let mut motion = integrator.rest(None);
+        let mut integrator = loaded(&beam);
+        let mut motion = rest(&mut integrator);
         for k in 0..100 {
             let (start, end) = (f64::from(k).sin(), f64::from(k + 1).sin());
             let push = Ramp { start: 9.0 * start, end: 9.0 * end };
-            let pull = [Ramp { start: -push.start, end: -push.end }];
-            let inputs = BeamInputs {
-                excitation: if turned { Ramp::held(0.0) } else { push },
-                contact: Contact::Force(Ramp::held(0.0)),
-                at_points: if turned { &pull } else { &[Ramp::held(0.0)] },
-            };
+            let (pull, none) = (Ramp { start: -push.start, end: -push.end }, Ramp::held(0.0));
+            let inputs = if turned { [none, none, pull] } else { [push, none, none] };
             integrator.advance(&mut motion, 2e-4, &inputs, &Accuracy::default()).unwrap();
         }
         motion
@@ -96,16 +85,14 @@ fn a_force_at_the_exciter_is_the_excitation_turned_round() {
 #[test]
 fn what_one_place_does_to_another_the_other_does_to_it() {
     let beam = beam(&[0.1, 0.4], 0.003);
-    let mut integrator = BeamIntegrator::new(&beam).unwrap();
-    let mut outputs = integrator.new_outputs();
+    let mut integrator = loaded(&beam);
+    let mut outputs = Outputs::default();
     let mut crossed = |pushed: usize| {
-        let mut motion = integrator.rest(None);
+        let mut motion = rest(&mut integrator);
         let mut seen = Vec::new();
         for k in 0..50 {
-            let mut forces = [Ramp::held(0.0); 2];
-            forces[pushed] = Ramp::held(if k < 3 { 7.0 } else { 0.0 });
-            let contact = Contact::Force(Ramp::held(0.0));
-            let inputs = BeamInputs { excitation: Ramp::held(0.0), contact, at_points: &forces };
+            let mut inputs = [Ramp::held(0.0); 4];
+            inputs[2 + pushed] = Ramp::held(if k < 3 { 7.0 } else { 0.0 });
             integrator.advance(&mut motion, 3e-4, &inputs, &Accuracy::default()).unwrap();
             integrator.outputs(&motion, f64::INFINITY, &inputs, &mut outputs).unwrap();
             seen.push(outputs.sensors[1 - pushed].displacement);
@@ -120,16 +107,16 @@ fn what_one_place_does_to_another_the_other_does_to_it() {
 
 #[test]
 fn as_many_forces_are_needed_as_contact_points() {
-    let mut integrator = BeamIntegrator::new(&beam(&[0.3], 0.003)).unwrap();
-    let mut motion = integrator.rest(None);
-    let contact = Contact::Force(Ramp::held(0.0));
-    let mut advance = |at_points: &[Ramp]| {
-        let inputs = BeamInputs { excitation: Ramp::held(1.0), contact, at_points };
+    let mut integrator = loaded(&beam(&[0.3], 0.003));
+    let mut motion = rest(&mut integrator);
+    let mut advance = |at_points: &[f64]| {
+        let forces = [1.0, 0.0].iter().chain(at_points).copied();
+        let inputs: Vec<Ramp> = forces.map(Ramp::held).collect();
         integrator.advance(&mut motion, 1e-4, &inputs, &Accuracy::default())
     };
-    assert!(advance(&[]).unwrap_err().to_string().contains("0 forces for 1"));
-    assert!(advance(&[Ramp::held(f64::NAN)]).unwrap_err().to_string().contains("contact point"));
-    advance(&[Ramp::held(1.0)]).unwrap();
+    assert!(advance(&[]).unwrap_err().to_string().contains("2 inputs for 3"));
+    assert!(advance(&[f64::NAN]).unwrap_err().to_string().contains("contact_force"));
+    advance(&[1.0]).unwrap();
 }
 
 /// A contact weak enough to slip on the beam.

@@ -6,7 +6,7 @@ use stickslip::cosim::{
 };
 use stickslip::model::{Model, Structure};
 use stickslip::system::ModalBeam;
-use stickslip::time::{BeamInputs, BeamIntegrator, Contact, Ramp, Settings as Accuracy};
+use stickslip::time::{Integrator, Outputs, Ramp, Settings as Accuracy};
 
 pub const BEAM: &str = include_str!("../../modelDescription/ModalBeam.toml");
 pub const TWO_CONTACTS: &str = include_str!("../../modelDescription/ModalBeamTwoContacts.toml");
@@ -82,23 +82,20 @@ pub fn monolithic(contact: &str, shaker: Shaker, step: f64, stop: f64, every: u6
     beam.sensors = vec![0.55];
     let law = Model::parse(contact).unwrap().law().unwrap().unwrap();
     let load = Model::parse(contact).unwrap().contact.unwrap().normal_load;
-    let mut integrator = BeamIntegrator::new(&ModalBeam::new(&beam).unwrap()).unwrap();
-    let mut motion = integrator.rest(Some((&*law, load)));
-    let mut outputs = integrator.new_outputs();
+    let system = ModalBeam::new(&beam).unwrap().system(Some((law.into(), load))).unwrap();
+    let mut integrator = Integrator::new(&system).unwrap();
+    let mut motion = integrator.rest(&integrator.held_inputs()).unwrap();
+    let mut outputs = Outputs::default();
     let accuracy = Accuracy { tolerance: 1e-10, ..Accuracy::default() };
     let mut rows = vec![[0.0; 3]];
     for index in 0..(stop / step).round() as u64 {
         let (from, to) = (index as f64 * step, (index + 1) as f64 * step);
-        let inputs = BeamInputs {
-            excitation: Ramp { start: shaker.force(from), end: shaker.force(to) },
-            contact: Contact::Friction { law: &*law, normal_load: Ramp::held(load) },
-            at_points: &[],
-        };
+        let inputs = [Ramp { start: shaker.force(from), end: shaker.force(to) }, Ramp::held(load)];
         integrator.advance(&mut motion, step, &inputs, &accuracy).unwrap();
         if (index + 1) % every == 0 {
-            let inputs = BeamInputs { excitation: Ramp::held(shaker.force(to)), ..inputs };
+            let inputs = [Ramp::held(shaker.force(to)), Ramp::held(load)];
             integrator.outputs(&motion, f64::INFINITY, &inputs, &mut outputs).unwrap();
-            rows.push([to, outputs.displacement, outputs.sensors[0].displacement]);
+            rows.push([to, outputs.contacts[0].displacement, outputs.sensors[0].displacement]);
         }
     }
     rows

@@ -1,8 +1,10 @@
 //! Beams, laws and an exact oscillator shared by the tests of time integration.
 
+use std::sync::Arc;
+
 use stickslip::contact::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tangents};
 use stickslip::system::{ModalBeam, Sensor};
-use stickslip::time::{BeamInputs, Contact, Ramp, Settings};
+use stickslip::time::{ContactMotion, Integrator, Motion, Ramp, Settings};
 
 /// A beam with one mode.
 pub fn one_mode(omega: f64, zeta: f64, contact: f64, excitation: f64, flexibility: f64) -> ModalBeam {
@@ -115,13 +117,35 @@ impl ContactLaw for Spring {
     }
 }
 
-/// Friction with held inputs.
-pub fn held(excitation: f64, law: &dyn ContactLaw, normal_load: f64) -> BeamInputs<'_> {
-    BeamInputs {
-        excitation: Ramp::held(excitation),
-        contact: Contact::Friction { law, normal_load: Ramp::held(normal_load) },
-        at_points: &[],
-    }
+/// Held inputs: the force of the exciter (N), and the normal load or the contact force (N).
+pub fn held(excitation: f64, contact: f64) -> [Ramp; 2] {
+    [Ramp::held(excitation), Ramp::held(contact)]
+}
+
+/// An integrator of `beam` with a contact of this law and constant normal load (N).
+pub fn supported(beam: &ModalBeam, law: impl ContactLaw + 'static, normal_load: f64) -> Integrator {
+    supported_by(beam, Arc::new(law), normal_load)
+}
+
+/// As [`supported`], of a law that is shared.
+pub fn supported_by(beam: &ModalBeam, law: Arc<dyn ContactLaw>, normal_load: f64) -> Integrator {
+    Integrator::new(&beam.system(Some((law, normal_load))).unwrap()).unwrap()
+}
+
+/// An integrator of `beam` under a contact force from outside.
+pub fn loaded(beam: &ModalBeam) -> Integrator {
+    Integrator::new(&beam.system(None).unwrap()).unwrap()
+}
+
+/// At rest under the constant normal load.
+pub fn rest(integrator: &mut Integrator) -> Motion {
+    let inputs = integrator.held_inputs();
+    integrator.rest(&inputs).unwrap()
+}
+
+/// The law at the beam's end, or the force there.
+pub fn at_end(motion: &Motion) -> ContactMotion {
+    motion.contact(0)
 }
 
 pub fn tolerance(tolerance: f64) -> Settings {

@@ -8,7 +8,9 @@ use stickslip::harmonic::{Method, Resonance, Settings, forced_response, phase_re
 use stickslip::model::{Beam, Damping, PointMass};
 use stickslip::system::ModalBeam;
 use stickslip::system::{HangingMass, Place, StructureChanges};
-use stickslip::time::{self, BeamInputs, BeamIntegrator, Contact, Ramp};
+use stickslip::time::{self, Ramp};
+
+use crate::common::time::{held, loaded, rest, supported};
 
 fn steel(modes: usize) -> Beam {
     Beam {
@@ -160,18 +162,17 @@ fn a_hanging_mass_moves_as_the_beam_and_the_mass_written_down_separately() {
     // Hard enough that the beam's end is drawn in by as much as the clamp's turning moves it.
     let (push, time) = (60.0, 0.02);
     let law = CubicSpring::new(spring, 0.0).unwrap();
-    let mut integrator = BeamIntegrator::new(&modal).unwrap();
-    let mut motion = integrator.rest(Some((&law, 1.0)));
-    let contact = Contact::Friction { law: &law, normal_load: Ramp::held(1.0) };
-    let inputs = BeamInputs { excitation: Ramp::held(push), contact, at_points: &[] };
+    let mut integrator = supported(&modal, law, 1.0);
+    let mut motion = rest(&mut integrator);
+    let inputs = held(push, 1.0);
     let tight = time::Settings { tolerance: 1e-9, ..Default::default() };
     integrator.advance(&mut motion, time, &inputs, &tight).unwrap();
     let found: f64 = modal.sensors[0].shape.iter().zip(motion.modal_displacement()).map(|(s, q)| s * q).sum();
     let expected = by_hand(&bare, &hanging, spring, push, time, 20_000);
     assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
     let unbent = ModalBeam { string_stiffness: 0.0, ..modal };
-    let mut without = BeamIntegrator::new(&unbent).unwrap();
-    let mut motion = without.rest(Some((&law, 1.0)));
+    let mut without = supported(&unbent, law, 1.0);
+    let mut motion = rest(&mut without);
     without.advance(&mut motion, time, &inputs, &tight).unwrap();
     let found: f64 =
         unbent.sensors[0].shape.iter().zip(motion.modal_displacement()).map(|(s, q)| s * q).sum();
@@ -271,14 +272,15 @@ fn settles_to_the_balance(beam: &ModalBeam) {
     let without = forced_response(&linear, None, period, &[0.0, amplitude, 0.0], &settings, None).unwrap();
     assert!((periodic.coefficients[2] / without.coefficients[2] - 1.0).abs() > 0.05, "the effects matter");
 
-    let mut integrator = BeamIntegrator::new(beam).unwrap();
-    let mut motion = integrator.rest(None);
+    let mut integrator = loaded(beam);
+    let mut motion = rest(&mut integrator);
     let parts = 64;
     let force = |k: usize| amplitude * (2.0 * PI * (k % parts) as f64 / parts as f64).cos();
     let tight = time::Settings { tolerance: 1e-8, ..Default::default() };
     for k in 0..40 * parts {
         let excitation = Ramp { start: force(k), end: force(k + 1) };
-        let inputs = BeamInputs { excitation, contact: Contact::Force(Ramp::held(0.0)), at_points: &[] };
+        let mut inputs = integrator.held_inputs();
+        inputs[0] = excitation;
         integrator.advance(&mut motion, period / parts as f64, &inputs, &tight).unwrap();
     }
     let expected: f64 = (0..=9).map(|h| periodic.coefficients[if h == 0 { 0 } else { 2 * h - 1 }]).sum();

@@ -16,7 +16,9 @@ use stickslip::harmonic::{
 use stickslip::harmonic::{Resonance, Settings as BalanceSettings};
 use stickslip::model::Beam;
 use stickslip::system::{LinearStructure, ModalBeam};
-use stickslip::time::{BeamInputs, BeamIntegrator, Contact, Ramp, Settings};
+use stickslip::time::{Ramp, Settings};
+
+use crate::common::time::{at_end, supported};
 
 const LOAD: f64 = 147.15;
 
@@ -174,25 +176,25 @@ fn resonance(
 }
 
 /// Multipliers of the map over a period that the time integrator makes, by differences.
-fn by_integration(beam: &ModalBeam, law: &dyn ContactLaw, response: &Resonance) -> Vec<Complex<f64>> {
+fn by_integration(
+    beam: &ModalBeam,
+    law: impl ContactLaw + 'static,
+    response: &Resonance,
+) -> Vec<Complex<f64>> {
     const STEPS: usize = 200;
     let n = beam.angular_frequency.len();
     let omega = response.angular_frequency;
-    let mut integrator = BeamIntegrator::new(beam).unwrap();
+    let mut integrator = supported(beam, law, LOAD);
     let settings = Settings { tolerance: 1e-10, ..Settings::default() };
     let force = |k: usize| response.force_amplitude * (TAU * k as f64 / STEPS as f64).cos();
     let mut over = |start: &[f64]| -> Vec<f64> {
-        let friction = Some((law, LOAD, start[2 * n]));
-        let mut motion = integrator.moving(&start[..n], &start[n..2 * n], friction).unwrap();
+        let inputs = [Ramp::held(0.0), Ramp::held(LOAD)];
+        let mut motion = integrator.moving(&start[..n], &start[n..2 * n], &inputs, &[start[2 * n]]).unwrap();
         for k in 0..STEPS {
-            let inputs = BeamInputs {
-                excitation: Ramp { start: force(k), end: force(k + 1) },
-                contact: Contact::Friction { law, normal_load: Ramp::held(LOAD) },
-                at_points: &[],
-            };
+            let inputs = [Ramp { start: force(k), end: force(k + 1) }, Ramp::held(LOAD)];
             integrator.advance(&mut motion, TAU / omega / STEPS as f64, &inputs, &settings).unwrap();
         }
-        [motion.modal_displacement(), motion.modal_velocity(), &[motion.contact_force()]].concat()
+        [motion.modal_displacement(), motion.modal_velocity(), &[at_end(&motion).force]].concat()
     };
     let width = response.coefficients.len() / n;
     let at_zero = |place: fn(usize) -> bool, factor: &dyn Fn(usize) -> f64, coefficients: &[f64]| -> f64 {
@@ -251,7 +253,7 @@ fn disturbances_of_the_beam_die_out_in_time_as_the_multipliers_say() {
             let modes = &response.coefficients;
             let found = floquet_of_beam(&beam, Some(loaded(&law)), modes, &left, omega).unwrap();
             assert_eq!(beam_is_stable(&beam, Some(loaded(&law)), modes, &left, omega), Some(true));
-            errors.push(distance(&found, &by_integration(&beam, &law, &response)));
+            errors.push(distance(&found, &by_integration(&beam, law, &response)));
         }
         assert!(errors[0] < 2e-3 && errors[1] < 0.4 * errors[0], "{acceleration}: {errors:?}");
     }

@@ -8,7 +8,9 @@ use stickslip::harmonic::fourier::{from_samples, value};
 use stickslip::harmonic::{LoadedContact, Method, Settings, backbone, forced_response};
 use stickslip::model::{Beam, Damping, Model, Structure};
 use stickslip::system::ModalBeam;
-use stickslip::time::{self, BeamInputs, BeamIntegrator, BeamMotion, Contact, Ramp};
+use stickslip::time::{self, Integrator, Motion, Ramp};
+
+use crate::common::time::{at_end, rest, supported};
 
 const LOAD: f64 = 147.15;
 /// Force (N) and frequency (Hz) of the excitation, near the resonance of the slipping beam.
@@ -28,21 +30,16 @@ fn valanis() -> Valanis {
 /// Drives `motion` from phase 0 over `periods` of a cosine, `steps` straight pieces a period; `visit` sees
 /// the motion at the end of each.
 fn drive(
-    integrator: &mut BeamIntegrator,
-    motion: &mut BeamMotion,
+    integrator: &mut Integrator,
+    motion: &mut Motion,
     periods: usize,
     steps: usize,
-    mut visit: impl FnMut(usize, &BeamMotion),
+    mut visit: impl FnMut(usize, &Motion),
 ) {
-    let law = valanis();
     let settings = time::Settings { tolerance: 1e-8, ..Default::default() };
     let force = |k: usize| FORCE * (TAU * (k % steps) as f64 / steps as f64).cos();
     for k in 0..periods * steps {
-        let inputs = BeamInputs {
-            excitation: Ramp { start: force(k), end: force(k + 1) },
-            contact: Contact::Friction { law: &law, normal_load: Ramp::held(LOAD) },
-            at_points: &[],
-        };
+        let inputs = [Ramp { start: force(k), end: force(k + 1) }, Ramp::held(LOAD)];
         integrator.advance(motion, 1.0 / (FREQUENCY * steps as f64), &inputs, &settings).unwrap();
         visit(k + 1, motion);
     }
@@ -98,8 +95,8 @@ fn the_published_model_file_has_the_backbone_of_an_independent_harmonic_balance(
 #[test]
 fn the_transient_from_rest_is_that_of_the_published_equations() {
     let beam = published(4, 0.02);
-    let mut integrator = BeamIntegrator::new(&beam).unwrap();
-    let mut motion = integrator.rest(Some((&valanis(), LOAD)));
+    let mut integrator = supported(&beam, valanis(), LOAD);
+    let mut motion = rest(&mut integrator);
     drive(&mut integrator, &mut motion, 3, 2048, |_, _| {});
     let displacement = [-4.84833661e-5, -2.19250161e-6, -6.04993074e-7, -2.54945865e-7];
     let velocity = [-7.10355139e-2, 2.14457144e-3, 5.15418952e-4, 2.35241827e-4];
@@ -113,7 +110,7 @@ fn the_transient_from_rest_is_that_of_the_published_equations() {
     {
         assert!((found / expected - 1.0).abs() < tolerance, "{found} {expected}");
     }
-    let force = motion.contact_force();
+    let force = at_end(&motion).force;
     assert!((force / -37.0333993 - 1.0).abs() < 1e-4, "{force}");
 }
 
@@ -127,14 +124,14 @@ fn harmonic_balance_finds_the_steady_state_of_a_long_run_in_time() {
     let balance =
         forced_response(&beam, Some(contact), 1.0 / FREQUENCY, &[0.0, FORCE], &settings, None).unwrap();
 
-    let mut integrator = BeamIntegrator::new(&beam).unwrap();
-    let mut motion = integrator.rest(Some((&law, LOAD)));
+    let mut integrator = supported(&beam, law, LOAD);
+    let mut motion = rest(&mut integrator);
     drive(&mut integrator, &mut motion, 60, 512, |_, _| {});
-    let lost_before = motion.dissipated_energy();
+    let lost_before = at_end(&motion).dissipated_energy;
     let (mut exciter, mut force) = (vec![0.0; 512], vec![0.0; 512]);
     drive(&mut integrator, &mut motion, 1, 512, |k, motion| {
         exciter[k % 512] = dot(&beam.excitation_shape, motion.modal_displacement());
-        force[k % 512] = motion.contact_force();
+        force[k % 512] = at_end(motion).force;
     });
     let found = balance.displacement(&beam.excitation_shape);
     let largest = exciter.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -146,7 +143,7 @@ fn harmonic_balance_finds_the_steady_state_of_a_long_run_in_time() {
     for (balance, in_time) in balance.contact_force.iter().zip(&in_time) {
         assert!((balance - in_time).abs() < 0.05, "force coefficient {balance} N, in time {in_time} N");
     }
-    let lost = motion.dissipated_energy() - lost_before;
+    let lost = at_end(&motion).dissipated_energy - lost_before;
     assert!((balance.dissipated_energy / lost - 1.0).abs() < 1e-3, "{} {lost}", balance.dissipated_energy);
     // The other program, sixty periods of Runge–Kutta: first harmonics of displacement and force, and the
     // bias that the shortening of the beam gives the force.

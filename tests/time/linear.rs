@@ -1,16 +1,16 @@
 //! Time integration where the exact solution is known in closed form, or from an independent method.
 
-use crate::common::time::{Spring, held, one_mode, steel_beam, tolerance};
-use stickslip::time::{BeamInputs, BeamIntegrator, Contact, Ramp, Settings};
+use crate::common::time::{Spring, held, loaded, one_mode, rest, steel_beam, supported, tolerance};
+use stickslip::time::{Outputs, Ramp, Settings};
 
-const FREE: Contact = Contact::Force(Ramp::held(0.0));
+const FREE: Ramp = Ramp::held(0.0);
 
 #[test]
 fn a_free_mode_decays_as_the_closed_form_says() {
     let (omega, zeta) = (330.0, 0.02);
-    let mut integrator = BeamIntegrator::new(&one_mode(omega, zeta, 0.06, 1.2, 0.0)).unwrap();
-    let mut motion = integrator.moving(&[1e-3], &[0.4], None).unwrap();
-    let inputs = BeamInputs { excitation: Ramp::held(0.0), contact: FREE, at_points: &[] };
+    let mut integrator = loaded(&one_mode(omega, zeta, 0.06, 1.2, 0.0));
+    let mut motion = integrator.moving(&[1e-3], &[0.4], &[FREE; 2], &[]).unwrap();
+    let inputs = [FREE; 2];
     let damped = omega * (1.0 - zeta * zeta).sqrt();
     for i in 1..=200 {
         integrator.advance(&mut motion, 1e-3, &inputs, &Settings::default()).unwrap();
@@ -25,11 +25,11 @@ fn a_free_mode_decays_as_the_closed_form_says() {
 fn a_linear_mode_answers_a_force_ramp_exactly_whatever_the_step() {
     let (omega, phi) = (330.0, 1.2);
     for (steps, duration) in [(1, 1e-2), (10, 1e-3), (10_000, 1e-6)] {
-        let mut integrator = BeamIntegrator::new(&one_mode(omega, 0.0, 0.06, phi, 0.0)).unwrap();
-        let mut motion = integrator.rest(None);
+        let mut integrator = loaded(&one_mode(omega, 0.0, 0.06, phi, 0.0));
+        let mut motion = rest(&mut integrator);
         for i in 0..steps {
             let excitation = Ramp::with_slope(3.0 + 500.0 * i as f64 * duration, 500.0, duration);
-            let inputs = BeamInputs { excitation, contact: FREE, at_points: &[] };
+            let inputs = [excitation, FREE];
             integrator.advance(&mut motion, duration, &inputs, &Settings::default()).unwrap();
         }
         let (s, c) = (omega * 1e-2).sin_cos();
@@ -42,13 +42,12 @@ fn a_linear_mode_answers_a_force_ramp_exactly_whatever_the_step() {
 /// Largest relative error over ten periods of a mode held by a linear spring in the contact.
 fn spring_error(settings: &Settings) -> f64 {
     let (omega, shape, stiffness) = (330.0, 0.06, 4e7);
-    let mut integrator = BeamIntegrator::new(&one_mode(omega, 0.0, shape, 1.2, 0.0)).unwrap();
-    let law = Spring(stiffness);
-    let mut motion = integrator.moving(&[1e-3], &[0.0], Some((&law, 1.0, 0.0))).unwrap();
+    let mut integrator = supported(&one_mode(omega, 0.0, shape, 1.2, 0.0), Spring(stiffness), 1.0);
+    let mut motion = integrator.moving(&[1e-3], &[0.0], &held(0.0, 1.0), &[]).unwrap();
     let total = (omega * omega + shape * shape * stiffness).sqrt();
     let duration = 1e-2;
     (1..=20).fold(0.0, |worst: f64, i| {
-        integrator.advance(&mut motion, duration, &held(0.0, &law, 1.0), settings).unwrap();
+        integrator.advance(&mut motion, duration, &held(0.0, 1.0), settings).unwrap();
         let exact = 1e-3 * (total * duration * i as f64).cos();
         worst.max((motion.modal_displacement()[0] - exact).abs() / 1e-3)
     })
@@ -67,16 +66,15 @@ fn the_error_falls_with_the_tolerance() {
 
 #[test]
 fn a_spring_in_the_contact_is_of_fifth_order_in_the_step() {
-    let (omega, shape, stiffness) = (330.0, 0.06, 4e7);
-    let law = Spring(stiffness);
+    let (omega, shape, stiffness) = (330.0_f64, 0.06, 4e7);
     let total = (omega * omega + shape * shape * stiffness).sqrt();
     let error = |steps: usize| {
-        let mut integrator = BeamIntegrator::new(&one_mode(omega, 0.0, shape, 1.2, 0.0)).unwrap();
-        let mut motion = integrator.moving(&[1e-3], &[0.0], Some((&law, 1.0, 0.0))).unwrap();
+        let mut integrator = supported(&one_mode(omega, 0.0, shape, 1.2, 0.0), Spring(stiffness), 1.0);
+        let mut motion = integrator.moving(&[1e-3], &[0.0], &held(0.0, 1.0), &[]).unwrap();
         let duration = 6e-3 / steps as f64;
         // The tolerance never cuts these communication steps: the order shows.
         for _ in 0..steps {
-            integrator.advance(&mut motion, duration, &held(0.0, &law, 1.0), &tolerance(1e-5)).unwrap();
+            integrator.advance(&mut motion, duration, &held(0.0, 1.0), &tolerance(1e-5)).unwrap();
         }
         (motion.modal_displacement()[0] - 1e-3 * (total * 6e-3).cos()).abs()
     };
@@ -89,10 +87,10 @@ fn external_force_and_geometric_stiffness_match_runge_kutta() {
     let beam = steel_beam(3, 0.003);
     let (force, excitation) = (Ramp { start: 80.0, end: -60.0 }, Ramp { start: 0.0, end: 30.0 });
     let duration = 5e-3;
-    let inputs = BeamInputs { excitation, contact: Contact::Force(force), at_points: &[] };
+    let inputs = [excitation, force];
     let (q0, v0) = ([2e-3, -1e-4, 3e-5], [0.1, 0.5, -0.2]);
-    let mut integrator = BeamIntegrator::new(&beam).unwrap();
-    let mut motion = integrator.moving(&q0, &v0, None).unwrap();
+    let mut integrator = loaded(&beam);
+    let mut motion = integrator.moving(&q0, &v0, &[FREE; 2], &[]).unwrap();
     integrator.advance(&mut motion, duration, &inputs, &tolerance(1e-9)).unwrap();
 
     let rate = |t: f64, y: &[f64; 6]| -> [f64; 6] {
@@ -133,14 +131,12 @@ fn external_force_and_geometric_stiffness_match_runge_kutta() {
 #[test]
 fn a_jump_of_the_external_force_passes_to_the_displacement_at_once() {
     let beam = one_mode(330.0, 0.003, 0.06, 1.2, 1.5e-8);
-    let mut integrator = BeamIntegrator::new(&beam).unwrap();
-    let motion = integrator.moving(&[1e-3], &[0.0], None).unwrap();
-    let mut out = integrator.new_outputs();
+    let mut integrator = loaded(&beam);
+    let motion = integrator.moving(&[1e-3], &[0.0], &[FREE; 2], &[]).unwrap();
+    let mut out = Outputs::default();
     let mut displacement = |force: f64| {
-        let contact = Contact::Force(Ramp::held(force));
-        let inputs = BeamInputs { excitation: Ramp::held(0.0), contact, at_points: &[] };
-        integrator.outputs(&motion, f64::INFINITY, &inputs, &mut out).unwrap();
-        (out.displacement, out.sensors[0].acceleration)
+        integrator.outputs(&motion, f64::INFINITY, &held(0.0, force), &mut out).unwrap();
+        (out.contacts[0].displacement, out.sensors[0].acceleration)
     };
     let (before, after) = (displacement(0.0), displacement(100.0));
     assert!((before.0 - 0.06e-3).abs() < 1e-18);
@@ -151,9 +147,9 @@ fn a_jump_of_the_external_force_passes_to_the_displacement_at_once() {
 
 #[test]
 fn decayed_amplitudes_are_zero_and_not_denormal() {
-    let mut integrator = BeamIntegrator::new(&one_mode(330.0, 0.9, 0.06, 1.2, 0.0)).unwrap();
-    let mut motion = integrator.moving(&[1e-3], &[0.0], None).unwrap();
-    let inputs = BeamInputs { excitation: Ramp::held(0.0), contact: FREE, at_points: &[] };
+    let mut integrator = loaded(&one_mode(330.0, 0.9, 0.06, 1.2, 0.0));
+    let mut motion = integrator.moving(&[1e-3], &[0.0], &[FREE; 2], &[]).unwrap();
+    let inputs = [FREE; 2];
     for _ in 0..200 {
         integrator.advance(&mut motion, 1e-2, &inputs, &Settings::default()).unwrap();
     }

@@ -1,16 +1,18 @@
 //! A model's beam with its contact, as steady states, backbones and integrations take it.
 
+use std::sync::Arc;
+
 use crate::contact::{ContactLaw, JointChanges};
 use crate::harmonic::LoadedContact;
 use crate::harmonic::steady::ForcedBeam;
 use crate::model::{Beam, Model, Structure};
-use crate::system::ModalBeam;
+use crate::system::{ModalBeam, StructureError, System};
 
 /// A model's beam, reduced to its modes, with its contact.
 #[derive(Debug)]
 pub(in crate::fit::predict) struct Attached {
     pub beam: ModalBeam,
-    law: Option<Box<dyn ContactLaw>>,
+    law: Option<Arc<dyn ContactLaw>>,
     /// The load (N) where none is measured, else the mean of what the contact follows of the measured one.
     pub normal_load: f64,
     /// Coefficients `[c1, s1, …]` (N) of what it follows of a measured load's swing.
@@ -44,7 +46,7 @@ impl Attached {
             }
             _ => Vec::new(),
         };
-        Ok(Self { beam, law, normal_load, load_swing, offset: 0.0, joint })
+        Ok(Self { beam, law: law.map(Arc::from), normal_load, load_swing, offset: 0.0, joint })
     }
 
     /// The same with a static contact offset (m).
@@ -55,6 +57,11 @@ impl Attached {
     pub fn contact(&self) -> Option<LoadedContact<'_>> {
         let law = self.law.as_deref()?;
         Some(LoadedContact { law, normal_load: self.normal_load })
+    }
+
+    /// The beam with its contact as a system.
+    pub fn system(&self) -> Result<System, StructureError> {
+        self.beam.system(self.law.clone().map(|law| (law, self.normal_load)))
     }
 
     pub fn driven(&self) -> ForcedBeam<'_> {

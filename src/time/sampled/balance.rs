@@ -2,6 +2,7 @@
 
 use super::hold::Hold;
 use crate::contact::{ContactLaw, Inputs, Response, SlipState, Tangents};
+use crate::time::solve::solve;
 
 /// Newton steps before the balance is given up.
 const NEWTON: usize = 60;
@@ -236,32 +237,4 @@ impl Balance {
 /// What a residual is measured by: the forces, and the rounding of the displacement in them.
 fn size(response: &Response, force: f64, inputs: &Inputs) -> f64 {
     response.force.abs() + force.abs() + (response.tangents.displacement * inputs.displacement).abs()
-}
-
-/// Solves the system row by row in place by elimination with row pivots; false where it has no single solution.
-pub(super) fn solve(matrix: &mut [f64], right: &mut [f64]) -> bool {
-    let n = right.len();
-    for k in 0..n {
-        let pivot = (k..n)
-            .fold(k, |best, i| if matrix[i * n + k].abs() > matrix[best * n + k].abs() { i } else { best });
-        if matrix[pivot * n + k] == 0.0 || !matrix[pivot * n + k].is_finite() {
-            return false;
-        }
-        for j in 0..n {
-            matrix.swap(k * n + j, pivot * n + j);
-        }
-        right.swap(k, pivot);
-        for i in k + 1..n {
-            let factor = matrix[i * n + k] / matrix[k * n + k];
-            for j in k..n {
-                matrix[i * n + j] -= factor * matrix[k * n + j];
-            }
-            right[i] -= factor * right[k];
-        }
-    }
-    for k in (0..n).rev() {
-        let known: f64 = (k + 1..n).map(|j| matrix[k * n + j] * right[j]).sum();
-        right[k] = (right[k] - known) / matrix[k * n + k];
-    }
-    true
 }

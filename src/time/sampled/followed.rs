@@ -120,7 +120,7 @@ impl SampledIntegrator {
                     unit + t.displacement * compliance(i)[j] + t.velocity * mobility(i)[j];
             }
         }
-        if !super::balance::solve(matrix, force) {
+        if !crate::time::solve::solve(matrix, force) {
             return false;
         }
         for (i, law) in self.laws.iter().enumerate() {

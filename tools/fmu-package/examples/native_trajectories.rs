@@ -12,7 +12,7 @@ mod native {
     use stickslip::contact::Inputs;
     use stickslip::model::{Beam, Contact, Model, Structure};
     use stickslip::system::ModalBeam;
-    use stickslip::time::{BeamInputs, BeamIntegrator, Contact as Acting, Ramp, Settings};
+    use stickslip::time::{Integrator, Outputs, Ramp, Settings};
 
     /// Column names and rows.
     pub type Table = (Vec<String>, Vec<Vec<f64>>);
@@ -62,13 +62,13 @@ mod native {
     /// A beam shaken near its first resonance, the inputs held over each step of 0.1 ms.
     fn beam(beam: &Beam, contact: Option<&Contact>) -> Table {
         let modal = ModalBeam::new(beam).expect("a standard model");
-        let mut integrator = BeamIntegrator::new(&modal).expect("a beam");
-        let law = contact.map(|contact| contact.law().expect("legal"));
+        let law = contact.map(|contact| (contact.law().expect("legal").into(), contact.normal_load));
+        let mut integrator = Integrator::new(&modal.system(law).expect("a beam")).expect("a beam");
         let load = |time: f64| {
             contact.map_or(0.0, |contact| contact.normal_load) * (1.0 + 0.5 * (30.0 * time).sin())
         };
-        let mut motion = integrator.rest(law.as_deref().map(|law| (law, load(0.0))));
-        let mut outputs = integrator.new_outputs();
+        let mut motion = integrator.rest(&integrator.held_inputs()).expect("legal inputs");
+        let mut outputs = Outputs::default();
         let mut names = vec!["excitation".to_owned()];
         match contact {
             Some(_) => {
@@ -99,14 +99,10 @@ mod native {
                 Some(_) => load(time),
                 None => 30.0 * (2.0 * std::f64::consts::PI * 17.0 * time).sin(),
             };
-            let acting = match law.as_deref() {
-                Some(law) => Acting::Friction { law, normal_load: Ramp::held(other) },
-                None => Acting::Force(Ramp::held(other)),
-            };
             let across = 5.0 * (2.0 * std::f64::consts::PI * 140.0 * time).sin();
             let at_points = vec![Ramp::held(across); beam.contact_points.len()];
-            let inputs =
-                BeamInputs { excitation: Ramp::held(excitation), contact: acting, at_points: &at_points };
+            let mut inputs = vec![Ramp::held(excitation), Ramp::held(other)];
+            inputs.extend(&at_points);
             if index > 0 {
                 let settings = Settings { tolerance: 1e-6, ..Settings::default() };
                 integrator.advance(&mut motion, step, &inputs, &settings).expect("a step");
@@ -114,11 +110,11 @@ mod native {
             integrator.outputs(&motion, f64::INFINITY, &inputs, &mut outputs).expect("outputs");
             let mut row = vec![time, excitation, other];
             row.extend(at_points.iter().map(|force| force.start));
+            let end = &outputs.contacts[0];
             if contact.is_some() {
-                let slip = f64::from(outputs.slip_state as i32);
-                row.extend([outputs.contact_force, outputs.dissipated_energy, slip]);
+                row.extend([end.force, end.dissipated_energy, f64::from(end.slip_state as i32)]);
             }
-            row.extend([outputs.displacement, outputs.velocity]);
+            row.extend([end.displacement, end.velocity]);
             for (index, _) in &places {
                 let sensor = &outputs.sensors[*index];
                 row.extend([sensor.displacement, sensor.velocity, sensor.acceleration]);

@@ -4,9 +4,8 @@ use super::Stepper;
 use crate::data::{Channel, Record};
 use crate::fit::predict::attached::Attached;
 use crate::fit::predict::channels::{derivative_order, position};
-use crate::harmonic::LoadedContact;
 use crate::model::Model;
-use crate::time::{self, BeamInputs, BeamIntegrator, BeamMotion, BeamOutputs, Ramp, SensorReading};
+use crate::time::{self, Integrator, Motion, Outputs, Ramp, SensorReading};
 
 /// Tolerance of the integration, far below the noise of any sensor.
 const SETTINGS: time::Settings = time::Settings { tolerance: 1e-6, step_limit: 1_000_000 };
@@ -37,23 +36,28 @@ impl<'r> ExcitedBeam<'r> {
     /// `model` at the first sample, at rest.
     pub fn stepper(&self, model: &Model) -> Result<BeamStepper<'_>, String> {
         let attached = Attached::new(model, &self.positions, None)?;
-        let mut integrator = BeamIntegrator::new(&attached.beam).map_err(|error| error.to_string())?;
-        let motion = rest(&mut integrator, &attached, self);
-        Ok(BeamStepper { outputs: integrator.new_outputs(), motion, excited: self, attached, integrator })
+        let system = attached.system().map_err(|error| error.to_string())?;
+        let mut integrator = Integrator::new(&system).map_err(|error| error.to_string())?;
+        let mut inputs = integrator.held_inputs();
+        self.act(&attached, 0, 0, &mut inputs);
+        let motion = integrator.rest(&inputs).map_err(|error| error.to_string())?;
+        let beginning = motion.clone();
+        Ok(BeamStepper {
+            excited: self,
+            attached,
+            integrator,
+            inputs,
+            beginning,
+            motion,
+            outputs: Outputs::default(),
+        })
     }
 
-    /// What acts on the beam from one sample to another.
-    fn inputs<'a>(&self, attached: &'a Attached, from: usize, to: usize) -> BeamInputs<'a> {
-        let load = |index| self.load(attached, index);
-        BeamInputs {
-            excitation: Ramp { start: self.excitation[from], end: self.excitation[to] },
-            contact: match attached.contact() {
-                Some(LoadedContact { law, .. }) => {
-                    time::Contact::Friction { law, normal_load: Ramp { start: load(from), end: load(to) } }
-                }
-                None => time::Contact::Force(Ramp::held(0.0)),
-            },
-            at_points: &[],
+    /// Writes what acts on the beam from one sample to another: excitation, normal load. What effects add knows no load.
+    fn act(&self, attached: &Attached, from: usize, to: usize, inputs: &mut [Ramp]) {
+        inputs[0] = Ramp { start: self.excitation[from], end: self.excitation[to] };
+        if attached.contact().is_some() {
+            inputs[1] = Ramp { start: self.load(attached, from), end: self.load(attached, to) };
         }
     }
 
@@ -64,28 +68,26 @@ impl<'r> ExcitedBeam<'r> {
     }
 }
 
-fn rest(integrator: &mut BeamIntegrator, attached: &Attached, excited: &ExcitedBeam) -> BeamMotion {
-    integrator.rest(attached.contact().map(|contact| (contact.law, excited.load(attached, 0))))
-}
-
 /// A beam at one sample of a record.
 pub(in crate::fit::predict) struct BeamStepper<'e> {
     excited: &'e ExcitedBeam<'e>,
     attached: Attached,
-    integrator: BeamIntegrator,
-    motion: BeamMotion,
-    outputs: BeamOutputs,
+    integrator: Integrator,
+    inputs: Vec<Ramp>,
+    beginning: Motion,
+    motion: Motion,
+    outputs: Outputs,
 }
 
 impl Stepper for BeamStepper<'_> {
     fn rest(&mut self) {
-        self.motion = rest(&mut self.integrator, &self.attached, self.excited);
+        self.motion.clone_from(&self.beginning);
     }
 
     fn observe(&mut self, index: usize, out: &mut [f64]) -> Result<(), String> {
-        let inputs = self.excited.inputs(&self.attached, index, index);
+        self.excited.act(&self.attached, index, index, &mut self.inputs);
         self.integrator
-            .outputs(&self.motion, f64::INFINITY, &inputs, &mut self.outputs)
+            .outputs(&self.motion, f64::INFINITY, &self.inputs, &mut self.outputs)
             .map_err(|error| error.to_string())?;
         let readings = self.outputs.sensors.iter().zip(&self.excited.orders);
         for (out, (SensorReading { displacement, velocity, acceleration }, order)) in
@@ -101,8 +103,9 @@ impl Stepper for BeamStepper<'_> {
     }
 
     fn advance(&mut self, index: usize) -> Result<(), String> {
-        let inputs = self.excited.inputs(&self.attached, index, index + 1);
+        self.excited.act(&self.attached, index, index + 1, &mut self.inputs);
         let step = self.excited.time[index + 1] - self.excited.time[index];
-        self.integrator.advance(&mut self.motion, step, &inputs, &SETTINGS).map_err(|error| error.to_string())
+        let advanced = self.integrator.advance(&mut self.motion, step, &self.inputs, &SETTINGS);
+        advanced.map(drop).map_err(|error| error.to_string())
     }
 }

@@ -2,15 +2,18 @@
 
 use std::ops::Range;
 
-use crate::contact::LawError;
-use crate::system::{Element, ModalBeam, Port, Row, System};
+use crate::harmonic::HarmonicError;
+use crate::system::{Element, ModalBeam, Port, Row, StructureError, System};
 
 /// Names of the ports that a beam may be condensed to though it has no element there: a neighbour may.
 const WITHOUT_ELEMENT: [&str; 2] = ["shortening", "string"];
 
 /// The beam as a system, with every port that any beam has.
-pub(super) fn system_of(beam: &ModalBeam) -> Result<System, LawError> {
-    let mut system = beam.system(None)?;
+pub(super) fn system_of(beam: &ModalBeam) -> Result<System, HarmonicError> {
+    let mut system = beam.system(None).map_err(|error| match error {
+        StructureError::Law(error) => error.into(),
+        _ => HarmonicError::InvalidInput("a list of the beam does not have one entry per mode"),
+    })?;
     for name in WITHOUT_ELEMENT {
         if system.port(name).is_none() {
             let shortening = if name == "shortening" { -1.0 } else { 0.0 };

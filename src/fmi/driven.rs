@@ -1,0 +1,278 @@
+//! The behaviour of a model with a structure: a system whose ports are driven from outside.
+
+use super::{Behaviour, LoadRule};
+use crate::system::System;
+use crate::time::{Integrator, Motion, OutputRates, Outputs, Ramp, Settings, Tangent};
+
+/// Tolerances the integrator takes; a simulation's is moved to the nearest.
+const TOLERANCES: (f64, f64) = (1e-13, 0.1);
+/// Numbers of a motion that effects may add: those of a cubic spring and of drag. Room is kept for them, so that a
+/// parameter may go through zero.
+const ADDED: usize = 16;
+
+/// How the rows of a table follow from a system, whose inputs they are, in the same order, but for what effects add.
+///
+/// The outputs are force, dissipated energy and slip state of the system's first law, if it is a contact; displacement
+/// and velocity of its port, if that is shown; and displacement, velocity and acceleration of every sensor.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Table {
+    /// Number of inputs.
+    pub inputs: usize,
+    /// Which input is the normal load of a contact.
+    pub load: Option<usize>,
+    /// Whether the motion of the first law or outside force is an output.
+    pub shows_port: bool,
+    /// Whether inputs without a derivative run from their previous values to those set, or are held.
+    pub runs: bool,
+}
+
+// What the state has behind the motion now and the motion before the last step: of that step
+/// its length (s); 0 before the first;
+const STEP: usize = 0;
+/// the energy dissipated in it (J);
+const DISSIPATED: usize = 1;
+/// of every input its start and end over it, and whether the start was set for it.
+const LINES: usize = 2;
+const PER_LINE: usize = 3;
+
+/// Integrator and work space.
+#[derive(Debug)]
+pub(super) struct DrivenSystem {
+    integrator: Integrator,
+    table: Table,
+    load: LoadRule,
+    /// Room for a motion.
+    room: usize,
+    motion: Motion,
+    before: Motion,
+    /// Inputs of the table over a step, and which of them began at a value set.
+    lines: Vec<Ramp>,
+    anew: Vec<bool>,
+    /// What acts on the system.
+    acting: Vec<Ramp>,
+    by: Vec<Ramp>,
+    outputs: Outputs,
+    rates: OutputRates,
+    tangent: Tangent,
+    /// The outputs as they stand in the table.
+    row: Vec<f64>,
+}
+
+/// A line going on beyond its end for as long again.
+fn beyond(&Ramp { start, end }: &Ramp) -> Ramp {
+    if start == end { Ramp::held(end) } else { Ramp { start: end, end: end + (end - start) } }
+}
+
+fn settings(tolerance: f64) -> Settings {
+    Settings { tolerance: tolerance.clamp(TOLERANCES.0, TOLERANCES.1), ..Settings::default() }
+}
+
+impl DrivenSystem {
+    /// `own` of the system's elements are not added by effects.
+    pub fn new(system: &System, own: usize, table: Table, load: LoadRule) -> Result<Self, String> {
+        let mut integrator = Integrator::new(system).map_err(|error| error.to_string())?;
+        let mut plain = system.clone();
+        plain.elements.truncate(own);
+        let room = Integrator::new(&plain).map_err(|error| error.to_string())?.state_len() + ADDED;
+        let held = vec![Ramp::held(0.0); integrator.held_inputs().len()];
+        let motion = integrator.rest(&held).map_err(|error| error.to_string())?;
+        Ok(Self {
+            lines: vec![Ramp::held(0.0); table.inputs],
+            anew: vec![true; table.inputs],
+            by: held.clone(),
+            acting: held,
+            before: motion.clone(),
+            integrator,
+            table,
+            load,
+            room,
+            motion,
+            outputs: Outputs::default(),
+            rates: OutputRates::default(),
+            tangent: Tangent::default(),
+            row: Vec::new(),
+        })
+    }
+
+    /// What acts along `self.lines`, or beyond them.
+    fn act(&mut self, along: impl Fn(&Ramp) -> Ramp) {
+        for (input, (acting, line)) in self.acting.iter_mut().zip(&self.lines).enumerate() {
+            let Ramp { start, end } = along(line);
+            *acting = Ramp { start, end };
+            if self.table.load == Some(input) {
+                *acting = Ramp { start: self.load.acting(start), end: self.load.acting(end) };
+            }
+        }
+    }
+
+    /// Takes over the motion `now` of a state.
+    fn read(motion: &mut Motion, state: &[f64]) -> Result<(), String> {
+        if motion.read_state(&state[..motion.state_len()]) { Ok(()) } else { Err(wrong_length()) }
+    }
+
+    /// Reads the lines of the last step and its length (s) from `last`, what the state has of it.
+    fn read_last(&mut self, last: &[f64]) -> f64 {
+        let saved = last[LINES..].chunks_exact(PER_LINE);
+        for ((line, anew), saved) in self.lines.iter_mut().zip(&mut self.anew).zip(saved) {
+            *line = Ramp { start: saved[0], end: saved[1] };
+            *anew = saved[2] != 0.0;
+        }
+        last[STEP]
+    }
+
+    /// Outputs of the motion at the end of the lines over `step` (s), written to `values` with those ends.
+    fn write_outputs(&mut self, values: &mut [f64], step: f64) -> Result<(), String> {
+        self.act(beyond);
+        let read = self.integrator.outputs(&self.motion, step, &self.acting, &mut self.outputs);
+        read.map_err(|error| error.to_string())?;
+        self.row.clear();
+        let contact = self.outputs.contacts.first();
+        if let Some(contact) = contact.filter(|_| self.table.load.is_some()) {
+            self.row.extend([contact.force, contact.dissipated_energy, f64::from(contact.slip_state as i32)]);
+        }
+        if let Some(contact) = contact.filter(|_| self.table.shows_port) {
+            self.row.extend([contact.displacement, contact.velocity]);
+        }
+        for sensor in &self.outputs.sensors {
+            self.row.extend([sensor.displacement, sensor.velocity, sensor.acceleration]);
+        }
+        if !self.row.iter().all(|value| value.is_finite()) {
+            return Err("an output is beyond all bounds".to_owned());
+        }
+        let (inputs, outputs) = values.split_at_mut(self.lines.len());
+        outputs[..self.row.len()].copy_from_slice(&self.row);
+        for (value, line) in inputs.iter_mut().zip(&self.lines) {
+            *value = line.end;
+        }
+        Ok(())
+    }
+
+    /// Writes to `state` that the present motion was reached along the lines in `step` (s).
+    fn store(&self, state: &mut [f64], step: f64, dissipated: f64) -> Result<(), String> {
+        let (now, rest) = state.split_at_mut(self.room);
+        let (before, last) = rest.split_at_mut(self.room);
+        before.copy_from_slice(now);
+        let saved = last[LINES..].chunks_exact_mut(PER_LINE);
+        for ((saved, Ramp { start, end }), anew) in saved.zip(&self.lines).zip(&self.anew) {
+            saved.copy_from_slice(&[*start, *end, f64::from(u8::from(*anew))]);
+        }
+        (last[STEP], last[DISSIPATED]) = (step, dissipated);
+        now.fill(0.0);
+        let length = self.motion.state_len();
+        if self.motion.write_state(&mut now[..length]) { Ok(()) } else { Err(wrong_length()) }
+    }
+
+    /// Energy (J) that the contact has taken since the start.
+    fn dissipated(&self) -> f64 {
+        if self.motion.contacts() == 0 { 0.0 } else { self.motion.contact(0).dissipated_energy }
+    }
+}
+
+impl Behaviour for DrivenSystem {
+    fn state_len(&self) -> usize {
+        2 * self.room + LINES + PER_LINE * self.lines.len()
+    }
+
+    fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
+        self.lines.iter_mut().zip(&*values).for_each(|(line, value)| *line = Ramp::held(*value));
+        self.anew.fill(true);
+        self.act(|line| *line);
+        self.motion = self.integrator.rest(&self.acting).map_err(|error| error.to_string())?;
+        self.write_outputs(values, f64::INFINITY)?;
+        self.store(state, 0.0, 0.0)
+    }
+
+    fn step(
+        &mut self,
+        state: &mut [f64],
+        values: &mut [f64],
+        slopes: &[Option<f64>],
+        step: f64,
+        tolerance: f64,
+    ) -> Result<(), String> {
+        Self::read(&mut self.motion, state)?;
+        self.read_last(&state[2 * self.room..]);
+        for (input, line) in self.lines.iter_mut().enumerate() {
+            let slope = slopes.get(input).copied().flatten();
+            self.anew[input] = slope.is_some() || !self.table.runs;
+            *line = match self.anew[input] {
+                true => Ramp::with_slope(values[input], slope.unwrap_or(0.0), step),
+                false => Ramp { start: line.end, end: values[input] },
+            };
+        }
+        self.act(|line| *line);
+        let dissipated = self.dissipated();
+        let advanced = self.integrator.advance(&mut self.motion, step, &self.acting, &settings(tolerance));
+        advanced.map_err(|error| error.to_string())?;
+        let dissipated = self.dissipated() - dissipated;
+        self.write_outputs(values, step)?;
+        self.store(state, step, dissipated)
+    }
+
+    fn output_rates(&mut self, state: &[f64], rates: &mut [f64]) -> Result<(), String> {
+        let last = &state[2 * self.room..];
+        let step = self.read_last(last);
+        Self::read(&mut self.motion, state)?;
+        let (duration, mean_power) =
+            if step > 0.0 { (step, last[DISSIPATED] / step) } else { (f64::INFINITY, 0.0) };
+        self.act(beyond);
+        let found = self.integrator.output_rates(&self.motion, duration, &self.acting, &mut self.rates);
+        found.map_err(|error| error.to_string())?;
+        self.row.clear();
+        if let Some([displacement, velocity, force]) = self.rates.contacts.first() {
+            if self.table.load.is_some() {
+                self.row.extend([*force, mean_power, 0.0]);
+            }
+            if self.table.shows_port {
+                self.row.extend([*displacement, *velocity]);
+            }
+        }
+        self.row.extend(self.rates.sensors.iter().flatten());
+        rates.copy_from_slice(&self.row);
+        Ok(())
+    }
+
+    fn sensitivity(
+        &mut self,
+        state: &[f64],
+        direction: &[Ramp],
+        tolerance: f64,
+        change: &mut [f64],
+    ) -> Result<(), String> {
+        let step = self.read_last(&state[2 * self.room..]);
+        let duration = (step > 0.0).then_some(step);
+        // Before the first step there is no motion before it.
+        let from = if duration.is_some() { &state[self.room..] } else { state };
+        Self::read(&mut self.before, from)?;
+        self.act(|line| *line);
+        for (input, (by, line)) in self.by.iter_mut().zip(direction).take(self.table.inputs).enumerate() {
+            // A line that went on from the previous one has a fixed start.
+            let start = if self.anew[input] { line.start } else { 0.0 };
+            let gain = if self.table.load == Some(input) { self.load.gain() } else { 1.0 };
+            *by = Ramp { start: gain * start, end: gain * line.end };
+        }
+        let with = (&mut self.tangent, &self.by[..]);
+        let followed =
+            self.integrator.follow(&self.before, duration, &self.acting, &settings(tolerance), with);
+        followed.map_err(|error| error.to_string())?;
+        self.row.clear();
+        if let Some(contact) = self.tangent.contacts.first() {
+            if self.table.load.is_some() {
+                self.row.extend([contact.force, contact.dissipated_energy, 0.0]);
+            }
+            if self.table.shows_port {
+                self.row.extend([contact.displacement, contact.velocity]);
+            }
+        }
+        for sensor in 0..self.outputs.sensors.len() {
+            self.row.extend(self.tangent.sensor(&self.integrator, sensor));
+        }
+        change.copy_from_slice(&self.row);
+        Ok(())
+    }
+}
+
+/// Lengths come from the same motion; a difference would be a fault here.
+fn wrong_length() -> String {
+    "the state has another length than the system's motion".to_owned()
+}
