@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use toml_writer::ToTomlValue;
+
 use crate::vocabulary::Quantity;
 
 pub(super) fn line(text: &mut String, arguments: std::fmt::Arguments<'_>) {
@@ -19,5 +21,5 @@ pub(super) fn write_quantity(text: &mut String, quantity: &Quantity, value: f64)
 }
 
 pub(super) fn quoted(string: &str) -> String {
-    toml::Value::String(string.to_owned()).to_string()
+    string.to_toml_value()
 }
