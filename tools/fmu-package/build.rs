@@ -1,9 +1,84 @@
-//! Stub.
+//! Builds the shared library that every FMU carries, in the size-optimised `fmu` profile, for the
+//! target of this build. The crate then embeds it, so that writing an FMU needs no compiler.
+
+use std::env;
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
 fn main() {
-    let out = std::path::PathBuf::from(std::env::var("OUT_DIR").unwrap_or_default()).join("empty.so");
-    let _ = std::fs::write(&out, b"");
-    println!("cargo::rerun-if-changed=build.rs");
-    println!("cargo::rustc-env=STICKSLIP_FMU_LIBRARY={}", out.display());
-    println!("cargo::rustc-env=STICKSLIP_FMU_PLATFORM=linux64");
-    println!("cargo::rustc-env=STICKSLIP_FMU_EXTENSION=so");
+    let variable = |name: &str| env::var(name).unwrap_or_else(|_| panic!("cargo sets {name}"));
+    let workspace = PathBuf::from(variable("CARGO_MANIFEST_DIR")).join("../..");
+    // A target directory of its own: the outer cargo holds the lock of the workspace's.
+    let target_directory = PathBuf::from(variable("OUT_DIR")).join("library");
+    let target = variable("TARGET");
+    let others = ["fmu/src", "fmu/Cargo.toml", "Cargo.toml", "Cargo.lock"].map(|path| workspace.join(path));
+    for path in modules(&workspace.join("src")).into_iter().chain(others) {
+        println!("cargo::rerun-if-changed={}", path.display());
+    }
+
+    let mut cargo = Command::new(variable("CARGO"));
+    cargo.current_dir(&workspace).args(["build", "--package", "stickslip-fmu", "--profile", "fmu"]);
+    // Everything needed was fetched for the outer build, which depends on the same crates.
+    cargo.args(["--locked", "--offline", "--target", &target, "--target-dir"]).arg(&target_directory);
+    // Flags and wrappers of the outer build (clippy, coverage) are not for the library.
+    for name in [
+        "RUSTFLAGS",
+        "CARGO_ENCODED_RUSTFLAGS",
+        "RUSTC_WORKSPACE_WRAPPER",
+        "CARGO_BUILD_TARGET",
+        "CARGO_TARGET_DIR",
+        "CARGO_BUILD_TARGET_DIR",
+        "CARGO_BUILD_BUILD_DIR",
+        "CARGO_MAKEFLAGS",
+        "MAKEFLAGS",
+    ] {
+        cargo.env_remove(name);
+    }
+    let output = cargo.output().unwrap_or_else(|error| panic!("cargo cannot be run: {error}"));
+    assert!(
+        output.status.success(),
+        "the FMU library does not build:\n{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+
+    let (prefix, extension) = match variable("CARGO_CFG_TARGET_OS").as_str() {
+        "windows" => ("", "dll"),
+        "macos" => ("lib", "dylib"),
+        _ => ("lib", "so"),
+    };
+    let library =
+        target_directory.join(&target).join("fmu").join(format!("{prefix}stickslip_fmu.{extension}"));
+    assert!(Path::new(&library).is_file(), "{} was not built", library.display());
+    let platform = platform(&variable("CARGO_CFG_TARGET_OS"), &variable("CARGO_CFG_TARGET_ARCH"));
+    println!("cargo::rustc-env=STICKSLIP_FMU_LIBRARY={}", library.display());
+    println!("cargo::rustc-env=STICKSLIP_FMU_PLATFORM={platform}");
+    println!("cargo::rustc-env=STICKSLIP_FMU_EXTENSION={extension}");
+}
+
+/// Files and folders of `src` that the library is made of: all but the modules that `lib.rs` keeps behind a feature,
+/// as the library is built without features.
+fn modules(src: &Path) -> Vec<PathBuf> {
+    let map = fs::read_to_string(src.join("lib.rs")).expect("the library's lib.rs");
+    let declared =
+        map.split("#[cfg(feature = \"analysis\")]").skip(1).filter_map(|rest| rest.split(';').next());
+    let gated: Vec<&str> = declared.filter_map(|module| module.split(' ').next_back()).collect();
+    let entries =
+        fs::read_dir(src).expect("the library's sources").map(|entry| entry.expect("an entry").path());
+    let name = |path: &Path| path.file_stem().and_then(OsStr::to_str).unwrap_or_default().to_owned();
+    entries.filter(|path| !gated.contains(&name(path).as_str())).collect()
+}
+
+/// The folder in `binaries/`: as FMI 2.0 names it where it does, as FMI 3.0 elsewhere.
+fn platform(system: &str, architecture: &str) -> String {
+    match (system, architecture) {
+        ("linux", "x86_64") => "linux64".to_owned(),
+        ("linux", "x86") => "linux32".to_owned(),
+        ("windows", "x86_64") => "win64".to_owned(),
+        ("windows", "x86") => "win32".to_owned(),
+        ("macos", "x86_64") => "darwin64".to_owned(),
+        ("macos", other) => format!("{other}-darwin"),
+        (system, architecture) => format!("{architecture}-{system}"),
+    }
 }
