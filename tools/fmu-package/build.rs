@@ -2,8 +2,6 @@
 //! target of this build. The crate then embeds it, so that writing an FMU needs no compiler.
 
 use std::env;
-use std::ffi::OsStr;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -13,9 +11,8 @@ fn main() {
     // A target directory of its own: the outer cargo holds the lock of the workspace's.
     let target_directory = PathBuf::from(variable("OUT_DIR")).join("library");
     let target = variable("TARGET");
-    let others = ["fmu/src", "fmu/Cargo.toml", "Cargo.toml", "Cargo.lock"].map(|path| workspace.join(path));
-    for path in modules(&workspace.join("src")).into_iter().chain(others) {
-        println!("cargo::rerun-if-changed={}", path.display());
+    for path in ["src", "fmu/src", "fmu/Cargo.toml", "Cargo.toml", "Cargo.lock"] {
+        println!("cargo::rerun-if-changed={}", workspace.join(path).display());
     }
 
     let mut cargo = Command::new(variable("CARGO"));
@@ -55,19 +52,6 @@ fn main() {
     println!("cargo::rustc-env=STICKSLIP_FMU_LIBRARY={}", library.display());
     println!("cargo::rustc-env=STICKSLIP_FMU_PLATFORM={platform}");
     println!("cargo::rustc-env=STICKSLIP_FMU_EXTENSION={extension}");
-}
-
-/// Files and folders of `src` that the library is made of: all but the modules that `lib.rs` keeps behind a feature,
-/// as the library is built without features.
-fn modules(src: &Path) -> Vec<PathBuf> {
-    let map = fs::read_to_string(src.join("lib.rs")).expect("the library's lib.rs");
-    let declared =
-        map.split("#[cfg(feature = \"analysis\")]").skip(1).filter_map(|rest| rest.split(';').next());
-    let gated: Vec<&str> = declared.filter_map(|module| module.split(' ').next_back()).collect();
-    let entries =
-        fs::read_dir(src).expect("the library's sources").map(|entry| entry.expect("an entry").path());
-    let name = |path: &Path| path.file_stem().and_then(OsStr::to_str).unwrap_or_default().to_owned();
-    entries.filter(|path| !gated.contains(&name(path).as_str())).collect()
 }
 
 /// The folder in `binaries/`: as FMI 2.0 names it where it does, as FMI 3.0 elsewhere.
