@@ -1,16 +1,16 @@
 //! Time of one communication step of 1e-4 s of the beam of the frictional-support rig, and the
 //! allocations it makes (none).
 
-#[path = "../tests/common/time.rs"]
-#[allow(dead_code)]
-mod time;
+#[path = "../tests/common/mod.rs"]
+mod common;
 
 use std::sync::Arc;
 
+use common::beam::steel_beam;
+use common::time::{held, loaded, rest, supported_by};
 use divan::{AllocProfiler, Bencher};
 use stickslip::contact::{ContactLaw, Jenkins, Valanis};
 use stickslip::time::{Ramp, Settings};
-use time::{held, loaded, rest, steel_beam, supported_by};
 
 #[global_allocator]
 static ALLOC: AllocProfiler = AllocProfiler::system();

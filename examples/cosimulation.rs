@@ -1,11 +1,10 @@
 //! Beam and contact coupled, against the same in one piece: errors over the communication step, written as a table
 //! and a drawing to `benches/cosimulation.md` and `.svg` (or to the folder named on the command line).
 
-#[path = "../tests/common/cosim.rs"]
-#[allow(dead_code)]
-mod cosim;
+#[path = "../tests/common/mod.rs"]
+mod common;
 
-use cosim::*;
+use common::cosim::*;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use stickslip::cosim::{Algorithm, Method, Settings};

@@ -2,11 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use crate::common::beam::{frictional_support, mass_of, steel};
 use proptest::prelude::*;
 use stickslip::model::{Beam, PointMass};
 use stickslip::system::ModalBeam;
 use stickslip::system::beam::{BeamModes, FiniteElementModes};
+
+use crate::common::beam::{frictional_support, mass_of, steel};
 
 /// Integral over the beam by Simpson's rule between the masses, where the modes are smooth.
 fn integrate(beam: &Beam, function: impl Fn(f64) -> f64) -> f64 {

@@ -1,10 +1,11 @@
 //! The characteristic solution against the closed forms of textbooks (Blevins, Formulas for Natural
 //! Frequency and Mode Shape, table 8-1) and against transcendental equations written out here.
 
-use crate::common::beam::{bare, bisect, frequency_scale, mass_of, steel};
 use stickslip::model::PointMass;
 use stickslip::system::beam::BeamModes;
 use stickslip::system::tip_rotational_compliance;
+
+use crate::common::beam::{bare, bisect, frequency_scale, mass_of, steel};
 
 /// βL of the first modes.
 fn wave_numbers(beam: &stickslip::model::Beam, count: usize) -> Vec<f64> {

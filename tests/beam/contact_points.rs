@@ -1,14 +1,15 @@
 //! A beam pushed at several places from outside: work and energy, reciprocity, symmetry, and two contacts coupled to it
 //! against the same in one piece.
 
-use crate::common::cosim::*;
-use crate::common::time::{loaded, rest};
 use stickslip::contact::Jenkins;
 use stickslip::cosim::{Algorithm, Method, Settings, Source, Strong, System};
 use stickslip::fmi::Instance;
 use stickslip::model::{Damping, Model, Structure};
 use stickslip::system::{LinearStructure, ModalBeam, Sensor};
 use stickslip::time::{Excitation, LoadedContact, OscillatorFlow, Outputs, Ramp, Settings as Accuracy};
+
+use crate::common::cosim::*;
+use crate::common::time::{loaded, rest};
 
 /// The standard beam with contact points at `places`, which are its sensors as well.
 fn beam(places: &[f64], damping: f64) -> ModalBeam {

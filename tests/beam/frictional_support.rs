@@ -5,10 +5,11 @@
 
 use std::f64::consts::TAU;
 
-use crate::common::beam::frictional_support;
 use stickslip::model::{Beam, Damping};
 use stickslip::system::beam::BeamModes;
 use stickslip::system::{ModalBeam, StructureError, rotational_stiffness_from_frequency};
+
+use crate::common::beam::frictional_support;
 
 /// Table 1 (Hz).
 const TABLE_1: [f64; 3] = [52.85, 164.00, 330.25];

@@ -1,12 +1,27 @@
 //! What the tests of contact laws share: histories, single steps, and derivatives by differences.
 
-use stickslip::contact::{ContactLaw, Inputs, Response, StateTangents};
+use stickslip::contact::{ContactLaw, Inputs, Response, StateTangents, Valanis};
+
+/// Normal load of the published contact (N).
+pub const LOAD: f64 = 147.15;
+
+/// The published contact, Table 3 of "Nonlinear model identification of a frictional contact support".
+pub fn published() -> Valanis {
+    Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, LOAD).unwrap()
+}
+
+/// One step in place.
+pub fn go(law: &dyn ContactLaw, state: &mut [f64], displacement: f64, normal_load: f64) -> Response {
+    let mut next = vec![0.0; state.len()];
+    let response = law.step(state, Inputs { displacement, velocity: 0.0, normal_load }, &mut next);
+    state.copy_from_slice(&next);
+    response
+}
 
 /// A contact that is carried along with its state.
 pub struct Carried<'a> {
     pub law: &'a dyn ContactLaw,
     pub state: Vec<f64>,
-    next: Vec<f64>,
 }
 
 impl<'a> Carried<'a> {
@@ -18,16 +33,12 @@ impl<'a> Carried<'a> {
     pub fn from(law: &'a dyn ContactLaw, displacement: f64, normal_load: f64, force: f64) -> Self {
         let mut state = vec![0.0; law.state_len()];
         law.set_state(displacement, normal_load, force, &mut state);
-        let next = state.clone();
-        Self { law, state, next }
+        Self { law, state }
     }
 
     /// One step.
     pub fn go(&mut self, displacement: f64, normal_load: f64) -> Response {
-        let inputs = Inputs { displacement, velocity: 0.0, normal_load };
-        let response = self.law.step(&self.state, inputs, &mut self.next);
-        std::mem::swap(&mut self.state, &mut self.next);
-        response
+        go(self.law, &mut self.state, displacement, normal_load)
     }
 
     /// Energy dissipated in the last of `periods` closed loops of the amplitude, two steps each, and the

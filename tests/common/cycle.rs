@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 use stickslip::contact::{ContactLaw, Inputs, Response, Slider, SlipState, StateTangents, Tangents};
 use stickslip::harmonic::{ContactMapping, HarmonicSet, Method};
 
-pub const LOAD: f64 = 147.15;
+use super::contact::LOAD;
 
 /// Any sliders side by side, with a step of their own for the sampled check.
 #[derive(Debug, Clone)]

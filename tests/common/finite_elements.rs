@@ -4,6 +4,8 @@
 use nalgebra::{DMatrix, SymmetricEigen};
 use stickslip::system::{ModalBeam, Sensor};
 
+use super::beam::modal;
+
 /// The published beam with a frictional support: 600 × 40 × 5 mm steel, 25.15 g at the exciter.
 pub fn published_beam(modes: usize, elements: usize) -> ModalBeam {
     let masses = [(0.55, 25.15e-3), (0.3, 5e-3), (0.1, 5e-3)];
@@ -89,18 +91,12 @@ pub fn beam(
             }
         }
     }
+    let omega: Vec<f64> = order[..modes].iter().map(|k| eigen.eigenvalues[*k].sqrt()).collect();
+    let contact: Vec<f64> = shapes.iter().map(|s| offset * s[size - 1]).collect();
     ModalBeam {
-        angular_frequency: order[..modes].iter().map(|k| eigen.eigenvalues[*k].sqrt()).collect(),
-        damping_ratio: vec![damping_ratio; modes],
-        contact_shape: shapes.iter().map(|s| offset * s[size - 1]).collect(),
-        excitation_shape: at(0.55),
         shortening,
         axial_flexibility: length / (youngs_modulus * area),
-        stretching_stiffness: 0.0,
-        string_stiffness: 0.0,
-        string_stretch: Vec::new(),
-        quadratic_damping: 0.0,
         sensors: [0.55, 0.3, 0.1].iter().map(|x| Sensor { position: *x, shape: at(*x) }).collect(),
-        contact_points: vec![],
+        ..modal(&omega, &vec![damping_ratio; modes], &contact, &at(0.55))
     }
 }

@@ -11,7 +11,5 @@ pub mod external;
 pub mod finite_elements;
 pub mod fmi;
 pub mod linear_slave;
-pub mod matrices;
-pub mod oscillators;
+pub mod oscillator;
 pub mod time;
-pub mod two_mass;

@@ -1,95 +1,10 @@
-//! Beams, laws and an exact oscillator shared by the tests of time integration.
+//! Laws, settings and an exact oscillator shared by the tests of time integration.
 
 use std::sync::Arc;
 
 use stickslip::contact::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tangents};
-use stickslip::system::{ModalBeam, Sensor};
+use stickslip::system::ModalBeam;
 use stickslip::time::{ContactMotion, Integrator, Motion, Ramp, Settings};
-
-/// A beam with one mode.
-pub fn one_mode(omega: f64, zeta: f64, contact: f64, excitation: f64, flexibility: f64) -> ModalBeam {
-    ModalBeam {
-        angular_frequency: vec![omega],
-        damping_ratio: vec![zeta],
-        contact_shape: vec![contact],
-        excitation_shape: vec![excitation],
-        shortening: vec![0.0],
-        axial_flexibility: flexibility,
-        stretching_stiffness: 0.0,
-        string_stiffness: 0.0,
-        string_stretch: Vec::new(),
-        quadratic_damping: 0.0,
-        sensors: vec![Sensor { position: 0.0, shape: vec![1.0] }],
-        contact_points: vec![],
-    }
-}
-
-/// The analytic modes of a clamped–pinned steel beam, 600 × 40 × 5 mm, pin radius 6 mm.
-pub fn steel_beam(modes: usize, zeta: f64) -> ModalBeam {
-    let (length, area, radius) = (0.6, 0.04 * 0.005, 0.006);
-    let (modulus, density) = (197e9, 7850.0);
-    let inertia = 0.04 * 0.005_f64.powi(3) / 12.0;
-    let shapes: Vec<Shape> = (1..=modes).map(|n| Shape::new(n, length, density * area)).collect();
-    let sensor = |x: f64| Sensor { position: x, shape: shapes.iter().map(|s| s.at(x).0).collect() };
-    let points = 4000;
-    let slopes: Vec<Vec<f64>> = shapes
-        .iter()
-        .map(|s| (0..=points).map(|i| s.at(length * i as f64 / points as f64).1).collect())
-        .collect();
-    let simpson = |a: &[f64], b: &[f64]| -> f64 {
-        let weight = |i: usize| if i == 0 || i == points { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
-        (0..=points).map(|i| weight(i) * a[i] * b[i]).sum::<f64>() * length / (3 * points) as f64
-    };
-    let shortening = (0..modes * modes).map(|ij| simpson(&slopes[ij / modes], &slopes[ij % modes])).collect();
-    ModalBeam {
-        angular_frequency: shapes
-            .iter()
-            .map(|s| s.wave_number.powi(2) * (modulus * inertia / (density * area)).sqrt())
-            .collect(),
-        damping_ratio: vec![zeta; modes],
-        contact_shape: shapes.iter().map(|s| radius * s.at(length).1).collect(),
-        excitation_shape: shapes.iter().map(|s| s.at(0.55).0).collect(),
-        shortening,
-        axial_flexibility: length / (modulus * area),
-        stretching_stiffness: 0.0,
-        string_stiffness: 0.0,
-        string_stretch: Vec::new(),
-        quadratic_damping: 0.0,
-        sensors: vec![sensor(0.55), sensor(0.3), sensor(0.1)],
-        contact_points: vec![],
-    }
-}
-
-/// A clamped–pinned mode, written so that nothing cancels for high modes.
-struct Shape {
-    wave_number: f64,
-    /// 1 − σ
-    rest: f64,
-    scale: f64,
-}
-
-impl Shape {
-    fn new(number: usize, length: f64, mass_per_length: f64) -> Self {
-        // tan y = tanh y
-        let mut y = (number as f64 + 0.25) * std::f64::consts::PI;
-        for _ in 0..50 {
-            y = (number as f64) * std::f64::consts::PI + y.tanh().atan();
-        }
-        let small = (-2.0 * y).exp();
-        let rest = (-(-y).exp() + y.cos() * 2.0 * small / (1.0 + small)) / (y.sinh() - y.sin());
-        Self { wave_number: y / length, rest, scale: 1.0 / (mass_per_length * length).sqrt() }
-    }
-
-    /// Value and slope.
-    fn at(&self, position: f64) -> (f64, f64) {
-        let x = self.wave_number * position;
-        let (growing, falling) = (0.5 * self.rest * x.exp(), (1.0 - 0.5 * self.rest) * (-x).exp());
-        let sigma = 1.0 - self.rest;
-        let value = growing + falling - x.cos() + sigma * x.sin();
-        let slope = growing - falling + x.sin() + sigma * x.cos();
-        (self.scale * value, self.scale * self.wave_number * slope)
-    }
-}
 
 /// A linear spring as a contact law.
 #[derive(Debug, Clone, Copy)]

@@ -1,9 +1,10 @@
 //! Laws of backlash: Jenkins' element with play.
 
+use stickslip::contact::{Backlash, ContactLaw, Inputs, Jenkins, LawError, Slider, SlipState};
+
 use crate::common::contact::{
     Carried, LOADS, check_derivatives, check_energy_balance, check_one_step_equals_many, close,
 };
-use stickslip::contact::{Backlash, ContactLaw, Inputs, Jenkins, LawError, Slider, SlipState};
 
 const STIFFNESS: f64 = 2e6;
 const LOAD: f64 = 150.0;

@@ -1,7 +1,9 @@
 //! Items to verify: the closed forms of the exponent 1, an independent integration, energy, derivatives, and that the
 //! law knows no rate.
 
-use stickslip::contact::{BoucWen, ContactLaw, GradualLaw, Inputs, Response, StateTangents};
+use stickslip::contact::{BoucWen, ContactLaw, GradualLaw, Inputs, StateTangents};
+
+use crate::common::contact::go;
 
 const STIFFNESS: f64 = 2e6;
 const FRICTION: f64 = 0.5;
@@ -16,13 +18,6 @@ fn rest(law: &dyn ContactLaw) -> Vec<f64> {
     let mut state = vec![0.0; law.state_len()];
     law.set_state(0.0, LOAD, 0.0, &mut state);
     state
-}
-
-fn step(law: &dyn ContactLaw, state: &mut [f64], displacement: f64, normal_load: f64) -> Response {
-    let mut next = vec![0.0; state.len()];
-    let response = law.step(state, Inputs { displacement, velocity: 0.0, normal_load }, &mut next);
-    state.copy_from_slice(&next);
-    response
 }
 
 /// Reversals and where they are, in yield displacements; the load as a fraction of [`LOAD`].
@@ -48,12 +43,12 @@ fn with_the_exponent_one_both_branches_are_exponentials() {
     for ratio in [1.0, 1.5, 2.0] {
         let law = law(1.0, ratio, 0.0);
         let mut state = rest(&law);
-        let peak = step(&law, &mut state, 1.7 * yielding, LOAD).force;
+        let peak = go(&law, &mut state, 1.7 * yielding, LOAD).force;
         assert!((peak - LIMIT * (1.0 - f64::exp(-1.7))).abs() < 1e-12 * LIMIT, "{peak}");
         // Down from x by w: ln(1 + c x) falls by c w; for c = 0 the line.
         let (x, c, w) = (peak / LIMIT, ratio - 1.0, 0.4);
         let expected = if c == 0.0 { x - w } else { ((1.0 + c * x) * f64::exp(-c * w) - 1.0) / c };
-        let found = step(&law, &mut state, (1.7 - w) * yielding, LOAD).force / LIMIT;
+        let found = go(&law, &mut state, (1.7 - w) * yielding, LOAD).force / LIMIT;
         assert!((found - expected).abs() < 1e-13, "{ratio}: {found} {expected}");
     }
 }
@@ -69,7 +64,7 @@ fn one_step_equals_many_and_those_of_an_independent_integration() {
         let (beta, gamma) = (0.5 * ratio, 1.0 - 0.5 * ratio);
         for end in [0.6, -0.3, 1.5, -2.0, -1.9, 2.2] {
             let end = end * LIMIT / STIFFNESS;
-            let force = step(&law, &mut one, end, LOAD).force;
+            let force = go(&law, &mut one, end, LOAD).force;
             let parts = 4000;
             let h = (end - at) / f64::from(parts);
             let slope = |y: f64| k * (1.0 - (y / LIMIT).abs().powf(n) * (gamma + beta * (h * y).signum()));
@@ -81,7 +76,7 @@ fn one_step_equals_many_and_those_of_an_independent_integration() {
                 let k4 = slope(y + h * k3);
                 y += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
                 if part % 500 == 0 {
-                    step(&law, &mut many, at + f64::from(part) * h, LOAD);
+                    go(&law, &mut many, at + f64::from(part) * h, LOAD);
                 }
             }
             at = end;
@@ -104,7 +99,7 @@ fn energy_is_only_lost_and_balances_the_work() {
             let start = at;
             for part in 1..=parts {
                 let next = start + (end - start) * f64::from(part) / f64::from(parts);
-                let response = step(&law, &mut state, next, LOAD);
+                let response = go(&law, &mut state, next, LOAD);
                 assert!(response.dissipated_energy >= 0.0);
                 work += 0.5 * (force + response.force) * (next - at);
                 lost += response.dissipated_energy;
@@ -126,7 +121,7 @@ fn under_any_load_nothing_is_made_and_the_force_stays_within_the_limit() {
         let mut state = rest(&law);
         for (end, load) in HISTORY {
             let (end, load) = (end * LIMIT / STIFFNESS, load * LOAD);
-            let response = step(&law, &mut state, end, load);
+            let response = go(&law, &mut state, end, load);
             assert!(response.dissipated_energy >= 0.0, "{n} {ratio} {end}");
             assert!(response.force.abs() <= law.limit(load) * (1.0 + 1e-14), "{n} {ratio} {end}");
         }
@@ -141,7 +136,7 @@ fn a_varying_load_is_met_with_the_square_of_the_step() {
         let whole = 0.9 * LIMIT / STIFFNESS;
         for part in 1..=parts {
             let way = f64::from(part) / f64::from(parts);
-            step(&law, &mut state, whole * way, LOAD * (0.7 + 0.6 * way));
+            go(&law, &mut state, whole * way, LOAD * (0.7 + 0.6 * way));
         }
         state[0]
     };
@@ -160,7 +155,7 @@ fn tangents_are_differences() {
                 Inputs { displacement: end * LIMIT / STIFFNESS, velocity: 0.0, normal_load: load * LOAD };
             // At the limit the derivatives jump.
             if state[0].abs() > 0.999 * law.limit(state[2]) {
-                step(&law, &mut state, inputs.displacement, inputs.normal_load);
+                go(&law, &mut state, inputs.displacement, inputs.normal_load);
                 continue;
             }
             let sizes = [1e-6 * LIMIT, 1e-6 * LIMIT / STIFFNESS, 1e-6 * LOAD, 1e-6 * LIMIT / STIFFNESS];
@@ -211,7 +206,7 @@ fn tangents_are_differences() {
             let next = &out.next_by_normal_load;
             let found = [tangents.normal_load, next[0], next[1], next[2], next[3]];
             check(by_load(1.0), by_load(-1.0), sizes[2], found, "load");
-            step(&law, &mut state, inputs.displacement, inputs.normal_load);
+            go(&law, &mut state, inputs.displacement, inputs.normal_load);
         }
     }
 }

@@ -2,7 +2,9 @@
 //! histories give mirrored forces.
 
 use proptest::prelude::*;
-use stickslip::contact::{ContactLaw, Inputs, Jenkins, Response, Valanis};
+use stickslip::contact::{ContactLaw, Jenkins, Valanis};
+
+use crate::common::contact::go;
 
 /// A history: displacements (µm) and loads (N), with separations.
 fn history() -> impl Strategy<Value = Vec<(f64, f64)>> {
@@ -27,14 +29,6 @@ fn valanis_with(kappa: impl Strategy<Value = f64>) -> impl Strategy<Value = Vala
     })
 }
 
-fn step(law: &dyn ContactLaw, state: &mut [f64], displacement: f64, normal_load: f64) -> Response {
-    let mut next = [0.0; 4];
-    let next = &mut next[..state.len()];
-    let response = law.step(state, Inputs { displacement, velocity: 0.0, normal_load }, next);
-    state.copy_from_slice(next);
-    response
-}
-
 /// Integral of the force over one step by Simpson's rule on `parts` even parts of it.
 fn work(
     law: &dyn ContactLaw,
@@ -49,7 +43,7 @@ fn work(
     for i in 1..=parts {
         let s = i as f64 / parts as f64;
         let load = if i == parts { to.1 } else { from.1 + s * (to.1 - from.1) };
-        let force = step(law, &mut state, from.0 + s * (to.0 - from.0), load).force;
+        let force = go(law, &mut state, from.0 + s * (to.0 - from.0), load).force;
         sum += force
             * if i == parts {
                 1.0
@@ -74,7 +68,7 @@ proptest! {
             let mut state = vec![0.0; law.state_len()];
             law.set_state(0.0, history[0].1, 0.0, &mut state);
             for (displacement, load) in &history {
-                let response = step(law, &mut state, 1e-6 * displacement, *load);
+                let response = go(law, &mut state, 1e-6 * displacement, *load);
                 prop_assert!(response.dissipated_energy >= 0.0, "{:?}", response);
                 let hysteretic = if law.state_len() == 3 { response.force } else { state[0] };
                 prop_assert!(hysteretic.abs() <= law.limit(*load));
@@ -94,8 +88,8 @@ proptest! {
             law.set_state(0.0, history[0].1, 0.0, &mut state);
             let mut mirror = state.clone();
             for (displacement, load) in &history {
-                let response = step(law, &mut state, 1e-6 * displacement, *load);
-                let other = step(law, &mut mirror, -1e-6 * displacement, *load);
+                let response = go(law, &mut state, 1e-6 * displacement, *load);
+                let other = go(law, &mut mirror, -1e-6 * displacement, *load);
                 prop_assert_eq!(response.force, -other.force);
                 prop_assert_eq!(response.dissipated_energy, other.dissipated_energy);
                 prop_assert_eq!(response.tangents.displacement, other.tangents.displacement);
@@ -115,7 +109,7 @@ proptest! {
             let parts = 2000;
             let done = work(&law, &state, from, to, force, parts);
             let before = force;
-            let response = step(&law, &mut state, to.0, load);
+            let response = go(&law, &mut state, to.0, load);
             force = response.force;
             // Simpson's rule is exact but for the parts in which the force has a kink, one or two, where
             // it is off by no more than the part's length times the change of the force; and round-off of u enters the force.
@@ -138,7 +132,7 @@ proptest! {
         for (displacement, load) in history.into_iter().take(6) {
             let kept_before = law.stored_energy(&state);
             let start = state;
-            let response = step(&law, &mut state, 1e-6 * displacement, load);
+            let response = go(&law, &mut state, 1e-6 * displacement, load);
             let Some(done) = valanis_work(&law, &start, &state, response.force) else { continue };
             let kept = law.stored_energy(&state);
             let balance = kept - kept_before + response.dissipated_energy - done;
@@ -193,7 +187,7 @@ fn work_under_one_load(law: &Valanis, moving: &mut [f64; 4], end: f64) -> f64 {
         let last = left.abs() <= size;
         let to = if last { end } else { from + size * left.signum() };
         done += work(law, moving, (from, load), (to, load), force, 40);
-        force = step(law, moving, to, load).force;
+        force = go(law, moving, to, load).force;
         if last {
             return done;
         }

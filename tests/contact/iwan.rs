@@ -1,8 +1,9 @@
 //! Laws of the four-parameter Iwan element: its measurable parameters are exact, its dissipation
 //! follows the power law, and it converges with the number of sliders.
 
-use crate::common::contact::{Carried, LOADS, check_derivatives, check_energy_balance, close};
 use stickslip::contact::{ContactLaw, Inputs, Iwan, IwanSpacing, LawError};
+
+use crate::common::contact::{Carried, LOADS, check_derivatives, check_energy_balance, close};
 
 const STIFFNESS: f64 = 5e6;
 const FRICTION: f64 = 0.5;

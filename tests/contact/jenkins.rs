@@ -1,6 +1,8 @@
 //! Laws of Jenkins' element.
 
-use stickslip::contact::{ContactLaw, Inputs, Jenkins, LawError, Response, SlipState};
+use stickslip::contact::{ContactLaw, Jenkins, LawError, SlipState};
+
+use crate::common::contact::{close, go};
 
 const STIFFNESS: f64 = 2e6;
 const FRICTION: f64 = 0.4;
@@ -15,18 +17,6 @@ fn fresh(load: f64) -> [f64; 3] {
     let mut state = [0.0; 3];
     law().set_state(0.0, load, 0.0, &mut state);
     state
-}
-
-/// One step in place.
-fn go(law: &Jenkins, state: &mut [f64; 3], displacement: f64, normal_load: f64) -> Response {
-    let mut next = [0.0; 3];
-    let response = law.step(state, Inputs { displacement, velocity: 0.0, normal_load }, &mut next);
-    *state = next;
-    response
-}
-
-fn close(a: f64, b: f64, tolerance: f64) {
-    assert!((a - b).abs() <= tolerance, "{a:e} and {b:e} differ by more than {tolerance:e}");
 }
 
 #[test]

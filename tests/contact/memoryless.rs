@@ -1,9 +1,10 @@
 //! Laws of the contacts without memory: the one-sided spring and the cubic spring.
 
-use crate::common::contact::{Carried, check_derivatives, close};
 use stickslip::contact::{
     ContactLaw, CubicSpring, Inputs, LawError, Slider, SlipState, StateTangents, Unilateral, periodic_state,
 };
+
+use crate::common::contact::{Carried, check_derivatives, close};
 
 fn laws() -> Vec<Box<dyn ContactLaw>> {
     vec![

@@ -1,9 +1,10 @@
 //! Laws of Jenkins' elements side by side, and of the element that the exact harmonic balance carries.
 
+use stickslip::contact::{ContactLaw, Inputs, Jenkins, LawError, ParallelSliders, Slider, SlipState};
+
 use crate::common::contact::{
     Carried, LOADS, check_derivatives, check_energy_balance, check_one_step_equals_many, close,
 };
-use stickslip::contact::{ContactLaw, Inputs, Jenkins, LawError, ParallelSliders, Slider, SlipState};
 
 const LOAD: f64 = 150.0;
 /// Stiffness (N/m) and friction (1); they yield at 3, 40 and 12 µm under 150 N.

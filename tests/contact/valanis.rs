@@ -1,9 +1,10 @@
 //! Laws of Valanis' endochronic contact.
 
 use stickslip::contact::{
-    ContactLaw, Inputs, Jenkins, LawError, Period, PeriodicSolver, Response, SlipState, Valanis,
-    periodic_state,
+    ContactLaw, Inputs, Jenkins, LawError, Period, PeriodicSolver, SlipState, Valanis, periodic_state,
 };
+
+use crate::common::contact::{close, go};
 
 const STIFFNESS: f64 = 7.9e6;
 const SMOOTHNESS: f64 = 0.3;
@@ -20,18 +21,6 @@ fn fresh(law: &Valanis) -> [f64; 4] {
     let mut state = [0.0; 4];
     law.set_state(0.0, LOAD, 0.0, &mut state);
     state
-}
-
-/// One step in place.
-fn go(law: &Valanis, state: &mut [f64; 4], displacement: f64, normal_load: f64) -> Response {
-    let mut next = [0.0; 4];
-    let response = law.step(state, Inputs { displacement, velocity: 0.0, normal_load }, &mut next);
-    *state = next;
-    response
-}
-
-fn close(a: f64, b: f64, tolerance: f64) {
-    assert!((a - b).abs() <= tolerance, "{a:e} and {b:e} differ by more than {tolerance:e}");
 }
 
 /// Tip force and dissipated energy of the closed loop between ±`amplitude`.

@@ -1,7 +1,9 @@
 //! Valanis' contact under a normal load that varies within the step: against the rate law as printed,
 //! integrated independently with the load of each instant.
 
-use stickslip::contact::{ContactLaw, Inputs, Response, Valanis};
+use stickslip::contact::{ContactLaw, Valanis};
+
+use crate::common::contact::go;
 
 const STIFFNESS: f64 = 7.9e6;
 
@@ -65,13 +67,6 @@ const LAWS: [(f64, f64); 4] = [(0.0, 0.0), (0.3, 0.0), (0.67, 5.3e5), (0.9, 0.0)
 
 fn law(kappa: f64, e_t: f64) -> Valanis {
     Valanis::new(STIFFNESS, 0.6, kappa, e_t).unwrap()
-}
-
-fn go(law: &Valanis, state: &mut [f64; 4], displacement: f64, normal_load: f64) -> Response {
-    let mut next = [0.0; 4];
-    let response = law.step(state, Inputs { displacement, velocity: 0.0, normal_load }, &mut next);
-    *state = next;
-    response
 }
 
 /// Slope of the hysteretic force over the displacement by the rate law as printed.

@@ -1,7 +1,8 @@
 //! Beam and contact coupled, against the same in one piece.
 
-use crate::common::cosim::*;
 use stickslip::cosim::{Algorithm, Method, Settings};
+
+use crate::common::cosim::*;
 
 /// Friction settles the motion well within the run.
 const SHAKER: Shaker = Shaker { amplitude: 6.0, omega: 324.0, growth: 0.1 };

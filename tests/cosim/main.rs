@@ -4,6 +4,8 @@
 mod common;
 
 mod beam;
+mod loops;
 mod orders;
 mod run;
 mod system;
+mod watched;

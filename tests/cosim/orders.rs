@@ -1,8 +1,9 @@
 //! Two masses split in two slaves: orders of convergence, energy residuals and notes, against the exact solution.
 
+use stickslip::cosim::{Abilities, Algorithm, InputRule, Method, Settings, System};
+
 use crate::common::cosim::*;
 use crate::common::linear_slave::*;
-use stickslip::cosim::{Abilities, Algorithm, InputRule, Method, Settings, System};
 
 const STOP: f64 = 2.0;
 const STEPS: [f64; 3] = [0.01, 0.005, 0.0025];

@@ -1,11 +1,12 @@
 //! What makes a system: wrong connections are named, orders and loops are found.
 
-use crate::common::cosim::*;
-use crate::common::linear_slave::*;
 use stickslip::cosim::{
     Abilities, Adaptive, Algorithm, Causality, Control, Kind, Master, Settings, Slave, SlaveError, Stepped,
     System, SystemError, Variable,
 };
+
+use crate::common::cosim::*;
+use crate::common::linear_slave::*;
 
 fn refused(connect: impl Fn(&mut System) -> Result<(), SystemError>) -> SystemError {
     let mut system = joined(TWO_MASSES.slaves());

@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use crate::common::time::one_mode;
 use stickslip::contact::CubicSpring;
 use stickslip::harmonic::{Method, Resonance, Settings, forced_response, phase_resonance};
 use stickslip::model::{Beam, Damping, PointMass};
@@ -12,24 +11,11 @@ use stickslip::time::{self, Ramp};
 
 use crate::common::time::{held, loaded, rest, supported};
 
+use crate::common::beam::{bare, one_mode};
+
 fn steel(modes: usize) -> Beam {
-    Beam {
-        length: 0.6,
-        width: 0.04,
-        thickness: 0.005,
-        density: 7850.0,
-        youngs_modulus: 2e11,
-        modes,
-        static_correction: false,
-        damping: Damping::Uniform(0.003),
-        point_masses: vec![PointMass { position: 0.3, mass: 0.005 }],
-        offset: 0.006,
-        rotational_stiffness: 0.0,
-        clamp_stiffness: None,
-        excitation_position: 0.55,
-        sensors: vec![],
-        contact_points: vec![],
-    }
+    let point_masses = vec![PointMass { position: 0.3, mass: 0.005 }];
+    Beam { youngs_modulus: 2e11, modes, point_masses, sensors: vec![], ..bare() }
 }
 
 fn changed(beam: &Beam, changes: StructureChanges) -> ModalBeam {

@@ -7,23 +7,16 @@ use stickslip::fit::{Options, Parameter, Scale, fit};
 use stickslip::harmonic::{HarmonicError, LoadedContact, Method, Settings, backbone};
 use stickslip::system::ModalBeam;
 
+use crate::common::beam::modal;
+
 const LOAD: f64 = 100.0;
 
 #[test]
 fn valanis_parameters_are_recovered_from_exact_frequencies() {
     let beam = ModalBeam {
-        angular_frequency: vec![TAU * 49.0],
-        damping_ratio: vec![0.003],
-        contact_shape: vec![0.06],
-        excitation_shape: vec![0.4],
         shortening: vec![32.0],
         axial_flexibility: 1.5e-8,
-        stretching_stiffness: 0.0,
-        string_stiffness: 0.0,
-        string_stretch: Vec::new(),
-        quadratic_damping: 0.0,
-        sensors: Vec::new(),
-        contact_points: Vec::new(),
+        ..modal(&[TAU * 49.0], &[0.003], &[0.06], &[0.4])
     };
     let settings = Settings { harmonics: 3, method: Method::Sampled { samples: 64 }, ..Settings::default() };
     let amplitudes = [1.0, 12.0, 30.0, 70.0];

@@ -1,7 +1,8 @@
 //! Derivatives that slaves give: with respect to time and to inputs, against differences of repeated steps.
 
-use crate::common::fmi::{Run, cases};
 use stickslip::time::Ramp;
+
+use crate::common::fmi::{Run, cases};
 
 /// Compares derivatives with differences ahead and behind, relative to the largest of each output by each input. On a
 /// corner those two differ, and either or anything between is right; corners of some size must be rare.

@@ -1,7 +1,8 @@
 //! Inputs that run over a step: what derivatives of inputs do.
 
-use crate::common::fmi::{Run, cases};
 use stickslip::fmi::Error;
+
+use crate::common::fmi::{Run, cases};
 
 /// Largest error of the contact's displacement over a time, inputs held or with their derivatives.
 fn error_of_the_beam(steps: usize, sloped: bool, reference: &[f64]) -> f64 {

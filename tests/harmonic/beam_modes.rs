@@ -3,21 +3,16 @@
 
 use std::f64::consts::TAU;
 
-use crate::common::beam::frictional_support;
 use stickslip::contact::{ContactLaw, CubicSpring, LawError, Valanis};
 use stickslip::harmonic::{
     Assembly, Body, Control, CurveSettings, Ending, Followed, LoadedContact, ModeRange, NonlinearMode,
     OwnedContact, Settings, Tracking, nonlinear_mode, parameter_response, periodic_response, phase_resonance,
     track_levels, track_parameter,
 };
-use stickslip::model::Beam;
 use stickslip::system::ModalBeam;
 
-const LOAD: f64 = 147.15;
-
-fn published(modes: usize) -> ModalBeam {
-    ModalBeam::new(&Beam { modes, ..frictional_support(0.0) }).unwrap()
-}
+use crate::common::beam::published;
+use crate::common::contact::LOAD;
 
 fn assembly<'a>(beam: &'a ModalBeam, law: &'a dyn ContactLaw, normal_load: f64) -> Assembly<'a> {
     Assembly::new(Body::Beam(beam), vec![LoadedContact { law, normal_load }])

@@ -3,28 +3,22 @@
 
 use std::f64::consts::TAU;
 
-use crate::common::beam::frictional_support;
 use nalgebra::{Complex, DMatrix};
 use stickslip::contact::{
     ContactLaw, CubicSpring, Inputs, Jenkins, ParallelSliders, Response, SlipState, StateTangents, Tangents,
-    Valanis,
 };
 use stickslip::harmonic::stability::{Multipliers, beam_is_stable, floquet, floquet_of_beam};
 use stickslip::harmonic::{
     Assembly, Body, Control, CurveSettings, Ending, LoadedContact, frequency_response, phase_resonance,
 };
 use stickslip::harmonic::{Resonance, Settings as BalanceSettings};
-use stickslip::model::Beam;
 use stickslip::system::{LinearStructure, ModalBeam};
 use stickslip::time::{Ramp, Settings};
 
 use crate::common::time::{at_end, supported};
 
-const LOAD: f64 = 147.15;
-
-fn published(modes: usize) -> ModalBeam {
-    ModalBeam::new(&Beam { modes, ..frictional_support(0.0) }).unwrap()
-}
+use crate::common::beam::published;
+use crate::common::contact::{self, LOAD};
 
 /// The same modes without shortening and axial flexibility: an oscillator.
 fn rigid(modes: usize) -> ModalBeam {
@@ -146,7 +140,7 @@ fn a_beam_that_does_not_turn_is_the_oscillator_of_its_modes() {
     let u: &[f64] = &[1e-6, 4e-5, 1e-5, 2e-6, -1e-6, 3e-6, 1e-6];
     let modes = vec![0.0; 4 * 7];
     let laws: [&dyn ContactLaw; 4] = [
-        &Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, LOAD).unwrap(),
+        &contact::published(),
         &CubicSpring::new(1e6, 1e15).unwrap(),
         &Jenkins::new(7.9e6, 0.6).unwrap(),
         &ParallelSliders::new(&[(3e6, 0.2), (3e6, 0.3), (1e6, 0.5)]).unwrap(),
@@ -243,7 +237,7 @@ fn by_integration(
 #[test]
 fn disturbances_of_the_beam_die_out_in_time_as_the_multipliers_say() {
     let beam = published(3);
-    let law = Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, LOAD).unwrap();
+    let law = contact::published();
     for acceleration in [10.0, 40.0] {
         let mut errors = vec![];
         // The harmonics left out are missing from the turning points, whose place the multipliers depend on.
@@ -291,7 +285,7 @@ fn a_beam_that_stretches_is_unstable_between_its_folds_alone() {
 #[test]
 fn every_point_of_a_response_with_friction_has_a_verdict() {
     let beam = published(4);
-    let valanis = Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, LOAD).unwrap();
+    let valanis = contact::published();
     let jenkins = Jenkins::new(7.9e6, 0.6).unwrap();
     for law in [&valanis as &dyn ContactLaw, &jenkins] {
         let (stable, folds) = verdicts(&beam, Some(law), [49.5, 52.0], 8.0);

@@ -1,11 +1,9 @@
 //! Curves through the corner at which a contact begins to slip: followed to their ends, and no peak.
 
-use crate::common::oscillators::single_mass;
 use stickslip::contact::Jenkins;
-use stickslip::harmonic::{
-    Assembly, Body, Control, CurveSettings, Ending, Followed, LoadedContact, Tracking, frequency_response,
-    track_levels,
-};
+use stickslip::harmonic::{Control, Ending, Followed, Tracking, frequency_response, track_levels};
+
+use crate::common::oscillator::{in_contact, settings, single};
 
 /// Damping, stiffness and limit of the contact, level: the level makes the contact slip about the resonance.
 const CASES: [(f64, f64, f64, f64); 8] = [
@@ -22,11 +20,10 @@ const CASES: [(f64, f64, f64, f64); 8] = [
 #[test]
 fn a_curve_passes_the_corners_at_which_slip_begins_and_ends() {
     for (damping, stiffness, limit, level) in CASES {
-        let structure = single_mass(1.0, damping);
+        let structure = single(1.0, damping, 1.0, 1);
         let law = Jenkins::new(stiffness, limit).unwrap();
-        let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
-        let assembly = Assembly::new(Body::Linear(&structure), contacts);
-        let settings = CurveSettings { harmonics: 3, ..CurveSettings::default() };
+        let assembly = in_contact(&structure, &law);
+        let settings = settings(3);
         let control = Control::Level(level);
         let curve = frequency_response(&assembly, 0.6, 3.5, &control, &settings, &mut |_| true).unwrap();
         let last = curve.points.last().unwrap().angular_frequency;

@@ -5,20 +5,9 @@ use stickslip::harmonic::{
     Assembly, Body, Control, Curve, CurveSettings, Ending, HarmonicError, LoadedContact, Method,
     frequency_response, periodic_response,
 };
-use stickslip::system::{LinearStructure, Output};
+use stickslip::system::LinearStructure;
 
-/// Unit mass on a spring and a damper.
-fn oscillator(stiffness: f64, damping: f64, contacts: usize) -> LinearStructure {
-    LinearStructure {
-        size: 1,
-        mass: vec![(0, 0, 1.0)],
-        damping: vec![(0, 0, damping)],
-        stiffness: vec![(0, 0, stiffness)],
-        contacts: vec![vec![(0, 1.0)]; contacts],
-        excitation: vec![(0, 1.0)],
-        outputs: vec![Output { name: "x".into(), row: vec![(0, 1.0)] }],
-    }
-}
+use crate::common::oscillator::{settings, single};
 
 fn assembly<'a>(structure: &'a LinearStructure, laws: &[&'a dyn ContactLaw]) -> Assembly<'a> {
     let attach = |law: &&'a dyn ContactLaw| LoadedContact { law: *law, normal_load: 1.0 };
@@ -29,14 +18,10 @@ fn curve(assembly: &Assembly, from: f64, to: f64, level: f64, settings: &CurveSe
     frequency_response(assembly, from, to, &Control::Level(level), settings, &mut |_| true).unwrap()
 }
 
-fn settings(harmonics: usize) -> CurveSettings {
-    CurveSettings { harmonics, ..CurveSettings::default() }
-}
-
 #[test]
 fn a_linear_oscillator_peaks_where_the_textbook_says() {
     for zeta in [0.1, 0.003] {
-        let structure = oscillator(1.0, 2.0 * zeta, 0);
+        let structure = single(1.0, 2.0 * zeta, 1.0, 0);
         let curve = curve(&assembly(&structure, &[]), 0.5, 1.5, 1.0, &settings(3));
         assert_eq!((curve.ending, curve.peaks.len()), (Ending::Complete, 1), "{zeta}");
         let peak = curve.peaks[0];
@@ -51,7 +36,7 @@ fn a_linear_oscillator_peaks_where_the_textbook_says() {
 #[test]
 fn duffing_turns_where_one_harmonic_turns_in_closed_form() {
     for (gamma, from, to) in [(0.5, 0.5, 2.5), (0.5, 2.5, 0.5), (-0.08, 1.5, 0.3)] {
-        let (structure, law) = (oscillator(1.0, 0.1, 1), CubicSpring::new(0.0, gamma).unwrap());
+        let (structure, law) = (single(1.0, 0.1, 1.0, 1), CubicSpring::new(0.0, gamma).unwrap());
         let curve = curve(&assembly(&structure, &[&law]), from, to, 0.2, &settings(1));
         assert_eq!(curve.ending, Ending::Complete);
         assert_eq!(curve.folds.len(), 2, "{gamma}");
@@ -83,7 +68,7 @@ fn duffing_turns_where_one_harmonic_turns_in_closed_form() {
 #[test]
 fn a_stiff_jenkins_element_approaches_den_hartogs_coulomb_friction() {
     const EXACT: f64 = 2.62610488;
-    let structure = oscillator(1.0, 0.0, 1);
+    let structure = single(1.0, 0.0, 1.0, 1);
     let amplitude = |stiffness: f64, harmonics: usize| {
         let law = Jenkins::new(stiffness, 0.3).unwrap();
         let control = Control::Level(1.0);
@@ -102,7 +87,7 @@ fn a_stiff_jenkins_element_approaches_den_hartogs_coulomb_friction() {
 
 #[test]
 fn contacts_side_by_side_are_one_contact() {
-    let (single, double) = (oscillator(1.0, 0.05, 1), oscillator(1.0, 0.05, 2));
+    let (single, double) = (single(1.0, 0.05, 1.0, 1), single(1.0, 0.05, 1.0, 2));
     let whole = Jenkins::new(0.5, 0.3).unwrap();
     let (a, b) = (Jenkins::new(0.2, 0.12).unwrap(), Jenkins::new(0.3, 0.18).unwrap());
     for omega in [0.6, 1.0, 1.3] {
@@ -121,7 +106,7 @@ fn contacts_side_by_side_are_one_contact() {
 #[test]
 fn a_one_sided_stop_at_rest_makes_a_bias_and_a_bilinear_resonance() {
     // Stiffness 1 on one side and 3 on the other: half a period of each.
-    let (structure, law) = (oscillator(1.0, 0.01, 1), Unilateral::new(2.0, 0.0).unwrap());
+    let (structure, law) = (single(1.0, 0.01, 1.0, 1), Unilateral::new(2.0, 0.0).unwrap());
     let assembly = assembly(&structure, &[&law]);
     let curve = curve(&assembly, 1.0, 1.5, 0.01, &settings(12));
     assert_eq!(curve.ending, Ending::Complete);
@@ -140,7 +125,7 @@ fn a_one_sided_stop_at_rest_makes_a_bias_and_a_bilinear_resonance() {
 
 #[test]
 fn a_sampled_contact_needs_no_more_samples_for_its_error_than_for_its_response() {
-    let structure = oscillator(1.0, 0.1, 1);
+    let structure = single(1.0, 0.1, 1.0, 1);
     let law = Jenkins::new(0.5, 0.2).unwrap();
     let assembly = assembly(&structure, &[&law]);
     let respond = |method| {
@@ -154,7 +139,7 @@ fn a_sampled_contact_needs_no_more_samples_for_its_error_than_for_its_response()
 
 #[test]
 fn an_excitation_beyond_the_harmonics_of_the_response_is_refused() {
-    let structure = oscillator(1.0, 0.1, 0);
+    let structure = single(1.0, 0.1, 1.0, 0);
     let mut assembly = assembly(&structure, &[]);
     assembly.waveform = vec![0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5];
     let respond =

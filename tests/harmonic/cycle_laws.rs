@@ -2,13 +2,15 @@
 
 use std::f64::consts::PI;
 
-use crate::common::cycle::{LOAD, Sliders, cases, differences, evaluated, largest, motions, slider};
 use proptest::prelude::*;
 use stickslip::contact::{
     Backlash, ContactLaw, CubicSpring, Inputs, Iwan, IwanSpacing, Response, Slider, SlipState, StateTangents,
     Tangents, Unilateral, Valanis,
 };
 use stickslip::harmonic::{HarmonicSet, contact_cycle};
+
+use crate::common::contact::{self, LOAD};
+use crate::common::cycle::{Sliders, cases, differences, evaluated, largest, motions, slider};
 
 #[test]
 fn jacobian_is_the_derivative_of_the_force() {
@@ -45,7 +47,7 @@ fn valanis_jacobian_is_the_derivative_of_the_force() {
 fn odd_set_equals_full_set_for_odd_motions() {
     let (odd, full) = (HarmonicSet::odd(5), HarmonicSet::full(5));
     let mut laws: Vec<(&str, Box<dyn ContactLaw>, f64)> =
-        vec![("valanis", Box::new(Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, LOAD).unwrap()), 3e-5)];
+        vec![("valanis", Box::new(contact::published()), 3e-5)];
     for (name, sliders) in cases() {
         laws.push((name, Box::new(Sliders(sliders)), 1.0));
     }

@@ -3,7 +3,6 @@
 
 use std::f64::consts::TAU;
 
-use stickslip::contact::Valanis;
 use stickslip::harmonic::{
     Assembly, Body, Control, CurveSettings, Ending, LoadedContact, Method, Settings, backbone,
     frequency_response, phase_resonance,
@@ -11,7 +10,7 @@ use stickslip::harmonic::{
 use stickslip::model::{Beam, Damping, Model, Structure};
 use stickslip::system::ModalBeam;
 
-const LOAD: f64 = 147.15;
+use crate::common::contact::{self, LOAD};
 
 fn published(modes: usize, static_correction: bool) -> ModalBeam {
     let model = Model::parse(include_str!("../../examples/frictional-support/published.toml")).unwrap();
@@ -20,14 +19,10 @@ fn published(modes: usize, static_correction: bool) -> ModalBeam {
     ModalBeam::new(&Beam { modes, static_correction, damping, ..beam }).unwrap()
 }
 
-fn valanis() -> Valanis {
-    Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, LOAD).unwrap()
-}
-
 /// A held response: where the force is in quadrature with the displacement (Hz), acceleration per force there,
 /// and the largest acceleration per force along the curve (1/kg).
 fn held_response(beam: &ModalBeam, acceleration: f64, harmonics: usize, around: f64) -> (f64, f64, f64) {
-    let law = valanis();
+    let law = contact::published();
     let contacts = vec![LoadedContact { law: &law, normal_load: LOAD }];
     let assembly = Assembly::new(Body::Beam(beam), contacts);
     let node = beam.sensors.len();
@@ -74,7 +69,7 @@ const SIX_MODES_NINE_HARMONICS: [(f64, f64, f64); 8] = [
 
 #[test]
 fn phase_resonance_at_held_acceleration_has_the_reference_frequencies_and_peaks() {
-    let law = valanis();
+    let law = contact::published();
     let contact = LoadedContact { law: &law, normal_load: LOAD };
     for (modes, harmonics, reference) in [(4, 5, FOUR_MODES_FIVE_HARMONICS), (6, 9, SIX_MODES_NINE_HARMONICS)]
     {
@@ -112,7 +107,7 @@ fn held_frequency_responses_have_the_reference_resonances_and_peaks() {
 
 /// Frequency (Hz) at phase resonance of the four-mode beam at 20 m/s².
 fn resonance_at_20(settings: Settings) -> f64 {
-    let law = valanis();
+    let law = contact::published();
     let contact = LoadedContact { law: &law, normal_load: LOAD };
     let found = phase_resonance(&published(4, false), Some(contact), 20.0, &settings, None).unwrap();
     found.angular_frequency / TAU
@@ -140,7 +135,7 @@ fn five_harmonics_are_enough_for_the_resonance() {
 
 /// Frequencies (Hz) at phase resonance.
 fn resonances(modes: usize, static_correction: bool) -> [f64; 3] {
-    let law = valanis();
+    let law = contact::published();
     let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings = Settings { harmonics: 5, ..Settings::default() };
     let beam = published(modes, static_correction);

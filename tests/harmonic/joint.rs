@@ -1,9 +1,10 @@
 //! A contact with effects in harmonic balance: carried over a period exactly and by samples, with its derivative.
 
-use crate::common::cycle::{LOAD, differences, evaluated, motions};
-use stickslip::contact::JointChanges;
-use stickslip::contact::{ContactLaw, Jenkins, Joint, JointBase, Valanis};
+use stickslip::contact::{ContactLaw, Jenkins, Joint, JointBase, JointChanges, Valanis};
 use stickslip::harmonic::{ContactMapping, HarmonicSet, Method};
+
+use crate::common::contact::LOAD;
+use crate::common::cycle::{differences, evaluated, motions};
 
 /// Motions are of the size of one; so is the yield displacement here.
 fn joints() -> Vec<(&'static str, Joint)> {

@@ -3,8 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::common::exact_period::{Oscillator, steady_period};
-use stickslip::contact::{Jenkins, Valanis};
+use stickslip::contact::Jenkins;
 use stickslip::harmonic::fourier::value;
 use stickslip::harmonic::{
     HarmonicError, LoadedContact, Method, Resonance, Settings, backbone, excited_harmonics, forced_response,
@@ -12,46 +11,23 @@ use stickslip::harmonic::{
 };
 use stickslip::system::ModalBeam;
 
-const LOAD: f64 = 147.15;
+use crate::common::beam::modal;
+use crate::common::contact::{self, LOAD};
+use crate::common::exact_period::{Oscillator, steady_period};
 
 /// One mode of 50 Hz with the contact on it, without shortening and axial flexibility.
 fn single_mode(damping_ratio: f64) -> ModalBeam {
-    ModalBeam {
-        angular_frequency: vec![TAU * 50.0],
-        damping_ratio: vec![damping_ratio],
-        contact_shape: vec![0.06],
-        excitation_shape: vec![1.3],
-        shortening: vec![0.0],
-        axial_flexibility: 0.0,
-        stretching_stiffness: 0.0,
-        string_stiffness: 0.0,
-        string_stretch: Vec::new(),
-        quadratic_damping: 0.0,
-        sensors: Vec::new(),
-        contact_points: Vec::new(),
-    }
+    modal(&[TAU * 50.0], &[damping_ratio], &[0.06], &[1.3])
 }
 
 /// Three modes with everything a beam has.
 fn three_modes() -> ModalBeam {
+    let omega = [TAU * 49.0, TAU * 158.0, TAU * 325.0];
     ModalBeam {
-        angular_frequency: vec![TAU * 49.0, TAU * 158.0, TAU * 325.0],
-        damping_ratio: vec![0.003, 0.004, 0.005],
-        contact_shape: vec![-0.060, 0.115, -0.175],
-        excitation_shape: vec![0.35, -0.7, 1.05],
         shortening: vec![32.0, -4.0, -2.0, -4.0, 110.0, 12.0, -2.0, 12.0, 230.0],
         axial_flexibility: 1.5e-8,
-        stretching_stiffness: 0.0,
-        string_stiffness: 0.0,
-        string_stretch: Vec::new(),
-        quadratic_damping: 0.0,
-        sensors: Vec::new(),
-        contact_points: Vec::new(),
+        ..modal(&omega, &[0.003, 0.004, 0.005], &[-0.060, 0.115, -0.175], &[0.35, -0.7, 1.05])
     }
-}
-
-fn valanis() -> Valanis {
-    Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, LOAD).unwrap()
 }
 
 /// Receptance of the beam alone at the excitation: (real, imaginary) part.
@@ -166,7 +142,7 @@ fn jenkins_oscillator_matches_its_exact_event_driven_solution() {
 
 fn resonance_at(amplitude: f64) -> (ModalBeam, Resonance) {
     let beam = three_modes();
-    let law = valanis();
+    let law = contact::published();
     let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings = Settings { harmonics: 5, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     let found = phase_resonance(&beam, Some(contact), amplitude, &settings, None).unwrap();
@@ -186,7 +162,7 @@ fn excitation_work_is_dissipated_in_contact_and_modes() {
 
 #[test]
 fn excitation_work_balances_with_several_harmonics() {
-    let (beam, law) = (three_modes(), valanis());
+    let (beam, law) = (three_modes(), contact::published());
     let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings = Settings { harmonics: 7, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     let force = [0.0, 15.0, 4.0, 0.5, -0.4, 6.0, 8.0];
@@ -210,7 +186,7 @@ fn response_is_odd_without_shortening_and_not_with_it() {
     };
     assert!(even(&with.coefficients) > 1e-4 * with.coefficients[2].abs());
     beam.shortening.fill(0.0);
-    let law = valanis();
+    let law = contact::published();
     let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings = Settings { harmonics: 5, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     let without = phase_resonance(&beam, Some(contact), 30.0, &settings, None).unwrap();
@@ -241,7 +217,7 @@ fn published_beam_softens_as_the_reference_does() {
         (70.0, 49.41, 5.2),
     ];
     let beam = crate::common::finite_elements::published_beam(4, 24);
-    let law = valanis();
+    let law = contact::published();
     let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings = Settings { harmonics: 5, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     // Falling and rising: the caller's order is kept, and does not matter.
@@ -262,7 +238,7 @@ fn published_beam_softens_as_the_reference_does() {
 #[test]
 fn frequency_converges_with_the_square_of_the_sampling_step() {
     let beam = three_modes();
-    let law = valanis();
+    let law = contact::published();
     let contact = LoadedContact { law: &law, normal_load: LOAD };
     let at = |samples: usize| {
         let settings = Settings { harmonics: 5, method: Method::Sampled { samples }, ..Settings::default() };
@@ -283,7 +259,7 @@ fn starts_do_not_change_the_answer() {
     let contact = LoadedContact { law: &law, normal_load: LOAD };
     let amplitudes = [5.0, 35.0];
     let cold = backbone(&beam, Some(contact), &amplitudes, &settings, &[]).unwrap();
-    let other_law = valanis();
+    let other_law = contact::published();
     let other = LoadedContact { law: &other_law, normal_load: LOAD };
     let elsewhere = backbone(&beam, Some(other), &amplitudes, &settings, &[]).unwrap();
     let warm = backbone(&beam, Some(contact), &amplitudes, &settings, &elsewhere).unwrap();

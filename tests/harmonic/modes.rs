@@ -3,13 +3,13 @@
 
 use std::f64::consts::PI;
 
-use crate::common::oscillators::{single_mass, two_masses};
 use stickslip::contact::{ContactLaw, CubicSpring, Jenkins};
 use stickslip::harmonic::{
-    Assembly, Body, CurveSettings, Followed, HarmonicError, LoadedContact, ModeRange, NonlinearMode,
-    Tracking, nonlinear_mode, track_levels,
+    CurveSettings, Followed, HarmonicError, ModeRange, NonlinearMode, Tracking, nonlinear_mode, track_levels,
 };
 use stickslip::system::LinearStructure;
+
+use crate::common::oscillator::{in_contact, settings, single, two_masses};
 
 /// The mode under one law, with so many harmonics.
 fn mode(
@@ -18,8 +18,8 @@ fn mode(
     range: &ModeRange,
     harmonics: usize,
 ) -> NonlinearMode {
-    let assembly = Assembly::new(Body::Linear(structure), vec![LoadedContact { law, normal_load: 1.0 }]);
-    let settings = CurveSettings { harmonics, ..CurveSettings::default() };
+    let assembly = in_contact(structure, law);
+    let settings = settings(harmonics);
     nonlinear_mode(&assembly, range, &settings).unwrap()
 }
 
@@ -45,7 +45,7 @@ fn a_linear_structure_has_its_natural_frequency_and_damping_ratio_at_every_ampli
 
 #[test]
 fn duffing_backbone_of_one_harmonic_is_three_quarters_of_the_cubic() {
-    let structure = single_mass(2.0, 0.03);
+    let structure = single(1.0, 0.03, 2.0, 1);
     for cubic in [0.7, -0.3] {
         let law = CubicSpring::new(0.0, cubic).unwrap();
         let range = ModeRange { mode: 0, node: 0, amplitudes: [1e-3, 1.5], points: 15 };
@@ -59,7 +59,7 @@ fn duffing_backbone_of_one_harmonic_is_three_quarters_of_the_cubic() {
 
 #[test]
 fn duffing_backbone_of_many_harmonics_is_the_elliptic_integral() {
-    let structure = single_mass(1.0, 0.0);
+    let structure = single(1.0, 0.0, 1.0, 1);
     for cubic in [1.0, -0.1] {
         let law = CubicSpring::new(0.0, cubic).unwrap();
         let range = ModeRange { mode: 0, node: 0, amplitudes: [0.01, 2.0], points: 12 };
@@ -97,7 +97,7 @@ fn jenkins_stiffness(stiffness: f64, limit: f64, amplitude: f64) -> [f64; 2] {
 #[test]
 fn one_harmonic_mode_of_a_jenkins_element_is_its_describing_function() {
     let (stiffness, damping, contact, limit) = (1.0, 0.02, 0.4, 0.1);
-    let structure = single_mass(stiffness, damping);
+    let structure = single(1.0, damping, stiffness, 1);
     let law = Jenkins::new(contact, limit).unwrap();
     let range = ModeRange { mode: 0, node: 0, amplitudes: [1e-3, 1e3], points: 41 };
     for point in mode(&structure, &law, &range, 1).points {
@@ -112,7 +112,7 @@ fn one_harmonic_mode_of_a_jenkins_element_is_its_describing_function() {
 #[test]
 fn damping_ratio_is_the_energy_lost_over_4_pi_times_the_kinetic_energy() {
     let (damping, limit) = (0.02, 0.1);
-    let structure = single_mass(1.0, damping);
+    let structure = single(1.0, damping, 1.0, 1);
     let law = Jenkins::new(0.4, limit).unwrap();
     let range = ModeRange { mode: 0, node: 0, amplitudes: [1e-2, 1e2], points: 15 };
     for point in mode(&structure, &law, &range, 31).points {
@@ -154,9 +154,8 @@ fn two_mass_modes_go_from_stuck_to_free_sliding() {
 fn lightly_damped_resonances_lie_on_the_mode() {
     let structure = two_masses(0.002);
     let law = Jenkins::new(0.02, 0.02).unwrap();
-    let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
-    let assembly = Assembly::new(Body::Linear(&structure), contacts);
-    let settings = CurveSettings { harmonics: 9, ..CurveSettings::default() };
+    let assembly = in_contact(&structure, &law);
+    let settings = settings(9);
     let tracking = Tracking { followed: Followed::Phase, node: 0, angular_frequency: 0.5554 };
     let levels: Vec<f64> = (0..12).map(|k| 1e-3 * 1.6_f64.powi(k)).collect();
     let resonances = track_levels(&assembly, &tracking, &levels, &settings).unwrap().points;
@@ -192,8 +191,7 @@ fn a_mode_does_not_depend_on_the_way_its_amplitudes_are_walked() {
 fn modes_that_are_not_there_are_refused() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
-    let assembly = Assembly::new(Body::Linear(&structure), contacts);
+    let assembly = in_contact(&structure, &law);
     let range = ModeRange { mode: 0, node: 0, amplitudes: [1e-3, 1.0], points: 5 };
     let wrong = [
         ModeRange { mode: 2, ..range },
@@ -212,8 +210,7 @@ fn modes_that_are_not_there_are_refused() {
 fn harmonics_grow_until_a_mode_is_resolved() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let assembly =
-        Assembly::new(Body::Linear(&structure), vec![LoadedContact { law: &law, normal_load: 1.0 }]);
+    let assembly = in_contact(&structure, &law);
     let range = ModeRange { mode: 0, node: 1, amplitudes: [0.05, 2.0], points: 5 };
     let settings =
         CurveSettings { harmonics: 1, truncation: Some(1e-3), max_harmonics: 51, ..CurveSettings::default() };

@@ -1,15 +1,14 @@
 //! Response curves of lightly damped structures arrive, with every resonance on them; the beam's truncation
 //! estimate follows its true error.
 
-use stickslip::contact::{Jenkins, Valanis};
+use stickslip::contact::Jenkins;
 use stickslip::harmonic::{
-    Assembly, Body, Control, CurveSettings, Ending, LoadedContact, frequency_response, periodic_response,
+    Assembly, Body, Control, Ending, LoadedContact, frequency_response, periodic_response,
 };
 use stickslip::system::{LinearStructure, Output};
 
-fn settings(harmonics: usize) -> CurveSettings {
-    CurveSettings { harmonics, ..CurveSettings::default() }
-}
+use crate::common::contact::{self, LOAD};
+use crate::common::oscillator::{in_contact, settings};
 
 /// Masses of 1 kg in a chain from the ground, springs of `stiffness` (N/m), dampers proportional to them.
 fn chain(masses: usize, stiffness: f64, damping: f64) -> LinearStructure {
@@ -73,8 +72,7 @@ fn a_jenkins_contact_does_not_end_a_lightly_damped_curve() {
         for level in [0.01, 0.1, 1.0] {
             let mut structure = chain(masses, 100.0, damping);
             structure.contacts = vec![vec![(masses - 1, 1.0)]];
-            let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
-            let assembly = Assembly::new(Body::Linear(&structure), contacts);
+            let assembly = in_contact(&structure, &law);
             let control = Control::Level(level);
             let curve =
                 frequency_response(&assembly, 2.0, 25.0, &control, &settings(5), &mut |_| true).unwrap();
@@ -93,8 +91,8 @@ fn a_jenkins_contact_does_not_end_a_lightly_damped_curve() {
 #[test]
 fn the_estimate_of_the_beam_follows_its_true_error() {
     let beam = crate::common::finite_elements::published_beam(4, 60);
-    let law = Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, 147.15).unwrap();
-    let contacts = || vec![LoadedContact { law: &law, normal_load: 147.15 }];
+    let law = contact::published();
+    let contacts = || vec![LoadedContact { law: &law, normal_load: LOAD }];
     for omega in [330.0, 339.0, 350.0] {
         let response = |harmonics: usize| {
             let assembly = Assembly::new(Body::Beam(&beam), contacts());
@@ -189,8 +187,7 @@ fn the_peak_that_meets_a_point_of_the_curve_is_listed() {
     let mut structure = watched(chain(10, 4.0, 0.01));
     structure.contacts = vec![vec![(5, 1.0)]];
     let law = Jenkins::new(2.0, 0.1).unwrap();
-    let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
-    let assembly = Assembly::new(Body::Linear(&structure), contacts);
+    let assembly = in_contact(&structure, &law);
     let control = Control::Level(1e-4);
     let curve = frequency_response(&assembly, 0.8, 1.05, &control, &settings(21), &mut |_| true).unwrap();
     // All stick: a linear structure, whose masses pass one resonance here.

@@ -3,7 +3,6 @@
 
 use std::f64::consts::TAU;
 
-use crate::common::matrices::{chain, single, two_mass};
 use nalgebra::{Complex, DMatrix, DVector};
 use stickslip::contact::JointChanges;
 use stickslip::contact::{
@@ -12,6 +11,8 @@ use stickslip::contact::{
 use stickslip::harmonic::fourier::from_samples;
 use stickslip::harmonic::stability::{Multipliers, Undecided, decide, floquet, is_stable};
 use stickslip::time::{Excitation, LoadedContact, OscillatorFlow, ShootingSettings, shoot};
+
+use crate::common::oscillator::{chain, single, two_masses};
 
 fn attached(law: &dyn ContactLaw) -> LoadedContact<'_> {
     LoadedContact { law, normal_load: 1.0 }
@@ -246,12 +247,12 @@ fn sliders_have_the_multipliers_of_the_exact_flow() {
     for law in [&jenkins as &dyn ContactLaw, &sliders] {
         for omega in [0.5, 1.0, 1.3] {
             let contacts = [attached(law)];
-            let mut flow = OscillatorFlow::new(&two_mass(), &contacts).unwrap();
+            let mut flow = OscillatorFlow::new(&two_masses(0.1), &contacts).unwrap();
             let excitation = Excitation::cosine(omega, 0.4);
             let (u, expected) = contact_displacement(&mut flow, &excitation, omega, 1, 101);
-            let found = floquet(&two_mass(), &contacts, &[&u], omega).unwrap();
+            let found = floquet(&two_masses(0.1), &contacts, &[&u], omega).unwrap();
             assert_same(&found, &expected, 1e-5);
-            assert_eq!(is_stable(&two_mass(), &contacts, &[&u], omega), Some(true));
+            assert_eq!(is_stable(&two_masses(0.1), &contacts, &[&u], omega), Some(true));
         }
     }
 }
@@ -261,12 +262,12 @@ fn valanis_near_one_has_the_multipliers_of_its_limit_jenkins() {
     // κ → 1 is Jenkins: the way by tangents against the way by regimes.
     let omega = 1.0;
     let jenkins = Jenkins::new(0.2, 0.02).unwrap();
-    let mut flow = OscillatorFlow::new(&two_mass(), &[attached(&jenkins)]).unwrap();
+    let mut flow = OscillatorFlow::new(&two_masses(0.1), &[attached(&jenkins)]).unwrap();
     let (u, expected) = contact_displacement(&mut flow, &Excitation::cosine(omega, 0.4), omega, 1, 31);
     let mut errors = vec![];
     for smoothness in [0.9, 0.95] {
         let valanis = Valanis::new(0.2, 0.02, smoothness, 0.0).unwrap();
-        let found = floquet(&two_mass(), &[attached(&valanis)], &[&u], omega).unwrap();
+        let found = floquet(&two_masses(0.1), &[attached(&valanis)], &[&u], omega).unwrap();
         let worst = expected
             .iter()
             .filter(|m| m.norm() > 1e-3)

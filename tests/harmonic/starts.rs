@@ -2,41 +2,14 @@
 //! friction so stiff that it is Coulomb's.
 
 use stickslip::contact::{ContactLaw, Jenkins, Unilateral};
-use stickslip::harmonic::{
-    Assembly, Body, Control, CurveSettings, LoadedContact, Point, frequency_response, periodic_response,
-};
-use stickslip::system::{LinearStructure, Output};
+use stickslip::harmonic::{Control, CurveSettings, Point, frequency_response, periodic_response};
 
-fn two_masses() -> LinearStructure {
-    let output = |name: &str, k| Output { name: name.into(), row: vec![(k, 1.0)] };
-    LinearStructure {
-        size: 2,
-        mass: vec![(0, 0, 1.0), (1, 1, 1.0)],
-        damping: vec![(0, 0, 0.1), (1, 1, 0.1)],
-        stiffness: vec![(0, 0, 1.5), (0, 1, -0.5), (1, 0, -0.5), (1, 1, 0.5)],
-        contacts: vec![vec![(1, 1.0)]],
-        excitation: vec![(0, 1.0)],
-        outputs: vec![output("x", 0), output("y", 1)],
-    }
-}
-
-fn one_mass() -> LinearStructure {
-    LinearStructure {
-        size: 1,
-        mass: vec![(0, 0, 1.0)],
-        damping: vec![(0, 0, 0.02)],
-        stiffness: vec![(0, 0, 1.0)],
-        contacts: vec![vec![(0, 1.0)]],
-        excitation: vec![(0, 1.0)],
-        outputs: vec![Output { name: "m".into(), row: vec![(0, 1.0)] }],
-    }
-}
+use crate::common::oscillator::{in_contact, settings, single, two_masses};
 
 fn response(law: &dyn ContactLaw, omega: f64, control: &Control) -> Point {
-    let structure = two_masses();
-    let contacts = vec![LoadedContact { law, normal_load: 1.0 }];
-    let assembly = Assembly::new(Body::Linear(&structure), contacts);
-    let settings = CurveSettings { harmonics: 15, ..CurveSettings::default() };
+    let structure = two_masses(0.1);
+    let assembly = in_contact(&structure, law);
+    let settings = settings(15);
     periodic_response(&assembly, omega, control, &settings, None).expect("a response")
 }
 
@@ -82,12 +55,11 @@ fn friction_ever_stiffer_becomes_that_of_coulomb() {
 
 #[test]
 fn a_mass_that_sticks_and_slips_has_a_start_at_any_frequency() {
-    let structure = one_mass();
+    let structure = single(1.0, 0.02, 1.0, 1);
     for (stiffness, omega, harmonics) in [(1e2, 0.3, 31), (1e2, 0.2, 21), (1e3, 0.3, 21), (1e4, 0.2, 21)] {
         let law = Jenkins::new(stiffness, 0.1).unwrap();
-        let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
-        let assembly = Assembly::new(Body::Linear(&structure), contacts);
-        let settings = CurveSettings { harmonics, ..CurveSettings::default() };
+        let assembly = in_contact(&structure, &law);
+        let settings = settings(harmonics);
         let point = periodic_response(&assembly, omega, &Control::Level(1.0), &settings, None)
             .unwrap_or_else(|error| panic!("{stiffness} {omega} {harmonics}: {error}"));
         // Below resonance the spring carries what friction leaves: within 0.1 N either way of what it would carry alone.
@@ -102,10 +74,9 @@ fn a_mass_that_sticks_and_slips_has_a_start_at_any_frequency() {
 
 #[test]
 fn a_curve_that_adapts_its_harmonics_starts_among_stick_and_slip() {
-    let structure = one_mass();
+    let structure = single(1.0, 0.02, 1.0, 1);
     let law = Jenkins::new(1e2, 0.1).unwrap();
-    let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
-    let assembly = Assembly::new(Body::Linear(&structure), contacts);
+    let assembly = in_contact(&structure, &law);
     let settings = CurveSettings { truncation: Some(1e-3), ..CurveSettings::default() };
     let curve =
         frequency_response(&assembly, 0.3, 0.4, &Control::Level(1.0), &settings, &mut |_| true).unwrap();

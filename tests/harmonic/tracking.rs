@@ -1,27 +1,19 @@
 //! Resonances followed over level and contact parameters, against closed forms, scaling laws and the exact
 //! event-driven solution of the two-mass system with friction.
 
-use crate::common::oscillators::{single_mass, two_masses};
-use stickslip::contact::{ContactLaw, CubicSpring, Jenkins, Unilateral};
+use stickslip::contact::{CubicSpring, Jenkins, Unilateral};
 use stickslip::harmonic::{
-    Assembly, Body, CurveSettings, Ending, Followed, HarmonicError, LoadedContact, OwnedContact, Tracked,
-    TrackedCurve, Tracking, Varied, parameter_response, track_levels, track_parameter,
+    CurveSettings, Ending, Followed, HarmonicError, OwnedContact, Tracked, TrackedCurve, Tracking, Varied,
+    parameter_response, track_levels, track_parameter,
 };
-use stickslip::system::LinearStructure;
 
-fn assembly<'a>(structure: &'a LinearStructure, law: &'a dyn ContactLaw) -> Assembly<'a> {
-    Assembly::new(Body::Linear(structure), vec![LoadedContact { law, normal_load: 1.0 }])
-}
+use crate::common::oscillator::{in_contact, settings, single, two_masses};
 
 /// The whole curve.
 fn whole(curve: Result<TrackedCurve, HarmonicError>) -> Vec<Tracked> {
     let curve = curve.unwrap();
     assert_eq!(curve.lost, None);
     curve.points
-}
-
-fn settings(harmonics: usize) -> CurveSettings {
-    CurveSettings { harmonics, ..CurveSettings::default() }
 }
 
 const fn tracking(followed: Followed, node: usize, angular_frequency: f64) -> Tracking {
@@ -36,9 +28,9 @@ fn spaced(first: f64, last: f64, count: usize) -> Vec<f64> {
 #[test]
 fn a_linear_oscillator_peaks_below_and_is_in_phase_resonance_at_its_natural_frequency() {
     let (stiffness, damping, contact) = (1.0, 0.3, 0.44);
-    let structure = single_mass(stiffness, damping);
+    let structure = single(1.0, damping, stiffness, 1);
     let law = CubicSpring::new(contact, 0.0).unwrap();
-    let assembly = assembly(&structure, &law);
+    let assembly = in_contact(&structure, &law);
     let levels = [0.01, 1.0, 50.0];
     let square: f64 = stiffness + contact;
     let follow =
@@ -60,7 +52,7 @@ fn a_linear_oscillator_peaks_below_and_is_in_phase_resonance_at_its_natural_freq
 fn two_mass_peaks_are_those_of_the_exact_solution() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let assembly = assembly(&structure, &law);
+    let assembly = in_contact(&structure, &law);
     // Node, start, ω, x, y, D of the event-driven exact solution at A = 0.4.
     let peaks = [
         (0, 0.50, 0.527394, 1.008048920, 2.162370912, 0.1649896730),
@@ -86,7 +78,7 @@ fn two_mass_peaks_are_those_of_the_exact_solution() {
 fn receptance_at_the_peak_is_least_at_a_medium_level() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let assembly = assembly(&structure, &law);
+    let assembly = in_contact(&structure, &law);
     let least = |node| {
         let levels = spaced(0.01, 2.0, 60);
         let peaks =
@@ -108,7 +100,7 @@ fn dissipation_at_a_fixed_frequency_is_largest_at_a_medium_friction() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let contacts = |_: usize, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.2, friction)?, 1.0));
-    let assembly = assembly(&structure, &law);
+    let assembly = in_contact(&structure, &law);
     let frequency = tracking(Followed::Frequency, 1, 0.54);
     let friction = [0.05, 0.06, 0.07];
     let points = whole(track_parameter(&assembly, &contacts, 0.4, &frequency, &friction, &settings(21)));
@@ -123,7 +115,7 @@ fn load_and_level_together_only_scale_the_response() {
     // Lengths enter through the limit alone: N and A times c is the same response times c.
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let assembly = assembly(&structure, &law);
+    let assembly = in_contact(&structure, &law);
     let loads = [1.0, 0.5, 0.25, 2.0, 8.0];
     for followed in [Followed::Peak, Followed::Phase] {
         let node = if followed == Followed::Peak { 0 } else { 1 };
@@ -144,11 +136,11 @@ fn load_and_level_together_only_scale_the_response() {
 fn duffing_peaks_are_followed_past_the_fold() {
     // One harmonic: `(¾ k₃ a² + k − ω²)² a² + (c ω a)² = A²`; at the peak `k + ¾ k₃ a² − ω² = c²/2`.
     let (damping, cubic) = (0.05, 1.0);
-    let structure = single_mass(1.0, damping);
+    let structure = single(1.0, damping, 1.0, 1);
     let law = CubicSpring::new(0.0, cubic).unwrap();
     let levels = spaced(1e-3, 0.3, 9);
     let peak = tracking(Followed::Peak, 0, 0.98);
-    for peak in whole(track_levels(&assembly(&structure, &law), &peak, &levels, &settings(1))) {
+    for peak in whole(track_levels(&in_contact(&structure, &law), &peak, &levels, &settings(1))) {
         let (a, omega) = (peak.amplitude, peak.point.angular_frequency);
         let bent = 1.0 + 0.75 * cubic * a * a;
         assert!((omega * omega / (bent - 0.5 * damping * damping) - 1.0).abs() < 1e-6, "{omega} {a}");
@@ -162,10 +154,10 @@ fn parameter_sweeps_pass_turning_points_of_a_duffing_oscillator() {
     // One harmonic at a fixed frequency and level: every amplitude below the largest belongs to two cubic
     // stiffnesses, `¾ k₃ a² = ω² − k ± √(A²/a² − c² ω²)`.
     let (damping, omega, level): (f64, f64, f64) = (0.05, 1.3, 0.2);
-    let structure = single_mass(1.0, damping);
+    let structure = single(1.0, damping, 1.0, 1);
     let law = CubicSpring::new(0.0, 0.01).unwrap();
     let contacts = |_: usize, cubic: f64| Ok(OwnedContact::new(CubicSpring::new(0.0, cubic)?, 1.0));
-    let assembly = assembly(&structure, &law);
+    let assembly = in_contact(&structure, &law);
     let curve = parameter_response(&assembly, &contacts, omega, level, [0.01, 2.0], &settings(1)).unwrap();
     assert_eq!(curve.ending, Ending::Complete);
     let mut turned = 0;
@@ -186,7 +178,7 @@ fn a_parameter_sweep_and_single_values_agree() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let contacts = |_: usize, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.2, friction)?, 1.0));
-    let assembly = assembly(&structure, &law);
+    let assembly = in_contact(&structure, &law);
     let curve = parameter_response(&assembly, &contacts, 0.54, 0.4, [0.02, 0.12], &settings(9)).unwrap();
     let last = curve.points.last().map(|varied| (varied.value, varied.point.dissipated_energy()));
     assert_eq!(curve.ending, Ending::Complete, "{last:?}");
@@ -205,7 +197,7 @@ fn a_parameter_sweep_and_single_values_agree() {
 fn harmonics_grow_until_a_tracked_peak_is_resolved() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let assembly = assembly(&structure, &law);
+    let assembly = in_contact(&structure, &law);
     let adaptive = CurveSettings {
         harmonics: 3,
         truncation: Some(1e-5),
@@ -226,7 +218,7 @@ fn a_resonance_that_ends_is_reported_as_lost() {
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let levels = spaced(0.8, 0.02, 20);
     let tracking = tracking(Followed::Phase, 0, 0.55);
-    let curve = track_levels(&assembly(&structure, &law), &tracking, &levels, &settings(9)).unwrap();
+    let curve = track_levels(&in_contact(&structure, &law), &tracking, &levels, &settings(9)).unwrap();
     assert!(curve.lost.is_some() && curve.points.len() > 5 && curve.points.len() < 20);
     for pair in curve.points.windows(2) {
         let change = pair[1].point.angular_frequency / pair[0].point.angular_frequency - 1.0;
@@ -238,7 +230,7 @@ fn a_resonance_that_ends_is_reported_as_lost() {
 fn what_cannot_be_followed_is_refused() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let assembly = assembly(&structure, &law);
+    let assembly = in_contact(&structure, &law);
     let follow =
         |tracking: Tracking, levels: &[f64]| track_levels(&assembly, &tracking, levels, &settings(5));
     let refused = [
@@ -265,7 +257,7 @@ fn a_parameter_sweep_passes_the_corner_where_the_contact_sticks_for_good() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let contacts = |_: usize, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.2, friction)?, 1.0));
-    let assembly = assembly(&structure, &law);
+    let assembly = in_contact(&structure, &law);
     for (harmonics, most) in [(1, 0.5), (3, 1.0), (9, 0.3), (9, 2.0), (21, 0.5)] {
         let ends = [0.02, most];
         let curve = parameter_response(&assembly, &contacts, 0.54, 0.4, ends, &settings(harmonics)).unwrap();
@@ -283,9 +275,9 @@ fn a_parameter_sweep_passes_the_corner_where_the_contact_sticks_for_good() {
 
 #[test]
 fn a_contact_that_loses_its_symmetry_on_the_way_is_refused() {
-    let structure = single_mass(1.0, 0.1);
+    let structure = single(1.0, 0.1, 1.0, 1);
     let law = CubicSpring::new(0.1, 0.0).unwrap();
-    let assembly = assembly(&structure, &law);
+    let assembly = in_contact(&structure, &law);
     let contacts = |_: usize, stiffness: f64| {
         Ok(if stiffness < 0.5 {
             OwnedContact::new(CubicSpring::new(stiffness, 0.0)?, 1.0)

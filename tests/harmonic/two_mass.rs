@@ -1,12 +1,13 @@
 //! The two-mass oscillator with a Jenkins element: published parameters, values of an event-driven exact
 //! solution (periodicity 2e-14).
 
-use crate::common::two_mass::{TwoMass, settings, viscous_energy};
 use stickslip::contact::Jenkins;
 use stickslip::harmonic::{
     Control, Curve, CurveSettings, Ending, Point, fourier, frequency_response, level_response,
     periodic_response,
 };
+
+use crate::common::oscillator::{in_contact, settings, two_masses};
 
 const LEVEL: f64 = 0.4;
 
@@ -27,14 +28,20 @@ const PEAKS: [(usize, f64, f64); 4] = [
     (1, 1.300160, 1.065182030),
 ];
 
+fn law() -> Jenkins {
+    Jenkins::new(0.2, 0.02).unwrap()
+}
+
 fn response(omega: f64, level: f64, settings: &CurveSettings) -> Point {
-    let model = TwoMass::default();
-    periodic_response(&model.assembly(), omega, &Control::Level(level), settings, None).unwrap()
+    let (structure, law) = (two_masses(0.1), law());
+    let assembly = in_contact(&structure, &law);
+    periodic_response(&assembly, omega, &Control::Level(level), settings, None).unwrap()
 }
 
 fn curve(settings: &CurveSettings) -> Curve {
-    let model = TwoMass::default();
-    frequency_response(&model.assembly(), 0.2, 2.0, &Control::Level(LEVEL), settings, &mut |_| true).unwrap()
+    let (structure, law) = (two_masses(0.1), law());
+    let assembly = in_contact(&structure, &law);
+    frequency_response(&assembly, 0.2, 2.0, &Control::Level(LEVEL), settings, &mut |_| true).unwrap()
 }
 
 /// Largest relative errors of x, y, dissipated energy and work.
@@ -87,6 +94,17 @@ fn curve_has_the_peaks_of_the_exact_solution() {
         assert!(near(peak.angular_frequency) < 1e-5, "{peak:?}");
         assert!((peak.amplitude / amplitude - 1.0).abs() < 1e-6, "{peak:?}");
     }
+}
+
+/// Energy the dampers of both masses take per cycle (J).
+fn viscous_energy(point: &Point) -> f64 {
+    let mut sum = 0.0;
+    for node in &point.nodes {
+        for (k, pair) in node[1..].chunks_exact(2).enumerate() {
+            sum += ((k + 1) * (k + 1)) as f64 * (pair[0] * pair[0] + pair[1] * pair[1]);
+        }
+    }
+    std::f64::consts::PI * 0.1 * point.angular_frequency * sum
 }
 
 #[test]
@@ -149,8 +167,9 @@ fn a_stuck_contact_is_a_spring() {
 
 #[test]
 fn a_level_is_followed_from_rest() {
-    let model = TwoMass::default();
-    let curve = level_response(&model.assembly(), 0.54, 0.0, LEVEL, &settings(7), &mut |_| true).unwrap();
+    let (structure, law) = (two_masses(0.1), law());
+    let assembly = in_contact(&structure, &law);
+    let curve = level_response(&assembly, 0.54, 0.0, LEVEL, &settings(7), &mut |_| true).unwrap();
     assert_eq!(curve.ending, Ending::Complete);
     assert_eq!(curve.points[0].amplitude, [0.0, 0.0]);
     let (last, direct) = (curve.points.last().unwrap(), response(0.54, LEVEL, &settings(7)));
@@ -161,10 +180,10 @@ fn a_level_is_followed_from_rest() {
 
 #[test]
 fn a_held_response_has_its_amplitude_at_every_point() {
-    let model = TwoMass::default();
+    let (structure, law) = (two_masses(0.1), law());
+    let assembly = in_contact(&structure, &law);
     let control = Control::Held { node: 0, order: 1, derivative: 2, amplitude: 0.1 };
-    let curve =
-        frequency_response(&model.assembly(), 0.4, 1.5, &control, &settings(7), &mut |_| true).unwrap();
+    let curve = frequency_response(&assembly, 0.4, 1.5, &control, &settings(7), &mut |_| true).unwrap();
     assert_eq!(curve.ending, Ending::Complete);
     for point in &curve.points {
         let acceleration = point.first_harmonic()[0] * point.angular_frequency.powi(2);
@@ -209,11 +228,12 @@ fn truncation_estimate_follows_the_true_error() {
 /// counts as much as what is below.
 #[test]
 fn the_truncation_estimate_is_not_low_where_the_force_jumps() {
-    let model = TwoMass::with(Jenkins::new(1e6, 0.02).unwrap());
+    let (structure, law) = (two_masses(0.1), Jenkins::new(1e6, 0.02).unwrap());
+    let assembly = in_contact(&structure, &law);
     for omega in [0.65, 0.8, 1.3] {
         let response = |harmonics: usize| {
             let settings = settings(harmonics);
-            periodic_response(&model.assembly(), omega, &Control::Level(LEVEL), &settings, None).unwrap()
+            periodic_response(&assembly, omega, &Control::Level(LEVEL), &settings, None).unwrap()
         };
         let (point, exact) = (response(21), response(101));
         let ratio = point.error_estimate / deviation(&point, &exact);
@@ -238,21 +258,22 @@ fn harmonics_adapt_to_the_error_asked_for() {
 
 #[test]
 fn watching_can_end_a_curve() {
-    let model = TwoMass::default();
+    let (structure, law) = (two_masses(0.1), law());
+    let assembly = in_contact(&structure, &law);
     let mut seen = 0;
     let mut watch = |_: &Point| {
         seen += 1;
         seen < 5
     };
     let control = Control::Level(LEVEL);
-    let curve = frequency_response(&model.assembly(), 0.2, 2.0, &control, &settings(3), &mut watch).unwrap();
+    let curve = frequency_response(&assembly, 0.2, 2.0, &control, &settings(3), &mut watch).unwrap();
     assert_eq!((curve.ending, curve.points.len()), (Ending::Interrupted, 5));
 }
 
 #[test]
 fn arguments_that_do_not_fit_are_refused() {
-    let model = TwoMass::default();
-    let assembly = model.assembly();
+    let (structure, law) = (two_masses(0.1), law());
+    let assembly = in_contact(&structure, &law);
     let held = |node, order, amplitude| Control::Held { node, order, derivative: 0, amplitude };
     for control in [Control::Level(f64::NAN), held(2, 1, 1.0), held(0, 0, 1.0), held(0, 1, 0.0)] {
         assert!(periodic_response(&assembly, 0.5, &control, &settings(3), None).is_err(), "{control:?}");

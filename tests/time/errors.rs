@@ -1,9 +1,11 @@
 //! Time integration refuses what it cannot do with an error, and leaves the motion as it was.
 
-use crate::common::time::{at_end, held, loaded, one_mode, rest, steel_beam, supported, tolerance};
 use stickslip::contact::{ContactLaw, Inputs, Jenkins, Response, SlipState, StateTangents, Tangents};
 use stickslip::system::StructureError;
 use stickslip::time::{IntegrationError, Integrator, Outputs, Ramp, Settings, SystemError};
+
+use crate::common::beam::{one_mode, steel_beam};
+use crate::common::time::{at_end, held, loaded, rest, supported, tolerance};
 
 /// A law whose force is not a number beyond a displacement.
 #[derive(Debug)]

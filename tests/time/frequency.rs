@@ -3,16 +3,15 @@
 
 use std::f64::consts::TAU;
 
-use stickslip::contact::Valanis;
 use stickslip::harmonic::fourier::{from_samples, value};
 use stickslip::harmonic::{LoadedContact, Method, Settings, backbone, forced_response};
 use stickslip::model::{Beam, Damping, Model, Structure};
 use stickslip::system::ModalBeam;
 use stickslip::time::{self, Integrator, Motion, Ramp};
 
+use crate::common::contact::{self, LOAD};
 use crate::common::time::{at_end, rest, supported};
 
-const LOAD: f64 = 147.15;
 /// Force (N) and frequency (Hz) of the excitation, near the resonance of the slipping beam.
 const FORCE: f64 = 8.0;
 const FREQUENCY: f64 = 52.0;
@@ -21,10 +20,6 @@ fn published(modes: usize, damping_ratio: f64) -> ModalBeam {
     let model = Model::parse(include_str!("../../examples/frictional-support/published.toml")).unwrap();
     let Structure::Beam(beam) = model.structure else { panic!("the example is a beam") };
     ModalBeam::new(&Beam { modes, damping: Damping::Uniform(damping_ratio), ..beam }).unwrap()
-}
-
-fn valanis() -> Valanis {
-    Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, LOAD).unwrap()
 }
 
 /// Drives `motion` from phase 0 over `periods` of a cosine, `steps` straight pieces a period; `visit` sees
@@ -73,7 +68,7 @@ fn the_published_model_file_has_the_backbone_of_an_independent_harmonic_balance(
         (60.0, 49.55560, 4.66400),
         (70.0, 49.41478, 5.17085),
     ];
-    let law = valanis();
+    let law = contact::published();
     let contact = LoadedContact { law: &law, normal_load: LOAD };
     for (modes, harmonics, reference) in [(4, 5, four_modes_five_harmonics), (6, 9, six_modes_nine_harmonics)]
     {
@@ -95,7 +90,7 @@ fn the_published_model_file_has_the_backbone_of_an_independent_harmonic_balance(
 #[test]
 fn the_transient_from_rest_is_that_of_the_published_equations() {
     let beam = published(4, 0.02);
-    let mut integrator = supported(&beam, valanis(), LOAD);
+    let mut integrator = supported(&beam, contact::published(), LOAD);
     let mut motion = rest(&mut integrator);
     drive(&mut integrator, &mut motion, 3, 2048, |_, _| {});
     let displacement = [-4.84833661e-5, -2.19250161e-6, -6.04993074e-7, -2.54945865e-7];
@@ -117,7 +112,7 @@ fn the_transient_from_rest_is_that_of_the_published_equations() {
 #[test]
 fn harmonic_balance_finds_the_steady_state_of_a_long_run_in_time() {
     let beam = published(4, 0.02);
-    let law = valanis();
+    let law = contact::published();
     let contact = LoadedContact { law: &law, normal_load: LOAD };
     let settings =
         Settings { harmonics: 15, method: Method::Sampled { samples: 512 }, ..Settings::default() };

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use crate::common::time::{
-    ExactJenkins, at_end, held, one_mode, rest, steel_beam, supported, supported_by, tolerance,
-};
 use stickslip::contact::{ContactLaw, Jenkins, SlipState, Valanis};
 use stickslip::system::ModalBeam;
 use stickslip::time::{Integrator, Motion, Outputs, Ramp, Settings};
+
+use crate::common::beam::{one_mode, steel_beam};
+use crate::common::time::{ExactJenkins, at_end, held, rest, supported, supported_by, tolerance};
 
 const STIFFNESS: f64 = 7.9e6;
 const LOAD: f64 = 150.0;

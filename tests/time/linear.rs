@@ -1,7 +1,9 @@
 //! Time integration where the exact solution is known in closed form, or from an independent method.
 
-use crate::common::time::{Spring, held, loaded, one_mode, rest, steel_beam, supported, tolerance};
 use stickslip::time::{Outputs, Ramp, Settings};
+
+use crate::common::beam::{one_mode, steel_beam};
+use crate::common::time::{Spring, held, loaded, rest, supported, tolerance};
 
 const FREE: Ramp = Ramp::held(0.0);
 

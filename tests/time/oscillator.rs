@@ -4,13 +4,14 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use crate::common::matrices::{chain, single, two_mass};
 use stickslip::contact::{Backlash, ContactLaw, CubicSpring, Jenkins, ParallelSliders, Unilateral, Valanis};
 use stickslip::system::LinearStructure;
 use stickslip::time::{
     self, Excitation, Integrator, LoadedContact, Motion, OscillatorError, OscillatorFlow, Ramp, RungeKutta,
     ShootingSettings, shoot,
 };
+
+use crate::common::oscillator::{chain, single, two_masses};
 
 fn attached(law: &dyn ContactLaw) -> LoadedContact<'_> {
     LoadedContact { law, normal_load: 1.0 }
@@ -132,12 +133,12 @@ fn an_end_without_end_is_an_error_and_changes_nothing() {
 fn runge_kutta_approaches_the_exact_flow() {
     let law = Backlash::new(0.8, 0.05, 0.06).unwrap();
     let excitation = Excitation::cosine(0.9, 0.4);
-    let mut flow = OscillatorFlow::new(&two_mass(), &[attached(&law)]).unwrap();
+    let mut flow = OscillatorFlow::new(&two_masses(0.1), &[attached(&law)]).unwrap();
     let mut motion = flow.rest();
     // The area of a loop is the energy taken only once the loop closes.
     flow.advance(&mut motion, 59.0 * TAU / 0.9, &excitation).unwrap();
     let exact = flow.advance(&mut motion, TAU / 0.9, &excitation).unwrap();
-    let scheme = RungeKutta::new(&two_mass(), &[attached(&law)]).unwrap();
+    let scheme = RungeKutta::new(&two_masses(0.1), &[attached(&law)]).unwrap();
     let errors = [100, 1000].map(|steps| {
         let last = scheme.from_rest(&excitation, 60, steps).unwrap().pop().unwrap();
         (last.dissipated_energy[0] / exact.total_dissipated_energy() - 1.0).abs()
@@ -170,13 +171,13 @@ fn the_integrator_follows_the_exact_flow_of_jenkins() {
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let interval = 2.0;
     let values: Vec<f64> = (0..=20).map(|k| 0.4 * (0.5 * interval * f64::from(k)).cos()).collect();
-    let mut flow = OscillatorFlow::new(&two_mass(), &[attached(&law)]).unwrap();
+    let mut flow = OscillatorFlow::new(&two_masses(0.1), &[attached(&law)]).unwrap();
     let mut exact = flow.rest();
     let excitation = Excitation::Sampled { interval, values: values.clone() };
     let passage = flow.advance(&mut exact, 40.0, &excitation).unwrap();
     let mut errors = vec![];
     for tolerance in [1e-5, 1e-8] {
-        let mut integrator = integrator(&two_mass(), vec![Arc::new(law)]);
+        let mut integrator = integrator(&two_masses(0.1), vec![Arc::new(law)]);
         let (motion, steps) = run(&mut integrator, interval, &values, tolerance);
         let (found, expected) = (integrator.displacement(&motion), flow.displacement(&exact));
         let error = (found[0] - expected[0]).abs().max((found[1] - expected[1]).abs());

@@ -1,16 +1,17 @@
 //! Periodic motions of lumped oscillators by shooting on the exact flow.
 
-use crate::common::matrices::two_mass;
 use stickslip::contact::Jenkins;
 use stickslip::time::{
     Excitation, LoadedContact, OscillatorError, OscillatorFlow, PeriodicMotion, RungeKutta, ShootingSettings,
     shoot,
 };
 
+use crate::common::oscillator::two_masses;
+
 fn study(omega: f64, amplitude: f64) -> PeriodicMotion {
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let mut flow =
-        OscillatorFlow::new(&two_mass(), &[LoadedContact { law: &law, normal_load: 1.0 }]).unwrap();
+        OscillatorFlow::new(&two_masses(0.1), &[LoadedContact { law: &law, normal_load: 1.0 }]).unwrap();
     shoot(&mut flow, &Excitation::cosine(omega, amplitude), None, &ShootingSettings::default()).unwrap()
 }
 
@@ -49,7 +50,7 @@ fn the_two_masses_have_the_reference_responses() {
 fn the_published_differences_are_transients_not_yet_over() {
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let contacts = [LoadedContact { law: &law, normal_load: 1.0 }];
-    let scheme = RungeKutta::new(&two_mass(), &contacts).unwrap();
+    let scheme = RungeKutta::new(&two_masses(0.1), &contacts).unwrap();
     let run = |omega: f64, periods| scheme.from_rest(&Excitation::cosine(omega, 0.4), periods, 1000).unwrap();
     let omega = 1.305808;
     let (second, steady) = (run(omega, 60), study(omega, 0.4));
@@ -73,7 +74,7 @@ fn the_published_differences_are_transients_not_yet_over() {
 fn shooting_starts_anywhere_and_refuses_what_has_no_period() {
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let mut flow =
-        OscillatorFlow::new(&two_mass(), &[LoadedContact { law: &law, normal_load: 1.0 }]).unwrap();
+        OscillatorFlow::new(&two_masses(0.1), &[LoadedContact { law: &law, normal_load: 1.0 }]).unwrap();
     let excitation = Excitation::cosine(1.3, 0.4);
     let settings = ShootingSettings::default();
     let start = flow.motion(0.0, &[3.0, -5.0], &[1.0, 2.0], &[4.0]).unwrap();
@@ -96,7 +97,7 @@ fn shooting_starts_anywhere_and_refuses_what_has_no_period() {
 fn the_slowest_multiplier_is_the_rate_at_which_marching_approaches() {
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let mut flow =
-        OscillatorFlow::new(&two_mass(), &[LoadedContact { law: &law, normal_load: 1.0 }]).unwrap();
+        OscillatorFlow::new(&two_masses(0.1), &[LoadedContact { law: &law, normal_load: 1.0 }]).unwrap();
     let omega = 0.541;
     let excitation = Excitation::cosine(omega, 0.4);
     let found = shoot(&mut flow, &excitation, None, &ShootingSettings::default()).unwrap();

@@ -2,11 +2,10 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 
-use serde_json::Value;
 use tempfile::TempDir;
+
+use crate::support::{error, read_json, stickslip};
 
 const MODEL: &str = r#"schema = "stickslip.model/1"
 kind = "contact"
@@ -17,18 +16,6 @@ tangential_stiffness = 2.4e6
 friction_coefficient = 0.5
 normal_load = 100.0
 "#;
-
-fn stickslip(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_stickslip")).current_dir(folder).args(arguments).output().unwrap()
-}
-
-fn error(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn json(folder: &Path, name: &str) -> Value {
-    serde_json::from_slice(&fs::read(folder.join(name)).unwrap()).unwrap()
-}
 
 /// Six records from rest at several levels, of a slider with a spring of `beside` (N/m) next to it.
 fn example(beside: f64) -> TempDir {
@@ -83,7 +70,7 @@ fn a_missing_spring_is_found_added_and_the_error_falls() {
         ],
     );
     assert_eq!(found.status.code(), Some(10), "{}", error(&found));
-    let diagnosis = json(path, "d.json");
+    let diagnosis = read_json(path, "d.json");
     assert_eq!(diagnosis["schema"], "stickslip.diagnosis/1");
     assert_eq!(diagnosis["effects"], serde_json::json!(["residual_stiffness"]));
     assert_eq!(diagnosis["model_written"], "found.toml");
@@ -94,11 +81,11 @@ fn a_missing_spring_is_found_added_and_the_error_falls() {
         &["add", "model.toml", "residual_stiffness", "--fit", "data", "-o", "new.toml", "--json", "a.json"],
     );
     assert_eq!(added.status.code(), Some(0), "{}", error(&added));
-    let added = json(path, "a.json");
+    let added = read_json(path, "a.json");
     assert_eq!(added["effect"], "residual_stiffness");
     let compared = stickslip(path, &["compare", "new.toml", "data", "--no-fit", "--json", "c.json"]);
     assert_eq!(compared.status.code(), Some(0), "{}", error(&compared));
-    let after = json(path, "c.json")["error"]["baseline"].as_f64().unwrap();
+    let after = read_json(path, "c.json")["error"]["baseline"].as_f64().unwrap();
     let before = diagnosis["error"]["refitted"].as_f64().unwrap();
     assert!(after < 0.3 * before, "{before} → {after}");
     let text = fs::read_to_string(path.join("new.toml")).unwrap();

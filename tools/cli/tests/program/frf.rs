@@ -1,17 +1,14 @@
 //! Response curves as a user asks for them, and what the program says when the input is wrong.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::Value;
 use tempfile::TempDir;
 
-const MODEL: &str = include_str!("../../../../examples/friction-vibration/model.toml");
+use crate::support::{entries, error, read_json, stickslip};
 
-fn stickslip(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_stickslip")).current_dir(folder).args(arguments).output().unwrap()
-}
+const MODEL: &str = include_str!("../../../../examples/friction-vibration/model.toml");
 
 /// A folder with the two masses as `model.toml` and the beam as `beam.toml`.
 fn example() -> TempDir {
@@ -22,10 +19,6 @@ fn example() -> TempDir {
     folder
 }
 
-fn read(folder: &TempDir, file: &str) -> Value {
-    serde_json::from_slice(&fs::read(folder.path().join(file)).unwrap()).unwrap()
-}
-
 /// Runs `frf` on the two masses from 0.2 to 2 rad/s and reads its JSON.
 fn response(more: &[&str]) -> (TempDir, Output, Value) {
     let folder = example();
@@ -33,8 +26,8 @@ fn response(more: &[&str]) -> (TempDir, Output, Value) {
     arguments.extend(more);
     arguments.extend(["--json", "frf.json"]);
     let output = stickslip(folder.path(), &arguments);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let json = read(&folder, "frf.json");
+    assert!(output.status.success(), "{}", error(&output));
+    let json = read_json(&folder, "frf.json");
     (folder, output, json)
 }
 
@@ -138,7 +131,7 @@ fn the_stability_of_a_beam_is_told() {
         ["frf", "beam.toml", "--from", "53.5", "--to", "54.5", "--force", "1", "--harmonics", "3"];
     let output = stickslip(folder.path(), &[&arguments[..], &["--json", "frf.json"]].concat());
     assert!(output.status.success(), "{output:?}");
-    let json = read(&folder, "frf.json");
+    let json = read_json(&folder, "frf.json");
     let points = json["points"].as_array().unwrap();
     assert!(points.len() > 20 && points.iter().all(|point| point["stable"] == true), "{}", points.len());
     assert!(String::from_utf8_lossy(&output.stdout).contains("unstable"));
@@ -170,7 +163,7 @@ fn at_a_phase_resonance_the_force_alone_gives_the_held_response_a_quarter_period
         let run = ["frf", "model.toml", "--unit", "rad/s", "--from", &from, "--to", &to, "--force", &level];
         let output = stickslip(folder.path(), &[&run[..], &["--json", "f.json"]].concat());
         assert!(output.status.success());
-        let at = &read(&folder, "f.json")["points"][0];
+        let at = &read_json(&folder, "f.json")["points"][0];
         close(&at["harmonic1"]["m1"], 1.0, 1e-7);
         close(&at["phase1"]["m1"], -std::f64::consts::FRAC_PI_2, 1e-7);
     }
@@ -193,16 +186,10 @@ fn hertz_are_the_default_unit() {
     let folder = example();
     let arguments = ["frf", "model.toml", "--from", "0.07", "--to", "0.1", "--force=0.4", "--json", "f.json"];
     assert!(stickslip(folder.path(), &arguments).status.success());
-    let json = read(&folder, "f.json");
+    let json = read_json(&folder, "f.json");
     let first = &json["points"][0];
     close(&first["frequency_hz"], 0.07, 1e-9);
     close(&first["omega"], 0.07 * std::f64::consts::TAU, 1e-9);
-}
-
-fn entries(folder: &Path) -> Vec<PathBuf> {
-    let mut all: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    all.sort();
-    all
 }
 
 /// Exit code 2, one message that holds every one of `hints`, no file written.
@@ -211,7 +198,7 @@ fn refused(arguments: &[&str], hints: &[&str]) {
     let before = entries(folder.path());
     let arguments = [arguments, &["--json", "c.json", "--report", "r.html"]].concat();
     let output = stickslip(folder.path(), &arguments);
-    let message = String::from_utf8_lossy(&output.stderr);
+    let message = error(&output);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
     assert_eq!(message.matches("error: ").count(), 1, "{message}");
     for hint in hints {
@@ -271,11 +258,11 @@ fn models_and_destinations_that_cannot_be_used_are_refused() {
     fs::write(folder.path().join("contact.toml"), contact).unwrap();
     let output = stickslip(folder.path(), &["frf", "contact.toml", "--from", "1", "--to", "2"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("oscillator"));
+    assert!(error(&output).contains("oscillator"));
     let nowhere = ["frf", "model.toml", "--from", "0.1", "--to", "0.2", "--json", "nowhere/f.json"];
     let output = stickslip(folder.path(), &nowhere);
     assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("nowhere"));
+    assert!(error(&output).contains("nowhere"));
 }
 
 /// Runs `frf` on a model of its own and reads the JSON.
@@ -284,10 +271,10 @@ fn followed(model: &str, more: &[&str]) -> (String, Value) {
     fs::write(folder.path().join("own.toml"), model).unwrap();
     let run = ["frf", "own.toml", "--unit", "rad/s", "--json", "f.json", "--report", "f.html"];
     let output = stickslip(folder.path(), &[&run[..], more].concat());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{}", error(&output));
     let page = fs::read_to_string(folder.path().join("f.html")).unwrap();
     let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).replace('\n', " ");
-    (format!("{said}{page}"), read(&folder, "f.json"))
+    (format!("{said}{page}"), read_json(&folder, "f.json"))
 }
 
 const FREE: &str = "schema = \"stickslip.model/1\"\nkind = \"oscillator\"\n\
@@ -353,7 +340,7 @@ fn effects_without_a_steady_state_are_refused_and_those_of_sensors_told() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("wear.toml"), wear).unwrap();
     let output = stickslip(folder.path(), &["frf", "wear.toml", "--from", "0.1", "--to", "0.2"]);
-    let message = String::from_utf8_lossy(&output.stderr);
+    let message = error(&output);
     assert_eq!(output.status.code(), Some(2), "{message}");
     assert!(message.contains("\"wear\" has no steady state"), "{message}");
     let gain =
@@ -368,8 +355,8 @@ fn the_place_of_excitation_of_a_beam_can_be_held() {
     let run = ["frf", "beam.toml", "--from", "53.9", "--to", "54", "--hold", "velocity:excitation=0.1"];
     let more = ["--harmonics", "3", "--no-stability", "--json", "f.json"];
     let output = stickslip(folder.path(), &[&run[..], &more].concat());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    for point in read(&folder, "f.json")["points"].as_array().unwrap() {
+    assert!(output.status.success(), "{}", error(&output));
+    for point in read_json(&folder, "f.json")["points"].as_array().unwrap() {
         let omega = point["omega"].as_f64().unwrap();
         close(&point["harmonic1"]["excitation"], 0.1 / omega, 1e-8);
     }
@@ -378,6 +365,6 @@ fn the_place_of_excitation_of_a_beam_can_be_held() {
 #[test]
 fn long_numbers_are_written_short() {
     let output = stickslip(example().path(), &["frf", "model.toml", "--from", "1e301", "--to", "1e300"]);
-    let message = String::from_utf8_lossy(&output.stderr);
+    let message = error(&output);
     assert!(message.contains("--from 1e301 must be below --to 1e300"), "{message}");
 }

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io::{Cursor, Read as _};
 use std::path::Path;
-use std::process::{Command, Output};
 
 use serde_json::Value;
 use stickslip::contact::Inputs;
@@ -17,19 +16,13 @@ use stickslip_hidden_effects::files;
 use stickslip_hidden_effects::motion::Drive;
 use tempfile::TempDir;
 
-fn stickslip(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_stickslip")).current_dir(folder).args(arguments).output().unwrap()
-}
+use crate::support::{error, read_json, stickslip};
 
 /// Runs the program, which has to end with `code`.
 fn run(folder: &Path, arguments: &[&str], code: i32) {
     let output = stickslip(folder, arguments);
-    let said = String::from_utf8_lossy(&output.stderr);
+    let said = error(&output);
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
-}
-
-fn json(folder: &Path, name: &str) -> Value {
-    serde_json::from_slice(&fs::read(folder.join(name)).unwrap()).unwrap()
 }
 
 /// A case at full strength with white noise of `share`: `model.toml`, `dataset.toml` and eight records.
@@ -56,7 +49,7 @@ fn hidden_in(kind: Kind, effects: &[&'static str], share: f64) -> TempDir {
 /// The diagnosis of `folder`, whose exit code belongs to its verdict.
 fn diagnose(folder: &Path) -> Value {
     let output = stickslip(folder, &["diagnose", "model.toml", ".", "--json", "d.json", "-o", "found.toml"]);
-    let diagnosis = json(folder, "d.json");
+    let diagnosis = read_json(folder, "d.json");
     let code = match diagnosis["verdict"].as_str().unwrap() {
         "nothing-missing" => 0,
         "effect-found" => 10,
@@ -129,7 +122,7 @@ fn a_resonator_is_found_though_its_frequency_is_unknown() {
     let tried = "hanging_mass,added_mass,residual_stiffness";
     let arguments = ["diagnose", "model.toml", ".", "--effects", tried, "--json", "d.json"];
     run(folder.path(), &arguments, 10);
-    let diagnosis = json(folder.path(), "d.json");
+    let diagnosis = read_json(folder.path(), "d.json");
     assert_eq!(diagnosis["effects"], serde_json::json!(["hanging_mass"]), "{diagnosis:#}");
     let error = |name: &str| diagnosis["error"][name].as_f64().unwrap();
     assert!(error("untouched") < 1.15 * error("noise_floor"), "{}", diagnosis["error"]);
@@ -177,7 +170,7 @@ fn the_effect_found_is_added_the_error_falls_and_the_new_model_runs_as_an_fmu() 
     // The model that the diagnosis wrote is the one it tells of; one that `add` fits to all records is as good.
     for (model, tolerance) in [("found.toml", 1e-3), ("new.toml", 0.01)] {
         run(path, &["compare", model, ".", "--no-fit", "--json", "c.json"], 0);
-        let after = of(&json(path, "c.json")["error"]["baseline"]);
+        let after = of(&read_json(path, "c.json")["error"]["baseline"]);
         assert!((after / of(&error["final"]) - 1.0).abs() < tolerance, "{model}: {after}, {error}");
     }
     run(path, &["export", "new.toml", "-o", "New.fmu"], 0);

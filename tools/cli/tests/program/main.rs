@@ -6,8 +6,13 @@ mod external;
 #[path = "../../../fmi-host/tests/support/unruly.rs"]
 mod unruly;
 
+mod support;
+
+mod bad_input;
+mod demonstrations;
 mod diagnosis;
 mod frf;
+mod friction_damper;
 mod hidden_effects;
 mod interrupt;
 mod simulate;

@@ -3,16 +3,13 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::unruly;
+use crate::support::{read_json, stickslip};
 
-fn stickslip(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_stickslip")).current_dir(folder).args(arguments).output().unwrap()
-}
+use crate::unruly;
 
 /// Runs and expects this exit code; standard output and error.
 fn ended(folder: &Path, code: i32, arguments: &[&str]) -> (String, String) {
@@ -28,10 +25,6 @@ fn systems() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     ended(folder.path(), 0, &["fmu", "BeamWithJenkins", "JenkinsContact"]);
     folder
-}
-
-fn json(folder: &TempDir, file: &str) -> Value {
-    serde_json::from_slice(&fs::read(folder.path().join(file)).unwrap()).unwrap()
 }
 
 fn column<'j>(json: &'j Value, name: &str) -> Vec<f64> {
@@ -61,7 +54,7 @@ fn a_finer_explicit_coupling_approaches_the_strong_one_and_so_does_its_energy() 
             "r.json",
         ];
         ended(folder.path(), 0, &arguments);
-        json(&folder, "r.json")
+        read_json(&folder, "r.json")
     };
     let reference = run("strong", "5e-6", "20");
     let exact = column(&reference, "beam.displacement");
@@ -91,7 +84,7 @@ fn adapted_steps_are_few_from_rest_on_and_what_limits_them_is_told() {
             0,
             &[&arguments[..], &["--tolerance", tolerance, "--out", "r.json"]].concat(),
         );
-        (json(&folder, "r.json"), out)
+        (read_json(&folder, "r.json"), out)
     };
     let (usual, _) = run("1e-4");
     assert!(usual["steps"].as_u64().unwrap() < 2500 && usual["forced"] == 0, "{}", usual["steps"]);
@@ -142,7 +135,7 @@ fn values_from_the_command_line_and_from_a_file_act() {
     let force = |more: &[&str]| {
         let base = ["simulate", "JenkinsContact.fmu", "--stop", "0.01", "--step", "1e-3", "--out", "r.json"];
         ended(path, 0, &[&base[..], more].concat());
-        column(&json(&folder, "r.json"), "JenkinsContact.force")
+        column(&read_json(&folder, "r.json"), "JenkinsContact.force")
     };
     // 0.6 · 147.15 N, or less normal load, once the displacement is beyond the limit.
     let held = force(&["--set", "displacement=1e-4"]);
@@ -180,7 +173,7 @@ fn a_parameter_that_belongs_to_nothing_is_one_note() {
         errors.contains("did you mean `normal_load`?") && errors.contains("parameters.ssv:1"),
         "{errors}"
     );
-    assert!(json(&folder, "r.json")["notes"][0].as_str().unwrap().contains("normal_laod"));
+    assert!(read_json(&folder, "r.json")["notes"][0].as_str().unwrap().contains("normal_laod"));
 }
 
 #[test]
@@ -193,7 +186,7 @@ fn common_units_are_converted_without_a_definition_and_unknown_ones_refused() {
         let arguments =
             ["simulate", "JenkinsContact.fmu", "--stop", "0.01", "--step", "1e-3", "--input", "push.csv"];
         ended(path, 0, &[&arguments[..], &["--out", "r.json"]].concat());
-        column_of(&json(&folder, "r.json"))
+        column_of(&read_json(&folder, "r.json"))
     };
     let metres = force("displacement [m]", 1e-6);
     for (column, scale) in
@@ -210,7 +203,7 @@ fn common_units_are_converted_without_a_definition_and_unknown_ones_refused() {
         let system = with_parameters(&folder, parameter);
         let arguments = ["simulate", system.to_str().unwrap(), "--stop", "0.002", "--out", "r.json"];
         ended(path, 0, &arguments);
-        column(&json(&folder, "r.json"), "contact.force")
+        column(&read_json(&folder, "r.json"), "contact.force")
     };
     assert_eq!(dissipated(&load("kN", "0.125")), dissipated(&load("N", "125")));
     let system = with_parameters(&folder, &load("furlong", "1"));
@@ -233,7 +226,7 @@ fn a_variable_without_a_unit_has_that_of_its_connector() {
     let arguments =
         ["simulate", "s.ssd", "--stop", "1", "--step", "0.1", "--input", "push.csv", "--out", "r.json"];
     ended(folder.path(), 0, &arguments);
-    let last = *column(&json(&folder, "r.json"), "one.y").last().unwrap();
+    let last = *column(&read_json(&folder, "r.json"), "one.y").last().unwrap();
     assert!((last - 2000.0).abs() < 1e-6, "{last}");
 }
 
@@ -334,7 +327,7 @@ fn two_contacts_on_one_beam_share_it_and_take_its_energy() {
     // With the step that the beam proposes.
     let arguments = ["simulate", "BeamWithTwoContacts.ssp", "--stop", "0.02", "--out", "r.json"];
     ended(folder.path(), 0, &arguments);
-    let json = json(&folder, "r.json");
+    let json = read_json(&folder, "r.json");
     let energy = json["energy"].as_array().unwrap();
     assert_eq!(energy.len(), 2, "{energy:?}");
     for one in energy {

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::Command;
+
 use stickslip_fmi_host::{Error, Slave, Status};
 use stickslip_fmu_package::library;
 

@@ -4,11 +4,12 @@
 use std::path::Path;
 use std::process::Command;
 
+use serde_json::Value;
+use stickslip_report::diagnosis::diagnosis_html;
+
 use crate::external;
 use crate::synthetic::diagnosis::{found, insufficient, run, unexplained};
 use crate::synthetic::{backbone, beam_with_failure, contact, hostile, settings};
-use serde_json::Value;
-use stickslip_report::diagnosis::diagnosis_html;
 
 const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 

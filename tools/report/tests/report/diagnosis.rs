@@ -1,10 +1,11 @@
 //! What page, text and JSON of a diagnosis promise, whatever was found.
 
-use crate::synthetic::diagnosis::{found, group, insufficient, large, nothing, run, unexplained};
-use crate::synthetic::settings;
 use serde_json::Value;
 use stickslip::diagnose::{Diagnosis, Verdict};
 use stickslip_report::diagnosis::{Run, diagnosis_html, diagnosis_json, diagnosis_table};
+
+use crate::synthetic::diagnosis::{found, group, insufficient, large, nothing, run, unexplained};
+use crate::synthetic::settings;
 
 fn all() -> Vec<Diagnosis> {
     vec![found(), group(), unexplained(), nothing(), insufficient()]

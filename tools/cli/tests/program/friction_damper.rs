@@ -1,0 +1,39 @@
+//! The measured loops of a friction device, which have a licence of their own and stay where they are.
+
+use crate::external;
+use crate::support::{error, read_json, stickslip};
+
+#[test]
+fn measured_friction_damper_is_compared_where_its_data_are_present() {
+    let Some(folder) = external::data("friction-damper") else { return };
+    let out = tempfile::tempdir().unwrap();
+    let (model, dataset) = (folder.join("model.toml"), folder.join("dataset.toml"));
+    let (model, dataset) = (model.to_str().unwrap(), dataset.to_str().unwrap());
+    let output =
+        stickslip(out.path(), &["compare", model, dataset, "--json", "c.json", "--report", "r.html"]);
+    assert!(output.status.success(), "{}", error(&output));
+    let json = read_json(&out, "c.json");
+    let error = |name: &str| json["error"][name].as_f64().unwrap();
+    assert!(error("refitted") < 0.5 * error("baseline"), "{} {}", error("baseline"), error("refitted"));
+    assert_eq!(json["stages"][1]["records"].as_array().unwrap().len(), 10);
+}
+
+#[test]
+fn the_measured_friction_damper_lacks_backlash() {
+    let Some(folder) = external::data("friction-damper") else { return };
+    let out = tempfile::tempdir().unwrap();
+    let (model, dataset) = (folder.join("model.toml"), folder.join("dataset.toml"));
+    let (model, dataset) = (model.to_str().unwrap(), dataset.to_str().unwrap());
+    let tried = ["--effects", "backlash,residual_stiffness"];
+    let output =
+        stickslip(out.path(), &[&["diagnose", model, dataset, "--json", "d.json"], &tried[..]].concat());
+    assert_eq!(output.status.code(), Some(10), "{}", error(&output));
+    let json = read_json(&out, "d.json");
+    assert_eq!(json["effects"], serde_json::json!(["backlash"]));
+    let error = |name: &str| json["error"][name].as_f64().unwrap();
+    assert!(
+        error("untouched") < 0.75 * error("untouched_refitted")
+            && error("untouched") < 0.5 * error("baseline")
+    );
+    assert!(json["error"]["noise_floor"].is_null(), "nothing tells the noise of these records");
+}
