@@ -83,19 +83,19 @@ vocabulary! {
     NORMAL_STIFFNESS = "normal_stiffness" ["N/m"] Some(0.0), None, false, 1e7, "Normal stiffness of the contact, by which a measured normal displacement changes the normal load";
     // Effects: parameters.
     SPREAD = "spread" ["1"] Some(0.0), Some(1.0), false, 0.5, "Half-width of the distribution of yield displacements over its mean: 0 one slider, 1 slip from the first displacement on";
-    LOAD_GAIN = "load_gain" ["1"] None, None, false, 1.0, "Share of the measured change of normal load that reaches the contact";
-    WEAKENING = "weakening" ["1"] Some(-1.0), None, true, 0.3, "Excess of the friction limit at rest over that at high velocity, as a share of the latter";
+    LOAD_GAIN = "load_gain" ["1"] None, None, false, 1.0, "Fraction of the measured change of normal load that reaches the contact";
+    WEAKENING = "weakening" ["1"] Some(-1.0), None, true, 0.3, "Excess of the friction limit at rest over that at high velocity, as a fraction of the latter";
     WEAKENING_VELOCITY = "weakening_velocity" ["m/s"] Some(0.0), None, true, 1e-3, "Relative velocity at which the excess of the friction limit has fallen to 1/e";
     RATE = "rate" ["1/m"] None, None, false, 1.0, "Relative change of the friction limit per metre of slip";
     CONTACT_DAMPING = "damping" ["N.s/m"] None, None, false, 1.0, "Damping of the damper beside the contact";
     HALF_GAP = "half_gap" ["m"] Some(0.0), None, false, 1e-5, "Half of the play in series with the contact";
     CUBIC_STIFFNESS = "cubic_stiffness" ["N/m^3"] None, None, false, 1e12, "Cubic stiffness: force over the third power of the displacement";
-    ASYMMETRY = "asymmetry" ["1"] Some(-1.0), Some(1.0), true, 0.1, "Excess of the friction limit against positive slip, and lack against negative, as a share of their mean";
+    ASYMMETRY = "asymmetry" ["1"] Some(-1.0), Some(1.0), true, 0.1, "Excess of the friction limit against positive slip, and lack against negative, as a fraction of their mean";
     QUADRATIC_DAMPING = "quadratic_damping" ["N.s^2/m^2"] None, None, false, 1.0, "Drag: force over the square of the velocity, against the motion";
     HANGING_FREQUENCY = "hanging_frequency" ["Hz"] Some(0.0), None, true, 10.0, "Natural frequency of the hanging mass on its string, the contact held";
     NORMAL_CUBIC_STIFFNESS = "normal_cubic_stiffness" ["N/m^3"] None, None, false, 1e15, "Cubic stiffness of the contact in the normal direction";
     IMPACT_DAMPING = "impact_damping" ["s/m"] None, None, false, 1.0, "Hunt-Crossley damping: relative change of the normal load per approach velocity";
-    DELAY = "delay" ["s"] None, None, false, 1e-4, "Time by which a sensor shows the motion late";
+    DELAY = "delay" ["s"] None, None, false, 1e-4, "Delay of a sensor's signal";
     GAIN = "gain" ["1"] Some(0.0), None, true, 1.0, "Reading of a sensor over the true value";
     BIAS = "bias" ["1"] None, None, false, 1.0, "Constant that a sensor adds, in the SI unit of its channel";
     BIAS_FORCE = "bias" ["N"] None, None, false, 1.0, "Constant that a force sensor adds";

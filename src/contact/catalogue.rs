@@ -157,7 +157,7 @@ pub(super) fn residual_rule(residual: f64, tangential: f64) -> Option<LawRule> {
         message: format!(
             "`residual_stiffness` ({residual} N/m) must be below `tangential_stiffness` ({tangential} N/m)"
         ),
-        help: "the slope left in macro-slip cannot exceed the slope in stick",
+        help: "the stiffness in macro-slip cannot exceed the stiffness in stick",
     })
 }
 

@@ -73,7 +73,7 @@ pub(super) fn notes(system: &System, settings: &Settings, schedule: &Schedule) -
             let abilities = slave.abilities();
             if !abilities.saves_state {
                 notes.push(format!(
-                    "{} cannot save its state: steps of the system cannot be repeated shorter",
+                    "{} cannot save its state: steps of the system cannot be repeated with a shorter size",
                     slave.name()
                 ));
             }

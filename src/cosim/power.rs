@@ -111,7 +111,7 @@ pub struct EnergyResidual {
     pub force: String,
     /// `slave.variable` that takes the motion.
     pub motion: String,
-    /// Sum of the residuals (J): what the coupling fed in, or took out if negative.
+    /// Sum of the residuals (J): the energy that the coupling added, or removed if negative.
     pub sum: f64,
     /// Sum of their magnitudes (J).
     pub magnitude: f64,

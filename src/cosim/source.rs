@@ -120,7 +120,7 @@ impl Slave for Source {
         _direction: &[f64],
         _change: &mut [f64],
     ) -> Result<(), SlaveError> {
-        self.refuse("it has no inputs to derive by")
+        self.refuse("it has no inputs to differentiate by")
     }
 
     fn do_step(&mut self, time: f64, step: f64) -> Result<Stepped, SlaveError> {

@@ -47,7 +47,7 @@ pub(super) fn experiment(effects: &[&str]) -> String {
 pub(super) fn group(effects: Vec<&'static str>) -> Group {
     let experiment = experiment(&effects);
     let reason = format!(
-        "with each of them the records that choose are predicted equally well, to within one standard error ({})",
+        "with each of them the validation records are predicted equally well, to within one standard error ({})",
         effects.join(", ")
     );
     Group { effects, reason, experiment }

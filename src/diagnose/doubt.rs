@@ -29,7 +29,7 @@ pub(super) fn of_predictions(
         let own = if a == b { LEAST } else { 0.0 };
         here.curvature[(seen[a], seen[b])] / (scale[seen[a]] * scale[seen[b]]) + own
     });
-    let inverse = scaled.try_inverse().ok_or("the parameters' doubt cannot be told")?;
+    let inverse = scaled.try_inverse().ok_or("the covariance of the parameters cannot be computed")?;
     // Directions in which the others' predictions change independently of each other.
     let changes = SymmetricEigen::new(there.curvature.view((0, 0), (shared, shared)).into_owned());
     let mut along = DMatrix::zeros(size, shared);

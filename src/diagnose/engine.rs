@@ -145,18 +145,17 @@ pub fn diagnose(
     let reasons = &mut diagnosis.reasons;
     if stated && !known {
         reasons.push(format!(
-            "the refitted model leaves {smallest:.2} times the mean square of the noise that is stated or that repeats \
-             show: so large a noise is not believed, and counts as unknown"
+            "the reduced χ² of the refitted model is {smallest:.2}: the noise that is stated, or that repeats show, is \
+             too large for these data, so it counts as unknown"
         ));
     }
     reasons.extend(split::copies(dataset));
     if let Some(only) = &options.effects {
         let only = only.join(", ");
-        reasons.push(format!("only {only} was tried: what is said of the catalogue holds for that alone"));
+        reasons.push(format!("only {only} was tried: the result says nothing of the other effects"));
     }
     if options.max_effects == 0 {
-        reasons
-            .push("no effect was allowed to be added: the candidates are listed, none was taken".to_owned());
+        reasons.push("no effect may be added (--max-effects 0): the candidates are listed only".to_owned());
     }
     Ok(diagnosis)
 }

@@ -27,9 +27,9 @@ pub(super) struct Told<'a, 'b, 'd> {
     pub verdict: Verdict,
 }
 
-fn percent(share: f64) -> String {
-    let share = 100.0 * share;
-    if share >= 10.0 { format!("{share:.0} %") } else { format!("{share:.2} %") }
+fn percent(fraction: f64) -> String {
+    let value = 100.0 * fraction;
+    if value >= 10.0 { format!("{value:.0} %") } else { format!("{value:.2} %") }
 }
 
 /// Why, the most important first.
@@ -44,27 +44,27 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
             nothing_gained(outcome)
         )),
         (Verdict::NothingMissing, None) => reasons.push(format!(
-            "the refitted model leaves {} of the measured channels' variation on records that nothing was fitted to: \
-             whatever their noise, there is nothing to be explained",
+            "on the test records the residual of the refitted model is {} of the measured channels' standard \
+             deviation: whatever the noise is, nothing remains to be explained",
             percent(error.untouched)
         )),
         (Verdict::Unexplained, Some(chi_square)) => reasons.push(unexplained(outcome, told.search, chi_square)),
         (Verdict::Unexplained, None) => reasons.push(format!(
-            "the model leaves {} of the measured channels' variation, and how much of it is noise is not known: whether \
-             something is missing cannot be said. {}",
+            "the residual is {} of the measured channels' standard deviation. How much of it is noise is not known, so \
+             these data do not show whether an effect is missing. {}",
             percent(error.last),
             if findings.effects().is_empty() {
-                "Nothing in the catalogue lowers it beyond doubt"
+                "No effect of the catalogue lowers it significantly"
             } else {
-                "What was added leaves too much of it, and no name is claimed"
+                "The residual is still too large with the effects that were added, so no effect is named"
             }
         )),
         _ => {}
     }
     if outcome.in_doubt {
         reasons.push(
-            "the records seen are explained, and the doubt that they leave in the parameters could by itself make as \
-             much on the others: what was found may be all there is"
+            "the model explains the training and validation records. The uncertainty of the parameters alone could \
+             cause the residual of the test records, so the model may be complete"
                 .to_owned(),
         );
     }
@@ -72,18 +72,22 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
         let names: Vec<&str> = step.candidates.iter().map(|candidate| candidate.effect.title).collect();
         let fate = match (step.without.is_empty(), step.vetoed) {
             (true, _) => String::new(),
-            (false, false) => "; dropped again at the end, the others do as well without".to_owned(),
+            (false, false) => {
+                "; removed again at the end: without it the error is not significantly larger".to_owned()
+            }
             (false, true) => format!(
                 "; {} is taken back, since the test records do not confirm it",
                 step.without.iter().map(|c| c.effect.title).collect::<Vec<_>>().join(" with ")
             ),
         };
         let how = match step.in_all_seen {
-            true => ", once these are fitted, too: no other effect brings the fitted records to the noise",
+            true => {
+                ", when the model is fitted to them as well: no other effect lowers the error of the training records to the noise"
+            }
             false => "",
         };
         reasons.push(format!(
-            "{} removes {} of the squared error of the validation records, {:.0} standard errors above nothing{how}{fate}",
+            "{} removes {} of the squared error of the validation records, {:.0} standard errors above zero{how}{fate}",
             names.join(" with "),
             percent(step.gain.share),
             step.gain.z
@@ -91,8 +95,8 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
     }
     if !findings.effects().is_empty() {
         reasons.push(format!(
-            "on the test records the error goes from {} with the model as it came, and {} with that refitted, \
-             to {} of the channels' own variation",
+            "on the test records the error is {} of the channels' standard deviation with the model as given, {} with \
+             this model refitted, and {} with what was added",
             percent(outcome.given),
             percent(error.untouched_refitted),
             percent(error.untouched)
@@ -106,8 +110,8 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
             reasons.push(format!("the residual is noise: the reduced χ² is {chi_square:.2}"));
         }
         None if told.verdict == Verdict::EffectFound => reasons.push(format!(
-            "{} of the channels' variation is left unexplained on the test records; the noise is unknown, since \
-             no motion was repeated closely enough to show it, so how much of that is noise these records cannot say",
+            "on the test records the residual is {} of the channels' standard deviation; how much of it is noise is \
+             unknown, since no motion was repeated closely enough to measure the noise",
             percent(error.untouched)
         )),
         _ => {}
@@ -130,14 +134,14 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
     let most = outcome.chi_square.map_or(f64::NAN, |chi_square| chi_square.max(chosen));
     if *known && told.verdict == Verdict::NothingMissing && most > UNEXPLAINED {
         reasons.push(
-            "so much can come by chance: the noise has a long memory, and these records hold few independent values of \
-             it; longer records would tell"
+            "noise alone can cause this value: the noise is correlated over a long time, and these records hold few \
+             independent values of it; measure longer records"
                 .to_owned(),
         );
     }
     reasons.extend(opposed(told.search, outcome));
     if findings.interrupted {
-        reasons.push("the search was interrupted: what was not tried may do better".to_owned());
+        reasons.push("the search was interrupted: effects that were not tried may fit better".to_owned());
     }
     reasons
 }
@@ -158,8 +162,8 @@ fn opposed(search: &Search, outcome: &Outcome) -> Vec<String> {
     }
     let of = |name: &str| {
         format!(
-            "`{name}` is measured in the opposite direction to the prediction: look at the sign of its sensor, and at \
-             that of what drives the record"
+            "`{name}` is measured with the opposite sign to the prediction: check the sign of its sensor and the sign \
+             of the excitation"
         )
     };
     names.into_iter().map(of).collect()
@@ -171,7 +175,7 @@ fn nothing_gained(outcome: &Outcome) -> String {
     match best {
         None => format!("no effect of the catalogue gains {} on the validation records", thresholds()),
         Some(best) => format!(
-            "the best effect of the catalogue, {}, removes {} of what is no more than noise already",
+            "the best effect of the catalogue, {}, removes {} of a squared error that is no larger than the noise",
             best.ids().join(" + "),
             percent(best.gain.share)
         ),
@@ -189,7 +193,7 @@ fn unexplained(outcome: &Outcome, search: &Search, untouched: f64) -> String {
     let (chi_square, records) = match (untouched > UNEXPLAINED, selecting > UNEXPLAINED, outcome.repeated) {
         (true, _, _) => (untouched, "the test records"),
         (_, true, _) if selecting < outcome.findings.last().chi_square() => {
-            (selecting, "the validation records beyond what the uncertainty of the parameters explains")
+            (selecting, "the validation records, less what the uncertainty of the parameters explains,")
         }
         (_, true, _) => (selecting, "the validation records"),
         _ if outcome.left.is_some_and(|left| left.is_too_much()) => return at_worst(outcome, search),
@@ -197,8 +201,8 @@ fn unexplained(outcome: &Outcome, search: &Search, untouched: f64) -> String {
         _ => (untouched, "the test records"),
     };
     format!(
-        "the reduced χ² of {records} is {}; above {UNEXPLAINED} a model does not explain its data, and names found \
-         on the way are surrogates; it is largest in `{}`: {}",
+        "the reduced χ² of {records} is {}; above {UNEXPLAINED} a model does not explain its data, and the effects \
+         that were added only absorb error; it is largest in `{}`: {}",
         times(chi_square),
         worst(outcome, search).0,
         times(worst(outcome, search).1)
@@ -216,8 +220,8 @@ fn at_worst(outcome: &Outcome, search: &Search) -> String {
     let Some(left) = outcome.left else { return String::new() };
     let name = worst(outcome, search).0;
     format!(
-        "the reduced χ² over all records that were seen is {}, and {} in `{name}`: look at that record first, at what \
-         only it has (its level, its speed, a fault of its measurement)",
+        "the reduced χ² over the training and validation records is {}, and {} in `{name}`: look at that record first, \
+         at what only this record has (its level, its speed, a fault of its measurement)",
         times(left.seen),
         times(left.worst.1)
     )
@@ -225,8 +229,8 @@ fn at_worst(outcome: &Outcome, search: &Search) -> String {
 
 fn repeats(repeated: Repeated) -> String {
     format!(
-        "what the model leaves comes again in records that it was not taken from: a map of it against {} removes {} \
-         of its square there, {:.0} standard errors above nothing",
+        "the residual repeats from record to record: as a function of {}, taken from the training and validation \
+         records, it removes {} of the squared residual of the test records, {:.0} standard errors above zero",
         repeated.view,
         percent(repeated.gain.share),
         repeated.gain.z
@@ -269,19 +273,20 @@ fn otherwise(id: &str, sensitivities: &Sensitivities) -> Option<String> {
         others.iter().filter(|(size, _)| *size > confound::ALIKE).map(|(_, title)| *title).collect();
     Some(if alike.is_empty() {
         format!(
-            "nothing else in the catalogue: the nearest, {title}, is told apart (correlation {nearest:.2})"
+            "nothing else in the catalogue: these data distinguish it from the nearest effect, {title} (correlation \
+             {nearest:.2})"
         )
     } else {
-        format!("{} would look much the same", alike.join(", "))
+        format!("in these data {} would look almost the same", alike.join(", "))
     })
 }
 
-/// The experiment that would decide what is left open.
+/// The experiment that would decide between the explanations that remain.
 pub(super) fn next_experiment(told: &Told, _: &Sensitivities) -> Option<String> {
     match told.verdict {
         Verdict::NotDistinguishable => told.groups.first().map(|group| group.experiment.clone()),
         Verdict::EffectFound if !told.known => Some(
-            "Repeat one record, or run it over several periods: only then is it known how much of what remains is \
+            "Repeat one record, or run it over several periods: only then is it known how much of the residual is \
              noise"
                 .to_owned(),
         ),
@@ -289,8 +294,8 @@ pub(super) fn next_experiment(told: &Told, _: &Sensitivities) -> Option<String> 
             "Repeat one record, or run it over several periods: the difference of the repeats is the noise".to_owned(),
         ),
         Verdict::Unexplained if told.outcome.in_doubt => Some(
-            "Measure more records like those that nothing was fitted to, a little above and below each in level and \
-             frequency: with them the parameters are known well enough to tell whether anything is missing"
+            "Measure more records like the test records, with levels and frequencies a little above and a little below \
+             theirs: then the parameters are known well enough to decide whether an effect is missing"
                 .to_owned(),
         ),
         Verdict::Unexplained => Some(

@@ -310,7 +310,7 @@ impl<'a, 'd> Search<'a, 'd> {
     /// Each of the models `from` with the candidates of `set`, fitted roughly from all their starts. Where motions are
     /// solved for, from what fits best about those that were measured.
     fn screened(&self, from: &[(&Model, bool)], set: &[Candidate]) -> Result<Screened, String> {
-        let mut best: Result<Fitted, String> = Err("no start leads anywhere".to_owned());
+        let mut best: Result<Fitted, String> = Err("the fit failed from every start".to_owned());
         let mut rough = Vec::new();
         for &(model, far) in from {
             let found = match self.about_measured {
@@ -523,7 +523,7 @@ impl<'a, 'd> Search<'a, 'd> {
 /// The fit of least cost.
 fn deepest(fits: Vec<Fitted>) -> Result<Fitted, String> {
     let deepest = fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-    deepest.ok_or_else(|| "no start leads anywhere".to_owned())
+    deepest.ok_or_else(|| "the fit failed from every start".to_owned())
 }
 
 /// What gains most on the selecting records first, what failed last.

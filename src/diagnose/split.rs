@@ -1,4 +1,4 @@
-//! Which records are fitted, which choose, and which are read once at the end.
+//! Training, validation and test records.
 
 use crate::data::{Dataset, Record, Use};
 
@@ -59,7 +59,9 @@ pub(super) fn too_little(dataset: &Dataset, parts: &Parts) -> Option<String> {
     }
     for (part, use_for) in [(&parts.fit, "fit"), (&parts.select, "select"), (&parts.untouched, "confirm")] {
         if part.is_empty() {
-            return Some(format!("no record is left to {use_for}; leave out the marks or mark one so"));
+            return Some(format!(
+                "no record has `use = \"{use_for}\"`; mark at least one record so, or leave out `use` everywhere"
+            ));
         }
     }
     None

@@ -49,8 +49,8 @@ pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosi
     for id in &sensitivities.invisible {
         untried.push(Untried {
             effect: id,
-            reason: "it cannot be seen in these data: the model's own parameters and the records' unknown starts do \
-                     the same"
+            reason: "not identifiable in these data: the model's own parameters or the unknown initial states have the \
+                     same effect"
                 .to_owned(),
         });
     }
@@ -109,7 +109,7 @@ fn stages(model: &Model, dataset: &Dataset, baseline: Stage, outcome: &Outcome) 
     let findings = &outcome.findings;
     let names = std::iter::once("refitted".to_owned())
         .chain(findings.steps.iter().map(|step| format!("+ {}", names(step))))
-        .chain(findings.dropped().then(|| "what is needed of it".to_owned()));
+        .chain(findings.dropped().then(|| "without the effects that are not needed".to_owned()));
     for (name, fitted) in names.zip(&outcome.fits) {
         stages.push(stage(&name, fitted, before, dataset));
         before = &fitted.model;
@@ -303,13 +303,16 @@ pub(super) fn insufficient(
         rounds: Vec::new(),
         untried: crate::effects::CATALOGUE
             .iter()
-            .map(|effect| Untried { effect: effect.id, reason: "too little data to try it on".to_owned() })
+            .map(|effect| Untried {
+                effect: effect.id,
+                reason: "the dataset has too few records to try it".to_owned(),
+            })
             .collect(),
         confounding: Vec::new(),
         detectable: Vec::new(),
         evidence: Vec::new(),
         next_experiment: Some(
-            "Record at least three levels, each twice, some of them from rest and over two periods or more"
+            "Measure at least three levels, each twice, some of them from rest and over two periods or more"
                 .to_owned(),
         ),
         split: parts.uses(dataset.records.len()),

@@ -10,15 +10,15 @@ pub(super) static EFFECT: Effect = Effect {
     id: "asymmetry",
     title: "Asymmetric limit",
     summary: "The limit depends on the direction: limit · (1 ± a)",
-    explanation: "Machining marks, inclined surfaces, a band that winds itself tight in one direction. One plateau of \
-          the loop lies higher than the other is low, and even harmonics appear in the response.",
-    confirmation: "Turn the part round, or drive it backwards: the high plateau changes sides. A shifted zero of the \
-          load cell does not.",
+    explanation: "Causes are machining marks, inclined surfaces, or a band that tightens in one direction. One plateau \
+          of the loop is farther from zero than the other, and even harmonics appear in the response.",
+    confirmation: "Turn the part round, or drive it backwards: the larger plateau changes sides. With a zero error of \
+          the load cell it does not.",
     confused_with: &[Confusion {
         with: &super::sensor_offset::EFFECT,
-        why: "both raise one plateau of the loop above the height of the other",
-        experiment: "start a record from rest at a low level, where nothing slips: a shifted zero is there at once, an \
-              asymmetric limit is not; or turn the part round, and the asymmetry changes sides",
+        why: "with both, one plateau of the loop is farther from zero than the other",
+        experiment: "start a record from rest at a low level, where nothing slips: a zero error shows at once, an \
+              asymmetric limit does not; or turn the part round, and the asymmetry changes sides",
     }],
     next_experiment: experiments::OTHER_LEVELS,
     parameters: &[EffectParameter {

@@ -11,16 +11,16 @@ pub(super) static EFFECT: Effect = Effect {
     title: "Contact damping",
     summary: "A damper beside the contact: c·u̇",
     explanation: "Oil, grease, a polymer layer or wear debris in the gap resists in proportion to the speed. The loop \
-          grows rounder and higher as the frequency rises at one amplitude; a dry contact's loop does not know \
-          the frequency.",
+          grows rounder and higher as the frequency rises at one amplitude; the loop of a dry contact does not \
+          depend on the frequency.",
     confirmation: "Repeat one amplitude at two or three frequencies: the difference of the forces at zero displacement \
           grows in proportion to the frequency.",
     confused_with: &[
         Confusion {
             with: &super::sensor_delay::EFFECT,
-            why: "a late channel opens a line to an ellipse, as a damper does",
-            experiment: "repeat one level at two frequencies far apart: a delay's share of the force grows with the \
-                  stiffness, a damper's does not; or swap the sensors, and the delay stays with the channel",
+            why: "a delayed channel turns a line into an ellipse, as a damper does",
+            experiment: "repeat one level at two frequencies far apart: the error that a delay causes grows with the \
+                  stiffness, that of a damper does not; or swap the sensors, and the delay stays with the channel",
         },
         Confusion {
             with: &super::quadratic_damping::EFFECT,
@@ -31,7 +31,7 @@ pub(super) static EFFECT: Effect = Effect {
             with: &super::velocity_weakening::EFFECT,
             why: "with both the height of the loop depends on the speed",
             experiment: "repeat one amplitude at speeds over two decades and plot the height of the loop against the \
-                  logarithm of the speed: weakening levels off, a damper does not",
+                  logarithm of the speed: with weakening the curve becomes level, with a damper it does not",
         },
     ],
     next_experiment: experiments::OTHER_FREQUENCIES,

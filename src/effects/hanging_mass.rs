@@ -64,8 +64,8 @@ pub(super) static EFFECT: Effect = Effect {
         changes.structure.hanging_masses.push(HangingMass { mass: values[0], frequency: values[1] });
     },
     signature: |seen| {
-        seen.frequency_error
-            .filter(|error| error.abs() > 0.001)
-            .map(|error| format!("the resonances lie {:.1} % off the model's at every level", 100.0 * error))
+        seen.frequency_error.filter(|error| error.abs() > 0.001).map(|error| {
+            format!("the resonances lie {:.1} % away from the model's at every level", 100.0 * error)
+        })
     },
 };

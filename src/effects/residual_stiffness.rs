@@ -1,4 +1,4 @@
-//! Slope left in macro-slip (e_t of Valanis' law; Gaul & Lenz 1997).
+//! Stiffness in macro-slip (e_t of Valanis' law; Gaul & Lenz 1997).
 
 use super::{
     ALL_KINDS, Confusion, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, experiments,
@@ -9,7 +9,7 @@ use crate::vocabulary as v;
 pub(super) static EFFECT: Effect = Effect {
     id: "residual_stiffness",
     title: "Residual stiffness",
-    summary: "A spring beside the contact: slope e_t u left in macro-slip",
+    summary: "A spring beside the contact: the force keeps the slope e_t in macro-slip",
     explanation: "When the whole interface slips the force may go on rising with displacement: the bodies are also \
           joined by a bolt, a seal, a bent tongue or by asperities that plough. In the loop the upper and \
           lower plateaus are parallel and inclined instead of level.",

@@ -27,7 +27,9 @@ pub(super) static EFFECT: Effect = Effect {
     apply: |values, channel, changes| changes.sensor(channel).gain = values[0],
     signature: |seen| {
         seen.residual_by_value.filter(|correlation| correlation.abs() > 0.3).map(|correlation| {
-            format!("the residual is a constant share of the channel itself (correlation {correlation:.2})")
+            format!(
+                "the residual is a constant fraction of the channel itself (correlation {correlation:.2})"
+            )
         })
     },
 };

@@ -175,7 +175,7 @@ impl Instance {
         let first = self.slopes.len();
         let found = references.iter().map(|reference| self.rates[*reference as usize - first]);
         if !found.clone().all(f64::is_finite) {
-            return Err(Error::Derivative("it is beyond all bounds".to_owned()));
+            return Err(Error::Derivative("it is not a finite number".to_owned()));
         }
         out.iter_mut().zip(found).for_each(|(out, value)| *out = value);
         Ok(())

@@ -137,7 +137,7 @@ impl DrivenSystem {
             self.row.extend([sensor.displacement, sensor.velocity, sensor.acceleration]);
         }
         if !self.row.iter().all(|value| value.is_finite()) {
-            return Err("an output is beyond all bounds".to_owned());
+            return Err("an output is not a finite number".to_owned());
         }
         let (inputs, outputs) = values.split_at_mut(self.lines.len());
         outputs[..self.row.len()].copy_from_slice(&self.row);

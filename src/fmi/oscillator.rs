@@ -246,7 +246,7 @@ impl OscillatorBehaviour {
             self.row.extend([x, v, self.accelerations[mass]]);
         }
         if !self.row.iter().all(|value| value.is_finite()) {
-            return Err("an output is beyond all bounds".to_owned());
+            return Err("an output is not a finite number".to_owned());
         }
         values[self.inputs..self.inputs + self.row.len()].copy_from_slice(&self.row);
         for (value, line) in values.iter_mut().zip(&self.lines) {
@@ -281,7 +281,7 @@ fn between(line: &Ramp, share: f64) -> f64 {
     line.start * (1.0 - share) + line.end * share
 }
 
-const UNBOUNDED: &str = "the motion cannot be followed: it grows without bound";
+const UNBOUNDED: &str = "the motion grows without bound";
 
 impl Behaviour for OscillatorBehaviour {
     fn state_len(&self) -> usize {

@@ -10,9 +10,11 @@ pub enum HarmonicError {
     #[error("{0}")]
     InvalidInput(&'static str),
     /// Newton's method stopped short of the tolerance.
-    #[error("no balance after {iterations} steps: the residual is {residual:.1e} of the largest term")]
+    #[error(
+        "harmonic balance failed: after {iterations} Newton steps the residual is {residual:.1e} of the largest term"
+    )]
     NotConverged {
-        /// Largest residual as share of the largest term.
+        /// Largest residual as a fraction of the largest term.
         residual: f64,
         /// Newton steps made.
         iterations: usize,

@@ -101,7 +101,7 @@ pub fn nonlinear_mode(
         Body::Beam(beam) => return mode_of_beam(assembly, beam, range, &amplitudes, settings),
     };
     if assembly.contacts.is_empty() {
-        return Err(HarmonicError::InvalidInput("a structure without contacts has linear modes"));
+        return Err(HarmonicError::InvalidInput("a structure without contacts has linear modes only"));
     }
     let laws = assembly.contacts.iter().map(|contact| tangent_stiffness(contact.law, contact.normal_load));
     let start = LinearStart::new(structure, laws, range)?;
@@ -130,7 +130,7 @@ fn mode_of_beam(
     settings: &CurveSettings,
 ) -> Result<NonlinearMode, HarmonicError> {
     if assembly.contacts.is_empty() && !beam.pulls_along() {
-        return Err(HarmonicError::InvalidInput("a beam without a contact has linear modes"));
+        return Err(HarmonicError::InvalidInput("a beam without a contact has linear modes only"));
     }
     let contact = assembly.contacts.first().copied();
     let mut structure = LinearStructure::from_beam(beam);

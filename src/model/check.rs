@@ -124,7 +124,7 @@ fn check_beam(beam: &Beam) -> Result<(), ParameterError> {
         if [0.0, beam.length].contains(position) {
             let message = format!("a contact at {position} m does nothing: the beam does not move there");
             return Err(ParameterError::new(path, message)
-                .with_help("the contact of the pin at the end is there without being listed"));
+                .with_help("the pin at the end has its contact already: leave it out of the list"));
         }
         if beam.contact_points[..index].contains(position) {
             return Err(ParameterError::new(path, format!("position {position} m is listed twice"))

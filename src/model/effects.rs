@@ -114,7 +114,7 @@ pub(super) fn check(model: &Model) -> Result<(), ParameterError> {
         let same =
             |other: &&AppliedEffect| other.effect == applied.effect && other.location == applied.location;
         if model.effects[..index].iter().any(|other| same(&other)) {
-            let message = format!("the effect \"{}\" is there twice", applied.effect.id);
+            let message = format!("the effect \"{}\" is listed twice", applied.effect.id);
             return Err(ParameterError::new(format!("{path}.id"), message)
                 .with_help("two of one kind act as one: add their values"));
         }

@@ -190,14 +190,14 @@ impl Oscillator {
     }
 }
 
-/// The place of each name; no name is there twice.
+/// The place of each name; no name is listed twice.
 fn check_names(masses: &[Mass]) -> Result<BTreeMap<&str, usize>, ParameterError> {
     let mut places = BTreeMap::new();
     for (index, mass) in masses.iter().enumerate() {
         let path = format!("mass.{}.name", index + 1);
         check_name(&path, &mass.name)?;
         if let Some(before) = places.insert(mass.name.as_str(), index) {
-            let message = format!("the mass \"{}\" is there twice", mass.name);
+            let message = format!("the mass \"{}\" is listed twice", mass.name);
             return Err(ParameterError::new(path, message)
                 .with_help(format!("mass {} has this name too", before + 1)));
         }

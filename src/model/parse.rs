@@ -86,7 +86,7 @@ fn with_list(error: ModelError, what: &str, names: &[&str]) -> ModelError {
 }
 
 fn check_schema(root: &Table<'_>) -> Result<(), ModelError> {
-    let first_line = || format!("a model file says schema = \"{SCHEMA}\"");
+    let first_line = || format!("a model file needs schema = \"{SCHEMA}\"");
     let schema = root.required_string("schema").map_err(|error| error.with_help(first_line()))?;
     if schema.value == SCHEMA {
         return Ok(());
@@ -234,7 +234,7 @@ fn damping(table: &Table<'_>) -> Result<Damping, ModelError> {
         (Some(_), _, _) => {
             let span = table.span_of(v::DAMPING_RATIO.name);
             Err(ModelError::new("`damping_ratio` excludes `mass_damping` and `stiffness_damping`", span)
-                .with_help("give the damping one way"))
+                .with_help("give the damping in one form only"))
         }
         (None, None, None) => Err(table
             .missing(v::DAMPING_RATIO.name)

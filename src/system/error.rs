@@ -48,7 +48,7 @@ pub enum StructureError {
         place: String,
     },
     /// The number of modes is zero or beyond what the beam theory is good for.
-    #[error("{modes} modes asked for, between 1 and {most} are possible")]
+    #[error("{modes} modes are requested; between 1 and {most} are possible")]
     ModeCount {
         /// Modes asked for.
         modes: usize,
@@ -76,7 +76,7 @@ pub enum StructureError {
         highest: f64,
     },
     /// A finite-element mesh too coarse for the modes, or too large for a dense solver.
-    #[error("{elements} elements asked for, between {least} and {most} are possible")]
+    #[error("{elements} elements are requested; between {least} and {most} are possible")]
     ElementCount {
         /// Elements asked for.
         elements: usize,
@@ -116,7 +116,7 @@ pub enum StructureError {
     #[error("the mass matrix is not positive definite: something moves without inertia")]
     NoInertia,
     /// Too many degrees of freedom for all modes.
-    #[error("all modes of {size} degrees of freedom asked for, at most {most} are possible")]
+    #[error("all modes of {size} degrees of freedom are requested; at most {most} are possible")]
     TooManyModes {
         /// Degrees of freedom.
         size: usize,
@@ -141,17 +141,17 @@ pub enum StructureError {
         /// Its column.
         column: usize,
     },
-    /// Compliances cannot be computed the way that was asked for.
-    #[error("the {method} way to compliances is not open: {reason}")]
+    /// Compliances cannot be computed by the method requested.
+    #[error("the compliances cannot be computed by the {method} method: {reason}")]
     Unavailable {
-        /// The way.
+        /// The method.
         method: &'static str,
         /// Why not.
         reason: &'static str,
     },
     /// Nothing holds a part of the structure in place: a constant force moves it without end.
     #[error(
-        "{part} is not tied to the ground by any chain of springs, so its mean position is undetermined; \
+        "{part} is not connected to the ground by springs, so its mean position is undetermined; \
          give it a spring, or ask for odd harmonics alone"
     )]
     FreeBody {
@@ -168,7 +168,7 @@ pub enum StructureError {
         angular_frequency: f64,
     },
     /// The search for a natural frequency did not separate it from its neighbour.
-    #[error("mode {mode} cannot be told from its neighbour in double precision")]
+    #[error("mode {mode} cannot be distinguished from its neighbour in double precision")]
     Unresolved {
         /// The mode, counted from 1.
         mode: usize,

@@ -63,7 +63,7 @@ fn diagnosed(model: &Model, dataset: &Dataset, effects: Option<&[&str]>) -> Diag
 }
 
 #[test]
-fn measured_frequencies_give_steps_with_their_doubt_and_never_a_clean_bill() {
+fn measured_frequencies_give_steps_with_their_uncertainty_and_never_nothing_missing() {
     let model = Model::parse(JENKINS).unwrap();
     let found = diagnosed(&model, &measured(), Some(&["micro_slip", "residual_stiffness", "sensor_gain"]));
     assert!(found.untried.iter().any(|untried| untried.effect == "sensor_gain"), "{:?}", found.untried);
@@ -89,4 +89,23 @@ fn a_table_made_by_the_model_itself_gives_no_effect() {
     let found = diagnosed(&off, &table, Some(&["micro_slip", "residual_stiffness"]));
     assert!(found.steps.is_empty() && found.effects.is_empty());
     assert_eq!(found.verdict, Verdict::InsufficientData);
+}
+
+#[test]
+fn a_model_far_off_is_refused_with_its_frequency_the_measured_ones_and_what_to_check() {
+    let failure = |modulus: &str| {
+        let model = Model::parse(&JENKINS.replace("197.1e9", modulus)).unwrap();
+        evaluate("", &model, &measured()).records[0].failure.clone()
+    };
+    assert_eq!(failure("197.1e9"), None);
+    let refused = failure("197.1e3").expect("a beam of a thousandth of the frequency has no such backbone");
+    for words in [
+        "harmonic balance failed",
+        "natural frequency",
+        "0.0 Hz",
+        "measured are 50.1 to 52.9 Hz",
+        "youngs_modulus",
+    ] {
+        assert!(refused.contains(words), "{words}: {refused}");
+    }
 }

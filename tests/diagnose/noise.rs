@@ -147,9 +147,10 @@ fn judged_far_away(small: f64, large: f64) -> Vec<Record> {
 }
 
 #[test]
-fn what_the_doubt_of_the_parameters_can_make_is_said_to_be_in_doubt() {
-    let of_doubt =
-        |found: &Diagnosis| found.reasons.iter().any(|reason| reason.contains("the doubt that they leave"));
+fn a_residual_that_the_uncertainty_of_the_parameters_can_cause_is_reported_as_such() {
+    let of_doubt = |found: &Diagnosis| {
+        found.reasons.iter().any(|reason| reason.contains("uncertainty of the parameters alone"))
+    };
     // A stiffness from forces as small as their noise, judged where they are a hundred times as large.
     let found = diagnosed(judged_far_away(8e-8, 8e-6));
     assert!(

@@ -137,7 +137,7 @@ fn what_is_wrong_is_told_at_its_place() {
     check_refused(BEAM, "id = \"sensor_gain\"\ngain = 1.1", "[[effect]]", &["`channel` is missing"]);
     check_refused(BEAM, "id = \"sensor_gain\"\ngain = 1.1\nchannel = \"mood\"", "\"mood\"", &["not a place"]);
     let twice = "id = \"wear\"\nrate = 1.0\n\n[[effect]]\nid = \"wear\"\nrate = 2.0";
-    check_refused(CONTACT, twice, "\"wear\"", &["there twice"]);
+    check_refused(CONTACT, twice, "\"wear\"", &["listed twice"]);
 }
 
 #[test]

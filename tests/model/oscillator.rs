@@ -105,7 +105,7 @@ fn unknown_masses_are_refused_where_they_are_named() {
 
 #[test]
 fn names_are_distinct_and_fit_for_columns() {
-    refused("name = \"m2\"", "name = \"m1\"", 9, "\"m1\"", &["there twice", "mass 1"]);
+    refused("name = \"m2\"", "name = \"m1\"", 9, "\"m1\"", &["listed twice", "mass 1"]);
     refused("name = \"m2\"", "name = \"ground\"", 9, "\"ground\"", &["no mass can be called"]);
     refused("name = \"m2\"", "name = \"a b\"", 9, "\"a b\"", &["letters, digits"]);
     refused("name = \"m2\"", "name = \"\"", 9, "\"\"", &["letters, digits"]);

@@ -1,5 +1,5 @@
 //! The diagnosis of a table of few points: one backbone with a handful of frequencies cannot be split in three.
-//! Each point is predicted by a model fitted to the others, and what that gains is told with its doubt.
+//! Each point is predicted by a model fitted to the others; the gain of an effect is given with its standard error.
 
 mod leave_out;
 mod words;
@@ -126,7 +126,7 @@ fn unseen_in(dataset: &Dataset, candidate: &Candidate) -> Option<String> {
     let counted = candidate.location == Some(Location::Channel("frequency".to_owned()));
     let reason = match candidate.effect.in_resonances {
         InResonances::AllButFrequency if counted => {
-            "a frequency is counted against a clock: it has no gain and no offset"
+            "the frequency is measured by counting against a clock, which has no gain and no offset"
         }
         InResonances::Nothing => "a table of resonances has no time in which a sensor could be late",
         InResonances::DampingAlone if !damping => {

@@ -1,4 +1,4 @@
-//! What few points carry, in words.
+//! The verdict on a table of few points, in sentences.
 
 use super::super::diagnosis::{Evidence, Verdict};
 use super::leave_out;
@@ -8,14 +8,14 @@ use crate::model::Model;
 /// A table without a degree of freedom to spare.
 pub(super) fn too_few(values: usize, parameters: usize) -> String {
     format!(
-        "{values} measured value{} for {parameters} free parameter{}: one more parameter would leave fewer than \
-         {FEWEST_FREE} degrees of freedom, and nothing to judge it by",
+        "{values} measured value{} for {parameters} free parameter{}: with one more parameter fewer than \
+         {FEWEST_FREE} degrees of freedom remain, too few to judge an effect; measure more levels",
         plural(values),
         plural(parameters)
     )
 }
 
-/// Why the members of a group are not told apart.
+/// Why the members of a group cannot be distinguished.
 pub(super) fn tied(ids: &[&str]) -> String {
     format!(
         "with each of them the points left out are predicted equally well, to within one standard error ({})",
@@ -23,7 +23,7 @@ pub(super) fn tied(ids: &[&str]) -> String {
     )
 }
 
-/// What would say more.
+/// The experiment that would decide.
 pub(super) fn next_experiment() -> String {
     "Measure the table again, so that its scatter is known, with levels between those where the frequency changes \
      most and with the damping ratio at each level; or record the acceleration in time at three levels or more"
@@ -71,15 +71,15 @@ impl Rounds<'_, '_> {
         }
         if self.exact() {
             reasons.push(
-                "The error left is that of the computation itself; no effect can lower it. Whether that is a \
-                 success or too many parameters for the points cannot be told without their noise"
+                "The error that remains is the error of the computation; no effect can lower it. The model may be \
+                 right, or it may have too many parameters for these points: without their noise this is unknown"
                     .to_owned(),
             );
         } else if self.kept.is_empty() || verdict != Verdict::NotDistinguishable {
             reasons.extend(self.rejected());
         }
         for group in self.groups() {
-            reasons.push(format!("Not told apart: {}", group.reason));
+            reasons.push(format!("Not distinguishable: {}", group.reason));
         }
         reasons
     }
@@ -96,14 +96,14 @@ impl Rounds<'_, '_> {
             format!(": {} degree{} of freedom remain", values - first, plural(values - first))
         };
         format!(
-            "{values} measured values are little evidence. The model as it is fits {first} parameter{} to them{steps}. \
+            "{values} measured values are little evidence. The model as given fits {first} parameter{} to them{steps}. \
              Its error is {fitted:.3} {unit} as fitted and {unseen:.3} {unit} at points left out of the fit one by one; \
-             the scatter of the values themselves is not known, and so \"nothing is missing\" is no possible answer",
+             the scatter of the values is not known, so \"nothing is missing\" is not a possible answer",
             plural(first)
         )
     }
 
-    /// A step's gain and its doubt.
+    /// A step's gain and its standard error.
     fn step(&self, index: usize) -> String {
         let before = if index == 0 { &self.base } else { &self.kept[index - 1].standing };
         let kept = &self.kept[index];
@@ -131,8 +131,10 @@ impl Rounds<'_, '_> {
         let more = if self.kept.is_empty() { "No effect" } else { "No further effect" };
         let gain = best.trial.gain;
         let does = match gain.share {
-            share if share < 0.005 => "does not lower it".to_owned(),
-            share => format!("lowers it by {:.0} % at {:.1} standard errors", 100.0 * share, gain.z),
+            fraction if fraction < 0.005 => "does not lower it".to_owned(),
+            fraction => {
+                format!("lowers it by {:.0} %, which is {:.1} standard errors", 100.0 * fraction, gain.z)
+            }
         };
         Some(format!(
             "{more} lowers the error at points left out by more than its standard error and by {:.0} % of its square; \

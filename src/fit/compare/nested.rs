@@ -27,7 +27,7 @@ impl Nested {
         (self.freedom() > 0 && ratio.is_finite()).then_some(ratio.max(0.0))
     }
 
-    /// Probability of so large an F by chance, were the noise white and the choice not made among many; for
+    /// Probability of so large an F by chance, for white noise and a step not selected among many; for
     /// one or two parameters more.
     pub fn chance(&self) -> Option<f64> {
         let (ratio, freedom) = (self.ratio()?, self.freedom());
@@ -42,17 +42,19 @@ impl Nested {
     pub fn words(&self) -> String {
         let mut text = match (self.ratio(), self.chance()) {
             (Some(ratio), Some(chance)) => format!(
-                "F = {ratio:.1} with {} and {} degrees of freedom: by chance in {} of cases, more often for the best of \
-                 several candidates",
+                "F = {ratio:.1} with {} and {} degrees of freedom: the probability that chance explains the gain is {}, \
+                 and higher for the best of several candidates",
                 self.parameters[1] - self.parameters[0],
                 self.freedom(),
                 if chance < 0.01 { "less than 1 %".to_owned() } else { format!("{:.0} %", 100.0 * chance) }
             ),
-            _ => "Too few values for an F".to_owned(),
+            _ => "Too few values for an F-test".to_owned(),
         };
         match self.criterion() {
-            Some(change) if change < 0.0 => text += &format!("; AICc falls by {:.1}, for the step", -change),
-            Some(change) => text += &format!("; AICc rises by {change:.1}, against the step"),
+            Some(change) if change < 0.0 => {
+                text += &format!("; AICc falls by {:.1}, which supports the step", -change)
+            }
+            Some(change) => text += &format!("; AICc rises by {change:.1}, which does not support the step"),
             None => text += "; too few values for AICc",
         }
         text

@@ -22,7 +22,7 @@ pub enum RefitError {
     #[error("no parameter is free; name some in `[fit] free`")]
     NothingFree,
     /// Every record is kept for selecting or confirming.
-    #[error("every record is kept from the fit; mark one `use = \"fit\"`, or none at all")]
+    #[error("no record is used in the fit; mark one `use = \"fit\"`, or remove all marks")]
     NothingToFit,
     /// A record cannot be predicted even with the parameters as they stand.
     #[error("`{record}` cannot be predicted: {reason}")]

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::attached::Attached;
 use super::simulation::{Direction, Simulation};
 use crate::data::{Channel, Record};
-use crate::harmonic::{self, Method, Resonance, Settings};
+use crate::harmonic::{self, HarmonicError, Method, Resonance, Settings};
 use crate::model::Model;
 
 /// Harmonics at phase resonance: the frequencies of the frictional support are then within 0.1 mHz of those
@@ -30,7 +30,26 @@ impl<'r> Backbone<'r> {
     fn solve(&self, model: &Model) -> Result<Vec<Resonance>, String> {
         let attached = Attached::new(model, &[], None)?;
         harmonic::backbone(&attached.beam, attached.contact(), self.amplitudes, &HELD, &self.starts)
-            .map_err(|error| error.to_string())
+            .map_err(|error| self.advice(&error, &attached))
+    }
+
+    /// `error` with the frequencies to compare, and the parameters to check.
+    fn advice(&self, error: &HarmonicError, attached: &Attached) -> String {
+        let measured = self.channels.iter().find(|channel| channel.quantity() == "frequency");
+        let (HarmonicError::NotConverged { .. }, Some(measured), Some(first)) =
+            (error, measured, attached.beam.angular_frequency.first())
+        else {
+            return error.to_string();
+        };
+        let (low, high) = measured
+            .values
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), f| (low.min(*f), high.max(*f)));
+        format!(
+            "{error}; the model's first natural frequency without contact is {:.1} Hz, measured are {low:.1} to {high:.1} Hz: \
+             check `beam.youngs_modulus`, the dimensions and the masses",
+            first / TAU
+        )
     }
 }
 

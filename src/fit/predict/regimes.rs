@@ -48,4 +48,4 @@ const BACKBONE_OF_OSCILLATOR: &str = "a backbone table of an oscillator is not c
                                       its amplitude is held at; give the records in time, or the frequency responses \
                                       that `stickslip frf` follows";
 const BACKBONE_OF_CONTACT: &str =
-    "a backbone table belongs to a beam or an oscillator, not to a bare contact";
+    "a backbone table belongs to a beam or an oscillator, not to a contact alone";

@@ -152,7 +152,7 @@ impl Tracker {
                 _ => step *= 0.25,
             }
         }
-        Err(HarmonicError::InvalidInput("the amplitude grows on and on: no peak near the start"))
+        Err(HarmonicError::InvalidInput("the amplitude grows without limit: there is no peak near the start"))
     }
 
     /// The same place, measured by its own size once that is more than twice the one steps go by.

@@ -217,7 +217,7 @@ fn a_free_mass_is_driven_by_its_inertia_alone() {
     assert!((out.value[(1, 1)].re * -18.0 - 1.0).abs() < 1e-15);
     let zero = Complex::new(0.0, 0.0);
     let refused = receptance.evaluate(zero, zero, Rows::All, &mut out).unwrap_err();
-    assert!(refused.to_string().starts_with("`m` is not tied to the ground"), "{refused}");
+    assert!(refused.to_string().starts_with("`m` is not connected to the ground"), "{refused}");
 }
 
 #[test]

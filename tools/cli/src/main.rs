@@ -1,6 +1,6 @@
 //! The program: compares models with measurements and exports them as FMUs.
 
-/// Writes a line to standard error, if anybody is there to read it: a terminal that was closed does not cost the results.
+/// Writes a line to standard error; a closed terminal is no error, so that results are not lost.
 macro_rules! tell {
     ($($text:tt)*) => {{
         use std::io::Write as _;

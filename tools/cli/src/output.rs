@@ -144,7 +144,7 @@ fn check_regular(path: &Path) -> Result<(), Failure> {
         Ok(present) if !present.is_file() => {
             let what = path.display();
             Err(Failure::input(format!(
-                "{what} is not a regular file (a device or a pipe?); it is left alone"
+                "{what} is not a regular file (a device or a pipe?); it is not replaced"
             )))
         }
         _ => Ok(()),

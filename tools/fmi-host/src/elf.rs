@@ -13,7 +13,9 @@ pub enum ElfProblem {
     #[error("the library cannot be read: {0}")]
     Unreadable(#[from] io::Error),
     /// Something else.
-    #[error("the library is damaged or none: {0}; get the FMU again, or build it again")]
+    #[error(
+        "the library is damaged, or the file is not a library: {0}; get the FMU again, or build it again"
+    )]
     Damaged(&'static str),
     /// The end of the file is missing.
     #[error("the library is cut off: it has {have} bytes of {needed}; get the FMU again, or build it again")]
@@ -95,7 +97,7 @@ pub fn check(path: &Path) -> Result<(), ElfProblem> {
     let length = file.metadata()?.len();
     let mut header = vec![0; layout.header];
     if length < 20 || file.read_exact_at(&mut header[..20], 0).is_err() || !header.starts_with(b"\x7fELF") {
-        return Err(ElfProblem::Damaged("it does not begin as one"));
+        return Err(ElfProblem::Damaged("it does not begin like a library"));
     }
     let machine = number(&header, 18, 2);
     let known = MACHINES.iter().find(|(number, _)| *number == machine);

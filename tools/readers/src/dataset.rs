@@ -52,7 +52,7 @@ pub fn read_dataset(path: impl AsRef<Path>) -> Result<Dataset, InputError> {
 
 /// Checks schema and keys; the tables of the records.
 fn check_top<'a>(root: &Table<'a>) -> Result<Vec<Table<'a>>, DocumentError> {
-    let first_line = || format!("a dataset file says schema = \"{SCHEMA}\"");
+    let first_line = || format!("a dataset file needs schema = \"{SCHEMA}\"");
     let schema = root.required_string("schema").map_err(|error| error.with_help(first_line()))?;
     if schema.value != SCHEMA {
         let message = format!("schema \"{}\" is not one this version reads", schema.value);

@@ -77,7 +77,7 @@ pub enum Problem {
     #[error("{0}")]
     Unit(UnitError),
     /// Two columns of one name.
-    #[error("column `{0}` is there twice")]
+    #[error("column `{0}` is listed twice")]
     DuplicateColumn(String),
     /// A row with another number of fields than the header.
     #[error("the row and the header differ in length: {found} against {expected}")]

@@ -1,4 +1,4 @@
-//! Signals over time with names of anybody's choice: inputs of systems of FMUs.
+//! Signals over time with any names: inputs of systems of FMUs.
 
 use std::path::Path;
 

@@ -34,15 +34,15 @@ pub fn effect_table(effect: &Effect, width: usize, color: bool) -> String {
     section("How to confirm it", &[effect.confirmation.to_owned()]);
     let alike: Vec<String> = look_alikes(effect)
         .map(|(other, pair)| {
-            format!("{}: {}. To tell them apart, {}.", other.title, pair.why, pair.experiment)
+            format!("{}: {}. To distinguish them, {}.", other.title, pair.why, pair.experiment)
         })
         .collect();
     if !alike.is_empty() {
-        section("What it is confused with", &alike);
+        section("What looks similar", &alike);
     }
     section("Parameters", &effect.parameters.iter().map(parameter).collect::<Vec<_>>());
     section("Where", &[place(effect)]);
-    section("What the data must hold", &[needs(effect.needs).to_owned()]);
+    section("What the data must contain", &[needs(effect.needs).to_owned()]);
     out.finish()
 }
 
@@ -77,7 +77,7 @@ fn place(effect: &Effect) -> String {
         PlaceKind::Structure => format!("At a mass or a position: {0}@m2, {0}@x=0.55", effect.id),
         PlaceKind::Channel => format!("On a measured channel: {0}@force, {0}@displacement:m1", effect.id),
     };
-    let fmu = if effect.part.is_in_fmu() { "An FMU has it" } else { "An FMU leaves it out" };
+    let fmu = if effect.part.is_in_fmu() { "FMUs include it" } else { "FMUs do not include it" };
     format!("{place}. In models of kind {}. {fmu}.", kinds.join(", "))
 }
 

@@ -1,4 +1,4 @@
-//! What the noise alone would leave of the error.
+//! The error that noise alone would cause.
 
 use stickslip::diagnose::{Comparison, Noise, NoiseSource};
 
@@ -41,7 +41,7 @@ pub fn sources(noise: &[Noise]) -> String {
         NoiseSource::Stated => "stated in the dataset",
         NoiseSource::Periods => "from repeated periods",
         NoiseSource::Repeats => "from repeated records",
-        NoiseSource::Carried => "carried over from other records",
+        NoiseSource::Carried => "taken from other records",
         NoiseSource::Unknown => "unknown",
     };
     let mut found: Vec<&str> = Vec::new();

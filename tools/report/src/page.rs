@@ -137,7 +137,7 @@ fn stage_section(
             (stages::stage_table(comparison, summary, levels))
             (stages::step_list(comparison))
             p.note {
-                "What the noise alone would leave (normalised): "
+                "Error that noise alone would cause (normalised): "
                 @match floors::total(comparison, noise) {
                     Some(floor) => { strong { (format::error(floor)) } ", " (floors::sources(noise)) "." }
                     None => { strong { "unknown" } "." }

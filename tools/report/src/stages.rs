@@ -142,9 +142,9 @@ pub fn regime(comparison: &Comparison, record: usize) -> String {
     };
     match record.use_for {
         None => regime.to_owned(),
-        Some(Use::Fit) => format!("{regime}, fitted to"),
-        Some(Use::Select) => format!("{regime}, for selection"),
-        Some(Use::Confirm) => format!("{regime}, for confirmation"),
+        Some(Use::Fit) => format!("{regime}, training"),
+        Some(Use::Select) => format!("{regime}, validation"),
+        Some(Use::Confirm) => format!("{regime}, test"),
     }
 }
 

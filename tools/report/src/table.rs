@@ -225,7 +225,10 @@ fn record_table(out: &mut Text, comparison: &Comparison, noise: &[Noise]) {
         return;
     }
     out.line("");
-    out.paragraph("Normalised error in each record, by stage, and what the noise alone would leave", BOLD);
+    out.paragraph(
+        "Normalised error in each record, by stage, and the error that noise alone would cause",
+        BOLD,
+    );
     let scale = summary::error_scale(comparison);
     let mut left = vec!["record".to_owned()];
     let stages = (1..=comparison.stages.len()).map(|stage| stage.to_string());

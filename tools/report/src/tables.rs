@@ -26,8 +26,8 @@ pub fn record_table(comparison: &Comparison, noise: &[Noise]) -> Markup {
     let worst: Vec<f64> = (0..count).map(|stage| largest(comparison, stage)).collect();
     html! {
         p.note {
-            "Normalised error in every record and channel; the largest of each stage in bold. The noise is what a perfect "
-            "model would leave; – where it is unknown."
+            "Normalised error in every record and channel; the largest of each stage in bold. The noise is the error of a "
+            "perfect model; – where it is unknown."
         }
         div.scroll tabindex="0" role="region" aria-label="Error in every record" {
             table.levels {

@@ -192,7 +192,7 @@ impl Stepper for OscillatorStepper<'_> {
             self.set_load(index, to);
             if !self.integrator.step(&mut self.state, &self.drives, &self.loads) {
                 let time = index as f64 * excitation.step;
-                return Err(format!("the motion cannot be followed beyond {time} s: it grows without bound"));
+                return Err(format!("the simulation stops at {time} s: the motion grows without bound"));
             }
         }
         Ok(())

@@ -108,7 +108,7 @@ fn location(
     let parsed = match (effect.place, place) {
         (PlaceKind::Nowhere, None) => return Ok(None),
         (PlaceKind::Nowhere, Some(place)) => {
-            return Err(Failure::input(format!("`{id}` needs no place; leave `@{place}` away")));
+            return Err(Failure::input(format!("`{id}` needs no place; remove `@{place}`")));
         }
         (_, None) => {
             let places = places(effect, model, dataset);

@@ -108,7 +108,7 @@ fn write_example(folder: &Path, all: &[(&str, &str)]) -> Result<(), Failure> {
             Ok(present) if present == text.as_bytes() => {}
             Ok(_) => {
                 return Err(Failure::input(format!(
-                    "{} is no longer the example's; `stickslip demo --out FOLDER` works in another folder",
+                    "{} differs from the example's file and is not replaced; choose another folder with `stickslip demo --out FOLDER`",
                     path.display()
                 )));
             }

@@ -126,7 +126,7 @@ pub fn watched<T>(work: impl FnOnce(DiagnoseWatch) -> T) -> T {
 pub fn failed(error: DiagnoseError) -> Failure {
     match error {
         DiagnoseError::Refit(RefitError::Fit(FitError::Interrupted)) => {
-            Failure { code: 130, message: "interrupted before anything was known".to_owned() }
+            Failure { code: 130, message: "interrupted before the first result".to_owned() }
         }
         DiagnoseError::UnknownEffect(_)
         | DiagnoseError::Refit(RefitError::NothingFree | RefitError::NothingToFit) => {

@@ -309,7 +309,7 @@ fn where_telling_would_take_too_long_that_is_said() {
         assert_eq!(point["dissipated"], 0.0);
         assert!(point["equivalent_stiffness"].is_null() && point["stick_fraction"].is_null());
     }
-    assert!(said.contains("cannot be told (it would take too long"), "{said}");
+    assert!(said.contains("cannot be determined (it would take too long"), "{said}");
     assert!(!said.contains("that the contact takes") && !said.contains("Loops at the peaks"));
 }
 

@@ -150,7 +150,7 @@ impl IsolatedSlave {
         }
         match self.understood(result) {
             Ok(done) => done,
-            Err(Garbled) => Err(self.gone(&io::Error::other("its answer means nothing"), what)),
+            Err(Garbled) => Err(self.gone(&io::Error::other("its answer cannot be read"), what)),
         }
     }
 
@@ -183,7 +183,7 @@ impl IsolatedSlave {
         };
         let words = self.process.last_words();
         if !words.is_empty() {
-            reason += &format!("; its last words: {words}");
+            reason += &format!("; its last output: {words}");
         }
         let message = format!("{} ({}): {reason}", what(), self.fmu.name());
         self.lost = Some(reason);

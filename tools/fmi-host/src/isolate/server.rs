@@ -42,7 +42,7 @@ pub fn serve(folder: &Path, fmu: &str, name: &str) -> io::Result<()> {
         }
         let mut reader = request.reader();
         let done = obey(&mut slave, &mut reader, &mut space);
-        let done = done.map_err(|Garbled| io::Error::other("a request that means nothing"))?;
+        let done = done.map_err(|Garbled| io::Error::other("a request that cannot be read"))?;
         respond(&mut answer, Some(&slave), done, |answer| answer.numbers(&space.results));
         answer.write(&mut to)?;
     }

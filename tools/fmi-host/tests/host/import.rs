@@ -180,7 +180,7 @@ fn a_library_for_another_computer_or_none_is_told_as_such() {
     };
     assert!(with(18, 40).contains("is for arm, this program for x86_64"), "{}", with(18, 40));
     assert!(with(16, 2).contains("a program or an object file"), "{}", with(16, 2));
-    assert!(with(0, b'M').contains("does not begin as one"), "{}", with(0, b'M'));
+    assert!(with(0, b'M').contains("does not begin like a library"), "{}", with(0, b'M'));
 }
 
 #[test]

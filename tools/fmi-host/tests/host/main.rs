@@ -1,4 +1,4 @@
-//! FMUs of ours and of anybody, as a host sees them.
+//! Our FMUs and third-party FMUs, as a host sees them.
 
 #[path = "../support/mod.rs"]
 mod support;

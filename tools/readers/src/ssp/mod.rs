@@ -41,7 +41,7 @@ pub struct SystemStructure {
     pub start: Option<f64>,
     /// Stop (s), where the file proposes one.
     pub stop: Option<f64>,
-    /// What the user should know: elements that were left aside, parameters that belong to nothing.
+    /// What the user should know: elements that were ignored, parameters that belong to nothing.
     pub remarks: Vec<String>,
     /// Keeps the unpacked files.
     _folder: Option<Unpacked>,

@@ -117,7 +117,7 @@ fn check_known(file: &XmlFile, element: &Element, remarks: &mut Vec<String>) {
             check_known(file, child, remarks);
         } else {
             remarks.push(format!(
-                "{}: the element {child} in {element} is not known; it is left aside",
+                "{}: the element {child} in {element} is not known; it is ignored",
                 file.place(child)
             ));
         }

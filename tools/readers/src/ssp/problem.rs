@@ -14,7 +14,7 @@ pub enum SspProblem {
     #[error("the file is of SSP version `{0}`; versions 1.x are read")]
     Version(String),
     /// Two things of one name.
-    #[error("{what} `{name}` is there twice")]
+    #[error("{what} `{name}` is listed twice")]
     Twice {
         /// `the element`, `the connector`.
         what: &'static str,

@@ -113,7 +113,7 @@ fn headers_are_refused_with_what_would_be_right() {
     table_says("time [s],force\n0,1\n", 1, &["no unit", "`force [N]`"]);
     table_says("time [s],force [m]\n0,1\n", 1, &["does not measure force", "N, mN, kN"]);
     table_says("time [s],force [newton]\n0,1\n", 1, &["`newton` is not a unit", "kN"]);
-    table_says("time [s],force [N],force [kN]\n0,1,1\n", 1, &["`force` is there twice"]);
+    table_says("time [s],force [N],force [kN]\n0,1,1\n", 1, &["`force` is listed twice"]);
     table_says("time [s],displacement:x=0.10 [m],displacement:x=0.1 [m]\n0,1,1\n", 1, &["twice"]);
     table_says("time [s],acceleration:x=here [g]\n0,1\n", 1, &["not a place", ":x=0.55"]);
     table_says("time [s];force [N]\n0;1\n", 1, &["separated by semicolons", "commas"]);

@@ -23,8 +23,8 @@ pub fn waterfall(figures: &mut Figures, diagnosis: &Diagnosis) -> Option<Caption
     let figure =
         plots::waterfall_of(figures, &names, &errors, &scale, "normalised error, all records", floor)?;
     let noise = match floor {
-        Some(floor) => format!(" Dotted: what the noise alone would leave, {}.", format::error(floor)),
-        None => " What the noise alone would leave is unknown.".to_owned(),
+        Some(floor) => format!(" Dotted: the error that noise alone would cause, {}.", format::error(floor)),
+        None => " The error that noise alone would cause is unknown.".to_owned(),
     };
     let caption = format!(
         "From the error of the model as given to what remains. Green lowers the error, orange raises it.{noise}"
@@ -61,8 +61,9 @@ pub fn ranking(figures: &mut Figures, candidates: &[Candidate]) -> Option<(Capti
     layout["xaxis"]["zerolinecolor"] = json!("#000000");
     layout["xaxis"]["range"] = json!([low - 5.0, 105.0]);
     let caption = "Fraction of the squared error on the validation records that each candidate removes when the whole model is \
-                   refitted with it, ±1 standard error over blocks. Right of the line helps; a bar that reaches the line \
-                   may be chance. What makes it worse by more than a third is only in the table."
+                   refitted with it, ±1 standard error over blocks. A point right of the line lowers the error; where the bar \
+                   reaches the line the gain is not significant. Candidates that raise the error by more than a third are \
+                   only in the table."
         .to_owned();
     let height = 96 + 26 * fitted.len();
     Some((Captioned { figure: figures.add(vec![trace], layout), caption, half: false }, height))
@@ -112,8 +113,8 @@ pub fn confounding(figures: &mut Figures, diagnosis: &Diagnosis) -> Option<(Capt
     }
     layout["xaxis"]["tickangle"] = json!(-90);
     layout["yaxis"]["autorange"] = json!("reversed");
-    let caption = "How alike two candidates are to these data: correlation of what they change, after the model’s own \
-                   parameters have taken what they can. Above 0.9 (orange) these data cannot tell the two apart."
+    let caption = "How similar two candidates are in these data: correlation of their changes of the prediction, after the \
+                   model’s own parameters are refitted. Above 0.9 (orange) these data cannot distinguish the two."
         .to_owned();
     let height = 230 + 24 * ids.len();
     Some((Captioned { figure: figures.add(vec![trace], layout), caption, half: false }, height))

@@ -73,7 +73,7 @@ fn left(diagnosis: &Diagnosis) -> Markup {
             section id="left" {
                 h2 { "Residual" }
                 p.text {
-                    "The part of the measurement that the last model does not give. A curve that depends on one of these "
+                    "The part of the measurement that the last model does not predict. A curve that depends on one of these "
                     "and on nothing else points to its cause: on displacement, something that is fixed in space; on "
                     "velocity, a damping or a sliding law; on load, a pressure; on time, something that changes."
                 }
@@ -101,7 +101,7 @@ fn alike(drawn: &mut Figures, diagnosis: &Diagnosis) -> Markup {
     html! {
         @if let Some((figure, height)) = figures::confounding(drawn, diagnosis) {
             section id="confounding" {
-                h2 { "What these data can tell apart" }
+                h2 { "Which effects these data can distinguish" }
                 (figure_element(&figure, &format!("height:{height}px")))
             }
         }

@@ -24,7 +24,7 @@ pub fn next(diagnosis: &Diagnosis, run: &Run) -> Markup {
     }
 }
 
-/// The numbers of the fall.
+/// The errors of the stages, as a table.
 pub fn errors(diagnosis: &Diagnosis) -> Markup {
     let error = &diagnosis.error;
     let floor = |floor: Option<f64>| floor.map_or_else(|| "unknown".to_owned(), format::error);
@@ -57,7 +57,7 @@ pub fn errors(diagnosis: &Diagnosis) -> Markup {
         p.note {
             "The normalised error is the root mean square over all compared channels, each divided by its own standard "
             "deviation in its record: 0 is perfect, 1 is no better than the channel’s mean. Nothing is "
-            "fitted to the test records and nothing chosen by them; they are read once, at the end."
+            "fitted to the test records, and no effect is selected by them; they are read once, at the end."
             @if let Some(chi_square) = diagnosis.chi_square {
                 " On the test records the reduced χ² is " (format::significant(chi_square, 3)) " (1 means noise alone)."
             }
@@ -76,15 +76,15 @@ pub fn why(diagnosis: &Diagnosis) -> Markup {
                     h3 { (words::title(evidence.effect)) }
                     p.text { strong { "What was seen: " } (name(&evidence.seen)) }
                     @if let Some(otherwise) = &evidence.otherwise {
-                        p.text { strong { "What else could do it: " } (name(otherwise)) }
+                        p.text { strong { "What else could cause it: " } (name(otherwise)) }
                     }
                 }
             }
             @for group in &diagnosis.groups {
                 div.evidence {
                     h3 { (words::titles(&group.effects, "or")) }
-                    p.text { strong { "Why they cannot be told apart: " } (name(&group.reason)) }
-                    p.text { strong { "What would: " } (name(&group.experiment)) }
+                    p.text { strong { "Why they cannot be distinguished: " } (name(&group.reason)) }
+                    p.text { strong { "The experiment that distinguishes them: " } (name(&group.experiment)) }
                 }
             }
             (steps(diagnosis))
@@ -106,20 +106,20 @@ fn steps(diagnosis: &Diagnosis) -> Markup {
                         td.number { (format::error(step.error)) }
                         td.number { (percent(step.gain_share)) }
                         td.number { (format::fixed(step.gain_z, 2)) }
-                        td { @if step.dropped { "dropped again: the others do as well without it" } }
+                        td { @if step.dropped { "removed again: without it the error is not significantly larger" } }
                     } } }
                 }
             }
-            p.note { "z is the gain over its standard error, from blocks of the validation records; below 3 it may be chance." }
+            p.note { "z is the gain over its standard error, from blocks of the validation records; a gain with z below 3 is not significant." }
         }
     }
 }
 
-fn percent(share: f64) -> String {
-    format::Scale { factor: 100.0, unit: "%".to_owned(), decimals: 1 }.with_unit(share)
+fn percent(fraction: f64) -> String {
+    format::Scale { factor: 100.0, unit: "%".to_owned(), decimals: 1 }.with_unit(fraction)
 }
 
-/// What the catalogue says of what was found, of the members of groups and of stand-ins.
+/// What the catalogue says of the effects found, of the members of groups, and of effects that only absorb error.
 pub fn effects(diagnosis: &Diagnosis) -> Markup {
     let mut ids: Vec<&str> = Vec::new();
     let grouped = diagnosis.groups.iter().flat_map(|group| group.effects.iter());
@@ -132,7 +132,7 @@ pub fn effects(diagnosis: &Diagnosis) -> Markup {
         Verdict::EffectFound if ids.len() == 1 => "The effect",
         Verdict::EffectFound => "The effects",
         Verdict::NotDistinguishable => "The effects in question",
-        _ => "Stand-ins, not findings",
+        _ => "Terms that only absorb error: do not read them as physics",
     };
     html! {
         @if !ids.is_empty() {
@@ -173,13 +173,13 @@ fn parameters(candidate: &Candidate) -> Markup {
 pub fn candidates(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if !diagnosis.candidates.is_empty() {
-            (candidate_table("First round: each beside the model as it is", &diagnosis.candidates))
-            p.note { "Errors are on the validation records. Intervals in brackets hold the value with 95 % confidence, as far as \
-                      the model is right." }
+            (candidate_table("First round: each effect alone added to the model", &diagnosis.candidates))
+            p.note { "Errors are on the validation records. Brackets hold 95 % confidence intervals; they assume that the model is \
+                      right." }
         }
         @for (round, candidates) in diagnosis.rounds.iter().enumerate() {
             details {
-                summary { span.record { "Round " (round + 2) } span.quiet { "beside what was added before" } }
+                summary { span.record { "Round " (round + 2) } span.quiet { "each effect added to those of the rounds before" } }
                 (candidate_table("Candidates of the round", candidates))
             }
         }
@@ -219,13 +219,13 @@ fn candidate_table(label: &str, candidates: &[Candidate]) -> Markup {
     }
 }
 
-/// The smallest size of each effect that would have been seen.
+/// The smallest size of each effect that would have been found.
 pub fn detectable(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if !diagnosis.detectable.is_empty() {
             section id="detectable" {
                 h2 { "Detection limits" }
-                p.note { "The smallest size of each effect that would have stood out of these data." }
+                p.note { "The smallest size of each effect that would have been found in these data." }
                 div.scroll tabindex="0" role="region" aria-label="Detectable sizes" {
                     table {
                         thead { tr { th { "Effect" } th { "Parameter" } th.number { "Smallest size" } } }
@@ -234,7 +234,7 @@ pub fn detectable(diagnosis: &Diagnosis) -> Markup {
                             td { (words::parameter(one.parameter)) }
                             td.number { @match one.value {
                                 Some(value) => { (format::engineering(rounded(value), one.unit)) }
-                                None => { "never" }
+                                None => { "not identifiable" }
                             } }
                         } } }
                     }
@@ -244,7 +244,7 @@ pub fn detectable(diagnosis: &Diagnosis) -> Markup {
     }
 }
 
-/// Two digits say all that is known of a limit.
+/// Two digits: a limit is not known more exactly.
 fn rounded(value: f64) -> f64 {
     format!("{value:.1e}").parse().unwrap_or(value)
 }
@@ -257,7 +257,7 @@ pub fn split(diagnosis: &Diagnosis) -> Markup {
         all.map(|(record, _)| name(&record.name)).collect()
     };
     let uses =
-        [(Use::Fit, "Fitted to"), (Use::Select, "Chosen by"), (Use::Confirm, "Untouched until the end")];
+        [(Use::Fit, "Training"), (Use::Select, "Validation"), (Use::Confirm, "Test, read once at the end")];
     html! {
         @if diagnosis.split.len() == records.len() && !records.is_empty() {
             ul.text { @for (used, words) in uses {
@@ -309,9 +309,9 @@ pub fn method(diagnosis: &Diagnosis, run: &Run) -> Markup {
         section id="method" {
             h2 { "How this was found" }
             p.text {
-                "Each candidate is added to the simulator and the whole model is refitted with it, so that no parameter of the "
-                "model can hide the effect or stand in for it unseen. Candidates are compared on records that they were not "
-                "fitted to; the fall of the error is confirmed on records that nothing has seen before."
+                "Each candidate is added to the simulator, and the whole model is refitted with it: otherwise other "
+                "parameters could absorb the effect. Candidates are compared on validation records, which they are not "
+                "fitted to. The fall of the error is confirmed on test records, which are read only at the end."
             }
             ul.text {
                 li { "Tried: " (name(&tried)) "; at most " (format::count(run.max_effects, "effect")) " added." }

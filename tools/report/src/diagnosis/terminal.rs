@@ -67,7 +67,7 @@ fn why(out: &mut Text, diagnosis: &Diagnosis) {
     for evidence in &diagnosis.evidence {
         out.paragraph(&format!("- {}: {}", words::title(evidence.effect), evidence.seen), "");
         if let Some(otherwise) = &evidence.otherwise {
-            out.paragraph(&format!("  What else could do it: {otherwise}"), "");
+            out.paragraph(&format!("  What else could cause it: {otherwise}"), "");
         }
     }
     for group in &diagnosis.groups {
@@ -128,7 +128,7 @@ fn candidates(out: &mut Text, candidates: &[Candidate]) {
     }
 }
 
-/// Share of the squared error removed, in per cent.
+/// Fraction of the squared error removed, in per cent.
 pub fn gain(candidate: &Candidate) -> String {
     if !candidate.gain_share.is_finite() {
         return format::ABSENT.to_owned();

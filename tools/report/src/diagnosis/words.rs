@@ -1,4 +1,4 @@
-//! What a diagnosis says, in sentences for an engineer.
+//! A diagnosis in sentences for an engineer.
 
 use stickslip::diagnose::{Candidate, Diagnosis, Estimate, NoiseSource, Verdict};
 use stickslip::effects;
@@ -47,8 +47,7 @@ pub fn verdict(diagnosis: &Diagnosis) -> String {
     let be = if diagnosis.effects.len() == 1 { "is" } else { "are" };
     match diagnosis.verdict {
         Verdict::NothingMissing => format!(
-            "Nothing is missing that these data could show: with its parameters refitted the model leaves an error of \
-             {}.{}",
+            "These data show no missing effect: with refitted parameters the error of the model is {}.{}",
             format::error(diagnosis.error.refitted),
             floor(diagnosis)
         ),
@@ -56,16 +55,16 @@ pub fn verdict(diagnosis: &Diagnosis) -> String {
             format!("{found} {be} missing from the model. {}{}", fall(diagnosis), floor(diagnosis))
         }
         Verdict::NotDistinguishable => format!(
-            "Something is missing, but these data cannot tell what: {}.{}",
+            "An effect is missing, but these data cannot distinguish between the candidates: {}.{}",
             groups(diagnosis),
             floor(diagnosis)
         ),
         Verdict::Unexplained => format!(
             "{}{}{}",
             if diagnosis.error.noise_floor.is_some() {
-                "Something is missing that no effect tried explains."
+                "The model lacks something, and none of the effects that were tried explains it."
             } else {
-                "No effect tried explains what the model leaves, and whether that is more than noise cannot be said."
+                "None of the effects that were tried explains the residual, and it is not known whether the residual is more than noise."
             },
             if diagnosis.steps.iter().any(|step| !step.dropped) {
                 format!(" {}", fall(diagnosis))
@@ -75,7 +74,7 @@ pub fn verdict(diagnosis: &Diagnosis) -> String {
             floor(diagnosis)
         ),
         Verdict::InsufficientData => {
-            "These data cannot carry an answer: whether an effect is missing stays open.".to_owned()
+            "There are too few data to decide whether an effect is missing.".to_owned()
         }
     }
 }
@@ -83,10 +82,10 @@ pub fn verdict(diagnosis: &Diagnosis) -> String {
 /// `Backlash or Wear; and X or Y`.
 fn groups(diagnosis: &Diagnosis) -> String {
     let all: Vec<String> = diagnosis.groups.iter().map(|group| titles(&group.effects, "or")).collect();
-    if all.is_empty() { "several effects would do".to_owned() } else { all.join("; and ") }
+    if all.is_empty() { "several effects fit equally well".to_owned() } else { all.join("; and ") }
 }
 
-/// How far the error falls, on the untouched records where there are any.
+/// How far the error falls, on the test records where there are any.
 fn fall(diagnosis: &Diagnosis) -> String {
     let error = &diagnosis.error;
     let with = match (diagnosis.verdict, diagnosis.effects.len() + diagnosis.surrogates.len()) {
@@ -108,7 +107,7 @@ fn fall(diagnosis: &Diagnosis) -> String {
     )
 }
 
-/// What the noise alone would leave.
+/// The error that noise alone would cause.
 fn floor(diagnosis: &Diagnosis) -> String {
     let error = &diagnosis.error;
     let floor = match diagnosis.verdict {
@@ -116,8 +115,8 @@ fn floor(diagnosis: &Diagnosis) -> String {
         _ => error.untouched_noise_floor.or(error.noise_floor),
     };
     match floor {
-        Some(floor) => format!(" The noise alone would leave {}.", format::error(floor)),
-        None => " How much of it is noise is unknown.".to_owned(),
+        Some(floor) => format!(" Noise alone would cause an error of {}.", format::error(floor)),
+        None => " The noise is unknown.".to_owned(),
     }
 }
 
@@ -125,7 +124,7 @@ fn floor(diagnosis: &Diagnosis) -> String {
 pub fn next_steps(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
     let mut steps = Vec::new();
     if run.interrupted {
-        steps.push("The diagnosis was interrupted: run it again to its end before acting on it.".to_owned());
+        steps.push("The diagnosis was interrupted: run it again to its end before you act on it.".to_owned());
     }
     match diagnosis.verdict {
         Verdict::EffectFound => {
@@ -140,7 +139,7 @@ pub fn next_steps(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
         }
         Verdict::Unexplained => steps.push(
             "Look at the residual: the section “Residual” shows it against displacement, velocity, load and time. Its \
-             shape is the best hint at a cause that is not in the catalogue."
+             shape is the best indication of a cause that is not in the catalogue."
                 .to_owned(),
         ),
         Verdict::NothingMissing | Verdict::InsufficientData => {}
@@ -160,7 +159,7 @@ pub fn next_steps(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
 fn add(diagnosis: &Diagnosis, run: &Run) -> String {
     if let Some(path) = &run.written {
         return format!(
-            "The model with what was found is in {path}; `stickslip export {path} -o X.fmu` makes it an FMU."
+            "The model with the effects found is in {path}; `stickslip export {path} -o X.fmu` makes an FMU of it."
         );
     }
     let (model, data) = (quoted(&run.model), quoted(&run.dataset));
@@ -182,28 +181,32 @@ fn quoted(path: &str) -> String {
 pub fn warnings(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
     let mut all = Vec::new();
     if run.interrupted {
-        all.push("Interrupted: this is what was known until then.".to_owned());
+        all.push("Interrupted: these are the results so far.".to_owned());
     }
     if !diagnosis.surrogates.is_empty() && diagnosis.verdict == Verdict::Unexplained {
         let one = diagnosis.surrogates.len() == 1;
         all.push(format!(
-            "{} {} the error without explaining the data: {}, not {}.",
+            "{} {} the error without explaining the data. {}",
             titles(&diagnosis.surrogates, "and"),
             if one { "lowers" } else { "lower" },
-            if one { "a stand-in" } else { "stand-ins" },
-            if one { "a finding" } else { "findings" },
+            if one {
+                "This term only absorbs error; do not read it as physics."
+            } else {
+                "These terms only absorb error; do not read them as physics."
+            },
         ));
     }
     if diagnosis.verdict != Verdict::InsufficientData && diagnosis.error.noise_floor.is_none() {
         all.push(
-            "The noise is unknown: no record is repeated or periodic and the dataset states none, so that it cannot be \
-             said how much of the error that remains is noise."
+            "The noise is unknown: no record is repeated or periodic, and the dataset states none. How much of the \
+             remaining error is noise is therefore unknown, too."
                 .to_owned(),
         );
     }
     if !diagnosis.error.untouched.is_finite() && diagnosis.verdict == Verdict::EffectFound {
         all.push(
-            "There is no test record: the error after adding is not confirmed on data of its own.".to_owned(),
+            "There is no test record: no independent data confirm the error with the effect added."
+                .to_owned(),
         );
     }
     let known = |source| !matches!(source, NoiseSource::Unknown);
@@ -220,7 +223,7 @@ pub fn source(source: NoiseSource) -> &'static str {
         NoiseSource::Stated => "stated in the dataset",
         NoiseSource::Periods => "difference of repeated periods",
         NoiseSource::Repeats => "repeated record",
-        NoiseSource::Carried => "carried over from others",
+        NoiseSource::Carried => "taken from other records",
         NoiseSource::Unknown => "unknown",
     }
 }

@@ -74,7 +74,7 @@ impl Responses {
             (true, true) => {
                 " The structure has no dampers: near a resonance friction cannot take what a force of more than \
                  4/π of its limit (4µN/π, where the force acts at the contact) brings in, and the response \
-                 grows without bound. Less force or some damping gives it an end."
+                 grows without bound. Reduce the force, or add damping."
             }
             (true, false) => {
                 " The structure has no dampers: at a resonance the response grows without bound."

@@ -231,7 +231,7 @@ impl Responses {
     fn held_note(&self) -> Option<String> {
         self.held.as_ref()?;
         let mut text = "A peak is where the least force holds the response. Where damping is heavy, phase \
-                        resonance, with the displacement a quarter period behind the force, lies elsewhere"
+                        resonance, with the displacement a quarter period behind the force, is at another frequency"
             .to_owned();
         let mut found = Vec::new();
         for one in &self.curves {

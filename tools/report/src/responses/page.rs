@@ -132,7 +132,7 @@ fn curve_table(responses: &Responses) -> Block {
         let unstable = match (responses.stability, points.is_empty()) {
             (true, false) => Cell::text(trust::unstable(points)),
             (true, true) => Cell::text(format::ABSENT),
-            (false, _) => Cell::text("not asked for"),
+            (false, _) => Cell::text("not requested"),
         };
         let ended = match ending(one) {
             "complete" => Cell::text("complete"),

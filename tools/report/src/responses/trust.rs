@@ -14,7 +14,7 @@ pub enum Error {
     Resolved,
     /// It does not.
     Unresolved,
-    /// It cannot be told.
+    /// It cannot be determined.
     Unknown,
 }
 
@@ -27,7 +27,7 @@ pub fn error(point: &Point) -> Error {
     }
 }
 
-/// Points above the limit, and points whose error cannot be told.
+/// Points above the limit, and points whose error is unknown.
 pub fn count<'a>(points: impl Iterator<Item = &'a Point>) -> (usize, usize) {
     points.map(error).fold((0, 0), |(unresolved, unknown), error| match error {
         Error::Resolved => (unresolved, unknown),
@@ -69,14 +69,16 @@ pub fn unstable(points: &[Point]) -> String {
     }
 }
 
-/// Why stability cannot be told.
+/// Why stability cannot be determined.
 pub fn reason(undecided: Undecided) -> &'static str {
     match undecided {
         Undecided::TooLarge => {
             "more than 60 degrees of freedom, and contacts other than sliders without play"
         }
-        Undecided::TooLong => "it would take too long: the structure is fast, and the period long",
-        Undecided::NotSettled => "the multipliers do not settle",
+        Undecided::TooLong => {
+            "it would take too long: the highest natural frequency is high, and the period long"
+        }
+        Undecided::NotSettled => "the multipliers do not converge",
         _ => "there is no response to judge",
     }
 }
@@ -151,12 +153,12 @@ impl Responses {
         }
     }
 
-    /// Whether stability was asked for and could be told nowhere.
+    /// Whether stability was requested and could be determined at no point.
     fn stability_is_unknown(&self) -> bool {
         self.stability && self.points().all(|point| point.stable.is_none())
     }
 
-    /// Why stability cannot be told where it cannot; nothing where no reason is known.
+    /// Why stability cannot be determined where it cannot; nothing where no reason is known.
     fn reasons(&self) -> String {
         let mut all: Vec<&str> = self.points().filter_map(|point| point.undecided).map(reason).collect();
         all.sort_unstable();
@@ -167,13 +169,13 @@ impl Responses {
     /// What is known of the stability, in a sentence; nothing where there are no points.
     pub(super) fn stability_sentence(&self) -> String {
         if !self.stability {
-            return " Stability was not asked for.".to_owned();
+            return " Stability was not requested.".to_owned();
         }
         if self.point_count() == 0 {
             return String::new();
         }
         if self.stability_is_unknown() {
-            return format!(" For this kind of structure stability cannot be told{}.", self.reasons());
+            return format!(" For this kind of structure stability cannot be determined{}.", self.reasons());
         }
         let unstable = self.points().filter(|point| point.stable == Some(false)).count();
         let unknown = self.points().filter(|point| point.stable.is_none()).count();
@@ -181,12 +183,17 @@ impl Responses {
             (0, 0) => " All points are stable.".to_owned(),
             (0, unknown) => {
                 let why = self.reasons();
-                format!(" No point is known to be unstable; of {unknown} it cannot be told{why}.")
+                format!(
+                    " No point is known to be unstable; at {unknown} the stability cannot be determined{why}."
+                )
             }
             (1, 0) => " 1 point is unstable.".to_owned(),
             (many, 0) => format!(" {many} points are unstable."),
             (many, unknown) => {
-                format!(" {many} unstable; of {unknown} it cannot be told{}.", self.reasons())
+                format!(
+                    " {many} unstable; at {unknown} the stability cannot be determined{}.",
+                    self.reasons()
+                )
             }
         }
     }

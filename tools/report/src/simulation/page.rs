@@ -90,7 +90,8 @@ fn energy_plots(simulation: &Simulation) -> Vec<Plot> {
         })
         .collect();
     vec![Plot {
-        caption: "Energy that the coupling fed in (positive) or took out since the start.".to_owned(),
+        caption: "Energy that the coupling added (positive) or removed (negative) since the start."
+            .to_owned(),
         half: false,
         x: Axis::new("time", "s"),
         panels: vec![Panel { y: Axis::new("energy residual", "J"), lines }],

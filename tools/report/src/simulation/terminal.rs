@@ -56,8 +56,8 @@ fn energy(out: &mut Text, simulation: &Simulation) {
         ]);
     }
     out.grid(&left, &cells, 0);
-    out.paragraph("a positive sum was fed in by the coupling, a negative one taken out; whether the step is short enough for the \
-         FMUs themselves it does not tell: halve it and compare", "");
+    out.paragraph("a positive sum is energy that the coupling added, a negative one energy that it removed. It does not show \
+         whether the step is short enough for the FMUs themselves: halve the step and compare", "");
 }
 
 /// Two significant digits.

@@ -170,10 +170,13 @@ fn errors_above_one_per_cent_are_told_and_their_peaks_marked() {
 fn stability_is_claimed_only_where_it_is_known() {
     let none = responses_table(&examples()[2], 200, false);
     assert!(!none.contains("stable."), "{none}");
-    let untold = responses_table(&changed(|point| point.stable = None), 200, false);
-    assert!(untold.contains("stability cannot be told.") && untold.contains("?"), "{untold}");
+    let undetermined = responses_table(&changed(|point| point.stable = None), 200, false);
+    assert!(
+        undetermined.contains("stability cannot be determined.") && undetermined.contains("?"),
+        "{undetermined}"
+    );
     let some = responses_table(&examples()[0], 200, false);
-    assert!(some.contains("15 unstable; of 26 it cannot be told"), "{some}");
+    assert!(some.contains("15 unstable; at 26 the stability cannot be determined"), "{some}");
 }
 
 #[test]
@@ -213,7 +216,7 @@ fn why_stability_cannot_be_told_is_said() {
     let why = Some(Undecided::TooLong);
     let example = changed(|point| (point.stable, point.undecided) = (None, why));
     let table = responses_table(&example, 1000, false);
-    assert!(table.contains("stability cannot be told (it would take too long"), "{table}");
+    assert!(table.contains("stability cannot be determined (it would take too long"), "{table}");
     let json = responses_json(&example, &Settings::default());
     assert!(json["points"][0]["undecided"].as_str().unwrap().contains("too long"));
 }

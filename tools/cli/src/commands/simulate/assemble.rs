@@ -278,7 +278,7 @@ impl Starts {
         let End { component, variable } = &parameter.target;
         let part = &parts[*component];
         let Ok(own) = part.unit(variable) else {
-            remarks.push(format!("{}: the value is left aside: {}", parameter.place, part.unknown(variable)));
+            remarks.push(format!("{}: the value is ignored: {}", parameter.place, part.unknown(variable)));
             return Ok(());
         };
         let from = parameter.unit.as_ref().map(|unit| defined(unit, parts)).transpose();
