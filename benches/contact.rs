@@ -30,11 +30,11 @@ enum History {
 
 fn displacements(history: History) -> [f64; STEPS] {
     std::array::from_fn(|i| {
-        let share = i as f64 / STEPS as f64;
-        let sine = (std::f64::consts::TAU * share).sin();
+        let fraction = i as f64 / STEPS as f64;
+        let sine = (std::f64::consts::TAU * fraction).sin();
         match history {
             History::Stick => 5e-6 * sine,
-            History::Slip => 50e-6 + 100e-6 * share,
+            History::Slip => 50e-6 + 100e-6 * fraction,
             History::Mixed => 40e-6 * sine,
         }
     })

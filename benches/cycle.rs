@@ -13,12 +13,12 @@ fn main() {
     divan::main();
 }
 
-/// A first harmonic with a share of the others that falls with the cube of their order, as responses have.
+/// A first harmonic with a fraction of the others that falls with the cube of their order, as responses have.
 fn displacement(set: HarmonicSet, amplitude: f64) -> Vec<f64> {
     let mut u = vec![0.0; set.len()];
     for (order, place) in set.orders().filter(|(order, _)| *order > 0) {
-        let share = amplitude / (order * order * order) as f64;
-        (u[place], u[place + 1]) = (0.8 * share, 0.6 * share);
+        let fraction = amplitude / (order * order * order) as f64;
+        (u[place], u[place + 1]) = (0.8 * fraction, 0.6 * fraction);
     }
     u
 }

@@ -23,7 +23,7 @@ pub struct JointChanges {
     pub asymmetry: f64,
     /// g (m): half of the play in series with the law and all beside it.
     pub half_gap: f64,
-    /// The share (1) of the measured change of the normal load that reaches the contact; `None`: the load is
+    /// The fraction (1) of the measured change of the normal load that reaches the contact; `None`: the load is
     /// constant.
     pub load_gain: Option<f64>,
     /// N/m³: what the normal displacement adds to the load beyond the linear stiffness.
@@ -34,7 +34,7 @@ pub struct JointChanges {
 
 impl JointChanges {
     /// Normal load (N) on a contact of the constant load `constant` (N), under which `measured` (N) was measured
-    /// where a normal load was: the share of the measured change that reaches the contact is
+    /// where a normal load was: the fraction of the measured change that reaches the contact is
     /// [`JointChanges::load_gain`], none where that is `None`. At zero or below the contact is apart.
     pub fn normal_load(&self, constant: f64, measured: Option<f64>) -> f64 {
         match (self.load_gain, measured) {

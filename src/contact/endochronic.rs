@@ -24,23 +24,23 @@ pub(super) fn advance(gap: f64, delta: f64, b: f64) -> Stretch {
     Stretch { log_ratio, drop: -gap * loss, gap: gap * (1.0 + loss), ratio: 1.0 + loss }
 }
 
-/// A fraction `share` of the reach `delta` into `stretch`, which starts from `gap`: `g` there, and the
+/// The `fraction` of the reach `delta` into `stretch`, which starts from `gap`: `g` there, and the
 /// ratio of the gap at the end to it.
-pub(super) fn within(gap: f64, delta: f64, b: f64, stretch: &Stretch, share: f64) -> (f64, f64) {
+pub(super) fn within(gap: f64, delta: f64, b: f64, stretch: &Stretch, fraction: f64) -> (f64, f64) {
     // Interpolation is good to twelve digits then.
     if delta < 0.2 && gap > 0.0 {
-        let inner = interpolated(gap, delta, b, stretch.gap, share);
+        let inner = interpolated(gap, delta, b, stretch.gap, fraction);
         return (inner, stretch.gap / inner);
     }
-    let (part, c) = (share * delta, b * gap);
+    let (part, c) = (fraction * delta, b * gap);
     let (log_ratio, loss) = if c == 0.0 || delta - c > EXPONENTIAL_VANISHES {
         log_ratio(part, c)
     } else {
         // Hermite's cubic through both ends of the stretch, where q and dq/dδ = 1/(1 + b g) are known.
         let (first, last) = (delta / (1.0 + c), delta / (1.0 + b * stretch.gap));
-        let (square, rest) = (share * share, 1.0 - share);
-        let guess =
-            square * (3.0 - 2.0 * share) * stretch.log_ratio + share * rest * (rest * first - share * last);
+        let (square, rest) = (fraction * fraction, 1.0 - fraction);
+        let guess = square * (3.0 - 2.0 * fraction) * stretch.log_ratio
+            + fraction * rest * (rest * first - fraction * last);
         refine(guess.max(0.0), part, c)
     };
     // The quotient of two small ratios would have no digits; where the reach overflows nothing is left.
@@ -50,7 +50,7 @@ pub(super) fn within(gap: f64, delta: f64, b: f64, stretch: &Stretch, share: f64
 
 /// Hermite's polynomial of the seventh degree for `g` over a stretch, from three derivatives at either
 /// end: `g' = −g w`, `g″ = g w³`, `g‴ = −g w⁵ (1 − 2 b g)` with `w = 1/(1 + b g)`.
-fn interpolated(gap: f64, delta: f64, b: f64, end_gap: f64, share: f64) -> f64 {
+fn interpolated(gap: f64, delta: f64, b: f64, end_gap: f64, fraction: f64) -> f64 {
     let from = |g: f64, near: f64, towards: f64| {
         let w = 1.0 / (1.0 + b * g);
         let x = near * delta * w * towards;
@@ -62,7 +62,7 @@ fn interpolated(gap: f64, delta: f64, b: f64, end_gap: f64, share: f64) -> f64 {
         let far = (1.0 - near) * (1.0 - near);
         g * far * far * (value - x * (slope - x * w * (curvature - x * w * third)))
     };
-    from(gap, share, 1.0) + from(end_gap, 1.0 - share, -1.0)
+    from(gap, fraction, 1.0) + from(end_gap, 1.0 - fraction, -1.0)
 }
 
 /// Beyond this e^−q is zero, also in the equation of `log_ratio`.
@@ -198,12 +198,12 @@ mod tests {
             for b in [0.0, 0.4, 3.0, 30.0, 1e6] {
                 for delta in [0.0, 1e-9, 0.02, 0.199, 0.2, 1.0, 30.0, 1e3, 1e7, f64::INFINITY] {
                     let whole = advance(gap, delta, b);
-                    for share in [0.25, 0.75] {
-                        let (found, left) = within(gap, delta, b, &whole, share);
-                        let part = advance(gap, share * delta, b);
+                    for fraction in [0.25, 0.75] {
+                        let (found, left) = within(gap, delta, b, &whole, fraction);
+                        let part = advance(gap, fraction * delta, b);
                         let expected =
                             if delta < 1e100 { (part.log_ratio - whole.log_ratio).exp() } else { 0.0 };
-                        let context = format!("gap {gap:e} b {b} δ {delta:e} share {share}");
+                        let context = format!("gap {gap:e} b {b} δ {delta:e} fraction {fraction}");
                         assert!((found - part.gap).abs() <= 1e-12 * gap, "{context}: {found:e} {part:?}");
                         assert!((left - expected).abs() <= 1e-11 * expected, "{context}: {left} {expected}");
                     }

@@ -93,7 +93,7 @@ pub enum IwanSpacing {
 }
 
 impl IwanSpacing {
-    /// Ends of `count` intervals as shares of the whole, without the zero at the start.
+    /// Ends of `count` intervals as fractions of the whole, without the zero at the start.
     fn ends(self, count: usize) -> impl Iterator<Item = f64> {
         let whole = count as f64;
         (1..=count).map(move |index| match self {
@@ -180,9 +180,9 @@ impl Iwan {
         let mut elements = Vec::with_capacity(intervals + 1);
         let mut start = 0.0;
         for end in spacing.ends(intervals) {
-            let share = power_difference(start, end, exponent + 1.0);
+            let fraction = power_difference(start, end, exponent + 1.0);
             let moment = power_difference(start, end, exponent + 2.0);
-            let element = (distributed * share, distributed * mean * moment * travel_per_load);
+            let element = (distributed * fraction, distributed * mean * moment * travel_per_load);
             // Very many intervals of a fast growth vanish at the lower end, and with them what they carry.
             if element.0 > 0.0 && element.1 > 0.0 {
                 elements.push(element);

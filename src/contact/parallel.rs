@@ -129,14 +129,14 @@ impl ContactLaw for ParallelSliders {
         SHARED + self.elements.len()
     }
 
-    /// Of the many ways to share `force` among the elements, the one that loading the virgin contact leads to.
+    /// Divides `force` among the elements as the initial loading of the contact does.
     fn set_state(&self, displacement: f64, normal_load: f64, force: f64, state: &mut [f64]) {
         state[0] = displacement;
         state[1] = normal_load;
         let loaded = self.loading_displacement(normal_load, cut_to(force, self.limit(normal_load)));
         for (element, slider) in self.elements.iter().zip(&mut state[SHARED..]) {
-            let share = cut_to(element.stiffness * loaded, element.limit(normal_load));
-            *slider = element.slider_carrying(displacement, share);
+            let part = cut_to(element.stiffness * loaded, element.limit(normal_load));
+            *slider = element.slider_carrying(displacement, part);
         }
     }
 

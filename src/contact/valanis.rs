@@ -147,7 +147,7 @@ struct End {
 }
 
 /// Radau's quadrature with two points on `[0, 1]`: the first weight and node; the last node is 1.
-const FIRST_SHARE: f64 = 0.75;
+const FIRST_FRACTION: f64 = 0.75;
 const FIRST_LOAD: f64 = 1.0 / 3.0;
 
 /// A limit behind the motion that falls to less than a half of the force is no small change within a
@@ -202,15 +202,15 @@ impl Valanis {
         Self::check_shape(tangential_stiffness, smoothness, residual_stiffness)?;
         let hysteretic_stiffness = tangential_stiffness - residual_stiffness;
         let r = tangential_stiffness - smoothness * residual_stiffness;
-        let share = hysteretic_stiffness / (tangential_stiffness * (1.0 - smoothness));
+        let fraction = hysteretic_stiffness / (tangential_stiffness * (1.0 - smoothness));
         Ok(Self {
             tangential_stiffness,
             friction_coefficient,
             smoothness,
             residual_stiffness,
             hysteretic_stiffness,
-            reach_stiffness: share * r,
-            curvature: share * smoothness,
+            reach_stiffness: fraction * r,
+            curvature: fraction * smoothness,
             asymmetry: 0.0,
         })
     }
@@ -409,8 +409,8 @@ impl Valanis {
     fn one_motion(&self, force: f64, sign: f64, distance: f64, limit: f64) -> End {
         let whole = self.motion(force, sign, distance, limit);
         let (delta, end_gap) = (whole.delta, whole.stretch.gap);
-        let (gap, left) = within(whole.gap, delta, self.curvature, &whole.stretch, FIRST_SHARE);
-        let last_delta = (1.0 - FIRST_SHARE) * delta;
+        let (gap, left) = within(whole.gap, delta, self.curvature, &whole.stretch, FIRST_FRACTION);
+        let last_delta = (1.0 - FIRST_FRACTION) * delta;
         let by_start = left * (1.0 + self.curvature * gap) / (1.0 + self.curvature * end_gap);
         let last = self.by_limit(sign, gap, end_gap, by_start, last_delta);
         let first = whole.by_limit - last;
@@ -445,13 +445,14 @@ impl Valanis {
     }
 
     fn two_motions(&self, force: f64, sign: f64, distance: f64, limits: [f64; 2]) -> End {
-        let first = self.motion(force, sign, FIRST_SHARE * distance, limits[0]);
-        let last = self.motion(first.hysteretic_force, sign, (1.0 - FIRST_SHARE) * distance, limits[1]);
+        let first = self.motion(force, sign, FIRST_FRACTION * distance, limits[0]);
+        let last = self.motion(first.hysteretic_force, sign, (1.0 - FIRST_FRACTION) * distance, limits[1]);
         let by_first_limit = last.by_start * first.by_limit;
         End {
             hysteretic_force: last.hysteretic_force,
             dissipated_energy: first.dissipated_energy + last.dissipated_energy,
-            by_travel: FIRST_SHARE * last.by_start * first.by_travel + (1.0 - FIRST_SHARE) * last.by_travel,
+            by_travel: FIRST_FRACTION * last.by_start * first.by_travel
+                + (1.0 - FIRST_FRACTION) * last.by_travel,
             by_start: last.by_start * first.by_start,
             by_start_limit: (1.0 - FIRST_LOAD) * by_first_limit,
             by_end_limit: last.by_limit + FIRST_LOAD * by_first_limit,
@@ -470,7 +471,7 @@ impl Valanis {
         let travel = in_contact * (inputs.displacement - displacement);
         let start = Start { hysteretic_force: force, normal_load, travel, origin, closing: None };
         let sign = Self::direction(&start);
-        let moved = self.motion(force, sign, FIRST_SHARE * travel.abs(), self.side(sign) * first);
+        let moved = self.motion(force, sign, FIRST_FRACTION * travel.abs(), self.side(sign) * first);
         let stretch = displacement + travel - origin;
         let hysteretic = moved.hysteretic_force * moved.hysteretic_force / self.hysteretic_stiffness;
         moved.dissipated_energy + 0.5 * (hysteretic + self.residual_stiffness * stretch * stretch)

@@ -67,7 +67,7 @@ pub(super) struct Connected {
     pub after: Vec<Vec<usize>>,
     /// Slaves that feed each.
     pub before: Vec<Vec<usize>>,
-    /// From, to, and the share of the outputs of `to` that depend on it at once.
+    /// From, to, and the fraction of the outputs of `to` that depend on it at once.
     pub edges: Vec<(usize, usize, f64)>,
     /// Slaves sorted by name: ties do not depend on the order in which slaves were added.
     pub by_name: Vec<usize>,

@@ -381,7 +381,7 @@ impl System {
         row.depends_on.as_ref().is_none_or(|inputs| inputs.contains(&input))
     }
 
-    /// Of each variable of a slave: the share of the slave's Real outputs that depend on it at once, as far as it is an
+    /// Of each variable of a slave: the fraction of the slave's Real outputs that depend on it at once, as far as it is an
     /// input.
     pub(super) fn feed_through(&self, slave: usize) -> Vec<f64> {
         let rows = self.slaves[slave].variables();

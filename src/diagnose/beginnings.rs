@@ -5,8 +5,8 @@
 use crate::data::{Channel, Dataset, Record, Regime};
 use crate::model::{Model, Structure};
 
-/// Share of a record that is its beginning.
-const SHARE: f64 = 0.2;
+/// Fraction of a record that is its beginning.
+const FRACTION: f64 = 0.2;
 /// Fewest samples of one.
 const LEAST: usize = 200;
 
@@ -23,7 +23,7 @@ pub(super) fn of(model: &Model, dataset: &Dataset) -> Option<Dataset> {
 
 /// Samples of the beginning of a record of `count`.
 fn kept(count: usize) -> usize {
-    LEAST.max((SHARE * count as f64) as usize)
+    LEAST.max((FRACTION * count as f64) as usize)
 }
 
 fn cut(record: &Record) -> Record {

@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::bench::{Bench, Scored, mean_square};
-use super::select::{PASSING_SHARE, PASSING_Z};
+use super::select::{PASSING_FRACTION, PASSING_Z};
 
 /// Correlation below which samples count as independent.
 const INDEPENDENT: f64 = 0.2;
@@ -18,14 +18,14 @@ const FEWEST: usize = 10;
 pub(super) struct Gain {
     /// The gain over its standard error.
     pub z: f64,
-    /// Share of the squared error removed.
-    pub share: f64,
+    /// Fraction of the squared error removed.
+    pub fraction: f64,
 }
 
 impl Gain {
     /// Whether it is beyond doubt and worth having.
     pub fn passes(&self) -> bool {
-        self.z > PASSING_Z && self.share > PASSING_SHARE
+        self.z > PASSING_Z && self.fraction > PASSING_FRACTION
     }
 }
 
@@ -68,11 +68,11 @@ pub(super) fn correlation<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> f64
     let power = product(0);
     let mut sum = 1.0;
     for lag in 1..longest {
-        let share = if power > 0.0 { product(lag) / power } else { 0.0 };
-        if share < 0.05 {
+        let fraction = if power > 0.0 { product(lag) / power } else { 0.0 };
+        if fraction < 0.05 {
             break;
         }
-        sum += 2.0 * share;
+        sum += 2.0 * fraction;
     }
     sum
 }
@@ -108,11 +108,11 @@ pub(super) fn gain(bench: &Bench, without: &[Scored], with: &[Scored]) -> Gain {
         }
     }
     if before == 0.0 {
-        return Gain { z: 0.0, share: 0.0 };
+        return Gain { z: 0.0, fraction: 0.0 };
     }
     // Rounding is a doubt of data without noise.
     let doubt = variance_of(&chances).sqrt().max(1e-9 * before);
-    Gain { z: total / doubt, share: total / before }
+    Gain { z: total / doubt, fraction: total / before }
 }
 
 /// Standard errors that a mean square is lowered by to be beyond doubt.

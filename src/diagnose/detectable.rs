@@ -2,7 +2,7 @@
 
 use super::candidates::Candidate;
 use super::diagnosis::Detectable;
-use super::select::{PASSING_SHARE, PASSING_Z};
+use super::select::{PASSING_FRACTION, PASSING_Z};
 
 /// What a change is seen against.
 pub(super) struct Noise {
@@ -18,8 +18,8 @@ pub(super) struct Noise {
 /// counts of the standard errors with and without the residuals' correlation.
 pub(super) fn multiple(square: f64, variance: f64, noise: &Noise) -> f64 {
     let error = (noise.chi_square / square).sqrt().max(variance.sqrt() / square);
-    let share = (PASSING_SHARE * noise.samples as f64 * noise.chi_square / square).sqrt();
-    (PASSING_Z * error).max(share)
+    let fraction = (PASSING_FRACTION * noise.samples as f64 * noise.chi_square / square).sqrt();
+    (PASSING_Z * error).max(fraction)
 }
 
 /// Notes the size for the effect, the smallest where it can sit at several places.

@@ -132,8 +132,8 @@ pub struct Step {
     pub error: f64,
     /// The mean gain of the blocks of the selecting records over its standard error (1).
     pub gain_z: f64,
-    /// Share of the squared error removed (1).
-    pub gain_share: f64,
+    /// Fraction of the squared error removed (1).
+    pub gain_fraction: f64,
     /// Whether it was dropped again at the end because the others do as well without.
     pub dropped: bool,
 }
@@ -149,8 +149,8 @@ pub struct Candidate {
     pub error: f64,
     /// The mean gain of the blocks over its standard error (1).
     pub gain_z: f64,
-    /// Share of the squared error removed (1).
-    pub gain_share: f64,
+    /// Fraction of the squared error removed (1).
+    pub gain_fraction: f64,
     /// Its parameters.
     pub parameters: Vec<Estimate>,
     /// Simulations of the fitted records spent on its refit.

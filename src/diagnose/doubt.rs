@@ -6,7 +6,7 @@ use super::bench::Bench;
 use super::trial::{Unknown, products};
 use crate::model::Model;
 
-/// Share of the curvature's diagonal that is added, so that what the records do not show has a doubt, too.
+/// Fraction of the curvature's diagonal that is added, so that what the records do not show has a doubt, too.
 const LEAST: f64 = 1e-10;
 
 /// Mean square, in units of the noise's, that the doubt of `unknowns` of `model`, fitted to the records `fitted`, adds

@@ -448,7 +448,8 @@ pub(super) fn errors(
             let lane = &bench.lanes[*record];
             lane.channels.iter().map(|(_, range)| lane.scales[range.start] / lane.weights[range.start])
         });
-        let (sum, count) = channels.fold((0.0, 0), |(sum, count), share| (sum + share * share, count + 1));
+        let (sum, count) =
+            channels.fold((0.0, 0), |(sum, count), fraction| (sum + fraction * fraction, count + 1));
         (known && count > 0).then(|| (sum / f64::from(count)).sqrt())
     };
     let error = |index: usize| stages.get(index).map_or(f64::NAN, |stage| stage.error);

@@ -89,7 +89,7 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
         reasons.push(format!(
             "{} removes {} of the squared error of the validation records, {:.0} standard errors above zero{how}{fate}",
             names.join(" with "),
-            percent(step.gain.share),
+            percent(step.gain.fraction),
             step.gain.z
         ));
     }
@@ -177,7 +177,7 @@ fn nothing_gained(outcome: &Outcome) -> String {
         Some(best) => format!(
             "the best effect of the catalogue, {}, removes {} of a squared error that is no larger than the noise",
             best.ids().join(" + "),
-            percent(best.gain.share)
+            percent(best.gain.fraction)
         ),
     }
 }
@@ -232,7 +232,7 @@ fn repeats(repeated: Repeated) -> String {
         "the residual repeats from record to record: as a function of {}, taken from the training and validation \
          records, it removes {} of the squared residual of the test records, {:.0} standard errors above zero",
         repeated.view,
-        percent(repeated.gain.share),
+        percent(repeated.gain.fraction),
         repeated.gain.z
     )
 }

@@ -143,13 +143,13 @@ mod tests {
     fn harmonics_are_even_or_odd() {
         let angle = |i: usize| std::f64::consts::TAU * (i as f64 - 30.0) / 100.0;
         let motion: Vec<f64> = (0..500).map(|i| angle(i).sin()).collect();
-        let share = |order: f64| {
+        let fraction = |order: f64| {
             let residual: Vec<f64> = (0..500).map(|i| 3.0 + (order * angle(i) + 0.7).cos()).collect();
             let (even, odd) = halves(&residual, Some(&motion));
             even / (even + odd)
         };
         for (order, expected) in [(1.0, 0.0), (2.0, 1.0), (3.0, 0.0), (4.0, 1.0)] {
-            assert!((share(order) - expected).abs() < 1e-3, "{order}: {}", share(order));
+            assert!((fraction(order) - expected).abs() < 1e-3, "{order}: {}", fraction(order));
         }
     }
 

@@ -19,7 +19,7 @@ pub(super) const UNEXPLAINED: f64 = 1.5;
 const RECORD_UNEXPLAINED: f64 = 3.0;
 /// Singles from which pairs are made.
 const PAIRED: usize = 5;
-/// Share of the squared error that a single must remove to be paired.
+/// Fraction of the squared error that a single must remove to be paired.
 const PROMISING: f64 = 0.005;
 
 /// Something that was added.
@@ -325,7 +325,7 @@ impl Findings {
     /// that gain most on the fitted ones: what else is missing may spoil the selecting ones alone.
     fn to_pair(&self, first: &[Trial], known: bool) -> Vec<Candidate> {
         let candidate = |trial: &&Trial| trial.candidates.first().cloned();
-        let promising = first.iter().filter(|trial| trial.state.is_ok() && trial.gain.share > PROMISING);
+        let promising = first.iter().filter(|trial| trial.state.is_ok() && trial.gain.fraction > PROMISING);
         let mut best: Vec<Candidate> = promising.filter_map(|trial| candidate(&trial)).take(PAIRED).collect();
         let far_below = OTHER_MINIMUM * self.base.fitted.cost;
         let costs = first.iter().filter_map(|trial| Some((trial.state.as_ref().ok()?.fitted.cost, trial)));

@@ -8,7 +8,7 @@ use crate::data::Record;
 use crate::effects::Features;
 use crate::fit::predict::Motion;
 
-/// Change of direction that makes a reversal, as a share of the record's range.
+/// Change of direction that makes a reversal, as a fraction of the record's range.
 const TURN: f64 = 0.05;
 /// Part of a branch in which it slides, if it slides at all.
 const SLIDING: std::ops::Range<f64> = 0.65..0.97;
@@ -57,11 +57,11 @@ struct Slid {
     /// Limit reached (N).
     height: f64,
     /// Slope left in slip over that in stick.
-    slope_share: f64,
-    /// Fall of the slope from the lower to the upper part of the rise, as a share.
-    corner_share: f64,
+    slope_fraction: f64,
+    /// Fall of the slope from the lower to the upper part of the rise, as a fraction.
+    corner_fraction: f64,
     /// Distance without force over the stroke.
-    plateau_share: f64,
+    plateau_fraction: f64,
     /// Distance (m) to the begin of slip.
     stick: f64,
 }
@@ -76,9 +76,9 @@ pub(super) fn fill(records: &[Measured], found: &mut Features) {
         .collect();
     let all = || slid.iter().flatten();
     let long = || all().filter(|(branch, _)| branch.stroke() >= 0.5 * longest);
-    found.plateau_share = median(all().map(|(_, slid)| slid.plateau_share).collect());
-    found.slip_slope_share = median(long().map(|(_, slid)| slid.slope_share).collect());
-    found.corner_share = median(long().map(|(_, slid)| slid.corner_share).collect());
+    found.plateau_fraction = median(all().map(|(_, slid)| slid.plateau_fraction).collect());
+    found.slip_slope_fraction = median(long().map(|(_, slid)| slid.slope_fraction).collect());
+    found.corner_fraction = median(long().map(|(_, slid)| slid.corner_fraction).collect());
     let heights: Vec<&(&Branch, Slid)> = all().collect();
     if let (Some(upper), Some(lower)) = (height(&heights, 1.0), height(&heights, -1.0)) {
         found.loop_asymmetry = Some((upper - lower) / (0.5 * (upper + lower)));
@@ -175,9 +175,9 @@ impl Branch {
         let crossing = 0.2 * 0.5 * ((end - start) * (lower + upper));
         Some(Slid {
             height,
-            slope_share: left * lower / (1.0 + left * lower),
-            corner_share: 1.0 - lower / upper,
-            plateau_share: (x3 - x2 - crossing) / stroke,
+            slope_fraction: left * lower / (1.0 + left * lower),
+            corner_fraction: 1.0 - lower / upper,
+            plateau_fraction: (x3 - x2 - crossing) / stroke,
             stick: (x4 + 0.2 * end * upper).min(stroke),
         })
     }

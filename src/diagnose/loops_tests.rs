@@ -65,9 +65,9 @@ fn close(value: Option<f64>, expected: f64, tolerance: f64) {
 #[test]
 fn a_plain_slider_shows_nothing() {
     let seen = features(None, 0.0);
-    close(seen.plateau_share, 0.0, 0.003);
-    close(seen.slip_slope_share, 0.0, 0.002);
-    close(seen.corner_share, 0.0, 0.05);
+    close(seen.plateau_fraction, 0.0, 0.003);
+    close(seen.slip_slope_fraction, 0.0, 0.002);
+    close(seen.corner_fraction, 0.0, 0.05);
     close(seen.loop_asymmetry, 0.0, 1e-3);
     close(seen.height_by_speed, 0.0, 1e-3);
     close(seen.height_per_slip.map(|rate| rate * YIELD), 0.0, 1e-4);
@@ -78,14 +78,14 @@ fn a_plain_slider_shows_nothing() {
 fn play_takes_its_half_width_over_the_amplitude_of_the_stroke() {
     let gap = 0.8 * YIELD;
     // The stroke is twice the amplitude, the slack twice the half-width; two of three records reach 8.
-    close(features(Some(("backlash", &[gap])), 0.0).plateau_share, gap / (8.0 * YIELD), 0.006);
+    close(features(Some(("backlash", &[gap])), 0.0).plateau_fraction, gap / (8.0 * YIELD), 0.006);
 }
 
 #[test]
 fn a_spring_beside_the_slider_is_the_slope_in_slip() {
     let seen = features(Some(("residual_stiffness", &[0.1 * STIFFNESS])), 0.0);
     // In stick both carry.
-    close(seen.slip_slope_share, 0.1 / 1.1, 0.004);
+    close(seen.slip_slope_fraction, 0.1 / 1.1, 0.004);
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn yielding_all_at_once_has_a_corner_and_spread_yielding_has_none() {
     // Uniform yield displacements from 0 to 2: f = s − s²/4, and its inverse gives the four levels of the rise.
     let s = |rise: f64| 2.0 * (1.0 - (1.0_f64 - rise).sqrt());
     let expected = 1.0 - (s(0.4) - s(0.1)) / (s(0.9) - s(0.6));
-    close(features(Some(("micro_slip", &[1.0])), 0.0).corner_share, expected, 0.04);
+    close(features(Some(("micro_slip", &[1.0])), 0.0).corner_fraction, expected, 0.04);
 }
 
 #[test]

@@ -13,7 +13,7 @@ const CELLS: usize = 16;
 const NOTHING: f64 = 20.0;
 /// Standard errors above which a residual repeats beyond chance.
 const BEYOND: f64 = 4.0;
-/// Share of the squared residual below which it is not worth telling.
+/// Fraction of the squared residual below which it is not worth telling.
 const WORTH: f64 = 0.03;
 
 /// A view in which the residual repeats from record to record.
@@ -46,9 +46,9 @@ pub(super) fn repeated(bench: &Bench, seen: &[Scored], untouched: &[Scored]) -> 
             left.iter_mut().for_each(|one| map.take_off(bench, one, name, range));
         }
         let gain = blocks::gain(bench, untouched, &left);
-        (gain.z > BEYOND && gain.share > WORTH).then_some(Repeated { view: words, gain })
+        (gain.z > BEYOND && gain.fraction > WORTH).then_some(Repeated { view: words, gain })
     });
-    gains.max_by(|a, b| a.gain.share.total_cmp(&b.gain.share))
+    gains.max_by(|a, b| a.gain.fraction.total_cmp(&b.gain.fraction))
 }
 
 fn names<'b>(bench: &'b Bench) -> Vec<&'b str> {
@@ -176,6 +176,6 @@ mod tests {
         assert_eq!(of(&|_| 0.0), None);
         // A record of so slow a noise holds about sixty values: what repeats must be larger than it to be beyond chance.
         let found = of(&|i| if i % 400 < 200 { 2.0 } else { -2.0 }).unwrap();
-        assert!((0.4..0.8).contains(&found.gain.share), "{found:?}");
+        assert!((0.4..0.8).contains(&found.gain.fraction), "{found:?}");
     }
 }

@@ -73,11 +73,12 @@ impl Seen {
             pairs.map(|(a, b)| a * b).sum()
         };
         let power = product(0);
-        let correlations = (1..longest).map(|lag| product(lag) / power).take_while(|share| *share > DEAD);
+        let correlations =
+            (1..longest).map(|lag| product(lag) / power).take_while(|fraction| *fraction > DEAD);
         let (mut lags, mut together) = (0, 1.0);
-        for share in correlations {
+        for fraction in correlations {
             lags += 1;
-            together += 2.0 * share * share;
+            together += 2.0 * fraction * fraction;
         }
         // What does not die away is a drift, and no noise.
         let is_noise = power > 0.0 && lags + 1 < longest;
@@ -134,7 +135,7 @@ fn inputs_repeat(record: &Record, period: f64) -> bool {
     })
 }
 
-/// Two motions are one when they differ by less than this share of their size.
+/// Two motions are one when they differ by less than this fraction of their size.
 const SAME: f64 = 0.01;
 /// Two other inputs are: a measured load has its own noise.
 const ALIKE: f64 = 0.02;
@@ -180,7 +181,7 @@ fn alike(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && (apart < ALIKE * ALIKE * size || apart == 0.0)
 }
 
-/// Share of a variance between two periods below which that of their second halves tells that the start was still felt
+/// Fraction of a variance between two periods below which that of their second halves tells that the start was still felt
 /// in the first: chance does not make so much of half a period.
 const FORGOTTEN: f64 = 0.25;
 
@@ -258,7 +259,7 @@ const EXACT: f64 = 0.1;
 const BY_CHANCE: f64 = 1.5;
 
 /// Gives channels without a noise that of the same quantity elsewhere, by the law that holds best where the
-/// noise was seen: one size, one share of the channel's root mean square, or one share of its high
+/// noise was seen: one size, one fraction of the channel's root mean square, or one fraction of its high
 /// frequencies. Where the law holds to within the doubt of the single estimates these are replaced by it.
 fn carry_over(lanes: &[Lane], found: &mut [Noise], doubts: &[f64]) {
     let values = |noise: &Noise| {
@@ -312,7 +313,7 @@ fn carry_over(lanes: &[Lane], found: &mut [Noise], doubts: &[f64]) {
     }
 }
 
-/// Puts the noise into the weights of `lanes`, with the share that the noise of the inputs makes of the
+/// Puts the noise into the weights of `lanes`, with the fraction that the noise of the inputs makes of the
 /// predictions (`through`, per record and channel, in the channel's unit), if all of it is known. Returns
 /// whether it is.
 pub(super) fn weigh(lanes: &mut [Lane], found: &[Noise], through: &[Vec<f64>]) -> bool {

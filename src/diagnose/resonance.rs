@@ -21,7 +21,7 @@ const FEWEST: usize = 4;
 const LEVELS: f64 = 1.5;
 /// Correlation with the level from which a change counts as one.
 const FOLLOWS: f64 = 0.8;
-/// Share of the variation that a power of the level must take.
+/// Fraction of the variation that a power of the level must take.
 const EXPLAINS: f64 = 0.8;
 
 /// What a record alone asks for.
@@ -133,7 +133,7 @@ fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
 /// The straight line nearest to points.
 struct Line {
     slope: f64,
-    /// Share of the variance that it takes; 0 where nothing varies.
+    /// Fraction of the variance that it takes; 0 where nothing varies.
     explained: f64,
 }
 

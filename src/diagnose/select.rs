@@ -16,8 +16,8 @@ use crate::model::Model;
 
 /// Gain over its standard error above which a candidate passes.
 pub(super) const PASSING_Z: f64 = 3.0;
-/// Share of the squared error that it must remove.
-pub(super) const PASSING_SHARE: f64 = 0.03;
+/// Fraction of the squared error that it must remove.
+pub(super) const PASSING_FRACTION: f64 = 0.03;
 /// Cost over that of the most promising candidate above which another is not refined to the end.
 const USEFUL: f64 = 4.0;
 /// Cost over that of the present fit below which a fit from another start has found another minimum.
@@ -41,7 +41,7 @@ const CHANCE: f64 = 4.0;
 /// Two candidates whose difference is below this many standard errors are tied.
 const TIED_Z: f64 = 1.0;
 
-/// Share of its range within which a parameter counts as at its bound.
+/// Fraction of its range within which a parameter counts as at its bound.
 const AT_BOUND: f64 = 1e-3;
 
 /// What all rounds have in common.
@@ -248,7 +248,7 @@ impl<'a, 'd> Search<'a, 'd> {
                 });
                 let gain = match &state {
                     Ok(state) => blocks::gain(self.bench, &base.scored, &state.scored),
-                    Err(_) => Gain { z: 0.0, share: 0.0 },
+                    Err(_) => Gain { z: 0.0, fraction: 0.0 },
                 };
                 Trial { candidates: set.clone(), state, gain }
             })
@@ -529,7 +529,7 @@ fn deepest(fits: Vec<Fitted>) -> Result<Fitted, String> {
 /// What gains most on the selecting records first, what failed last.
 fn best_first(trials: &mut [Trial]) {
     trials.sort_by(|a, b| {
-        let key = |trial: &Trial| (trial.state.is_err(), -trial.gain.share);
+        let key = |trial: &Trial| (trial.state.is_err(), -trial.gain.fraction);
         let (left, right) = (key(a), key(b));
         left.0.cmp(&right.0).then(left.1.total_cmp(&right.1))
     });

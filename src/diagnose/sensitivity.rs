@@ -13,7 +13,7 @@ use super::trial;
 use crate::effects::Range;
 use crate::model::Model;
 
-/// Share of a sensitivity that must be left when the base parameters have taken theirs; below, these data
+/// Fraction of a sensitivity that must be left when the base parameters have taken theirs; below, these data
 /// cannot show the effect, whatever its size.
 const VISIBLE: f64 = 1e-6;
 

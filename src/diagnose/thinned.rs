@@ -10,7 +10,7 @@ use crate::model::{Model, Structure};
 const LONG: usize = 2048;
 /// Fewest samples that are left of a longer one.
 const LEFT: usize = 1000;
-/// Largest error of the motion between the samples kept, as a share of its root mean square.
+/// Largest error of the motion between the samples kept, as a fraction of its root mean square.
 const STRAIGHT: f64 = 1e-3;
 
 /// `dataset` with its long records thinned; `None` where none can be.
@@ -46,8 +46,8 @@ fn bend(values: &[f64], stride: usize) -> f64 {
     let (mut square, mut count) = (0.0, 0);
     for line in values.windows(stride + 1).step_by(stride) {
         for (k, value) in line.iter().enumerate() {
-            let share = k as f64 / stride as f64;
-            square += (value - (1.0 - share) * line[0] - share * line[stride]).powi(2);
+            let fraction = k as f64 / stride as f64;
+            square += (value - (1.0 - fraction) * line[0] - fraction * line[stride]).powi(2);
             count += 1;
         }
     }

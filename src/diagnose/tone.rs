@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use realfft::RealFftPlanner;
 
-/// Share of the variance above which one tone is no chance. Noise correlated over a fortieth of a record, as
+/// Fraction of the variance above which one tone is no chance. Noise correlated over a fortieth of a record, as
 /// slow as noise is here, reached one half in none of a hundred records.
 const ALONE: f64 = 0.75;
 /// Fewest cycles within the values: below, a tone and a drift are alike.

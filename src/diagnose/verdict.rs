@@ -7,14 +7,14 @@ use super::diagnosis::{Candidate, Cost, Diagnosis, Errors, Estimate, Group, Nois
 use super::engine::{comparison, cost, errors, stage};
 use super::explain::{self, Told};
 use super::findings::{Added, Outcome, UNEXPLAINED};
-use super::select::{PASSING_SHARE, PASSING_Z, Search, Trial};
+use super::select::{PASSING_FRACTION, PASSING_Z, Search, Trial};
 use super::sensitivity::{self, Sensitivities};
 use super::split::Parts;
 use crate::data::Dataset;
 use crate::fit::compare::Stage;
 use crate::model::Model;
 
-/// Share of the squared residual above which a part of it that repeats from record to record says that something
+/// Fraction of the squared residual above which a part of it that repeats from record to record says that something
 /// is missing, though the whole is of the noise's size.
 const STRUCTURED: f64 = 0.1;
 
@@ -22,8 +22,8 @@ const STRUCTURED: f64 = 0.1;
 const NOTHING_LEFT: f64 = 1e-3;
 /// The same above which, the noise unknown, what was added explains too little to be named.
 const MOST_LEFT: f64 = 0.6;
-/// And share of the refitted model's squared error: whoever removes less may stand in for something else.
-const MOST_SHARE_LEFT: f64 = 0.6;
+/// And fraction of the refitted model's squared error: whoever removes less may stand in for something else.
+const MOST_FRACTION_LEFT: f64 = 0.6;
 
 /// What a verdict is made of.
 pub(super) struct Material<'a> {
@@ -127,7 +127,7 @@ fn step(added: &Added) -> Step {
         added: added.candidates.iter().map(|candidate| candidate.effect.id).collect(),
         error: added.error,
         gain_z: added.gain.z,
-        gain_share: added.gain.share,
+        gain_fraction: added.gain.fraction,
         dropped: added.dropped(),
     }
 }
@@ -174,7 +174,7 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group], errors: &Errors) -> V
     let selecting = if known { outcome.selecting } else { f64::NAN };
     let elsewhere = outcome.left.is_some_and(|left| left.is_too_much());
     // A part that comes again at the same places of the motion is no noise, however small.
-    let structured = outcome.repeated.is_some_and(|repeated| repeated.gain.share > STRUCTURED);
+    let structured = outcome.repeated.is_some_and(|repeated| repeated.gain.fraction > STRUCTURED);
     // What was named must explain the data; the model as it was is doubted for more than chance.
     let too_much = if none {
         outcome.left.is_some_and(|left| left.is_certainly_too_much())
@@ -191,8 +191,8 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group], errors: &Errors) -> V
         // A model whose error nothing lowers is not thereby right: without the noise nobody knows.
         return if known || error < NOTHING_LEFT { Verdict::NothingMissing } else { Verdict::Unexplained };
     }
-    let share = (error / errors.untouched_refitted).powi(2);
-    if !known && (error > MOST_LEFT || share > MOST_SHARE_LEFT) {
+    let fraction = (error / errors.untouched_refitted).powi(2);
+    if !known && (error > MOST_LEFT || fraction > MOST_FRACTION_LEFT) {
         return Verdict::Unexplained;
     }
     if !groups.is_empty() {
@@ -229,7 +229,7 @@ pub(super) fn reported_one(bench: &Bench, trial: &Trial, given: usize) -> Candid
         location: trial.candidates.iter().find_map(|c| c.location.as_ref().map(ToString::to_string)),
         error,
         gain_z: trial.gain.z,
-        gain_share: trial.gain.share,
+        gain_fraction: trial.gain.fraction,
         parameters,
         evaluations,
         failure: trial.state.as_ref().err().cloned(),
@@ -325,5 +325,5 @@ pub(super) fn insufficient(
 
 /// The thresholds in words, for the reasons.
 pub(super) fn thresholds() -> String {
-    format!("z > {PASSING_Z} and more than {:.0} % of the squared error", 100.0 * PASSING_SHARE)
+    format!("z > {PASSING_Z} and more than {:.0} % of the squared error", 100.0 * PASSING_FRACTION)
 }

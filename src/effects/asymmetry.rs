@@ -34,9 +34,10 @@ pub(super) static EFFECT: Effect = Effect {
     apply: |values, _, changes| changes.joint.asymmetry = values[0],
     signature: |seen| {
         seen.loop_asymmetry.filter(|difference| difference.abs() > 0.02).map(|difference| {
-            let even = seen.even_harmonics.filter(|share| *share > 0.6).map_or(String::new(), |share| {
-                format!(", and even harmonics hold {:.0} % of the residual's power", 100.0 * share)
-            });
+            let even =
+                seen.even_harmonics.filter(|fraction| *fraction > 0.6).map_or(String::new(), |fraction| {
+                    format!(", and even harmonics hold {:.0} % of the residual's power", 100.0 * fraction)
+                });
             format!(
                 "the loop's upper and lower plateaus differ by {:.0} % of their height{even}",
                 100.0 * difference.abs()

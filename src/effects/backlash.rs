@@ -32,8 +32,11 @@ pub(super) static EFFECT: Effect = Effect {
     in_resonances: InResonances::Shown,
     apply: |values, _, changes| changes.joint.half_gap = values[0],
     signature: |seen| {
-        seen.plateau_share.filter(|share| *share > 0.02).map(|share| {
-            format!("after each reversal the force stays near zero over {:.0} % of the stroke", 100.0 * share)
+        seen.plateau_fraction.filter(|fraction| *fraction > 0.02).map(|fraction| {
+            format!(
+                "after each reversal the force stays near zero over {:.0} % of the stroke",
+                100.0 * fraction
+            )
         })
     },
 };

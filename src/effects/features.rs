@@ -1,16 +1,16 @@
 //! What the views of a residual show, as numbers: the raw material of signatures.
 
 /// Features of the measurements and of the residual of the refitted model. `None` where the records at hand
-/// cannot show it. Shares and correlations are plain numbers.
+/// cannot show it. Fractions and correlations are plain numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Features {
-    /// Share of the stroke over which the measured force stays near zero after each reversal.
-    pub plateau_share: Option<f64>,
+    /// Fraction of the stroke over which the measured force stays near zero after each reversal.
+    pub plateau_fraction: Option<f64>,
     /// Slope of the measured force in slip over its slope in stick.
-    pub slip_slope_share: Option<f64>,
+    pub slip_slope_fraction: Option<f64>,
     /// How gradually slip sets in: fall of the slope from the lower half of the rise to the upper half, as a
-    /// share of it; near zero for a sharp corner.
-    pub corner_share: Option<f64>,
+    /// fraction of it; near zero for a sharp corner.
+    pub corner_fraction: Option<f64>,
     /// Difference of the upper and lower plateau of the loop over their mean.
     pub loop_asymmetry: Option<f64>,
     /// Relative change of the loop's height per metre of slip within records (1/m).
@@ -29,7 +29,7 @@ pub struct Features {
     pub residual_by_rate: Option<f64>,
     /// Correlation of the residual with the measurement itself.
     pub residual_by_value: Option<f64>,
-    /// Share of the residual's power in even harmonics.
+    /// Fraction of the residual's power in even harmonics.
     pub even_harmonics: Option<f64>,
     /// Exponent `d ln ζ/d ln A` of the residual damping against amplitude.
     pub damping_exponent: Option<f64>,

@@ -4,15 +4,15 @@ use super::{Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind,
 use crate::system::HangingMass;
 use crate::vocabulary as v;
 
-/// Shares of the structure's mass to start from, each with every frequency.
-const SHARES: [f64; 4] = [0.01, 0.03, 0.08, 1.0];
+/// Fractions of the structure's mass to start from, each with every frequency.
+const FRACTIONS: [f64; 4] = [0.01, 0.03, 0.08, 1.0];
 /// Frequencies to start from, each `STEP` times the one before. What a resonator does is narrow: a fit finds its
 /// frequency only from nearby.
 const FREQUENCIES: usize = 25;
 const STEP: f64 = 1.1;
 
-fn share(start: usize) -> f64 {
-    SHARES[start / FREQUENCIES]
+fn fraction(start: usize) -> f64 {
+    FRACTIONS[start / FREQUENCIES]
 }
 
 /// Over that of the drive.
@@ -21,7 +21,7 @@ fn frequency(start: usize) -> f64 {
 }
 
 fn starts(of: impl Fn(usize) -> f64) -> Vec<f64> {
-    (0..SHARES.len() * FREQUENCIES).map(of).collect()
+    (0..FRACTIONS.len() * FREQUENCIES).map(of).collect()
 }
 
 pub(super) static EFFECT: Effect = Effect {
@@ -42,7 +42,7 @@ pub(super) static EFFECT: Effect = Effect {
                 magnitudes(
                     1e-4 * scales.structure_mass,
                     10.0 * scales.structure_mass,
-                    &starts(|start| share(start) * scales.structure_mass),
+                    &starts(|start| fraction(start) * scales.structure_mass),
                 )
             },
         },

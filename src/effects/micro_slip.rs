@@ -35,10 +35,10 @@ pub(super) static EFFECT: Effect = Effect {
     in_resonances: InResonances::Shown,
     apply: |values, _, changes| changes.joint.spread = values[0],
     signature: |seen| {
-        let bend = seen.corner_share.filter(|share| *share > 0.15).map(|share| {
+        let bend = seen.corner_fraction.filter(|fraction| *fraction > 0.15).map(|fraction| {
             format!(
                 "the loop bends over gradually: its slope falls by {:.0} % before slip is complete",
-                100.0 * share
+                100.0 * fraction
             )
         });
         let fall = seen.frequency_by_level.filter(|change| *change < -0.002);

@@ -16,14 +16,14 @@ pub struct Range {
     pub starts: Vec<f64>,
 }
 
-/// A range from zero to `upper` with starts at shares of it.
-pub(super) fn from_zero(upper: f64, shares: &[f64]) -> Range {
-    Range { lower: 0.0, upper, scale: Scale::Linear, starts: shares.iter().map(|s| s * upper).collect() }
+/// A range from zero to `upper` with starts at fractions of it.
+pub(super) fn from_zero(upper: f64, fractions: &[f64]) -> Range {
+    Range { lower: 0.0, upper, scale: Scale::Linear, starts: fractions.iter().map(|s| s * upper).collect() }
 }
 
-/// A range `±size` with starts at `±share·size`.
-pub(super) fn both_signs(size: f64, share: f64) -> Range {
-    Range { lower: -size, upper: size, scale: Scale::Linear, starts: vec![share * size, -share * size] }
+/// A range `±size` with starts at `±fraction·size`.
+pub(super) fn both_signs(size: f64, fraction: f64) -> Range {
+    Range { lower: -size, upper: size, scale: Scale::Linear, starts: vec![fraction * size, -fraction * size] }
 }
 
 /// A range of magnitudes from `lower` to `upper`, both above zero.

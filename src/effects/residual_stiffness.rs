@@ -34,10 +34,10 @@ pub(super) static EFFECT: Effect = Effect {
     in_resonances: InResonances::Shown,
     apply: |values, _, changes| changes.joint.residual_stiffness = values[0],
     signature: |seen| {
-        seen.slip_slope_share.filter(|share| *share > 0.01).map(|share| {
+        seen.slip_slope_fraction.filter(|fraction| *fraction > 0.01).map(|fraction| {
             format!(
                 "the loop's plateaus are inclined: their slope is {:.1} % of that in stick",
-                100.0 * share
+                100.0 * fraction
             )
         })
     },

@@ -27,7 +27,7 @@ pub(super) static EFFECT: Effect = Effect {
     apply: |values, channel, changes| changes.sensor(channel).bias = values[0],
     signature: |seen| {
         seen.residual_mean
-            .filter(|share| share.abs() > 0.2)
-            .map(|share| format!("the residual has a mean of {:.0} % of its size", 100.0 * share))
+            .filter(|fraction| fraction.abs() > 0.2)
+            .map(|fraction| format!("the residual has a mean of {:.0} % of its size", 100.0 * fraction))
     },
 };

@@ -138,7 +138,7 @@ impl LoadRule {
         self.joint.load_gain.unwrap_or(1.0)
     }
 
-    /// N, of the `input` (N): all of it, or the share of its change that reaches the contact.
+    /// N, of the `input` (N): all of it, or the fraction of its change that reaches the contact.
     fn acting(&self, input: f64) -> f64 {
         match self.joint.load_gain {
             None => input,

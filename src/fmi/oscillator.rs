@@ -144,7 +144,7 @@ struct OscillatorBehaviour {
     has_contact: bool,
     /// Room for the state of the integrator.
     core: usize,
-    /// Constant normal load (N), and the share of the input's difference from it that reaches the contact.
+    /// Constant normal load (N), and the fraction of the input's difference from it that reaches the contact.
     load: (f64, f64),
     lines: Vec<Ramp>,
     drives: Vec<Drive>,

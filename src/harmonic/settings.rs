@@ -23,7 +23,7 @@ pub struct Settings {
     pub harmonics: usize,
     /// How the contact is carried over a period. Its displacement has `2 H` harmonics.
     pub method: Method,
-    /// Largest residual accepted, as share of the contact's displacement.
+    /// Largest residual accepted, as a fraction of the contact's displacement.
     pub tolerance: f64,
     /// Newton steps before a start is given up.
     pub max_iterations: usize,

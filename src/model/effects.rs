@@ -91,7 +91,7 @@ pub(super) fn write(text: &mut String, effects: &[AppliedEffect]) {
 pub(super) fn fit_range(quantity: &Quantity, value: f64) -> (f64, f64, Scale) {
     const FACTOR: f64 = 1e3;
     let size = if value == 0.0 { quantity.nominal } else { value.abs() };
-    // A share needs no wide range, and its open ends are no values of it.
+    // A fraction needs no wide range, and its open ends are no values of it.
     let inside = |end: f64| if quantity.open { 0.95 * end } else { end };
     let upper = quantity.max.map_or(FACTOR * size, inside);
     match quantity.min {

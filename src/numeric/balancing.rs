@@ -1,4 +1,4 @@
-//! Coordinates in which the rows and columns of a map are alike in size, so that rounding is a share of each: metres,
+//! Coordinates in which the rows and columns of a map are alike in size, so that rounding is a fraction of each: metres,
 //! metres per second and newtons are not.
 
 use nalgebra::DMatrix;

@@ -19,7 +19,7 @@ impl Bracket {
     /// Where to look next.
     pub fn next(&self) -> f64 {
         let ((a, fa), (b, fb)) = (self.latest, self.other);
-        let share = match self.left {
+        let fraction = match self.left {
             None => fa / (fa - fb),
             Some((c, fc)) => {
                 let (xi, phi) = ((a - b) / (c - b), (fa - fb) / (fc - fb));
@@ -31,7 +31,7 @@ impl Bracket {
                 }
             }
         };
-        a + share.clamp(0.0, 1.0) * (b - a)
+        a + fraction.clamp(0.0, 1.0) * (b - a)
     }
 
     /// Narrows the bracket by a place and the value there.

@@ -46,12 +46,12 @@ pub fn from_samples(samples: &[f64], periods: usize, harmonics: usize) -> Vec<f6
     let (mut input, mut spectrum) = (samples.to_vec(), transform.make_output_vec());
     // Lengths are those of the transform: it cannot fail.
     let _ = transform.process(&mut input, &mut spectrum);
-    let share = 1.0 / count as f64;
-    coefficients[0] = share * spectrum[0].re;
+    let fraction = 1.0 / count as f64;
+    coefficients[0] = fraction * spectrum[0].re;
     let seen = (1..=harmonics).take_while(|h| 2 * h * periods < count);
     for (h, pair) in seen.zip(coefficients[1..].chunks_exact_mut(2)) {
         let line = spectrum[h * periods];
-        (pair[0], pair[1]) = (2.0 * share * line.re, -2.0 * share * line.im);
+        (pair[0], pair[1]) = (2.0 * fraction * line.re, -2.0 * fraction * line.im);
     }
     coefficients
 }

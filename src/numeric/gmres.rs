@@ -19,7 +19,7 @@ pub(crate) struct Krylov {
 }
 
 impl Krylov {
-    /// Solves `A x = right`, A being applied by `apply(v, A v)`, until the residual is the share `tolerance` of the
+    /// Solves `A x = right`, A being applied by `apply(v, A v)`, until the residual is the fraction `tolerance` of the
     /// right side; false where it does not become as small.
     pub fn solve(
         &mut self,

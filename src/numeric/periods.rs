@@ -4,8 +4,8 @@ use realfft::RealFftPlanner;
 
 /// A line counts when it stands this far above the median line, and above the noise around it …
 const ABOVE_NOISE: f64 = 8.0;
-/// … and reaches this share of the strongest.
-const SHARE_OF_STRONGEST: f64 = 1e-3;
+/// … and reaches this fraction of the strongest.
+const FRACTION_OF_STRONGEST: f64 = 1e-3;
 /// A harmonic of a known period counts when it stands this far above the median of the lines around it that are none:
 /// of noise, one in 10⁸ does.
 const HARMONIC_ABOVE_NOISE: f64 = 5.0;
@@ -13,8 +13,8 @@ const HARMONIC_ABOVE_NOISE: f64 = 5.0;
 const AROUND: usize = 12;
 /// The median line of noise over its lower quartile, which harmonics among the lines leave as it is.
 const MEDIAN_OVER_QUARTILE: f64 = 1.55;
-/// … and reaches this share of the strongest, below which lies rounding.
-const HARMONIC_SHARE: f64 = 1e-7;
+/// … and reaches this fraction of the strongest, below which lies rounding.
+const HARMONIC_FRACTION: f64 = 1e-7;
 
 /// Number of whole periods in `samples` of a periodic signal that spans whole periods (the sample after
 /// the last would repeat the first): the greatest common divisor of the spectral lines that stand out of
@@ -25,7 +25,7 @@ const HARMONIC_SHARE: f64 = 1e-7;
 pub fn whole_periods(samples: &[f64]) -> Option<usize> {
     let sizes = line_sizes(samples)?;
     let strongest = sizes[1..].iter().copied().fold(0.0, f64::max);
-    let floor = (ABOVE_NOISE * median(&sizes[1..])).max(SHARE_OF_STRONGEST * strongest);
+    let floor = (ABOVE_NOISE * median(&sizes[1..])).max(FRACTION_OF_STRONGEST * strongest);
     let stands_out = |line: &usize| {
         let around = lines_around(&sizes, *line, |other| other != *line);
         let noise = MEDIAN_OVER_QUARTILE * quantile(&around, 4);
@@ -53,7 +53,7 @@ pub fn excited_harmonics(samples: &[f64], periods: usize) -> Vec<usize> {
     let stands_out = |line: usize| {
         let around = lines_around(&sizes, line, |other| !other.is_multiple_of(periods));
         let noise = if around.is_empty() { everywhere } else { median(&around) };
-        sizes[line] > (HARMONIC_ABOVE_NOISE * noise).max(HARMONIC_SHARE * strongest)
+        sizes[line] > (HARMONIC_ABOVE_NOISE * noise).max(HARMONIC_FRACTION * strongest)
     };
     let harmonics = (0..sizes.len()).step_by(periods).enumerate();
     harmonics.filter(|(_, line)| stands_out(*line)).map(|(harmonic, _)| harmonic).collect()
@@ -85,11 +85,11 @@ fn median(values: &[f64]) -> f64 {
     quantile(values, 2)
 }
 
-/// The value that one in `share` lies below; 0 of none.
-fn quantile(values: &[f64], share: usize) -> f64 {
+/// The value that one in `fraction` lies below; 0 of none.
+fn quantile(values: &[f64], fraction: usize) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    sorted.get(values.len() / share).copied().unwrap_or(0.0)
+    sorted.get(values.len() / fraction).copied().unwrap_or(0.0)
 }
 
 fn greatest_common_divisor(a: usize, b: usize) -> usize {

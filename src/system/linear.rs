@@ -142,7 +142,7 @@ impl LinearStructure {
 }
 
 fn symmetric(matrix: &'static str, entries: &Entries) -> Result<(), StructureError> {
-    /// Share of the largest entry that sums of the same terms in another order may differ by.
+    /// Fraction of the largest entry that sums of the same terms in another order may differ by.
     const ROUNDING: f64 = 1e-12;
     let largest = entries.iter().fold(0.0_f64, |largest, entry| largest.max(entry.2.abs()));
     // What is left of each pair once the lower triangle is taken from the upper.

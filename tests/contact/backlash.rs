@@ -65,9 +65,9 @@ fn one_step_equals_many_with_displacement_and_load_linear() {
     let law = law();
     let loads = [-80.0, -1e-3, 0.0, 20.0, 150.0, 400.0];
     for (start_load, end_load) in loads.iter().flat_map(|a| loads.iter().map(move |b| (*a, *b))) {
-        for share in [-1.0, -0.4, 0.0, 0.7, 1.0] {
+        for fraction in [-1.0, -0.4, 0.0, 0.7, 1.0] {
             for travel in [-90e-6, -7.5e-6, 0.0, 1e-6, 35e-6, 300e-6] {
-                let start = Carried::from(&law, 5e-6, start_load, share * law.limit(start_load));
+                let start = Carried::from(&law, 5e-6, start_load, fraction * law.limit(start_load));
                 check_one_step_equals_many(&law, &start, 5e-6 + travel, end_load, (5e-6, start_load));
             }
         }
@@ -78,9 +78,9 @@ fn one_step_equals_many_with_displacement_and_load_linear() {
 fn state_tangents_equal_finite_differences() {
     let law = law();
     for (start_load, end_load) in LOADS {
-        for share in [-0.93, -0.31, 0.0, 0.57, 0.97] {
+        for fraction in [-0.93, -0.31, 0.0, 0.57, 0.97] {
             for travel in [-110e-6, -21e-6, -9.3e-6, -3.1e-6, 0.13e-6, 4.3e-6, 57e-6] {
-                let start = Carried::from(&law, 2e-6, start_load, share * law.limit(start_load));
+                let start = Carried::from(&law, 2e-6, start_load, fraction * law.limit(start_load));
                 let inputs = Inputs { displacement: 2e-6 + travel, velocity: 0.0, normal_load: end_load };
                 check_derivatives(&law, &start.state, inputs, &|index| index < 2);
             }

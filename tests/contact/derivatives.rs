@@ -197,10 +197,10 @@ const TRAVELS: [f64; 7] = [-110e-6, -21e-6, -3.1e-6, -0.11e-6, 0.13e-6, 4.3e-6, 
 fn jenkins_tangents_equal_dual_derivatives() {
     let law = Jenkins::new(2e6, 0.37).unwrap();
     for (start_load, end_load) in LOADS {
-        for share in [-0.93, -0.31, 0.0, 0.57, 0.97] {
+        for fraction in [-0.93, -0.31, 0.0, 0.57, 0.97] {
             for travel in TRAVELS {
                 let mut state = [0.0; 3];
-                law.set_state(2e-6, start_load, share * law.limit(start_load), &mut state);
+                law.set_state(2e-6, start_load, fraction * law.limit(start_load), &mut state);
                 let oracle = |state: &[Dual64], u, n| jenkins(&law, state, u, n);
                 check(&law, &oracle, &state, 2e-6 + travel, end_load);
             }
@@ -213,10 +213,10 @@ fn valanis_tangents_equal_dual_derivatives() {
     for (kappa, e_t) in [(0.0, 0.0), (0.3, 0.0), (0.67, 5.3e5), (0.0, 1e6), (0.95, 3e6)] {
         let law = Valanis::new(7.9e6, 0.6, kappa, e_t).unwrap();
         for (start_load, end_load) in LOADS {
-            for share in [-0.93, -0.31, 0.0, 0.57, 0.97] {
+            for fraction in [-0.93, -0.31, 0.0, 0.57, 0.97] {
                 for travel in TRAVELS {
                     let mut state = [0.0; 4];
-                    law.set_state(2e-6, start_load, share * law.limit(start_load), &mut state);
+                    law.set_state(2e-6, start_load, fraction * law.limit(start_load), &mut state);
                     if start_load > 0.0 {
                         state[3] = -7e-6;
                     }
@@ -234,13 +234,13 @@ fn a_step_without_motion_has_finite_tangents() {
     let jenkins = Jenkins::new(2e6, 0.37).unwrap();
     let laws: [&dyn ContactLaw; 2] = [&valanis, &jenkins];
     for law in laws {
-        for share in [-1.0, 0.0, 0.4, 1.0] {
+        for fraction in [-1.0, 0.0, 0.4, 1.0] {
             let n = law.state_len();
             let (mut state, mut next) = (vec![0.0; n], vec![0.0; n]);
-            law.set_state(1e-6, 100.0, share * law.limit(100.0), &mut state);
+            law.set_state(1e-6, 100.0, fraction * law.limit(100.0), &mut state);
             let inputs = Inputs { displacement: 1e-6, velocity: 0.0, normal_load: 100.0 };
             let response = law.step(&state, inputs, &mut next);
-            assert!((response.force - share * law.limit(100.0)).abs() < 1e-9);
+            assert!((response.force - fraction * law.limit(100.0)).abs() < 1e-9);
             assert!(response.dissipated_energy.abs() < 1e-18);
             assert!(response.tangents.displacement.is_finite() && response.tangents.displacement >= 0.0);
         }

@@ -22,10 +22,10 @@ fn valanis() -> impl Strategy<Value = Valanis> {
 }
 
 fn valanis_with(kappa: impl Strategy<Value = f64>) -> impl Strategy<Value = Valanis> {
-    let share = prop_oneof![Just(0.0), 0.0..0.9];
-    (4.0..8.0, 0.01..2.0, kappa, share).prop_map(|(exponent, mu, kappa, share)| {
+    let fraction = prop_oneof![Just(0.0), 0.0..0.9];
+    (4.0..8.0, 0.01..2.0, kappa, fraction).prop_map(|(exponent, mu, kappa, fraction)| {
         let e0 = 10f64.powf(exponent);
-        Valanis::new(e0, mu, kappa, share * e0).unwrap()
+        Valanis::new(e0, mu, kappa, fraction * e0).unwrap()
     })
 }
 

@@ -144,8 +144,8 @@ fn beyond_macro_slip_each_further_displacement_costs_4_limits() {
 fn masing_branches_are_the_loading_curve_at_twice_its_size() {
     for shape in SHAPES {
         let law = iwan(shape, 25, IwanSpacing::Geometric { growth: 1.3 });
-        for share in [0.03, 0.4, 1.3] {
-            let amplitude = share * law.macro_slip_displacement(LOAD);
+        for fraction in [0.03, 0.4, 1.3] {
+            let amplitude = fraction * law.macro_slip_displacement(LOAD);
             let tip = Carried::virgin(&law, LOAD).go(amplitude, LOAD).force;
             for part in [0.1, 0.37, 0.8, 1.0] {
                 let loading = Carried::virgin(&law, LOAD).go(part * amplitude, LOAD).force;
@@ -177,9 +177,9 @@ fn strengths_follow_the_load_and_stiffnesses_stay() {
 fn state_tangents_equal_finite_differences() {
     let law = iwan((-0.4, 1.0), 4, IwanSpacing::Equal);
     for (start_load, end_load) in LOADS {
-        for share in [-0.7, 0.0, 0.4] {
+        for fraction in [-0.7, 0.0, 0.4] {
             for travel in [-21e-6, -3.1e-6, 0.13e-6, 9.3e-6] {
-                let mut start = Carried::from(&law, 2e-6, start_load, share * law.limit(start_load));
+                let mut start = Carried::from(&law, 2e-6, start_load, fraction * law.limit(start_load));
                 start.state[2..].iter_mut().for_each(|z| *z *= 0.995);
                 let inputs = Inputs { displacement: 2e-6 + travel, velocity: 0.0, normal_load: end_load };
                 check_derivatives(&law, &start.state, inputs, &|index| index != 1);

@@ -95,9 +95,9 @@ fn loop_area_is_the_sum_of_4_limit_times_slip() {
 fn one_step_equals_many_with_displacement_and_load_linear() {
     let law = law();
     for (start_load, end_load) in LOADS {
-        for share in [-1.0, -0.4, 0.0, 0.7] {
+        for fraction in [-1.0, -0.4, 0.0, 0.7] {
             for travel in [-90e-6, -7e-6, 0.0, 1e-6, 35e-6] {
-                let start = Carried::from(&law, 5e-6, start_load, share * law.limit(start_load));
+                let start = Carried::from(&law, 5e-6, start_load, fraction * law.limit(start_load));
                 check_one_step_equals_many(&law, &start, 5e-6 + travel, end_load, (5e-6, start_load));
             }
         }
@@ -108,9 +108,9 @@ fn one_step_equals_many_with_displacement_and_load_linear() {
 fn state_tangents_equal_finite_differences() {
     let law = law();
     for (start_load, end_load) in LOADS {
-        for share in [-0.93, -0.31, 0.0, 0.57, 0.97] {
+        for fraction in [-0.93, -0.31, 0.0, 0.57, 0.97] {
             for travel in [-110e-6, -21e-6, -3.1e-6, 0.13e-6, 4.3e-6, 57e-6] {
-                let mut start = Carried::from(&law, 2e-6, start_load, share * law.limit(start_load));
+                let mut start = Carried::from(&law, 2e-6, start_load, fraction * law.limit(start_load));
                 // Off the kink: an element that has just yielded may stick or slip.
                 start.state[2..].iter_mut().for_each(|z| *z *= 0.995);
                 let inputs = Inputs { displacement: 2e-6 + travel, velocity: 0.0, normal_load: end_load };
@@ -140,9 +140,9 @@ fn a_change_of_load_in_stick_creates_no_force() {
 #[test]
 fn the_state_carries_the_force_that_loading_leads_to() {
     let law = law();
-    for share in [-2.0, -1.0, -0.9, -0.1, 0.0, 0.05, 0.2, 0.6, 0.999, 1.0, 1e9] {
-        let force = f64::clamp(share, -1.0, 1.0) * law.limit(LOAD);
-        let mut contact = Carried::from(&law, 7e-6, LOAD, share * law.limit(LOAD));
+    for fraction in [-2.0, -1.0, -0.9, -0.1, 0.0, 0.05, 0.2, 0.6, 0.999, 1.0, 1e9] {
+        let force = f64::clamp(fraction, -1.0, 1.0) * law.limit(LOAD);
+        let mut contact = Carried::from(&law, 7e-6, LOAD, fraction * law.limit(LOAD));
         close(contact.go(7e-6, LOAD).force, force, 1e-12 * law.limit(LOAD));
     }
     // The same place by loading.

@@ -11,7 +11,7 @@ const STIFFNESS: f64 = 7.9e6;
 struct History {
     name: &'static str,
     /// Force at the start, relative to the limit.
-    share: f64,
+    fraction: f64,
     displacement: fn(f64) -> f64,
     load: fn(f64) -> f64,
 }
@@ -19,45 +19,45 @@ struct History {
 const HISTORIES: [History; 9] = [
     History {
         name: "rising, below the limit",
-        share: 0.3,
+        fraction: 0.3,
         displacement: |t| 12e-6 * t,
         load: |t| 75.0 + 225.0 * t,
     },
     History {
         name: "rising, towards saturation",
-        share: 0.5,
+        fraction: 0.5,
         displacement: |t| 90e-6 * t,
         load: |t| 75.0 + 225.0 * t,
     },
     History {
         name: "falling, caught by the limit",
-        share: 0.0,
+        fraction: 0.0,
         displacement: |t| 8e-6 * t,
         load: |t| 150.0 - 100.0 * t,
     },
     History {
         name: "falling, back from the limit faster than it falls",
-        share: -1.0,
+        fraction: -1.0,
         displacement: |t| 9e-6 * t,
         load: |t| 150.0 - 60.0 * t,
     },
     History {
         name: "falling, back from the limit slower than it falls",
-        share: 1.0,
+        fraction: 1.0,
         displacement: |t| -1e-6 * t,
         load: |t| 150.0 - 90.0 * t,
     },
     History {
         name: "curved",
-        share: -0.6,
+        fraction: -0.6,
         displacement: |t| 30e-6 * (t + 0.5 * t * t),
         load: |t| 120.0 + 70.0 * (5.0 * t).sin(),
     },
-    History { name: "lift-off", share: -0.8, displacement: |t| 30e-6 * t, load: |t| 150.0 - 187.0 * t },
-    History { name: "re-contact", share: 0.0, displacement: |t| -90e-6 * t, load: |t| 150.0 * t - 50.0 },
+    History { name: "lift-off", fraction: -0.8, displacement: |t| 30e-6 * t, load: |t| 150.0 - 187.0 * t },
+    History { name: "re-contact", fraction: 0.0, displacement: |t| -90e-6 * t, load: |t| 150.0 * t - 50.0 },
     History {
         name: "lift-off and re-contact",
-        share: 0.9,
+        fraction: 0.9,
         displacement: |t| 120e-6 * t,
         load: |t| 20.0 + 110.0 * (6.0 * t).cos(),
     },
@@ -99,7 +99,7 @@ fn piece(law: &Valanis, (y, work): (f64, f64), from: (f64, f64), to: (f64, f64))
 fn reference(law: &Valanis, history: &History, samples: usize) -> (Vec<f64>, f64) {
     const PIECES: usize = 1000;
     let at = |i: usize| i as f64 / (samples * PIECES) as f64;
-    let mut y = history.share * law.limit((history.load)(0.0));
+    let mut y = history.fraction * law.limit((history.load)(0.0));
     let mut work = 0.0;
     let p = law.tangential_stiffness() - law.residual_stiffness();
     let kept = y * y / (2.0 * p);
@@ -143,7 +143,7 @@ fn reference(law: &Valanis, history: &History, samples: usize) -> (Vec<f64>, f64
 fn error(law: &Valanis, history: &History, steps: usize, forces: &[f64]) -> (f64, f64) {
     let mut state = [0.0; 4];
     let load = (history.load)(0.0);
-    law.set_state((history.displacement)(0.0), load, history.share * law.limit(load), &mut state);
+    law.set_state((history.displacement)(0.0), load, history.fraction * law.limit(load), &mut state);
     let (mut largest, mut dissipated) = (0.0_f64, 0.0);
     let every = steps / forces.len();
     for i in 1..=steps {
@@ -220,10 +220,10 @@ fn a_load_that_grows_from_zero_is_followed_exactly() {
 fn a_step_is_continuous_where_the_load_stops_varying() {
     for (kappa, e_t) in LAWS {
         let law = law(kappa, e_t);
-        for (share, travel) in [(-1.0, 20e-6), (0.3, 20e-6), (0.97, 3e-6), (1.0, -50e-6), (0.0, 1e-12)] {
+        for (fraction, travel) in [(-1.0, 20e-6), (0.3, 20e-6), (0.97, 3e-6), (1.0, -50e-6), (0.0, 1e-12)] {
             let step = |load: f64| {
                 let mut state = [0.0; 4];
-                law.set_state(0.0, 150.0, share * law.limit(150.0), &mut state);
+                law.set_state(0.0, 150.0, fraction * law.limit(150.0), &mut state);
                 (go(&law, &mut state, travel, load), state[0])
             };
             let [below, held, above] = [150.0 * (1.0 - 1e-13), 150.0, 150.0 * (1.0 + 1e-13)].map(step);
@@ -231,7 +231,7 @@ fn a_step_is_continuous_where_the_load_stops_varying() {
                 assert!((y - held.1).abs() < 1e-10);
                 let (a, b) = (near.dissipated_energy, held.0.dissipated_energy);
                 assert!((a - b).abs() < 1e-12 * b + 1e-16, "{a:e} {b:e}");
-                if share.abs() < 1.0 {
+                if fraction.abs() < 1.0 {
                     let (a, b) = (near.tangents, held.0.tangents);
                     assert!((a.normal_load - b.normal_load).abs() < 1e-9, "{a:?} {b:?}");
                     assert!((a.displacement - b.displacement).abs() < 1e-9 * STIFFNESS, "{a:?} {b:?}");

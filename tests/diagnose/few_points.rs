@@ -43,12 +43,12 @@ fn diagnosed(model: &Model, dataset: &Dataset, effects: Option<&[&str]>) -> Diag
     for candidates in std::iter::once(&found.candidates).chain(&found.rounds) {
         for candidate in candidates {
             println!(
-                "  {:?} {:?} error {:.4} z {:.2} share {:.3} {:?}",
+                "  {:?} {:?} error {:.4} z {:.2} fraction {:.3} {:?}",
                 candidate.effects,
                 candidate.location,
                 candidate.error,
                 candidate.gain_z,
-                candidate.gain_share,
+                candidate.gain_fraction,
                 candidate.failure
             );
         }
@@ -72,7 +72,7 @@ fn measured_frequencies_give_steps_with_their_uncertainty_and_never_nothing_miss
     assert!((0.2..0.26).contains(&size(1)), "Jenkins refitted: {} Hz", size(1));
     assert!(found.verdict != Verdict::NothingMissing);
     for step in &found.steps {
-        assert!(step.gain_z > 1.0 && step.gain_share > 0.2, "{step:?}");
+        assert!(step.gain_z > 1.0 && step.gain_fraction > 0.2, "{step:?}");
     }
     assert!(!found.steps.is_empty(), "no step explains more than the refitted Jenkins element");
     let last = found.comparison.stages.len() - 1;

@@ -53,7 +53,7 @@ fn chi_squares(model: &Model, dataset: &Dataset) -> Vec<f64> {
             .iter()
             .map(|channel| channel.rms / record.channel(&channel.name).unwrap().noise.unwrap())
     });
-    channels.map(|share| share * share).collect()
+    channels.map(|fraction| fraction * fraction).collect()
 }
 
 /// Fits springs, dampers and contact, and the value of an effect if there is one, to the records by their noise.
@@ -139,7 +139,7 @@ fn sampled(regime: Regime, periods: std::ops::Range<usize>) -> Record {
     Record { name: "sampled".into(), regime, use_for: None, channels: channels.collect() }
 }
 
-/// Errors of the channels, as shares of their standard deviations.
+/// Errors of the channels, as fractions of their standard deviations.
 fn errors(record: Record) -> Vec<f64> {
     let dataset = Dataset { title: None, records: vec![record] };
     let stage = evaluate("", &Model::parse(TWO_MASSES).unwrap(), &dataset);

@@ -198,11 +198,11 @@ fn stretching_raises_the_resonance_by_three_eighths_of_k3_a2_over_k() {
     let (omega, phi) = (modal.angular_frequency[0], modal.excitation_shape[0]);
     let stiffness = omega * omega / (phi * phi);
     for amplitude in [2e-4_f64, 4e-4] {
-        let share = cubic_stiffness * amplitude * amplitude / stiffness;
+        let fraction = cubic_stiffness * amplitude * amplitude / stiffness;
         let shift = resonance(&modal, amplitude).angular_frequency / omega - 1.0;
-        // The next term of the backbone is of second order in the share.
-        assert!((shift - 0.375 * share).abs() < 0.2 * share * share, "{shift} {share}");
-        assert!(share > 1e-3 && share < 0.1, "{share}");
+        // The next term of the backbone is of second order in the fraction.
+        assert!((shift - 0.375 * fraction).abs() < 0.2 * fraction * fraction, "{shift} {fraction}");
+        assert!(fraction > 1e-3 && fraction < 0.1, "{fraction}");
     }
 }
 

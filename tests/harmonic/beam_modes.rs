@@ -98,8 +98,8 @@ fn the_backbone_of_the_published_beam_has_the_reference_frequencies() {
     for (acceleration, frequency) in reference {
         let pair =
             along.windows(2).find(|pair| pair[0].0 <= acceleration && acceleration <= pair[1].0).unwrap();
-        let share = (acceleration / pair[0].0).ln() / (pair[1].0 / pair[0].0).ln();
-        let found = pair[0].1 + share * (pair[1].1 - pair[0].1);
+        let fraction = (acceleration / pair[0].0).ln() / (pair[1].0 / pair[0].0).ln();
+        let found = pair[0].1 + fraction * (pair[1].1 - pair[0].1);
         // Forced, the other modes answer to what the contact's damping asks of them: of second order in it.
         let damping = pair[0].2.max(pair[1].2);
         let slack = 0.02 + 3.0 * damping * damping * frequency;

@@ -196,7 +196,7 @@ fn hundreds_of_sliders_are_the_sum_of_each() {
         sum.iter_mut().zip(map.force()).for_each(|(s, f)| *s += f);
     }
     let all = Sliders(sliders);
-    // The stiffness of all is 329: so stiff a spring behind them changes the force by that share.
+    // The stiffness of all is 329: so stiff a spring behind them changes the force by that fraction.
     for compliance in [0.0, 1e-12] {
         let together = evaluated(&all, compliance, set, &u);
         let error = largest(sum.iter().zip(together.force()).map(|(a, b)| a - b));

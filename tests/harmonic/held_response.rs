@@ -38,8 +38,8 @@ fn held_response(beam: &ModalBeam, acceleration: f64, harmonics: usize, around: 
     let in_phase = |k: usize| curve.points[k].nodes[node][1] / curve.points[k].first_harmonic()[node];
     let crossing = (1..curve.points.len()).find(|k| in_phase(k - 1) > 0.0 && in_phase(*k) <= 0.0).unwrap();
     let (before, after) = (&curve.points[crossing - 1], &curve.points[crossing]);
-    let share = in_phase(crossing - 1) / (in_phase(crossing - 1) - in_phase(crossing));
-    let between = |a: f64, b: f64| a + share * (b - a);
+    let fraction = in_phase(crossing - 1) / (in_phase(crossing - 1) - in_phase(crossing));
+    let between = |a: f64, b: f64| a + fraction * (b - a);
     let frequency = between(before.angular_frequency, after.angular_frequency) / TAU;
     let least = curve.points.iter().map(|point| point.level).fold(f64::INFINITY, f64::min);
     (frequency, acceleration / between(before.level, after.level), acceleration / least)

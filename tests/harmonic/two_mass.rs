@@ -195,7 +195,7 @@ fn a_held_response_has_its_amplitude_at_every_point() {
     assert!((again.amplitude[1] / point.amplitude[1] - 1.0).abs() < 1e-7);
 }
 
-/// Largest deviation of any node over a period, as share of its amplitude.
+/// Largest deviation of any node over a period, as a fraction of its amplitude.
 fn deviation(a: &Point, exact: &Point) -> f64 {
     let mut worst = 0.0_f64;
     for (node, (a, b)) in a.nodes.iter().zip(&exact.nodes).enumerate() {

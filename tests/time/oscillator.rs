@@ -97,14 +97,14 @@ fn slip_of_a_moment_between_two_steps_is_not_missed() {
     let (stiffness, damping, omega) = (1.7, 0.2, 0.6);
     let dynamic = 2.7 - omega * omega;
     let size = 1.0 / f64::hypot(dynamic, damping * omega);
-    for (share, slips) in [(1.0 - 1e-9, true), (1.0 + 1e-9, false)] {
-        let law = Jenkins::new(stiffness, stiffness * size * share).unwrap();
+    for (fraction, slips) in [(1.0 - 1e-9, true), (1.0 + 1e-9, false)] {
+        let law = Jenkins::new(stiffness, stiffness * size * fraction).unwrap();
         let mut flow = OscillatorFlow::new(&single(1.0, damping, 1.0, 1), &[attached(&law)]).unwrap();
         let scale = size * size;
         let (q, v) = (dynamic * scale, damping * omega * omega * scale);
         let mut motion = flow.motion(0.0, &[q], &[v], &[0.0]).unwrap();
         let passage = flow.advance(&mut motion, TAU / omega, &Excitation::cosine(omega, 1.0)).unwrap();
-        assert_eq!(passage.slipped[0], slips, "{share}: {passage:?}");
+        assert_eq!(passage.slipped[0], slips, "{fraction}: {passage:?}");
     }
 }
 

@@ -7,7 +7,7 @@ use stickslip_report::document::{Block, Cell, Section, scientific};
 
 use crate::Failure;
 use crate::draw::{equivalent_stiffness, table};
-use crate::sweeps::{FIXED, FRICTIONS, Resonance, STIFFNESSES, share};
+use crate::sweeps::{FIXED, FRICTIONS, Resonance, STIFFNESSES, fraction};
 use crate::system::{ABOVE_SUPERHARMONICS, FORCE, RANGE, System, X, Y, fine, linear, minimum};
 use crate::time_domain;
 
@@ -40,7 +40,7 @@ pub fn section(
     frictions: &[Resonance],
 ) -> Result<(Section, usize), Failure> {
     let mut all = vec![slip_onset(system)?, minimal_receptance(system, forces)?];
-    all.push(dissipated_share(system, forces)?);
+    all.push(dissipated_fraction(system, forces)?);
     all.push(softening(forces));
     all.extend(friction(system, frictions)?);
     all.extend(transients(system)?);
@@ -118,12 +118,13 @@ fn minimal_receptance(system: &System, tracked: &[Resonance]) -> Result<Statemen
     })
 }
 
-fn dissipated_share(system: &System, tracked: &[Resonance]) -> Result<Statement, Failure> {
-    let start = best(tracked, |one| share(&one.y.point));
-    let at =
-        minimum((0.8 * start, 1.25 * start), 1e-4, |force| Ok(-share(&system.first_peak(force, Y)?.point)))?;
-    let largest = share(&system.first_peak(at, Y)?.point);
-    let printed = share(&system.first_peak(0.2, Y)?.point);
+fn dissipated_fraction(system: &System, tracked: &[Resonance]) -> Result<Statement, Failure> {
+    let start = best(tracked, |one| fraction(&one.y.point));
+    let at = minimum((0.8 * start, 1.25 * start), 1e-4, |force| {
+        Ok(-fraction(&system.first_peak(force, Y)?.point))
+    })?;
+    let largest = fraction(&system.first_peak(at, Y)?.point);
+    let printed = fraction(&system.first_peak(0.2, Y)?.point);
     Ok(Statement {
         figure: "7",
         said: "The ratio of dissipated to input energy reaches its maximum at A = 0.2 N.",

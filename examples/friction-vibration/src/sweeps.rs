@@ -63,7 +63,7 @@ pub fn force_section(system: &System, tracked: &[Resonance]) -> Result<Section, 
         stroke: ordered(index, 3),
     };
     let tracked_plot = Plot {
-        caption: "Receptance at the first resonance over the force, each mass at its own peak; below, the share of the \
+        caption: "Receptance at the first resonance over the force, each mass at its own peak; below, the fraction of the \
                   work of the force that friction takes there."
             .into(),
         half: false,
@@ -78,7 +78,7 @@ pub fn force_section(system: &System, tracked: &[Resonance]) -> Result<Section, 
             },
             Panel {
                 y: Axis::new("dissipated / work", "1"),
-                lines: vec![peaks("at the peak of y", |one| share(&one.y.point), 1)],
+                lines: vec![peaks("at the peak of y", |one| fraction(&one.y.point), 1)],
             },
         ],
     };
@@ -98,7 +98,7 @@ pub fn force_section(system: &System, tracked: &[Resonance]) -> Result<Section, 
             Cell::Number(y.peak.angular_frequency, 6),
             Cell::Number(y.peak.amplitude / force, 6),
             Cell::Number(y.point.dissipated_energy(), 6),
-            Cell::Number(share(&y.point), 4),
+            Cell::Number(fraction(&y.point), 4),
             Cell::Number(equivalent_stiffness(&y.point), 6),
         ])
     });
@@ -117,7 +117,7 @@ pub fn force_section(system: &System, tracked: &[Resonance]) -> Result<Section, 
                     "ω of y (rad/s)",
                     "y/A (m/N)",
                     "Dissipated at y (J)",
-                    "Share of the work",
+                    "Fraction of the work",
                     "k_eq (N/m)",
                 ],
                 rows,
@@ -305,7 +305,7 @@ fn named(
     curves.iter().enumerate().map(line).collect()
 }
 
-/// Share of the work of the excitation that the contact takes.
-pub fn share(point: &Point) -> f64 {
+/// Fraction of the work of the excitation that the contact takes.
+pub fn fraction(point: &Point) -> f64 {
     if point.work > 0.0 { point.dissipated_energy() / point.work } else { 0.0 }
 }

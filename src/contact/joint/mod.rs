@@ -462,10 +462,13 @@ impl ContactLaw for Joint {
 
 /// `law` as sliders of equal stiffness whose yield displacements are spread evenly over `1 ± spread` times its own.
 fn spread_out(law: &Jenkins, spread: f64, count: usize) -> Result<ParallelSliders, LawError> {
-    let share = 1.0 / count as f64;
+    let fraction = 1.0 / count as f64;
     let slider = |index: usize| {
-        let place = (2 * index + 1) as f64 * share - 1.0;
-        (law.tangential_stiffness() * share, law.friction_coefficient() * share * (1.0 + spread * place))
+        let place = (2 * index + 1) as f64 * fraction - 1.0;
+        (
+            law.tangential_stiffness() * fraction,
+            law.friction_coefficient() * fraction * (1.0 + spread * place),
+        )
     };
     ParallelSliders::new(&(0..count).map(slider).collect::<Vec<_>>())
 }

@@ -180,12 +180,12 @@ impl Sliders {
     }
 
     fn add_path(&self, path: &mut Path, index: usize, slip: &Slipping, start: &Start) {
-        let share = self.stiffness[index] / self.whole;
+        let fraction = self.stiffness[index] / self.whole;
         let (by_displacement, by_load) =
             start.closing.map_or((1.0, 0.0), |closing| (closing.by_displacement, closing.by_load));
-        path.length += share * slip.slipped;
-        path.by_displacement += share * slip.sign * by_displacement;
-        path.by_load += share * (slip.sign * by_load - slip.side * self.stretch[index]);
+        path.length += fraction * slip.slipped;
+        path.by_displacement += fraction * slip.sign * by_displacement;
+        path.by_load += fraction * (slip.sign * by_load - slip.side * self.stretch[index]);
     }
 
     fn slip(
@@ -302,9 +302,9 @@ impl Sliders {
                     }
                 }
                 Some(slip) => {
-                    let share = slip.sign * stiffness / self.whole;
+                    let fraction = slip.sign * stiffness / self.whole;
                     for (column, by) in by_start {
-                        out.next_by_state[path_row * n + column] += share * by;
+                        out.next_by_state[path_row * n + column] += fraction * by;
                     }
                     out.next_by_displacement[row] = 1.0;
                     out.next_by_normal_load[row] = -slip.sign * slip.side * self.stretch[index];

@@ -97,7 +97,7 @@ fn without(
 }
 
 impl LeftOut {
-    /// What this gains over `before`, point by point: the mean over its standard error, and the share.
+    /// What this gains over `before`, point by point: the mean over its standard error, and the fraction.
     pub fn gain_over(&self, before: &Self) -> Gain {
         let gains: Vec<f64> = before.squares.iter().zip(&self.squares).map(|(old, new)| old - new).collect();
         let (count, total) = (gains.len() as f64, before.squares.iter().sum::<f64>());
@@ -105,6 +105,6 @@ impl LeftOut {
         let mean = sum / count;
         let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0);
         let z = if count > 1.0 && variance > 0.0 { mean / (variance / count).sqrt() } else { 0.0 };
-        Gain { z, share: if total > 0.0 { sum / total } else { 0.0 } }
+        Gain { z, fraction: if total > 0.0 { sum / total } else { 0.0 } }
     }
 }

@@ -25,13 +25,13 @@ use crate::model::Model;
 
 /// Gain of a step over its standard error, at least.
 const PASSING_Z: f64 = 1.0;
-/// Share of the squared error of the points left out that a step must remove.
-const PASSING_SHARE: f64 = 0.2;
+/// Fraction of the squared error of the points left out that a step must remove.
+const PASSING_FRACTION: f64 = 0.2;
 /// Two candidates whose difference is below this many standard errors are tied.
 const TIED_Z: f64 = 1.0;
 /// Degrees of freedom that must remain after a step.
 const FEWEST_FREE: usize = 2;
-/// Errors below this share of a value are those of the computation.
+/// Errors below this fraction of a value are those of the computation.
 const RESOLUTION: f64 = 2e-6;
 
 /// Whether `dataset` is tables alone, and too few of them to be split by record.
@@ -205,7 +205,7 @@ impl Rounds<'_, '_> {
                 let added = self.search.added(&before.state.fitted.model, &set);
                 // What does not even fit better is not worth a refit per point.
                 let fits = |state: &State| {
-                    mean_square(&state.scored) < (1.0 - PASSING_SHARE) * mean_square(&before.state.scored)
+                    mean_square(&state.scored) < (1.0 - PASSING_FRACTION) * mean_square(&before.state.scored)
                 };
                 let (standing, state) = match added {
                     Ok(state) if !fits(&state) => (None, Ok(state)),
@@ -216,14 +216,14 @@ impl Rounds<'_, '_> {
                     Err(reason) => (None, Err(reason)),
                 };
                 (self.search.told)(candidate.effect.id);
-                let none = Gain { z: f64::NAN, share: f64::NAN };
+                let none = Gain { z: f64::NAN, fraction: f64::NAN };
                 let gain = standing.as_ref().map_or(none, |after| after.unseen.gain_over(&before.unseen));
                 Tried { trial: Trial { candidates: set, state, gain }, standing }
             })
             .collect();
         round.sort_by(|a, b| {
             let failed = |tried: &Tried| tried.standing.is_none();
-            failed(a).cmp(&failed(b)).then(b.trial.gain.share.total_cmp(&a.trial.gain.share))
+            failed(a).cmp(&failed(b)).then(b.trial.gain.fraction.total_cmp(&a.trial.gain.fraction))
         });
         round
     }
@@ -332,7 +332,7 @@ impl Rounds<'_, '_> {
             added: vec![kept.candidate.effect.id],
             error: self.normalised(&kept.standing),
             gain_z: kept.gain.z,
-            gain_share: kept.gain.share,
+            gain_fraction: kept.gain.fraction,
             dropped: false,
         });
         Diagnosis {
@@ -382,12 +382,14 @@ impl Rounds<'_, '_> {
 }
 
 fn passes(tried: &Tried) -> bool {
-    tried.standing.is_some() && tried.trial.gain.z > PASSING_Z && tried.trial.gain.share > PASSING_SHARE
+    tried.standing.is_some() && tried.trial.gain.z > PASSING_Z && tried.trial.gain.fraction > PASSING_FRACTION
 }
 
 /// A rival need not pass by itself to make the winner doubtful.
 fn nearly_passes(tried: &Tried) -> bool {
-    tried.standing.is_some() && tried.trial.gain.z > 0.5 * PASSING_Z && tried.trial.gain.share > PASSING_SHARE
+    tried.standing.is_some()
+        && tried.trial.gain.z > 0.5 * PASSING_Z
+        && tried.trial.gain.fraction > PASSING_FRACTION
 }
 
 /// Whether `winner` is better than `other` by less than a standard error.

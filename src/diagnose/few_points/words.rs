@@ -2,7 +2,7 @@
 
 use super::super::diagnosis::{Evidence, Verdict};
 use super::leave_out;
-use super::{FEWEST_FREE, PASSING_SHARE, Rounds, Standing};
+use super::{FEWEST_FREE, PASSING_FRACTION, Rounds, Standing};
 use crate::model::Model;
 
 /// A table without a degree of freedom to spare.
@@ -115,7 +115,7 @@ impl Rounds<'_, '_> {
             "the error at points left out falls from {old_unseen:.3} to {unseen:.3} {unit} ({:.0} % of its square, \
              {:.1} standard errors; {better} of {} points are predicted better), that of the fit from \
              {old_fitted:.3} to {fitted:.3} {unit}. {}",
-            100.0 * kept.gain.share,
+            100.0 * kept.gain.fraction,
             kept.gain.z,
             before.unseen.squares.len(),
             self.nested(index).words()
@@ -130,7 +130,7 @@ impl Rounds<'_, '_> {
         let best = self.rounds.last()?.iter().find(|tried| tried.standing.is_some())?;
         let more = if self.kept.is_empty() { "No effect" } else { "No further effect" };
         let gain = best.trial.gain;
-        let does = match gain.share {
+        let does = match gain.fraction {
             fraction if fraction < 0.005 => "does not lower it".to_owned(),
             fraction => {
                 format!("lowers it by {:.0} %, which is {:.1} standard errors", 100.0 * fraction, gain.z)
@@ -139,7 +139,7 @@ impl Rounds<'_, '_> {
         Some(format!(
             "{more} lowers the error at points left out by more than its standard error and by {:.0} % of its square; \
              the best, {}, {does}",
-            100.0 * PASSING_SHARE,
+            100.0 * PASSING_FRACTION,
             best.trial.ids().join(" + "),
         ))
     }

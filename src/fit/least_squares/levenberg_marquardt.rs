@@ -273,7 +273,7 @@ mod tests {
         assert!((end.y[0] - 1.0).abs() < 1e-6 && (end.y[1] - 1.0).abs() < 1e-6, "{:?}", end.y);
     }
 
-    /// `y → y − share · y` a step: a parabola so flat at its bottom that steps only shrink the distance.
+    /// `y → y − fraction · y` a step: a parabola so flat at its bottom that steps only shrink the distance.
     struct Slow {
         exponent: i32,
         steps: usize,

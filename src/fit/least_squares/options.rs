@@ -56,7 +56,7 @@ pub struct Options<'a> {
     pub max_iterations: usize,
     /// Relative change of the sum of squares, and of the parameters, that counts as none.
     pub tolerance: f64,
-    /// Step of the finite differences, in shares of the parameter's range or value (of its logarithm's
+    /// Step of the finite differences, in fractions of the parameter's range or value (of its logarithm's
     /// unit for a logarithmic one). It should be well above the solver's own error.
     pub difference_step: f64,
     /// How derivatives are taken.

@@ -23,7 +23,7 @@ impl Path<'_> {
         test: &mut dyn FnMut(&mut dyn PeriodicSystem, &Location) -> f64,
     ) -> Result<Location, NotFound> {
         const ROUNDS: usize = 60;
-        /// Share of the way at which the place is known well enough: what is largest there is known to the square.
+        /// Fraction of the way at which the place is known well enough: what is largest there is known to the square.
         const SHARPEST: f64 = 1e-11;
         const NEAR_END: f64 = 1e-6;
         let stopping =

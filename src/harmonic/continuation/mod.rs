@@ -31,11 +31,11 @@ const SMALLEST_STEP: f64 = 1e-8;
 /// Steps this small may turn by up to a right angle: a corner of the curve.
 const CORNER_STEP: f64 = 1e-4;
 /// Steps this small are taken however much what is watched turns; smaller ones at resonances sharper than that,
-/// this share of half their bandwidth, down to a least.
+/// this fraction of half their bandwidth, down to a least.
 const SHARPEST_BEND: f64 = 1e-6;
 const BEND_OF_RESONANCE: f64 = 0.02;
 const LEAST_BEND: f64 = 3e-8;
-/// A resonance this near counts as reached: in half bandwidths, and as share of the range.
+/// A resonance this near counts as reached: in half bandwidths, and as a fraction of the range.
 const REACHED: f64 = 0.3;
 const REACHED_IN_RANGE: f64 = 1e-9;
 /// What is free besides counts in units so many times its largest value: the force that holds a response falls and
@@ -67,14 +67,14 @@ pub(crate) struct Route {
     pub to: f64,
     /// When a point is good enough.
     pub stopping: Stopping,
-    /// Longest step, as share of the range.
+    /// Longest step, as a fraction of the range.
     pub max_step: f64,
 }
 
 /// Judgement of a point that Newton's method found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Verdict {
-    /// Good. What the caller watches turned by this share of what is tolerable, in second order of the step:
+    /// Good. What the caller watches turned by this fraction of what is tolerable, in second order of the step:
     /// above 1 the step was too long, unless it is as short as steps at corners.
     Keep(f64),
     /// To be solved again with so many harmonics.

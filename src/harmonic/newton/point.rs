@@ -9,7 +9,7 @@ pub struct Contacting {
     pub dissipated_energy: f64,
     /// Slope of the loop from tip to tip (N/m); NaN where nothing moves.
     pub equivalent_stiffness: f64,
-    /// Share of the period in stick; `None` for a law without a distinct stick.
+    /// Fraction of the period in stick; `None` for a law without a distinct stick.
     pub stick_fraction: Option<f64>,
     /// Coefficients `[a0, c1, s1, …]` of the contact's displacement (m).
     pub displacement: Vec<f64>,
@@ -36,7 +36,7 @@ pub struct Point {
     pub stable: Option<bool>,
     /// Why it cannot be told; `None` where it was not asked for or is told.
     pub undecided: Option<Undecided>,
-    /// Estimated error of the displacements from the harmonics left out, as share of the amplitude of
+    /// Estimated error of the displacements from the harmonics left out, as a fraction of the amplitude of
     /// the node it is largest at.
     pub error_estimate: f64,
     /// Whether `error_estimate` meets the tolerance asked for, or [`UNRESOLVED`](crate::harmonic::UNRESOLVED) where

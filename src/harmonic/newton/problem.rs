@@ -44,13 +44,13 @@ pub(crate) trait Condition {
 const STALLED: f64 = 1e3;
 /// A residual larger than this is never taken for rounding.
 const LARGEST_ROUNDING: f64 = 1e-6;
-/// … after a step that changes the unknowns by this share at most.
+/// … after a step that changes the unknowns by this fraction at most.
 const SMALL_STEP: f64 = 1e-6;
 
 /// When a solution is good enough, and when it is given up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Stopping {
-    /// Largest residual accepted, as share of the largest term; the conditions count in full.
+    /// Largest residual accepted, as a fraction of the largest term; the conditions count in full.
     pub tolerance: f64,
     /// Newton steps at most.
     pub max_iterations: usize,

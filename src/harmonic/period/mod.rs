@@ -45,7 +45,7 @@ pub struct CycleSummary {
     /// Slope from tip to tip of the loop (N/m): between the smallest and the largest displacement of
     /// the contact itself, without the series spring. NaN where nothing moves.
     pub equivalent_stiffness: f64,
-    /// Share of the period in which no point of the contact slides or is apart; `None` for a law without a
+    /// Fraction of the period in which no point of the contact slides or is apart; `None` for a law without a
     /// distinct stick.
     pub stick_fraction: Option<f64>,
 }

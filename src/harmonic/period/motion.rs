@@ -2,7 +2,7 @@
 
 use crate::numeric::HarmonicSet;
 
-/// Harmonics below this share of the largest carry no weight.
+/// Harmonics below this fraction of the largest carry no weight.
 const WEIGHTLESS: f64 = 1e-15;
 /// Amplitudes (m) below this are rest: their products would leave the range of numbers.
 const REST: f64 = 1e-250;
@@ -142,7 +142,7 @@ impl Motion {
     /// displacement is `target` (m): an end where it lies outside.
     pub fn phase_of(&self, target: f64, from: &Turning, to: &Turning) -> f64 {
         let share = (target - from.value) / (to.value - from.value);
-        // Also without motion, where the share is no number.
+        // Also without motion, where the fraction is no number.
         if !(share > 0.0 && share < 1.0) {
             return if share >= 1.0 { to.phase } else { from.phase };
         }

@@ -7,7 +7,7 @@
 
 use super::motion::{Motion, Turning};
 
-/// Differences of displacement below this share of the amplitude are rounding.
+/// Differences of displacement below this fraction of the amplitude are rounding.
 const ROUNDING: f64 = 1e-14;
 /// Narrowest interval (rad).
 const NARROWEST: f64 = 1e-11;

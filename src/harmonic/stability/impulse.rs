@@ -10,7 +10,7 @@ use super::step::Step;
 use crate::contact::{Inputs, Period, PeriodicSolver, StateTangents};
 use crate::time::LoadedContact;
 
-/// How far beside a jump the law is looked at, as share of the displacement.
+/// How far beside a jump the law is looked at, as a fraction of the displacement.
 const BESIDE: f64 = 1e-9;
 
 /// The impulse of a jump.
@@ -100,7 +100,7 @@ pub(super) fn phases(contact: &LoadedContact, coefficients: &[f64], angular_freq
 /// Phases between `from` and `to` at which `tangents` jump.
 fn jumps_between(from: f64, to: f64, tangents: &mut impl FnMut(f64) -> [f64; 2], out: &mut Vec<f64>) {
     const INTERVALS: usize = 64;
-    /// Shares of a tangent by which it changes over an interval, and by which it jumps.
+    /// Fractions of a tangent by which it changes over an interval, and by which it jumps.
     const CHANGES: f64 = 1e-2;
     const JUMPS: f64 = 1e-3;
     let changes = |a: &[f64; 2], b: &[f64; 2], share: f64| {

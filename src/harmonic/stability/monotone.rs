@@ -13,7 +13,7 @@ use crate::time::LoadedContact;
 
 /// Most degrees of freedom of a matrix that is factored to see its sign.
 const MOST_FACTORED: usize = 300;
-/// What rounding may leave of zero, as share of the diagonal.
+/// What rounding may leave of zero, as a fraction of the diagonal.
 const ROUNDING: f64 = 1e-12;
 
 /// Whether the energy of every disturbance falls. False where that cannot be seen.
@@ -41,7 +41,7 @@ pub(super) fn is_passive(structure: &LinearStructure, stiffness: &Entries) -> bo
         && is_positive(stiffness, size, ROUNDING)
 }
 
-/// Whether a symmetric matrix is positive definite, with a share `shift` of its diagonal added.
+/// Whether a symmetric matrix is positive definite, with a fraction `shift` of its diagonal added.
 fn is_positive(entries: &Entries, size: usize, shift: f64) -> bool {
     let (mut diagonal, mut beside) = (vec![0.0; size], vec![0.0; size]);
     for &(i, j, value) in entries {

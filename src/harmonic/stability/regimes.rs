@@ -223,7 +223,7 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// Stiffness of the contact now, and the shares of it that hang on remembered displacements.
+    /// Stiffness of the contact now, and the parts of it that depend on remembered displacements.
     fn tangent(&self) -> (f64, Vec<(usize, f64)>) {
         let mut stiffness = 0.0;
         let mut weights = vec![0.0; self.turns.len()];

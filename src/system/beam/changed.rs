@@ -96,8 +96,8 @@ impl ModalBeam {
         // The resonator's own coordinate has a mass of one, as the modes have.
         let root = natural * hanging.mass.sqrt();
         let yielding = self.axial_flexibility * root * root;
-        let share = 1.0 / (1.0 + yielding);
-        let soft = share.sqrt();
+        let fraction = 1.0 / (1.0 + yielding);
+        let soft = fraction.sqrt();
         let lever: Vec<f64> =
             self.contact_shape.iter().map(|c| soft * root * c).chain([-soft * natural]).collect();
         let own = |index: usize| self.angular_frequency.get(index).map_or(0.0, |omega| omega * omega);
@@ -132,18 +132,19 @@ impl ModalBeam {
         }
         // In terms of s h, of which the shortening tells from now on.
         let string = root * root;
-        self.stretching_stiffness = self.stretching_stiffness / (share * share) + 0.5 * string / share;
-        let before = self.string_stiffness / share;
+        self.stretching_stiffness =
+            self.stretching_stiffness / (fraction * fraction) + 0.5 * string / fraction;
+        let before = self.string_stiffness / fraction;
         self.string_stiffness = before + string;
         self.string_stretch.resize(modes + 1, 0.0);
         let own = self.contact_shape.iter().copied().chain([-1.0 / hanging.mass.sqrt()]);
         for (stretch, own) in self.string_stretch.iter_mut().zip(own) {
             *stretch = (before * *stretch + string * own) / self.string_stiffness;
         }
-        self.contact_shape.iter_mut().for_each(|c| *c *= share);
-        self.contact_shape.push(share * self.axial_flexibility * natural * root);
-        self.axial_flexibility *= share;
-        self.shortening.iter_mut().for_each(|g| *g *= share);
+        self.contact_shape.iter_mut().for_each(|c| *c *= fraction);
+        self.contact_shape.push(fraction * self.axial_flexibility * natural * root);
+        self.axial_flexibility *= fraction;
+        self.shortening.iter_mut().for_each(|g| *g *= fraction);
         self.transform(&shapes, &rates, |mode| eigen.eigenvalues[order[mode]].sqrt());
         Ok(())
     }

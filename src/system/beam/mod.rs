@@ -36,7 +36,7 @@ impl ModalBeam {
     ///
     /// With `beam.static_correction` the truncated modes follow the contact force without inertia: the
     /// rotation of the pinned end that they lack (see [`tip_rotational_compliance`]) yields in series with
-    /// the contact, like the axial flexibility. Their share falls with one over the number of modes only.
+    /// the contact, like the axial flexibility. Their contribution falls only with one over the number of modes.
     /// The published beam at phase resonance (Hz, five harmonics), without and with the correction:
     ///
     /// | modes | stuck, 0.5 m/s² | | 20 m/s² | | 70 m/s² | |

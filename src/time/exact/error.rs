@@ -74,7 +74,7 @@ pub enum OscillatorError {
     NotPeriodic {
         /// Periods computed.
         iterations: usize,
-        /// Largest change over a period as share of the largest displacement and velocity.
+        /// Largest change over a period as a fraction of the largest displacement and velocity.
         mismatch: f64,
     },
 }

@@ -12,7 +12,7 @@ use super::{Excitation, OscillatorError};
 /// When shooting is satisfied, and when it gives up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShootingSettings {
-    /// Largest change over a period, as share of the largest displacement and velocity.
+    /// Largest change over a period, as a fraction of the largest displacement and velocity.
     pub tolerance: f64,
     /// Most periods computed, those marched between attempts included.
     pub periods: usize,
@@ -41,7 +41,7 @@ pub struct PeriodicMotion {
     /// Whether no disturbance counted grows by more than 1e-8 of itself in a period, which is what can be told
     /// from rounding.
     pub stable: bool,
-    /// Largest change over a period, as share of the largest displacement and velocity.
+    /// Largest change over a period, as a fraction of the largest displacement and velocity.
     pub mismatch: f64,
     /// Periods computed.
     pub periods: usize,
@@ -151,7 +151,7 @@ impl Shooting<'_> {
         Ok(cycle)
     }
 
-    /// Largest change as share of the largest number of its kind.
+    /// Largest change as a fraction of the largest number of its kind.
     fn mismatch(&self, cycle: &Cycle) -> f64 {
         let n = self.flow.system.size;
         let mut worst = 0.0_f64;

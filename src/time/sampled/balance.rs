@@ -6,7 +6,7 @@ use crate::time::solve::solve;
 
 /// Newton steps before the balance is given up.
 const NEWTON: usize = 60;
-/// Residual accepted, as share of the forces: far below the steps of finite differences.
+/// Residual accepted, as a fraction of the forces: far below the steps of finite differences.
 const BALANCED: f64 = 1e-12;
 /// Halvings of a Newton step that makes matters worse, with several contacts.
 const HALVINGS: usize = 8;

@@ -10,16 +10,16 @@ pub fn deviation(noise: &[Noise], record: usize, name: &str) -> Option<f64> {
 }
 
 /// The noise over the channel's standard deviation: the error of a perfect model.
-pub fn share(comparison: &Comparison, noise: &[Noise], record: usize, name: &str) -> Option<f64> {
+pub fn fraction(comparison: &Comparison, noise: &[Noise], record: usize, name: &str) -> Option<f64> {
     let spread = crate::explorer::deviation(&summary::channel(&comparison.records[record], name)?.values);
-    deviation(noise, record, name).map(|noise| noise / spread).filter(|share| share.is_finite())
+    deviation(noise, record, name).map(|noise| noise / spread).filter(|fraction| fraction.is_finite())
 }
 
 /// The normalised error of a perfect model in one record; `None` where the noise of a channel is unknown.
 pub fn of_record(comparison: &Comparison, noise: &[Noise], record: usize) -> Option<f64> {
     let channels = summary::compared_channels(comparison, record);
     let squares: Option<Vec<f64>> =
-        channels.iter().map(|(name, _)| Some(share(comparison, noise, record, name)?.powi(2))).collect();
+        channels.iter().map(|(name, _)| Some(fraction(comparison, noise, record, name)?.powi(2))).collect();
     squares.filter(|all| !all.is_empty()).map(|all| (all.iter().sum::<f64>() / all.len() as f64).sqrt())
 }
 
@@ -28,7 +28,7 @@ pub fn total(comparison: &Comparison, noise: &[Noise]) -> Option<f64> {
     let (mut squares, mut count) = (0.0, 0_usize);
     for record in 0..comparison.records.len() {
         for (name, _) in summary::compared_channels(comparison, record) {
-            squares += share(comparison, noise, record, &name)?.powi(2);
+            squares += fraction(comparison, noise, record, &name)?.powi(2);
             count += 1;
         }
     }

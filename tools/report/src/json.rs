@@ -52,11 +52,12 @@ pub fn json(comparison: &Comparison, noise: &[Noise]) -> Value {
 /// Standard deviation of a channel's noise, and the normalised error that it alone would leave.
 fn noise(comparison: &Comparison, noise: &Noise) -> Value {
     let record = comparison.records.get(noise.record);
-    let share = record
-        .and_then(|_| floors::share(comparison, std::slice::from_ref(noise), noise.record, &noise.channel));
+    let fraction = record.and_then(|_| {
+        floors::fraction(comparison, std::slice::from_ref(noise), noise.record, &noise.channel)
+    });
     json!({
         "file": record.map(|record| &record.name), "channel": noise.channel, "deviation": noise.deviation,
-        "source": source(noise.source), "error": share,
+        "source": source(noise.source), "error": fraction,
     })
 }
 

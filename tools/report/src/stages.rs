@@ -81,11 +81,11 @@ fn failed(comparison: &Comparison, record: usize) -> bool {
 
 /// A bar of length `value / top` with the number behind it.
 fn bar(value: f64, top: f64, colour: &str, scale: &Scale) -> Markup {
-    let share = if top > 0.0 && value.is_finite() { (value / top).clamp(0.0, 1.0) } else { 0.0 };
+    let fraction = if top > 0.0 && value.is_finite() { (value / top).clamp(0.0, 1.0) } else { 0.0 };
     html! {
         span.bar {
             span.value { (scale.number(value)) }
-            span.track { span.fill style=(format!("width:{:.1}%;background:{colour}", 100.0 * share)) {} }
+            span.track { span.fill style=(format!("width:{:.1}%;background:{colour}", 100.0 * fraction)) {} }
         }
     }
 }

@@ -57,7 +57,7 @@ impl Levels {
             .max_by(|&a, &b| self.residual(stage, a).abs().total_cmp(&self.residual(stage, b).abs()))
     }
 
-    /// The scale that all residuals of the table share: three digits of the largest.
+    /// The scale that all residuals of the table fraction: three digits of the largest.
     pub fn residual_scale(&self) -> Scale {
         let all = (0..self.predicted.len())
             .flat_map(|stage| (0..self.amplitude.len()).map(move |level| self.residual(stage, level)));

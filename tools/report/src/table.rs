@@ -167,7 +167,7 @@ fn stages(out: &mut Text, comparison: &Comparison, summary: &Summary) {
     let top = errors.iter().copied().filter(|error| error.is_finite()).fold(0.0, f64::max);
     for (index, stage) in comparison.stages.iter().enumerate() {
         let last = index + 1 == count;
-        let share = if top > 0.0 && errors[index].is_finite() { errors[index] / top } else { 0.0 };
+        let fraction = if top > 0.0 && errors[index].is_finite() { errors[index] / top } else { 0.0 };
         let paint = if last {
             BLUE
         } else if index == 0 {
@@ -181,18 +181,18 @@ fn stages(out: &mut Text, comparison: &Comparison, summary: &Summary) {
             pad(&(index + 1).to_string(), index_width, true),
             out.painted(&name, if last { BOLD } else { "" }),
             out.painted(&pad(&numbers[index], number_width, true), if last { BOLD } else { "" }),
-            out.painted(&bar(share, bar_width), paint),
+            out.painted(&bar(fraction, bar_width), paint),
         );
         out.line(&line);
     }
 }
 
-/// A bar of `share` of `width` columns, in steps of an eighth of a column.
-fn bar(share: f64, width: usize) -> String {
+/// A bar of `fraction` of `width` columns, in steps of an eighth of a column.
+fn bar(fraction: f64, width: usize) -> String {
     const EIGHTHS: [&str; 8] = ["", "▏", "▎", "▍", "▌", "▋", "▊", "▉"];
-    let eighths = (share.clamp(0.0, 1.0) * 8.0 * width as f64).round() as usize;
+    let eighths = (fraction.clamp(0.0, 1.0) * 8.0 * width as f64).round() as usize;
     // Something is left of the error, however little: an empty bar would say there is none.
-    let eighths = if share > 0.0 { eighths.max(1) } else { eighths };
+    let eighths = if fraction > 0.0 { eighths.max(1) } else { eighths };
     format!("{}{}", "█".repeat(eighths / 8), EIGHTHS[eighths % 8])
 }
 

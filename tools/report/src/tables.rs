@@ -54,7 +54,7 @@ pub fn record_table(comparison: &Comparison, noise: &[Noise]) -> Markup {
                                 @for (stage, worst) in worst.iter().enumerate() {
                                     (error_cell(comparison, stage, *record, channel, *worst))
                                 }
-                                td.number { (floors::share(comparison, noise, *record, channel).map_or(format::ABSENT.into(), format::error)) }
+                                td.number { (floors::fraction(comparison, noise, *record, channel).map_or(format::ABSENT.into(), format::error)) }
                             }
                         }
                     }

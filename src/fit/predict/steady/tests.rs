@@ -75,7 +75,7 @@ fn moved(model: &Model, path: &str, share: f64) -> Model {
     moved
 }
 
-/// Largest difference of the derivatives along `paths` from central differences of converged solves, as share.
+/// Largest difference of the derivatives along `paths` from central differences of converged solves, as a fraction.
 fn derivative_error(model: &Model, record: &Record, paths: &[&str]) -> f64 {
     let mut simulation = simulation(model, record);
     let step = 1e-6;

@@ -13,9 +13,9 @@ use crate::contact::Slider;
 use crate::harmonic::period::motion::Motion;
 use crate::numeric::elimination::solve_ranked;
 
-/// Rounds after which the state is given up: each brings it closer by a share that the spring decides.
+/// Rounds after which the state is given up: each brings it closer by a fraction that the spring decides.
 pub(super) const MOST_ROUNDS: usize = 500;
-/// Share of the displacement by which positions may differ between rounds.
+/// Fraction of the displacement by which positions may differ between rounds.
 const PERIODIC: f64 = 1e-13;
 
 /// A slider within the bundle.

@@ -68,7 +68,7 @@ impl Path {
         }
     }
 
-    /// Share of a period the path runs through.
+    /// Fraction of a period the path runs through.
     pub fn share(&self) -> f64 {
         if self.sign < 0.0 { 0.5 } else { 1.0 }
     }

@@ -3,7 +3,7 @@
 use super::SampledCycle;
 use crate::harmonic::period::PeriodicContact;
 
-/// Change of the force from period to period (share of the largest) at which the period repeats itself.
+/// Change of the force from period to period (fraction of the largest) at which the period repeats itself.
 const REPEATED: f64 = 1e-13;
 /// Friction forgets in one period; what does not in so many is left to Newton's method.
 const MOST_PERIODS: usize = 6;

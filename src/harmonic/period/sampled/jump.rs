@@ -4,7 +4,7 @@ use super::{SampledCycle, add_scaled, differentiate_functions};
 use crate::contact::{Inputs, StateTangents};
 use crate::harmonic::period::PeriodicContact;
 
-/// How far beyond a jump the law is looked at, as share of the step.
+/// How far beyond a jump the law is looked at, as a fraction of the step.
 const BESIDE: f64 = 1e-6;
 
 /// What is kept for the jumps.
@@ -22,7 +22,7 @@ pub(super) struct Workspace {
 impl SampledCycle {
     /// Samples tell of a jump only that it is between two of them. In the mean over the step it counts from its place θ
     /// on: the samples before and after it are given what the sum over samples is short of, `(½ − θ)` of the jump,
-    /// in shares that go over into those of the next step.
+    /// in fractions that go over into those of the next step.
     ///
     /// Called after the step to the sample `k`, before the state is that there; `carried` where that step has carried
     /// its sensitivities.

@@ -29,9 +29,9 @@ use crate::numeric::implicit::Implicit;
 
 /// Where a pivot of `1 − monodromy` (scaled) counts as zero: the memory does not fade.
 const UNFADING: f64 = 1e-9;
-/// Share of the largest force left as error of the implicit step through the series spring.
+/// Fraction of the largest force left as error of the implicit step through the series spring.
 const STEP_TOLERANCE: f64 = 1e-11;
-/// Change of force (share of the largest) and of the state (of each part's largest) below which the periodic state is
+/// Change of force (fraction of the largest) and of the state (of each part's largest) below which the periodic state is
 /// finished to first order.
 const LINEAR_FINISH: f64 = 1e-6;
 const MAX_CYCLES: usize = 60;

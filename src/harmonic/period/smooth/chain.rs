@@ -13,10 +13,10 @@ use crate::numeric::implicit::Implicit;
 
 /// Where a pivot of `1 − monodromy` (scaled) counts as zero: the memory does not fade.
 const UNFADING: f64 = 1e-9;
-/// Share of the largest force left as error of the implicit step through the series spring: rounding, since a
+/// Fraction of the largest force left as error of the implicit step through the series spring: rounding, since a
 /// slowly fading memory magnifies it.
 pub(super) const STEP_TOLERANCE: f64 = 1e-15;
-/// Change of force (share of the largest) below which the state is periodic.
+/// Change of force (fraction of the largest) below which the state is periodic.
 const PERIODIC: f64 = 1e-13;
 /// The same where rounding, which a slowly fading memory magnifies, stops the progress: a Newton step this small
 /// leaves its square.
@@ -51,7 +51,7 @@ pub(super) struct Chain {
 }
 
 /// A step of the law through the series spring, from `state` to `inputs.displacement` of both together;
-/// `guess` is the force to start from (N), `tolerance` the error left, as share of the force and of `scale` (N).
+/// `guess` is the force to start from (N), `tolerance` the error left, as a fraction of the force and of `scale` (N).
 /// Writes the next state and leaves the contact's own displacement in
 /// `inputs`.
 pub(super) fn spring_step(

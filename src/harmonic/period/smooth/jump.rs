@@ -11,7 +11,7 @@ use crate::contact::{Inputs, StateTangents};
 use crate::harmonic::period::PeriodicContact;
 use crate::harmonic::period::motion::{Motion, Turning};
 
-/// How far beside a jump the law is looked at, as share of the leg.
+/// How far beside a jump the law is looked at, as a fraction of the leg.
 const BESIDE: f64 = 1e-9;
 /// Halvings that leave nothing of an interval.
 const BISECTIONS: usize = 60;

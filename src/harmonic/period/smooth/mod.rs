@@ -37,12 +37,12 @@ const RULE: [(f64, f64); NODES / 2] = [
 ];
 /// Largest half-width of a panel in radians of the highest harmonic.
 const WIDEST: f64 = 7.0;
-/// Share of the largest force that the highest Legendre coefficients on a panel may have.
+/// Fraction of the largest force that the highest Legendre coefficients on a panel may have.
 const RESOLVED: f64 = 1e-6;
-/// Share of it that the coefficients as far beyond them may have, where the rule ceases to be exact. Those of a smooth
+/// Fraction of it that the coefficients as far beyond them may have, where the rule ceases to be exact. Those of a smooth
 /// force fall from order to order by a ratio, those of a force with a knee far slower.
 const INTEGRATED: f64 = 1e-9;
-/// Error of the step through the series spring at a node, as share of the force.
+/// Error of the step through the series spring at a node, as a fraction of the force.
 const NODE_TOLERANCE: f64 = 1e-12;
 /// Times a panel is halved at most.
 const MAX_HALVINGS: u32 = 14;

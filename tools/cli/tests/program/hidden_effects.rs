@@ -25,17 +25,17 @@ fn run(folder: &Path, arguments: &[&str], code: i32) {
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
 }
 
-/// A case at full strength with white noise of `share`: `model.toml`, `dataset.toml` and eight records.
-fn hidden(effects: &[&'static str], share: f64) -> TempDir {
-    hidden_in(Kind::Contact, effects, share)
+/// A case at full strength with white noise of `fraction`: `model.toml`, `dataset.toml` and eight records.
+fn hidden(effects: &[&'static str], fraction: f64) -> TempDir {
+    hidden_in(Kind::Contact, effects, fraction)
 }
 
-fn hidden_in(kind: Kind, effects: &[&'static str], share: f64) -> TempDir {
+fn hidden_in(kind: Kind, effects: &[&'static str], fraction: f64) -> TempDir {
     let case = Case {
         kind,
         effects: effects.to_vec(),
         strength: Strength::Full,
-        noise: Noise { share, coloured: false },
+        noise: Noise { share: fraction, coloured: false },
         drive: Drive::Stationary,
         replica: 1,
     };
@@ -63,17 +63,17 @@ fn diagnose(folder: &Path) -> Value {
 }
 
 /// Verdict, effects and what was seen of them, for messages.
-fn found(effects: &[&'static str], share: f64) -> Value {
-    let folder = hidden(effects, share);
+fn found(effects: &[&'static str], fraction: f64) -> Value {
+    let folder = hidden(effects, fraction);
     let diagnosis = diagnose(folder.path());
     serde_json::json!([diagnosis["verdict"], diagnosis["effects"], diagnosis["evidence"]])
 }
 
 #[test]
 fn where_nothing_is_hidden_nothing_is_found() {
-    for share in [0.003, 0.03] {
-        let found = found(&[], share);
-        assert_eq!(found[0], "nothing-missing", "{share}: {found}");
+    for fraction in [0.003, 0.03] {
+        let found = found(&[], fraction);
+        assert_eq!(found[0], "nothing-missing", "{fraction}: {found}");
     }
 }
 

@@ -35,17 +35,17 @@ pub fn waterfall(figures: &mut Figures, diagnosis: &Diagnosis) -> Option<Caption
 /// Gain of each candidate with its standard error.
 pub fn ranking(figures: &mut Figures, candidates: &[Candidate]) -> Option<(Captioned, usize)> {
     // A candidate that makes it far worse would press the others together.
-    let drawn = |one: &&Candidate| one.failure.is_none() && one.gain_share > WORST;
+    let drawn = |one: &&Candidate| one.failure.is_none() && one.gain_fraction > WORST;
     let fitted: Vec<&Candidate> = candidates.iter().filter(drawn).take(CANDIDATES).collect();
     if fitted.is_empty() {
         return None;
     }
     let spread = |one: &&Candidate| {
-        let spread = 100.0 * (one.gain_share / one.gain_z).abs();
+        let spread = 100.0 * (one.gain_fraction / one.gain_z).abs();
         if spread.is_finite() { spread } else { 0.0 }
     };
     let names: Vec<String> = fitted.iter().map(|one| figure::text(&words::candidate(one))).collect();
-    let gains: Vec<f64> = fitted.iter().map(|one| 100.0 * one.gain_share).collect();
+    let gains: Vec<f64> = fitted.iter().map(|one| 100.0 * one.gain_fraction).collect();
     let z: Vec<String> =
         fitted.iter().map(|one| format!("z = {}", format::significant(one.gain_z, 2))).collect();
     let low = gains.iter().copied().fold(0.0, f64::min);

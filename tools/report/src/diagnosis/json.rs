@@ -93,7 +93,7 @@ fn errors(diagnosis: &Diagnosis) -> Value {
 fn candidate(candidate: &Candidate) -> Value {
     json!({
         "effect": candidate.effects.join("+"), "effects": candidate.effects, "location": candidate.location,
-        "error": candidate.error, "gain_z": candidate.gain_z, "gain_share": candidate.gain_share,
+        "error": candidate.error, "gain_z": candidate.gain_z, "gain_share": candidate.gain_fraction,
         "parameters": estimates(&candidate.parameters), "evaluations": candidate.evaluations,
         "failure": candidate.failure,
     })
@@ -132,7 +132,7 @@ fn group(group: &Group) -> Value {
 
 fn step(step: &Step) -> Value {
     json!({
-        "added": step.added, "error": step.error, "gain_z": step.gain_z, "gain_share": step.gain_share,
+        "added": step.added, "error": step.error, "gain_z": step.gain_z, "gain_share": step.gain_fraction,
         "dropped": step.dropped,
     })
 }

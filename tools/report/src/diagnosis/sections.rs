@@ -104,7 +104,7 @@ fn steps(diagnosis: &Diagnosis) -> Markup {
                     tbody { @for step in &diagnosis.steps { tr {
                         th scope="row" { "+ " (words::titles(&step.added, "and")) }
                         td.number { (format::error(step.error)) }
-                        td.number { (percent(step.gain_share)) }
+                        td.number { (percent(step.gain_fraction)) }
                         td.number { (format::fixed(step.gain_z, 2)) }
                         td { @if step.dropped { "removed again: without it the error is not significantly larger" } }
                     } } }

@@ -130,13 +130,13 @@ fn candidates(out: &mut Text, candidates: &[Candidate]) {
 
 /// Fraction of the squared error removed, in per cent.
 pub fn gain(candidate: &Candidate) -> String {
-    if !candidate.gain_share.is_finite() {
+    if !candidate.gain_fraction.is_finite() {
         return format::ABSENT.to_owned();
     }
-    if candidate.gain_share < -1.0 {
+    if candidate.gain_fraction < -1.0 {
         return "worse".to_owned();
     }
-    format::Scale { factor: 100.0, unit: "%".to_owned(), decimals: 1 }.with_unit(candidate.gain_share)
+    format::Scale { factor: 100.0, unit: "%".to_owned(), decimals: 1 }.with_unit(candidate.gain_fraction)
 }
 
 /// What it took, in one line.

@@ -147,8 +147,9 @@ pub fn palette(index: usize, count: usize) -> String {
     }
     let place = index.min(count - 1) as f64 / (count - 1) as f64 * (ANCHORS.len() - 1) as f64;
     let left = (place as usize).min(ANCHORS.len() - 2);
-    let share = place - left as f64;
-    let mix = |k: usize| (ANCHORS[left][k] + share * (ANCHORS[left + 1][k] - ANCHORS[left][k])).round() as u8;
+    let fraction = place - left as f64;
+    let mix =
+        |k: usize| (ANCHORS[left][k] + fraction * (ANCHORS[left + 1][k] - ANCHORS[left][k])).round() as u8;
     format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
 }
 

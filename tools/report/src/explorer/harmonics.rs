@@ -10,7 +10,7 @@ use crate::summary;
 
 /// Harmonics that are told.
 const HARMONICS: usize = 9;
-/// Largest share of the drive's mean square that the harmonics of a periodic record leave out.
+/// Largest fraction of the drive's mean square that the harmonics of a periodic record leave out.
 const UNREPRESENTED: f64 = 0.02;
 
 /// The residual of a channel of a periodic record at the harmonics of its fundamental.
@@ -57,7 +57,7 @@ pub fn by_harmonic(comparison: &Comparison, index: usize, name: &str) -> Option<
     })
 }
 
-/// Share of the mean square, the mean removed, beyond the harmonics.
+/// Fraction of the mean square, the mean removed, beyond the harmonics.
 fn unrepresented(values: &[f64], periods: usize) -> f64 {
     let coefficients = fourier::from_samples(values, periods, HARMONICS);
     let represented = 0.5 * coefficients[1..].iter().map(|c| c * c).sum::<f64>();

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 const GAP: u16 = u16::MAX;
 /// The largest code of a number.
 const TOP: f64 = (u16::MAX - 1) as f64;
-/// Numbers that deviate from an even grid by less than this share of their range are stored as one.
+/// Numbers that deviate from an even grid by less than this fraction of their range are stored as one.
 const EVEN: f64 = 1e-6;
 
 /// The columns of a page. A page shows a thousand or two of pixels: 65 534 steps over the range of a column

@@ -106,14 +106,14 @@ pub fn structure(responses: &Responses) -> Vec<Plot> {
     vec![energy(responses, caption, &|point| responses.losses.of_structure(point))]
 }
 
-/// An energy per cycle, and its share of the work.
+/// An energy per cycle, and its fraction of the work.
 fn energy(responses: &Responses, what: &str, of: &dyn Fn(&Point) -> f64) -> Plot {
     let taken = |_: &ResponseCurve, point: &Point| of(point);
-    let share =
+    let fraction =
         |_: &ResponseCurve, point: &Point| if point.work > 0.0 { of(point) / point.work } else { f64::NAN };
     let y = Axis::new("energy per cycle", "J").scaled(Scaling::Either);
     let caption = format!("{what}; below, as fraction of the work of the excitation.");
-    plot(responses, caption, true, vec![(y, &taken), (Axis::new("fraction of the work", "1"), &share)])
+    plot(responses, caption, true, vec![(y, &taken), (Axis::new("fraction of the work", "1"), &fraction)])
 }
 
 /// Estimated error on a logarithmic axis; unresolved points are marked.

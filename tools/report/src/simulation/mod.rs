@@ -119,7 +119,7 @@ impl Simulation {
 }
 
 /// What part `residual` is of what was exchanged.
-fn share(residual: f64, exchanged: f64) -> f64 {
+fn fraction(residual: f64, exchanged: f64) -> f64 {
     if exchanged > 0.0 { residual.abs() / exchanged } else { f64::NAN }
 }
 

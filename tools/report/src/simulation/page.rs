@@ -1,7 +1,7 @@
 //! The page of a simulation.
 
 use super::terminal::percent;
-use super::{Column, Simulation, share};
+use super::{Column, Simulation, fraction};
 use crate::document::{
     Axis, Block, Cell, Document, Line, Panel, Plot, Section, Stroke, Table, document_html, palette,
 };
@@ -60,7 +60,7 @@ fn run_table(simulation: &Simulation) -> Block {
 }
 
 fn energy_table(simulation: &Simulation) -> Block {
-    let heading = ["Force on", "Motion of", "Sum (J)", "Magnitude (J)", "Exchanged (J)", "Share"];
+    let heading = ["Force on", "Motion of", "Sum (J)", "Magnitude (J)", "Exchanged (J)", "Fraction"];
     let rows = simulation.report.energy.iter().map(|one| {
         vec![
             Cell::text(format::printable(&one.force)),
@@ -68,7 +68,7 @@ fn energy_table(simulation: &Simulation) -> Block {
             Cell::Scientific(one.sum),
             Cell::Scientific(one.magnitude),
             Cell::Scientific(one.exchanged),
-            Cell::text(percent(share(one.sum, one.exchanged))),
+            Cell::text(percent(fraction(one.sum, one.exchanged))),
         ]
     });
     Block::Table(Table {

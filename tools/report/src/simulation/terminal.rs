@@ -1,6 +1,6 @@
 //! A simulation as text for a terminal.
 
-use super::{Simulation, share};
+use super::{Simulation, fraction};
 use crate::format;
 use crate::table::{BOLD, RED, Text};
 
@@ -45,14 +45,14 @@ fn energy(out: &mut Text, simulation: &Simulation) {
     out.line("");
     out.paragraph("Energy residual of each power connection", BOLD);
     let mut left = vec!["force on".to_owned()];
-    let mut cells = vec![["sum", "magnitude", "exchanged", "share"].map(str::to_owned).to_vec()];
+    let mut cells = vec![["sum", "magnitude", "exchanged", "fraction"].map(str::to_owned).to_vec()];
     for one in connections {
         left.push(format::printable(&one.force));
         cells.push(vec![
             format::engineering(one.sum, "J"),
             format::engineering(one.magnitude, "J"),
             format::engineering(one.exchanged, "J"),
-            percent(share(one.sum, one.exchanged)),
+            percent(fraction(one.sum, one.exchanged)),
         ]);
     }
     out.grid(&left, &cells, 0);
@@ -61,9 +61,9 @@ fn energy(out: &mut Text, simulation: &Simulation) {
 }
 
 /// Two significant digits.
-pub(super) fn percent(share: f64) -> String {
-    if share.is_finite() {
-        format!("{} %", format::fixed(100.0 * share, 2))
+pub(super) fn percent(fraction: f64) -> String {
+    if fraction.is_finite() {
+        format!("{} %", format::fixed(100.0 * fraction, 2))
     } else {
         format::ABSENT.to_owned()
     }

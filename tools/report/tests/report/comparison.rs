@@ -337,8 +337,8 @@ fn terminal_bars_are_proportional_to_the_error() {
     };
     let comparison = backbone();
     let rms = |stage: usize| comparison.stages[stage].records[0].channels[0].rms;
-    let share = bar("Valanis, published") / bar("linear beam");
-    assert!((share - rms(1) / rms(0)).abs() < 0.04, "{share}");
+    let fraction = bar("Valanis, published") / bar("linear beam");
+    assert!((fraction - rms(1) / rms(0)).abs() < 0.04, "{fraction}");
     // Residuals at each level, aligned: every row of the level table is as wide as its heading.
     let rows: Vec<&str> = table.lines().skip_while(|line| !line.starts_with("amplitude")).take(9).collect();
     assert_eq!(rows.len(), 9);

@@ -56,7 +56,7 @@ fn candidate(
     effects: &[&'static str],
     error: f64,
     gain_z: f64,
-    gain_share: f64,
+    gain_fraction: f64,
     parameters: Vec<Estimate>,
 ) -> Candidate {
     Candidate {
@@ -64,7 +64,7 @@ fn candidate(
         location: None,
         error,
         gain_z,
-        gain_share,
+        gain_fraction,
         parameters,
         evaluations: 57,
         failure: None,
@@ -165,7 +165,7 @@ fn of(comparison: Comparison) -> Diagnosis {
             added: vec!["residual_stiffness"],
             error: 0.021,
             gain_z: 41.2,
-            gain_share: 0.991,
+            gain_fraction: 0.991,
             dropped: false,
         }],
         candidates: candidates(),

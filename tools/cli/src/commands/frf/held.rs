@@ -91,8 +91,8 @@ pub fn phase_resonances(
             return None;
         }
         let refined = quarter_behind(assembly, request, hold, control, [&ends[0], &ends[1]]);
-        let share = before / (before - after);
-        let between = |of: fn(&Point) -> f64| of(&ends[0]) + share * (of(&ends[1]) - of(&ends[0]));
+        let fraction = before / (before - after);
+        let between = |of: fn(&Point) -> f64| of(&ends[0]) + fraction * (of(&ends[1]) - of(&ends[0]));
         Some(PhaseResonance {
             node: hold.node,
             angular_frequency: refined

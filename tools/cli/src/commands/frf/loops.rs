@@ -6,7 +6,7 @@ use stickslip_report::responses::ContactLoop;
 
 use super::Request;
 
-/// Peaks nearer to each other than this share of their frequency are one resonance.
+/// Peaks nearer to each other than this fraction of their frequency are one resonance.
 const SAME: f64 = 0.03;
 
 /// The loops of the model's contact, the first, at the peaks of a curve, one for each resonance.
