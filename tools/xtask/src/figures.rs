@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use crate::public;
+
 /// Longest function that fits a screen.
 const SCREEN: usize = 60;
 
@@ -36,17 +38,23 @@ struct Figures {
     without_example: Vec<Place>,
 }
 
-/// The figures of `src` and `tools` below `root`; `build_seconds` is told as it is.
+/// The figures of `src` and `tools` below `root`; `build_seconds` is printed as given.
 pub fn figures(root: &Path, build_seconds: Option<&str>) -> Result<String, String> {
     let mut found = Figures::default();
+    let mut library = Vec::new();
     for top in ["src", "tools"] {
         for file in rust_files(&root.join(top))? {
             let text =
                 std::fs::read_to_string(&file).map_err(|error| format!("{}: {error}", file.display()))?;
             let file = file.strip_prefix(root).unwrap_or(&file);
             found.count(file, &text);
+            // Only the library is for others to use.
+            if top == "src" && !is_test(file) {
+                library.push((file.to_owned(), text));
+            }
         }
     }
+    found.count_public(&library);
     Ok(found.table(build_seconds))
 }
 
@@ -81,13 +89,19 @@ impl Figures {
                 self.long.push(place(&name, length));
             }
         }
-        // Only the library is for others to use.
-        if file.starts_with("src") {
-            for (name, example) in public_items(&lines[..code]) {
-                self.public += 1;
-                if !example {
-                    self.without_example.push(place(&name, 0));
-                }
+    }
+
+    /// Public items of the library's files.
+    fn count_public(&mut self, library: &[(PathBuf, String)]) {
+        let code = |text: &'_ str| -> usize { code_lines(&text.lines().collect::<Vec<_>>()) };
+        let files: Vec<(&Path, Vec<&str>)> = library
+            .iter()
+            .map(|(file, text)| (file.as_path(), text.lines().take(code(text)).collect()))
+            .collect();
+        for item in public::items(&files) {
+            self.public += 1;
+            if !item.example {
+                self.without_example.push(Place { file: item.file.to_owned(), name: item.name, lines: 0 });
             }
         }
     }
@@ -110,8 +124,7 @@ impl Figures {
         let public = self.public;
         let _ = writeln!(
             text,
-            "\nitems of the library marked `pub`, those of private modules included: {public}; without an example of \
-             their own: {without}"
+            "\npublic items of the library that a user can reach: {public}; without an example of their own: {without}"
         );
         let mut by_file: BTreeMap<&Path, Vec<&str>> = BTreeMap::new();
         for Place { file, name, .. } in &self.without_example {
@@ -171,35 +184,6 @@ fn function_name(line: &str) -> Option<String> {
     Some(name[..end].to_owned())
 }
 
-/// Names of public functions and types, each with whether its documentation has an example.
-fn public_items(lines: &[&str]) -> Vec<(String, bool)> {
-    let mut found = Vec::new();
-    let mut example = false;
-    for line in lines.iter().map(|line| line.trim_start()) {
-        if let Some(comment) = line.strip_prefix("///") {
-            example |= comment.trim_start().starts_with("```");
-            continue;
-        }
-        if line.starts_with("#[") {
-            continue;
-        }
-        if let Some(name) = item_name(line) {
-            found.push((name, example));
-        }
-        example = false;
-    }
-    found
-}
-
-fn item_name(line: &str) -> Option<String> {
-    let item = line.strip_prefix("pub ")?;
-    let item =
-        item.strip_prefix("const fn ").map(|rest| format!("fn {rest}")).unwrap_or_else(|| item.to_owned());
-    let name = ["fn ", "struct ", "enum ", "trait "].iter().find_map(|kind| item.strip_prefix(kind))?;
-    let end = name.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(name.len());
-    Some(name[..end].to_owned())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -235,12 +219,6 @@ mod tests {
         found.count(Path::new("src/contact/joint/one.rs"), TEXT);
         let folder = found.folders[Path::new("src/contact")];
         assert_eq!(folder, Folder { files: 1, code: 17, tests: 5 });
-    }
-
-    #[test]
-    fn public_items_without_an_example_are_found() {
-        let lines: Vec<&str> = TEXT.lines().collect();
-        assert_eq!(public_items(&lines), [("add".to_owned(), true), ("Number".to_owned(), false)]);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 mod figures;
+mod public;
 mod tally;
 
 use tally::Tally;
