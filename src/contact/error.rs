@@ -4,6 +4,12 @@ use std::fmt;
 use std::ops::Bound;
 
 /// The values a parameter may take, an interval with open, closed or absent ends.
+///
+/// ```
+/// use stickslip::contact::Bounds;
+/// assert!(Bounds::NOT_NEGATIVE.contain(0.0) && !Bounds::POSITIVE.contain(0.0));
+/// assert_eq!(Bounds::from_zero_to_below(1.0).to_string(), "a finite number, at least 0, below 1");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
     /// Lower end.
@@ -60,6 +66,12 @@ impl fmt::Display for Bounds {
 }
 
 /// A contact law cannot be made from these parameters.
+///
+/// ```
+/// use stickslip::contact::Jenkins;
+/// let refused = Jenkins::new(-1.0, 0.5).unwrap_err().to_string();
+/// assert_eq!(refused, "tangential_stiffness is -1 N/m; it must be a finite number, above 0");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LawError {

@@ -73,6 +73,13 @@ impl Jenkins {
     ///
     /// # Errors
     /// [`LawError::OutOfBounds`] unless both are finite and above zero.
+    ///
+    /// ```
+    /// use stickslip::contact::{ContactLaw, Jenkins};
+    /// assert_eq!(Jenkins::new(2e6, 0.5)?.limit(100.0), 50.0);
+    /// assert!(Jenkins::new(0.0, 0.5).is_err());
+    /// # Ok::<(), stickslip::contact::LawError>(())
+    /// ```
     pub fn new(tangential_stiffness: f64, friction_coefficient: f64) -> Result<Self, LawError> {
         let (stiffness, friction) = checked_pair(tangential_stiffness, friction_coefficient)?;
         Ok(Self { element: Element::new(stiffness, friction, 0.0) })

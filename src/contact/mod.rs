@@ -49,6 +49,14 @@ pub use unilateral::Unilateral;
 pub use valanis::Valanis;
 
 /// A contact law under the constant normal load it has in a structure.
+///
+/// ```
+/// use stickslip::prelude::*;
+/// let law = Jenkins::new(2e6, 0.5)?;
+/// let contact = LoadedContact { law: &law, normal_load: 100.0 };
+/// assert_eq!(contact.law.limit(contact.normal_load), 50.0);
+/// # Ok::<(), LawError>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct LoadedContact<'a> {
     /// The law.
@@ -59,6 +67,14 @@ pub struct LoadedContact<'a> {
 
 /// What a contact sees at the end of a step. Within the step displacement and normal load run
 /// linearly from their previous values, which are part of the state.
+///
+/// ```
+/// use stickslip::prelude::*;
+/// let inputs = Inputs { displacement: 10e-6, velocity: 0.0, normal_load: 100.0 };
+/// let law = Jenkins::new(2e6, 0.5)?;
+/// assert_eq!(law.step(&[0.0, 0.0, 100.0], inputs, &mut [0.0; 3]).force, 20.0);
+/// # Ok::<(), LawError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inputs {
     /// Relative tangential displacement (m).
@@ -70,6 +86,19 @@ pub struct Inputs {
 }
 
 /// Derivatives of the force at the end of the step with respect to the inputs, at fixed state.
+///
+/// ```
+/// use stickslip::prelude::*;
+/// let law = Jenkins::new(2e6, 0.5)?;
+/// let tangents = |displacement| {
+///     let inputs = Inputs { displacement, velocity: 0.0, normal_load: 100.0 };
+///     law.step(&[0.0, 0.0, 100.0], inputs, &mut [0.0; 3]).tangents
+/// };
+/// // In stick the spring, in slip the coefficient of friction.
+/// assert_eq!(tangents(10e-6).displacement, 2e6);
+/// assert_eq!((tangents(40e-6).displacement, tangents(40e-6).normal_load), (0.0, 0.5));
+/// # Ok::<(), LawError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tangents {
     /// ∂force/∂displacement (N/m).
@@ -81,6 +110,18 @@ pub struct Tangents {
 }
 
 /// What the contact does at the end of a step.
+///
+/// ```
+/// use stickslip::prelude::*;
+/// let law = Jenkins::new(2e6, 0.5)?;
+/// let state = |displacement, normal_load| {
+///     law.step(&[0.0, 0.0, 100.0], Inputs { displacement, velocity: 0.0, normal_load }, &mut [0.0; 3]).slip_state
+/// };
+/// assert_eq!(state(10e-6, 100.0), SlipState::Stick);
+/// assert_eq!(state(40e-6, 100.0), SlipState::Slip);
+/// assert_eq!(state(40e-6, -1.0), SlipState::Separated);
+/// # Ok::<(), LawError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(i32)]
 pub enum SlipState {
@@ -93,6 +134,19 @@ pub enum SlipState {
 }
 
 /// Result of one step of a law.
+///
+/// ```
+/// use stickslip::prelude::*;
+/// let law = Jenkins::new(2e6, 0.5)?;
+/// let mut state = [0.0; 3];
+/// law.set_state(0.0, 100.0, 0.0, &mut state);
+/// let inputs = Inputs { displacement: 40e-6, velocity: 0.0, normal_load: 100.0 };
+/// let response: Response = law.step(&state, inputs, &mut [0.0; 3]);
+/// // It slips at 50 N, over the last 15 µm.
+/// assert_eq!(response.force, 50.0);
+/// assert!((response.dissipated_energy - 50.0 * 15e-6).abs() < 1e-12);
+/// # Ok::<(), LawError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
     /// Restoring tangential force (N).
@@ -107,6 +161,17 @@ pub struct Response {
 
 /// Derivatives of one step with respect to the previous state, needed where a derivative must be
 /// carried through a whole history (periodic states, harmonic balance). Row-major.
+///
+/// ```
+/// use stickslip::contact::{ContactLaw, Inputs, Jenkins, StateTangents};
+/// let law = Jenkins::new(2e6, 0.5)?;
+/// let mut tangents = StateTangents::default();
+/// let inputs = Inputs { displacement: 10e-6, velocity: 0.0, normal_load: 100.0 };
+/// law.state_tangents(&[0.0, 0.0, 100.0], inputs, &mut tangents);
+/// // A slider that stood one metre farther would give k newtons less.
+/// assert_eq!(tangents.force_by_state[0], -2e6);
+/// # Ok::<(), stickslip::contact::LawError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StateTangents {
     /// ∂force/∂state, `n` entries.
@@ -151,6 +216,22 @@ pub struct Jump {
 }
 
 /// A contact law with its parameters. See the module documentation for the sign convention.
+///
+/// ```
+/// use stickslip::prelude::*;
+///
+/// /// Force along a history of displacements (m) under a load of 100 N.
+/// fn forces(law: &dyn ContactLaw, displacements: &[f64]) -> Vec<f64> {
+///     let mut state = vec![0.0; law.state_len()];
+///     law.set_state(0.0, 100.0, 0.0, &mut state);
+///     let inputs = |displacement| Inputs { displacement, velocity: 0.0, normal_load: 100.0 };
+///     displacements.iter().map(|u| law.advance(&mut state, inputs(*u)).round()).collect()
+/// }
+///
+/// let law = Jenkins::new(2e6, 0.5)?;
+/// assert_eq!(forces(&law, &[10e-6, 40e-6, 30e-6]), [20.0, 50.0, 30.0]);
+/// # Ok::<(), LawError>(())
+/// ```
 pub trait ContactLaw: std::fmt::Debug + Send + Sync {
     /// Length of the state slice.
     fn state_len(&self) -> usize;

@@ -6,6 +6,14 @@
 /// `d(x)` is zero within the play, `x − play_above` above and `x − play_below` below it. Without play it is
 /// Jenkins' element; with `play_below = −∞` and infinite limits a one-sided spring; with neither play
 /// nor limits a linear spring.
+///
+/// ```
+/// use stickslip::contact::Slider;
+/// let slider = Slider::jenkins(2e6, 50.0);
+/// let (force, position) = slider.step(0.0, 40e-6);
+/// assert_eq!(force, 50.0);
+/// assert!((position - 15e-6).abs() < 1e-18);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slider {
     /// k (N/m), above zero.

@@ -191,6 +191,15 @@ impl Valanis {
     ///
     /// # Errors
     /// [`LawError::OutOfBounds`] unless 0 < e0, 0 < μ, 0 ≤ κ < 1 and 0 ≤ e_t < e0, all finite.
+    ///
+    /// ```
+    /// use stickslip::contact::{ContactLaw, Valanis};
+    /// // 5 N/µm, a coefficient of 0.5, smoothness 0.7, no residual stiffness.
+    /// let law = Valanis::new(5e6, 0.5, 0.7, 0.0)?;
+    /// assert_eq!(law.limit(100.0), 50.0);
+    /// assert!(Valanis::new(5e6, 0.5, 1.0, 0.0).is_err());
+    /// # Ok::<(), stickslip::contact::LawError>(())
+    /// ```
     pub fn new(
         tangential_stiffness: f64,
         friction_coefficient: f64,

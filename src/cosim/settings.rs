@@ -3,6 +3,13 @@
 use super::system::SystemError;
 
 /// The frame and the algorithm of a simulation.
+///
+/// ```
+/// use stickslip::cosim::{Algorithm, Settings};
+/// let jacobi = Algorithm::Jacobi { extrapolation: 1 };
+/// let settings = Settings { tolerance: Some(1e-8), ..Settings::new(jacobi, 1e-4, 0.5) };
+/// assert_eq!((settings.start, settings.stop, settings.step), (0.0, 0.5, 1e-4));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// Start (s).

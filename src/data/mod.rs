@@ -8,6 +8,14 @@ pub use channel::{COLUMNS, ChannelName, ChannelNameError, Place};
 pub use unit::{UnitError, unit_factor, unit_size};
 
 /// How a record begins.
+///
+/// ```
+/// use stickslip::data::{Record, Regime};
+/// // The loop's start is unknown: a prediction fits it.
+/// let record =
+///     Record { name: "loop.csv".into(), regime: Regime::UnknownInitialState, use_for: None, channels: vec![] };
+/// assert!(record.is_empty());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Regime {
     /// Nothing moves and nothing is remembered at t = 0.
@@ -32,6 +40,13 @@ pub enum Use {
 }
 
 /// One column of a record, in SI.
+///
+/// ```
+/// use stickslip::data::Channel;
+/// let values = vec![0.0, 9.81];
+/// let channel = Channel { name: "acceleration:x=0.55".into(), unit: "m/s^2", values, noise: Some(0.02) };
+/// assert_eq!((channel.quantity(), channel.position()), ("acceleration", Some(0.55)));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// Column name without its unit, as [`ChannelName`] writes it: `force`, `acceleration:x=0.55`.
@@ -45,6 +60,17 @@ pub struct Channel {
 }
 
 /// One file of a dataset.
+///
+/// ```
+/// use stickslip::data::{Channel, Record, Regime};
+/// let channel = |name: &str, unit, values: &[f64]| {
+///     Channel { name: name.into(), unit, values: values.to_vec(), noise: None }
+/// };
+/// let channels = vec![channel("time", "s", &[0.0, 0.1]), channel("force", "N", &[0.0, 5.0])];
+/// let record = Record { name: "pull.csv".into(), regime: Regime::FromRest, use_for: None, channels };
+/// assert_eq!(record.len(), 2);
+/// assert_eq!(record.channel("force").unwrap().values, [0.0, 5.0]);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     /// The file's name as the dataset writes it.
@@ -58,6 +84,12 @@ pub struct Record {
 }
 
 /// A dataset.
+///
+/// ```
+/// use stickslip::data::Dataset;
+/// let dataset = Dataset { title: Some("Loops of 12 March".into()), records: vec![] };
+/// assert!(dataset.records.is_empty());
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dataset {
     /// `title` of the dataset, if any.

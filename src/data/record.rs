@@ -13,6 +13,14 @@ impl Record {
     }
 
     /// The channels of the quantity called `quantity`, wherever they were measured.
+    ///
+    /// ```
+    /// use stickslip::data::{Channel, Record, Regime};
+    /// let channel = |name: &str| Channel { name: name.into(), unit: "m/s^2", values: vec![0.0], noise: None };
+    /// let channels = vec![channel("acceleration:m1"), channel("acceleration:m2")];
+    /// let record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels };
+    /// assert_eq!(record.channels_of("acceleration").count(), 2);
+    /// ```
     pub fn channels_of<'r>(&'r self, quantity: &'r str) -> impl Iterator<Item = &'r Channel> {
         self.channels.iter().filter(move |channel| channel.quantity() == quantity)
     }
@@ -28,6 +36,13 @@ impl Record {
     }
 
     /// The time stamps (s), strictly increasing; a backbone table has none.
+    ///
+    /// ```
+    /// use stickslip::data::{Channel, Record, Regime};
+    /// let time = Channel { name: "time".into(), unit: "s", values: vec![0.0, 0.1], noise: None };
+    /// let record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels: vec![time] };
+    /// assert_eq!(record.time(), Some(&[0.0, 0.1][..]));
+    /// ```
     pub fn time(&self) -> Option<&[f64]> {
         self.channel("time").map(|channel| channel.values.as_slice())
     }

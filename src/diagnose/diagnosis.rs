@@ -54,6 +54,11 @@ pub struct Diagnosis {
 }
 
 /// The answer of a diagnosis.
+///
+/// ```
+/// use stickslip::diagnose::Verdict;
+/// assert_eq!((Verdict::EffectFound.id(), Verdict::EffectFound.exit_code()), ("effect-found", 10));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// The refitted model reaches the noise.

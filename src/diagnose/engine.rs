@@ -23,6 +23,13 @@ use crate::model::Model;
 const INCREDIBLE: f64 = 0.5;
 
 /// What a diagnosis tries.
+///
+/// ```
+/// use stickslip::diagnose::DiagnoseOptions;
+/// // Two effects of the catalogue, and at most one of them added.
+/// let options = DiagnoseOptions { effects: Some(vec!["backlash".into(), "wear".into()]), max_effects: 1 };
+/// assert!(DiagnoseOptions::default().effects.is_none() && options.max_effects == 1);
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DiagnoseOptions {
     /// Ids of the only effects to try; `None` for the whole catalogue.
@@ -41,6 +48,13 @@ impl Default for DiagnoseOptions {
 pub type DiagnoseHook<'a> = &'a (dyn Fn(&str, usize, usize) + Sync);
 
 /// How a diagnosis is watched and stopped.
+///
+/// ```
+/// use stickslip::diagnose::DiagnoseWatch;
+/// let progress = |what: &str, done: usize, of: usize| println!("{what}: {done} of {of}");
+/// let watch = DiagnoseWatch { progress: Some(&progress), interrupt: None };
+/// watch.progress.unwrap()("backlash", 1, 20);
+/// ```
 #[derive(Clone, Copy, Default)]
 pub struct DiagnoseWatch<'a> {
     /// Called when something has been tried, with what is done in words, and how much of how much.

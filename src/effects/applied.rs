@@ -4,6 +4,14 @@ use super::{Changes, Effect, Location, PlaceKind};
 use crate::vocabulary::{self as v, Quantity};
 
 /// `[[effect]]` of a model file.
+///
+/// ```
+/// use stickslip::effects::{AppliedEffect, Changes, find};
+/// let added = AppliedEffect { effect: find("backlash").unwrap(), location: None, values: vec![2e-4] };
+/// let mut changes = Changes::default();
+/// added.apply(&mut changes);
+/// assert_eq!(changes.joint.half_gap, 2e-4);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct AppliedEffect {
     /// Which.

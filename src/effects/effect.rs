@@ -4,6 +4,11 @@ use super::{Changes, Features, Location, Range, Scales};
 use crate::vocabulary::Quantity;
 
 /// An entry of the catalogue.
+///
+/// ```
+/// let backlash = stickslip::effects::find("backlash").unwrap();
+/// assert_eq!((backlash.title, backlash.parameters[0].quantity.name), ("Backlash", "half_gap"));
+/// ```
 pub struct Effect {
     /// The name in files and on the command line: `backlash`.
     pub id: &'static str,

@@ -78,11 +78,22 @@ pub static CATALOGUE: [&Effect; 19] = [
 ];
 
 /// Effects that look like `effect`, each with what the two have in common and what tells them apart.
+///
+/// ```
+/// use stickslip::effects::{find, look_alikes};
+/// let similar: Vec<&str> = look_alikes(find("asymmetry").unwrap()).map(|(effect, _)| effect.id).collect();
+/// assert!(similar.contains(&"sensor_offset"));
+/// ```
 pub fn look_alikes(effect: &Effect) -> impl Iterator<Item = (&'static Effect, &'static Confusion)> {
     CATALOGUE.into_iter().filter_map(|other| Some((other, effect.confusion(other)?)))
 }
 
 /// The effect called `id`, if there is one.
+///
+/// ```
+/// assert_eq!(stickslip::effects::find("wear").unwrap().title, "Wear");
+/// assert!(stickslip::effects::find("magic").is_none());
+/// ```
 pub fn find(id: &str) -> Option<&'static Effect> {
     CATALOGUE.iter().copied().find(|effect| effect.id == id)
 }

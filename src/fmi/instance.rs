@@ -43,6 +43,12 @@ impl Stage {
 }
 
 /// The frame of a simulation.
+///
+/// ```
+/// use stickslip::fmi::Setup;
+/// let setup = Setup { stop: Some(0.2), ..Setup::default() };
+/// assert_eq!((setup.start, setup.tolerance), (0.0, None));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Setup {
     /// Relative tolerance of the integration inside; 1e-6 where absent.
@@ -124,6 +130,16 @@ impl Instance {
     ///
     /// # Errors
     /// Parameters that make no model.
+    ///
+    /// ```
+    /// use stickslip::fmi::Instance;
+    /// use stickslip::model::Model;
+    /// # let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+    /// #     tangential_stiffness = 2e3\nfriction_coefficient = 0.1\nnormal_load = 10.0";
+    /// let contact = Instance::from_model(&Model::parse(text)?)?;
+    /// assert!(contact.description().reference("force").is_some());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn from_model(model: &Model) -> Result<Self, Error> {
         model.check().map_err(|error| Error::Model(error.to_string()))?;
         let (paths, rows) = parameters(model);

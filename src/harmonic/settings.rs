@@ -17,6 +17,13 @@ pub enum Method {
 }
 
 /// Discretisation and stopping rule.
+///
+/// ```
+/// use stickslip::harmonic::{Method, Settings};
+/// // The same response by samples, as an independent check.
+/// let check = Settings { method: Method::Sampled { samples: 1024 }, ..Settings::default() };
+/// assert_eq!(check.harmonics, 7);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Highest harmonic H of the displacements, at least 1.

@@ -55,6 +55,21 @@ pub type ModelError = crate::document::DocumentError;
 pub const SCHEMA: &str = "stickslip.model/1";
 
 /// A whole model file.
+///
+/// ```
+/// use stickslip::model::{Model, Structure};
+/// let model = Model::parse(
+///     r#"
+///     schema = "stickslip.model/1"
+///     kind = "contact"
+///     contact = { law = "jenkins", tangential_stiffness = 2e3, friction_coefficient = 0.1, normal_load = 10.0 }
+///     effect = [{ id = "backlash", half_gap = 2e-4 }]
+///     "#,
+/// )?;
+/// assert_eq!(model.structure, Structure::Prescribed);
+/// assert_eq!(model.changes().joint.half_gap, 2e-4);
+/// # Ok::<(), stickslip::model::ModelError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
     /// What the contact is attached to.
@@ -89,6 +104,21 @@ impl Model {
 }
 
 /// `kind` of the model.
+///
+/// ```
+/// use stickslip::model::{Model, Structure};
+/// let model = Model::parse(
+///     r#"
+///     schema = "stickslip.model/1"
+///     kind = "oscillator"
+///     mass = [{ name = "m1", mass = 1.0 }]
+///     spring = [{ between = ["ground", "m1"], stiffness = 9.0 }]
+///     "#,
+/// )?;
+/// let Structure::Oscillator(oscillator) = &model.structure else { panic!("an oscillator") };
+/// assert_eq!(oscillator.masses[0].mass, 1.0);
+/// # Ok::<(), stickslip::model::ModelError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Structure {
     /// `kind = "contact"`: displacement (and normal load) are prescribed.

@@ -43,6 +43,16 @@ impl Model {
     /// one), widened to include the present value. Each bound alone is a legal value; where two
     /// parameters are joined (residual and tangential stiffness), a fit of both can still ask for a
     /// pair that [`Model::set_all`] refuses.
+    ///
+    /// ```
+    /// use stickslip::model::Model;
+    /// # let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+    /// #     tangential_stiffness = 2e3\nfriction_coefficient = 0.1\nnormal_load = 10.0";
+    /// let model = Model::parse(text)?;
+    /// let free: Vec<String> = model.parameters().into_iter().filter(|one| one.free).map(|one| one.path).collect();
+    /// assert_eq!(free, ["contact.tangential_stiffness", "contact.friction_coefficient"]);
+    /// # Ok::<(), stickslip::model::ModelError>(())
+    /// ```
     pub fn parameters(&self) -> Vec<ModelParameter> {
         self.values()
             .into_iter()
@@ -71,6 +81,19 @@ impl Model {
     /// # Errors
     /// A path the model does not have, or a value that breaks a rule ([`Model::check`]); the model is
     /// then unchanged.
+    ///
+    /// ```
+    /// use stickslip::model::Model;
+    /// # let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+    /// #     tangential_stiffness = 2e3\nfriction_coefficient = 0.1\nnormal_load = 10.0";
+    /// let mut model = Model::parse(text)?;
+    /// model.set("contact.normal_load", 20.0)?;
+    /// assert_eq!(model.get("contact.normal_load"), Some(20.0));
+    /// // What breaks a rule is refused, and the model stays as it was.
+    /// assert!(model.set("contact.tangential_stiffness", -1.0).is_err());
+    /// assert_eq!(model.get("contact.tangential_stiffness"), Some(2e3));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn set(&mut self, path: &str, value: f64) -> Result<(), ParameterError> {
         self.set_all(&[(path, value)])
     }

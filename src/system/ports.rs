@@ -50,6 +50,12 @@ pub struct System {
 }
 
 /// The linear part of a system.
+///
+/// ```
+/// use stickslip::system::Core;
+/// let core = Core::Modal { angular_frequency: vec![300.0, 1900.0], damping_ratio: vec![0.003; 2] };
+/// assert_eq!(core.size(), 2);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Core {
     /// Coordinates of unit mass, each with a stiffness and a damper of its own.
@@ -83,6 +89,13 @@ impl Core {
 }
 
 /// A generalised displacement `u = b·q − γ ½ qᵀG q − a F` (m), along which a force acts by `J = b − γ G q`.
+///
+/// ```
+/// use stickslip::system::Port;
+/// // The stretch between two coordinates.
+/// let port = Port::linear("joint", vec![(0, -1.0), (1, 1.0)]);
+/// assert!(port.is_linear());
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Port {
     /// Its name, the same in model files, CSV columns and FMI variables: `m2`, `x=0.55`, `contact`.
@@ -109,6 +122,16 @@ impl Port {
 }
 
 /// What acts at a port.
+///
+/// ```
+/// use std::sync::Arc;
+/// use stickslip::contact::Jenkins;
+/// use stickslip::system::Element;
+/// let friction = Element::Law { port: 2, law: Arc::new(Jenkins::new(2e6, 0.5)?), normal_load: 100.0 };
+/// let spring = Element::Springs { ports: [0, 1], stiffness: [[50.0, -50.0], [-50.0, 50.0]] };
+/// assert_eq!((friction.ports(), spring.ports()), (&[2][..], &[0, 1][..]));
+/// # Ok::<(), stickslip::contact::LawError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub enum Element {
     /// A restoring force by a law: a friction contact, a spring, a damper, drag.

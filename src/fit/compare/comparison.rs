@@ -7,6 +7,18 @@ use crate::data::{Record, Regime};
 const FEW: usize = 40;
 
 /// One or more models (or the same before and after a refit) against one dataset.
+///
+/// ```
+/// use stickslip::fit::compare::{Comparison, evaluate};
+/// use stickslip::model::Model;
+/// # let model = Model::parse("schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+/// #     tangential_stiffness = 2e3\nfriction_coefficient = 0.1\nnormal_load = 10.0")?;
+/// # let dataset = stickslip::data::Dataset { title: None, records: vec![] };
+/// let stages = vec![evaluate("as given", &model, &dataset)];
+/// let comparison = Comparison { title: "Loops".into(), records: dataset.records, stages };
+/// assert_eq!(comparison.stages[0].name, "as given");
+/// # Ok::<(), stickslip::model::ModelError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// What was compared, for a heading.

@@ -56,6 +56,27 @@ use crate::model::Model;
 /// Predicts every record of `dataset` with `model` and scores the predictions.
 ///
 /// A record that cannot be predicted keeps the reason in [`RecordResult::failure`]; the others count.
+///
+/// ```
+/// use stickslip::data::{Channel, Dataset, Record, Regime};
+/// use stickslip::fit::compare::evaluate;
+/// use stickslip::model::Model;
+/// # let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+/// #     tangential_stiffness = 2e3\nfriction_coefficient = 0.1\nnormal_load = 10.0";
+/// let model = Model::parse(text)?;
+/// let channel = |name: &str, unit, values: &[f64]| {
+///     Channel { name: name.into(), unit, values: values.to_vec(), noise: None }
+/// };
+/// let channels = vec![
+///     channel("time", "s", &[0.0, 1.0, 2.0]),
+///     channel("displacement", "m", &[0.0, 0.25e-3, 1e-3]),
+///     channel("force", "N", &[0.0, 0.5, 1.0]),
+/// ];
+/// let record = Record { name: "pull".into(), regime: Regime::FromRest, use_for: None, channels };
+/// let dataset = Dataset { title: None, records: vec![record] };
+/// assert!(evaluate("as given", &model, &dataset).error < 1e-12);
+/// # Ok::<(), stickslip::model::ModelError>(())
+/// ```
 pub fn evaluate(name: &str, model: &Model, dataset: &Dataset) -> Stage {
     evaluate_from(name, model, dataset, |_| None)
 }

@@ -7,6 +7,13 @@ use crate::fit::{self, Ending, FitError, InterruptHook, Options, ProgressHook};
 use crate::model::Model;
 
 /// How a refit is watched and stopped.
+///
+/// ```
+/// use stickslip::fit::compare::Watch;
+/// let progress = |fit: &stickslip::fit::Progress| println!("{}: {}", fit.iteration, fit.root_mean_square);
+/// let watch = Watch { progress: Some(&progress), interrupt: None };
+/// assert!(watch.progress.is_some());
+/// ```
 #[derive(Clone, Copy, Default)]
 pub struct Watch<'a> {
     /// Called after every accepted step.

@@ -3,6 +3,20 @@
 use crate::vocabulary::Scale;
 
 /// One parameter of a fit.
+///
+/// ```
+/// use stickslip::fit::{Options, Parameter, Scale, fit};
+/// // y = a e^(-b t) through three points.
+/// let points = [(0.0, 2.0), (1.0, 2.0 * f64::exp(-0.5)), (2.0, 2.0 * f64::exp(-1.0))];
+/// let residual = |p: &[f64], out: &mut [f64]| -> Result<(), String> {
+///     out.iter_mut().zip(points).for_each(|(r, (t, y))| *r = p[0] * f64::exp(-p[1] * t) - y);
+///     Ok(())
+/// };
+/// let parameter = |start| Parameter { start, lower: 1e-3, upper: 1e3, scale: Scale::Logarithmic };
+/// let found = fit(residual, 3, &[parameter(1.0), parameter(1.0)], &Options::default())?.parameters;
+/// assert!((found[0] - 2.0).abs() < 1e-6 && (found[1] - 0.5).abs() < 1e-6);
+/// # Ok::<(), stickslip::fit::FitError<String>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameter {
     /// Where the first start begins; moved into the bounds.
@@ -47,6 +61,12 @@ pub type ProgressHook<'a> = &'a (dyn Fn(&Progress) + Sync);
 pub type InterruptHook<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// How a fit is run.
+///
+/// ```
+/// use stickslip::fit::{Difference, Options};
+/// let options = Options { starts: 5, difference: Difference::Central, ..Options::default() };
+/// assert_eq!((options.starts, options.confidence), (5, 0.95));
+/// ```
 #[derive(Clone, Copy)]
 pub struct Options<'a> {
     /// Number of starts, at least 1. Further ones are spread evenly over the bounds (or one unit of
