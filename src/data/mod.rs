@@ -18,7 +18,7 @@ pub use unit::{UnitError, unit_factor, unit_size};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Regime {
-    /// Nothing moves and nothing is remembered at t = 0.
+    /// At t = 0 nothing moves, and no contact has slipped before.
     FromRest,
     /// Whole periods of a steady state.
     Steady,
@@ -33,9 +33,9 @@ pub enum Regime {
 pub enum Use {
     /// Parameters are fitted to it.
     Fit,
-    /// Models are chosen by it.
+    /// Effects are selected by the error on it.
     Select,
-    /// Read once, at the end.
+    /// Read once, at the end, as a test.
     Confirm,
 }
 

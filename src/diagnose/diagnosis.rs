@@ -12,20 +12,20 @@ pub struct Diagnosis {
     /// Why, in sentences for an engineer, the most important first.
     pub reasons: Vec<String>,
     /// Ids of the effects found, in the order they were added. Empty unless the verdict is
-    /// [`Verdict::EffectFound`]; of a group, each member stands in [`Diagnosis::groups`] instead.
+    /// [`Verdict::EffectFound`]; the members of a group are in [`Diagnosis::groups`] instead.
     pub effects: Vec<&'static str>,
-    /// Ids of effects that lower the error without explaining the data: named as surrogates, not as findings.
+    /// Ids of effects that lower the error without explaining the data: they only absorb error and are no physics.
     pub surrogates: Vec<&'static str>,
-    /// Sets of effects that these data cannot tell apart.
+    /// Sets of effects that these data cannot distinguish.
     pub groups: Vec<Group>,
-    /// The fall of the error.
+    /// The errors before and after.
     pub error: Errors,
-    /// Mean square of the residual over that of the noise on the untouched records, if the noise is known.
+    /// Mean square of the residual over that of the noise on the test records, if the noise is known.
     pub chi_square: Option<f64>,
     /// The steps of the selection, in order: what each added effect gained.
     pub steps: Vec<Step>,
-    /// Every candidate of the first round, best first. The parameters of one that was found and kept are those of
-    /// [`Diagnosis::model`]: beside all else that was found, from all records seen.
+    /// Every candidate of the first round, best first. The parameters of a candidate that was kept are those of
+    /// [`Diagnosis::model`]: fitted with all other effects found, to the training and validation records.
     pub candidates: Vec<Candidate>,
     /// Every fitted parameter of [`Diagnosis::model`], by its path, with its interval.
     pub parameters: Vec<Estimate>,
@@ -33,13 +33,13 @@ pub struct Diagnosis {
     pub rounds: Vec<Vec<Candidate>>,
     /// Effects of the catalogue that were not tried, and why.
     pub untried: Vec<Untried>,
-    /// Correlation of pairs of candidates' sensitivities, the base parameters projected off.
+    /// Correlation of pairs of candidates' sensitivities, after projection off those of the base parameters.
     pub confounding: Vec<Confounding>,
-    /// The smallest size of each effect that would have been seen.
+    /// The detection limits: the smallest size of each effect that would have been found.
     pub detectable: Vec<Detectable>,
     /// What was seen of the effects found, and what else could cause it.
     pub evidence: Vec<Evidence>,
-    /// The experiment that would decide what these data leave open.
+    /// The experiment that would decide between the explanations that remain.
     pub next_experiment: Option<String>,
     /// What each record was used for, in the order of the dataset.
     pub split: Vec<Use>,
@@ -61,15 +61,15 @@ pub struct Diagnosis {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// The refitted model reaches the noise.
+    /// The error of the refitted model is noise.
     NothingMissing,
-    /// Effects that bring the model to the noise, or close enough that the rest is small.
+    /// With these effects the error is noise, or nearly.
     EffectFound,
-    /// More than one effect would do, and these data cannot tell which.
+    /// Several effects fit equally well, and these data cannot distinguish them.
     NotDistinguishable,
-    /// The model fails and nothing in the catalogue mends it.
+    /// The model does not explain the data, and no effect of the catalogue does.
     Unexplained,
-    /// The data cannot carry an answer.
+    /// There are too few data for an answer.
     InsufficientData,
 }
 
@@ -97,14 +97,14 @@ impl Verdict {
     }
 }
 
-/// Effects that these data cannot tell apart.
+/// Effects that these data cannot distinguish.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Group {
     /// Their ids, best first.
     pub effects: Vec<&'static str>,
-    /// Why they cannot be told apart.
+    /// Why they cannot be distinguished.
     pub reason: String,
-    /// The experiment that would.
+    /// The experiment that would distinguish them.
     pub experiment: String,
 }
 
@@ -118,14 +118,14 @@ pub struct Errors {
     pub refitted: f64,
     /// With the effects added, all records.
     pub last: f64,
-    /// With the effects added, the records that nothing was fitted to or chosen by; NaN when there are none.
-    pub untouched: f64,
-    /// Refitted without effects, the same records.
-    pub untouched_refitted: f64,
-    /// What the noise alone would leave, all records; `None` where it is unknown.
+    /// With the effects added, the test records; NaN when there are none.
+    pub test: f64,
+    /// Refitted without effects, the test records.
+    pub test_refitted: f64,
+    /// The error that noise alone would cause, all records; `None` where the noise is unknown.
     pub noise_floor: Option<f64>,
-    /// The same over the untouched records.
-    pub untouched_noise_floor: Option<f64>,
+    /// The same over the test records.
+    pub test_noise_floor: Option<f64>,
 }
 
 /// A step of the selection.
@@ -133,13 +133,13 @@ pub struct Errors {
 pub struct Step {
     /// Ids of what was added: one effect, or a pair at once.
     pub added: Vec<&'static str>,
-    /// Error after it on the records for selecting (1).
+    /// Error after it on the validation records (1).
     pub error: f64,
-    /// The mean gain of the blocks of the selecting records over its standard error (1).
+    /// The mean gain of the blocks of the validation records over its standard error (1).
     pub gain_z: f64,
     /// Fraction of the squared error removed (1).
     pub gain_fraction: f64,
-    /// Whether it was dropped again at the end because the others do as well without.
+    /// Whether it was removed again at the end because the error is not significantly larger without it.
     pub dropped: bool,
 }
 
@@ -148,9 +148,9 @@ pub struct Step {
 pub struct Candidate {
     /// Its id; for a pair both.
     pub effects: Vec<&'static str>,
-    /// Where it sits, if somewhere.
+    /// Its place, if it has one.
     pub location: Option<String>,
-    /// Error on the records for selecting (1); NaN when it could not be fitted.
+    /// Error on the validation records (1); NaN when it could not be fitted.
     pub error: f64,
     /// The mean gain of the blocks over its standard error (1).
     pub gain_z: f64,
@@ -188,7 +188,7 @@ pub struct Untried {
     pub reason: String,
 }
 
-/// How alike two candidates are to these data.
+/// How similar two candidates are in these data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Confounding {
     /// Their ids.
@@ -197,25 +197,25 @@ pub struct Confounding {
     pub correlation: f64,
 }
 
-/// The smallest size of an effect that would have been seen.
+/// A detection limit: the smallest size of an effect that would have been found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Detectable {
     /// The effect's id.
     pub effect: &'static str,
     /// Name of its first parameter.
     pub parameter: &'static str,
-    /// Size in `unit`; `None` where these data would never show it.
+    /// Size in `unit`; `None` where the effect is not identifiable from these data.
     pub value: Option<f64>,
     /// SI unit.
     pub unit: &'static str,
 }
 
-/// What points to an effect.
+/// Evidence for an effect.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evidence {
     /// The effect's id.
     pub effect: &'static str,
-    /// What was seen, in which view.
+    /// The feature in the data.
     pub seen: String,
     /// What else could cause the same.
     pub otherwise: Option<String>,
@@ -237,15 +237,15 @@ pub struct Noise {
 /// How the noise of a channel is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoiseSource {
-    /// The dataset says it.
+    /// Stated in the dataset.
     Stated,
-    /// The difference of repeated periods.
+    /// From the difference of repeated periods.
     Periods,
-    /// Another record of the same motion.
+    /// From another record of the same motion.
     Repeats,
-    /// From other records or channels of the dataset in which it could be measured.
+    /// Taken from other records or channels of the dataset in which it could be measured.
     Carried,
-    /// It is not known.
+    /// Unknown.
     Unknown,
 }
 

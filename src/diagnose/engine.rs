@@ -1,4 +1,4 @@
-//! The diagnosis from beginning to end: split, noise, rounds of refits, one look at the untouched records.
+//! The diagnosis from beginning to end: split, noise, rounds of refits, one look at the test records.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -44,7 +44,7 @@ impl Default for DiagnoseOptions {
     }
 }
 
-/// Told of progress: what was done, how much is done, of how much.
+/// Called with progress: what was done, how much is done, of how much.
 pub type DiagnoseHook<'a> = &'a (dyn Fn(&str, usize, usize) + Sync);
 
 /// How a diagnosis is watched and stopped.
@@ -59,7 +59,7 @@ pub type DiagnoseHook<'a> = &'a (dyn Fn(&str, usize, usize) + Sync);
 pub struct DiagnoseWatch<'a> {
     /// Called when something has been tried, with what is done in words, and how much of how much.
     pub progress: Option<DiagnoseHook<'a>>,
-    /// Asked again and again; `true` ends the diagnosis with what is known.
+    /// Asked repeatedly; `true` ends the diagnosis with the results so far.
     pub interrupt: Option<InterruptHook<'a>>,
 }
 
@@ -85,9 +85,10 @@ pub struct Added {
 
 /// Finds which physical effect `model` lacks to predict `dataset`.
 ///
-/// The records are split in three. Every effect of the catalogue is added to the full simulator and refitted
-/// together with all else on the first part, and chosen by the second; the third is read once, at the end: it may
-/// take back effects, and decides whether the data are explained.
+/// The records are split into training, validation and test records. Every effect of the catalogue is added to the full
+/// simulator and refitted with the whole model on the training records; effects are selected by their error on the
+/// validation records. The test records are read once, at the end: they may remove effects again, and decide whether the
+/// model explains the data.
 ///
 /// # Errors
 /// [`DiagnoseError`]: an unknown effect, a model without a free parameter, records that cannot be predicted.
@@ -233,10 +234,10 @@ fn unpredictable(bench: &Bench, model: &Model, reason: String) -> DiagnoseError 
     RefitError::Unpredictable { record, reason }.into()
 }
 
-/// Standard errors by which the first effect must worsen the untouched records to be taken back.
+/// Standard errors by which the first effect must worsen the test records to be taken back.
 const HARMFUL_Z: f64 = 1.0;
 
-/// How many effects of a chain the untouched records bear out, from their `scores` and `errors` with the first effect to
+/// How many effects of a chain the test records bear out, from their `scores` and `errors` with the first effect to
 /// those with all, and `before` any: those up to the first that does not lower the error. A first effect that changes
 /// nothing there may still be small; one that does harm is none. But an effect may do good only beside one that was
 /// found after it: where more of the chain gains beyond doubt, so much of it is kept.
@@ -276,8 +277,8 @@ fn conclude(
         fits.push(refit(&findings.last().fitted.model)?);
     }
     let chain = chain(search, &findings, &fits, refit)?;
-    let untouched = &search.parts.untouched;
-    let score = |fitted: &Fitted| whole.score_anew(fitted, untouched).unwrap_or_default();
+    let test = &search.parts.test;
+    let score = |fitted: &Fitted| whole.score_anew(fitted, test).unwrap_or_default();
     let before = score(&fits[0]);
     let mut scores: Vec<Vec<Scored>> = chain.iter().map(|(_, fitted)| score(fitted)).collect();
     // What the noise is not known of is judged by the error that is reported.
@@ -301,7 +302,7 @@ fn conclude(
     }
     let after = scores.pop().unwrap_or_else(|| before.clone());
     let chi_square = (known && !after.is_empty()).then(|| mean_square(&after));
-    let given = whole.normalised_error(&whole.score(given, untouched).unwrap_or_default());
+    let given = whole.normalised_error(&whole.score(given, test).unwrap_or_default());
     let follows = if known { remainder::follows(whole, &after) } else { Vec::new() };
     let last = fits.last().map(|last| whole.score_anew(last, &seen));
     let last = last.and_then(Result::ok).unwrap_or_default();
@@ -315,7 +316,7 @@ fn conclude(
     });
     let in_doubt = chi_square.is_some_and(|chi_square| {
         let model = fits.last().map(|fitted| &fitted.model);
-        let made = |model| search.made_by_doubt(whole, model, &seen, untouched);
+        let made = |model| search.made_by_doubt(whole, model, &seen, test);
         chi_square > UNEXPLAINED
             && mean_square(&last) < ADEQUATE
             && model.is_some_and(|model| chi_square - made(model) < ADEQUATE)
@@ -471,10 +472,10 @@ pub(super) fn errors(
         baseline: error(0),
         refitted: error(1),
         last: stages.last().map_or(f64::NAN, |stage| stage.error),
-        untouched: bench.normalised_error(&outcome.after),
-        untouched_refitted: bench.normalised_error(&outcome.before),
+        test: bench.normalised_error(&outcome.after),
+        test_refitted: bench.normalised_error(&outcome.before),
         noise_floor: floor(&search.parts.all()),
-        untouched_noise_floor: floor(&search.parts.untouched),
+        test_noise_floor: floor(&search.parts.test),
     }
 }
 

@@ -46,7 +46,7 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
         (Verdict::NothingMissing, None) => reasons.push(format!(
             "on the test records the residual of the refitted model is {} of the measured channels' standard \
              deviation: whatever the noise is, nothing remains to be explained",
-            percent(error.untouched)
+            percent(error.test)
         )),
         (Verdict::Unexplained, Some(chi_square)) => reasons.push(unexplained(outcome, told.search, chi_square)),
         (Verdict::Unexplained, None) => reasons.push(format!(
@@ -98,8 +98,8 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
             "on the test records the error is {} of the channels' standard deviation with the model as given, {} with \
              this model refitted, and {} with what was added",
             percent(outcome.given),
-            percent(error.untouched_refitted),
-            percent(error.untouched)
+            percent(error.test_refitted),
+            percent(error.test)
         ));
     }
     match outcome.chi_square {
@@ -112,7 +112,7 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
         None if told.verdict == Verdict::EffectFound => reasons.push(format!(
             "on the test records the residual is {} of the channels' standard deviation; how much of it is noise is \
              unknown, since no motion was repeated closely enough to measure the noise",
-            percent(error.untouched)
+            percent(error.test)
         )),
         _ => {}
     }
@@ -188,17 +188,17 @@ fn times(chi_square: f64) -> String {
 }
 
 /// Why the data are not explained, though the noise is known.
-fn unexplained(outcome: &Outcome, search: &Search, untouched: f64) -> String {
+fn unexplained(outcome: &Outcome, search: &Search, test: f64) -> String {
     let selecting = outcome.selecting;
-    let (chi_square, records) = match (untouched > UNEXPLAINED, selecting > UNEXPLAINED, outcome.repeated) {
-        (true, _, _) => (untouched, "the test records"),
+    let (chi_square, records) = match (test > UNEXPLAINED, selecting > UNEXPLAINED, outcome.repeated) {
+        (true, _, _) => (test, "the test records"),
         (_, true, _) if selecting < outcome.findings.last().chi_square() => {
             (selecting, "the validation records, less what the uncertainty of the parameters explains,")
         }
         (_, true, _) => (selecting, "the validation records"),
         _ if outcome.left.is_some_and(|left| left.is_too_much()) => return at_worst(outcome, search),
         (_, _, Some(repeated)) => return format!("{}, so it is not noise", repeats(repeated)),
-        _ => (untouched, "the test records"),
+        _ => (test, "the test records"),
     };
     format!(
         "the reduced χ² of {records} is {}; above {UNEXPLAINED} a model does not explain its data, and the effects \

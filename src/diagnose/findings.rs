@@ -31,11 +31,11 @@ pub(super) struct Added {
     pub error: f64,
     /// Those of the candidates that were taken back at the end.
     pub without: Vec<Candidate>,
-    /// Whether they were because of the untouched records.
+    /// Whether they were because of the test records.
     pub vetoed: bool,
     /// Others that these data cannot tell from it.
     pub tied: Vec<Candidate>,
-    /// Whether it was found with the selecting records fitted, too: the untouched ones alone have judged it.
+    /// Whether it was found with the validation records fitted, too: the test records alone have judged it.
     pub in_all_seen: bool,
 }
 
@@ -52,24 +52,24 @@ pub(super) struct Findings {
     pub interrupted: bool,
 }
 
-/// The end of the search, on all records seen, and the untouched ones.
+/// The end of the search, on all records seen, and the test records.
 pub(super) struct Outcome {
     pub findings: Findings,
     /// The base, and one per step; one more where something was dropped.
     pub fits: Vec<Fitted>,
-    /// Normalised error of the untouched records under the model as it came.
+    /// Normalised error of the test records under the model as it came.
     pub given: f64,
     /// Untouched records under the first and the last of them.
     pub before: Vec<Scored>,
     pub after: Vec<Scored>,
-    /// Mean square of the weighted residuals on the untouched records, where the noise is known.
+    /// Mean square of the weighted residuals on the test records, where the noise is known.
     pub chi_square: Option<f64>,
-    /// The same on the selecting records under the model that the search ended with, less what the doubt of its
+    /// The same on the validation records under the model that the search ended with, less what the doubt of its
     /// parameters makes of it.
     pub selecting: f64,
     /// What the last model leaves of the noise's mean square elsewhere, where the noise is known.
     pub left: Option<Left>,
-    /// Whether the last model, which explains all records seen, leaves more than noise on the untouched ones, but no
+    /// Whether the last model, which explains all records seen, leaves more than noise on the test records, but no
     /// more than the doubt of its parameters can make of them.
     pub in_doubt: bool,
     /// What the residual there still follows, where the noise is known.
@@ -85,15 +85,14 @@ pub(super) struct Left {
     pub seen: f64,
     /// In the record it describes worst, and that record's index.
     pub worst: (usize, f64),
-    /// Beyond doubt, over those seen, those for selecting, or those that nothing was fitted to, where it is most.
+    /// Beyond doubt, over those seen, the validation records, or those that nothing was fitted to, where it is most.
     pub certain: f64,
 }
 
 impl Left {
-    /// Of scores of the records seen and of the untouched ones, and what is `certain`.
-    pub fn of(seen: &[Scored], untouched: &[Scored], certain: f64) -> Self {
-        let worst =
-            seen.iter().chain(untouched).map(|one| (one.record, mean_square(std::slice::from_ref(one))));
+    /// Of scores of the records seen and of the test records, and what is `certain`.
+    pub fn of(seen: &[Scored], test: &[Scored], certain: f64) -> Self {
+        let worst = seen.iter().chain(test).map(|one| (one.record, mean_square(std::slice::from_ref(one))));
         Self {
             seen: mean_square(seen),
             worst: worst.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0)),
@@ -272,7 +271,7 @@ impl Findings {
 
     /// The one effect of the first `round` that brings the model to the noise of the fitted records, if no other comes
     /// near it and it comes to the noise of all records seen once it is fitted to them: beside a jump, a record for
-    /// selecting may hang on a parameter that the fitted ones hardly show. Whether it is the cause the untouched ones say.
+    /// selecting may hang on a parameter that the fitted ones hardly show. Whether it is the cause the test records say.
     fn only_explanation(&self, search: &Search, round: &[Trial]) -> Option<Added> {
         search.about_measured?;
         let states = round.iter().filter_map(|trial| Some((trial, trial.state.as_ref().ok()?)));
@@ -321,8 +320,8 @@ impl Findings {
         self.rounds.push(round);
     }
 
-    /// The candidates of the round `first` that gain most on the selecting records; then, where the noise is known, those
-    /// that gain most on the fitted ones: what else is missing may spoil the selecting ones alone.
+    /// The candidates of the round `first` that gain most on the validation records; then, where the noise is known, those
+    /// that gain most on the fitted ones: what else is missing may spoil the validation records alone.
     fn to_pair(&self, first: &[Trial], known: bool) -> Vec<Candidate> {
         let candidate = |trial: &&Trial| trial.candidates.first().cloned();
         let promising = first.iter().filter(|trial| trial.state.is_ok() && trial.gain.fraction > PROMISING);
@@ -384,7 +383,7 @@ impl Findings {
         self.steps.iter().flat_map(kept).collect()
     }
 
-    /// Takes back all effects after the first `count`, which the untouched records do not bear out; `model` has
+    /// Takes back all effects after the first `count`, which the test records do not bear out; `model` has
     /// those alone.
     pub fn veto(&mut self, search: &Search, count: usize, model: &Model) {
         for candidate in self.effects().split_off(count) {

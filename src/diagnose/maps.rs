@@ -34,18 +34,18 @@ enum View {
     Cycle,
 }
 
-/// The view in which the residuals of the `untouched` records are most like those of the `seen`, if in any beyond
+/// The view in which the residuals of the `test` records are most like those of the `seen`, if in any beyond
 /// chance. Both are scores of one model.
-pub(super) fn repeated(bench: &Bench, seen: &[Scored], untouched: &[Scored]) -> Option<Repeated> {
+pub(super) fn repeated(bench: &Bench, seen: &[Scored], test: &[Scored]) -> Option<Repeated> {
     let views = [(View::Place, "the displacement and its direction"), (View::Cycle, "the part of the cycle")];
     let gains = views.into_iter().filter_map(|(view, words)| {
-        let range = range(bench, seen.iter().chain(untouched), view);
-        let mut left: Vec<Scored> = untouched.to_vec();
+        let range = range(bench, seen.iter().chain(test), view);
+        let mut left: Vec<Scored> = test.to_vec();
         for name in names(bench) {
             let map = Map::of(bench, seen, name, range);
             left.iter_mut().for_each(|one| map.take_off(bench, one, name, range));
         }
-        let gain = blocks::gain(bench, untouched, &left);
+        let gain = blocks::gain(bench, test, &left);
         (gain.z > BEYOND && gain.fraction > WORTH).then_some(Repeated { view: words, gain })
     });
     gains.max_by(|a, b| a.gain.fraction.total_cmp(&b.gain.fraction))

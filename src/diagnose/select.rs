@@ -1,5 +1,5 @@
 //! Forward selection with a backward drop: each candidate in the full simulator, fitted jointly with all else
-//! on the fitted records, judged on the selecting ones.
+//! on the fitted records, judged on the validation records.
 
 use rayon::prelude::*;
 
@@ -62,7 +62,7 @@ pub(super) struct Search<'a, 'd> {
     pub told: &'a (dyn Fn(&str) + Sync),
 }
 
-/// A model fitted to the fitted records, with its predictions of the selecting ones.
+/// A model fitted to the fitted records, with its predictions of the validation records.
 #[derive(Debug, Clone)]
 pub(super) struct State {
     pub fitted: Fitted,
@@ -74,7 +74,7 @@ pub(super) struct State {
 pub(super) struct Trial {
     pub candidates: Vec<Candidate>,
     pub state: Result<State, String>,
-    /// Over the model without it, on the selecting records.
+    /// Over the model without it, on the validation records.
     pub gain: Gain,
 }
 
@@ -98,7 +98,7 @@ impl Trial {
 }
 
 impl State {
-    /// Mean square of the weighted residuals on the selecting records.
+    /// Mean square of the weighted residuals on the validation records.
     pub fn chi_square(&self) -> f64 {
         mean_square(&self.scored)
     }
@@ -479,7 +479,7 @@ impl<'a, 'd> Search<'a, 'd> {
         step.tied.is_empty() && self.unknowns(model).iter().all(inside)
     }
 
-    /// Mean square of the weighted residuals on the selecting records, less what the doubt of the parameters makes of
+    /// Mean square of the weighted residuals on the validation records, less what the doubt of the parameters makes of
     /// it; looked at only where it is `limit` or more.
     pub fn chi_square_beyond_doubt(&self, state: &State, limit: f64) -> f64 {
         let chi_square = state.chi_square();
@@ -526,7 +526,7 @@ fn deepest(fits: Vec<Fitted>) -> Result<Fitted, String> {
     deepest.ok_or_else(|| "the fit failed from every start".to_owned())
 }
 
-/// What gains most on the selecting records first, what failed last.
+/// What gains most on the validation records first, what failed last.
 fn best_first(trials: &mut [Trial]) {
     trials.sort_by(|a, b| {
         let key = |trial: &Trial| (trial.state.is_err(), -trial.gain.fraction);

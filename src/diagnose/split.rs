@@ -13,7 +13,7 @@ pub(super) struct Parts {
     /// Models are chosen by these.
     pub select: Vec<usize>,
     /// Read once.
-    pub untouched: Vec<usize>,
+    pub test: Vec<usize>,
 }
 
 impl Parts {
@@ -21,7 +21,7 @@ impl Parts {
     pub fn uses(&self, count: usize) -> Vec<Use> {
         (0..count)
             .map(|index| {
-                if self.untouched.contains(&index) {
+                if self.test.contains(&index) {
                     Use::Confirm
                 } else if self.select.contains(&index) {
                     Use::Select
@@ -41,7 +41,7 @@ impl Parts {
 
     /// All records, in order.
     pub fn all(&self) -> Vec<usize> {
-        let mut all = [self.seen(), self.untouched.clone()].concat();
+        let mut all = [self.seen(), self.test.clone()].concat();
         all.sort_unstable();
         all
     }
@@ -57,7 +57,7 @@ pub(super) fn too_little(dataset: &Dataset, parts: &Parts) -> Option<String> {
             if count == 1 { "" } else { "s" }
         ));
     }
-    for (part, use_for) in [(&parts.fit, "fit"), (&parts.select, "select"), (&parts.untouched, "confirm")] {
+    for (part, use_for) in [(&parts.fit, "fit"), (&parts.select, "select"), (&parts.test, "confirm")] {
         if part.is_empty() {
             return Some(format!(
                 "no record has `use = \"{use_for}\"`; mark at least one record so, or leave out `use` everywhere"
@@ -80,7 +80,7 @@ pub(super) fn split(dataset: &Dataset, driver: impl Fn(&Record) -> Vec<f64>) -> 
             let marked = |index: &usize| records[*index].use_for.unwrap_or(Use::Fit) == use_for;
             (0..records.len()).filter(marked).collect()
         };
-        return Parts { fit: of(Use::Fit), select: of(Use::Select), untouched: of(Use::Confirm) };
+        return Parts { fit: of(Use::Fit), select: of(Use::Select), test: of(Use::Confirm) };
     }
     // Copies of a record stay together: no part may see what another was fitted to.
     let originals = originals(records);
@@ -100,9 +100,9 @@ pub(super) fn split(dataset: &Dataset, driver: impl Fn(&Record) -> Vec<f64>) -> 
     let mut parts = Parts { fit, ..Parts::default() };
     parts.fit.sort_unstable();
     for (position, index) in rest.into_iter().enumerate() {
-        if position % 2 == 0 { parts.select.push(index) } else { parts.untouched.push(index) }
+        if position % 2 == 0 { parts.select.push(index) } else { parts.test.push(index) }
     }
-    for part in [&mut parts.fit, &mut parts.select, &mut parts.untouched] {
+    for part in [&mut parts.fit, &mut parts.select, &mut parts.test] {
         let copies = (0..records.len()).filter(|index| originals[*index] != *index);
         let more: Vec<usize> = copies.filter(|index| part.contains(&originals[*index])).collect();
         part.extend(more);
@@ -223,9 +223,7 @@ mod tests {
             let dataset = Dataset { title: None, records };
             let parts = split(&dataset, driver);
             assert_eq!(parts.all(), (0..count).collect::<Vec<_>>());
-            assert!(
-                parts.fit.contains(&(count - 1)) && !parts.select.is_empty() && !parts.untouched.is_empty()
-            );
+            assert!(parts.fit.contains(&(count - 1)) && !parts.select.is_empty() && !parts.test.is_empty());
             assert!(parts.fit.len() == 1 || parts.fit.contains(&0), "{parts:?}");
         }
     }
@@ -240,7 +238,7 @@ mod tests {
             .collect();
         let dataset = Dataset { title: None, records };
         let parts = split(&dataset, driver);
-        for part in [&parts.fit, &parts.select, &parts.untouched] {
+        for part in [&parts.fit, &parts.select, &parts.test] {
             let steady = part.iter().filter(|i| dataset.records[**i].regime == Regime::Steady).count();
             assert!(steady > 0 && steady < part.len(), "{parts:?}");
         }
@@ -277,7 +275,7 @@ mod tests {
         let once: Vec<Record> = (0..5).map(|i| record(1.0 + f64::from(i), Regime::Steady, 0.1)).collect();
         let records = [once.clone(), once].concat();
         let parts = split(&Dataset { title: None, records }, driver);
-        for part in [&parts.fit, &parts.select, &parts.untouched] {
+        for part in [&parts.fit, &parts.select, &parts.test] {
             assert!(
                 !part.is_empty() && part.iter().all(|index| part.contains(&((index + 5) % 10))),
                 "{parts:?}"
@@ -293,6 +291,6 @@ mod tests {
         records[3].use_for = Some(Use::Confirm);
         records[1].use_for = Some(Use::Select);
         let parts = split(&Dataset { title: None, records }, driver);
-        assert_eq!(parts, Parts { fit: vec![0, 2], select: vec![1], untouched: vec![3] });
+        assert_eq!(parts, Parts { fit: vec![0, 2], select: vec![1], test: vec![3] });
     }
 }

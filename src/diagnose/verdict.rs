@@ -168,9 +168,9 @@ fn groups(outcome: &Outcome) -> Vec<Group> {
 
 /// The verdict.
 fn judge(outcome: &Outcome, known: bool, groups: &[Group], errors: &Errors) -> Verdict {
-    let error = errors.untouched;
+    let error = errors.test;
     let none = outcome.findings.effects().is_empty();
-    let untouched = outcome.chi_square.unwrap_or(f64::NAN);
+    let test = outcome.chi_square.unwrap_or(f64::NAN);
     let selecting = if known { outcome.selecting } else { f64::NAN };
     let elsewhere = outcome.left.is_some_and(|left| left.is_too_much());
     // A part that comes again at the same places of the motion is no noise, however small.
@@ -179,7 +179,7 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group], errors: &Errors) -> V
     let too_much = if none {
         outcome.left.is_some_and(|left| left.is_certainly_too_much())
     } else {
-        untouched > UNEXPLAINED || selecting > UNEXPLAINED || elsewhere
+        test > UNEXPLAINED || selecting > UNEXPLAINED || elsewhere
     };
     if known && too_much {
         return Verdict::Unexplained;
@@ -191,7 +191,7 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group], errors: &Errors) -> V
         // A model whose error nothing lowers is not thereby right: without the noise nobody knows.
         return if known || error < NOTHING_LEFT { Verdict::NothingMissing } else { Verdict::Unexplained };
     }
-    let fraction = (error / errors.untouched_refitted).powi(2);
+    let fraction = (error / errors.test_refitted).powi(2);
     if !known && (error > MOST_LEFT || fraction > MOST_FRACTION_LEFT) {
         return Verdict::Unexplained;
     }
@@ -291,10 +291,10 @@ pub(super) fn insufficient(
             baseline: error,
             refitted: error,
             last: error,
-            untouched: f64::NAN,
-            untouched_refitted: f64::NAN,
+            test: f64::NAN,
+            test_refitted: f64::NAN,
             noise_floor: None,
-            untouched_noise_floor: None,
+            test_noise_floor: None,
         },
         chi_square: None,
         steps: Vec::new(),

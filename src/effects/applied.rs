@@ -16,7 +16,7 @@ use crate::vocabulary::{self as v, Quantity};
 pub struct AppliedEffect {
     /// Which.
     pub effect: &'static Effect,
-    /// Where, if it sits somewhere.
+    /// Its place, if it has one.
     pub location: Option<Location>,
     /// One value per parameter of the effect, in its unit.
     pub values: Vec<f64>,

@@ -28,11 +28,11 @@ pub struct Effect {
     pub parameters: &'static [EffectParameter],
     /// What it acts on.
     pub part: Part,
-    /// Whether it sits somewhere, and what kind of place that is.
+    /// Whether it has a place, and what kind of place that is.
     pub place: PlaceKind,
     /// The kinds of model it can be added to.
     pub kinds: &'static [Kind],
-    /// What a record must hold for the effect to show at all.
+    /// What a record must contain for the effect to show.
     pub needs: Needs,
     /// What a table of resonances against the level shows of it.
     pub in_resonances: InResonances,
@@ -54,13 +54,13 @@ pub struct EffectParameter {
     pub range: fn(&Scales) -> Range,
 }
 
-/// Another effect that shows in much the same way.
+/// Another effect that looks similar in the data.
 pub struct Confusion {
     /// The other one.
     pub with: &'static Effect,
     /// What the two have in common in the data.
     pub why: &'static str,
-    /// The experiment that tells them apart.
+    /// The experiment that distinguishes them.
     pub experiment: &'static str,
 }
 
@@ -71,7 +71,7 @@ pub enum Part {
     Joint,
     /// The normal direction of the contact, from which its load comes.
     NormalDirection,
-    /// Something attached to the structure at the contact.
+    /// A mass attached to the structure at the contact.
     HungAtContact,
     /// The structure.
     Structure,
@@ -96,7 +96,7 @@ impl Part {
     }
 }
 
-/// What kind of place an effect sits at.
+/// What kind of place an effect has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlaceKind {
     /// None, or the only one there is: the contact, the clamp.
@@ -110,7 +110,7 @@ pub enum PlaceKind {
 /// `kind` of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// A bare contact with prescribed motion.
+    /// A contact alone, with prescribed motion.
     Contact,
     /// Masses and springs.
     Oscillator,
@@ -132,7 +132,7 @@ impl Kind {
 /// All kinds.
 pub const ALL_KINDS: &[Kind] = &[Kind::Contact, Kind::Oscillator, Kind::Beam];
 
-/// What a record must hold for an effect to show.
+/// What a record must contain for an effect to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Needs {
     /// Nothing beyond what its kind of model needs.

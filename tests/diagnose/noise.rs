@@ -131,11 +131,11 @@ fn what_only_the_record_of_the_largest_motion_shows_is_not_passed_over() {
     assert!(found.reasons.iter().any(|reason| reason.contains("`r7`")), "{:?}", found.reasons);
 }
 
-/// Stuck records of small motions (m), and untouched ones of larger ones.
+/// Stuck records of small motions (m), and test records of larger ones.
 fn judged_far_away(small: f64, large: f64) -> Vec<Record> {
-    let untouched = |i: usize| matches!(i, 2 | 5);
+    let test = |i: usize| matches!(i, 2 | 5);
     let mut records =
-        levels(|i| Test { amplitude: if untouched(i) { large } else { small }, stated: Some(0.3), ..PLAIN });
+        levels(|i| Test { amplitude: if test(i) { large } else { small }, stated: Some(0.3), ..PLAIN });
     for (index, record) in records.iter_mut().enumerate() {
         record.use_for = Some(match index {
             2 | 5 => stickslip::data::Use::Confirm,
@@ -160,7 +160,7 @@ fn a_residual_that_the_uncertainty_of_the_parameters_can_cause_is_reported_as_su
         found.reasons
     );
     assert!(found.next_experiment.unwrap().starts_with("Measure more records"));
-    // An end stop that the untouched records alone reach is beyond any doubt.
+    // An end stop that the test records alone reach is significant.
     let mut records = judged_far_away(4e-6, 8e-6);
     for record in &mut records {
         let motion = record.channels[2].values.clone();
@@ -178,7 +178,7 @@ fn a_residual_that_the_uncertainty_of_the_parameters_can_cause_is_reported_as_su
 }
 
 #[test]
-fn an_effect_that_the_untouched_records_speak_against_is_taken_back() {
+fn an_effect_that_raises_the_error_of_the_test_records_is_removed() {
     let mut records = levels(|i| Test { amplitude: 1e-5 * (2.0 + i as f64), ..PLAIN });
     for (index, record) in records.iter_mut().enumerate() {
         record.use_for = Some(match index {
@@ -192,12 +192,12 @@ fn an_effect_that_the_untouched_records_speak_against_is_taken_back() {
     }
     let found = diagnosed(records);
     assert!(found.effects.is_empty(), "{:?}", found.effects);
-    assert!(found.error.untouched <= found.error.untouched_refitted);
+    assert!(found.error.test <= found.error.test_refitted);
 }
 
 #[test]
 fn a_ramp_is_as_good_as_a_steady_level() {
-    // A sine whose amplitude grows: the effect shows at its end alone, which is no doubt of it.
+    // A sine whose amplitude grows: the effect shows at its end alone, which does not speak against it.
     let records: Vec<Record> =
         (0..8)
             .map(|i| {

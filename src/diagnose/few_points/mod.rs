@@ -44,7 +44,7 @@ pub(super) fn applies(dataset: &Dataset) -> bool {
 /// The whole table, for fits as for choices.
 pub(super) fn whole(dataset: &Dataset) -> Parts {
     let all: Vec<usize> = (0..dataset.records.len()).collect();
-    Parts { fit: all.clone(), select: all, untouched: Vec::new() }
+    Parts { fit: all.clone(), select: all, test: Vec::new() }
 }
 
 /// What a diagnosis of a table starts from.

@@ -3,7 +3,7 @@
 use super::nested::Nested;
 use crate::data::{Record, Regime};
 
-/// Values of all tables together up to which the gain of a step is told with its uncertainty.
+/// Values of all tables together up to which the gain of a step is given with its uncertainty.
 const FEW: usize = 40;
 
 /// One or more models (or the same before and after a refit) against one dataset.
@@ -54,7 +54,7 @@ pub struct StepGain {
     pub parameters: [usize; 2],
     /// F of the fall of the squares; `None` where no degree of freedom is left.
     pub ratio: Option<f64>,
-    /// Probability of so large an F by chance alone, for one or two parameters more.
+    /// Probability of an F at least as large by chance, for one or two parameters more.
     pub chance: Option<f64>,
     /// Change of AICc: negative speaks for the step. `None` where the values are too few for it.
     pub criterion: Option<f64>,
@@ -63,8 +63,8 @@ pub struct StepGain {
 }
 
 impl Comparison {
-    /// What each step gains and how much it rests on, where tables of few points are all there is: the scatter of their
-    /// values is not known, and a parameter more always lowers the error.
+    /// What each step gains, with its significance, where the records are tables of few points: the scatter of their
+    /// values is not known, and one more parameter always lowers the error.
     pub fn steps(&self) -> Vec<StepGain> {
         let tables = self.records.iter().all(|record| record.regime == Regime::Backbone);
         let fitted: Vec<(usize, usize, f64, usize)> = (self.stages.iter().enumerate())

@@ -1,4 +1,4 @@
-//! What the fall of a sum of squares is worth when the values are few: Fisher's F and Akaike's criterion.
+//! The significance of a fall of the sum of squares when the values are few: Fisher's F and Akaike's criterion.
 
 use crate::fit::student_quantile;
 
@@ -27,7 +27,7 @@ impl Nested {
         (self.freedom() > 0 && ratio.is_finite()).then_some(ratio.max(0.0))
     }
 
-    /// Probability of so large an F by chance, for white noise and a step not selected among many; for
+    /// Probability of an F at least as large by chance, for white noise and a step not selected among many; for
     /// one or two parameters more.
     pub fn chance(&self) -> Option<f64> {
         let (ratio, freedom) = (self.ratio()?, self.freedom());

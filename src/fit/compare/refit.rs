@@ -51,7 +51,7 @@ pub struct Refit {
     pub model: Model,
     /// Its predictions of all records, those that it was not fitted to among them.
     pub stage: Stage,
-    /// Why the fit ended; anything but `Converged` should be told.
+    /// Why the fit ended; a user should see anything but `Converged`.
     pub ending: Ending,
     /// Paths of free parameters on which none of the fitted records depends; they stay where they started.
     pub unseen: Vec<String>,

@@ -32,7 +32,7 @@ pub(crate) trait SumOfSquares {
         false
     }
 
-    /// Told of every accepted step, from 1, with the cost it led to.
+    /// Called after every accepted step, from 1, with the cost there.
     fn accepted(&mut self, step: usize, cost: f64) {
         let _ = (step, cost);
     }

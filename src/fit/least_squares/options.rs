@@ -1,4 +1,4 @@
-//! What a fit is told: its parameters and how to run.
+//! The input of a fit: its parameters and how to run.
 
 use crate::vocabulary::Scale;
 

@@ -17,7 +17,7 @@ use super::Run;
 ///  "next_experiment": null, "seconds": 1.9}
 /// ```
 ///
-/// and more keys, which say what stands behind these. `effects` are those beyond doubt, where the verdict
+/// and more keys, which give the details. `effects` are the significant ones, where the verdict
 /// is `effect-found` or `not-distinguishable`; `places` says where they sit; `groups` are lists of ids. Units are SI. Numbers that are unknown or not finite are `null`.
 pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
     let named = matches!(diagnosis.verdict, Verdict::EffectFound | Verdict::NotDistinguishable);
@@ -84,9 +84,9 @@ pub fn added_json(effect: &str, location: Option<&str>, written: &str, compariso
 fn errors(diagnosis: &Diagnosis) -> Value {
     let error = &diagnosis.error;
     json!({
-        "baseline": error.baseline, "refitted": error.refitted, "final": error.last, "untouched": error.untouched,
-        "noise_floor": error.noise_floor, "untouched_refitted": error.untouched_refitted,
-        "untouched_noise_floor": error.untouched_noise_floor,
+        "baseline": error.baseline, "refitted": error.refitted, "final": error.last, "untouched": error.test,
+        "noise_floor": error.noise_floor, "untouched_refitted": error.test_refitted,
+        "untouched_noise_floor": error.test_noise_floor,
     })
 }
 

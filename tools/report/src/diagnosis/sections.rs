@@ -37,19 +37,19 @@ pub fn errors(diagnosis: &Diagnosis) -> Markup {
                     tr {
                         th scope="row" { "refitted" }
                         td.number { (format::error(error.refitted)) }
-                        td.number { (format::error(error.untouched_refitted)) }
+                        td.number { (format::error(error.test_refitted)) }
                     }
                     @if !diagnosis.steps.is_empty() {
                         tr.final {
                             th scope="row" { "with what was added" }
                             td.number { (format::error(error.last)) }
-                            td.number { (format::error(error.untouched)) }
+                            td.number { (format::error(error.test)) }
                         }
                     }
                     tr {
                         th scope="row" { "noise alone" }
                         td.number { (floor(error.noise_floor)) }
-                        td.number { (floor(error.untouched_noise_floor)) }
+                        td.number { (floor(error.test_noise_floor)) }
                     }
                 }
             }

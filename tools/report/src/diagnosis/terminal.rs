@@ -89,14 +89,14 @@ fn errors(out: &mut Text, diagnosis: &Diagnosis) {
     let mut cells = vec![
         vec!["all records".to_owned(), "test records".to_owned()],
         vec![format::error(error.baseline), String::new()],
-        vec![format::error(error.refitted), format::error(error.untouched_refitted)],
+        vec![format::error(error.refitted), format::error(error.test_refitted)],
     ];
     if !added.is_empty() {
         left.push(format!("with {}", words::titles(&added, "and")));
-        cells.push(vec![format::error(error.last), format::error(error.untouched)]);
+        cells.push(vec![format::error(error.last), format::error(error.test)]);
     }
     left.push("noise alone".to_owned());
-    cells.push(vec![floor(error.noise_floor), floor(error.untouched_noise_floor)]);
+    cells.push(vec![floor(error.noise_floor), floor(error.test_noise_floor)]);
     out.grid(&left, &cells, 0);
 }
 

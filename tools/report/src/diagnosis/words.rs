@@ -93,8 +93,8 @@ fn fall(diagnosis: &Diagnosis) -> String {
         (Verdict::EffectFound, _) => "With them",
         _ => "With the best of them",
     };
-    let (before, after, whose) = if error.untouched.is_finite() && error.untouched_refitted.is_finite() {
-        (error.untouched_refitted, error.untouched, " on the test records")
+    let (before, after, whose) = if error.test.is_finite() && error.test_refitted.is_finite() {
+        (error.test_refitted, error.test, " on the test records")
     } else {
         (error.refitted, error.last, "")
     };
@@ -112,7 +112,7 @@ fn floor(diagnosis: &Diagnosis) -> String {
     let error = &diagnosis.error;
     let floor = match diagnosis.verdict {
         Verdict::NothingMissing => error.noise_floor,
-        _ => error.untouched_noise_floor.or(error.noise_floor),
+        _ => error.test_noise_floor.or(error.noise_floor),
     };
     match floor {
         Some(floor) => format!(" Noise alone would cause an error of {}.", format::error(floor)),
@@ -203,7 +203,7 @@ pub fn warnings(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
                 .to_owned(),
         );
     }
-    if !diagnosis.error.untouched.is_finite() && diagnosis.verdict == Verdict::EffectFound {
+    if !diagnosis.error.test.is_finite() && diagnosis.verdict == Verdict::EffectFound {
         all.push(
             "There is no test record: no independent data confirm the error with the effect added."
                 .to_owned(),

@@ -155,10 +155,10 @@ fn of(comparison: Comparison) -> Diagnosis {
             baseline,
             refitted: errors[1.min(errors.len() - 1)],
             last,
-            untouched: 0.011,
-            untouched_refitted: 0.32,
+            test: 0.011,
+            test_refitted: 0.32,
             noise_floor: Some(0.01),
-            untouched_noise_floor: Some(0.0102),
+            test_noise_floor: Some(0.0102),
         },
         chi_square: Some(1.04),
         steps: vec![Step {
@@ -247,7 +247,7 @@ pub fn unexplained() -> Diagnosis {
         surrogates: vec!["residual_stiffness"],
         chi_square: Some(23.0),
         next_experiment: None,
-        error: Errors { noise_floor: None, untouched_noise_floor: None, untouched: 0.21, ..found().error },
+        error: Errors { noise_floor: None, test_noise_floor: None, test: 0.21, ..found().error },
         ..of(comparison)
     }
 }
@@ -288,10 +288,10 @@ pub fn insufficient() -> Diagnosis {
             baseline: 0.4,
             refitted: f64::NAN,
             last: f64::INFINITY,
-            untouched: f64::NAN,
-            untouched_refitted: f64::NAN,
+            test: f64::NAN,
+            test_refitted: f64::NAN,
             noise_floor: None,
-            untouched_noise_floor: None,
+            test_noise_floor: None,
         },
         chi_square: None,
         ..of(comparison)
