@@ -62,8 +62,8 @@ use crate::vocabulary::{self as v, Scale};
 /// let (mut state, mut next) = ([0.0; 4], [0.0; 4]);
 /// law.set_state(0.0, 100.0, 0.0, &mut state);
 /// let inputs = Inputs { displacement: 25e-6, velocity: 0.0, normal_load: 100.0 };
-/// let virgin = 50.0 * (1.0 - f64::exp(-2e6 * 25e-6 / 50.0));
-/// assert!((law.step(&state, inputs, &mut next).force - virgin).abs() < 1e-12);
+/// let initial = 50.0 * (1.0 - f64::exp(-2e6 * 25e-6 / 50.0));
+/// assert!((law.step(&state, inputs, &mut next).force - initial).abs() < 1e-12);
 /// # Ok::<(), stickslip::contact::LawError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]

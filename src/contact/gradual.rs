@@ -16,7 +16,7 @@ pub trait GradualLaw: ContactLaw {
     /// By how much the limit against positive motion is larger than the mean, as a fraction of it (1).
     fn asymmetry(&self) -> f64;
 
-    /// Slope of the virgin curve of the hysteretic part (N/m): that of its elastic part.
+    /// Slope of the initial loading curve of the hysteretic part (N/m): that of its elastic part.
     fn hysteretic_stiffness(&self) -> f64;
 
     /// Slope left in macro-slip (N/m).

@@ -97,7 +97,7 @@ impl ParallelSliders {
         springs.map(|(element, slider)| element.stored_energy(*slider, displacement)).sum()
     }
 
-    /// Displacement (m) at which the loading curve of the virgin contact reaches `force` (N, within ±limit):
+    /// Displacement (m) at which the loading curve of a contact without history reaches `force` (N, within ±limit):
     /// Newton's method, which on a concave curve of straight pieces comes from below and ends after as
     /// many steps as there are pieces.
     fn loading_displacement(&self, normal_load: f64, force: f64) -> f64 {

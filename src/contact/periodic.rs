@@ -157,7 +157,7 @@ const RANK_TOLERANCE: f64 = 1e-12;
 /// let mut state = [0.0; 4];
 /// law.set_state(0.0, 147.15, 0.0, &mut state);
 /// periodic_state(&law, &[-1e-6, 1e-6], &[147.15], &mut state)?;
-/// assert!((state[0] - 7.886058).abs() < 1e-6); // the virgin curve ends at 7.660241 N
+/// assert!((state[0] - 7.886058).abs() < 1e-6); // the initial loading curve ends at 7.660241 N
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn periodic_state(

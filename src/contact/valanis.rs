@@ -57,9 +57,9 @@ use crate::vocabulary::{
 /// last step, and the displacement at which the residual spring is unstressed (m).
 ///
 /// # Parameters
-/// - `tangential_stiffness` e0 (N/m), above zero: slope of the virgin curve;
+/// - `tangential_stiffness` e0 (N/m), above zero: slope of the initial loading curve;
 /// - `friction_coefficient` μ (1), above zero;
-/// - `smoothness` κ (1), 0 ≤ κ < 1: the virgin curve is exponential at 0 and Jenkins' at 1;
+/// - `smoothness` κ (1), 0 ≤ κ < 1: the initial loading curve is exponential at 0 and Jenkins' at 1;
 /// - `residual_stiffness` e_t (N/m), 0 ≤ e_t < e0. The integral holds for e_t < 0 as well, but a
 ///   separation would then release negative energy: refused.
 ///
@@ -91,7 +91,7 @@ pub struct Valanis {
     friction_coefficient: f64,
     smoothness: f64,
     residual_stiffness: f64,
-    /// p = e0 − e_t (N/m), slope of the virgin hysteretic force.
+    /// p = e0 − e_t (N/m), slope of the hysteretic force on initial loading.
     hysteretic_stiffness: f64,
     /// p r/[e0 (1 − κ)] (N/m): reach δ = this × distance/limit.
     reach_stiffness: f64,
@@ -254,7 +254,7 @@ impl Valanis {
         Ok(())
     }
 
-    /// Slope of the virgin curve at zero, e0 (N/m).
+    /// Slope of the initial loading curve at zero, e0 (N/m).
     pub fn tangential_stiffness(&self) -> f64 {
         self.tangential_stiffness
     }

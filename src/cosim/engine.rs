@@ -2,7 +2,7 @@
 
 use super::energy::{Energy, Place};
 use super::level::{Level, StepFrame, Trouble};
-use super::notes::Manner;
+use super::notes::InputCoupling;
 use super::schedule::Schedule;
 use super::settings::{Algorithm, Settings, Strong};
 use super::signals::Signals;
@@ -10,7 +10,7 @@ use super::slave::{Kind, SlaveError};
 use super::solve::{Solved, Solver};
 use super::strong::{Assumption, LoopStep};
 use super::system::{Port, System};
-use super::unit::{BEGINNING, Channel, Unit, Via};
+use super::unit::{BEGINNING, Channel, SignalSource, Unit};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -223,7 +223,7 @@ impl Wiring {
     }
 
     fn connect(&mut self, system: &System, schedule: &Schedule, unit_of: &[usize], plain: bool) {
-        let manner = Manner::new(system);
+        let coupling = InputCoupling::new(system);
         let mut block_of = vec![0; unit_of.len()];
         for (index, block) in schedule.blocks.iter().enumerate() {
             schedule.levels[block.levels.clone()].iter().flatten().for_each(|slave| block_of[*slave] = index);
@@ -232,20 +232,20 @@ impl Wiring {
             let (from, to) = (connection.from, connection.to);
             let (source, block) = (self.signal(from), block_of[to.slave]);
             let (factor, offset) = (connection.factor, connection.offset);
-            let via = if schedule.rank[from.slave] < schedule.rank[to.slave] {
-                Via::Fresh
+            let origin = if schedule.rank[from.slave] < schedule.rank[to.slave] {
+                SignalSource::Computed
             } else if schedule.blocks[block].iterated && block_of[from.slave] == block {
                 self.assumptions[block].push(Assumption { source, factor, offset });
-                Via::Assumed(self.assumptions[block].len() - 1)
+                SignalSource::Assumed(self.assumptions[block].len() - 1)
             } else {
                 let given = system.slaves[from.slave].abilities().output_derivative_order.min(2);
                 self.derivative_order[source] = if plain { 0 } else { given };
-                Via::Expected
+                SignalSource::Extrapolated
             };
             let channels = &mut self.channels[to.slave];
             self.places.insert(to, (unit_of[to.slave], channels.len()));
-            let (given, continued) = (manner.given(system, to), manner.at_once(to));
-            channels.push(Channel { input: to.variable, source, factor, offset, via, given, continued });
+            let (given, continued) = (coupling.given(system, to), coupling.at_once(to));
+            channels.push(Channel { input: to.variable, source, factor, offset, origin, given, continued });
         }
     }
 

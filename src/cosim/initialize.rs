@@ -7,7 +7,7 @@ use super::slave::{Setup, SlaveError};
 use super::solve::{Coupling, Solver};
 use super::strong::Assumption;
 use super::system::Port;
-use super::unit::Via;
+use super::unit::SignalSource;
 use std::collections::BTreeMap;
 
 /// Relative change of values that count as settled, where the settings say nothing.
@@ -55,20 +55,20 @@ pub(super) fn initialize(
 
 fn settle(engine: &mut Engine, settings: &Settings) -> Result<(), Cause> {
     let mut assumptions = Vec::new();
-    let mut vias = Vec::with_capacity(engine.units.len());
+    let mut origins = Vec::with_capacity(engine.units.len());
     let mut names = Vec::new();
     for unit in &engine.units {
         let row = unit.channels.iter().map(|channel| {
             if channel.source < unit.first {
-                return Via::Fresh;
+                return SignalSource::Computed;
             }
             let name = &unit.slave.variables()[channel.input].name;
             names.push(format!("{}.{name}", unit.slave.name()));
             let (source, factor, offset) = (channel.source, channel.factor, channel.offset);
             assumptions.push(Assumption { source, factor, offset });
-            Via::Assumed(assumptions.len() - 1)
+            SignalSource::Assumed(assumptions.len() - 1)
         });
-        vias.push(row.collect::<Vec<_>>());
+        origins.push(row.collect::<Vec<_>>());
     }
     for unit in &mut engine.units {
         unit.read()?;
@@ -84,7 +84,7 @@ fn settle(engine: &mut Engine, settings: &Settings) -> Result<(), Cause> {
     };
     let iterations = ROUNDS + 2 * engine.units.len() as u32;
     let mut solver = Solver::new(Strong { method, tolerance, iterations }, assumed.len());
-    let mut round = Round { engine, assumptions: &assumptions, vias: &vias };
+    let mut round = Round { engine, assumptions: &assumptions, origins: &origins };
     let solved = solver.solve(&mut round, &mut assumed)?;
     if solved.converged {
         return Ok(());
@@ -97,7 +97,7 @@ fn settle(engine: &mut Engine, settings: &Settings) -> Result<(), Cause> {
 struct Round<'a> {
     engine: &'a mut Engine,
     assumptions: &'a [Assumption],
-    vias: &'a [Vec<Via>],
+    origins: &'a [Vec<SignalSource>],
 }
 
 impl Coupling for Round<'_> {
@@ -105,8 +105,8 @@ impl Coupling for Round<'_> {
 
     fn evaluate(&mut self, assumed: &[f64], residual: &mut [f64]) -> Result<(), SlaveError> {
         let Engine { units, signals, .. } = &mut *self.engine;
-        for (unit, vias) in units.iter_mut().zip(self.vias) {
-            unit.settle(signals, assumed, vias)?;
+        for (unit, origins) in units.iter_mut().zip(self.origins) {
+            unit.settle(signals, assumed, origins)?;
             let own = unit.first..unit.first + unit.outputs.len();
             signals.next[own].copy_from_slice(&unit.outputs);
         }

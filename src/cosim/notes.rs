@@ -8,12 +8,12 @@ use super::unit::Given;
 use std::collections::BTreeSet;
 
 /// How each slave is given its inputs under more than the first order.
-pub(super) struct Manner {
+pub(super) struct InputCoupling {
     /// Of each variable of each slave: does the slave declare that all it puts out depends on it at once?
     at_once: Vec<Vec<bool>>,
 }
 
-impl Manner {
+impl InputCoupling {
     pub fn new(system: &System) -> Self {
         let at_once = system.slaves.iter().enumerate().map(|(index, slave)| {
             let mut rows = slave.variables().iter();
@@ -129,14 +129,14 @@ fn past_values(system: &System, schedule: &Schedule, notes: &mut Vec<String>) {
 
 /// Slaves that cannot interpolate.
 fn inputs(system: &System, notes: &mut Vec<String>) {
-    let manner = Manner::new(system);
+    let coupling = InputCoupling::new(system);
     for connection in &system.connections {
         let (to, slave) = (connection.to, &system.slaves[connection.to.slave]);
         if system.variable(to).kind != Kind::Real {
             continue;
         }
         let name = system.full_name(to);
-        match manner.given(system, to) {
+        match coupling.given(system, to) {
             Given::Ramp => {}
             Given::End => notes.push(format!(
                 "{name} cannot be interpolated: it is given its value at the end of each step, which is right where the \

@@ -11,7 +11,7 @@ use super::schedule::{Connected, Schedule};
 use super::slave::Severity;
 use super::solve::Coupling;
 use super::system::System;
-use super::unit::{Unit, Via};
+use super::unit::{SignalSource, Unit};
 
 /// Loops one after the other along the connections; those that can be repeated are.
 pub(super) fn schedule(system: &System) -> Schedule {
@@ -94,10 +94,10 @@ impl Coupling for LoopStep<'_> {
         }
         for unit in units {
             for (direction_of, channel) in unit.direction.iter_mut().zip(&unit.channels) {
-                *direction_of = match channel.via {
-                    Via::Assumed(unknown) => direction[unknown],
-                    Via::Fresh => channel.factor * self.changes[channel.source],
-                    Via::Expected => 0.0,
+                *direction_of = match channel.origin {
+                    SignalSource::Assumed(unknown) => direction[unknown],
+                    SignalSource::Computed => channel.factor * self.changes[channel.source],
+                    SignalSource::Extrapolated => 0.0,
                 };
             }
             let own = unit.first..unit.first + unit.outputs.len();

@@ -5,11 +5,11 @@ use super::slave::{Abilities, Slave, SlaveError, Stepped};
 
 /// Where the value of an input at the end of a step comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Via {
+pub(super) enum SignalSource {
     /// A slave that has stepped already.
-    Fresh,
-    /// What is expected of the source.
-    Expected,
+    Computed,
+    /// Extrapolation of the source from earlier values.
+    Extrapolated,
     /// An unknown of the iteration.
     Assumed(usize),
 }
@@ -43,7 +43,7 @@ pub(super) struct Channel {
     pub source: usize,
     pub factor: f64,
     pub offset: f64,
-    pub via: Via,
+    pub origin: SignalSource,
     pub given: Given,
     /// A step begins where the last one ended, also where the source has come to another value than expected since: a
     /// contact that was led there and back in no time would remember it.
@@ -204,10 +204,10 @@ impl Unit {
     fn fill(&mut self, frame: &Frame) {
         let mut ramps = 0;
         for (index, channel) in self.channels.iter().enumerate() {
-            let end = match channel.via {
-                Via::Fresh => channel.of(frame.signals.next[channel.source]),
-                Via::Expected => channel.of(frame.signals.predicted[channel.source]),
-                Via::Assumed(unknown) => frame.assumed[unknown],
+            let end = match channel.origin {
+                SignalSource::Computed => channel.of(frame.signals.next[channel.source]),
+                SignalSource::Extrapolated => channel.of(frame.signals.predicted[channel.source]),
+                SignalSource::Assumed(unknown) => frame.assumed[unknown],
             };
             self.end[index] = end;
             if frame.plain {
@@ -277,10 +277,15 @@ impl Unit {
     }
 
     /// Sets the inputs for the outputs before the first step, from signals and assumptions.
-    pub fn settle(&mut self, signals: &Signals, assumed: &[f64], vias: &[Via]) -> Result<(), SlaveError> {
-        for ((channel, via), value) in self.channels.iter().zip(vias).zip(&mut self.values) {
-            *value = match via {
-                Via::Assumed(unknown) => assumed[*unknown],
+    pub fn settle(
+        &mut self,
+        signals: &Signals,
+        assumed: &[f64],
+        origins: &[SignalSource],
+    ) -> Result<(), SlaveError> {
+        for ((channel, origin), value) in self.channels.iter().zip(origins).zip(&mut self.values) {
+            *value = match origin {
+                SignalSource::Assumed(unknown) => assumed[*unknown],
                 _ => channel.of(signals.next[channel.source]),
             };
         }

@@ -19,14 +19,14 @@ pub fn go(law: &dyn ContactLaw, state: &mut [f64], displacement: f64, normal_loa
 }
 
 /// A contact that is carried along with its state.
-pub struct Carried<'a> {
+pub struct ContactHistory<'a> {
     pub law: &'a dyn ContactLaw,
     pub state: Vec<f64>,
 }
 
-impl<'a> Carried<'a> {
+impl<'a> ContactHistory<'a> {
     /// At rest without force at displacement zero.
-    pub fn virgin(law: &'a dyn ContactLaw, normal_load: f64) -> Self {
+    pub fn at_rest(law: &'a dyn ContactLaw, normal_load: f64) -> Self {
         Self::from(law, 0.0, normal_load, 0.0)
     }
 
@@ -129,14 +129,14 @@ pub fn check_derivatives(
 /// One step against many with displacement and load linear: force, energy, state.
 pub fn check_one_step_equals_many(
     law: &dyn ContactLaw,
-    start: &Carried,
+    start: &ContactHistory,
     displacement: f64,
     normal_load: f64,
     from: (f64, f64),
 ) {
-    let mut once = Carried::virgin(law, 1.0);
+    let mut once = ContactHistory::at_rest(law, 1.0);
     once.state.clone_from(&start.state);
-    let mut often = Carried::virgin(law, 1.0);
+    let mut often = ContactHistory::at_rest(law, 1.0);
     often.state.clone_from(&start.state);
     let whole = once.go(displacement, normal_load);
     let (mut dissipated, mut last, parts) = (0.0, whole, 37);
@@ -156,7 +156,7 @@ pub fn check_one_step_equals_many(
 /// Work into the contact = energy kept + dissipated over a history with reversals, changes of the load
 /// and separations, and no step dissipates less than nothing.
 pub fn check_energy_balance(law: &dyn ContactLaw, stored: &dyn Fn(&[f64]) -> f64) {
-    let mut contact = Carried::virgin(law, 150.0);
+    let mut contact = ContactHistory::at_rest(law, 150.0);
     let (mut work, mut dissipated, mut force, mut before) = (0.0, 0.0, 0.0, 0.0);
     let samples = 40_000;
     for i in 1..=samples {

@@ -3,7 +3,7 @@
 
 use stickslip::contact::{ContactLaw, Inputs, Iwan, IwanSpacing, LawError};
 
-use crate::common::contact::{Carried, LOADS, check_derivatives, check_energy_balance, close};
+use crate::common::contact::{ContactHistory, LOADS, check_derivatives, check_energy_balance, close};
 
 const STIFFNESS: f64 = 5e6;
 const FRICTION: f64 = 0.5;
@@ -42,7 +42,7 @@ fn stiffness_and_macro_slip_force_are_exact_for_any_number_of_sliders() {
                 let law = iwan(shape, intervals, spacing);
                 close(law.sliders_alone().tangential_stiffness() / STIFFNESS, 1.0, 1e-12);
                 close(law.limit(LOAD) / (FRICTION * LOAD), 1.0, 1e-12);
-                let mut contact = Carried::virgin(&law, LOAD);
+                let mut contact = ContactHistory::at_rest(&law, LOAD);
                 let largest = law.macro_slip_displacement(LOAD);
                 let slipping = contact.go(1.000_001 * largest, LOAD);
                 close(slipping.force / (FRICTION * LOAD), 1.0, 1e-12);
@@ -72,9 +72,10 @@ fn loading_curve_meets_the_smooth_one_at_the_ends_of_the_intervals() {
         let largest = law.macro_slip_displacement(LOAD);
         for i in 1..=8 {
             let u = largest * f64::from(i) / 8.0;
-            close(Carried::virgin(&law, LOAD).go(u, LOAD).force / smooth_force(&law, u), 1.0, 1e-11);
+            close(ContactHistory::at_rest(&law, LOAD).go(u, LOAD).force / smooth_force(&law, u), 1.0, 1e-11);
             let between = u - largest / 16.0;
-            let above = Carried::virgin(&law, LOAD).go(between, LOAD).force - smooth_force(&law, between);
+            let above =
+                ContactHistory::at_rest(&law, LOAD).go(between, LOAD).force - smooth_force(&law, between);
             assert!(above > 0.0);
         }
     }
@@ -87,7 +88,7 @@ fn dissipation_is_the_power_law_with_second_order_convergence() {
         let error = |intervals: usize| {
             let law = iwan(shape, intervals, IwanSpacing::Equal);
             let amplitude = 0.5 * law.macro_slip_displacement(LOAD);
-            let (dissipated, _) = Carried::virgin(&law, LOAD).last_loop(amplitude, LOAD, 2);
+            let (dissipated, _) = ContactHistory::at_rest(&law, LOAD).last_loop(amplitude, LOAD, 2);
             dissipated / smooth_dissipation(&law, amplitude) - 1.0
         };
         let errors = [16, 32, 64, 128].map(error);
@@ -107,7 +108,7 @@ fn excess_dissipation_is_the_spread_within_the_intervals() {
     let largest = law.macro_slip_displacement(LOAD);
     for passed in 1..=9 {
         let amplitude = largest * f64::from(passed) / 10.0;
-        let (dissipated, _) = Carried::virgin(&law, LOAD).last_loop(amplitude, LOAD, 2);
+        let (dissipated, _) = ContactHistory::at_rest(&law, LOAD).last_loop(amplitude, LOAD, 2);
         let spread = law.distribution_scale(LOAD) * (largest / 10.0).powi(3) / 12.0;
         let expected = smooth_dissipation(&law, amplitude) + 4.0 * f64::from(passed) * spread;
         close(dissipated / expected, 1.0, 1e-11);
@@ -120,7 +121,7 @@ fn geometric_spacing_keeps_the_power_law_over_decades() {
         let law = iwan(shape, 80, IwanSpacing::Geometric { growth: 1.2 });
         for decade in [1e-4, 1e-3, 1e-2, 1e-1, 0.9] {
             let amplitude = decade * law.macro_slip_displacement(LOAD);
-            let (dissipated, _) = Carried::virgin(&law, LOAD).last_loop(amplitude, LOAD, 2);
+            let (dissipated, _) = ContactHistory::at_rest(&law, LOAD).last_loop(amplitude, LOAD, 2);
             close(dissipated / smooth_dissipation(&law, amplitude), 1.0, 0.02);
         }
     }
@@ -131,8 +132,8 @@ fn beyond_macro_slip_each_further_displacement_costs_4_limits() {
     for shape in SHAPES {
         let law = iwan(shape, 400, IwanSpacing::Equal);
         let (largest, limit) = (law.macro_slip_displacement(LOAD), law.limit(LOAD));
-        let (near, _) = Carried::virgin(&law, LOAD).last_loop(1.1 * largest, LOAD, 2);
-        let (far, _) = Carried::virgin(&law, LOAD).last_loop(3.1 * largest, LOAD, 2);
+        let (near, _) = ContactHistory::at_rest(&law, LOAD).last_loop(1.1 * largest, LOAD, 2);
+        let (far, _) = ContactHistory::at_rest(&law, LOAD).last_loop(3.1 * largest, LOAD, 2);
         close((far - near) / (8.0 * limit * largest), 1.0, 1e-11);
         // Up to macro-slip the loop follows the power law; the terminal slider then joins in.
         let start = near - 0.4 * limit * largest;
@@ -146,10 +147,10 @@ fn masing_branches_are_the_loading_curve_at_twice_its_size() {
         let law = iwan(shape, 25, IwanSpacing::Geometric { growth: 1.3 });
         for fraction in [0.03, 0.4, 1.3] {
             let amplitude = fraction * law.macro_slip_displacement(LOAD);
-            let tip = Carried::virgin(&law, LOAD).go(amplitude, LOAD).force;
+            let tip = ContactHistory::at_rest(&law, LOAD).go(amplitude, LOAD).force;
             for part in [0.1, 0.37, 0.8, 1.0] {
-                let loading = Carried::virgin(&law, LOAD).go(part * amplitude, LOAD).force;
-                let mut contact = Carried::virgin(&law, LOAD);
+                let loading = ContactHistory::at_rest(&law, LOAD).go(part * amplitude, LOAD).force;
+                let mut contact = ContactHistory::at_rest(&law, LOAD);
                 contact.go(amplitude, LOAD);
                 let branch = contact.go(amplitude * (1.0 - 2.0 * part), LOAD).force;
                 close(branch, tip - 2.0 * loading, 1e-11 * tip);
@@ -164,11 +165,11 @@ fn strengths_follow_the_load_and_stiffnesses_stay() {
     let largest = law.macro_slip_displacement(LOAD);
     close(law.macro_slip_displacement(3.0 * LOAD) / largest, 3.0, 1e-14);
     // Similar loops: three times the load and the displacement is three times the force.
-    let small = Carried::virgin(&law, LOAD).go(0.3 * largest, LOAD).force;
-    let large = Carried::virgin(&law, 3.0 * LOAD).go(0.9 * largest, 3.0 * LOAD).force;
+    let small = ContactHistory::at_rest(&law, LOAD).go(0.3 * largest, LOAD).force;
+    let large = ContactHistory::at_rest(&law, 3.0 * LOAD).go(0.9 * largest, 3.0 * LOAD).force;
     close(large / small, 3.0, 1e-12);
     // More load on a contact at rest creates no force.
-    let mut contact = Carried::virgin(&law, LOAD);
+    let mut contact = ContactHistory::at_rest(&law, LOAD);
     let before = contact.go(0.3 * largest, LOAD).force;
     close(contact.go(0.3 * largest, 5.0 * LOAD).force, before, 1e-12);
 }
@@ -179,7 +180,8 @@ fn state_tangents_equal_finite_differences() {
     for (start_load, end_load) in LOADS {
         for fraction in [-0.7, 0.0, 0.4] {
             for travel in [-21e-6, -3.1e-6, 0.13e-6, 9.3e-6] {
-                let mut start = Carried::from(&law, 2e-6, start_load, fraction * law.limit(start_load));
+                let mut start =
+                    ContactHistory::from(&law, 2e-6, start_load, fraction * law.limit(start_load));
                 start.state[2..].iter_mut().for_each(|z| *z *= 0.995);
                 let inputs = Inputs { displacement: 2e-6 + travel, velocity: 0.0, normal_load: end_load };
                 check_derivatives(&law, &start.state, inputs, &|index| index != 1);

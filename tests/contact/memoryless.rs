@@ -4,7 +4,7 @@ use stickslip::contact::{
     ContactLaw, CubicSpring, Inputs, LawError, Slider, SlipState, StateTangents, Unilateral, periodic_state,
 };
 
-use crate::common::contact::{Carried, check_derivatives, close};
+use crate::common::contact::{ContactHistory, check_derivatives, close};
 
 fn laws() -> Vec<Box<dyn ContactLaw>> {
     vec![
@@ -20,7 +20,7 @@ fn laws() -> Vec<Box<dyn ContactLaw>> {
 fn force_depends_on_displacement_alone() {
     for law in laws() {
         assert_eq!(law.state_len(), 0);
-        let mut contact = Carried::virgin(law.as_ref(), 100.0);
+        let mut contact = ContactHistory::at_rest(law.as_ref(), 100.0);
         let expected = contact.go(7e-6, 100.0);
         for (u, load) in [(-40e-6, 3.0), (7e-6, -50.0), (1e-6, 0.0), (7e-6, 1e9)] {
             let response = contact.go(u, load);
@@ -35,7 +35,7 @@ fn force_depends_on_displacement_alone() {
 #[test]
 fn work_over_a_closed_path_is_zero_and_force_is_the_slope_of_the_energy() {
     for law in laws() {
-        let mut contact = Carried::virgin(law.as_ref(), 100.0);
+        let mut contact = ContactHistory::at_rest(law.as_ref(), 100.0);
         let samples = 20_000;
         let at = |i: usize| 12e-6 * (std::f64::consts::TAU * i as f64 / samples as f64).sin() + 2e-6;
         let (mut work, mut path, mut force) = (0.0, 0.0, contact.go(at(0), 1.0).force);
@@ -74,7 +74,7 @@ fn a_contact_without_memory_is_periodic_at_once() {
 #[test]
 fn one_sided_spring_resists_beyond_its_gap_alone() {
     let law = Unilateral::new(2e6, 3e-6).unwrap();
-    let mut contact = Carried::virgin(&law, 100.0);
+    let mut contact = ContactHistory::at_rest(&law, 100.0);
     for u in [-1.0, 0.0, 3e-6] {
         let response = contact.go(u, 100.0);
         assert_eq!((response.force, response.slip_state), (0.0, SlipState::Separated));
@@ -84,7 +84,7 @@ fn one_sided_spring_resists_beyond_its_gap_alone() {
     assert_eq!((response.tangents.displacement, response.slip_state), (2e6, SlipState::Stick));
     // Preloaded by a negative gap.
     let law = Unilateral::new(2e6, -3e-6).unwrap();
-    close(Carried::virgin(&law, 1.0).go(0.0, 1.0).force, 6.0, 1e-12);
+    close(ContactHistory::at_rest(&law, 1.0).go(0.0, 1.0).force, 6.0, 1e-12);
     assert!(!law.is_odd());
 }
 
@@ -109,12 +109,12 @@ fn cubic_spring_is_odd_and_follows_its_polynomial() {
     let law = CubicSpring::new(3.0, -0.25).unwrap();
     assert!(law.is_odd());
     for u in [0.0, 0.5, 2.0, -1.5] {
-        let response = Carried::virgin(&law, 1.0).go(u, 1.0);
+        let response = ContactHistory::at_rest(&law, 1.0).go(u, 1.0);
         close(response.force, 3.0 * u - 0.25 * u * u * u, 1e-15);
         close(response.tangents.displacement, 3.0 - 0.75 * u * u, 1e-15);
     }
     // Turns round at √(k/(−3 k₃)) = 2.
-    close(Carried::virgin(&law, 1.0).go(2.0, 1.0).tangents.displacement, 0.0, 1e-15);
+    close(ContactHistory::at_rest(&law, 1.0).go(2.0, 1.0).tangents.displacement, 0.0, 1e-15);
 }
 
 #[test]

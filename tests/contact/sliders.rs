@@ -3,7 +3,7 @@
 use stickslip::contact::{ContactLaw, Inputs, Jenkins, LawError, ParallelSliders, Slider, SlipState};
 
 use crate::common::contact::{
-    Carried, LOADS, check_derivatives, check_energy_balance, check_one_step_equals_many, close,
+    ContactHistory, LOADS, check_derivatives, check_energy_balance, check_one_step_equals_many, close,
 };
 
 const LOAD: f64 = 150.0;
@@ -18,8 +18,8 @@ fn law() -> ParallelSliders {
 fn parallel_sliders_are_the_sum_of_jenkins_elements() {
     let law = law();
     let elements = ELEMENTS.map(|(k, mu)| Jenkins::new(k, mu).unwrap());
-    let mut whole = Carried::virgin(&law, LOAD);
-    let mut parts: Vec<_> = elements.iter().map(|law| Carried::virgin(law, LOAD)).collect();
+    let mut whole = ContactHistory::at_rest(&law, LOAD);
+    let mut parts: Vec<_> = elements.iter().map(|law| ContactHistory::at_rest(law, LOAD)).collect();
     for i in 0..400 {
         let t = 0.05 * f64::from(i);
         let (u, load) = (50e-6 * (t.sin() + 0.4 * (3.3 * t).cos()), 100.0 + 160.0 * (1.7 * t).cos());
@@ -39,7 +39,7 @@ fn parallel_sliders_are_the_sum_of_jenkins_elements() {
 #[test]
 fn loading_curve_falls_in_slope_where_each_element_yields() {
     let law = law();
-    let mut contact = Carried::virgin(&law, LOAD);
+    let mut contact = ContactHistory::at_rest(&law, LOAD);
     for (u, slope) in [(2.9e-6, 6e6), (11.9e-6, 4e6), (39.9e-6, 1e6), (41e-6, 0.0)] {
         assert_eq!(contact.go(u, LOAD).tangents.displacement, slope);
     }
@@ -52,10 +52,10 @@ fn loading_curve_falls_in_slope_where_each_element_yields() {
 fn masing_branches_are_the_loading_curve_at_twice_its_size() {
     let law = law();
     for amplitude in [2e-6, 8e-6, 25e-6, 90e-6] {
-        let tip = Carried::virgin(&law, LOAD).go(amplitude, LOAD).force;
+        let tip = ContactHistory::at_rest(&law, LOAD).go(amplitude, LOAD).force;
         for part in [0.1, 0.37, 0.8, 1.0] {
-            let loading = Carried::virgin(&law, LOAD).go(part * amplitude, LOAD).force;
-            let mut contact = Carried::virgin(&law, LOAD);
+            let loading = ContactHistory::at_rest(&law, LOAD).go(part * amplitude, LOAD).force;
+            let mut contact = ContactHistory::at_rest(&law, LOAD);
             contact.go(amplitude, LOAD);
             let branch = contact.go(amplitude - 2.0 * part * amplitude, LOAD).force;
             close(branch, tip - 2.0 * loading, 1e-10);
@@ -66,8 +66,8 @@ fn masing_branches_are_the_loading_curve_at_twice_its_size() {
 #[test]
 fn minor_loops_close_and_are_forgotten() {
     let law = law();
-    let mut direct = Carried::virgin(&law, LOAD);
-    let mut with_minor_loop = Carried::virgin(&law, LOAD);
+    let mut direct = ContactHistory::at_rest(&law, LOAD);
+    let mut with_minor_loop = ContactHistory::at_rest(&law, LOAD);
     for u in [60e-6, -20e-6] {
         direct.go(u, LOAD);
         with_minor_loop.go(u, LOAD);
@@ -83,7 +83,7 @@ fn minor_loops_close_and_are_forgotten() {
 fn loop_area_is_the_sum_of_4_limit_times_slip() {
     let law = law();
     for amplitude in [2e-6, 8e-6, 25e-6, 90e-6] {
-        let (dissipated, tip) = Carried::virgin(&law, LOAD).last_loop(amplitude, LOAD, 3);
+        let (dissipated, tip) = ContactHistory::at_rest(&law, LOAD).last_loop(amplitude, LOAD, 3);
         let area = |(k, mu): &(f64, f64)| 4.0 * mu * LOAD * (amplitude - mu * LOAD / k).max(0.0);
         let total: f64 = ELEMENTS.iter().map(area).sum();
         close(dissipated, total, 1e-12 * total);
@@ -97,7 +97,7 @@ fn one_step_equals_many_with_displacement_and_load_linear() {
     for (start_load, end_load) in LOADS {
         for fraction in [-1.0, -0.4, 0.0, 0.7] {
             for travel in [-90e-6, -7e-6, 0.0, 1e-6, 35e-6] {
-                let start = Carried::from(&law, 5e-6, start_load, fraction * law.limit(start_load));
+                let start = ContactHistory::from(&law, 5e-6, start_load, fraction * law.limit(start_load));
                 check_one_step_equals_many(&law, &start, 5e-6 + travel, end_load, (5e-6, start_load));
             }
         }
@@ -110,7 +110,8 @@ fn state_tangents_equal_finite_differences() {
     for (start_load, end_load) in LOADS {
         for fraction in [-0.93, -0.31, 0.0, 0.57, 0.97] {
             for travel in [-110e-6, -21e-6, -3.1e-6, 0.13e-6, 4.3e-6, 57e-6] {
-                let mut start = Carried::from(&law, 2e-6, start_load, fraction * law.limit(start_load));
+                let mut start =
+                    ContactHistory::from(&law, 2e-6, start_load, fraction * law.limit(start_load));
                 // Off the kink: an element that has just yielded may stick or slip.
                 start.state[2..].iter_mut().for_each(|z| *z *= 0.995);
                 let inputs = Inputs { displacement: 2e-6 + travel, velocity: 0.0, normal_load: end_load };
@@ -129,7 +130,7 @@ fn work_of_a_fine_history_equals_stored_plus_dissipated() {
 #[test]
 fn a_change_of_load_in_stick_creates_no_force() {
     let law = law();
-    let mut contact = Carried::virgin(&law, LOAD);
+    let mut contact = ContactHistory::at_rest(&law, LOAD);
     let before = contact.go(2e-6, LOAD).force;
     for load in [1e3, 151.0, 1e9, 120.0] {
         let response = contact.go(2e-6, load);
@@ -142,24 +143,24 @@ fn the_state_carries_the_force_that_loading_leads_to() {
     let law = law();
     for fraction in [-2.0, -1.0, -0.9, -0.1, 0.0, 0.05, 0.2, 0.6, 0.999, 1.0, 1e9] {
         let force = f64::clamp(fraction, -1.0, 1.0) * law.limit(LOAD);
-        let mut contact = Carried::from(&law, 7e-6, LOAD, fraction * law.limit(LOAD));
+        let mut contact = ContactHistory::from(&law, 7e-6, LOAD, fraction * law.limit(LOAD));
         close(contact.go(7e-6, LOAD).force, force, 1e-12 * law.limit(LOAD));
     }
     // The same place by loading.
-    let mut loaded = Carried::virgin(&law, LOAD);
+    let mut loaded = ContactHistory::at_rest(&law, LOAD);
     let force = loaded.go(20e-6, LOAD).force;
-    let set = Carried::from(&law, 20e-6, LOAD, force);
+    let set = ContactHistory::from(&law, 20e-6, LOAD, force);
     loaded.state.iter().zip(&set.state).for_each(|(a, b)| close(*a, *b, 1e-18));
 }
 
 #[test]
 fn re_contact_remembers_nothing() {
     let law = law();
-    let mut contact = Carried::virgin(&law, LOAD);
+    let mut contact = ContactHistory::at_rest(&law, LOAD);
     contact.go(80e-6, LOAD);
     let response = contact.go(70e-6, -1.0);
     assert_eq!((response.force, response.slip_state), (0.0, SlipState::Separated));
-    assert_eq!(contact.state, Carried::from(&law, 70e-6, -1.0, 9.0).state);
+    assert_eq!(contact.state, ContactHistory::from(&law, 70e-6, -1.0, 9.0).state);
 }
 
 #[test]
@@ -180,7 +181,7 @@ fn sliders_under_a_constant_load_are_the_law() {
     let mut sliders = vec![Slider::linear(1.0)];
     assert!(law.sliders(LOAD, &mut sliders));
     assert_eq!(sliders.len(), 3);
-    let (mut contact, mut positions) = (Carried::virgin(&law, LOAD), [0.0; 3]);
+    let (mut contact, mut positions) = (ContactHistory::at_rest(&law, LOAD), [0.0; 3]);
     for i in 0..300 {
         let u = 55e-6 * (0.3 * f64::from(i)).sin() + 20e-6 * (1.1 * f64::from(i)).cos();
         let mut sum = 0.0;
@@ -210,7 +211,7 @@ fn kinds() -> [Slider; 5] {
 #[test]
 fn a_slider_without_play_steps_as_jenkins_element() {
     let (law, slider) = (Jenkins::new(2e6, 0.2).unwrap(), Slider::jenkins(2e6, 0.2 * LOAD));
-    let (mut contact, mut position) = (Carried::virgin(&law, LOAD), 0.0);
+    let (mut contact, mut position) = (ContactHistory::at_rest(&law, LOAD), 0.0);
     for i in 0..500 {
         let u = 25e-6 * (0.3 * f64::from(i)).sin() + 20e-6 * (1.1 * f64::from(i)).cos();
         let (force, moved) = slider.step(position, u);

@@ -34,7 +34,7 @@ fn closed_loop(law: &Valanis, amplitude: f64) -> (f64, f64) {
     (force[1], dissipated)
 }
 
-/// The published table: amplitude, virgin force, periodic tip force, dissipated energy.
+/// The published table: amplitude, force of the initial loading, periodic tip force, dissipated energy.
 const REFERENCE: [(f64, f64, f64, f64); 5] = [
     (1e-6, 7.660241, 7.886058, 6.40993067e-7),
     (10e-6, 56.581491, 66.332303, 5.82422872e-4),
@@ -45,10 +45,10 @@ const REFERENCE: [(f64, f64, f64, f64); 5] = [
 
 #[test]
 fn reference_virgin_force_tip_force_and_loop_area() {
-    for (amplitude, virgin, tip, area) in REFERENCE {
+    for (amplitude, initial, tip, area) in REFERENCE {
         let law = published();
         let force = go(&law, &mut fresh(&law), amplitude, LOAD).force;
-        close(force / virgin, 1.0, 1e-6);
+        close(force / initial, 1.0, 1e-6);
         let (found_tip, found_area) = closed_loop(&law, amplitude);
         close(found_tip / tip, 1.0, 1e-6);
         close(found_area / area, 1.0, 1e-6);

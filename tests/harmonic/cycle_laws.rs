@@ -170,14 +170,14 @@ fn laws_of_the_library_do_the_work_they_dissipate() {
 
 #[test]
 fn iwan_loops_obey_masing() {
-    // The loop's tip lies on the virgin curve of twenty sliders; its area is that of the sliders passed.
+    // The loop's tip lies on the initial loading curve of twenty sliders; its area is that of the sliders passed.
     let law = Iwan::new(2.0, 1.0 / LOAD, -0.5, 1.0, 20, IwanSpacing::Geometric { growth: 1.2 }).unwrap();
     let mut sliders = Vec::new();
     assert!(law.sliders(LOAD, &mut sliders));
     for amplitude in [0.1, 0.5, 0.9, 2.0] {
         let cycle = contact_cycle(&law, LOAD, 1.0, &[amplitude, 0.0], HarmonicSet::odd(1)).unwrap();
-        let virgin: f64 = sliders.iter().map(|slider| slider.step(0.0, amplitude).0).sum();
-        assert!((cycle.summary.equivalent_stiffness * amplitude / virgin - 1.0).abs() < 1e-13);
+        let initial: f64 = sliders.iter().map(|slider| slider.step(0.0, amplitude).0).sum();
+        assert!((cycle.summary.equivalent_stiffness * amplitude / initial - 1.0).abs() < 1e-13);
         let slip = |s: &Slider| s.upper_limit * (amplitude - s.upper_limit / s.stiffness).max(0.0);
         let area: f64 = 4.0 * sliders.iter().map(slip).sum::<f64>();
         assert!((cycle.summary.dissipated_energy / area - 1.0).abs() < 1e-12, "{amplitude}");

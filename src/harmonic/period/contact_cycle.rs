@@ -49,7 +49,7 @@ impl ContactMapping {
     /// contact and spring together.
     ///
     /// Where the memory does not fade (a stuck contact keeps whatever it remembers) the periodic state is
-    /// that of a virgin contact loaded to the displacement of the largest magnitude.
+    /// that of a contact without history loaded to the displacement of the largest magnitude.
     ///
     /// # Errors
     /// [`HarmonicError::InvalidInput`] for as many coefficients as the set has not, for numbers that are not

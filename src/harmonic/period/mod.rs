@@ -57,7 +57,7 @@ pub(crate) trait Cycle {
     /// same set.
     ///
     /// Where the memory does not fade (a stuck contact keeps whatever it remembers) the periodic state
-    /// is the one reached by loading the virgin contact to the displacement of the largest magnitude.
+    /// is the one reached by loading a contact without history to the displacement of the largest magnitude.
     fn evaluate(
         &mut self,
         contact: &PeriodicContact,

@@ -126,7 +126,7 @@ impl<'a> Path<'a> {
         evaluate(self.coefficients, phase).0
     }
 
-    /// Loads the virgin contact to the displacement of the largest magnitude, from where the motion is
+    /// Loads a contact without history to the displacement of the largest magnitude, from where the motion is
     /// periodic, and carries it to phase zero.
     fn settle(&mut self) {
         let farthest = |a: &f64, b: &f64| self.displacement(*a).abs().total_cmp(&self.displacement(*b).abs());

@@ -51,7 +51,7 @@ pub struct PeriodicMotion {
 ///
 /// Newton's method on the period map with its exact derivative, the product of the flows of all regimes
 /// passed. Unknowns are displacements, velocities and the positions of sliders that slip; a slider that
-/// does not keeps the position to which the virgin contact would be loaded at its displacement of the
+/// does not keeps the position to which a contact without history would be loaded at its displacement of the
 /// largest magnitude. Where Newton's method does not settle, periods are marched before the next attempt.
 ///
 /// # Errors
@@ -208,7 +208,7 @@ impl Shooting<'_> {
         Ok(None)
     }
 
-    /// Gives the sliders that do not slip the position that loading the virgin contact gives them, where
+    /// Gives the sliders that do not slip the position that loading a contact without history gives them, where
     /// that is a periodic motion too.
     fn settle(&mut self, mut cycle: Cycle) -> Result<PeriodicMotion, OscillatorError> {
         let n = self.flow.system.size;

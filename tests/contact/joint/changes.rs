@@ -55,7 +55,8 @@ fn backlash_is_backlash() {
         joint(JointChanges { half_gap: 8e-6, ..none() }),
         stickslip::contact::Backlash::new(STIFFNESS, FRICTION, 8e-6).unwrap(),
     );
-    let (mut found, mut expected) = (Carried::virgin(&law, LOAD), Carried::virgin(&reference, LOAD));
+    let (mut found, mut expected) =
+        (ContactHistory::at_rest(&law, LOAD), ContactHistory::at_rest(&reference, LOAD));
     for inputs in history(5, 400) {
         // A change of the load where the contact stays closed.
         let load = 0.2 * LOAD + inputs.normal_load.abs();
@@ -108,7 +109,7 @@ fn wear_raises_the_plateau_in_proportion_to_the_slip() {
         (joint(JointChanges { wear: rate, spread: 0.5, ..none() }), 1e-9),
         (on_valanis(JointChanges { wear: rate, ..none() }), 1e-4),
     ] {
-        let mut contact = Carried::virgin(&law, LOAD);
+        let mut contact = ContactHistory::at_rest(&law, LOAD);
         for index in 1..=30 {
             let u = if index % 2 == 1 { 12.0 * YIELD } else { -12.0 * YIELD };
             let response = contact.go(4.0 * u, LOAD);

@@ -54,7 +54,8 @@ fn without_changes_a_joint_is_its_base_law() {
     ];
     for (law, base) in pairs {
         let same = Joint::new(base, none()).unwrap();
-        let (mut plain, mut changed) = (Carried::virgin(law.as_ref(), LOAD), Carried::virgin(&same, LOAD));
+        let (mut plain, mut changed) =
+            (ContactHistory::at_rest(law.as_ref(), LOAD), ContactHistory::at_rest(&same, LOAD));
         for inputs in history(3, 500) {
             let expected = plain.go(inputs.displacement, inputs.normal_load);
             let found = changed.go(inputs.displacement, inputs.normal_load);
@@ -70,7 +71,7 @@ fn without_changes_a_joint_is_its_base_law() {
 #[test]
 fn the_step_for_the_force_alone_is_the_step() {
     for law in many_laws() {
-        let mut contact = Carried::virgin(&law, LOAD);
+        let mut contact = ContactHistory::at_rest(&law, LOAD);
         let mut state = contact.state.clone();
         let mut next = state.clone();
         for inputs in history(7, 300) {
@@ -86,7 +87,7 @@ fn the_step_for_the_force_alone_is_the_step() {
 #[test]
 fn dissipation_is_never_negative_and_closes_the_energy_balance() {
     for law in many_laws() {
-        let mut contact = Carried::virgin(&law, LOAD);
+        let mut contact = ContactHistory::at_rest(&law, LOAD);
         let mut next = contact.state.clone();
         let (mut work, mut lost, mut at, mut force, mut size) = (0.0, 0.0, 0.0, 0.0, 0.0f64);
         // Fine steps between the turning points: the work is the trapezoidal sum.
@@ -133,7 +134,7 @@ fn one_long_step_equals_many_short_ones() {
 #[test]
 fn apart_there_is_no_friction_and_no_memory() {
     for law in many_laws() {
-        let mut contact = Carried::virgin(&law, LOAD);
+        let mut contact = ContactHistory::at_rest(&law, LOAD);
         contact.go(9.0 * YIELD, LOAD);
         let response = contact.go(2.0 * YIELD, -3.0);
         assert_eq!(response.slip_state, SlipState::Separated);
@@ -169,7 +170,7 @@ fn sliders_give_the_same_force_where_there_are_any() {
         if !piecewise {
             continue;
         }
-        let mut contact = Carried::virgin(&law, LOAD);
+        let mut contact = ContactHistory::at_rest(&law, LOAD);
         let mut positions = vec![0.0; sliders.len()];
         for inputs in history(13, 200) {
             let mut expected = 0.0;
@@ -199,7 +200,7 @@ fn a_state_that_was_set_carries_its_force() {
 fn derivatives_are_those_of_the_step() {
     let mut checked = 0;
     for law in many_laws() {
-        let mut contact = Carried::virgin(&law, LOAD);
+        let mut contact = ContactHistory::at_rest(&law, LOAD);
         let mut next = contact.state.clone();
         for inputs in history(17, 120) {
             checked += usize::from(derivatives_agree(&law, &contact.state, inputs));
@@ -213,7 +214,7 @@ fn derivatives_are_those_of_the_step() {
 #[test]
 fn force_and_tangents_at_once_are_those_of_the_step() {
     for law in many_laws() {
-        let mut state = Carried::virgin(&law, LOAD).state;
+        let mut state = ContactHistory::at_rest(&law, LOAD).state;
         let mut next = state.clone();
         let (mut tangents, mut lean) = (StateTangents::default(), StateTangents::default());
         for inputs in history(19, 120) {

@@ -5,7 +5,7 @@ mod laws;
 
 use stickslip::contact::{ContactLaw, Inputs, Jenkins, Joint, JointBase, JointChanges, Valanis};
 
-use crate::common::contact::{Carried, close};
+use crate::common::contact::{ContactHistory, close};
 
 const STIFFNESS: f64 = 5e6;
 const FRICTION: f64 = 0.5;
@@ -33,7 +33,7 @@ fn on_valanis(changes: JointChanges) -> Joint {
 
 /// Force at the end of a motion through `corners` (m) in steps of at most `step` (m).
 fn walk(law: &dyn ContactLaw, corners: &[f64], step: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
-    let mut contact = Carried::virgin(law, LOAD);
+    let mut contact = ContactHistory::at_rest(law, LOAD);
     let (mut at, mut path, mut force) = (0.0, Vec::new(), Vec::new());
     let mut lost = Vec::new();
     for corner in corners {
@@ -52,7 +52,7 @@ fn walk(law: &dyn ContactLaw, corners: &[f64], step: f64) -> (Vec<f64>, Vec<f64>
 
 /// Dissipation of the third of three loops of amplitude `amplitude` (m).
 fn loop_area(law: &dyn ContactLaw, amplitude: f64) -> f64 {
-    Carried::virgin(law, LOAD).last_loop(amplitude, LOAD, 3).0
+    ContactHistory::at_rest(law, LOAD).last_loop(amplitude, LOAD, 3).0
 }
 
 /// Deterministic histories with reversals; loads vary and now and then vanish.

@@ -23,7 +23,7 @@ pub fn contact_loop(
     let phases = || (0..SAMPLES).map(|k| TAU * k as f64 / SAMPLES as f64);
     let mut displacement: Vec<f64> = phases().map(|phase| value(coefficients, phase)).collect();
     let mut velocity: Vec<f64> = phases().map(|phase| value(&rate, phase)).collect();
-    // A stuck contact keeps what it remembers: the virgin contact is loaded to the largest displacement.
+    // A stuck contact keeps what it remembers: a contact without history is loaded to the largest displacement.
     let largest = (0..SAMPLES).max_by(|&a, &b| displacement[a].abs().total_cmp(&displacement[b].abs()))?;
     displacement.rotate_left(largest);
     velocity.rotate_left(largest);

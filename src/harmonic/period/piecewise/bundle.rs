@@ -149,7 +149,7 @@ impl Bundle {
         true
     }
 
-    /// Loads the virgin contact to the first point.
+    /// Loads a contact without history to the first point.
     fn load_virgin(&mut self, sliders: &[Slider], path: &Path) {
         self.members.clear();
         self.members.extend(sliders.iter().map(|slider| {

@@ -2,7 +2,7 @@
 //!
 //! A slider's position is a number kept between two limits that move with the displacement. So a period maps
 //! it to the nearest number of an interval, and once round leads to the periodic state. The start is the
-//! turning point of the largest magnitude, to which the virgin slider is loaded.
+//! turning point of the largest magnitude, to which a slider without history is loaded.
 
 mod bundle;
 mod integrals;
@@ -163,7 +163,7 @@ impl PiecewiseCycle {
         Ok(Followed::Alone)
     }
 
-    /// A contact at rest: the virgin contact loaded to the mean displacement. What slid on the way follows a
+    /// A contact at rest: a contact without history loaded to the mean displacement. What slid on the way follows a
     /// change of the mean and resists all else.
     fn rest(&mut self) {
         let (total, compliance) = (self.motion.bias(), self.compliance);

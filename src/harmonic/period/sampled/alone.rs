@@ -15,7 +15,7 @@ impl SampledCycle {
         self.take_motion(contact, u);
         self.forget();
         self.origin = self.farthest_sample();
-        self.state.copy_from_slice(&self.virgin);
+        self.state.copy_from_slice(&self.without_history);
         self.force_scale = 0.0;
         self.step_alone(contact, angular_frequency, self.origin, 0.0);
         std::mem::swap(&mut self.state, &mut self.next);

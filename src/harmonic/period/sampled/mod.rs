@@ -10,7 +10,7 @@
 //! quantity with respect to the coefficients *and* to the state at its start. The monodromy matrix
 //! gives the periodic state by Newton's method, and the implicit function theorem its derivative.
 //! Where the memory does not fade (a stuck contact keeps whatever it remembers) the periodic state
-//! is not unique; then the one reached by loading the virgin contact to the largest displacement of
+//! is not unique; then the one reached by loading a contact without history to the largest displacement of
 //! the period counts, and its derivative is carried through that loading.
 
 mod alone;
@@ -61,7 +61,7 @@ pub(crate) struct SampledCycle {
     state_len: usize,
     /// The sample the march starts from.
     origin: usize,
-    virgin: Vec<f64>,
+    without_history: Vec<f64>,
     start: Vec<f64>,
     state: Vec<f64>,
     next: Vec<f64>,
@@ -112,7 +112,7 @@ impl SampledCycle {
             sensitivity: DMatrix::zeros(0, 0),
             state_len: usize::MAX,
             origin: 0,
-            virgin: Vec::new(),
+            without_history: Vec::new(),
             start: Vec::new(),
             state: Vec::new(),
             next: Vec::new(),
@@ -168,9 +168,13 @@ impl SampledCycle {
         self.state_len = state_len;
         let columns = self.wide + 1 + state_len;
         self.sensitivity = DMatrix::zeros(columns, self.samples);
-        for buffer in
-            [&mut self.virgin, &mut self.start, &mut self.state, &mut self.next, &mut self.state_scale]
-        {
+        for buffer in [
+            &mut self.without_history,
+            &mut self.start,
+            &mut self.state,
+            &mut self.next,
+            &mut self.state_scale,
+        ] {
             *buffer = vec![0.0; state_len];
         }
         for buffer in [&mut self.start_sensitivity, &mut self.state_sensitivity, &mut self.next_sensitivity] {
@@ -238,7 +242,7 @@ impl SampledCycle {
         differentiate(u, &mut self.slope);
         self.basis.evaluate(&self.slope, &mut self.rate);
         self.take_load(contact);
-        contact.law.set_state(0.0, self.load[self.farthest_sample()], 0.0, &mut self.virgin);
+        contact.law.set_state(0.0, self.load[self.farthest_sample()], 0.0, &mut self.without_history);
     }
 
     /// The sample of the largest displacement: a turning point, where most of the memory is wiped out.
@@ -268,10 +272,10 @@ impl SampledCycle {
         }
     }
 
-    /// The state after loading the virgin contact to the largest displacement, and its derivative.
+    /// The state after loading a contact without history to the largest displacement, and its derivative.
     fn start_virgin(&mut self, contact: &PeriodicContact, angular_frequency: f64) {
         self.origin = self.farthest_sample();
-        self.state.copy_from_slice(&self.virgin);
+        self.state.copy_from_slice(&self.without_history);
         self.state_sensitivity.fill(0.0);
         self.force_scale = 0.0;
         self.step(contact, angular_frequency, self.origin, 0.0, None);
@@ -437,11 +441,11 @@ impl SampledCycle {
         }
         self.hold_conserved(width);
         let rank = solve_ranked(&mut self.system, &mut self.pivots, right, UNFADING, &mut self.solution);
-        // Memory that does not fade must be the virgin contact's, or the result would depend on the
+        // Memory that does not fade must be a contact without history's, or the result would depend on the
         // evaluations before.
         let unique = (0..n).all(|i| {
             self.pivots[..rank].contains(&i)
-                || (self.start[i] - self.virgin[i]).abs() <= 1e-12 * self.state_scale[i]
+                || (self.start[i] - self.without_history[i]).abs() <= 1e-12 * self.state_scale[i]
         });
         let steps = self.solution.chunks_exact(right).map(|row| row[0].abs());
         let state_change = steps.fold(0.0, f64::max);

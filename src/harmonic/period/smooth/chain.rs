@@ -42,7 +42,7 @@ pub(super) struct Chain {
     /// Largest force (N) met so far.
     pub force_scale: f64,
     scale: Vec<f64>,
-    virgin: Vec<f64>,
+    without_history: Vec<f64>,
     next: Vec<f64>,
     system: Vec<f64>,
     solution: Vec<f64>,
@@ -90,7 +90,7 @@ impl Chain {
         fill(&mut self.force, points + 1);
         fill(&mut self.force_row, columns);
         fill(&mut self.force_by_start, points * n);
-        for vector in [&mut self.scale, &mut self.virgin, &mut self.next] {
+        for vector in [&mut self.scale, &mut self.without_history, &mut self.next] {
             fill(vector, n);
         }
         fill(&mut self.system, n * (n + points + 1));
@@ -140,16 +140,23 @@ impl Chain {
         Err(HarmonicError::ContactNotPeriodic { cycles: MAX_CYCLES })
     }
 
-    /// The virgin contact loaded to the first point.
+    /// The unloaded contact loaded to the first point.
     fn start_virgin(&mut self, contact: &PeriodicContact, displacement: f64) {
-        contact.law.set_state(0.0, contact.normal_load, 0.0, &mut self.virgin);
+        contact.law.set_state(0.0, contact.normal_load, 0.0, &mut self.without_history);
         self.force_scale = 0.0;
         let mut inputs = Inputs { displacement, velocity: 0.0, normal_load: contact.normal_load };
-        let response =
-            spring_step(contact, &self.virgin, &mut inputs, 0.0, 0.0, STEP_TOLERANCE, &mut self.next);
+        let response = spring_step(
+            contact,
+            &self.without_history,
+            &mut inputs,
+            0.0,
+            0.0,
+            STEP_TOLERANCE,
+            &mut self.next,
+        );
         self.states[..self.n].copy_from_slice(&self.next);
         self.force_scale = response.force.abs();
-        contact.law.state_tangents(&self.virgin, inputs, &mut self.tangents);
+        contact.law.state_tangents(&self.without_history, inputs, &mut self.tangents);
         let homotopy_compliance = 1.0 / (1.0 + contact.compliance * response.tangents.displacement);
         let columns = self.points + self.n;
         for i in 0..self.n {

@@ -464,7 +464,7 @@ impl SmoothCycle {
         sums.by_source.iter_mut().for_each(Waves::clear);
     }
 
-    /// A contact at rest: the virgin contact loaded to the mean displacement. A change of the mean loads it
+    /// A contact at rest: a contact without history loaded to the mean displacement. A change of the mean loads it
     /// further, all else unloads it.
     fn rest(&mut self, contact: &PeriodicContact, angular_frequency: f64) {
         let mut state = vec![0.0; self.next.len()];
