@@ -7,8 +7,8 @@ CASES is a folder of case-N/ folders, each with model.toml and dataset.toml, and
 `cargo xtask hidden-effects` writes them to target/hidden-effects. The script stands alone: it makes its own
 environment under target/ with the packages of benches/identification-requirements.txt, runs
 `stickslip diagnose` (release build), and gives the other two the very split of the records that stickslip
-used: their settings are tried on a grid, fitted to the same records, chosen on the same selecting records
-by their error in free run, and scored once on the same untouched records.
+used: their settings are tried on a grid, fitted to the same records, chosen on the same validation records
+by their error in free run, and scored once on the same test records.
 
 What is compared is the error in free run on records that nothing was fitted to or chosen by, normalised by the
 force's standard deviation; and what the result says to an engineer.
@@ -164,7 +164,7 @@ def total(errors):
 
 
 def best(settings, fit, run, records, split):
-    """Fits each setting, chooses by the free run on the selecting records, scores the untouched."""
+    """Fits each setting, chooses by the free run on the validation records, scores the test records."""
     winner = None
     for setting in settings:
         try:
@@ -300,8 +300,8 @@ def page(rows, arguments):
     text = [
         "# Identification side by side",
         "",
-        "Error in free run on the untouched records over the force's standard deviation. The same split of the",
-        "records for all three; settings of PySINDy (24) and SysIdentPy (6) chosen on the selecting records.",
+        "Error in free run on the test records over the force's standard deviation. The same split of the",
+        "records for all three; settings of PySINDy (24) and SysIdentPy (6) chosen on the validation records.",
         "`python3 benches/identification.py CASES` writes this page; `cargo xtask hidden-effects --kind contact --generate` makes CASES.",
         "",
         f"{len(rows)} contact cases of `{arguments.cases.name}`; {platform.processor() or platform.machine()},",

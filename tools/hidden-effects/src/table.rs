@@ -110,8 +110,8 @@ fn is_clear(outcome: &Outcome) -> bool {
 /// The page; `command` is what made it.
 pub fn markdown(outcomes: &[Outcome], command: &str, machine: &str) -> String {
     let mut text = format!(
-        "# Hidden effects, found\n\nSimulated measurements with a hidden effect, made by a program that shares nothing \
-         with the models\n(tools/hidden-effects), and what `stickslip diagnose` says of them. Command:\n\n\
+        "# Hidden effects\n\nSimulated measurements with a hidden effect, made by a program that has no code in \
+         common with\nthe models (tools/hidden-effects), and the verdicts of `stickslip diagnose`. Command:\n\n\
          ```sh\n{command}\n```\n\n{} cases. Intervals are Wilson's, 95 %. A group of effects that holds the hidden one \
          counts half.\n{machine}\n",
         outcomes.len()
@@ -128,32 +128,32 @@ fn clear_cases(text: &mut String, outcomes: &[Outcome]) {
     let clear = Figures::of(outcomes, is_clear);
     let largest = |of| clear.untouched(of).last().map_or("–".to_owned(), |value| format!("{value:.3}"));
     let rows = [
-        ("single effects named right", told(clear.right(Class::Single)), "≥ 95 %"),
-        ("pairs named right", told(clear.right(Class::Pair)), "≥ 80 %"),
+        ("single effects named correctly", told(clear.right(Class::Single)), "≥ 95 %"),
+        ("pairs named correctly", told(clear.right(Class::Pair)), "≥ 80 %"),
         ("false alarms on null cases", told(clear.named_falsely(Class::Null)), "≤ 2 %"),
-        ("null cases called so", told(clear.right(Class::Null)), ""),
-        ("effects outside the catalogue called unexplained", told(clear.right(Class::Outside)), ""),
+        ("null cases with the verdict nothing-missing", told(clear.right(Class::Null)), ""),
+        ("effects outside the catalogue with the verdict unexplained", told(clear.right(Class::Outside)), ""),
         ("effects outside the catalogue named as found", told(clear.named_falsely(Class::Outside)), "≤ 5 %"),
         ("parameters inside their interval", told(clear.coverage()), ""),
-        ("untouched error ≤ 1.15 × the noise floor told", told(clear.untouched_near(FLOOR)), "all"),
-        ("largest untouched error over the noise floor told", largest(FLOOR), "≤ 1.15"),
-        ("untouched error ≤ 1.15 × the noise added", told(clear.untouched_near(ADDED)), ""),
-        ("largest untouched error over the noise added", largest(ADDED), ""),
+        ("test error ≤ 1.15 × the noise floor reported", told(clear.untouched_near(FLOOR)), "all"),
+        ("largest test error over the noise floor reported", largest(FLOOR), "≤ 1.15"),
+        ("test error ≤ 1.15 × the noise added", told(clear.untouched_near(ADDED)), ""),
+        ("largest test error over the noise added", largest(ADDED), ""),
     ];
     text.push_str("\n## Noise of at most 3 %, full strength\n\n| | measured | goal |\n|---|---|---|\n");
     for (what, measured, goal) in rows {
         let _ = writeln!(text, "| {what} | {measured} | {goal} |");
     }
     text.push_str(
-        "\nThe noise added is a share of a channel's root mean square, its mean included. The error and the noise floor\n\
-         that the diagnosis tells are over the channel's standard deviation, which is less where the force has a mean.\n",
+        "\nThe noise added is a fraction of a channel's root mean square, its mean included. The error and the noise floor\n\
+         that the diagnosis reports are over the channel's standard deviation, which is less where the force has a mean.\n",
     );
 }
 
 fn breakdown(text: &mut String, outcomes: &[Outcome]) {
     text.push_str(
-        "\n## By kind, noise and strength\n\nUntouched error over the noise that was added, and seconds, are medians.\n\n\
-         | | single | pairs | false alarms | outside: unexplained | outside: named | intervals hold | untouched/noise | s |\n\
+        "\n## By kind, noise and strength\n\nThe test error over the noise added, and the seconds, are medians.\n\n\
+         | | single | pairs | false alarms | outside: unexplained | outside: named | intervals correct | test error/noise | s |\n\
          |---|---|---|---|---|---|---|---|---|\n",
     );
     let mut groups: Vec<(String, Vec<&Outcome>)> = Vec::new();
@@ -188,8 +188,8 @@ fn breakdown(text: &mut String, outcomes: &[Outcome]) {
 
 fn confusion(text: &mut String, outcomes: &[Outcome]) {
     text.push_str(
-        "\n## Confusion\n\nWhat was hidden, and what was said, with how often. `a | b`: a group that cannot be told apart; in \
-         brackets:\na verdict that names nothing.\n",
+        "\n## Confusion\n\nThe hidden effect, and the verdicts with their number. `a | b`: a group that cannot be distinguished; \
+         in\nbrackets: a verdict without an effect.\n",
     );
     let mut kinds: Vec<&str> = outcomes.iter().map(|outcome| outcome.truth.kind.as_str()).collect();
     kinds.dedup();
@@ -199,7 +199,7 @@ fn confusion(text: &mut String, outcomes: &[Outcome]) {
             let row = rows.entry((outcome.truth.class(), outcome.truth.label())).or_default();
             *row.entry(outcome.diagnosis.label().replace('|', "\\|")).or_default() += 1;
         }
-        let _ = writeln!(text, "\n### {kind}\n\n| hidden | cases | said |\n|---|---:|---|");
+        let _ = writeln!(text, "\n### {kind}\n\n| hidden | cases | verdict |\n|---|---:|---|");
         for ((_, truth), said) in rows {
             let count: usize = said.values().sum();
             let mut said: Vec<(String, usize)> = said.into_iter().collect();
@@ -226,7 +226,7 @@ fn mistakes(text: &mut String, outcomes: &[Outcome]) {
     if wrong.is_empty() {
         return;
     }
-    text.push_str("\n## Not right\n\n| case | said |\n|---|---|\n");
+    text.push_str("\n## Errors\n\n| case | verdict |\n|---|---|\n");
     for outcome in wrong {
         let _ = writeln!(text, "| {} | {} |", outcome.name, outcome.diagnosis.label().replace('|', "\\|"));
     }

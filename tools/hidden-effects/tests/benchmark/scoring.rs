@@ -209,12 +209,12 @@ exit 10
     }
 
     #[test]
-    fn the_table_tells_shares_with_intervals_and_every_mistake() {
+    fn the_table_gives_fractions_with_intervals_and_every_error() {
         let folder = tempfile::tempdir().unwrap();
         program(folder.path());
         let page = table::markdown(&go(folder.path(), false).0, "command", "machine");
         for part in [
-            "| single effects named right | 33.3 % (1 of 3; 6.1 … 79.2 %) |",
+            "| single effects named correctly | 33.3 % (1 of 3; 6.1 … 79.2 %) |",
             "| false alarms on null cases | 100.0 % (1 of 1; 20.7 … 100.0 %) |",
             "| wear | 1 | backlash × 1 |",
             "| bad | (failed) |",
