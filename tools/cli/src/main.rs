@@ -19,9 +19,9 @@ use clap::{Args, Parser, Subcommand};
 
 /// Friction contacts: compare models with measurements, export them as FMUs.
 ///
-/// Exit codes: 0 done, 1 failed (a disk was full, a solver gave up), 2 bad input or an output that could never be
-/// written (nothing was written), 130 interrupted. What `simulate` came to is written even if it ends early (1) or
-/// is interrupted (130), once it made a step. `diagnose` ends with its verdict: 0 nothing missing, 10 effect found,
+/// Exit codes: 0 done, 1 failed (a full disk, a solver that failed), 2 bad input or an output that could never be
+/// written (nothing was written), 130 interrupted. The results of `simulate` are written even if it ends early (1) or
+/// is interrupted (130) after its first step. `diagnose` ends with its verdict: 0 nothing missing, 10 effect found,
 /// 11 not distinguishable, 12 unexplained, 13 insufficient data.
 #[derive(Parser)]
 #[command(name = "stickslip", version)]
@@ -33,7 +33,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Compare six models of a frictional support with its measured resonance frequencies and
-    /// export the best as an FMU (what a bare `stickslip` does)
+    /// export the best as an FMU (also `stickslip` without a command)
     Demo(commands::demo::Demo),
     /// Compare a model with a dataset, refit it, and compare again
     Compare(commands::compare::Compare),
@@ -41,7 +41,7 @@ enum Command {
     Diagnose(commands::diagnose::Diagnose),
     /// Add an effect to a model, refit it, and show the error before and after
     Add(commands::add::Add),
-    /// Print the catalogue of effects, or what it says of one
+    /// Print the catalogue of effects, or the entry of one effect
     Effects(commands::effects::Effects),
     /// Follow the periodic response of a model to a harmonic force over frequency
     Frf(commands::frf::Frf),
@@ -55,7 +55,7 @@ enum Command {
     ServeFmu(commands::serve::Serve),
 }
 
-/// Where results go besides the terminal.
+/// Files for the results.
 #[derive(Args, Clone, Default)]
 struct ResultFiles {
     /// Write the results as JSON
@@ -66,7 +66,7 @@ struct ResultFiles {
     report: Option<PathBuf>,
 }
 
-/// Why the program ends without success; the message is ready to be shown.
+/// Why the program ends without success; the message is complete.
 #[derive(Debug)]
 struct Failure {
     code: u8,

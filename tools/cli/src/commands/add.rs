@@ -27,7 +27,7 @@ Exit codes: 0 done; 1 failed; 2 bad input (nothing is written); 130 interrupted 
 pub struct Add {
     /// The model file, or an FMU that carries one
     model: PathBuf,
-    /// The effect (see `stickslip effects`), and where it sits: a mass, a position x=0.55, a channel
+    /// The effect (see `stickslip effects`), with its place if it has one: a mass, a position x=0.55, a channel
     #[arg(value_name = "EFFECT[@PLACE]")]
     effect: String,
     /// The dataset that the new model is fitted to: `dataset.toml` or the folder that holds it
@@ -97,7 +97,7 @@ fn check_kind(effect: &Effect, model: &Model) -> Result<(), Failure> {
     Err(Failure::input(format!("`{}` is no effect of a model of kind \"{kind}\"", effect.id)))
 }
 
-/// Where the effect is to sit, as the effect needs it.
+/// The place of the effect, as the effect needs it.
 fn location(
     effect: &Effect,
     place: Option<&str>,

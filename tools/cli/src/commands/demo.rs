@@ -40,7 +40,7 @@ const FILES: [(&str, &str); 8] = [
 /// Arguments of `stickslip demo`.
 #[derive(clap::Args)]
 pub struct Demo {
-    /// Folder for the example's files, the report, the best model and its FMU; made if it is not there
+    /// Folder for the example's files, the report, the best model and its FMU; created if missing
     #[arg(long, value_name = "DIR", default_value = DEFAULT_FOLDER)]
     out: PathBuf,
 }

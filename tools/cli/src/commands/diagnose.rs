@@ -39,7 +39,7 @@ pub struct Diagnose {
     /// Add at most N effects
     #[arg(long, value_name = "N", default_value_t = DiagnoseOptions::default().max_effects)]
     max_effects: usize,
-    /// Write the model with what was found, refitted
+    /// Write the model with the effects found, refitted
     #[arg(short, long, value_name = "NEW.toml")]
     out: Option<PathBuf>,
     #[command(flatten)]

@@ -15,7 +15,7 @@ pub struct Effects {
 }
 
 impl Effects {
-    /// Prints the catalogue, or what it says of one effect.
+    /// Prints the catalogue, or the entry of one effect.
     pub fn run(self) -> Result<(), Failure> {
         say(&match self.id {
             None => catalogue_table(80, colored()),

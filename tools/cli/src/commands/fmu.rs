@@ -8,7 +8,7 @@ use crate::output::Outputs;
 /// Arguments of `stickslip fmu`.
 #[derive(clap::Args)]
 pub struct Fmu {
-    /// Folder to write to; made if it is not there
+    /// Folder to write to; created if missing
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
     /// Standard models (JenkinsContact, ValanisContact, ModalBeam, ModalBeamTwoContacts, FrictionalBeam) and systems of

@@ -116,8 +116,8 @@ fn list(written: &[PathBuf]) -> Result<(), Failure> {
     written.iter().try_for_each(|path| say(&format!("wrote {}\n", path.display())))
 }
 
-/// Refits `model` as the stage `name`, and tells when that did not go to its end. `None` when it was
-/// interrupted before it had anything better than the model.
+/// Refits `model` as the stage `name`, and warns when the fit did not converge. `None` when it was
+/// interrupted before it had improved the model.
 fn refitted(name: &str, model: &Model, dataset: &Dataset) -> Result<Option<Refit>, Failure> {
     let done = match watched(name, |watch| refit(name, model, dataset, watch)) {
         Err(RefitError::Fit(FitError::Interrupted)) => None,
@@ -144,7 +144,7 @@ fn refitted(name: &str, model: &Model, dataset: &Dataset) -> Result<Option<Refit
     Ok(done)
 }
 
-/// Tells which columns of the dataset a comparison with `model` leaves aside, each once.
+/// Names the columns of the dataset that a comparison with `model` does not use, each once.
 fn tell_unused(model: &Model, dataset: &Dataset) {
     let mut records_of: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for record in &dataset.records {

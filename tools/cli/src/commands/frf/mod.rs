@@ -40,10 +40,10 @@ pub struct Frf {
     /// Last frequency (in --unit)
     #[arg(long, value_name = "FREQUENCY", allow_negative_numbers = true)]
     to: f64,
-    /// Unit of --from, --to and of what is shown; JSON has both
+    /// Unit of --from, --to and of the output; JSON has both units
     #[arg(long, value_enum, default_value_t = Unit::Hertz)]
     unit: Unit,
-    /// Amplitude of the harmonic force (N), 1 N if nothing else is said
+    /// Amplitude of the harmonic force (N); 1 N unless given
     #[arg(long, value_name = "N", conflicts_with_all = ["hold", "levels"], allow_negative_numbers = true)]
     force: Option<f64>,
     /// Several amplitudes, a curve for each: of the force (N), or of what --hold names (SI)
@@ -53,7 +53,7 @@ pub struct Frf {
     /// acceleration (m/s²) of a mass or of a sensor, as acceleration:x=0.55=70 or displacement:m1=1e-3
     #[arg(long, value_name = "QUANTITY:NODE[=AMPLITUDE]")]
     hold: Option<String>,
-    /// Mass that the force acts on; the model's excitation if not given (oscillators only)
+    /// Mass that the force acts on (oscillators only); the model's excitation unless given
     #[arg(long, value_name = "MASS")]
     excite: Option<String>,
     /// Harmonics of the response; with --tolerance the number to start with
@@ -61,11 +61,11 @@ pub struct Frf {
     harmonics: usize,
     /// Add harmonics until the estimated truncation error of the displacements is below this fraction of the
     /// amplitude, up to 101 harmonics or --harmonics if that is more. Without it the number of harmonics
-    /// stays what it is, and points above 0.01 count as unresolved
+    /// is fixed, and points with an estimate above 0.01 count as unresolved
     #[arg(long, value_name = "FRACTION", allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Do not compute stability. Without contacts and on sliders without play the response is always stable and no
-    /// check is needed; otherwise stability is computed up to 60 degrees of freedom, and left out where a point would
+    /// check is needed; otherwise stability is computed up to 60 degrees of freedom, except where a point would
     /// take longer than half a second
     #[arg(long)]
     no_stability: bool,

@@ -76,7 +76,7 @@ impl Request {
         Ok(Self { unit, range, hold, levels, nodes: nodes.to_vec(), settings })
     }
 
-    /// The settings for a point by itself, whose stability nobody asks for.
+    /// The settings for a single point, without stability.
     pub fn alone(&self) -> CurveSettings {
         CurveSettings { stability: false, ..self.settings }
     }

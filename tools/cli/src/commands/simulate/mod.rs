@@ -23,14 +23,14 @@ use assemble::{Assembly, assemble};
 pub struct Simulate {
     /// The system: an SSP 1.0 package (.ssp) or description (.ssd), or a single FMU
     system: PathBuf,
-    /// Stop (s); the system's own where it proposes one
+    /// Stop time (s); unless given, the one that the system or its FMUs propose
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     stop: Option<f64>,
-    /// Start (s)
+    /// Start time (s)
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     start: Option<f64>,
-    /// Communication step (s), under `adaptive` the first one; the least that the FMUs propose, or a thousandth of the
-    /// span
+    /// Communication step (s), under `adaptive` the first one; unless given, the shortest that an FMU proposes, or a
+    /// thousandth of the simulated time
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     step: Option<f64>,
     /// How the FMUs exchange their values
@@ -39,21 +39,21 @@ pub struct Simulate {
     /// Order to which inputs are extrapolated over a step under `jacobi` and `gauss-seidel`: 0 (held), 1 or 2
     #[arg(long, value_name = "ORDER", default_value_t = 1, value_parser = clap::value_parser!(u32).range(0..=2))]
     extrapolation: u32,
-    /// How the repetition of a step is driven under `strong` and `adaptive`
+    /// Method by which a step is iterated under `strong` and `adaptive`
     #[arg(long, value_enum, default_value_t)]
     iteration: Iteration,
-    /// Of the coupling: relative error of a step under `adaptive` (1e-4 unless given), end of the repetition under
-    /// `strong` (1e-8 unless given)
+    /// Tolerance of the coupling: relative error of a step under `adaptive` (1e-4 unless given), end of the iteration
+    /// under `strong` (1e-8 unless given)
     #[arg(long, value_name = "RELATIVE", allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Relative tolerance inside the FMUs; their own unless given
+    /// Relative tolerance inside the FMUs; the FMUs' own unless given
     #[arg(long, value_name = "RELATIVE", allow_negative_numbers = true)]
     fmu_tolerance: Option<f64>,
     /// Sets a parameter, or the start value of an input: `contact.normal_load=120`; can be given several times
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
     /// Inputs over time: a CSV file with the column `time [s]` and columns named as inputs of the system, or as
-    /// `component.variable [unit]`; straight lines between its rows
+    /// `component.variable [unit]`; linear between its rows
     #[arg(long, value_name = "FILE.csv")]
     input: Option<PathBuf>,
     /// Records `component.variable` besides the outputs; can be given several times
@@ -62,10 +62,10 @@ pub struct Simulate {
     /// Records every COUNT-th communication point
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     every: u64,
-    /// Runs each FMU in a process of its own, so that a crash of one ends the simulation in order
+    /// Runs each FMU in its own process, so that the results so far are written after a crash
     #[arg(long)]
     isolate: bool,
-    /// Where the time histories go: .csv, .json or .parquet
+    /// File for the time histories: .csv, .json or .parquet
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Write the results as a self-contained HTML page
@@ -76,18 +76,18 @@ pub struct Simulate {
 /// How FMUs exchange their values.
 #[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
 enum Choice {
-    /// All step at once with extrapolated inputs
+    /// All FMUs step at once, with extrapolated inputs
     Jacobi,
-    /// One after the other, with the new values of those before
+    /// One FMU after the other, each with the new values of those before
     GaussSeidel,
     /// Each step is repeated until the values agree
     #[default]
     Strong,
-    /// The same with steps as long as error and energy residual allow
+    /// The same; the step size follows the error and the energy residual
     Adaptive,
 }
 
-/// How a repetition is driven.
+/// How a step is iterated.
 #[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
 enum Iteration {
     /// Anderson's acceleration
@@ -179,7 +179,7 @@ impl Simulate {
         Ok(settings)
     }
 
-    /// Refuses steps that nobody could wait for, and tells of results that hardly fit anywhere.
+    /// Refuses runs of too many steps, and warns of very large results.
     fn tell_size(&self, master: &Master, settings: &Settings) -> Result<(), Failure> {
         let Settings { start, stop, step, adaptive, .. } = settings;
         let steps = ((stop - start) / step).ceil();
