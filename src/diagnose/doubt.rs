@@ -91,7 +91,7 @@ mod tests {
 
     /// What is told is the scatter of predictions by fits to noise that is drawn anew.
     #[test]
-    fn the_doubt_of_predictions_is_their_scatter() {
+    fn the_standard_error_of_predictions_is_their_scatter() {
         let text = format!(
             "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
              tangential_stiffness = {STIFFNESS}\nfriction_coefficient = 0.5\nnormal_load = {}\n",

@@ -355,7 +355,7 @@ mod tests {
 
     /// The doubt of a deviation is its spread from record to record, white noise or not.
     #[test]
-    fn the_doubt_of_a_deviation_is_its_spread() {
+    fn the_standard_error_of_a_deviation_is_its_scatter() {
         for memory in [0.0_f64, 0.8, 0.95] {
             let seen: Vec<Seen> = (0..200)
                 .map(|seed| {

@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn beside_a_tone_the_noise_is_left() {
+    fn beside_a_tone_the_noise_remains() {
         for (cycles, seed) in [(2.7, 1), (11.3, 2), (44.0, 3)] {
             let mut values = noise(800, 0.0, seed);
             for (index, value) in values.iter_mut().enumerate() {

@@ -57,7 +57,7 @@ fn published_support_stiffness_gives_the_measured_frequencies_of_table_2() {
 }
 
 #[test]
-fn table_1_tells_the_assumed_masses_apart() {
+fn table_1_distinguishes_the_assumed_masses() {
     // Three accelerometers of 5 g meet the first frequency but leave the second 1.1 % low; even without
     // any mass a beam of 197.1 GPa reaches no more than 163.9 Hz.
     let usual = frequencies(&frictional_support(197.4), 3);

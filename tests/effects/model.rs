@@ -108,7 +108,7 @@ fn parameters_are_counted_in_the_files_order() {
 }
 
 #[test]
-fn what_is_wrong_is_told_at_its_place() {
+fn what_is_wrong_is_reported_at_its_place() {
     let unknown = "id = \"backlahs\"\nhalf_gap = 1e-5";
     check_refused(CONTACT, unknown, "\"backlahs\"", &["unknown effect", "did you mean `backlash`"]);
     check_refused(CONTACT, "half_gap = 1e-5", "[[effect]]", &["`id` is missing"]);

@@ -187,7 +187,7 @@ fn held_parameters_stay() {
 }
 
 #[test]
-fn progress_is_told_and_interrupt_heeded() {
+fn progress_is_reported_and_interrupt_obeyed() {
     let told = AtomicUsize::new(0);
     let progress = |_: &stickslip::fit::Progress| {
         told.fetch_add(1, Ordering::Relaxed);

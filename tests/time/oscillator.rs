@@ -93,7 +93,7 @@ fn coulomb_friction_gives_the_amplitude_of_den_hartog() {
 
 /// A stuck oscillator whose force exceeds the limit by a part in 10⁹: both events lie within one step.
 #[test]
-fn slip_of_a_moment_between_two_steps_is_not_missed() {
+fn a_short_slip_between_two_steps_is_found() {
     let (stiffness, damping, omega) = (1.7, 0.2, 0.6);
     let dynamic = 2.7 - omega * omega;
     let size = 1.0 / f64::hypot(dynamic, damping * omega);
@@ -109,7 +109,7 @@ fn slip_of_a_moment_between_two_steps_is_not_missed() {
 }
 
 #[test]
-fn an_end_without_end_is_an_error_and_changes_nothing() {
+fn an_infinite_end_is_an_error_and_changes_nothing() {
     let law = Jenkins::new(1.0, 0.1).unwrap();
     let mut flow = OscillatorFlow::new(&single(1.0, 0.1, 1.0, 1), &[attached(&law)]).unwrap();
     flow.set_step_limit(5);

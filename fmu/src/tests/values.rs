@@ -189,7 +189,7 @@ fn impossible_steps_are_refused_and_change_nothing() {
 }
 
 #[test]
-fn the_status_functions_tell_what_there_is() {
+fn the_status_functions_report_the_last_step() {
     let importer = Importer::new(JENKINS);
     let running = importer.running();
     running.do_step(0.0, 0.5);

@@ -55,7 +55,7 @@ pub struct StepGain {
     /// F of the fall of the squares; `None` where no degree of freedom is left.
     pub ratio: Option<f64>,
     /// Probability of an F at least as large by chance, for one or two parameters more.
-    pub chance: Option<f64>,
+    pub p_value: Option<f64>,
     /// Change of AICc: negative speaks for the step. `None` where the values are too few for it.
     pub criterion: Option<f64>,
     /// The same in words.
@@ -87,7 +87,7 @@ impl Comparison {
                     stages: [before.0, after.0],
                     parameters,
                     ratio: nested.ratio(),
-                    chance: nested.chance(),
+                    p_value: nested.p_value(),
                     criterion: nested.criterion(),
                     words: nested.words(),
                 }

@@ -29,7 +29,7 @@ impl Nested {
 
     /// Probability of an F at least as large by chance, for white noise and a step not selected among many; for
     /// one or two parameters more.
-    pub fn chance(&self) -> Option<f64> {
+    pub fn p_value(&self) -> Option<f64> {
         let (ratio, freedom) = (self.ratio()?, self.freedom());
         match self.parameters[1] - self.parameters[0] {
             1 => Some(outside(ratio.sqrt(), freedom)),
@@ -40,13 +40,13 @@ impl Nested {
 
     /// F and AICc in words.
     pub fn words(&self) -> String {
-        let mut text = match (self.ratio(), self.chance()) {
-            (Some(ratio), Some(chance)) => format!(
+        let mut text = match (self.ratio(), self.p_value()) {
+            (Some(ratio), Some(p_value)) => format!(
                 "F = {ratio:.1} with {} and {} degrees of freedom: the probability that chance explains the gain is {}, \
                  and higher for the best of several candidates",
                 self.parameters[1] - self.parameters[0],
                 self.freedom(),
-                if chance < 0.01 { "less than 1 %".to_owned() } else { format!("{:.0} %", 100.0 * chance) }
+                if p_value < 0.01 { "less than 1 %".to_owned() } else { format!("{:.0} %", 100.0 * p_value) }
             ),
             _ => "Too few values for an F-test".to_owned(),
         };
@@ -89,19 +89,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn chance_is_that_of_the_tables_of_f() {
+    fn p_values_are_those_of_the_tables_of_f() {
         // F(1, 5) at 5 % is 6.608, F(2, 4) at 5 % is 6.944.
         let one = Nested { values: 8, parameters: [2, 3], squares: [1.0 + 6.608 / 5.0, 1.0] };
-        assert!((one.chance().unwrap() - 0.05).abs() < 1e-4, "{:?}", one.chance());
+        assert!((one.p_value().unwrap() - 0.05).abs() < 1e-4, "{:?}", one.p_value());
         let two = Nested { values: 8, parameters: [2, 4], squares: [1.0 + 2.0 * 6.944 / 4.0, 1.0] };
-        assert!((two.chance().unwrap() - 0.05).abs() < 1e-4, "{:?}", two.chance());
+        assert!((two.p_value().unwrap() - 0.05).abs() < 1e-4, "{:?}", two.p_value());
     }
 
     #[test]
     fn a_parameter_that_lowers_nothing_worsens_the_criterion_and_has_no_evidence() {
         let idle = Nested { values: 8, parameters: [2, 3], squares: [1.0, 1.0] };
         assert_eq!(idle.ratio(), Some(0.0));
-        assert!(idle.chance().unwrap() > 0.99 && idle.criterion().unwrap() > 0.0);
+        assert!(idle.p_value().unwrap() > 0.99 && idle.criterion().unwrap() > 0.0);
         let full = Nested { values: 4, parameters: [2, 3], squares: [1.0, 0.5] };
         assert_eq!(full.criterion(), None);
     }

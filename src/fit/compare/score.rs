@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_is_that_share_of_the_standard_deviation() {
+    fn an_error_is_a_fraction_of_the_standard_deviation() {
         let scored = channel(&force(&[1.0, -1.0, 1.0, -1.0]), vec![1.5, -0.5, 0.5, -1.5]).unwrap();
         assert_eq!((scored.rms, scored.error), (0.5, 0.5));
     }

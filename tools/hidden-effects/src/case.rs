@@ -427,7 +427,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_sealed_cases_are_enough_and_none_is_there_twice() {
+    fn the_sealed_cases_are_enough_and_none_is_repeated() {
         let cases = sealed();
         let names: BTreeSet<String> = cases.iter().map(Case::name).collect();
         assert_eq!(names.len(), cases.len());

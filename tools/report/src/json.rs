@@ -65,7 +65,7 @@ fn noise(comparison: &Comparison, noise: &Noise) -> Value {
 fn step(comparison: &Comparison, step: &StepGain) -> Value {
     let [from, to] = step.stages.map(|index| &comparison.stages[index].name);
     json!({
-        "from": from, "to": to, "parameters": step.parameters, "f": step.ratio, "chance": step.chance,
+        "from": from, "to": to, "parameters": step.parameters, "f": step.ratio, "chance": step.p_value,
         "aicc": step.criterion,
     })
 }

@@ -117,7 +117,7 @@ fn a_refitted_model_without_anything_free_is_refused_and_a_comparison_is_not() {
 }
 
 #[test]
-fn columns_that_are_left_aside_are_named() {
+fn columns_that_are_not_used_are_named() {
     let folder = example();
     let table = measured_loop().replace('\n', ",100\n").replacen(",100", ",excitation [N]", 1);
     fs::write(folder.path().join("data/loop.csv"), table).unwrap();
@@ -142,7 +142,7 @@ fn a_channel_that_never_changes_is_bad_input() {
 }
 
 #[test]
-fn what_could_never_be_done_is_bad_input_and_told_before_the_work() {
+fn what_could_never_be_done_is_bad_input_and_reported_before_the_work() {
     let folder = example();
     let path = folder.path();
     let with = format!("{CONTACT}\n[[effect]]\nid = \"backlash\"\nhalf_gap = 1e-6\n");
@@ -202,7 +202,7 @@ fn no_result_replaces_what_it_was_made_from() {
 
 #[cfg(unix)]
 #[test]
-fn pipes_and_links_to_an_input_are_left_alone() {
+fn pipes_and_links_to_an_input_are_not_replaced() {
     use std::os::unix::fs::{FileTypeExt as _, symlink};
     let folder = example();
     let made = Command::new("mkfifo").arg(folder.path().join("pipe")).status();

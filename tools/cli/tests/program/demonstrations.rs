@@ -29,7 +29,7 @@ fn the_demonstration_lets_the_error_fall_and_exports_the_best_model() {
         "{}",
         json["stages"][1]["error"]
     );
-    // F of nested fits to eight values, from the errors alone; slip is beyond doubt, what follows is not.
+    // F of nested fits to eight values, from the errors alone; slip is significant, what follows is not.
     let steps = json["steps"].as_array().unwrap();
     assert_eq!(steps.len(), 3);
     for (step, [before, after, free]) in steps.iter().zip([[1, 3, 2], [3, 4, 3], [4, 5, 4]]) {
@@ -52,7 +52,7 @@ fn the_demonstration_lets_the_error_fall_and_exports_the_best_model() {
 }
 
 #[test]
-fn the_demonstration_leaves_a_changed_file_alone() {
+fn the_demonstration_does_not_replace_a_changed_file() {
     let folder = tempfile::tempdir().unwrap();
     let example = folder.path().join("stickslip-demo/frictional-support");
     fs::create_dir_all(&example).unwrap();

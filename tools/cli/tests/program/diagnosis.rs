@@ -118,7 +118,7 @@ fn wrong_input_is_named_and_nothing_is_written() {
 }
 
 #[test]
-fn the_catalogue_tells_every_effect() {
+fn the_catalogue_prints_every_effect() {
     let folder = tempfile::tempdir().unwrap();
     let list = String::from_utf8(stickslip(folder.path(), &["effects"]).stdout).unwrap();
     for effect in stickslip::effects::CATALOGUE {

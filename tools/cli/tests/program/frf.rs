@@ -125,7 +125,7 @@ fn a_held_response_is_held_and_its_force_found() {
 
 /// Sticking and slipping take energy out: where nothing hardens or softens enough to fold, every response is stable.
 #[test]
-fn the_stability_of_a_beam_is_told() {
+fn the_stability_of_a_beam_is_reported() {
     let folder = example();
     let arguments =
         ["frf", "beam.toml", "--from", "53.5", "--to", "54.5", "--force", "1", "--harmonics", "3"];
@@ -170,7 +170,7 @@ fn at_a_phase_resonance_the_force_alone_gives_the_held_response_a_quarter_period
 }
 
 #[test]
-fn without_a_tolerance_errors_above_one_per_cent_are_told() {
+fn without_a_tolerance_errors_above_one_per_cent_are_reported() {
     let (_folder, output, json) = response(&["--force", "0.1", "--harmonics", "1"]);
     let points = json["points"].as_array().unwrap();
     let unresolved = points.iter().filter(|point| point["resolved"] == false).count();
@@ -297,7 +297,7 @@ fn linear_systems_are_stable_at_any_frequency() {
 
 /// A hardening spring at a very low frequency: not hung, not guessed.
 #[test]
-fn where_telling_would_take_too_long_that_is_said() {
+fn stability_that_would_take_too_long_is_reported_as_undetermined() {
     let duffing = "schema = \"stickslip.model/1\"\nkind = \"oscillator\"\n\
         mass = [{ name = \"m\", mass = 1.0 }]\n\
         spring = [{ between = [\"ground\", \"m\"], stiffness = 1.0, damping = 0.1 }]\n\
@@ -335,7 +335,7 @@ fn drag_is_not_the_contact() {
 }
 
 #[test]
-fn effects_without_a_steady_state_are_refused_and_those_of_sensors_told() {
+fn effects_without_a_steady_state_are_refused_and_those_of_sensors_reported() {
     let wear = format!("{MODEL}\n[[effect]]\nid = \"wear\"\nrate = 0.1\n");
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("wear.toml"), wear).unwrap();

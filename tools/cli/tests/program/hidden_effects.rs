@@ -102,7 +102,7 @@ fn is_named(effect: &str, found: &Value) -> bool {
 }
 
 #[test]
-fn every_effect_a_contact_can_show_is_found_and_what_was_seen_of_it_is_said() {
+fn every_effect_of_a_contact_is_found_and_its_evidence_is_reported() {
     let wrong: Vec<String> = Kind::Contact
         .effects()
         .iter()
@@ -129,7 +129,7 @@ fn a_resonator_is_found_though_its_frequency_is_unknown() {
 }
 
 #[test]
-fn what_is_told_of_an_effect_is_told_of_the_model_with_all_that_was_found() {
+fn the_parameters_reported_are_those_of_the_model_with_all_effects_found() {
     let folder = hidden(&["backlash", "stiffening"], 0.03);
     let diagnosis = diagnose(folder.path());
     assert_eq!(diagnosis["verdict"], "effect-found", "{diagnosis:#}");

@@ -75,7 +75,7 @@ fn a_finer_explicit_coupling_approaches_the_strong_one_and_so_does_its_energy() 
 }
 
 #[test]
-fn adapted_steps_are_few_from_rest_on_and_what_limits_them_is_told() {
+fn adapted_steps_are_few_from_rest_on_and_what_limits_them_is_reported() {
     let folder = systems();
     let run = |tolerance: &str| {
         let arguments = ["simulate", "BeamWithJenkins.ssp", "--stop", "0.02", "--algorithm", "adaptive"];
@@ -236,7 +236,7 @@ fn column_of(json: &Value) -> f64 {
 }
 
 #[test]
-fn bad_input_is_told_with_names_and_nothing_is_written() {
+fn bad_input_is_reported_with_names_and_nothing_is_written() {
     let folder = systems();
     let path = folder.path();
     fs::write(path.join("broken.ssd"), "<a>").unwrap();
@@ -312,7 +312,7 @@ fn a_run_that_fails_in_its_first_step_writes_nothing() {
 }
 
 #[test]
-fn discarded_steps_are_repeated_shorter_or_told() {
+fn discarded_steps_are_repeated_shorter_or_reported() {
     let (folder, _file) = unruly::file();
     let arguments =
         ["simulate", "Unruly.fmu", "--stop", "1", "--step", "0.1", "--set", "behaviour=4", "--out", "r.csv"];

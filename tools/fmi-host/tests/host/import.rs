@@ -172,7 +172,7 @@ fn a_library_that_is_cut_off_is_refused_before_the_system_maps_it() {
 }
 
 #[test]
-fn a_library_for_another_computer_or_none_is_told_as_such() {
+fn a_library_for_another_computer_or_none_is_reported_as_such() {
     let with = |at: usize, byte: u8| {
         let mut library = unruly::library();
         library[at] = byte;
@@ -225,7 +225,7 @@ fn variables_come_with_types_units_and_dependencies() {
 }
 
 #[test]
-fn discarded_steps_tell_how_far_they_came_and_shorter_ones_succeed() {
+fn discarded_steps_report_how_far_they_came_and_shorter_ones_succeed() {
     let (_folder, file) = unruly::file();
     let fmu = Fmu::open(&file).unwrap();
     let mut slave = unruly::running(&fmu, unruly::DISCARD);

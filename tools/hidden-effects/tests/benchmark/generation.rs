@@ -77,7 +77,7 @@ fn moving_records_are_sampled_evenly_and_begin_at_rest_where_they_say_so() {
 }
 
 #[test]
-fn where_no_motion_repeats_the_noise_is_told_that_standstill_shows() {
+fn where_no_motion_repeats_the_noise_of_standstill_is_stated() {
     let drawn = named("contact-backlash-full-1%-white-1-moving").draw().unwrap();
     for record in drawn.measure() {
         assert_eq!(record.told.len(), usize::from(record.regime.word() == "from-rest"));
@@ -155,7 +155,7 @@ fn records_from_rest_begin_at_rest_and_noise_has_its_size() {
 }
 
 #[test]
-fn the_truth_tells_names_and_parameters() {
+fn the_truth_holds_names_and_parameters() {
     let truth = files::truth(&few()[2]).unwrap();
     assert_eq!(truth["effect"], "backlash");
     assert!(truth.get("moving").is_none());

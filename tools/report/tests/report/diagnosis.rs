@@ -53,7 +53,7 @@ fn json_has_the_keys_of_the_schema_with_their_types() {
 }
 
 #[test]
-fn names_are_withheld_unless_something_is_beyond_doubt() {
+fn names_are_withheld_unless_an_effect_is_significant() {
     for diagnosis in all() {
         // Even if something put names there.
         let named = Diagnosis { effects: vec!["wear"], ..diagnosis };
@@ -123,7 +123,7 @@ fn pages_are_whole_fetch_nothing_and_stay_small() {
 }
 
 #[test]
-fn what_is_left_is_shown_where_nothing_explains_it() {
+fn the_residual_is_shown_where_no_effect_explains_it() {
     let shown = |diagnosis: &Diagnosis| {
         diagnosis_html(diagnosis, &run(), &settings()).contains("data-view=\"latent:displacement\"")
     };

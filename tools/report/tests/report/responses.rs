@@ -149,7 +149,7 @@ fn an_unknown_error_is_neither_nothing_nor_resolved() {
 }
 
 #[test]
-fn errors_above_one_per_cent_are_told_and_their_peaks_marked() {
+fn errors_above_one_per_cent_are_reported_and_their_peaks_marked() {
     let mut example = changed(|point| {
         point.error_estimate = if point.angular_frequency < 1.1 { 1.8 } else { 1e-3 };
         point.resolved = point.error_estimate <= stickslip::harmonic::UNRESOLVED;
@@ -212,7 +212,7 @@ fn an_undamped_structure_may_have_no_end() {
 }
 
 #[test]
-fn why_stability_cannot_be_told_is_said() {
+fn why_stability_cannot_be_determined_is_reported() {
     let why = Some(Undecided::TooLong);
     let example = changed(|point| (point.stable, point.undecided) = (None, why));
     let table = responses_table(&example, 1000, false);
