@@ -1,4 +1,4 @@
-//! TOML files with positions: tables whose keys are checked, and errors that know their bytes.
+//! TOML files with positions: tables whose keys are checked, and errors with byte ranges.
 //!
 //! The model file and the dataset file are both read through [`Table`]. Every error carries the byte
 //! range it is about, so that whoever holds the file's name can point at the line.

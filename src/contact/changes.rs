@@ -1,4 +1,4 @@
-//! What effects change of a joint: the law in it, what stands beside the law and in series, and the load on it.
+//! The changes of a joint by effects: of its law, of the elements beside the law and in series, and of its load.
 
 /// Changes of the contact's law. Zero, or `None`, changes nothing.
 ///

@@ -1,4 +1,4 @@
-//! What is refused when a law is made from parameters.
+//! Errors of a law's parameters.
 
 use std::fmt;
 use std::ops::Bound;

@@ -1,4 +1,4 @@
-//! How a hysteretic force nears its limit: `dx/dw = 1 − a xⁿ`, x over the limit, integrated to rounding.
+//! The approach of a hysteretic force to its limit: `dx/dw = 1 − a xⁿ`, x over the limit, integrated to rounding.
 
 /// Both integrals of the curve of the power `n ≥ 1` and the factor a: 1 towards the limit, `−1 ≤ a ≤ 0` away from it.
 #[derive(Debug, Clone, Copy, PartialEq)]

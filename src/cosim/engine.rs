@@ -1,4 +1,4 @@
-//! A system made ready to step: slaves in the order of their levels, connections as indices.
+//! A system prepared for stepping: slaves in the order of their levels, connections as indices.
 
 use super::energy::{Energy, Place};
 use super::level::{Level, StepFrame, Trouble};

@@ -1,4 +1,4 @@
-//! Gauss–Seidel: one slave after the other, each from the newest values there are.
+//! Gauss–Seidel: one slave after the other, each with the newest values.
 
 use super::schedule::{Connected, Schedule};
 use super::system::{System, SystemError};

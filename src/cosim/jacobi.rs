@@ -3,9 +3,9 @@
 //! With held inputs a force arrives on average half a step late, which acts as a negative damping `c ≈ −k H/2` of the
 //! stiffness k that it belongs to, and another half where the displacement that makes the force is late too.
 //!
-//! Extrapolation by past values trebles whatever changes its sign from step to step. Both ways around an algebraic loop
-//! that makes nine of its gain: beyond 1/9 the values ring, where with output derivatives they bear 1/4, under
-//! Gauss–Seidel 1/3, and under strong coupling any gain.
+//! Extrapolation by past values triples a component that changes its sign from step to step. In both directions of a
+//! loop the gain is thus multiplied by nine: values oscillate for gains above 1/9. With output derivatives the limit is
+//! 1/4, under Gauss–Seidel 1/3, and strong coupling has no limit.
 
 use super::schedule::{Block, Connected, Schedule};
 use super::system::System;

@@ -1,13 +1,13 @@
 //! Master algorithms for co-simulation, over anything that is a [`Slave`]: no input or output, no FMI.
 //!
 //! A [`System`] is slaves with connections. A [`Master`] runs it under [`Settings`] and calls back at each
-//! communication point; what it comes to is a [`Report`], with the energy residual of each power connection and with
-//! plain notes on what slaves cannot do.
+//! communication point; the result is a [`Report`], with the energy residual of each power connection and with
+//! notes on what slaves cannot do.
 //!
 //! # Inputs over a step
 //! Plain [`Algorithm::Jacobi`] and [`Algorithm::GaussSeidel`] set an input and let the slave hold it. All
 //! else lets inputs run linearly over the step: for slaves that interpolate by their values at the beginning and
-//! derivatives, for others as [`InputRule`] tells.
+//! derivatives, for others by their [`InputRule`].
 //!
 //! # Determinism
 //! The same system gives the same numbers bit by bit, stepped one by one or at the same time.

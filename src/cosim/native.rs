@@ -1,4 +1,4 @@
-//! The library's own models as slaves, without an FMU between.
+//! The library's own models as slaves, without an FMU.
 
 use super::slave::{Abilities, Causality, Kind, Setup, Severity, Slave, SlaveError, Stepped, Variable};
 use crate::fmi::{self, DERIVATIVE_ORDER, Instance, Snapshot, VariableType};

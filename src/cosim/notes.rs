@@ -1,4 +1,4 @@
-//! What slaves cannot do, in plain words, with what it costs.
+//! Notes on what slaves cannot do, and how this changes the accuracy.
 
 use super::schedule::Schedule;
 use super::settings::{Algorithm, Settings};

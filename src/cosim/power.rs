@@ -1,8 +1,8 @@
-//! Power that passes between slaves, and how far the two sides disagree about it.
+//! Power exchanged between slaves, and the difference between the two sides.
 //!
 //! A contact takes a displacement from a structure and gives it a force. The two are stepped apart, so that the work
 //! the structure does against the force it was given differs from the work the contact took for the motion it was
-//! given. The difference is energy that the coupling itself feeds in or takes out: the *residual energy* of the power
+//! given. The difference is energy that the coupling itself adds or removes: the *residual energy* of the power
 //! bond, δE = ∫ (P₁ − P₂) dt over the step, P₁ = F ũ̇ and P₂ = F̃ u̇, where a tilde marks what was *given* to a slave and its
 //! absence what the slave *gave* (S. Sadjina, L. T. Kyllingstad, S. Skjong, E. Pedersen: Energy conservation and power bonds in
 //! co-simulations: non-iterative adaptive step size control and error estimation, Engineering with Computers 33 (2017)
@@ -10,7 +10,7 @@
 //! stability in the co-simulation of mechanical systems, Mechanism and Machine Theory 131 (2019) 172–188).
 //!
 //! It is zero only if the coupling is exact. Positive: the side that gives the force took up more than the other lost,
-//! which is as if the coupling fed energy in.
+//! which means that the coupling adds energy.
 //!
 //! Over a step of length H the integrals are taken as well as the values at its ends allow:
 //! - the side that gives the force follows a straight line in the displacement it was given: `½ (F₀ + F₁) Δũ`;

@@ -1,16 +1,16 @@
-//! What a run was like, and why it ended.
+//! The report of a run, and why it ended.
 
 use super::power::EnergyResidual;
 use super::slave::{Severity, SlaveError};
 
-/// What a run tells besides the values at its communication points.
+/// The results of a run besides the values at its communication points.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Report {
     /// Time reached (s).
     pub time: f64,
     /// Communication steps done.
     pub steps: u64,
-    /// Steps taken back and repeated shorter.
+    /// Steps that were rejected and repeated with a shorter length.
     pub rejected: u64,
     /// How often loops were stepped, repetitions included.
     pub evaluations: u64,
@@ -25,7 +25,7 @@ pub struct Report {
     pub examples: Vec<Unconverged>,
     /// One for each power connection.
     pub energy: Vec<EnergyResidual>,
-    /// In plain words: what slaves cannot do, and what accuracy that costs.
+    /// Notes: what slaves cannot do, and how this changes the accuracy.
     pub notes: Vec<String>,
     /// The observer ended it.
     pub interrupted: bool,
@@ -94,7 +94,7 @@ impl Cause {
     }
 }
 
-/// A run that ended early: why, and what it had come to. What the observer was told before stands.
+/// A run that ended early: why, and its results so far. Points that the observer has received stay valid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{error}")]
 pub struct Failure {
@@ -110,7 +110,7 @@ pub struct Failure {
 pub struct Point<'a> {
     /// s
     pub time: f64,
-    /// The step that led here (s); 0 at the start.
+    /// The step that ended here (s); 0 at the start.
     pub step: f64,
     /// Values in the order of [`Master::observed`](super::Master::observed).
     pub values: &'a [f64],

@@ -1,4 +1,4 @@
-//! Values that pass between slaves: now, at the end of the step, and as extrapolated from what was.
+//! Values exchanged between slaves: now, at the end of the step, and extrapolated from the past.
 
 /// All variables that are read, in the order of the units that own them.
 #[derive(Debug, Default)]

@@ -1,4 +1,4 @@
-//! What a master knows of a slave: native models and FMUs look alike from here.
+//! The interface of a slave: the same for native models and FMUs.
 
 use std::fmt::Debug;
 
@@ -22,7 +22,7 @@ pub enum Causality {
     Input,
     /// The slave.
     Output,
-    /// The slave, and nobody should rely on it.
+    /// The slave; others should not use it.
     Local,
 }
 
@@ -77,7 +77,7 @@ pub struct Setup {
 pub enum Stepped {
     /// At its end.
     Done,
-    /// The slave gave up on the way, having reached this time (s); it can be restored and go on with a shorter step.
+    /// The slave stopped within the step at this time (s); it can be restored and continue with a shorter step.
     Discarded(f64),
 }
 
@@ -88,11 +88,11 @@ pub enum Severity {
     Call,
     /// The slave cannot go on, others can.
     Slave,
-    /// The slave has taken its process with it, or says that every instance is lost.
+    /// The slave has ended its process, or reports that every instance is lost.
     Fatal,
 }
 
-/// Why a slave does not do what it was told.
+/// Why a slave did not carry out a call.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{slave}: {message}")]
 pub struct SlaveError {
@@ -104,7 +104,7 @@ pub struct SlaveError {
     pub severity: Severity,
 }
 
-/// What a slave without the ability answers.
+/// The answer of a slave without the ability.
 fn unable(slave: &str, what: &str) -> SlaveError {
     SlaveError { slave: slave.to_owned(), message: format!("it cannot {what}"), severity: Severity::Call }
 }

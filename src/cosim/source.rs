@@ -1,4 +1,4 @@
-//! A slave that is nothing but a function of time.
+//! A slave whose output is a function of time.
 
 use super::slave::{Abilities, Causality, Kind, Setup, Severity, Slave, SlaveError, Stepped, Variable};
 use std::fmt;

@@ -1,4 +1,4 @@
-//! Strong coupling: the slaves of a loop repeat their step until what they assumed of each other is what they gave.
+//! Strong coupling: the slaves of a loop repeat their step until their inputs equal the outputs of the others.
 //!
 //! Inputs run linearly over the step, from the value agreed upon at its beginning to that at its end, for slaves that
 //! interpolate. Others take the value at the end if all they put out answers to it at once, and else hold

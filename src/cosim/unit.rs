@@ -1,4 +1,4 @@
-//! A slave with what it needs to take part: which inputs come from where, and room for their values.
+//! A slave with its connections: the sources of its inputs, and buffers for their values.
 
 use super::signals::Signals;
 use super::slave::{Abilities, Slave, SlaveError, Stepped};
@@ -46,7 +46,7 @@ pub(super) struct Channel {
     pub origin: SignalSource,
     pub given: Given,
     /// A step begins where the last one ended, also where the source has come to another value than expected since: a
-    /// contact that was led there and back in no time would remember it.
+    /// contact moved there and back at the beginning of the step would slip.
     pub continued: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What records and channels say about themselves.
+//! Queries of records and channels.
 
 use super::{Channel, ChannelName, Record};
 

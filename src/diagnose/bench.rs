@@ -11,7 +11,7 @@ use crate::fit::predict::{ObservedSimulation, Seed, compared, deviation};
 use crate::model::Model;
 
 /// Normalised error above which a prediction may be another of several responses than the measured.
-const ASTRAY: f64 = 0.2;
+const ON_THE_WRONG_BRANCH: f64 = 0.2;
 
 /// A dataset with weights, and counters of what is spent on it.
 pub(super) struct Bench<'d> {
@@ -136,7 +136,7 @@ impl<'d> Bench<'d> {
         let model = &fitted.model;
         let mut scored = self.score(model, records)?;
         scored.par_iter_mut().filter(|one| self.lanes[one.record].seed.is_some()).for_each(|one| {
-            if self.normalised_error(std::slice::from_ref(one)) > ASTRAY
+            if self.normalised_error(std::slice::from_ref(one)) > ON_THE_WRONG_BRANCH
                 && let Ok(anew) = self.score_one(model, one.record, fitted.seed(one.record).as_ref())
                 && square(&anew) < square(one)
             {

@@ -1,5 +1,5 @@
-//! Scores block by block: what one model gains over another on records that neither was fitted to, with its
-//! doubt. Blocks are longer than the residual's correlation, so that they count as independent.
+//! Scores by blocks: the gain of one model over another on records that neither was fitted to, with its standard
+//! error. Blocks are longer than the residual's correlation, so that they count as independent.
 
 use std::ops::Range;
 

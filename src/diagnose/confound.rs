@@ -1,4 +1,4 @@
-//! Effects that look alike, and the experiment that tells them apart.
+//! Effects that look similar in the data, and the experiment that distinguishes them.
 
 use super::diagnosis::{Confounding, Group};
 use crate::effects;

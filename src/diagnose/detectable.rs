@@ -1,4 +1,4 @@
-//! The smallest size of an effect that these data would have shown.
+//! Detection limits: the smallest size of an effect that would have been found in these data.
 
 use super::candidates::Candidate;
 use super::diagnosis::Detectable;

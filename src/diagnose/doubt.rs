@@ -1,4 +1,4 @@
-//! What the doubt of fitted parameters does to predictions of other records.
+//! Prediction covariance: the effect of the uncertainty of fitted parameters on predictions of other records.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 

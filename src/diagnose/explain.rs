@@ -1,4 +1,4 @@
-//! The verdict in an engineer's words.
+//! The verdict in sentences.
 
 use super::confound;
 use super::diagnosis::{Errors, Evidence, Group, Verdict};

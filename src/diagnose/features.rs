@@ -1,4 +1,4 @@
-//! What the views of the measurements and of the residual show, as numbers.
+//! Features of the measurements and of the residual, as numbers.
 
 use super::loops::{self, Measured};
 use super::resonance;

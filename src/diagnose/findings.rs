@@ -1,4 +1,4 @@
-//! The rounds of the selection, and what came of them.
+//! The rounds of the selection, and their results.
 
 use super::bench::{Scored, mean_square};
 use super::blocks::{self, Gain};

@@ -1,4 +1,4 @@
-//! What the measured loops of a bare contact show: plateaus, corners, heights.
+//! Features of the measured loops of a contact alone: plateaus, corners, heights.
 //!
 //! A record is cut at the reversals of its displacement. Along a branch the displacement `x` counts from the
 //! reversal in the direction of the motion, and the force has the sign of that direction, so that all branches

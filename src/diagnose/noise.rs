@@ -1,5 +1,5 @@
-//! What is known of the noise: stated, seen in repeated periods, in repeated records, or carried over from
-//! where it was seen. Where none of these speaks it stays unknown.
+//! The noise as far as it is known: stated, from repeated periods, from repeated records, or taken from records in which
+//! it was measured. Otherwise it is unknown.
 
 use super::bench::Lane;
 use super::diagnosis::{Noise, NoiseSource};

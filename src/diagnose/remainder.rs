@@ -1,4 +1,4 @@
-//! Whether what is left of the measurements looks like their noise: white as the noise is, and without relation
+//! Whether the residual looks like the noise: white as the noise is, and without relation
 //! to the motion, its rate and slow time.
 
 use super::bench::{Bench, Scored};

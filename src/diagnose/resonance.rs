@@ -1,7 +1,7 @@
-//! The structure's resonance record by record: the stiffness and the damping that each record alone asks for.
+//! The structure's resonance record by record: the stiffness and the damping that fit each record alone.
 //!
-//! A record fitted alone by the structure's springs and dampers, with the contact as it is, tells where its
-//! resonance lies and how it is damped. What these numbers do with the level is what the model lacks.
+//! A fit of the structure's springs and dampers to one record, with the contact fixed, gives the frequency of its
+//! resonance and its damping. The dependence of these numbers on the level is what the model lacks.
 
 use rayon::prelude::*;
 

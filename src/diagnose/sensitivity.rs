@@ -1,4 +1,4 @@
-//! What small amounts of effects would change in the data that the model's own parameters cannot: the part of
+//! Changes of the data by small amounts of effects that the model's own parameters cannot produce: the part of
 //! their sensitivities that is orthogonal to those of the base parameters and of the records' starts.
 
 use nalgebra::DMatrix;

@@ -1,4 +1,4 @@
-//! Long records of a bare contact with fewer samples, for the many refits of the search: a contact's force
+//! Long records of a contact alone with fewer samples, for the many refits of the search: a contact's force
 //! follows the path of the motion, which a sample far below every turn of it shows as well as all do.
 
 use super::noise::driver;

@@ -1,4 +1,4 @@
-//! The answer: which of the five verdicts the findings bear, and the report of it.
+//! The verdict that the results of the search support, and the report of it.
 
 use super::bench::{Bench, mean_square};
 use super::candidates::{Candidate as Tried, effect_of};

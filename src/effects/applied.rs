@@ -1,4 +1,4 @@
-//! An effect with its numbers, as a model carries it.
+//! An effect with its values, as part of a model.
 
 use super::{Changes, Effect, Location, PlaceKind};
 use crate::vocabulary::{self as v, Quantity};

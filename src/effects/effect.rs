@@ -1,4 +1,4 @@
-//! What the catalogue holds of an effect.
+//! An entry of the catalogue of effects.
 
 use super::{Changes, Features, Location, Range, Scales};
 use crate::vocabulary::Quantity;

@@ -1,4 +1,4 @@
-//! What to measure next: advice that several effects share.
+//! What to measure next: advice common to several effects.
 
 pub(super) const SWAP_SENSORS: &str =
     "calibrate the sensor, or swap it with another: a fault of the measurement stays with the channel";

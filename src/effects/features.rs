@@ -1,4 +1,4 @@
-//! What the views of a residual show, as numbers: the raw material of signatures.
+//! Features of a residual, as numbers: the input of signatures.
 
 /// Features of the measurements and of the residual of the refitted model. `None` where the records at hand
 /// cannot show it. Fractions and correlations are plain numbers.

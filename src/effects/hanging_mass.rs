@@ -1,4 +1,4 @@
-//! A resonator hung at the contact (seed 2: string and weights).
+//! A mass that hangs at the contact and vibrates (string and weights).
 
 use super::{Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind, experiments, magnitudes};
 use crate::system::HangingMass;

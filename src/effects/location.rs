@@ -1,4 +1,4 @@
-//! Where an effect sits.
+//! The place of an effect.
 
 use std::fmt;
 

@@ -1,4 +1,4 @@
-//! What a fit may try of a parameter.
+//! The range of a parameter in a fit.
 
 use crate::vocabulary::Scale;
 

@@ -1,4 +1,4 @@
-//! The magnitudes of a problem, by which the parameters of effects are bounded.
+//! Scales of a problem, by which the parameters of effects are bounded.
 
 /// Magnitudes of the motion, the forces and the structure; all above zero.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,4 +1,4 @@
-//! A channel that is late.
+//! A channel with a delay.
 
 use super::{
     ALL_KINDS, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, both_signs, experiments,

@@ -1,4 +1,4 @@
-//! A clamp that gives way.
+//! A compliant clamp.
 
 use super::{Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind, experiments, magnitudes};
 use crate::vocabulary as v;

@@ -1,4 +1,4 @@
-//! Measurements meet models: predict records, fit parameters, compare.
+//! Models and measurements: predict records, fit parameters, compare.
 //!
 //! - [`predict`]: a model and a record come in, what the sensors would show comes out.
 //! - [`least_squares`]: bounded fits with intervals, of anything that has residuals.

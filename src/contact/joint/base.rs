@@ -1,4 +1,4 @@
-//! What acts behind the play of a joint: sliders or a law that slips gradually, under a load that scales the limit.
+//! The elements behind the play of a joint: sliders or a law that slips gradually, under a load that scales the limit.
 
 use super::sliders::Sliders;
 use crate::contact::gradual::{GradualLaw, STATE};

@@ -1,4 +1,4 @@
-//! Sliders side by side whose limits may differ by direction: the lean step of a joint.
+//! Sliders in parallel whose limits may differ by direction: the fast step of a joint.
 
 use super::base::{Look, Path};
 use crate::contact::{ContactLaw, ParallelSliders, Slider, StateTangents};

@@ -1,4 +1,4 @@
-//! The significance of a fall of the sum of squares when the values are few: Fisher's F and Akaike's criterion.
+//! The significance of a lower sum of squares for few values: Fisher's F-test and Akaike's criterion.
 
 use crate::fit::student_quantile;
 

@@ -1,4 +1,4 @@
-//! How far a prediction is from a measurement.
+//! The error of a prediction.
 
 use super::comparison::{ChannelResult, RecordResult};
 use crate::data::{Channel, Record};

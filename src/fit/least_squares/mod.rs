@@ -4,8 +4,8 @@
 //! become coordinates of size one (`coordinate`), the residual a sum of squares with derivatives by differences
 //! (`problem`), which Levenberg's and Marquardt's method minimises (`levenberg_marquardt`). An evaluation that fails (a
 //! solver did not converge, a law refused a parameter) is a rejected step, not the end of the fit. Joint fits to
-//! many records, which have derivatives of their own, use the same method. `revive` brings parameters back that a fit
-//! has lost sight of, `uncertainty` gives intervals.
+//! many records, which have derivatives of their own, use the same method. `revive` starts again with parameters that no
+//! longer change the residual, `uncertainty` gives intervals.
 
 mod coordinate;
 mod levenberg_marquardt;

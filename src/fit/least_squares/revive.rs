@@ -1,7 +1,7 @@
-//! Free parameters that a fit has lost sight of.
+//! Free parameters that a fit can no longer change.
 //!
 //! The friction coefficient of a contact that never slips changes nothing: once a fit is there, no derivative leads
-//! back to where the contact slips, and the value it ends at means nothing.
+//! back to where the contact slips, and its last value has no meaning.
 
 use super::options::{Options, Parameter};
 use super::outcome::{Fit, FitError};

@@ -13,10 +13,7 @@ pub fn catalogue_table(width: usize, color: bool) -> String {
         out.indented(effect.summary);
     }
     out.line("");
-    out.paragraph(
-        "`stickslip effects ID` tells what an effect is, its parameters, and how to confirm it.",
-        "",
-    );
+    out.paragraph("`stickslip effects ID` describes an effect, its parameters, and how to confirm it.", "");
     out.finish()
 }
 

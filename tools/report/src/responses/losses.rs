@@ -72,8 +72,8 @@ impl Responses {
         match (self.losses.undamped && self.held.is_none(), self.losses.contact) {
             (false, _) => "",
             (true, true) => {
-                " The structure has no dampers: near a resonance friction cannot take what a force of more than \
-                 4/π of its limit (4µN/π, where the force acts at the contact) brings in, and the response \
+                " The structure has no dampers: near a resonance friction cannot dissipate the work of a force of \
+                 more than 4/π of its limit (4µN/π, where the force acts at the contact), and the response \
                  grows without bound. Reduce the force, or add damping."
             }
             (true, false) => {

@@ -213,7 +213,7 @@ impl Responses {
         }
     }
 
-    /// That there is no peak, and how far that was seen.
+    /// That there is no peak, and up to which frequency.
     fn no_peak(&self) -> String {
         let whole = |one: &ResponseCurve| one.failure.is_none() && one.curve.ending == Ending::Complete;
         let reached = |one: &ResponseCurve| {
@@ -246,7 +246,7 @@ impl Responses {
         let more = found.len().saturating_sub(MOST);
         found.truncate(MOST);
         if found.is_empty() {
-            text.push_str("; there is none on what was found.");
+            text.push_str("; the curves found have none.");
         } else {
             text.push_str(&format!(": {}", found.join("; ")));
             text.push_str(&if more > 0 { format!("; and {more} more.") } else { ".".to_owned() });
@@ -270,15 +270,15 @@ impl Responses {
             match (&one.failure, one.curve.ending) {
                 (Some(reason), _) => warnings.push(format!(
                     "The curve at {level} ends {reached}, short of {end}: {reason}. Another --from, farther from \
-                     a resonance, another level, or fewer --harmonics may give it a start."
+                     a resonance, another level, or fewer --harmonics may help."
                 )),
                 (None, Ending::Stuck) => warnings.push(format!(
                     "The curve at {level} ends {reached}, short of {end}: its steps became too small or too many.{}",
                     self.unbounded_hint()
                 )),
                 (None, Ending::Returned) => warnings.push(format!(
-                    "The curve at {level} turned and left the range at {}, where it had come in: {end} is not \
-                     reached this way.",
+                    "The curve at {level} turned back and left the range at {}, where it began: it does not reach \
+                     {end}.",
                     self.unit.shown(self.range.0)
                 )),
                 (None, Ending::Interrupted) => {

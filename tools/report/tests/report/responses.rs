@@ -122,7 +122,7 @@ fn what_is_missing_is_said() {
     );
     assert!(table(1).contains("steps became too small") && table(1).contains("Interrupted: the curve at 3"));
     assert!(table(2).contains("no balance") && table(2).contains("No point"));
-    assert!(table(4).contains("turned and left the range") && table(4).contains("held acceleration"));
+    assert!(table(4).contains("turned back and left the range") && table(4).contains("held acceleration"));
     let json = responses_json(&examples()[4], &Settings::default());
     assert_eq!((json["complete"].as_bool(), json["points"][0]["held"].as_f64()), (Some(false), Some(1.0)));
 }
