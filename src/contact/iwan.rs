@@ -144,7 +144,7 @@ pub(super) static KIND: LawKind = LawKind {
     },
 };
 
-/// More sliders than this cost time and tell nothing.
+/// More sliders than this cost time without a gain in accuracy.
 const MOST_INTERVALS: f64 = 10_000.0;
 
 impl Iwan {

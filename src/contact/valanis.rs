@@ -414,7 +414,7 @@ impl Valanis {
         end
     }
 
-    /// Under constant load both motions of a step are one; its derivatives still tell their limits apart.
+    /// Under constant load both motions of a step are one; its derivatives still distinguish their limits.
     fn one_motion(&self, force: f64, sign: f64, distance: f64, limit: f64) -> End {
         let whole = self.motion(force, sign, distance, limit);
         let (delta, end_gap) = (whole.delta, whole.stretch.gap);

@@ -46,7 +46,7 @@ impl Level {
     }
 
     /// Steps the level's units among `units` and writes their outputs to `signals`. Every one of them steps, whatever
-    /// happens to the others, and the first trouble in their order is told: the same one by one and at the same time.
+    /// happens to the others, and the first error in their order is returned: the same one by one and at the same time.
     pub fn advance(
         &mut self,
         units: &mut [Unit],
@@ -86,7 +86,7 @@ impl Level {
     }
 }
 
-/// Writes the outputs of a unit that has stepped to `signals`, or tells its trouble.
+/// Writes the outputs of a unit that has stepped to `signals`, or returns its error.
 fn collect(unit: &mut Unit, place: usize, signals: &mut Signals) -> Result<(), Trouble> {
     match &unit.outcome {
         Ok(Stepped::Done) => {
@@ -111,7 +111,7 @@ pub(super) struct StepFrame<'a> {
 }
 
 impl StepFrame<'_> {
-    /// What a slave is told.
+    /// The calls that a slave receives.
     fn seen<'f>(&'f self, restore: bool, assumed: &'f [f64]) -> Frame<'f> {
         Frame { time: self.time, step: self.step, plain: self.plain, restore, signals: self.signals, assumed }
     }

@@ -97,21 +97,21 @@ impl Master {
         Ok(Self { engine, settings, starts, observed, report, control, limits, variable, initialized })
     }
 
-    /// What the observer is told, in this order.
+    /// What the observer receives, in this order.
     pub fn observed(&self) -> &[Observed] {
         &self.observed
     }
 
-    /// What slaves cannot do, and what accuracy that costs.
+    /// What slaves cannot do, and how this changes the accuracy.
     pub fn notes(&self) -> &[String] {
         &self.report.notes
     }
 
     /// Runs from start to stop; `observer` is called at the start and after each communication step, and may
-    /// break off.
+    /// stop the run.
     ///
     /// # Errors
-    /// [`Failure`], with what the run had come to.
+    /// [`Failure`], with the results so far.
     pub fn run(mut self, mut observer: impl FnMut(&Point) -> ControlFlow<()>) -> Result<Report, Failure> {
         let result = self.simulate(&mut observer);
         self.terminate(result.as_ref().err());
@@ -127,7 +127,7 @@ impl Master {
         }
     }
 
-    /// Tells the slaves that it is over, those that can still be told.
+    /// Terminates the slaves that can still be called.
     fn terminate(&mut self, cause: Option<&Cause>) {
         let fatal = cause.is_some_and(|cause| cause.severity() == Severity::Fatal);
         if fatal || !self.initialized {

@@ -53,7 +53,7 @@ fn role(unit: Option<&str>) -> Option<(Role, bool)> {
 }
 
 impl PowerConnection {
-    /// By the inputs that take force and motion; the motion's role is told by its unit, a velocity where it is not.
+    /// By the inputs that take force and motion; the motion's role follows from its unit; without a unit it is a velocity.
     pub(super) fn declared(system: &System, force: Port, motion: Port) -> Result<Self, &'static str> {
         let source = |port: Port| system.connections.iter().find(|other| other.to == port);
         let (Some(f), Some(u)) = (source(force), source(motion)) else {
@@ -95,7 +95,7 @@ impl PowerConnection {
             });
             let only = |list: Vec<Port>| if let [port] = list[..] { Some(port) } else { None };
             let (displacement, velocity) = (only(back(Role::Displacement)), only(back(Role::Velocity)));
-            // Of several pairs between the same two only a declaration tells which belong together.
+            // Of several pairs between the same two only a declaration shows which belong together.
             if rivals.count() == 1 && taker != giver && (displacement.is_some() || velocity.is_some()) {
                 found.push(Self { force: force.to, displacement, velocity });
             }

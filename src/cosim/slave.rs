@@ -39,10 +39,10 @@ pub struct Variable {
     pub causality: Causality,
     /// Its unit as the slave writes it.
     pub unit: Option<String>,
-    /// Its value unless set, where the slave tells it.
+    /// Its value unless set, where the slave declares it.
     pub start: Option<f64>,
     /// Of an output: the positions in the table of the inputs on which it depends at a communication point;
-    /// absent where the slave does not tell, which means all.
+    /// absent where the slave does not declare them, which means all.
     pub depends_on: Option<Vec<usize>>,
 }
 
@@ -203,7 +203,7 @@ pub trait Slave: Debug + Send {
     }
 
     /// As [`Slave::directional_derivative`], where only the ends of the inputs that ran linearly over the last step change
-    /// and their beginnings stay. A slave that cannot tell the two apart answers as there, which is the same but for
+    /// and their beginnings stay. A slave that cannot distinguish the two answers as there, which is the same but for
     /// what passes through its motion within the step.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use super::settings::{Method, Strong};
 
 /// The difference between what was assumed and what that gives.
 pub(super) trait Coupling {
-    /// Why the difference cannot be told.
+    /// Why the difference cannot be computed.
     type Trouble;
 
     /// Writes into `residual` what `assumed` gives, less `assumed`.
@@ -30,13 +30,13 @@ pub(super) struct Solved {
     pub converged: bool,
 }
 
-/// Relative to the size of the unknowns: changes by which repeated evaluations are told apart.
+/// Relative to the size of the unknowns: changes that distinguish repeated evaluations from rounding.
 const DIFFERENCE: f64 = 1e-6;
 /// An iteration that multiplies the residual by this is not going to come back.
 const HOPELESS: f64 = 1e6;
 /// How often values that a slave refuses are taken back half way.
 const RETREATS: u32 = 10;
-/// A column of differences that lies this close to the span of newer ones tells nothing new.
+/// A column of differences that lies this close to the span of newer ones adds no information.
 const DEPENDENT: f64 = 1e-10;
 /// Least reduction of the residual that Newton's method must give before its derivatives are mistrusted.
 const SLOW: f64 = 0.2;
@@ -63,7 +63,7 @@ pub(super) struct Solver {
     stored: usize,
     relaxation: f64,
     krylov: Krylov,
-    /// Newton: the derivatives at the end of the step do not tell enough.
+    /// Newton: the derivatives at the end of the step are not sufficient.
     repeated: bool,
     last_size: f64,
 }

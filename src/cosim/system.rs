@@ -35,7 +35,7 @@ pub enum InputRule {
     /// The value at the end of the step: for slaves that answer at once.
     End,
     /// The value at the middle of the step: for slaves that hold the input and integrate. Outputs that depend on it at
-    /// once are corrected to the end of the step where the slave can save its state or tell its derivatives.
+    /// once are corrected to the end of the step where the slave can save its state or give its derivatives.
     Middle,
 }
 
@@ -354,7 +354,7 @@ impl System {
     }
 
     /// Declares that the inputs `force` and `motion` (a displacement or a velocity), both (slave, variable), exchange
-    /// power between their slaves. Pairs that the units tell are found without.
+    /// power between their slaves. Pairs that the units identify are found without it.
     ///
     /// # Errors
     /// Unknown names, [`SystemError::Power`].

@@ -22,7 +22,7 @@ pub struct Effect {
     pub confirmation: &'static str,
     /// Effects that look like it. Each pair stands in one of its two files: see [`Effect::confusion`].
     pub confused_with: &'static [Confusion],
-    /// What to measure next, to tell it from whatever `confused_with` does not name.
+    /// What to measure next, to distinguish it from effects that `confused_with` does not name.
     pub next_experiment: &'static str,
     /// The parameters, in the order of [`AppliedEffect::values`](super::AppliedEffect::values).
     pub parameters: &'static [EffectParameter],
@@ -159,7 +159,7 @@ pub enum InResonances {
 }
 
 impl Effect {
-    /// What makes it look like `other`, and the experiment that tells the two apart, where that is known.
+    /// Why it looks like `other`, and the experiment that distinguishes the two, where that is known.
     ///
     /// ```
     /// use stickslip::effects;

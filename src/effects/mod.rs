@@ -77,7 +77,7 @@ pub static CATALOGUE: [&Effect; 19] = [
     &sensor_offset::EFFECT,
 ];
 
-/// Effects that look like `effect`, each with what the two have in common and what tells them apart.
+/// Effects that look like `effect`, each with what the two have in common and what distinguishes them.
 ///
 /// ```
 /// use stickslip::effects::{find, look_alikes};

@@ -1,4 +1,4 @@
-//! Algebraic loops: solved, or told why not.
+//! Algebraic loops: solved, or refused with the reason.
 
 use stickslip::cosim::{
     Abilities, Algorithm, Cause, Method, Settings, Slave, SlaveError, Source, Stepped, System, Variable,

@@ -32,14 +32,14 @@ pub struct Point {
     pub contacts: Vec<Contacting>,
     /// Work of the excitation per cycle (J).
     pub work: f64,
-    /// Whether a small disturbance dies out; `None` where it was not asked for or cannot be told.
+    /// Whether a small disturbance dies out; `None` where this was not requested or cannot be determined.
     pub stable: Option<bool>,
-    /// Why it cannot be told; `None` where it was not asked for or is told.
+    /// Why stability cannot be determined; `None` where it was not requested or is known.
     pub undecided: Option<Undecided>,
     /// Estimated error of the displacements from the harmonics left out, as a fraction of the amplitude of
     /// the node it is largest at.
     pub error_estimate: f64,
-    /// Whether `error_estimate` meets the tolerance asked for, or [`UNRESOLVED`](crate::harmonic::UNRESOLVED) where
+    /// Whether `error_estimate` meets the requested tolerance, or [`UNRESOLVED`](crate::harmonic::UNRESOLVED) where
     /// none is. An unknown error (NaN) is not resolved.
     pub resolved: bool,
     /// Highest harmonic of the unknowns.
@@ -54,7 +54,7 @@ impl Point {
         self.nodes.iter().map(|c| if c.len() > 2 { c[1].hypot(c[2]) } else { 0.0 }).collect()
     }
 
-    /// Notes whether the point is stable, or why that cannot be told.
+    /// Stores whether the point is stable, or why that cannot be determined.
     pub(crate) fn settle(&mut self, stable: Result<bool, Undecided>) {
         (self.stable, self.undecided) = (stable.ok(), stable.err());
     }

@@ -8,7 +8,7 @@ pub(crate) const DEGREE: usize = 24;
 /// Coefficients by ascending power of the fraction of the step.
 pub(crate) type Series = [f64; DEGREE + 1];
 
-/// Two roots closer than this fraction of a step are not told apart: a touch, not a crossing.
+/// Two roots closer than this fraction of a step count as one: a touch, not a crossing.
 const TOUCH: f64 = 1e-13;
 
 /// Value at `x`.

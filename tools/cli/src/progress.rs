@@ -12,7 +12,7 @@ fn flag() -> &'static AtomicBool {
     INTERRUPTED.get_or_init(|| AtomicBool::new(false))
 }
 
-/// After an interrupt, the user is told what is waited for after so long.
+/// After an interrupt, a note says after this time what the program waits for.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// From here on the first Ctrl-C (or SIGTERM or SIGHUP) asks long work to stop with what it has; the second ends the

@@ -91,7 +91,7 @@ pub struct ScalarVariable {
     pub max: Option<f64>,
     /// Usual size.
     pub nominal: Option<f64>,
-    /// Of an output: positions of the variables on which it depends; absent where the file does not tell, which
+    /// Of an output: positions of the variables on which it depends; absent where the file does not declare them, which
     /// means all.
     pub depends_on: Option<Vec<usize>>,
 }

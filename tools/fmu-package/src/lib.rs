@@ -105,7 +105,7 @@ pub fn write_fmu(model_identifier: &str, model_toml: &str) -> Result<Vec<u8>, Er
     entries.sort_by(|left, right| left.0.cmp(&right.0));
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, content, mode) in entries {
-        // The default time is 1980-01-01: an FMU does not tell when it was made.
+        // The default time is 1980-01-01: an FMU does not contain the time of its creation.
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
             .last_modified_time(zip::DateTime::default())

@@ -162,7 +162,7 @@ fn write_entry<R: Read>(
         }
         Err(error) => return Err(system(error)),
     };
-    // The size that the archive tells is not to be believed.
+    // The size stated in the archive is not trusted.
     let mut content = entry.take(left.saturating_add(1));
     let mut buffer = vec![0; 64 << 10];
     loop {

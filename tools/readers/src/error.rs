@@ -1,4 +1,4 @@
-//! What can be wrong with a file, and how a user is told.
+//! Errors of files, and their messages.
 
 use std::fmt;
 use std::ops::Range;

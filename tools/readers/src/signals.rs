@@ -13,7 +13,7 @@ use crate::table::{field_span, next_row, row_span};
 pub struct Signal {
     /// Its name.
     pub name: String,
-    /// Its unit, if the header tells one.
+    /// Its unit, if the header has one.
     pub unit: Option<String>,
     /// Its values, in its unit.
     pub values: Vec<f64>,

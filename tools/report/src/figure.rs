@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::format;
 
-/// Colours of Okabe and Ito, told apart by all common forms of colour blindness.
+/// Colours of Okabe and Ito, which people with all common forms of colour blindness can distinguish.
 pub const BLACK: &str = "#000000";
 pub const FIRST: &str = "#E69F00";
 pub const LAST: &str = "#0072B2";

@@ -13,7 +13,7 @@ pub struct Tally {
     skipped: usize,
     /// Tests that returned at once and said so: libtest takes them for passed.
     returned: usize,
-    /// Programs that said that they begin and have not told a result.
+    /// Programs that began and gave no result.
     open: usize,
 }
 

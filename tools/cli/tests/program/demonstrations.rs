@@ -11,7 +11,7 @@ fn rms_of(stage: &serde_json::Value) -> f64 {
 #[test]
 fn the_demonstration_lets_the_error_fall_and_exports_the_best_model() {
     let folder = tempfile::tempdir().unwrap();
-    // The demonstration is what the program does when it is told nothing.
+    // Without a command the program runs the demonstration.
     let output = stickslip(folder.path(), &[]);
     assert!(output.status.success(), "{}", error(&output));
     let results = folder.path().join("stickslip-demo");

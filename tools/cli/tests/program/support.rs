@@ -1,4 +1,4 @@
-//! What the stories share: the program, its answers, and a measured loop to try it on.
+//! What the tests of the program use: the program, its answers, and a measured loop.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -41,7 +41,7 @@ impl fmt::Debug for IsolatedSlave {
     }
 }
 
-/// How long a process may take to end when it is told to.
+/// How long a process may take to end on request.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// How long a process may take to answer once the run is interrupted.
 const GRACE: Duration = Duration::from_secs(1);

@@ -133,7 +133,7 @@ pub struct Parameter {
     pub target: End,
     /// Its value.
     pub value: Value,
-    /// The unit of a Real where the file tells it and wants it converted.
+    /// The unit of a Real where the file declares it and asks for its conversion.
     pub unit: Option<Unit>,
     /// What happens to a number after its unit is converted.
     pub transformation: Linear,

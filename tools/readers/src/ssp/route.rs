@@ -24,7 +24,7 @@ pub(super) struct Hop {
 
 impl Route {
     /// A value of the output, whose variable has the unit `from`, as a value of the input, whose variable has the
-    /// unit `to`; absent where an FMU does not tell.
+    /// unit `to`; absent where an FMU declares none.
     ///
     /// Units are converted first, and linear transformations applied to what comes out, as SSP says. Connectors
     /// without a unit take what comes. A connector that declares another unit than its variable is converted, too.

@@ -43,7 +43,7 @@ fn insertion() -> impl Strategy<Value = Vec<u8>> {
     ]
 }
 
-/// An error must be told in one piece, at a line the file has.
+/// An error must be one complete message, at a line of the file.
 fn tellable(error: &InputError) {
     let text = error.render(false);
     assert!(text.starts_with("error: ") && text.contains("--> "), "{text}");

@@ -8,7 +8,7 @@ use super::residual;
 use super::views::{deviation, drive, short};
 use crate::summary;
 
-/// Harmonics that are told.
+/// Harmonics in the table.
 const HARMONICS: usize = 9;
 /// Largest fraction of the drive's mean square that the harmonics of a periodic record leave out.
 const UNREPRESENTED: f64 = 0.02;

@@ -48,7 +48,7 @@ impl Losses {
         self.drag * cubes.sum::<f64>() / count as f64 * TAU / point.angular_frequency
     }
 
-    /// Energy (J) that the dampers take per cycle, if that can be told.
+    /// Energy (J) that the dampers take per cycle, where it is known.
     pub(super) fn of_dampers(&self, point: &Point) -> Option<f64> {
         let entries = self.dampers.as_ref()?;
         let pair = |&(i, j, c): &(usize, usize, f64)| -> Option<f64> {

@@ -29,7 +29,7 @@ pub struct Simulation {
     pub columns: Vec<Column>,
     /// Sum of the energy residuals of each power connection (J) for each point, in the order of the report's.
     pub energy: Vec<Vec<f64>>,
-    /// What the master tells.
+    /// The master's report.
     pub report: Report,
     /// Notes on the system besides the master's.
     pub notes: Vec<String>,
