@@ -91,6 +91,12 @@ impl LawKind {
 impl Law {
     /// The law called `name` with its own parameters, in the order of [`LawKind::parameters`]; `None` for a name that is
     /// not in the catalogue, or another number of parameters.
+    ///
+    /// ```
+    /// use stickslip::contact::Law;
+    /// assert_eq!(Law::named("iwan", &[-0.5, 2.0]).unwrap().values(), [-0.5, 2.0]);
+    /// assert!(Law::named("iwan", &[]).is_none() && Law::named("magic", &[]).is_none());
+    /// ```
     pub fn named(name: &str, own: &[f64]) -> Option<Self> {
         LawKind::find(name).and_then(|kind| Self::new(kind, own))
     }

@@ -155,6 +155,14 @@ impl Iwan {
     /// # Errors
     /// [`LawError::OutOfBounds`] unless stiffness and friction are finite and above zero, −1 < χ ≤ 0, β is finite and at least
     /// zero, there are 1 to 10 000 intervals, and a geometric growth is above 1 and at most 10.
+    ///
+    /// ```
+    /// use stickslip::contact::{ContactLaw, Iwan, IwanSpacing};
+    /// // χ = −0.5, β = 2, 20 sliders.
+    /// let law = Iwan::new(5e6, 0.5, -0.5, 2.0, 20, IwanSpacing::Geometric { growth: 1.5 })?;
+    /// assert!((law.limit(100.0) - 50.0).abs() < 1e-12);
+    /// # Ok::<(), stickslip::contact::LawError>(())
+    /// ```
     pub fn new(
         tangential_stiffness: f64,
         friction_coefficient: f64,

@@ -7,6 +7,13 @@ const EVENNESS: f64 = 0.05;
 
 impl Record {
     /// The channel called `name`; `x=0.550` and `x=0.55` are the same place.
+    ///
+    /// ```
+    /// use stickslip::data::{Channel, Record, Regime};
+    /// let force = Channel { name: "acceleration:x=0.55".into(), unit: "m/s^2", values: vec![], noise: None };
+    /// let record = Record { name: "r".into(), regime: Regime::Steady, use_for: None, channels: vec![force] };
+    /// assert!(record.channel("acceleration:x=0.550").is_some() && record.channel("acceleration").is_none());
+    /// ```
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         let name = ChannelName::parse(name).ok()?.to_string();
         self.channels.iter().find(|channel| channel.name == name)

@@ -92,6 +92,27 @@ pub struct Added {
 ///
 /// # Errors
 /// [`DiagnoseError`]: an unknown effect, a model without a free parameter, records that cannot be predicted.
+///
+/// ```
+/// use stickslip::prelude::*;
+/// # let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+/// #     tangential_stiffness = 2e3\nfriction_coefficient = 0.1\nnormal_load = 10.0";
+/// let model = Model::parse(text)?;
+/// let channel = |name: &str, unit, values: &[f64]| {
+///     Channel { name: name.into(), unit, values: values.to_vec(), noise: None }
+/// };
+/// let channels = vec![
+///     channel("time", "s", &[0.0, 1.0, 2.0]),
+///     channel("displacement", "m", &[0.0, 0.5e-3, 1e-3]),
+///     channel("force", "N", &[0.0, 0.8, 0.9]),
+/// ];
+/// let record = Record { name: "pull".into(), regime: Regime::FromRest, use_for: None, channels };
+/// let dataset = Dataset { title: None, records: vec![record] };
+/// let found = diagnose(&model, &dataset, &DiagnoseOptions::default(), DiagnoseWatch::default())?;
+/// // One record cannot be split into training, validation and test records.
+/// assert_eq!(found.verdict, Verdict::InsufficientData);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn diagnose(
     model: &Model,
     dataset: &Dataset,

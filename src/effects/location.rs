@@ -5,7 +5,7 @@ use std::fmt;
 use crate::data::{self, ChannelName};
 use crate::system::Place;
 
-/// Where an effect sits: `at = "m2"`, `at = "x=0.55"`, `channel = "force"`.
+/// The place of an effect: `at = "m2"`, `at = "x=0.55"`, `channel = "force"`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Location {
     /// A mass of an oscillator.
@@ -26,6 +26,13 @@ impl Location {
     ///
     /// # Errors
     /// Empty text, or `x=` without a finite number.
+    ///
+    /// ```
+    /// use stickslip::effects::Location;
+    /// assert_eq!(Location::parse_at("x=0.55")?, Location::Position(0.55));
+    /// assert_eq!(Location::parse_at("m2")?, Location::Mass("m2".into()));
+    /// # Ok::<(), stickslip::effects::LocationError>(())
+    /// ```
     pub fn parse_at(text: &str) -> Result<Self, LocationError> {
         let refused = || LocationError(text.to_owned());
         match text.trim().strip_prefix("x=") {
