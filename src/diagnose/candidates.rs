@@ -139,7 +139,7 @@ fn load_varies(dataset: &Dataset) -> bool {
     count > 0.0 && deviation > 2.0 * noise && deviation > 2e-3 * mean.abs()
 }
 
-/// Where `effect` can sit.
+/// The possible places of `effect`.
 fn places(effect: &Effect, model: &Model, bench: &Bench) -> Vec<Option<Location>> {
     let channels = || {
         let mut names: Vec<&str> =

@@ -22,7 +22,7 @@ pub(super) fn multiple(square: f64, variance: f64, noise: &Noise) -> f64 {
     (PASSING_Z * error).max(fraction)
 }
 
-/// Notes the size for the effect, the smallest where it can sit at several places.
+/// Notes the size for the effect, the smallest where it can be at several places.
 pub(super) fn smaller(found: &mut Vec<Detectable>, candidate: &Candidate, size: Option<f64>) {
     let parameter = candidate.effect.parameters[0].quantity;
     match found.iter_mut().find(|known| known.effect == candidate.effect.id) {

@@ -258,11 +258,11 @@ fn unpredictable(bench: &Bench, model: &Model, reason: String) -> DiagnoseError 
 /// Standard errors by which the first effect must worsen the test records to be taken back.
 const HARMFUL_Z: f64 = 1.0;
 
-/// How many effects of a chain the test records bear out, from their `scores` and `errors` with the first effect to
+/// How many effects of a chain the test records confirm, from their `scores` and `errors` with the first effect to
 /// those with all, and `before` any: those up to the first that does not lower the error. A first effect that changes
 /// nothing there may still be small; one that does harm is none. But an effect may do good only beside one that was
 /// found after it: where more of the chain gains beyond doubt, so much of it is kept.
-fn borne_out(whole: &Bench, before: &[Scored], scores: &[Vec<Scored>], errors: &[f64]) -> usize {
+fn validated_prefix(whole: &Bench, before: &[Scored], scores: &[Vec<Scored>], errors: &[f64]) -> usize {
     let Some(first) = scores.first() else { return 0 };
     let lost = first.is_empty() && !before.is_empty();
     let harmful = lost || blocks::gain(whole, before, first).z < -HARMFUL_Z;
@@ -309,7 +309,7 @@ fn conclude(
         false => whole.normalised_error(scored),
     };
     let errors: Vec<f64> = scores.iter().map(error).collect();
-    let kept = borne_out(whole, &before, &scores, &errors);
+    let kept = validated_prefix(whole, &before, &scores, &errors);
     if kept < scores.len() {
         let without = (0, fits[0].clone());
         let (count, fitted) = if kept == 0 { &without } else { &chain[kept - 1] };

@@ -383,7 +383,7 @@ impl Findings {
         self.steps.iter().flat_map(kept).collect()
     }
 
-    /// Takes back all effects after the first `count`, which the test records do not bear out; `model` has
+    /// Takes back all effects after the first `count`, which the test records do not confirm; `model` has
     /// those alone.
     pub fn veto(&mut self, search: &Search, count: usize, model: &Model) {
         for candidate in self.effects().split_off(count) {

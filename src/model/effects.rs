@@ -53,7 +53,7 @@ fn applied(table: &Table<'_>, kind: Kind) -> Result<AppliedEffect, ModelError> {
     Ok(AppliedEffect { effect, location, values: values.collect::<Result<_, _>>()? })
 }
 
-/// The key that says where an effect sits.
+/// The key for the place of an effect.
 fn place_key(place: PlaceKind) -> Option<&'static str> {
     match place {
         PlaceKind::Nowhere => None,

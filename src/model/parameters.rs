@@ -2,7 +2,7 @@
 //!
 //! Paths follow the file: `contact.smoothness`, `beam.damping_ratio` (one for all modes) or
 //! `beam.damping_ratio.3` (the third mode's), `beam.point_mass.1.mass`, `support.offset`, `mass.1.mass`,
-//! `spring.2.stiffness`, `effect.1.half_gap`. Elements are counted from 1. Where sensors and contact points sit is no parameter.
+//! `spring.2.stiffness`, `effect.1.half_gap`. Elements are counted from 1. Positions of sensors and contact points are no parameters.
 
 use super::error::ParameterError;
 use super::slots::Value;

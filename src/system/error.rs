@@ -41,7 +41,7 @@ pub enum StructureError {
         /// Length of the beam (m).
         length: f64,
     },
-    /// An effect sits at a place that a beam does not have.
+    /// An effect at a place that a beam does not have.
     #[error("`{place}` is no place on a beam: write `x=` and the distance from the clamp in metres")]
     NotOnTheBeam {
         /// The place as written.
@@ -103,7 +103,7 @@ pub enum StructureError {
         /// Number of masses.
         count: usize,
     },
-    /// An effect sits at a mass that the oscillator does not have.
+    /// An effect at a mass that the oscillator does not have.
     #[error("there is no mass \"{place}\" on the oscillator")]
     NoSuchMass {
         /// The place as written.

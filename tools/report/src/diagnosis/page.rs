@@ -23,7 +23,7 @@ pub fn diagnosis_html(diagnosis: &Diagnosis, run: &Run, settings: &Settings) -> 
         (fall(&mut drawn, diagnosis))
         (sections::why(diagnosis))
         (sections::effects(diagnosis))
-        (left(diagnosis))
+        (residual(diagnosis))
         (candidates(&mut drawn, diagnosis))
         (alike(&mut drawn, diagnosis))
         (sections::detectable(diagnosis))
@@ -67,10 +67,10 @@ fn fall(drawn: &mut Figures, diagnosis: &Diagnosis) -> Markup {
 }
 
 /// What remains, where it is not explained.
-fn left(diagnosis: &Diagnosis) -> Markup {
+fn residual(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if diagnosis.verdict == Verdict::Unexplained {
-            section id="left" {
+            section id="residual" {
                 h2 { "Residual" }
                 p.text {
                     "The part of the measurement that the last model does not predict. A curve that depends on one of these "
