@@ -134,7 +134,7 @@ pub(super) fn mean_square_beyond_doubt(bench: &Bench, scored: &[Scored]) -> f64 
     mean_square(scored) - BEYOND_DOUBT * doubt / count.max(1) as f64
 }
 
-/// Blocks of a channel from which its own mean is told from chance.
+/// Blocks of a channel for which the significance of its mean is tested.
 const STRATUM: usize = 8;
 
 /// Variance of a sum of independent numbers, from their differences within each stratum. Strata of few numbers are

@@ -89,7 +89,7 @@ mod tests {
         Unknown { path: path.into(), parameter, unit: "" }
     }
 
-    /// What is told is the scatter of predictions by fits to noise that is drawn anew.
+    /// The expected value is the scatter of predictions by fits to noise that is drawn anew.
     #[test]
     fn the_standard_error_of_predictions_is_their_scatter() {
         let text = format!(
@@ -104,7 +104,7 @@ mod tests {
         ];
         // The first hardly slips: the limit is in doubt, and the second shows little else.
         const DRAWS: u64 = 60;
-        let (mut scatter, mut told) = (0.0, 0.0);
+        let (mut scatter, mut expected) = (0.0, 0.0);
         for draw in 0..DRAWS {
             let data = dataset(&[1.05e-5, 5e-5], draw);
             let mut bench = Bench::new(&model, &data, None).unwrap();
@@ -114,8 +114,8 @@ mod tests {
             let found = &bench.score(&fitted.model, &[1]).unwrap()[0].predictions;
             let square: f64 = found.iter().zip(exact).map(|(a, b)| ((a - b) / DEVIATION).powi(2)).sum();
             scatter += square / found.len() as f64 / DRAWS as f64;
-            told += of_predictions(&bench, &fitted.model, &unknowns, &[0], &[1]).unwrap() / DRAWS as f64;
+            expected += of_predictions(&bench, &fitted.model, &unknowns, &[0], &[1]).unwrap() / DRAWS as f64;
         }
-        assert!((0.6..1.6).contains(&(told / scatter)), "{told} of {scatter}");
+        assert!((0.6..1.6).contains(&(expected / scatter)), "{expected} of {scatter}");
     }
 }

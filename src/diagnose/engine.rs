@@ -142,7 +142,7 @@ pub fn diagnose(
         return Ok(verdict::insufficient(model, dataset, baseline, measured, &parts, reason));
     }
     let given = model.effects.len();
-    let told = |what: &str| meter.tell(what);
+    let report = |what: &str| meter.tell(what);
     let first = refitted_at_first(&bench, model, &parts, |model| {
         candidates::unknowns(model, given, &scales, dataset)
     })
@@ -161,7 +161,7 @@ pub fn diagnose(
     let search = Search {
         beginnings: beginnings.as_ref(),
         about_measured: about_measured.as_ref(),
-        ..Search::new(&bench, &parts, &scales, model, &told)
+        ..Search::new(&bench, &parts, &scales, model, &report)
     };
     let base = search.state(&first.model).map_err(|reason| unpredictable(&bench, &first.model, reason))?;
     let smallest = base.chi_square().min(search.fitted_chi_square(&base));
@@ -226,8 +226,8 @@ fn table(
 ) -> Result<Diagnosis, DiagnoseError> {
     noise::weigh(&mut bench.lanes, &measured, &vec![Vec::new(); dataset.records.len()]);
     let parts = few_points::whole(dataset);
-    let told = |what: &str| meter.tell(what);
-    let search = Search::new(&bench, &parts, &scales, model, &told);
+    let report = |what: &str| meter.tell(what);
+    let search = Search::new(&bench, &parts, &scales, model, &report);
     let material =
         few_points::Material { model, dataset, baseline, measured, options, interrupt: watch.interrupt };
     few_points::diagnose(&search, material).map_err(|reason| unpredictable(&bench, model, reason))
@@ -416,9 +416,9 @@ pub fn add(
         return Err(RefitError::NothingToFit.into());
     }
     let meter = Meter { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(2) };
-    let told = |what: &str| meter.tell(what);
+    let report = |what: &str| meter.tell(what);
     let parts = Parts { fit, ..Parts::default() };
-    let search = Search::new(&bench, &parts, &scales, model, &told);
+    let search = Search::new(&bench, &parts, &scales, model, &report);
     let failed = |reason| unpredictable(&bench, model, reason);
     let base: State = search.state(model).map_err(failed)?;
     meter.tell("refitted");

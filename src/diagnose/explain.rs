@@ -15,11 +15,11 @@ use crate::model::Model;
 /// Correlation of prediction and measurement below which one of them has the wrong sign.
 const OPPOSED: f64 = -0.3;
 
-/// What is told of.
-pub(super) struct Told<'a, 'b, 'd> {
+/// What the sentences of a verdict are made from.
+pub(super) struct VerdictContext<'a, 'b, 'd> {
     pub search: &'a Search<'b, 'd>,
     pub outcome: &'a Outcome,
-    /// The model as it came.
+    /// The model as given.
     pub given: &'a Model,
     pub error: &'a Errors,
     pub known: bool,
@@ -33,12 +33,12 @@ fn percent(fraction: f64) -> String {
 }
 
 /// Why, the most important first.
-pub(super) fn reasons(told: &Told) -> Vec<String> {
-    let Told { outcome, error, known, .. } = told;
+pub(super) fn reasons(context: &VerdictContext) -> Vec<String> {
+    let VerdictContext { outcome, error, known, .. } = context;
     let findings = &outcome.findings;
     let mut reasons = Vec::new();
     let chosen = findings.base.chi_square();
-    match (told.verdict, outcome.chi_square) {
+    match (context.verdict, outcome.chi_square) {
         (Verdict::NothingMissing, Some(chi_square)) => reasons.push(format!(
             "the refitted model has a reduced χ² of {chi_square:.2} on the test records, and {}",
             nothing_gained(outcome)
@@ -48,7 +48,7 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
              deviation: whatever the noise is, nothing remains to be explained",
             percent(error.test)
         )),
-        (Verdict::Unexplained, Some(chi_square)) => reasons.push(unexplained(outcome, told.search, chi_square)),
+        (Verdict::Unexplained, Some(chi_square)) => reasons.push(unexplained(outcome, context.search, chi_square)),
         (Verdict::Unexplained, None) => reasons.push(format!(
             "the residual is {} of the measured channels' standard deviation. How much of it is noise is not known, so \
              these data do not show whether an effect is missing. {}",
@@ -103,13 +103,13 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
         ));
     }
     match outcome.chi_square {
-        Some(chi_square) if told.verdict == Verdict::EffectFound && chi_square > ADEQUATE => reasons.push(format!(
+        Some(chi_square) if context.verdict == Verdict::EffectFound && chi_square > ADEQUATE => reasons.push(format!(
             "a small part remains unexplained: the reduced χ² is {chi_square:.2}"
         )),
-        Some(chi_square) if told.verdict == Verdict::EffectFound => {
+        Some(chi_square) if context.verdict == Verdict::EffectFound => {
             reasons.push(format!("the residual is noise: the reduced χ² is {chi_square:.2}"));
         }
-        None if told.verdict == Verdict::EffectFound => reasons.push(format!(
+        None if context.verdict == Verdict::EffectFound => reasons.push(format!(
             "on the test records the residual is {} of the channels' standard deviation; how much of it is noise is \
              unknown, since no motion was repeated closely enough to measure the noise",
             percent(error.test)
@@ -124,22 +124,22 @@ pub(super) fn reasons(told: &Told) -> Vec<String> {
             outcome.follows.join(", ")
         ));
     }
-    if let Some(repeated) = outcome.repeated.filter(|_| told.verdict != Verdict::Unexplained) {
+    if let Some(repeated) = outcome.repeated.filter(|_| context.verdict != Verdict::Unexplained) {
         reasons.push(format!("{}, though it is small", repeats(repeated)));
     }
-    reasons.extend(told.groups.iter().map(|group| group.reason.clone()));
-    if *known && told.verdict == Verdict::NothingMissing && chosen > ADEQUATE {
+    reasons.extend(context.groups.iter().map(|group| group.reason.clone()));
+    if *known && context.verdict == Verdict::NothingMissing && chosen > ADEQUATE {
         reasons.push(format!("on the validation records the reduced χ² is {chosen:.2}"));
     }
     let most = outcome.chi_square.map_or(f64::NAN, |chi_square| chi_square.max(chosen));
-    if *known && told.verdict == Verdict::NothingMissing && most > UNEXPLAINED {
+    if *known && context.verdict == Verdict::NothingMissing && most > UNEXPLAINED {
         reasons.push(
             "noise alone can cause this value: the noise is correlated over a long time, and these records hold few \
              independent values of it; measure longer records"
                 .to_owned(),
         );
     }
-    reasons.extend(opposed(told.search, outcome));
+    reasons.extend(opposed(context.search, outcome));
     if findings.interrupted {
         reasons.push("the search was interrupted: effects that were not tried may fit better".to_owned());
     }
@@ -238,15 +238,19 @@ fn repeats(repeated: Repeated) -> String {
 }
 
 /// What was seen of the effects, and what else could cause the same.
-pub(super) fn evidence(told: &Told, ids: &[&'static str], sensitivities: &Sensitivities) -> Vec<Evidence> {
+pub(super) fn evidence(
+    context: &VerdictContext,
+    ids: &[&'static str],
+    sensitivities: &Sensitivities,
+) -> Vec<Evidence> {
     let mut named: Vec<&'static str> = ids.to_vec();
-    for group in told.groups {
+    for group in context.groups {
         named.extend(group.effects.iter().filter(|id| !ids.contains(*id)));
     }
     if named.is_empty() {
         return Vec::new();
     }
-    let features = features::of(told.search, told.given, &told.outcome.findings.base);
+    let features = features::of(context.search, context.given, &context.outcome.findings.base);
     named
         .into_iter()
         .filter_map(|id| {
@@ -282,18 +286,18 @@ fn otherwise(id: &str, sensitivities: &Sensitivities) -> Option<String> {
 }
 
 /// The experiment that would decide between the explanations that remain.
-pub(super) fn next_experiment(told: &Told, _: &Sensitivities) -> Option<String> {
-    match told.verdict {
-        Verdict::NotDistinguishable => told.groups.first().map(|group| group.experiment.clone()),
-        Verdict::EffectFound if !told.known => Some(
+pub(super) fn next_experiment(context: &VerdictContext, _: &Sensitivities) -> Option<String> {
+    match context.verdict {
+        Verdict::NotDistinguishable => context.groups.first().map(|group| group.experiment.clone()),
+        Verdict::EffectFound if !context.known => Some(
             "Repeat one record, or run it over several periods: only then is it known how much of the residual is \
              noise"
                 .to_owned(),
         ),
-        Verdict::Unexplained if !told.known => Some(
+        Verdict::Unexplained if !context.known => Some(
             "Repeat one record, or run it over several periods: the difference of the repeats is the noise".to_owned(),
         ),
-        Verdict::Unexplained if told.outcome.in_doubt => Some(
+        Verdict::Unexplained if context.outcome.in_doubt => Some(
             "Measure more records like the test records, with levels and frequencies a little above and a little below \
              theirs: then the parameters are known well enough to decide whether an effect is missing"
                 .to_owned(),

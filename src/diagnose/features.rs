@@ -8,7 +8,7 @@ use crate::effects::Features;
 use crate::model::{Model, Structure};
 
 /// Of the measurements, and of the residual of the model refitted without effects on the validation records.
-/// `given` is the model as it came.
+/// `given` is the model as given.
 pub(super) fn of(search: &Search, given: &Model, base: &State) -> Features {
     let bench = search.bench;
     let mut found = Features::default();

@@ -57,7 +57,7 @@ pub(super) struct Outcome {
     pub findings: Findings,
     /// The base, and one per step; one more where something was dropped.
     pub fits: Vec<Fitted>,
-    /// Normalised error of the test records under the model as it came.
+    /// Normalised error of the test records under the model as given.
     pub given: f64,
     /// Untouched records under the first and the last of them.
     pub before: Vec<Scored>,
@@ -181,7 +181,7 @@ impl Findings {
             && search.chi_square_beyond_doubt(present, ADEQUATE) < ADEQUATE
     }
 
-    /// Makes the first `round` anew where that leads to a far better fit: from the model as it came, then from a better
+    /// Makes the first `round` anew where that leads to a far better fit: from the model as given, then from a better
     /// minimum of the model without effects, which becomes the base. Returns whether it has.
     fn begin_elsewhere(
         &mut self,

@@ -5,7 +5,7 @@ use crate::data::{Channel, Dataset, Record};
 use crate::effects::{Location, Scales};
 use crate::model::{Model, Structure};
 
-/// Magnitudes for the parameters of effects on `model` under `dataset`; whatever cannot be told stays one.
+/// Magnitudes for the parameters of effects on `model` under `dataset`; what is unknown stays one.
 pub(super) fn of(model: &Model, dataset: &Dataset) -> Scales {
     let mut scales = Scales::default();
     let largest = |values: f64, found: &mut f64| {

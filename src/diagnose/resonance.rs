@@ -34,7 +34,7 @@ struct Seen {
     damping_ratio: f64,
 }
 
-/// Fills what the records seen show beside the model refitted without effects; `given` is the model as it came.
+/// Fills what the records seen show beside the model refitted without effects; `given` is the model as given.
 pub(super) fn fill(search: &Search, given: &Model, base: &State, found: &mut Features) {
     let seen = search.parts.seen();
     let points: Vec<Seen> =

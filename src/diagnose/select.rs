@@ -54,12 +54,12 @@ pub(super) struct Search<'a, 'd> {
     pub about_measured: Option<&'a Bench<'d>>,
     pub parts: &'a Parts,
     pub scales: &'a Scales,
-    /// The model as it came.
+    /// The model as given.
     pub origin: &'a Model,
     /// Effects that it came with.
     pub given: usize,
     /// Called after every candidate.
-    pub told: &'a (dyn Fn(&str) + Sync),
+    pub report: &'a (dyn Fn(&str) + Sync),
 }
 
 /// A model fitted to the fitted records, with its predictions of the validation records.
@@ -111,7 +111,7 @@ impl<'a, 'd> Search<'a, 'd> {
         parts: &'a Parts,
         scales: &'a Scales,
         origin: &'a Model,
-        told: &'a (dyn Fn(&str) + Sync),
+        report: &'a (dyn Fn(&str) + Sync),
     ) -> Self {
         Self {
             bench,
@@ -121,7 +121,7 @@ impl<'a, 'd> Search<'a, 'd> {
             scales,
             origin,
             given: origin.effects.len(),
-            told,
+            report,
         }
     }
 
@@ -175,7 +175,7 @@ impl<'a, 'd> Search<'a, 'd> {
         round
     }
 
-    /// The round of `first`, or one from the model as it came, where that leads to a far better fit. A refit without an
+    /// The round of `first`, or one from the model as given, where that leads to a far better fit. A refit without an
     /// effect that is there bends all other parameters, and those that the engineer gave may be the nearer ones.
     pub fn begun_at_origin(&self, base: &State, sets: &[Vec<Candidate>], first: Vec<Trial>) -> Vec<Trial> {
         let best = |round: &[Trial]| {
@@ -187,7 +187,7 @@ impl<'a, 'd> Search<'a, 'd> {
     }
 
     /// Where the search for effects beside those of `model` begins, and whether as far off: at the model itself and,
-    /// where motions are solved for, at the model as it came.
+    /// where motions are solved for, at the model as given.
     fn begun_at<'m>(&'m self, model: &'m Model) -> Vec<(&'m Model, bool)> {
         let nothing_added = model.effects.len() == self.given;
         let origin = (self.about_measured.is_some() && nothing_added).then_some((self.origin, true));
@@ -211,7 +211,7 @@ impl<'a, 'd> Search<'a, 'd> {
             .map(|set| {
                 let screened = self.screened(from, set);
                 let ids: Vec<&str> = set.iter().map(|candidate| candidate.effect.id).collect();
-                (self.told)(&ids.join(" + "));
+                (self.report)(&ids.join(" + "));
                 screened
             })
             .collect();

@@ -5,7 +5,7 @@ use super::candidates::{Candidate as Tried, effect_of};
 use super::confound;
 use super::diagnosis::{Candidate, Cost, Diagnosis, Errors, Estimate, Group, Noise, Step, Untried, Verdict};
 use super::engine::{comparison, cost, errors, stage};
-use super::explain::{self, Told};
+use super::explain::{self, VerdictContext};
 use super::findings::{Added, Outcome, UNEXPLAINED};
 use super::select::{PASSING_FRACTION, PASSING_Z, Search, Trial};
 use super::sensitivity::{self, Sensitivities};
@@ -57,12 +57,19 @@ pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosi
     let groups = groups(&outcome);
     let verdict = judge(&outcome, known, &groups, &error);
     let ids: Vec<&'static str> = found.iter().map(|candidate| candidate.effect.id).collect();
-    let told =
-        Told { search, outcome: &outcome, given: model, error: &error, known, groups: &groups, verdict };
+    let context = VerdictContext {
+        search,
+        outcome: &outcome,
+        given: model,
+        error: &error,
+        known,
+        groups: &groups,
+        verdict,
+    };
     let (effects, surrogates) = match verdict {
         Verdict::EffectFound => (ids.clone(), Vec::new()),
         Verdict::Unexplained => (Vec::new(), surrogates(&outcome)),
-        // What is beyond doubt beside those that are not told apart.
+        // The significant effects, besides those that cannot be distinguished.
         Verdict::NotDistinguishable => {
             let doubtful = |id: &&&str| groups.iter().any(|group| group.effects.contains(*id));
             (ids.iter().filter(|id| !doubtful(id)).copied().collect(), Vec::new())
@@ -71,9 +78,9 @@ pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosi
     };
     Diagnosis {
         verdict,
-        reasons: explain::reasons(&told),
-        evidence: explain::evidence(&told, &ids, &sensitivities),
-        next_experiment: explain::next_experiment(&told, &sensitivities),
+        reasons: explain::reasons(&context),
+        evidence: explain::evidence(&context, &ids, &sensitivities),
+        next_experiment: explain::next_experiment(&context, &sensitivities),
         effects,
         surrogates,
         groups: if verdict == Verdict::NotDistinguishable { groups } else { Vec::new() },

@@ -117,7 +117,7 @@ pub(super) fn diagnose(search: &Search, material: Material) -> Result<Diagnosis,
     let mut rounds = Rounds { search, interrupt, base, kept: Vec::new(), rounds: Vec::new() };
     rounds.run(&tried, options.max_effects, values);
     rounds.settle_ties();
-    Ok(rounds.told(model, dataset, baseline, measured, untried))
+    Ok(rounds.diagnosis(model, dataset, baseline, measured, untried))
 }
 
 /// Why a table cannot show `candidate`.
@@ -215,7 +215,7 @@ impl Rounds<'_, '_> {
                     },
                     Err(reason) => (None, Err(reason)),
                 };
-                (self.search.told)(candidate.effect.id);
+                (self.search.report)(candidate.effect.id);
                 let none = Gain { z: f64::NAN, fraction: f64::NAN };
                 let gain = standing.as_ref().map_or(none, |after| after.unseen.gain_over(&before.unseen));
                 Tried { trial: Trial { candidates: set, state, gain }, standing }
@@ -290,7 +290,7 @@ impl Rounds<'_, '_> {
     }
 
     /// The diagnosis.
-    fn told(
+    fn diagnosis(
         &self,
         model: &Model,
         dataset: &Dataset,
