@@ -1,12 +1,13 @@
 //! The published beam with its frictional support in the frequency domain.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use divan::Bencher;
 use stickslip::contact::{Jenkins, Valanis};
 use stickslip::harmonic::{
-    Assembly, Body, Control, CurveSettings, LoadedContact, Method, Settings, backbone, forced_response,
-    frequency_response, phase_resonance,
+    Assembly, Control, CurveSettings, Method, Settings, backbone, forced_response, frequency_response,
+    phase_resonance,
 };
 use stickslip::model::{Beam, Damping, Model, Structure};
 use stickslip::system::ModalBeam;
@@ -31,19 +32,19 @@ fn valanis() -> Valanis {
 #[divan::bench(args = [(4, 5), (6, 9)])]
 fn backbone_of_61_levels(bencher: Bencher, (modes, harmonics): (usize, usize)) {
     let (beam, law) = (published(modes), valanis());
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let system = beam.system(Some((Arc::new(law), LOAD))).expect("a system");
     let settings = Settings { harmonics, ..Settings::default() };
     let levels: Vec<f64> = (10..=70).map(f64::from).collect();
-    bencher.bench(|| backbone(&beam, Some(contact), &levels, &settings, &[]).expect("converged"));
+    bencher.bench(|| backbone(&system, &levels, &settings, &[]).expect("converged"));
 }
 
 /// One level without a start.
 #[divan::bench(args = [10.0, 40.0])]
 fn cold_resonance_6_modes_9_harmonics(bencher: Bencher, level: f64) {
     let (beam, law) = (published(6), valanis());
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let system = beam.system(Some((Arc::new(law), LOAD))).expect("a system");
     let settings = Settings { harmonics: 9, ..Settings::default() };
-    bencher.bench(|| phase_resonance(&beam, Some(contact), level, &settings, None).expect("converged"));
+    bencher.bench(|| phase_resonance(&system, level, &settings, None).expect("converged"));
 }
 
 /// A steady record at two harmonics of a period of 20 ms.
@@ -51,21 +52,19 @@ fn cold_resonance_6_modes_9_harmonics(bencher: Bencher, level: f64) {
 fn cold_steady_record(bencher: Bencher, (modes, harmonics): (usize, usize)) {
     let beam = published(modes);
     let law = Jenkins::new(7e6, 0.5).expect("a law");
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let system = beam.system(Some((Arc::new(law), LOAD))).expect("a system");
     let settings = Settings { harmonics, method: Method::Exact, tolerance: 1e-8, max_iterations: 40 };
     let mut force = [0.0; 7];
     (force[1], force[5]) = (6.0, 10.0);
-    bencher.bench(|| {
-        forced_response(&beam, Some(contact), TAU / (TAU * 51.0), &force, &settings, None).expect("converged")
-    });
+    bencher
+        .bench(|| forced_response(&system, TAU / (TAU * 51.0), &force, &settings, None).expect("converged"));
 }
 
 /// A response over 48 … 56 Hz, 6 modes and 9 harmonics; the number of points is printed.
 #[divan::bench(args = ["held at 30 m/s²", "at 8 N"])]
 fn frequency_response_6_modes_9_harmonics(bencher: Bencher, control: &str) {
     let (beam, law) = (published(6), valanis());
-    let contacts = vec![LoadedContact { law: &law, normal_load: LOAD }];
-    let assembly = Assembly::new(Body::Beam(&beam), contacts);
+    let assembly = Assembly::new(beam.system(Some((Arc::new(law), LOAD))).expect("a system"));
     let node = beam.sensors.len();
     let control = match control {
         "at 8 N" => Control::Level(8.0),

@@ -6,12 +6,11 @@
 //! the fastest counts, since other load can only slow.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use stickslip::contact::{ContactLaw, Iwan, IwanSpacing, Jenkins, Valanis};
-use stickslip::harmonic::{
-    Assembly, Body, Control, CurveSettings, Ending, HarmonicError, LoadedContact, frequency_response,
-};
+use stickslip::harmonic::{Assembly, Control, CurveSettings, Ending, HarmonicError, frequency_response};
 use stickslip::model::{Beam, Damping, Model, Structure};
 use stickslip::system::{LinearStructure, ModalBeam, Output, Receptance};
 
@@ -26,11 +25,11 @@ fn main() {
         sizes.iter().map(measured).collect::<Vec<_>>()
     };
     let results = Results {
-        two_masses: two_masses(&jenkins(), HARMONICS),
+        two_masses: two_masses(jenkins(), HARMONICS),
         beam: beam(),
-        by_harmonics: series(&[1, 3, 7, 15, 21, 41, 81, 161], &|harmonics| two_masses(&jenkins(), harmonics)),
+        by_harmonics: series(&[1, 3, 7, 15, 21, 41, 81, 161], &|harmonics| two_masses(jenkins(), harmonics)),
         by_sliders: series(&[1, 2, 4, 8, 16, 32, 64, 128, 256], &|sliders| {
-            two_masses(&parallel(sliders), HARMONICS)
+            two_masses(parallel(sliders), HARMONICS)
         }),
         by_freedoms: series(&[2, 10, 30, 100, 300, 1000, 10_000], &rod),
     };
@@ -96,7 +95,7 @@ fn parallel(count: usize) -> Iwan {
 }
 
 /// The friction-vibration study from 0.2 to 2.0 rad/s under 0.4 N.
-fn two_masses(law: &dyn ContactLaw, harmonics: usize) -> Measured {
+fn two_masses(law: impl ContactLaw + 'static, harmonics: usize) -> Measured {
     let structure = LinearStructure {
         size: 2,
         mass: vec![(0, 0, 1.0), (1, 1, 1.0)],
@@ -106,7 +105,7 @@ fn two_masses(law: &dyn ContactLaw, harmonics: usize) -> Measured {
         excitation: vec![(0, 1.0)],
         outputs: vec![output("x", 0), output("y", 1)],
     };
-    let assembly = Assembly::new(Body::Linear(&structure), vec![LoadedContact { law, normal_load: 1.0 }]);
+    let assembly = Assembly::new(structure.system(vec![(Arc::new(law), 1.0)]));
     let settings = CurveSettings { harmonics, ..CurveSettings::default() };
     follow(&assembly, (0.2, 2.0), &Control::Level(0.4), &settings).expect("a curve")
 }
@@ -125,8 +124,7 @@ fn beam() -> Option<Measured> {
     let beam = Beam { modes: BEAM_MODES, damping: Damping::Uniform(0.003), ..beam };
     let beam = ModalBeam::new(&beam).expect("a beam");
     let law = Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, 147.15).expect("a law");
-    let contacts = vec![LoadedContact { law: &law, normal_load: 147.15 }];
-    let assembly = Assembly::new(Body::Beam(&beam), contacts);
+    let assembly = Assembly::new(beam.system(Some((Arc::new(law), 147.15))).expect("a system"));
     let settings = CurveSettings { harmonics: BEAM_HARMONICS, ..CurveSettings::default() };
     let held = Control::Held { node: 0, order: 1, derivative: 2, amplitude: 40.0 };
     let measured = follow(&assembly, (45.0 * TAU, 56.0 * TAU), &held, &settings);
@@ -157,9 +155,7 @@ fn rod(size: usize) -> Measured {
         outputs: vec![output("middle", size / 2), output("end", size - 1)],
     };
     let (_, preparation) = fastest(|| Receptance::new(&structure).expect("a receptance"));
-    let law = jenkins();
-    let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
-    let assembly = Assembly::new(Body::Linear(&structure), contacts);
+    let assembly = Assembly::new(structure.system(vec![(Arc::new(jenkins()), 1.0)]));
     // The dynamic stiffness of a rod cut ever finer is ever nearer to singular, as size², and rounding in
     // its factors is what the balance can be met to: up to a thousand masses the default is.
     let strict = CurveSettings::default().tolerance;

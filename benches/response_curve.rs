@@ -4,9 +4,11 @@
 //! Curves are followed by arc length from 0.2 to 2 rad/s under an amplitude of 0.4 N, with the
 //! truncation error of every point estimated and the peaks located.
 
+use std::sync::Arc;
+
 use divan::Bencher;
 use stickslip::contact::Jenkins;
-use stickslip::harmonic::{Assembly, Body, Control, Curve, CurveSettings, LoadedContact, frequency_response};
+use stickslip::harmonic::{Assembly, Control, Curve, CurveSettings, frequency_response};
 use stickslip::system::{LinearStructure, Output};
 
 fn main() {
@@ -37,8 +39,7 @@ fn follow(harmonics: usize, all_harmonics: bool) -> Curve {
         outputs: vec![output("x", 0), output("y", 1)],
     };
     let law = Jenkins::new(0.2, 0.02).expect("legal parameters");
-    let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
-    let assembly = Assembly::new(Body::Linear(&structure), contacts);
+    let assembly = Assembly::new(structure.system(vec![(Arc::new(law), 1.0)]));
     let settings = CurveSettings { harmonics, all_harmonics, ..CurveSettings::default() };
     frequency_response(&assembly, 0.2, 2.0, &Control::Level(0.4), &settings, &mut |_| true)
         .expect("the curve has a first point")

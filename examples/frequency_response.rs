@@ -6,9 +6,7 @@ use stickslip::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = Model::parse(include_str!("friction-vibration/model.toml")).map_err(|error| error.message)?;
-    let assembled = model.assembled()?;
-    let contacts = assembled.laws().map(|(law, normal_load)| LoadedContact { law, normal_load }).collect();
-    let system = Assembly::new(Body::Linear(&assembled.structure), contacts);
+    let system = Assembly::new(model.system()?);
 
     // 0.2 to 2 rad/s, 21 harmonics, the error estimated at every point. The closure sees each point and may stop.
     let settings = CurveSettings { harmonics: 21, ..CurveSettings::default() };

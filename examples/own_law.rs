@@ -2,8 +2,11 @@
 //!
 //! `cargo run --release -p stickslip --example own_law`
 
+use std::sync::Arc;
+
 use stickslip::contact::StateTangents;
 use stickslip::prelude::*;
+use stickslip::system::Element;
 
 /// `T = k3 u³`, without memory.
 #[derive(Debug)]
@@ -29,9 +32,11 @@ impl ContactLaw for Hardening {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = Model::parse(include_str!("friction-vibration/model.toml")).map_err(|error| error.message)?;
-    let structure = model.assembled()?.structure; // its one contact takes our law instead of the model's
-    let contact = LoadedContact { law: &Hardening(0.05), normal_load: 0.0 };
-    let system = Assembly::new(Body::Linear(&structure), vec![contact]);
+    let mut system = model.system()?;
+    if let [Element::Law { law, .. }] = &mut system.elements[..] {
+        *law = Arc::new(Hardening(0.05)); // instead of the law of the model's one contact
+    }
+    let system = Assembly::new(system);
     let (force, settings) = (Control::Level(0.1), CurveSettings::default());
     let curve = frequency_response(&system, 0.4, 1.0, &force, &settings, &mut |_| true)?;
     for peak in &curve.peaks {

@@ -26,6 +26,6 @@ pub use crate::fit::compare::{Refit, Stage, Watch, evaluate, refit};
 #[cfg(feature = "analysis")]
 pub use crate::fit::predict::predict;
 #[cfg(feature = "analysis")]
-pub use crate::harmonic::{Assembly, Body, Control, Curve, CurveSettings, frequency_response};
+pub use crate::harmonic::{Assembly, Control, Curve, CurveSettings, frequency_response};
 pub use crate::model::{Model, Structure};
 pub use crate::system::{Core, Element, Port, System};

@@ -79,13 +79,9 @@ fn alone(bench: &Bench, model: &Model, record: usize) -> Option<Seen> {
 
 /// Angular frequency (rad/s) and damping ratio of the lowest mode with the contact in stick.
 fn lowest_mode(model: &Model) -> Option<(f64, f64)> {
-    let mut structure = model.assembled().ok()?.structure;
-    if let (Some(contact), Some(row)) = (&model.contact, structure.contacts.first()) {
-        let stiffness = contact.tangential_stiffness;
-        let products =
-            row.iter().flat_map(|(i, a)| row.iter().map(move |(j, b)| (*i, *j, stiffness * a * b)));
-        let products: Vec<_> = products.collect();
-        structure.stiffness.extend(products);
+    let mut structure = model.system().ok()?.linear_part();
+    if let Some(contact) = &model.contact {
+        structure.stiffness.extend(structure.along_contacts([contact.tangential_stiffness]));
     }
     let modes = structure.natural_modes().ok()?;
     let angular_frequency = *modes.angular_frequency.first()?;

@@ -88,12 +88,13 @@ pub(super) fn behaviour(model: &Model, oscillator: &Oscillator) -> Result<Box<dy
     if masses > MOST_STEPPED {
         return Err(format!("{masses} masses are too many for an FMU; {MOST_STEPPED} is the limit"));
     }
-    let assembled = model.assembled().map_err(|error| error.to_string())?;
-    let (structure, normal_load) = (assembled.structure.clone(), assembled.normal_load);
-    let own = usize::from(assembled.law.is_some());
+    let system = model.system().map_err(|error| error.to_string())?;
+    let structure = system.linear_part();
+    let normal_load = model.contact.as_ref().map_or(0.0, |contact| contact.normal_load);
+    let own = usize::from(model.contact.is_some());
     let joint = model.changes().joint;
     let mut stiffness = vec![0.0; structure.contacts.len()];
-    let laws: Vec<_> = assembled.into_loaded().into_iter().map(|(law, _)| law).collect();
+    let laws: Vec<_> = system.laws().map(|(_, law, _)| law.clone()).collect();
     let memory: usize = laws.iter().take(own).map(|law| law.state_len()).sum();
     if let Some(contact) = &model.contact {
         stiffness[0] = contact.tangential_stiffness + joint.residual_stiffness.max(0.0);

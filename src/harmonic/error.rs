@@ -2,6 +2,7 @@
 
 use crate::contact::LawError;
 use crate::system::StructureError;
+use crate::time::OscillatorError;
 
 /// Why no periodic response was found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -25,9 +26,15 @@ pub enum HarmonicError {
         /// Cycles marched.
         cycles: usize,
     },
+    /// The model cannot take a value of the parameter.
+    #[error("{0}")]
+    Model(String),
     /// A contact could not be made for a value of the parameter.
     #[error(transparent)]
     Law(#[from] LawError),
+    /// Multipliers cannot be computed.
+    #[error(transparent)]
+    Multipliers(#[from] OscillatorError),
     /// The structure cannot be condensed to its contacts.
     #[error(transparent)]
     Structure(#[from] StructureError),

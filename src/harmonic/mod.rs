@@ -15,6 +15,7 @@
 mod balance;
 mod continuation;
 mod error;
+mod modal_system;
 mod modes;
 mod newton;
 mod period;
@@ -25,7 +26,8 @@ pub(crate) mod steady;
 
 pub use crate::contact::LoadedContact;
 pub use crate::numeric::{HarmonicSet, common_periods, excited_harmonics, fourier, whole_periods};
-pub use balance::assembly::{Assembly, Body, Control, CurveSettings, UNRESOLVED};
+pub use balance::assembly::{Assembly, Control, CurveSettings, UNRESOLVED};
+pub use balance::varied::AssemblyAt;
 pub use continuation::Ending;
 pub use error::HarmonicError;
 pub use modes::{ModePoint, ModeRange, NonlinearMode, nonlinear_mode};
@@ -34,7 +36,7 @@ pub use period::CycleSummary;
 pub use period::contact_cycle::{ContactCycle, ContactMapping, contact_cycle};
 pub use response::forced::{ForcedResponse, forced_response};
 pub use response::frequency_response::{frequency_response, level_response, periodic_response};
-pub use response::parameter::{ContactAt, OwnedContact, Varied, VariedCurve, parameter_response};
+pub use response::parameter::{Varied, VariedCurve, parameter_response};
 pub use response::resonance::{Resonance, backbone, phase_resonance};
 pub use response::tracking::{Followed, Tracked, TrackedCurve, Tracking, track_levels, track_parameter};
 pub use response::{Curve, Fold, Peak};

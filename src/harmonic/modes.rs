@@ -6,18 +6,18 @@
 //! Where ζ is small and modes are apart, the resonances of the forced structure lie on it.
 
 use super::HarmonicError;
-use crate::harmonic::balance::assembly::{Assembly, Body, CurveSettings};
-use crate::harmonic::balance::beam::{Balance, Extent, Ports};
+use crate::harmonic::balance::assembly::{Assembly, CurveSettings};
 use crate::harmonic::balance::condensed::Condensed;
+use crate::harmonic::balance::modal::{Balance, Extent, Ports};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::condition::{HeldAmplitude, Phase};
 use crate::harmonic::newton::problem::{Condition, Newton, Stopping};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
-use crate::harmonic::response::linear_resonances::tangent_stiffness;
+use crate::harmonic::response::linear_resonances::at_rest;
 use crate::harmonic::response::tracker::{Solution, describe_by, more_harmonics};
 use crate::harmonic::response::tracking::{LARGEST_CHANGE, LEAST_SHARE, between};
 use crate::numeric::fourier::coefficient_count;
-use crate::system::{LinearStructure, ModalBeam, Output, Row};
+use crate::system::{Element, LinearStructure, Output, Row};
 
 const FREE: [Scalar; 2] = [Scalar::AngularFrequency, Scalar::SelfExcitation];
 
@@ -64,8 +64,9 @@ pub struct NonlinearMode {
 /// A nonlinear mode of a structure with contacts, without excitation.
 ///
 /// ```
+/// use std::sync::Arc;
 /// use stickslip::contact::CubicSpring;
-/// use stickslip::harmonic::{LoadedContact, Assembly, Body, CurveSettings, ModeRange, nonlinear_mode};
+/// use stickslip::harmonic::{Assembly, CurveSettings, ModeRange, nonlinear_mode};
 /// use stickslip::model::{Anchor, Mass, Oscillator, Spring};
 /// let structure = Oscillator {
 ///     masses: vec![Mass { name: "m1".into(), mass: 1.0 }],
@@ -74,9 +75,7 @@ pub struct NonlinearMode {
 ///     excitation: 0,
 /// }
 /// .structure()?;
-/// let law = CubicSpring::new(0.0, 1.0)?;
-/// let contacts = vec![LoadedContact { law: &law, normal_load: 0.0 }];
-/// let assembly = Assembly::new(Body::Linear(&structure), contacts);
+/// let assembly = Assembly::new(structure.system(vec![(Arc::new(CubicSpring::new(0.0, 1.0)?), 0.0)]));
 /// let range = ModeRange { mode: 0, node: 0, amplitudes: [0.01, 1.0], points: 20 };
 /// let mode = nonlinear_mode(&assembly, &range, &CurveSettings::default())?;
 /// assert!((mode.points[0].angular_frequency - 1.0).abs() < 1e-4);
@@ -96,21 +95,23 @@ pub fn nonlinear_mode(
     let amplitudes = range.checked()?;
     assembly.check()?;
     settings.check()?;
-    let structure = match assembly.body {
-        Body::Linear(structure) => structure,
-        Body::Beam(beam) => return mode_of_beam(assembly, beam, range, &amplitudes, settings),
-    };
-    if assembly.contacts.is_empty() {
+    let acts = |element: &Element| !matches!(element, Element::Outside { .. });
+    if !assembly.system.elements.iter().any(acts) {
         return Err(HarmonicError::InvalidInput("a structure without contacts has linear modes only"));
     }
-    let laws = assembly.contacts.iter().map(|contact| tangent_stiffness(contact.law, contact.normal_load));
-    let start = LinearStart::new(structure, laws, range)?;
+    let mut structure = assembly.system.linear_part();
+    if !assembly.is_condensed() {
+        let driven = Output { name: "excitation".into(), row: structure.excitation.clone() };
+        structure.outputs.push(driven);
+        if structure.contacts.is_empty() {
+            structure.contacts.push(Ports::of(&assembly.system).contact().row.clone());
+        }
+        return mode_in_modes(assembly, &structure, range, &amplitudes, settings);
+    }
+    let start = LinearStart::new(&structure, at_rest(&assembly.system), range)?;
     // Free vibrations are poles of the structure's compliance where the contacts carry little; a damper moved
     // from the contacts to the structure, more than any friction damps, keeps the poles away.
-    let damping_shift = start.angular_frequency / start.contact_share;
-    let damped = with_dampers(structure, damping_shift);
-    let mut system = Condensed::new(&Assembly { body: Body::Linear(&damped), ..assembly.clone() }, settings)?;
-    system.shift_damping(damping_shift);
+    let mut system = Condensed::new(assembly, settings, start.angular_frequency / start.contact_share)?;
     let mut x = vec![0.0; system.unknowns()];
     let set = system.set();
     for (u, row) in x.chunks_exact_mut(set.len()).zip(&structure.contacts) {
@@ -121,31 +122,23 @@ pub fn nonlinear_mode(
     follow(&mut system, &start, x, range.node, &amplitudes, settings)
 }
 
-/// A nonlinear mode of a beam.
-fn mode_of_beam(
+/// A nonlinear mode of a system that keeps its modal coordinates.
+fn mode_in_modes(
     assembly: &Assembly,
-    beam: &ModalBeam,
+    structure: &LinearStructure,
     range: &ModeRange,
     amplitudes: &[f64],
     settings: &CurveSettings,
 ) -> Result<NonlinearMode, HarmonicError> {
-    if assembly.contacts.is_empty() && !beam.pulls_along() {
-        return Err(HarmonicError::InvalidInput("a beam without a contact has linear modes only"));
-    }
-    let contact = assembly.contacts.first().copied();
-    let mut structure = LinearStructure::from_beam(beam);
-    let at_excitation = Output { name: "excitation".into(), row: structure.excitation.clone() };
-    structure.outputs.push(at_excitation);
-    let behind = |stiffness: f64| stiffness / (1.0 + beam.axial_flexibility * stiffness);
-    let stiffness = contact.map(|contact| behind(tangent_stiffness(contact.law, contact.normal_load)));
-    let start = LinearStart::new(&structure, stiffness.into_iter(), range)?;
-    // As for a linear structure, but for the damper: it sits in the mode that takes most part.
+    let start = LinearStart::new(structure, at_rest(&assembly.system), range)?;
+    // As for a condensed system, but for the damper: it sits in the mode that takes most part.
     let strongest = start.shape.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     let mode = strongest.map_or(0, |(mode, _)| mode);
-    let ports = Ports::of(beam).with(Balance::shifted(beam, mode));
+    let ports = Ports::of(&assembly.system);
+    let arm = ports.contact().row.iter().filter(|(i, _)| *i == mode).map(|(_, value)| value).sum();
     let harmonics = settings.harmonics;
-    let extent = Extent { harmonics, contact: 2 * harmonics, ports };
-    let mut system = Balance::with(beam, contact, &[], &extent, settings.method, None)?;
+    let extent = Extent { harmonics, contact: 2 * harmonics, ports: ports.with(Balance::shifted(mode, arm)) };
+    let mut system = Balance::with(assembly, &[], &extent, settings.method, None)?;
     system.shift_damping(mode, start.angular_frequency);
     let count = coefficient_count(harmonics);
     let mut modal = vec![0.0; count * start.shape.len()];
@@ -153,7 +146,9 @@ fn mode_of_beam(
         mode[1] = share * amplitudes[0];
     }
     let mut force = vec![0.0; coefficient_count(2 * harmonics)];
-    force[1] = stiffness.unwrap_or(0.0) * start.displacement(&structure.contacts[0]) * amplitudes[0];
+    if let (true, Some(stiffness)) = (system.has_contact(), at_rest(&assembly.system).next()) {
+        force[1] = stiffness * start.displacement(&structure.contacts[0]) * amplitudes[0];
+    }
     let x = system.unknowns_of(&modal, &force);
     follow(&mut system, &start, x, range.node, amplitudes, settings)
 }
@@ -238,11 +233,7 @@ impl LinearStart {
             return Err(HarmonicError::InvalidInput("the structure has no such node"));
         };
         let mut stuck = structure.clone();
-        for (row, stiffness) in structure.contacts.iter().zip(stiffness) {
-            for (i, left) in row {
-                stuck.stiffness.extend(row.iter().map(|(j, right)| (*i, *j, left * stiffness * right)));
-            }
-        }
+        stuck.stiffness.extend(structure.along_contacts(stiffness));
         let modes = stuck.natural_modes()?;
         let Some(angular_frequency) = modes.angular_frequency.get(range.mode).copied() else {
             return Err(HarmonicError::InvalidInput("the structure has no such mode"));
@@ -275,24 +266,6 @@ impl LinearStart {
     fn displacement(&self, row: &Row) -> f64 {
         row.iter().map(|(i, factor)| factor * self.shape[*i]).sum()
     }
-}
-
-/// The structure with a damper (N s/m) along every contact's displacement.
-fn with_dampers(structure: &LinearStructure, damping: f64) -> LinearStructure {
-    let mut damped = structure.clone();
-    let entries = &mut damped.damping;
-    for row in &structure.contacts {
-        for (i, left) in row {
-            for (j, right) in row {
-                let value = left * damping * right;
-                match entries.binary_search_by_key(&(*i, *j), |(i, j, _)| (*i, *j)) {
-                    Ok(place) => entries[place].2 += value,
-                    Err(place) => entries.insert(place, (*i, *j, value)),
-                }
-            }
-        }
-    }
-    damped
 }
 
 /// Carries a free vibration from amplitude to amplitude.

@@ -1,46 +1,17 @@
-//! From a model to what the solvers of linear structures with contacts take.
+//! From a model to the system that solvers take.
 
-use super::{Model, Oscillator, Structure};
 use std::sync::Arc;
 
+use super::{Model, Oscillator, Structure};
 use crate::contact::{ContactLaw, LawError};
-use crate::system::{Core, Element, LinearStructure, ModalBeam, Port, Row, StructureError, System};
+#[cfg(feature = "analysis")]
+use crate::harmonic::{Assembly, HarmonicError};
+use crate::system::{Core, Element, ModalBeam, Port, Row, StructureError, System};
 
-/// A linear structure with the law of its contact.
-#[derive(Debug)]
-pub struct Assembled {
-    /// The structure. Its contacts are the model's own, if it has one, and those of [`Assembled::added`].
-    pub structure: LinearStructure,
-    /// The contact's law.
-    pub law: Option<Box<dyn ContactLaw>>,
-    /// Constant normal load (N); 0 without a contact.
-    pub normal_load: f64,
-    /// Laws of the structure's own nonlinearities, which know no normal load: what effects add to an oscillator.
-    pub added: Vec<Box<dyn ContactLaw>>,
-}
-
-impl Assembled {
-    /// The laws in the order of the structure's contacts, each under its normal load (N).
-    pub fn laws(&self) -> impl Iterator<Item = (&dyn ContactLaw, f64)> {
-        let own = self.law.iter().map(|law| (law.as_ref(), self.normal_load));
-        own.chain(self.added.iter().map(|law| (law.as_ref(), 0.0)))
-    }
-
-    /// The laws in the order of the structure's contacts, each with its normal load (N), for a holder of its own.
-    pub fn into_loaded(self) -> Vec<(Box<dyn ContactLaw>, f64)> {
-        let normal_load = self.normal_load;
-        let own = self.law.into_iter().map(|law| (law, normal_load));
-        own.chain(self.added.into_iter().map(|law| (law, 0.0))).collect()
-    }
-}
-
-/// Why a model is no structure with a contact.
+/// Why a model makes no system.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AssemblyError {
-    /// `kind = "contact"`: the displacement is prescribed.
-    #[error("a model of kind \"contact\" has no structure")]
-    NoStructure,
     /// The structure cannot be what the numbers say.
     #[error(transparent)]
     Structure(#[from] StructureError),
@@ -94,56 +65,34 @@ impl Model {
             Structure::Beam(beam) => {
                 Ok(ModalBeam::with_changes(beam, &self.changes().structure)?.system(law()?)?)
             }
-            Structure::Oscillator(_) => {
-                let assembled = self.assembled()?;
-                let structure = assembled.structure.clone();
-                let loaded = assembled.into_loaded().into_iter();
-                Ok(structure.system(loaded.map(|(law, load)| (Arc::from(law), load)).collect()))
+            Structure::Oscillator(oscillator) => {
+                let changes = self.changes().structure;
+                let structure = oscillator.structure_with(&changes)?;
+                let added = Oscillator::added_laws(&changes)?.into_iter().map(|law| (Arc::from(law), 0.0));
+                Ok(structure.system(law()?.into_iter().chain(added).collect()))
             }
         }
     }
 
-    /// The structure as matrices, with the contact's law and normal load, the model's effects included. Faults of
-    /// sensors are not part of it, and a load that varies is up to the solver.
-    ///
-    /// Of a beam this is the linear part alone; see [`LinearStructure::from_beam`] for what is left out.
+    /// The system over the parameter at `path`, such as `contact.friction_coefficient`, under cos Ωt: what
+    /// [`parameter_response`](crate::harmonic::parameter_response) and
+    /// [`track_parameter`](crate::harmonic::track_parameter) take.
     ///
     /// # Errors
-    /// [`AssemblyError`].
-    ///
-    /// ```
-    /// use stickslip::model::Model;
-    /// let model = Model::parse(
-    ///     r#"
-    ///     schema = "stickslip.model/1"
-    ///     kind = "oscillator"
-    ///     mass = [{ name = "m1", mass = 1.0 }]
-    ///     spring = [{ between = ["ground", "m1"], stiffness = 9.0, damping = 0.1 }]
-    ///     contact = { at = "m1", law = "jenkins", tangential_stiffness = 7.0, friction_coefficient = 0.5, normal_load = 2.0 }
-    ///     "#,
-    /// )?;
-    /// let assembled = model.assembled()?;
-    /// assert_eq!(assembled.structure.stiffness, [(0, 0, 9.0)]);
-    /// assert_eq!(assembled.law.unwrap().limit(assembled.normal_load), 1.0);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn assembled(&self) -> Result<Assembled, AssemblyError> {
-        let changes = self.changes().structure;
-        let (structure, added) = match &self.structure {
-            Structure::Prescribed => return Err(AssemblyError::NoStructure),
-            Structure::Beam(beam) => {
-                let mut structure = LinearStructure::from_beam(&ModalBeam::with_changes(beam, &changes)?);
-                if self.contact.is_none() {
-                    structure.contacts.clear();
-                }
-                (structure, Vec::new())
-            }
-            Structure::Oscillator(oscillator) => {
-                (oscillator.structure_with(&changes)?, Oscillator::added_laws(&changes)?)
-            }
-        };
-        let law = self.law()?;
-        let normal_load = self.contact.as_ref().map_or(0.0, |contact| contact.normal_load);
-        Ok(Assembled { structure, law, normal_load, added })
+    /// A path that the model does not have. Those of values that it cannot take come from the function returned.
+    #[cfg(feature = "analysis")]
+    pub fn assembly_over(
+        &self,
+        path: &str,
+    ) -> Result<impl Fn(f64) -> Result<Assembly, HarmonicError>, super::ParameterError> {
+        let known = self.get(path);
+        self.clone().set(path, known.unwrap_or(f64::NAN))?;
+        let (model, path) = (self.clone(), path.to_owned());
+        Ok(move |value| {
+            let mut there = model.clone();
+            there.set(&path, value).map_err(|error| HarmonicError::Model(error.to_string()))?;
+            let system = there.system().map_err(|error| HarmonicError::Model(error.to_string()))?;
+            Ok(Assembly::new(system))
+        })
     }
 }

@@ -37,7 +37,7 @@ mod slots;
 mod text;
 mod write;
 
-pub use assembled::{Assembled, AssemblyError};
+pub use assembled::AssemblyError;
 pub use check::SMALLEST_AND_LARGEST;
 pub use error::ParameterError;
 pub use oscillator::GROUND;

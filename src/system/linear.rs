@@ -1,10 +1,12 @@
 //! A linear structure as matrices, with the points where contacts, excitation and observers are.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::{ModalBeam, StructureError};
+use super::{Core, Element, StructureError, System};
+use crate::contact::ContactLaw;
 
 /// A sparse row: `(degree of freedom, factor)`, e.g. a relative displacement `[(1, 1.0), (0, -1.0)]`.
 pub type Row = Vec<(usize, f64)>;
@@ -52,33 +54,62 @@ pub struct NaturalModes {
     pub shapes: DMatrix<f64>,
 }
 
-impl LinearStructure {
-    /// A beam in its modal coordinates, each a degree of freedom with a mass of 1.
+impl System {
+    /// The linear part as matrices: the core with the springs between its ports. A contact per law, in the order of the
+    /// elements; the outputs are the sensors.
     ///
-    /// The linear part alone: the shortening `½ qᵀ G q` and the axial flexibility of the beam, which make
-    /// its contact's displacement quadratic in the coordinates and dependent on its own force, are left
-    /// out. The contact's row is [`ModalBeam::contact_shape`]; outputs are the sensors, `x=0.55`.
-    pub fn from_beam(beam: &ModalBeam) -> Self {
-        let size = beam.angular_frequency.len();
-        let row = |shape: &[f64]| shape.iter().copied().enumerate().collect::<Row>();
-        let frequencies = beam.angular_frequency.iter();
-        let rates =
-            beam.damping_ratio.iter().zip(frequencies.clone()).map(|(zeta, omega)| 2.0 * zeta * omega);
-        Self {
+    /// Left out are the shortening `½ qᵀ G q`, flexibilities in series, and forces from outside.
+    pub fn linear_part(&self) -> LinearStructure {
+        let (size, mass, damping, mut stiffness) = match &self.core {
+            Core::Modal { angular_frequency, damping_ratio } => {
+                let frequencies = angular_frequency.iter();
+                let rates =
+                    damping_ratio.iter().zip(frequencies.clone()).map(|(zeta, omega)| 2.0 * zeta * omega);
+                let mass = diagonal(frequencies.clone().map(|_| 1.0));
+                (frequencies.len(), mass, diagonal(rates), diagonal(frequencies.map(|omega| omega * omega)))
+            }
+            Core::Matrices { size, mass, damping, stiffness } => {
+                (*size, mass.clone(), damping.clone(), stiffness.clone())
+            }
+        };
+        for element in &self.elements {
+            if let Element::Springs { ports, stiffness: springs } = element {
+                let rows = ports.map(|port| &self.ports[port].row);
+                let pairs = [(0, 0), (0, 1), (1, 0), (1, 1)].into_iter();
+                stiffness.extend(pairs.flat_map(|(a, b)| between(rows[a], springs[a][b], rows[b])));
+            }
+        }
+        let driven = self.driven.iter().flat_map(|port| self.ports[*port].row.iter().copied());
+        let output = |port: &usize| Output {
+            name: self.ports[*port].name.clone(),
+            row: self.ports[*port].row.clone(),
+        };
+        LinearStructure {
             size,
-            mass: diagonal(std::iter::repeat_n(1.0, size)),
-            damping: diagonal(rates),
-            stiffness: diagonal(frequencies.map(|omega| omega * omega)),
-            contacts: vec![row(&beam.contact_shape)],
-            excitation: row(&beam.excitation_shape),
-            outputs: beam
-                .sensors
-                .iter()
-                .map(|sensor| Output { name: format!("x={}", sensor.position), row: row(&sensor.shape) })
-                .collect(),
+            mass,
+            damping,
+            stiffness,
+            contacts: self.laws().map(|(port, ..)| self.ports[port].row.clone()).collect(),
+            excitation: driven.collect(),
+            outputs: self.sensors.iter().map(output).collect(),
         }
     }
 
+    /// The laws in the order of the elements: where each acts, as a place in [`System::ports`], and its normal load (N).
+    pub fn laws(&self) -> impl Iterator<Item = (usize, &Arc<dyn ContactLaw>, f64)> {
+        self.elements.iter().filter_map(|element| match element {
+            Element::Law { port, law, normal_load } => Some((*port, law, *normal_load)),
+            Element::Springs { .. } | Element::Outside { .. } => None,
+        })
+    }
+}
+
+/// What a spring of `stiffness` (N/m) between the displacements of two rows adds to K.
+fn between(left: &Row, stiffness: f64, right: &Row) -> impl Iterator<Item = (usize, usize, f64)> {
+    left.iter().flat_map(move |(i, a)| right.iter().map(move |(j, b)| (*i, *j, a * stiffness * b)))
+}
+
+impl LinearStructure {
     /// All natural frequencies and modes, of the undamped structure without its contacts.
     ///
     /// Frequencies are exact to about 1e-15 of the square of the highest.
@@ -134,6 +165,13 @@ impl LinearStructure {
 }
 
 impl LinearStructure {
+    /// Entries of the matrix that one factor for each contact, such as the stiffness (N/m) of a spring along its
+    /// displacement, makes of the contacts' rows.
+    pub(crate) fn along_contacts(&self, factors: impl IntoIterator<Item = f64>) -> Entries {
+        let contacts = self.contacts.iter().zip(factors);
+        contacts.flat_map(|(row, factor)| between(row, factor, row)).collect()
+    }
+
     /// Refuses matrices whose entries differ from their mirror images by more than rounding in sums.
     pub(crate) fn check_symmetry(&self) -> Result<(), StructureError> {
         let matrices = [("mass", &self.mass), ("damping", &self.damping), ("stiffness", &self.stiffness)];

@@ -66,11 +66,6 @@ impl ModalBeam {
     pub(crate) fn pulls_along(&self) -> bool {
         self.stretching_stiffness != 0.0 || self.string_stiffness != 0.0
     }
-
-    /// `k Σ sᵢ qᵢ`: the pull of a string (N).
-    pub(crate) fn string_pull(&self, q: &[f64]) -> f64 {
-        self.string_stiffness * self.string_stretch.iter().zip(q).map(|(s, q)| s * q).sum::<f64>()
-    }
 }
 
 /// A sensor on a [`ModalBeam`], or another place of it.

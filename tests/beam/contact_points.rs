@@ -181,7 +181,7 @@ fn in_one_piece(places: [f64; 2], loads: [f64; 2], interval: f64, count: usize) 
     let beam = beam(&places, 0.003);
     let row = |point: &Sensor| point.shape.iter().copied().enumerate().collect();
     let contacts = beam.contact_points.iter().map(row).collect();
-    let structure = LinearStructure { contacts, ..LinearStructure::from_beam(&beam) };
+    let structure = LinearStructure { contacts, ..beam.system(None).unwrap().linear_part() };
     let laws = [(); 2].map(|()| Jenkins::new(7.9e6, 0.6).unwrap());
     let loaded = [0, 1].map(|i| LoadedContact { law: &laws[i], normal_load: loads[i] });
     let mut flow = OscillatorFlow::new(&structure, &loaded).unwrap();

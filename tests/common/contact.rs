@@ -1,5 +1,7 @@
 //! What the tests of contact laws share: histories, single steps, and derivatives by differences.
 
+use std::sync::Arc;
+
 use stickslip::contact::{ContactLaw, Inputs, Response, StateTangents, Valanis};
 
 /// Normal load of the published contact (N).
@@ -8,6 +10,11 @@ pub const LOAD: f64 = 147.15;
 /// The published contact, Table 3 of "Nonlinear model identification of a frictional contact support".
 pub fn published() -> Valanis {
     Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, LOAD).unwrap()
+}
+
+/// A law at the end of a beam under `normal_load` (N).
+pub fn loaded(law: impl ContactLaw + 'static, normal_load: f64) -> Option<(Arc<dyn ContactLaw>, f64)> {
+    Some((Arc::new(law), normal_load))
 }
 
 /// One step in place.

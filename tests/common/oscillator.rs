@@ -1,7 +1,9 @@
 //! Lumped oscillators, written as matrices.
 
+use std::sync::Arc;
+
 use stickslip::contact::ContactLaw;
-use stickslip::harmonic::{Assembly, Body, CurveSettings, LoadedContact};
+use stickslip::harmonic::{Assembly, CurveSettings};
 use stickslip::system::{LinearStructure, Output};
 
 fn outputs(size: usize) -> Vec<Output> {
@@ -59,8 +61,13 @@ pub fn chain(masses: usize, damping: f64) -> LinearStructure {
 }
 
 /// The structure with one law under a load of 1 N.
-pub fn in_contact<'a>(structure: &'a LinearStructure, law: &'a dyn ContactLaw) -> Assembly<'a> {
-    Assembly::new(Body::Linear(structure), vec![LoadedContact { law, normal_load: 1.0 }])
+pub fn in_contact(structure: &LinearStructure, law: impl ContactLaw + 'static) -> Assembly {
+    under_load(structure, Arc::new(law), 1.0)
+}
+
+/// The structure with one law under `normal_load` (N).
+pub fn under_load(structure: &LinearStructure, law: Arc<dyn ContactLaw>, normal_load: f64) -> Assembly {
+    Assembly::new(structure.system(vec![(law, normal_load)]))
 }
 
 pub fn settings(harmonics: usize) -> CurveSettings {

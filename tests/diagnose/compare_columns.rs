@@ -74,9 +74,13 @@ fn contact_loop(stiffness: f64, use_for: Option<Use>) -> Record {
 fn damping_of_a_backbone_counts_beside_its_frequency() {
     let model = linear_beam();
     let amplitudes = vec![1.0, 10.0];
-    let found =
-        phase_resonance(&modal(&model), None, 1.0, &Settings { harmonics: 5, ..Settings::default() }, None)
-            .unwrap();
+    let found = phase_resonance(
+        &modal(&model).system(None).unwrap(),
+        1.0,
+        &Settings { harmonics: 5, ..Settings::default() },
+        None,
+    )
+    .unwrap();
     let hertz = found.angular_frequency / TAU;
     // Both channels scatter by 1 % about the model, so that each is off by its own standard deviation.
     let about = |value: f64| vec![0.99 * value, 1.01 * value];

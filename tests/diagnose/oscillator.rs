@@ -115,7 +115,7 @@ fn sampled(regime: Regime, periods: std::ops::Range<usize>) -> Record {
     let contact = model.contact.unwrap();
     let law = Jenkins::new(contact.tangential_stiffness, contact.friction_coefficient).unwrap();
     let contacts = [LoadedContact { law: &law, normal_load: contact.normal_load }];
-    let mut flow = OscillatorFlow::new(&model.assembled().unwrap().structure, &contacts).unwrap();
+    let mut flow = OscillatorFlow::new(&model.system().unwrap().linear_part(), &contacts).unwrap();
     let excitation = Excitation::cosine(OMEGA, 0.4);
     let step = std::f64::consts::TAU / OMEGA / SAMPLES_OF_A_PERIOD as f64;
     let mut motion = flow.rest();

@@ -183,8 +183,8 @@ fn resonance(beam: &ModalBeam, amplitude: f64) -> Resonance {
     let mut frequency = beam.angular_frequency[0];
     for _ in 0..8 {
         let acceleration = amplitude * frequency * frequency;
-        let resonance =
-            phase_resonance(beam, None, acceleration, &settings, found.as_ref()).expect("a resonance");
+        let resonance = phase_resonance(&beam.system(None).unwrap(), acceleration, &settings, found.as_ref())
+            .expect("a resonance");
         frequency = resonance.angular_frequency;
         found = Some(resonance);
     }
@@ -248,14 +248,18 @@ fn settles_to_the_balance(beam: &ModalBeam) {
     let period = 2.0 * PI / 290.0;
     let settings = Settings { harmonics: 9, method: Method::Exact, tolerance: 1e-11, max_iterations: 40 };
     let amplitude = 120.0;
-    let periodic = forced_response(beam, None, period, &[0.0, amplitude, 0.0], &settings, None).unwrap();
+    let periodic =
+        forced_response(&beam.system(None).unwrap(), period, &[0.0, amplitude, 0.0], &settings, None)
+            .unwrap();
     let linear = ModalBeam {
         stretching_stiffness: 0.0,
         quadratic_damping: 0.0,
         string_stiffness: 0.0,
         ..beam.clone()
     };
-    let without = forced_response(&linear, None, period, &[0.0, amplitude, 0.0], &settings, None).unwrap();
+    let without =
+        forced_response(&linear.system(None).unwrap(), period, &[0.0, amplitude, 0.0], &settings, None)
+            .unwrap();
     assert!((periodic.coefficients[2] / without.coefficients[2] - 1.0).abs() > 0.05, "the effects matter");
 
     let mut integrator = loaded(beam);

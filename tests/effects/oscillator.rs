@@ -5,8 +5,7 @@ use std::f64::consts::TAU;
 
 use stickslip::effects::{AppliedEffect, Location, find};
 use stickslip::harmonic::{
-    Assembly, Body, Control, CurveSettings, Ending, LoadedContact, Point, frequency_response,
-    periodic_response,
+    Assembly, Control, CurveSettings, Ending, Point, frequency_response, periodic_response,
 };
 use stickslip::model::Model;
 use stickslip::time::{Drive, SampledIntegrator};
@@ -37,10 +36,10 @@ fn with(model: &Model, id: &str, at: Option<&str>, values: &[f64]) -> Model {
 #[test]
 fn an_added_mass_is_a_heavier_mass() {
     let heavier = model(&TWO_MASSES.replace("mass = 1.2", "mass = 1.5"));
-    let added = with(&model(TWO_MASSES), "added_mass", Some("m2"), &[0.3]).assembled().unwrap();
-    assert_eq!(added.structure, heavier.assembled().unwrap().structure);
+    let added = with(&model(TWO_MASSES), "added_mass", Some("m2"), &[0.3]).system().unwrap();
+    assert_eq!(added.linear_part(), heavier.system().unwrap().linear_part());
     let nowhere = with(&model(TWO_MASSES), "added_mass", Some("m3"), &[0.3]);
-    assert!(nowhere.assembled().unwrap_err().to_string().contains("m3"));
+    assert!(nowhere.system().unwrap_err().to_string().contains("m3"));
 }
 
 #[test]
@@ -53,10 +52,11 @@ fn a_hanging_mass_is_a_third_mass_on_a_spring() {
             "{{ between = [\"m2\", \"m3\"], stiffness = {stiffness} }},\n{{ between = [\"ground\", \"m2\"]"
         ),
     );
-    let expected = model(&third).assembled().unwrap().structure.natural_modes().unwrap();
-    let hung = with(&model(TWO_MASSES), "hanging_mass", None, &[mass, frequency]).assembled().unwrap();
-    assert_eq!((hung.structure.size, hung.structure.outputs.len()), (3, 2));
-    let found = hung.structure.natural_modes().unwrap();
+    let expected = model(&third).system().unwrap().linear_part().natural_modes().unwrap();
+    let hung =
+        with(&model(TWO_MASSES), "hanging_mass", None, &[mass, frequency]).system().unwrap().linear_part();
+    assert_eq!((hung.size, hung.outputs.len()), (3, 2));
+    let found = hung.natural_modes().unwrap();
     for (found, expected) in found.angular_frequency.iter().zip(&expected.angular_frequency) {
         assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
     }
@@ -64,11 +64,10 @@ fn a_hanging_mass_is_a_third_mass_on_a_spring() {
 
 /// Largest displacement of both masses over a period under `force cos Ωt`, by marching.
 fn marched(model: &Model, omega: f64, force: f64, periods: usize, steps: usize) -> [f64; 2] {
-    let assembled = model.assembled().unwrap();
-    let structure = assembled.structure.clone();
-    let (laws, loads): (Vec<_>, Vec<f64>) = assembled.into_loaded().into_iter().unzip();
+    let system = model.system().unwrap();
+    let (laws, loads): (Vec<_>, Vec<f64>) = system.laws().map(|(_, law, load)| (law.clone(), load)).unzip();
     let h = TAU / omega / steps as f64;
-    let mut integrator = SampledIntegrator::new(&structure, laws, &[vec![(0, 1.0)]], h).unwrap();
+    let mut integrator = SampledIntegrator::new(&system.linear_part(), laws, &[vec![(0, 1.0)]], h).unwrap();
     let mut state = vec![0.0; integrator.state_len()];
     integrator.rest(&loads, &mut state);
     let at = |k: usize| force * (omega * h * k as f64).cos();
@@ -96,10 +95,7 @@ fn harmonic_balance_with_effects_of_the_structure_agrees_with_time_integration()
     let (omega, force) = (0.9, 0.4);
     let before = marched(&plain, omega, force, 60, 400);
     for changed in &variants {
-        let assembled = changed.assembled().unwrap();
-        let contacts =
-            assembled.laws().map(|(law, normal_load)| LoadedContact { law, normal_load }).collect();
-        let assembly = Assembly::new(Body::Linear(&assembled.structure), contacts);
+        let assembly = Assembly::new(changed.system().unwrap());
         let settings = CurveSettings { harmonics: 31, ..CurveSettings::default() };
         let point = periodic_response(&assembly, omega, &Control::Level(force), &settings, None).unwrap();
         let found = marched(changed, omega, force, 60, 400);
@@ -119,9 +115,7 @@ fn curve_agrees_with_time_integration(
     omegas: &[f64],
     stability: bool,
 ) {
-    let assembled = changed.assembled().unwrap();
-    let contacts = assembled.laws().map(|(law, normal_load)| LoadedContact { law, normal_load }).collect();
-    let assembly = Assembly::new(Body::Linear(&assembled.structure), contacts);
+    let assembly = Assembly::new(changed.system().unwrap());
     let settings = CurveSettings { harmonics, max_points: 400, stability, ..CurveSettings::default() };
     let force = Control::Level(0.4);
     let curve = frequency_response(&assembly, 0.2, until, &force, &settings, &mut |_| true).unwrap();

@@ -4,10 +4,11 @@ use std::f64::consts::TAU;
 
 use stickslip::contact::Valanis;
 use stickslip::fit::{Options, Parameter, Scale, fit};
-use stickslip::harmonic::{HarmonicError, LoadedContact, Method, Settings, backbone};
+use stickslip::harmonic::{HarmonicError, Method, Settings, backbone};
 use stickslip::system::ModalBeam;
 
 use crate::common::beam::modal;
+use crate::common::contact::loaded;
 
 const LOAD: f64 = 100.0;
 
@@ -23,8 +24,8 @@ fn valanis_parameters_are_recovered_from_exact_frequencies() {
     let frequencies = |p: &[f64]| -> Result<Vec<f64>, HarmonicError> {
         let law = Valanis::new(p[0], p[1] / LOAD, p[2], 0.0)
             .map_err(|_| HarmonicError::InvalidInput("the law refuses the parameters"))?;
-        let contact = LoadedContact { law: &law, normal_load: LOAD };
-        let found = backbone(&beam, Some(contact), &amplitudes, &settings, &[])?;
+        let contact = loaded(law, LOAD);
+        let found = backbone(&beam.system(contact.clone()).unwrap(), &amplitudes, &settings, &[])?;
         Ok(found.iter().map(|r| r.angular_frequency / TAU).collect())
     };
     let truth = [6.0e6, 95.0, 0.4];

@@ -51,7 +51,7 @@ fn a_slave_follows_the_exact_flow_under_forces_that_run_linearly_between_communi
     let contact = model.contact.unwrap();
     let law = Jenkins::new(contact.tangential_stiffness, contact.friction_coefficient).unwrap();
     let contacts = [LoadedContact { law: &law, normal_load: contact.normal_load }];
-    let mut flow = OscillatorFlow::new(&model.assembled().unwrap().structure, &contacts).unwrap();
+    let mut flow = OscillatorFlow::new(&model.system().unwrap().linear_part(), &contacts).unwrap();
     let step = 0.25;
     let values: Vec<f64> = (0..400).map(|k| 0.4 * (0.5 * step * f64::from(k)).sin()).collect();
     let excitation = Excitation::Sampled { interval: step, values: values.clone() };

@@ -5,17 +5,16 @@ use std::f64::consts::TAU;
 
 use stickslip::contact::{ContactLaw, CubicSpring, LawError, Valanis};
 use stickslip::harmonic::{
-    Assembly, Body, Control, CurveSettings, Ending, Followed, LoadedContact, ModeRange, NonlinearMode,
-    OwnedContact, Settings, Tracking, nonlinear_mode, parameter_response, periodic_response, phase_resonance,
-    track_levels, track_parameter,
+    Assembly, Control, CurveSettings, Ending, Followed, ModeRange, NonlinearMode, Settings, Tracking,
+    nonlinear_mode, parameter_response, periodic_response, phase_resonance, track_levels, track_parameter,
 };
 use stickslip::system::ModalBeam;
 
 use crate::common::beam::published;
-use crate::common::contact::LOAD;
+use crate::common::contact::{LOAD, loaded};
 
-fn assembly<'a>(beam: &'a ModalBeam, law: &'a dyn ContactLaw, normal_load: f64) -> Assembly<'a> {
-    Assembly::new(Body::Beam(beam), vec![LoadedContact { law, normal_load }])
+fn assembly(beam: &ModalBeam, law: impl ContactLaw + 'static, normal_load: f64) -> Assembly {
+    Assembly::new(beam.system(loaded(law, normal_load)).unwrap())
 }
 
 fn settings(harmonics: usize) -> CurveSettings {
@@ -32,7 +31,7 @@ const FRICTION: f64 = 7.9e6 / 8.7e4 / LOAD;
 
 fn mode(
     beam: &ModalBeam,
-    law: &dyn ContactLaw,
+    law: impl ContactLaw + 'static,
     number: usize,
     ends: [f64; 2],
     harmonics: usize,
@@ -53,7 +52,7 @@ fn a_beam_on_a_spring_has_its_natural_frequency_and_damping_ratio() {
     let (a, b) = (w[0] * w[0] + behind * c[0] * c[0], w[1] * w[1] + behind * c[1] * c[1]);
     let radius = (0.25 * (a - b).powi(2) + (behind * c[0] * c[1]).powi(2)).sqrt();
     for (number, square) in [0.5 * (a + b) - radius, 0.5 * (a + b) + radius].into_iter().enumerate() {
-        let mode = mode(&beam, &spring, number, [1e-6, 1e-3], 3);
+        let mode = mode(&beam, spring, number, [1e-6, 1e-3], 3);
         assert!((mode.angular_frequency / square.sqrt() - 1.0).abs() < 1e-12);
         for point in &mode.points {
             // The modes' dampers couple the mode of the beam on its spring with the other: of second order.
@@ -83,7 +82,7 @@ fn the_backbone_of_the_published_beam_has_the_reference_frequencies() {
     ];
     let (beam, law) = (published(4), valanis(FRICTION).unwrap());
     let ends = [0.4 / (TAU * 54.0).powi(2), 75.0 / (TAU * 49.4).powi(2)];
-    let mode = mode(&beam, &law, 0, ends, 5);
+    let mode = mode(&beam, law, 0, ends, 5);
     let along: Vec<(f64, f64, f64)> = mode
         .points
         .iter()
@@ -116,11 +115,12 @@ fn with_one_mode_and_one_harmonic_the_backbone_is_phase_resonance() {
     // The damping that sustains the vibration then is a force in phase with the velocity where it acts.
     let (beam, law) = (published(1), valanis(FRICTION).unwrap());
     let balance = Settings { harmonics: 1, ..Settings::default() };
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let contact = loaded(law, LOAD);
     for acceleration in [2.0, 15.0, 60.0] {
-        let forced = phase_resonance(&beam, Some(contact), acceleration, &balance, None).unwrap();
+        let forced =
+            phase_resonance(&beam.system(contact.clone()).unwrap(), acceleration, &balance, None).unwrap();
         let amplitude = acceleration / forced.angular_frequency.powi(2);
-        let mode = mode(&beam, &law, 0, [1e-7, amplitude], 1);
+        let mode = mode(&beam, law, 0, [1e-7, amplitude], 1);
         let last = &mode.points[mode.points.len() - 1];
         assert!((last.angular_frequency / forced.angular_frequency - 1.0).abs() < 1e-8);
         assert!((last.damping_ratio / forced.damping_ratio() - 1.0).abs() < 1e-6);
@@ -133,20 +133,17 @@ fn resonances_of_the_beam_are_followed_over_friction_and_load() {
     let beam = published(4);
     let node = beam.sensors.len();
     let tracking = Tracking { followed: Followed::Phase, node, angular_frequency: TAU * 51.0 };
-    let law = valanis(FRICTION).unwrap();
-    let whole = assembly(&beam, &law, LOAD);
     let friction = [FRICTION, 0.8 * FRICTION, 0.5 * FRICTION];
-    let over_friction = |_: usize, friction: f64| Ok(OwnedContact::new(valanis(friction)?, LOAD));
-    let over_load = |_: usize, load: f64| Ok(OwnedContact::new(valanis(FRICTION)?, load));
+    let over_friction = |friction: f64| Ok(assembly(&beam, valanis(friction)?, LOAD));
+    let over_load = |load: f64| Ok(assembly(&beam, valanis(FRICTION)?, load));
     let loads: Vec<f64> = friction.iter().map(|mu| LOAD * mu / FRICTION).collect();
-    let by_friction =
-        track_parameter(&whole, &over_friction, 8.0, &tracking, &friction, &settings(5)).unwrap();
-    let by_load = track_parameter(&whole, &over_load, 8.0, &tracking, &loads, &settings(5)).unwrap();
+    let by_friction = track_parameter(&over_friction, 8.0, &tracking, &friction, &settings(5)).unwrap();
+    let by_load = track_parameter(&over_load, 8.0, &tracking, &loads, &settings(5)).unwrap();
     assert_eq!((by_friction.points.len(), by_load.points.len()), (3, 3));
     let mut last = f64::INFINITY;
     for ((by_friction, by_load), friction) in by_friction.points.iter().zip(&by_load.points).zip(friction) {
         let alone = valanis(friction).unwrap();
-        let alone = assembly(&beam, &alone, LOAD);
+        let alone = assembly(&beam, alone, LOAD);
         let start = Tracking { angular_frequency: by_friction.point.angular_frequency * 1.002, ..tracking };
         let expected = track_levels(&alone, &start, &[8.0], &settings(5)).unwrap().points.remove(0);
         for found in [by_friction, by_load] {
@@ -163,16 +160,14 @@ fn resonances_of_the_beam_are_followed_over_friction_and_load() {
 #[test]
 fn responses_of_the_beam_over_friction_are_those_of_each_friction_alone() {
     let beam = published(3);
-    let law = valanis(FRICTION).unwrap();
-    let whole = assembly(&beam, &law, LOAD);
-    let contacts = |_: usize, friction: f64| Ok(OwnedContact::new(valanis(friction)?, LOAD));
+    let contacts = |friction: f64| Ok(assembly(&beam, valanis(friction)?, LOAD));
     let (omega, range) = (TAU * 50.5, [FRICTION, 0.3 * FRICTION]);
-    let curve = parameter_response(&whole, &contacts, omega, 6.0, range, &settings(5)).unwrap();
+    let curve = parameter_response(&contacts, omega, 6.0, range, &settings(5)).unwrap();
     assert_eq!(curve.ending, Ending::Complete);
     for varied in curve.points.iter().step_by(8).chain(curve.points.last()) {
         let alone = valanis(varied.value).unwrap();
         let control = Control::Level(6.0);
-        let alone = assembly(&beam, &alone, LOAD);
+        let alone = assembly(&beam, alone, LOAD);
         let start = Some(&varied.point);
         let expected = periodic_response(&alone, omega, &control, &settings(5), start).unwrap();
         for (found, expected) in varied.point.amplitude.iter().zip(&expected.amplitude) {

@@ -2,17 +2,18 @@
 //! time integrator.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use nalgebra::{Complex, DMatrix};
 use stickslip::contact::{
     ContactLaw, CubicSpring, Inputs, Jenkins, ParallelSliders, Response, SlipState, StateTangents, Tangents,
 };
-use stickslip::harmonic::stability::{Multipliers, beam_is_stable, floquet, floquet_of_beam};
+use stickslip::harmonic::stability::{Multipliers, decide_in_modes, floquet, floquet_in_modes};
 use stickslip::harmonic::{
-    Assembly, Body, Control, CurveSettings, Ending, LoadedContact, frequency_response, phase_resonance,
+    Assembly, Control, CurveSettings, Ending, LoadedContact, frequency_response, phase_resonance,
 };
 use stickslip::harmonic::{Resonance, Settings as BalanceSettings};
-use stickslip::system::{LinearStructure, ModalBeam};
+use stickslip::system::{ModalBeam, System};
 use stickslip::time::{Ramp, Settings};
 
 use crate::common::time::{at_end, supported};
@@ -25,8 +26,12 @@ fn rigid(modes: usize) -> ModalBeam {
     ModalBeam { shortening: vec![0.0; modes * modes], axial_flexibility: 0.0, ..published(modes) }
 }
 
-fn loaded(law: &dyn ContactLaw) -> LoadedContact<'_> {
-    LoadedContact { law, normal_load: LOAD }
+/// A law on the beam.
+type Law = Arc<dyn ContactLaw>;
+
+/// The beam with a law at its end, if there is one.
+fn on(beam: &ModalBeam, law: Option<Law>) -> System {
+    beam.system(law.map(|law| (law, LOAD))).unwrap()
 }
 
 /// Largest distance of an expected multiplier from all found, of those that do not vanish.
@@ -60,16 +65,17 @@ fn a_linear_beam_has_the_multipliers_of_its_eigenvalues() {
     let beam = published(6);
     // At rest the contact does not turn.
     let modes = vec![0.0; 6 * 3];
-    let found = floquet_of_beam(&beam, None, &modes, &[], omega).unwrap();
+    let found = floquet_in_modes(&on(&beam, None), &modes, &[], omega).unwrap();
     let error = distance(&found, &closed_form(&beam, 0.0, TAU / omega));
     assert!(error < 1e-9, "{error:e}");
-    assert_eq!(beam_is_stable(&beam, None, &modes, &[], omega), Some(true));
+    assert_eq!(decide_in_modes(&on(&beam, None), &modes, &[], omega), Ok(true));
     // A contact that sticks, behind the beam's axial flexibility.
-    let stuck = Jenkins::new(7.9e6, 1e9).unwrap();
-    let spring = CubicSpring::new(7.9e6, 0.0).unwrap();
+    let stuck: Law = Arc::new(Jenkins::new(7.9e6, 1e9).unwrap());
+    let spring: Law = Arc::new(CubicSpring::new(7.9e6, 0.0).unwrap());
     let behind = 7.9e6 / (1.0 + 7.9e6 * beam.axial_flexibility);
-    for law in [&stuck as &dyn ContactLaw, &spring] {
-        let found = floquet_of_beam(&beam, Some(loaded(law)), &modes, &[0.0, 0.0, 0.0], omega).unwrap();
+    for law in [stuck, spring] {
+        let system = on(&beam, Some(law.clone()));
+        let found = floquet_in_modes(&system, &modes, &[&[0.0, 0.0, 0.0]], omega).unwrap();
         let error = distance(&found, &closed_form(&beam, behind, TAU / omega));
         assert!(error < 1e-7, "{error:e} {law:?}");
     }
@@ -126,8 +132,8 @@ fn a_damper_behind_the_flexibility_has_the_multipliers_of_its_eigenvalues() {
         });
         let lambda = matrix.complex_eigenvalues();
         let expected: Vec<Complex<f64>> = lambda.iter().map(|l| (l * (TAU / omega)).exp()).collect();
-        let law = Damper(stiffness, damping);
-        let found = floquet_of_beam(&beam, Some(loaded(&law)), &[0.0; 9], &[0.0; 3], omega).unwrap();
+        let system = on(&beam, Some(Arc::new(Damper(stiffness, damping))));
+        let found = floquet_in_modes(&system, &[0.0; 9], &[&[0.0; 3]], omega).unwrap();
         let error = distance(&found, &expected);
         assert!(error < 1e-5, "{error:e} {:?} {expected:?}", found.values);
     }
@@ -136,18 +142,19 @@ fn a_damper_behind_the_flexibility_has_the_multipliers_of_its_eigenvalues() {
 #[test]
 fn a_beam_that_does_not_turn_is_the_oscillator_of_its_modes() {
     let (omega, beam) = (TAU * 50.5, rigid(4));
-    let structure = LinearStructure::from_beam(&beam);
     let u: &[f64] = &[1e-6, 4e-5, 1e-5, 2e-6, -1e-6, 3e-6, 1e-6];
     let modes = vec![0.0; 4 * 7];
-    let laws: [&dyn ContactLaw; 4] = [
-        &contact::published(),
-        &CubicSpring::new(1e6, 1e15).unwrap(),
-        &Jenkins::new(7.9e6, 0.6).unwrap(),
-        &ParallelSliders::new(&[(3e6, 0.2), (3e6, 0.3), (1e6, 0.5)]).unwrap(),
+    let laws: [Law; 4] = [
+        Arc::new(contact::published()),
+        Arc::new(CubicSpring::new(1e6, 1e15).unwrap()),
+        Arc::new(Jenkins::new(7.9e6, 0.6).unwrap()),
+        Arc::new(ParallelSliders::new(&[(3e6, 0.2), (3e6, 0.3), (1e6, 0.5)]).unwrap()),
     ];
     for law in laws {
-        let expected = floquet(&structure, &[loaded(law)], &[u], omega).unwrap();
-        let found = floquet_of_beam(&beam, Some(loaded(law)), &modes, u, omega).unwrap();
+        let (system, loaded) =
+            (on(&beam, Some(law.clone())), LoadedContact { law: law.as_ref(), normal_load: LOAD });
+        let expected = floquet(&system.linear_part(), &[loaded], &[u], omega).unwrap();
+        let found = floquet_in_modes(&system, &modes, &[u], omega).unwrap();
         let error = distance(&found, &expected.values);
         assert!(error < 1e-6, "{error:e} {law:?}");
     }
@@ -155,15 +162,9 @@ fn a_beam_that_does_not_turn_is_the_oscillator_of_its_modes() {
 
 /// The response at phase resonance with so much acceleration held, and what is left of the displacement for the
 /// contact.
-fn resonance(
-    beam: &ModalBeam,
-    law: &dyn ContactLaw,
-    acceleration: f64,
-    harmonics: usize,
-) -> (Resonance, Vec<f64>) {
-    let contact = LoadedContact { law, normal_load: LOAD };
+fn resonance(beam: &ModalBeam, law: Law, acceleration: f64, harmonics: usize) -> (Resonance, Vec<f64>) {
     let settings = BalanceSettings { harmonics, ..BalanceSettings::default() };
-    let found = phase_resonance(beam, Some(contact), acceleration, &settings, None).unwrap();
+    let found = phase_resonance(&on(beam, Some(law)), acceleration, &settings, None).unwrap();
     let pairs = found.contact_displacement.iter().zip(&found.contact_force);
     let left = pairs.map(|(u, force)| u - beam.axial_flexibility * force).collect();
     (found, left)
@@ -242,11 +243,12 @@ fn disturbances_of_the_beam_die_out_in_time_as_the_multipliers_say() {
         let mut errors = vec![];
         // The harmonics left out are missing from the turning points, whose place the multipliers depend on.
         for harmonics in [7, 28] {
-            let (response, left) = resonance(&beam, &law, acceleration, harmonics);
+            let (response, left) = resonance(&beam, Arc::new(law), acceleration, harmonics);
             let omega = response.angular_frequency;
             let modes = &response.coefficients;
-            let found = floquet_of_beam(&beam, Some(loaded(&law)), modes, &left, omega).unwrap();
-            assert_eq!(beam_is_stable(&beam, Some(loaded(&law)), modes, &left, omega), Some(true));
+            let system = on(&beam, Some(Arc::new(law)));
+            let found = floquet_in_modes(&system, modes, &[&left], omega).unwrap();
+            assert_eq!(decide_in_modes(&system, modes, &[&left], omega), Ok(true));
             errors.push(distance(&found, &by_integration(&beam, law, &response)));
         }
         assert!(errors[0] < 2e-3 && errors[1] < 0.4 * errors[0], "{acceleration}: {errors:?}");
@@ -254,14 +256,8 @@ fn disturbances_of_the_beam_die_out_in_time_as_the_multipliers_say() {
 }
 
 /// Every point of a curve with its verdict; the folds in between.
-fn verdicts(
-    beam: &ModalBeam,
-    law: Option<&dyn ContactLaw>,
-    range: [f64; 2],
-    level: f64,
-) -> (Vec<bool>, usize) {
-    let contacts = law.map(|law| LoadedContact { law, normal_load: LOAD }).into_iter().collect();
-    let assembly = Assembly::new(Body::Beam(beam), contacts);
+fn verdicts(beam: &ModalBeam, law: Option<Law>, range: [f64; 2], level: f64) -> (Vec<bool>, usize) {
+    let assembly = Assembly::new(on(beam, law));
     let settings =
         CurveSettings { harmonics: 7, tolerance: 1e-9, stability: true, ..CurveSettings::default() };
     let control = Control::Level(level);
@@ -285,9 +281,9 @@ fn a_beam_that_stretches_is_unstable_between_its_folds_alone() {
 #[test]
 fn every_point_of_a_response_with_friction_has_a_verdict() {
     let beam = published(4);
-    let valanis = contact::published();
-    let jenkins = Jenkins::new(7.9e6, 0.6).unwrap();
-    for law in [&valanis as &dyn ContactLaw, &jenkins] {
+    let valanis: Law = Arc::new(contact::published());
+    let jenkins: Law = Arc::new(Jenkins::new(7.9e6, 0.6).unwrap());
+    for law in [valanis, jenkins] {
         let (stable, folds) = verdicts(&beam, Some(law), [49.5, 52.0], 8.0);
         assert!(folds == 0 && stable.iter().all(|stable| *stable));
     }

@@ -22,7 +22,7 @@ fn a_curve_passes_the_corners_at_which_slip_begins_and_ends() {
     for (damping, stiffness, limit, level) in CASES {
         let structure = single(1.0, damping, 1.0, 1);
         let law = Jenkins::new(stiffness, limit).unwrap();
-        let assembly = in_contact(&structure, &law);
+        let assembly = in_contact(&structure, law);
         let settings = settings(3);
         let control = Control::Level(level);
         let curve = frequency_response(&assembly, 0.6, 3.5, &control, &settings, &mut |_| true).unwrap();

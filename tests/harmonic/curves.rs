@@ -1,17 +1,26 @@
 //! Response curves of one mass against closed forms.
 
+use std::sync::Arc;
+
 use stickslip::contact::{ContactLaw, CubicSpring, Jenkins, Unilateral};
 use stickslip::harmonic::{
-    Assembly, Body, Control, Curve, CurveSettings, Ending, HarmonicError, LoadedContact, Method,
-    frequency_response, periodic_response,
+    Assembly, Control, Curve, CurveSettings, Ending, HarmonicError, Method, frequency_response,
+    periodic_response,
 };
 use stickslip::system::LinearStructure;
 
 use crate::common::oscillator::{settings, single};
 
-fn assembly<'a>(structure: &'a LinearStructure, laws: &[&'a dyn ContactLaw]) -> Assembly<'a> {
-    let attach = |law: &&'a dyn ContactLaw| LoadedContact { law: *law, normal_load: 1.0 };
-    Assembly::new(Body::Linear(structure), laws.iter().map(attach).collect())
+fn assembly<L: ContactLaw + 'static>(
+    structure: &LinearStructure,
+    laws: impl IntoIterator<Item = L>,
+) -> Assembly {
+    let attach = |law: L| -> (Arc<dyn ContactLaw>, f64) { (Arc::new(law), 1.0) };
+    Assembly::new(structure.system(laws.into_iter().map(attach).collect()))
+}
+
+fn alone(structure: &LinearStructure) -> Assembly {
+    Assembly::new(structure.system(Vec::new()))
 }
 
 fn curve(assembly: &Assembly, from: f64, to: f64, level: f64, settings: &CurveSettings) -> Curve {
@@ -22,7 +31,7 @@ fn curve(assembly: &Assembly, from: f64, to: f64, level: f64, settings: &CurveSe
 fn a_linear_oscillator_peaks_where_the_textbook_says() {
     for zeta in [0.1, 0.003] {
         let structure = single(1.0, 2.0 * zeta, 1.0, 0);
-        let curve = curve(&assembly(&structure, &[]), 0.5, 1.5, 1.0, &settings(3));
+        let curve = curve(&alone(&structure), 0.5, 1.5, 1.0, &settings(3));
         assert_eq!((curve.ending, curve.peaks.len()), (Ending::Complete, 1), "{zeta}");
         let peak = curve.peaks[0];
         assert!((peak.angular_frequency - (1.0 - 2.0 * zeta * zeta).sqrt()).abs() < 1e-9, "{peak:?}");
@@ -37,7 +46,7 @@ fn a_linear_oscillator_peaks_where_the_textbook_says() {
 fn duffing_turns_where_one_harmonic_turns_in_closed_form() {
     for (gamma, from, to) in [(0.5, 0.5, 2.5), (0.5, 2.5, 0.5), (-0.08, 1.5, 0.3)] {
         let (structure, law) = (single(1.0, 0.1, 1.0, 1), CubicSpring::new(0.0, gamma).unwrap());
-        let curve = curve(&assembly(&structure, &[&law]), from, to, 0.2, &settings(1));
+        let curve = curve(&assembly(&structure, [law]), from, to, 0.2, &settings(1));
         assert_eq!(curve.ending, Ending::Complete);
         assert_eq!(curve.folds.len(), 2, "{gamma}");
         for fold in &curve.folds {
@@ -73,7 +82,7 @@ fn a_stiff_jenkins_element_approaches_den_hartogs_coulomb_friction() {
         let law = Jenkins::new(stiffness, 0.3).unwrap();
         let control = Control::Level(1.0);
         let point =
-            periodic_response(&assembly(&structure, &[&law]), 0.8, &control, &settings(harmonics), None);
+            periodic_response(&assembly(&structure, [law]), 0.8, &control, &settings(harmonics), None);
         point.unwrap().amplitude[0]
     };
     // The force turns over within a phase that goes with the root of the compliance: two extrapolations in
@@ -93,9 +102,9 @@ fn contacts_side_by_side_are_one_contact() {
     for omega in [0.6, 1.0, 1.3] {
         let control = Control::Level(0.5);
         let one =
-            periodic_response(&assembly(&single, &[&whole]), omega, &control, &settings(15), None).unwrap();
+            periodic_response(&assembly(&single, [whole]), omega, &control, &settings(15), None).unwrap();
         let two =
-            periodic_response(&assembly(&double, &[&a, &b]), omega, &control, &settings(15), None).unwrap();
+            periodic_response(&assembly(&double, [a, b]), omega, &control, &settings(15), None).unwrap();
         assert!((one.amplitude[0] / two.amplitude[0] - 1.0).abs() < 1e-9, "{omega}");
         assert!((one.dissipated_energy() - two.dissipated_energy()).abs() < 1e-9, "{omega}");
         let apart = (one.error_estimate - two.error_estimate).abs();
@@ -107,7 +116,7 @@ fn contacts_side_by_side_are_one_contact() {
 fn a_one_sided_stop_at_rest_makes_a_bias_and_a_bilinear_resonance() {
     // Stiffness 1 on one side and 3 on the other: half a period of each.
     let (structure, law) = (single(1.0, 0.01, 1.0, 1), Unilateral::new(2.0, 0.0).unwrap());
-    let assembly = assembly(&structure, &[&law]);
+    let assembly = assembly(&structure, [law]);
     let curve = curve(&assembly, 1.0, 1.5, 0.01, &settings(12));
     assert_eq!(curve.ending, Ending::Complete);
     let natural = 2.0 * 3.0_f64.sqrt() / (1.0 + 3.0_f64.sqrt());
@@ -127,7 +136,7 @@ fn a_one_sided_stop_at_rest_makes_a_bias_and_a_bilinear_resonance() {
 fn a_sampled_contact_needs_no_more_samples_for_its_error_than_for_its_response() {
     let structure = single(1.0, 0.1, 1.0, 1);
     let law = Jenkins::new(0.5, 0.2).unwrap();
-    let assembly = assembly(&structure, &[&law]);
+    let assembly = assembly(&structure, [law]);
     let respond = |method| {
         let settings = CurveSettings { method, ..settings(9) };
         periodic_response(&assembly, 1.1, &Control::Level(0.3), &settings, None).unwrap()
@@ -140,7 +149,7 @@ fn a_sampled_contact_needs_no_more_samples_for_its_error_than_for_its_response()
 #[test]
 fn an_excitation_beyond_the_harmonics_of_the_response_is_refused() {
     let structure = single(1.0, 0.1, 1.0, 0);
-    let mut assembly = assembly(&structure, &[]);
+    let mut assembly = alone(&structure);
     assembly.waveform = vec![0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5];
     let respond =
         |harmonics| periodic_response(&assembly, 0.3, &Control::Level(1.0), &settings(harmonics), None);

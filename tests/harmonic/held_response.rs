@@ -4,13 +4,12 @@
 use std::f64::consts::TAU;
 
 use stickslip::harmonic::{
-    Assembly, Body, Control, CurveSettings, Ending, LoadedContact, Method, Settings, backbone,
-    frequency_response, phase_resonance,
+    Assembly, Control, CurveSettings, Ending, Method, Settings, backbone, frequency_response, phase_resonance,
 };
 use stickslip::model::{Beam, Damping, Model, Structure};
 use stickslip::system::ModalBeam;
 
-use crate::common::contact::{self, LOAD};
+use crate::common::contact::{self, LOAD, loaded};
 
 fn published(modes: usize, static_correction: bool) -> ModalBeam {
     let model = Model::parse(include_str!("../../examples/frictional-support/published.toml")).unwrap();
@@ -23,8 +22,7 @@ fn published(modes: usize, static_correction: bool) -> ModalBeam {
 /// and the largest acceleration per force along the curve (1/kg).
 fn held_response(beam: &ModalBeam, acceleration: f64, harmonics: usize, around: f64) -> (f64, f64, f64) {
     let law = contact::published();
-    let contacts = vec![LoadedContact { law: &law, normal_load: LOAD }];
-    let assembly = Assembly::new(Body::Beam(beam), contacts);
+    let assembly = Assembly::new(beam.system(loaded(law, LOAD)).unwrap());
     let node = beam.sensors.len();
     let control = Control::Held { node, order: 1, derivative: 2, amplitude: acceleration };
     let settings = CurveSettings { harmonics, max_step: 0.1, ..CurveSettings::default() };
@@ -70,12 +68,13 @@ const SIX_MODES_NINE_HARMONICS: [(f64, f64, f64); 8] = [
 #[test]
 fn phase_resonance_at_held_acceleration_has_the_reference_frequencies_and_peaks() {
     let law = contact::published();
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let contact = loaded(law, LOAD);
     for (modes, harmonics, reference) in [(4, 5, FOUR_MODES_FIVE_HARMONICS), (6, 9, SIX_MODES_NINE_HARMONICS)]
     {
         let beam = published(modes, false);
         let settings = Settings { harmonics, ..Settings::default() };
-        let found = backbone(&beam, Some(contact), &reference.map(|r| r.0), &settings, &[]).unwrap();
+        let found = backbone(&beam.system(contact.clone()).unwrap(), &reference.map(|r| r.0), &settings, &[])
+            .unwrap();
         for ((level, frequency, ratio), found) in reference.into_iter().zip(found) {
             let hertz = found.angular_frequency / TAU;
             assert!((hertz - frequency).abs() < 5e-4, "{modes} modes, {level} m/s²: {hertz} Hz");
@@ -108,8 +107,9 @@ fn held_frequency_responses_have_the_reference_resonances_and_peaks() {
 /// Frequency (Hz) at phase resonance of the four-mode beam at 20 m/s².
 fn resonance_at_20(settings: Settings) -> f64 {
     let law = contact::published();
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
-    let found = phase_resonance(&published(4, false), Some(contact), 20.0, &settings, None).unwrap();
+    let contact = loaded(law, LOAD);
+    let found =
+        phase_resonance(&published(4, false).system(contact).unwrap(), 20.0, &settings, None).unwrap();
     found.angular_frequency / TAU
 }
 
@@ -136,10 +136,10 @@ fn five_harmonics_are_enough_for_the_resonance() {
 /// Frequencies (Hz) at phase resonance.
 fn resonances(modes: usize, static_correction: bool) -> [f64; 3] {
     let law = contact::published();
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let contact = loaded(law, LOAD);
     let settings = Settings { harmonics: 5, ..Settings::default() };
     let beam = published(modes, static_correction);
-    let found = backbone(&beam, Some(contact), &[0.5, 20.0, 70.0], &settings, &[]).unwrap();
+    let found = backbone(&beam.system(contact.clone()).unwrap(), &[0.5, 20.0, 70.0], &settings, &[]).unwrap();
     std::array::from_fn(|k| found[k].angular_frequency / TAU)
 }
 

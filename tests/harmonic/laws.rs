@@ -6,13 +6,13 @@ use std::f64::consts::{PI, TAU};
 use stickslip::contact::Jenkins;
 use stickslip::harmonic::fourier::value;
 use stickslip::harmonic::{
-    HarmonicError, LoadedContact, Method, Resonance, Settings, backbone, excited_harmonics, forced_response,
+    HarmonicError, Method, Resonance, Settings, backbone, excited_harmonics, forced_response,
     phase_resonance, whole_periods,
 };
-use stickslip::system::ModalBeam;
+use stickslip::system::{Core, ModalBeam, System};
 
 use crate::common::beam::modal;
-use crate::common::contact::{self, LOAD};
+use crate::common::contact::{self, LOAD, loaded};
 use crate::common::exact_period::{Oscillator, steady_period};
 
 /// One mode of 50 Hz with the contact on it, without shortening and axial flexibility.
@@ -56,7 +56,7 @@ fn beam_without_contact_resonates_where_its_receptance_is_imaginary() {
         }
     }
     let settings = Settings { harmonics: 3, method: Method::Sampled { samples: 64 }, ..Settings::default() };
-    let found = phase_resonance(&beam, None, 12.0, &settings, None).unwrap();
+    let found = phase_resonance(&beam.system(None).unwrap(), 12.0, &settings, None).unwrap();
     assert!((found.angular_frequency / low - 1.0).abs() < 1e-10, "{}", found.angular_frequency / low - 1.0);
     let force = 12.0 / (low * low * receptance(&beam, low).1.abs());
     assert!((found.force_amplitude / force - 1.0).abs() < 1e-7);
@@ -67,7 +67,7 @@ fn forced_response_without_contact_is_the_receptance() {
     let beam = three_modes();
     let settings = Settings { harmonics: 4, method: Method::Sampled { samples: 64 }, ..Settings::default() };
     let (period, force) = (0.021, [0.7, 1.0, -2.0, 0.0, 0.0, 0.5, 0.3]);
-    let response = forced_response(&beam, None, period, &force, &settings, None).unwrap();
+    let response = forced_response(&beam.system(None).unwrap(), period, &force, &settings, None).unwrap();
     let displacement = response.displacement(&beam.excitation_shape);
     assert!((displacement[0] - 0.7 * receptance(&beam, 0.0).0).abs() < 1e-15);
     for h in 1..=3 {
@@ -99,9 +99,9 @@ fn stuck_contact_is_a_spring_in_series_with_the_axial_one() {
     let mut beam = single_mode(0.01);
     beam.axial_flexibility = 4e-8;
     let law = Jenkins::new(5e6, 1e6).unwrap();
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let contact = loaded(law, LOAD);
     let settings = Settings { harmonics: 3, method: Method::Sampled { samples: 64 }, ..Settings::default() };
-    let found = phase_resonance(&beam, Some(contact), 10.0, &settings, None).unwrap();
+    let found = phase_resonance(&beam.system(contact.clone()).unwrap(), 10.0, &settings, None).unwrap();
     let stiffness = 5e6 / (1.0 + 4e-8 * 5e6);
     let natural = ((TAU * 50.0_f64).powi(2) + stiffness * 0.06 * 0.06).sqrt();
     assert!((found.angular_frequency / natural - 1.0).abs() < 1e-9);
@@ -115,7 +115,7 @@ fn stuck_contact_is_a_spring_in_series_with_the_axial_one() {
 fn jenkins_oscillator_matches_its_exact_event_driven_solution() {
     let (stiffness, limit) = (4e6, 60.0);
     let law = Jenkins::new(stiffness, limit / LOAD).unwrap();
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let contact = loaded(law, LOAD);
     let settings =
         Settings { harmonics: 15, method: Method::Sampled { samples: 512 }, ..Settings::default() };
     for (damping_ratio, frequency, force) in [(0.02, 52.0, 20.0), (0.05, 60.0, 40.0), (0.02, 57.0, 6.0)] {
@@ -129,8 +129,14 @@ fn jenkins_oscillator_matches_its_exact_event_driven_solution() {
             force: 1.3 * force,
             frequency: TAU * frequency,
         });
-        let found =
-            forced_response(&beam, Some(contact), 1.0 / frequency, &[0.0, force], &settings, None).unwrap();
+        let found = forced_response(
+            &beam.system(contact.clone()).unwrap(),
+            1.0 / frequency,
+            &[0.0, force],
+            &settings,
+            None,
+        )
+        .unwrap();
         let peak =
             (0..2000).map(|k| value(&found.coefficients, TAU * k as f64 / 2000.0).abs()).fold(0.0, f64::max);
         assert!((peak / exact.amplitude - 1.0).abs() < 1e-4, "{peak} {}", exact.amplitude);
@@ -143,9 +149,9 @@ fn jenkins_oscillator_matches_its_exact_event_driven_solution() {
 fn resonance_at(amplitude: f64) -> (ModalBeam, Resonance) {
     let beam = three_modes();
     let law = contact::published();
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let contact = loaded(law, LOAD);
     let settings = Settings { harmonics: 5, method: Method::Sampled { samples: 128 }, ..Settings::default() };
-    let found = phase_resonance(&beam, Some(contact), amplitude, &settings, None).unwrap();
+    let found = phase_resonance(&beam.system(contact.clone()).unwrap(), amplitude, &settings, None).unwrap();
     (beam, found)
 }
 
@@ -163,10 +169,11 @@ fn excitation_work_is_dissipated_in_contact_and_modes() {
 #[test]
 fn excitation_work_balances_with_several_harmonics() {
     let (beam, law) = (three_modes(), contact::published());
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let contact = loaded(law, LOAD);
     let settings = Settings { harmonics: 7, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     let force = [0.0, 15.0, 4.0, 0.5, -0.4, 6.0, 8.0];
-    let response = forced_response(&beam, Some(contact), 0.0195, &force, &settings, None).unwrap();
+    let response =
+        forced_response(&beam.system(contact.clone()).unwrap(), 0.0195, &force, &settings, None).unwrap();
     let displacement = response.displacement(&beam.excitation_shape);
     let work: f64 = (1..=3)
         .map(|h| {
@@ -187,9 +194,9 @@ fn response_is_odd_without_shortening_and_not_with_it() {
     assert!(even(&with.coefficients) > 1e-4 * with.coefficients[2].abs());
     beam.shortening.fill(0.0);
     let law = contact::published();
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let contact = loaded(law, LOAD);
     let settings = Settings { harmonics: 5, method: Method::Sampled { samples: 128 }, ..Settings::default() };
-    let without = phase_resonance(&beam, Some(contact), 30.0, &settings, None).unwrap();
+    let without = phase_resonance(&beam.system(contact.clone()).unwrap(), 30.0, &settings, None).unwrap();
     assert!(even(&without.coefficients) < 1e-9 * without.coefficients[2].abs());
 }
 
@@ -218,11 +225,11 @@ fn published_beam_softens_as_the_reference_does() {
     ];
     let beam = crate::common::finite_elements::published_beam(4, 24);
     let law = contact::published();
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let contact = loaded(law, LOAD);
     let settings = Settings { harmonics: 5, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     // Falling and rising: the caller's order is kept, and does not matter.
     let amplitudes: Vec<f64> = reference.iter().rev().map(|r| r.0).collect();
-    let found = backbone(&beam, Some(contact), &amplitudes, &settings, &[]).unwrap();
+    let found = backbone(&beam.system(contact.clone()).unwrap(), &amplitudes, &settings, &[]).unwrap();
     for ((amplitude, frequency, ratio), found) in reference.iter().zip(found.iter().rev()) {
         assert_eq!(found.acceleration_amplitude, *amplitude);
         let hertz = found.angular_frequency / TAU;
@@ -231,7 +238,7 @@ fn published_beam_softens_as_the_reference_does() {
         assert!((peak - ratio).abs() < 0.05 + 0.01 * ratio, "{peak} at {amplitude} m/s²");
     }
     // A cold start at one level finds the same.
-    let cold = phase_resonance(&beam, Some(contact), 40.0, &settings, None).unwrap();
+    let cold = phase_resonance(&beam.system(contact.clone()).unwrap(), 40.0, &settings, None).unwrap();
     assert!((cold.angular_frequency / found[3].angular_frequency - 1.0).abs() < 1e-7);
 }
 
@@ -239,10 +246,12 @@ fn published_beam_softens_as_the_reference_does() {
 fn frequency_converges_with_the_square_of_the_sampling_step() {
     let beam = three_modes();
     let law = contact::published();
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let contact = loaded(law, LOAD);
     let at = |samples: usize| {
         let settings = Settings { harmonics: 5, method: Method::Sampled { samples }, ..Settings::default() };
-        phase_resonance(&beam, Some(contact), 20.0, &settings, None).unwrap().angular_frequency
+        phase_resonance(&beam.system(contact.clone()).unwrap(), 20.0, &settings, None)
+            .unwrap()
+            .angular_frequency
     };
     let best = at(1024);
     let (coarse, fine) = ((at(128) - best).abs(), (at(512) - best).abs());
@@ -256,13 +265,13 @@ fn starts_do_not_change_the_answer() {
     let beam = three_modes();
     let settings = Settings { harmonics: 5, method: Method::Sampled { samples: 128 }, ..Settings::default() };
     let law = Jenkins::new(5e6, 0.8).unwrap();
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let contact = loaded(law, LOAD);
     let amplitudes = [5.0, 35.0];
-    let cold = backbone(&beam, Some(contact), &amplitudes, &settings, &[]).unwrap();
+    let cold = backbone(&beam.system(contact.clone()).unwrap(), &amplitudes, &settings, &[]).unwrap();
     let other_law = contact::published();
-    let other = LoadedContact { law: &other_law, normal_load: LOAD };
-    let elsewhere = backbone(&beam, Some(other), &amplitudes, &settings, &[]).unwrap();
-    let warm = backbone(&beam, Some(contact), &amplitudes, &settings, &elsewhere).unwrap();
+    let other = loaded(other_law, LOAD);
+    let elsewhere = backbone(&beam.system(other.clone()).unwrap(), &amplitudes, &settings, &[]).unwrap();
+    let warm = backbone(&beam.system(contact.clone()).unwrap(), &amplitudes, &settings, &elsewhere).unwrap();
     for (a, b) in cold.iter().zip(&warm) {
         assert!((a.angular_frequency / b.angular_frequency - 1.0).abs() < 1e-7);
         assert!((a.force_amplitude / b.force_amplitude - 1.0).abs() < 1e-6);
@@ -310,30 +319,27 @@ fn nonsense_is_refused() {
     let invalid = |result: Result<Resonance, HarmonicError>| {
         assert!(matches!(result, Err(HarmonicError::InvalidInput(_))), "{result:?}");
     };
-    invalid(phase_resonance(&beam, None, 0.0, &settings, None));
-    invalid(phase_resonance(&beam, None, f64::NAN, &settings, None));
-    invalid(phase_resonance(
-        &beam,
-        None,
-        1.0,
-        &Settings { method: Method::Sampled { samples: 16 }, ..settings },
-        None,
-    ));
-    invalid(phase_resonance(&beam, None, 1.0, &Settings { harmonics: 0, ..settings }, None));
-    invalid(phase_resonance(
-        &ModalBeam { damping_ratio: vec![], ..beam.clone() },
-        None,
-        1.0,
-        &settings,
-        None,
-    ));
-    invalid(phase_resonance(
-        &ModalBeam { excitation_shape: vec![0.0; 3], ..beam.clone() },
-        None,
-        1.0,
-        &settings,
-        None,
-    ));
-    assert!(forced_response(&beam, None, -1.0, &[0.0], &settings, None).is_err());
-    assert!(forced_response(&beam, None, 1.0, &[0.0; 99], &settings, None).is_err());
+    let system = beam.system(None).unwrap();
+    invalid(phase_resonance(&system, 0.0, &settings, None));
+    invalid(phase_resonance(&system, f64::NAN, &settings, None));
+    let coarse = Settings { method: Method::Sampled { samples: 16 }, ..settings };
+    invalid(phase_resonance(&system, 1.0, &coarse, None));
+    invalid(phase_resonance(&system, 1.0, &Settings { harmonics: 0, ..settings }, None));
+    let Core::Modal { angular_frequency, .. } = &system.core else { panic!("a beam is modal") };
+    let core = Core::Modal { angular_frequency: angular_frequency.clone(), damping_ratio: vec![] };
+    invalid(phase_resonance(&System { core, ..system.clone() }, 1.0, &settings, None));
+    assert!(ModalBeam { damping_ratio: vec![], ..beam.clone() }.system(None).is_err());
+    let still = ModalBeam { excitation_shape: vec![0.0; 3], ..beam.clone() };
+    invalid(phase_resonance(&still.system(None).unwrap(), 1.0, &settings, None));
+    let prescribed = System {
+        core: Core::Modal { angular_frequency: vec![], damping_ratio: vec![] },
+        shortening: vec![],
+        ports: vec![],
+        elements: vec![],
+        driven: vec![],
+        sensors: vec![],
+    };
+    invalid(phase_resonance(&prescribed, 1.0, &settings, None));
+    assert!(forced_response(&system, -1.0, &[0.0], &settings, None).is_err());
+    assert!(forced_response(&system, 1.0, &[0.0; 99], &settings, None).is_err());
 }

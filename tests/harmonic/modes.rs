@@ -14,7 +14,7 @@ use crate::common::oscillator::{in_contact, settings, single, two_masses};
 /// The mode under one law, with so many harmonics.
 fn mode(
     structure: &LinearStructure,
-    law: &dyn ContactLaw,
+    law: impl ContactLaw + 'static,
     range: &ModeRange,
     harmonics: usize,
 ) -> NonlinearMode {
@@ -33,7 +33,7 @@ fn a_linear_structure_has_its_natural_frequency_and_damping_ratio_at_every_ampli
     for (number, square) in [1.1 - radius, 1.1 + radius].into_iter().enumerate() {
         let omega = square.sqrt();
         let range = ModeRange { mode: number, node: 0, amplitudes: [1e-4, 1e3], points: 8 };
-        let mode = mode(&structure, &spring, &range, 3);
+        let mode = mode(&structure, spring, &range, 3);
         assert!((mode.angular_frequency / omega - 1.0).abs() < 1e-12, "{}", mode.angular_frequency);
         for point in &mode.points {
             assert!((point.angular_frequency / mode.angular_frequency - 1.0).abs() < 1e-9);
@@ -49,7 +49,7 @@ fn duffing_backbone_of_one_harmonic_is_three_quarters_of_the_cubic() {
     for cubic in [0.7, -0.3] {
         let law = CubicSpring::new(0.0, cubic).unwrap();
         let range = ModeRange { mode: 0, node: 0, amplitudes: [1e-3, 1.5], points: 15 };
-        for point in mode(&structure, &law, &range, 1).points {
+        for point in mode(&structure, law, &range, 1).points {
             let square = 2.0 + 0.75 * cubic * point.amplitude.powi(2);
             assert!((point.angular_frequency / square.sqrt() - 1.0).abs() < 1e-9);
             assert!((2.0 * point.damping_ratio * point.angular_frequency - 0.03).abs() < 1e-9);
@@ -63,7 +63,7 @@ fn duffing_backbone_of_many_harmonics_is_the_elliptic_integral() {
     for cubic in [1.0, -0.1] {
         let law = CubicSpring::new(0.0, cubic).unwrap();
         let range = ModeRange { mode: 0, node: 0, amplitudes: [0.01, 2.0], points: 12 };
-        for point in mode(&structure, &law, &range, 25).points {
+        for point in mode(&structure, law, &range, 25).points {
             let exact = duffing_frequency(1.0, cubic, point.point.amplitude[0]);
             let error = (point.angular_frequency / exact - 1.0).abs();
             assert!(error < 1e-8, "{cubic} {}: {error:.1e}", point.amplitude);
@@ -100,7 +100,7 @@ fn one_harmonic_mode_of_a_jenkins_element_is_its_describing_function() {
     let structure = single(1.0, damping, stiffness, 1);
     let law = Jenkins::new(contact, limit).unwrap();
     let range = ModeRange { mode: 0, node: 0, amplitudes: [1e-3, 1e3], points: 41 };
-    for point in mode(&structure, &law, &range, 1).points {
+    for point in mode(&structure, law, &range, 1).points {
         let [real, imaginary] = jenkins_stiffness(contact, limit, point.amplitude);
         let omega = (stiffness + real).sqrt();
         let zeta = (damping * omega + imaginary) / (2.0 * omega * omega);
@@ -115,7 +115,7 @@ fn damping_ratio_is_the_energy_lost_over_4_pi_times_the_kinetic_energy() {
     let structure = single(1.0, damping, 1.0, 1);
     let law = Jenkins::new(0.4, limit).unwrap();
     let range = ModeRange { mode: 0, node: 0, amplitudes: [1e-2, 1e2], points: 15 };
-    for point in mode(&structure, &law, &range, 31).points {
+    for point in mode(&structure, law, &range, 31).points {
         // ∮ q̇² dt = π Ω Σ k² a_k²: the artificial damping gives 2 ζ Ω times it, the damper takes c times it.
         let coefficients = &point.point.nodes[0];
         let squares: f64 = (1..coefficients.len())
@@ -134,7 +134,7 @@ fn two_mass_modes_go_from_stuck_to_free_sliding() {
     let law = Jenkins::new(0.2, 0.02).unwrap();
     for (number, stuck, free) in [(0, 0.6780026, 0.5411961), (1, 1.3192090, 1.3065630)] {
         let range = ModeRange { mode: number, node: 1, amplitudes: [1e-3, 1e4], points: 71 };
-        let mode = mode(&structure, &law, &range, 9);
+        let mode = mode(&structure, law, &range, 9);
         let (first, last) = (&mode.points[0], &mode.points[70]);
         assert!((first.angular_frequency - stuck).abs() < 1e-7, "{}", first.angular_frequency);
         assert!((last.angular_frequency - free).abs() < 1e-6, "{}", last.angular_frequency);
@@ -154,7 +154,7 @@ fn two_mass_modes_go_from_stuck_to_free_sliding() {
 fn lightly_damped_resonances_lie_on_the_mode() {
     let structure = two_masses(0.002);
     let law = Jenkins::new(0.02, 0.02).unwrap();
-    let assembly = in_contact(&structure, &law);
+    let assembly = in_contact(&structure, law);
     let settings = settings(9);
     let tracking = Tracking { followed: Followed::Phase, node: 0, angular_frequency: 0.5554 };
     let levels: Vec<f64> = (0..12).map(|k| 1e-3 * 1.6_f64.powi(k)).collect();
@@ -176,7 +176,7 @@ fn a_mode_does_not_depend_on_the_way_its_amplitudes_are_walked() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let walk = |amplitudes, points| {
-        mode(&structure, &law, &ModeRange { mode: 0, node: 1, amplitudes, points }, 9).points
+        mode(&structure, law, &ModeRange { mode: 0, node: 1, amplitudes, points }, 9).points
     };
     let (fine, coarse) = (walk([0.01, 10.0], 31), walk([0.01, 10.0], 4));
     for (k, point) in coarse.iter().enumerate() {
@@ -191,7 +191,7 @@ fn a_mode_does_not_depend_on_the_way_its_amplitudes_are_walked() {
 fn modes_that_are_not_there_are_refused() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let assembly = in_contact(&structure, &law);
+    let assembly = in_contact(&structure, law);
     let range = ModeRange { mode: 0, node: 0, amplitudes: [1e-3, 1.0], points: 5 };
     let wrong = [
         ModeRange { mode: 2, ..range },
@@ -210,12 +210,12 @@ fn modes_that_are_not_there_are_refused() {
 fn harmonics_grow_until_a_mode_is_resolved() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let assembly = in_contact(&structure, &law);
+    let assembly = in_contact(&structure, law);
     let range = ModeRange { mode: 0, node: 1, amplitudes: [0.05, 2.0], points: 5 };
     let settings =
         CurveSettings { harmonics: 1, truncation: Some(1e-3), max_harmonics: 51, ..CurveSettings::default() };
     let found = nonlinear_mode(&assembly, &range, &settings).unwrap();
-    let exact = mode(&structure, &law, &range, 51);
+    let exact = mode(&structure, law, &range, 51);
     assert_eq!(found.points.len(), 5);
     for (point, exact) in found.points.iter().zip(&exact.points) {
         assert!(point.point.resolved && point.point.harmonics < 51, "{}", point.point.error_estimate);

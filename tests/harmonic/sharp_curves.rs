@@ -2,12 +2,10 @@
 //! estimate follows its true error.
 
 use stickslip::contact::Jenkins;
-use stickslip::harmonic::{
-    Assembly, Body, Control, Ending, LoadedContact, frequency_response, periodic_response,
-};
+use stickslip::harmonic::{Assembly, Control, Ending, frequency_response, periodic_response};
 use stickslip::system::{LinearStructure, Output};
 
-use crate::common::contact::{self, LOAD};
+use crate::common::contact::{self, LOAD, loaded};
 use crate::common::oscillator::{in_contact, settings};
 
 /// Masses of 1 kg in a chain from the ground, springs of `stiffness` (N/m), dampers proportional to them.
@@ -37,7 +35,7 @@ fn chain(masses: usize, stiffness: f64, damping: f64) -> LinearStructure {
 fn the_resonance_of_one_mass_is_met_however_sharp() {
     for damping in [1e-6, 1e-4, 0.01, 0.03, 0.1, 1.0] {
         let structure = chain(1, 100.0, damping);
-        let assembly = Assembly::new(Body::Linear(&structure), Vec::new());
+        let assembly = Assembly::new(structure.system(Vec::new()));
         let control = Control::Level(1.0);
         let curve = frequency_response(&assembly, 1.0, 40.0, &control, &settings(1), &mut |_| true).unwrap();
         assert_eq!(curve.ending, Ending::Complete, "{damping}");
@@ -55,7 +53,7 @@ fn chains_show_as_many_resonances_as_masses() {
     for masses in [2, 3, 5, 8] {
         for damping in [1e-3, 0.02, 0.1] {
             let structure = chain(masses, 100.0, damping);
-            let assembly = Assembly::new(Body::Linear(&structure), Vec::new());
+            let assembly = Assembly::new(structure.system(Vec::new()));
             let control = Control::Level(1.0);
             let curve =
                 frequency_response(&assembly, 0.5, 21.0, &control, &settings(3), &mut |_| true).unwrap();
@@ -72,7 +70,7 @@ fn a_jenkins_contact_does_not_end_a_lightly_damped_curve() {
         for level in [0.01, 0.1, 1.0] {
             let mut structure = chain(masses, 100.0, damping);
             structure.contacts = vec![vec![(masses - 1, 1.0)]];
-            let assembly = in_contact(&structure, &law);
+            let assembly = in_contact(&structure, law);
             let control = Control::Level(level);
             let curve =
                 frequency_response(&assembly, 2.0, 25.0, &control, &settings(5), &mut |_| true).unwrap();
@@ -91,11 +89,9 @@ fn a_jenkins_contact_does_not_end_a_lightly_damped_curve() {
 #[test]
 fn the_estimate_of_the_beam_follows_its_true_error() {
     let beam = crate::common::finite_elements::published_beam(4, 60);
-    let law = contact::published();
-    let contacts = || vec![LoadedContact { law: &law, normal_load: LOAD }];
+    let assembly = Assembly::new(beam.system(loaded(contact::published(), LOAD)).unwrap());
     for omega in [330.0, 339.0, 350.0] {
         let response = |harmonics: usize| {
-            let assembly = Assembly::new(Body::Beam(&beam), contacts());
             periodic_response(&assembly, omega, &Control::Level(10.0), &settings(harmonics), None).unwrap()
         };
         let exact = response(31);
@@ -128,7 +124,7 @@ fn watched(structure: LinearStructure) -> LinearStructure {
 fn a_curve_has_points_on_every_resonance_however_sharp() {
     for (masses, damping) in [(1, 1e-4), (2, 1e-3), (10, 0.01)] {
         let structure = watched(chain(masses, 4.0, damping));
-        let assembly = Assembly::new(Body::Linear(&structure), Vec::new());
+        let assembly = Assembly::new(structure.system(Vec::new()));
         let control = Control::Level(1.0);
         let curve = frequency_response(&assembly, 0.01, 5.0, &control, &settings(1), &mut |_| true).unwrap();
         assert_eq!(curve.ending, Ending::Complete);
@@ -164,7 +160,7 @@ fn a_curve_has_points_on_every_resonance_however_sharp() {
 fn a_linear_response_held_takes_the_force_of_its_receptance() {
     for (masses, damping) in [(1, 1e-4), (2, 1e-3)] {
         let structure = watched(chain(masses, 1.0, damping));
-        let assembly = Assembly::new(Body::Linear(&structure), Vec::new());
+        let assembly = Assembly::new(structure.system(Vec::new()));
         let held = Control::Held { node: 0, order: 1, derivative: 0, amplitude: 1.0 };
         let curve = frequency_response(&assembly, 0.05, 5.0, &held, &settings(1), &mut |_| true).unwrap();
         assert_eq!(curve.ending, Ending::Complete, "{masses}");
@@ -187,7 +183,7 @@ fn the_peak_that_meets_a_point_of_the_curve_is_listed() {
     let mut structure = watched(chain(10, 4.0, 0.01));
     structure.contacts = vec![vec![(5, 1.0)]];
     let law = Jenkins::new(2.0, 0.1).unwrap();
-    let assembly = in_contact(&structure, &law);
+    let assembly = in_contact(&structure, law);
     let control = Control::Level(1e-4);
     let curve = frequency_response(&assembly, 0.8, 1.05, &control, &settings(21), &mut |_| true).unwrap();
     // All stick: a linear structure, whose masses pass one resonance here.

@@ -3,8 +3,9 @@
 
 use stickslip::contact::Jenkins;
 use stickslip::harmonic::fourier::{coefficient_count, from_samples};
-use stickslip::harmonic::{LoadedContact, Method, Settings, forced_response, whole_periods};
+use stickslip::harmonic::{Method, Settings, forced_response, whole_periods};
 
+use crate::common::contact::loaded;
 use crate::common::{external, finite_elements};
 
 /// Columns of a record: time, excitation, accelerations at 0.55, 0.3 and 0.1 m.
@@ -26,7 +27,7 @@ fn every_steady_record_is_answered_from_a_cold_start() {
     let mut beam = finite_elements::beam(193_737_638_546.993_47, &masses, 0.003_697_017_655_819_057_4, 6, 24);
     beam.sensors.truncate(3);
     let law = Jenkins::new(7_198_003.463_408_523, 0.400_647_880_176_607_24).unwrap();
-    let contact = LoadedContact { law: &law, normal_load: 149.899_456_390_378_36 };
+    let contact = loaded(law, 149.899_456_390_378_36);
     let settings = Settings { harmonics: 7, method: Method::Exact, ..Settings::default() };
     for record in [0, 1, 5, 7] {
         let columns = columns(&folder.join(format!("r{record}.csv")));
@@ -37,8 +38,9 @@ fn every_steady_record_is_answered_from_a_cold_start() {
         let force = from_samples(excitation, periods, settings.harmonics);
         assert_eq!(force.len(), coefficient_count(settings.harmonics));
         let started = std::time::Instant::now();
-        let response = forced_response(&beam, Some(contact), period, &force, &settings, None)
-            .unwrap_or_else(|error| panic!("record {record}: {error}"));
+        let response =
+            forced_response(&beam.system(contact.clone()).unwrap(), period, &force, &settings, None)
+                .unwrap_or_else(|error| panic!("record {record}: {error}"));
         let elapsed = started.elapsed();
         let mut errors = Vec::new();
         for (sensor, measured) in beam.sensors.iter().zip(&columns[2..]) {

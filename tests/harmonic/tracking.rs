@@ -1,13 +1,15 @@
 //! Resonances followed over level and contact parameters, against closed forms, scaling laws and the exact
 //! event-driven solution of the two-mass system with friction.
 
-use stickslip::contact::{CubicSpring, Jenkins, Unilateral};
+use std::sync::Arc;
+
+use stickslip::contact::{ContactLaw, CubicSpring, Jenkins, Unilateral};
 use stickslip::harmonic::{
-    CurveSettings, Ending, Followed, HarmonicError, OwnedContact, Tracked, TrackedCurve, Tracking, Varied,
+    CurveSettings, Ending, Followed, HarmonicError, Tracked, TrackedCurve, Tracking, Varied,
     parameter_response, track_levels, track_parameter,
 };
 
-use crate::common::oscillator::{in_contact, settings, single, two_masses};
+use crate::common::oscillator::{in_contact, settings, single, two_masses, under_load};
 
 /// The whole curve.
 fn whole(curve: Result<TrackedCurve, HarmonicError>) -> Vec<Tracked> {
@@ -30,7 +32,7 @@ fn a_linear_oscillator_peaks_below_and_is_in_phase_resonance_at_its_natural_freq
     let (stiffness, damping, contact) = (1.0, 0.3, 0.44);
     let structure = single(1.0, damping, stiffness, 1);
     let law = CubicSpring::new(contact, 0.0).unwrap();
-    let assembly = in_contact(&structure, &law);
+    let assembly = in_contact(&structure, law);
     let levels = [0.01, 1.0, 50.0];
     let square: f64 = stiffness + contact;
     let follow =
@@ -52,7 +54,7 @@ fn a_linear_oscillator_peaks_below_and_is_in_phase_resonance_at_its_natural_freq
 fn two_mass_peaks_are_those_of_the_exact_solution() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let assembly = in_contact(&structure, &law);
+    let assembly = in_contact(&structure, law);
     // Node, start, ω, x, y, D of the event-driven exact solution at A = 0.4.
     let peaks = [
         (0, 0.50, 0.527394, 1.008048920, 2.162370912, 0.1649896730),
@@ -78,7 +80,7 @@ fn two_mass_peaks_are_those_of_the_exact_solution() {
 fn receptance_at_the_peak_is_least_at_a_medium_level() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let assembly = in_contact(&structure, &law);
+    let assembly = in_contact(&structure, law);
     let least = |node| {
         let levels = spaced(0.01, 2.0, 60);
         let peaks =
@@ -98,12 +100,10 @@ fn receptance_at_the_peak_is_least_at_a_medium_level() {
 #[test]
 fn dissipation_at_a_fixed_frequency_is_largest_at_a_medium_friction() {
     let structure = two_masses(0.1);
-    let law = Jenkins::new(0.2, 0.02).unwrap();
-    let contacts = |_: usize, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.2, friction)?, 1.0));
-    let assembly = in_contact(&structure, &law);
+    let over = |friction: f64| Ok(under_load(&structure, Arc::new(Jenkins::new(0.2, friction)?), 1.0));
     let frequency = tracking(Followed::Frequency, 1, 0.54);
     let friction = [0.05, 0.06, 0.07];
-    let points = whole(track_parameter(&assembly, &contacts, 0.4, &frequency, &friction, &settings(21)));
+    let points = whole(track_parameter(&over, 0.4, &frequency, &friction, &settings(21)));
     for (point, lost) in points.iter().zip([0.2910, 0.2994, 0.2939]) {
         assert_eq!(point.point.angular_frequency, 0.54);
         assert!((point.point.dissipated_energy() - lost).abs() < 5.1e-5, "{}", point.value);
@@ -115,13 +115,13 @@ fn load_and_level_together_only_scale_the_response() {
     // Lengths enter through the limit alone: N and A times c is the same response times c.
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let assembly = in_contact(&structure, &law);
+    let assembly = in_contact(&structure, law);
     let loads = [1.0, 0.5, 0.25, 2.0, 8.0];
     for followed in [Followed::Peak, Followed::Phase] {
         let node = if followed == Followed::Peak { 0 } else { 1 };
         let tracking = tracking(followed, node, 0.53);
-        let contacts = |_: usize, load: f64| Ok(OwnedContact::new(Jenkins::new(0.2, 0.02)?, load));
-        let by_load = whole(track_parameter(&assembly, &contacts, 0.4, &tracking, &loads, &settings(9)));
+        let over = |load: f64| Ok(under_load(&structure, Arc::new(Jenkins::new(0.2, 0.02)?), load));
+        let by_load = whole(track_parameter(&over, 0.4, &tracking, &loads, &settings(9)));
         let levels: Vec<f64> = loads.iter().map(|load| 0.4 / load).collect();
         let by_level = whole(track_levels(&assembly, &tracking, &levels, &settings(9)));
         for (a, b) in by_load.iter().zip(&by_level) {
@@ -140,7 +140,7 @@ fn duffing_peaks_are_followed_past_the_fold() {
     let law = CubicSpring::new(0.0, cubic).unwrap();
     let levels = spaced(1e-3, 0.3, 9);
     let peak = tracking(Followed::Peak, 0, 0.98);
-    for peak in whole(track_levels(&in_contact(&structure, &law), &peak, &levels, &settings(1))) {
+    for peak in whole(track_levels(&in_contact(&structure, law), &peak, &levels, &settings(1))) {
         let (a, omega) = (peak.amplitude, peak.point.angular_frequency);
         let bent = 1.0 + 0.75 * cubic * a * a;
         assert!((omega * omega / (bent - 0.5 * damping * damping) - 1.0).abs() < 1e-6, "{omega} {a}");
@@ -155,10 +155,8 @@ fn parameter_sweeps_pass_turning_points_of_a_duffing_oscillator() {
     // stiffnesses, `¾ k₃ a² = ω² − k ± √(A²/a² − c² ω²)`.
     let (damping, omega, level): (f64, f64, f64) = (0.05, 1.3, 0.2);
     let structure = single(1.0, damping, 1.0, 1);
-    let law = CubicSpring::new(0.0, 0.01).unwrap();
-    let contacts = |_: usize, cubic: f64| Ok(OwnedContact::new(CubicSpring::new(0.0, cubic)?, 1.0));
-    let assembly = in_contact(&structure, &law);
-    let curve = parameter_response(&assembly, &contacts, omega, level, [0.01, 2.0], &settings(1)).unwrap();
+    let over = |cubic: f64| Ok(under_load(&structure, Arc::new(CubicSpring::new(0.0, cubic)?), 1.0));
+    let curve = parameter_response(&over, omega, level, [0.01, 2.0], &settings(1)).unwrap();
     assert_eq!(curve.ending, Ending::Complete);
     let mut turned = 0;
     for pair in curve.points.windows(2) {
@@ -176,16 +174,14 @@ fn parameter_sweeps_pass_turning_points_of_a_duffing_oscillator() {
 #[test]
 fn a_parameter_sweep_and_single_values_agree() {
     let structure = two_masses(0.1);
-    let law = Jenkins::new(0.2, 0.02).unwrap();
-    let contacts = |_: usize, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.2, friction)?, 1.0));
-    let assembly = in_contact(&structure, &law);
-    let curve = parameter_response(&assembly, &contacts, 0.54, 0.4, [0.02, 0.12], &settings(9)).unwrap();
+    let over = |friction: f64| Ok(under_load(&structure, Arc::new(Jenkins::new(0.2, friction)?), 1.0));
+    let curve = parameter_response(&over, 0.54, 0.4, [0.02, 0.12], &settings(9)).unwrap();
     let last = curve.points.last().map(|varied| (varied.value, varied.point.dissipated_energy()));
     assert_eq!(curve.ending, Ending::Complete, "{last:?}");
     let picked: Vec<&Varied> = curve.points.iter().step_by(7).collect();
     let values: Vec<f64> = picked.iter().map(|varied| varied.value).collect();
     let frequency = tracking(Followed::Frequency, 1, 0.54);
-    let points = whole(track_parameter(&assembly, &contacts, 0.4, &frequency, &values, &settings(9)));
+    let points = whole(track_parameter(&over, 0.4, &frequency, &values, &settings(9)));
     for (a, b) in picked.iter().zip(&points) {
         assert!((a.point.amplitude[1] / b.amplitude - 1.0).abs() < 1e-8, "{}", a.value);
         assert!((a.point.dissipated_energy() - b.point.dissipated_energy()).abs() < 1e-9);
@@ -197,7 +193,7 @@ fn a_parameter_sweep_and_single_values_agree() {
 fn harmonics_grow_until_a_tracked_peak_is_resolved() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let assembly = in_contact(&structure, &law);
+    let assembly = in_contact(&structure, law);
     let adaptive = CurveSettings {
         harmonics: 3,
         truncation: Some(1e-5),
@@ -218,7 +214,7 @@ fn a_resonance_that_ends_is_reported_as_lost() {
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let levels = spaced(0.8, 0.02, 20);
     let tracking = tracking(Followed::Phase, 0, 0.55);
-    let curve = track_levels(&in_contact(&structure, &law), &tracking, &levels, &settings(9)).unwrap();
+    let curve = track_levels(&in_contact(&structure, law), &tracking, &levels, &settings(9)).unwrap();
     assert!(curve.lost.is_some() && curve.points.len() > 5 && curve.points.len() < 20);
     for pair in curve.points.windows(2) {
         let change = pair[1].point.angular_frequency / pair[0].point.angular_frequency - 1.0;
@@ -230,7 +226,7 @@ fn a_resonance_that_ends_is_reported_as_lost() {
 fn what_cannot_be_followed_is_refused() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
-    let assembly = in_contact(&structure, &law);
+    let assembly = in_contact(&structure, law);
     let follow =
         |tracking: Tracking, levels: &[f64]| track_levels(&assembly, &tracking, levels, &settings(5));
     let refused = [
@@ -242,9 +238,9 @@ fn what_cannot_be_followed_is_refused() {
     for result in refused {
         assert!(matches!(result, Err(HarmonicError::InvalidInput(_))), "{result:?}");
     }
-    let contacts = |_: usize, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.2, friction)?, 1.0));
+    let over = |friction: f64| Ok(under_load(&structure, Arc::new(Jenkins::new(0.2, friction)?), 1.0));
     let frequency = tracking(Followed::Frequency, 0, 0.5);
-    let result = track_parameter(&assembly, &contacts, 0.4, &frequency, &[0.02, -1.0], &settings(5));
+    let result = track_parameter(&over, 0.4, &frequency, &[0.02, -1.0], &settings(5));
     assert!(matches!(result, Err(HarmonicError::Law(_))), "{result:?}");
     assert_eq!(
         follow(tracking(Followed::Peak, 0, 0.5), &[]),
@@ -255,12 +251,10 @@ fn what_cannot_be_followed_is_refused() {
 #[test]
 fn a_parameter_sweep_passes_the_corner_where_the_contact_sticks_for_good() {
     let structure = two_masses(0.1);
-    let law = Jenkins::new(0.2, 0.02).unwrap();
-    let contacts = |_: usize, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.2, friction)?, 1.0));
-    let assembly = in_contact(&structure, &law);
+    let over = |friction: f64| Ok(under_load(&structure, Arc::new(Jenkins::new(0.2, friction)?), 1.0));
     for (harmonics, most) in [(1, 0.5), (3, 1.0), (9, 0.3), (9, 2.0), (21, 0.5)] {
         let ends = [0.02, most];
-        let curve = parameter_response(&assembly, &contacts, 0.54, 0.4, ends, &settings(harmonics)).unwrap();
+        let curve = parameter_response(&over, 0.54, 0.4, ends, &settings(harmonics)).unwrap();
         let last = curve.points.last().unwrap();
         assert_eq!(curve.ending, Ending::Complete, "{harmonics} {most}: ends at {}", last.value);
         // Stuck for good, the contact is a spring; the limit it then needs is where it began to stick.
@@ -276,15 +270,14 @@ fn a_parameter_sweep_passes_the_corner_where_the_contact_sticks_for_good() {
 #[test]
 fn a_contact_that_loses_its_symmetry_on_the_way_is_refused() {
     let structure = single(1.0, 0.1, 1.0, 1);
-    let law = CubicSpring::new(0.1, 0.0).unwrap();
-    let assembly = in_contact(&structure, &law);
-    let contacts = |_: usize, stiffness: f64| {
-        Ok(if stiffness < 0.5 {
-            OwnedContact::new(CubicSpring::new(stiffness, 0.0)?, 1.0)
+    let over = |stiffness: f64| {
+        let law: Arc<dyn ContactLaw> = if stiffness < 0.5 {
+            Arc::new(CubicSpring::new(stiffness, 0.0)?)
         } else {
-            OwnedContact::new(Unilateral::new(stiffness, 0.0)?, 1.0)
-        })
+            Arc::new(Unilateral::new(stiffness, 0.0)?)
+        };
+        Ok(under_load(&structure, law, 1.0))
     };
-    let curve = parameter_response(&assembly, &contacts, 0.8, 0.4, [0.1, 1.0], &settings(5));
+    let curve = parameter_response(&over, 0.8, 0.4, [0.1, 1.0], &settings(5));
     assert!(matches!(curve, Err(HarmonicError::InvalidInput(_))), "{curve:?}");
 }

@@ -89,8 +89,8 @@ fn an_oscillator_may_have_no_contact() {
     let (head, _) = TWO.split_once("[contact]").unwrap();
     let model = Model::parse(head).unwrap();
     assert_eq!((model.contact, oscillator(&model).contact), (None, None));
-    let assembled = model.assembled().unwrap();
-    assert!(assembled.structure.contacts.is_empty() && assembled.law.is_none());
+    let system = model.system().unwrap();
+    assert!(system.linear_part().contacts.is_empty() && system.laws().next().is_none());
     assert_eq!(Model::parse(&model.to_toml()).unwrap(), model);
 }
 
@@ -207,13 +207,13 @@ fn a_model_built_in_code_keeps_the_rules_of_the_file() {
 #[test]
 fn the_example_has_the_matrices_and_frequencies_of_the_published_system() {
     let model = Model::parse(EXAMPLE).unwrap_or_else(|error| panic!("{error}"));
-    let assembled = model.assembled().unwrap();
-    let structure = &assembled.structure;
+    let system = model.system().unwrap();
+    let structure = system.linear_part();
     assert_eq!(structure.stiffness, [(0, 0, 1.5), (0, 1, -0.5), (1, 0, -0.5), (1, 1, 0.5)]);
     assert_eq!(structure.damping, [(0, 0, 0.1), (1, 1, 0.1)]);
     assert_eq!(structure.contacts, [vec![(1, 1.0)]]);
-    let limit = assembled.law.unwrap().limit(assembled.normal_load);
-    assert_eq!(limit, 0.02);
+    let (_, law, normal_load) = system.laws().next().unwrap();
+    assert_eq!(law.limit(normal_load), 0.02);
     let mut frequencies = structure.natural_modes().unwrap().angular_frequency;
     let mut stuck = structure.clone();
     stuck.stiffness[3].2 += model.get("contact.tangential_stiffness").unwrap();
@@ -224,15 +224,15 @@ fn the_example_has_the_matrices_and_frequencies_of_the_published_system() {
 }
 
 #[test]
-fn a_contact_alone_has_no_structure() {
+fn a_contact_alone_is_an_element_without_a_structure() {
     let (_, contact) = TWO.split_once("[contact]\nat = \"m2\"\n").unwrap();
     let text = format!("schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\n{contact}");
-    let refused = Model::parse(&text).unwrap().assembled().unwrap_err();
-    assert_eq!(refused, AssemblyError::NoStructure);
+    let system = Model::parse(&text).unwrap().system().unwrap();
+    assert_eq!((system.core.size(), system.laws().count()), (0, 1));
     let mut model = two();
     let Structure::Oscillator(oscillator) = &mut model.structure else { panic!("an oscillator") };
     oscillator.excitation = 5;
-    let refused = model.assembled().unwrap_err();
+    let refused = model.system().unwrap_err();
     assert!(matches!(refused, AssemblyError::Structure(StructureError::UnknownMass { mass: 5, .. })));
 }
 
@@ -246,7 +246,7 @@ fn a_chain_of_ten_thousand_masses_is_read() {
         writeln!(text, "between = [\"{before}\", \"m{i}\"]\nstiffness = 1").unwrap();
     }
     let model = Model::parse(&text).unwrap();
-    assert_eq!(model.assembled().unwrap().structure.stiffness.len(), 3 * 10_000 - 2);
+    assert_eq!(model.system().unwrap().linear_part().stiffness.len(), 3 * 10_000 - 2);
     let error = Model::parse(&text.replacen("\"m77\"]", "\"m77x\"]", 1)).unwrap_err().to_string();
     assert!(error.contains("did you mean") && error.len() < 400, "{error}");
 }
@@ -311,7 +311,7 @@ proptest! {
         let text = model.to_toml();
         let read = Model::parse(&text).map_err(|error| format!("{error}\n{text}"));
         prop_assert_eq!(read.as_ref(), Ok(&model));
-        prop_assert!(model.assembled().is_ok());
+        prop_assert!(model.system().is_ok());
     }
 
     #[test]
@@ -322,7 +322,7 @@ proptest! {
         let end = (start + length).min(TWO.len());
         let mutated = format!("{}{insert}{}", &TWO[..start], &TWO[end..]);
         match Model::parse(&mutated) {
-            Ok(model) => prop_assert!(model.assembled().is_ok()),
+            Ok(model) => prop_assert!(model.system().is_ok()),
             Err(error) => if let Some(span) = error.span {
                 prop_assert!(mutated.get(span.clone()).is_some(), "{span:?} in {mutated:?}");
             }

@@ -4,12 +4,12 @@
 use std::f64::consts::TAU;
 
 use stickslip::harmonic::fourier::{from_samples, value};
-use stickslip::harmonic::{LoadedContact, Method, Settings, backbone, forced_response};
+use stickslip::harmonic::{Method, Settings, backbone, forced_response};
 use stickslip::model::{Beam, Damping, Model, Structure};
 use stickslip::system::ModalBeam;
 use stickslip::time::{self, Integrator, Motion, Ramp};
 
-use crate::common::contact::{self, LOAD};
+use crate::common::contact::{self, LOAD, loaded};
 use crate::common::time::{at_end, rest, supported};
 
 /// Force (N) and frequency (Hz) of the excitation, near the resonance of the slipping beam.
@@ -69,12 +69,13 @@ fn the_published_model_file_has_the_backbone_of_an_independent_harmonic_balance(
         (70.0, 49.41478, 5.17085),
     ];
     let law = contact::published();
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let contact = loaded(law, LOAD);
     for (modes, harmonics, reference) in [(4, 5, four_modes_five_harmonics), (6, 9, six_modes_nine_harmonics)]
     {
         let beam = published(modes, 0.003);
         let settings = Settings { harmonics, method: Method::Exact, ..Settings::default() };
-        let found = backbone(&beam, Some(contact), &reference.map(|r| r.0), &settings, &[]).unwrap();
+        let found = backbone(&beam.system(contact.clone()).unwrap(), &reference.map(|r| r.0), &settings, &[])
+            .unwrap();
         for ((amplitude, frequency, ratio), found) in reference.into_iter().zip(found) {
             let hertz = found.angular_frequency / TAU;
             assert!((hertz - frequency).abs() < 5e-4, "{modes} modes, {amplitude} m/s²: {hertz} Hz");
@@ -113,11 +114,17 @@ fn the_transient_from_rest_is_that_of_the_published_equations() {
 fn harmonic_balance_finds_the_steady_state_of_a_long_run_in_time() {
     let beam = published(4, 0.02);
     let law = contact::published();
-    let contact = LoadedContact { law: &law, normal_load: LOAD };
+    let contact = loaded(law, LOAD);
     let settings =
         Settings { harmonics: 15, method: Method::Sampled { samples: 512 }, ..Settings::default() };
-    let balance =
-        forced_response(&beam, Some(contact), 1.0 / FREQUENCY, &[0.0, FORCE], &settings, None).unwrap();
+    let balance = forced_response(
+        &beam.system(contact.clone()).unwrap(),
+        1.0 / FREQUENCY,
+        &[0.0, FORCE],
+        &settings,
+        None,
+    )
+    .unwrap();
 
     let mut integrator = supported(&beam, law, LOAD);
     let mut motion = rest(&mut integrator);

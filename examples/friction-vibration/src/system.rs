@@ -1,9 +1,10 @@
 //! The two masses with a Jenkins element, and its variations.
 
+use std::sync::Arc;
+
 use stickslip::contact::Jenkins;
 use stickslip::harmonic::{
-    Assembly, Body, Control, Curve, CurveSettings, LoadedContact, Peak, Point, frequency_response,
-    periodic_response,
+    Assembly, Control, Curve, CurveSettings, Peak, Point, frequency_response, periodic_response,
 };
 use stickslip::model::{Model, Oscillator, Structure};
 use stickslip::system::LinearStructure;
@@ -101,9 +102,8 @@ impl System {
 
     /// The response over frequency under a force of amplitude `force` (N).
     pub fn curve(&self, force: f64, range: (f64, f64), settings: &CurveSettings) -> Result<Curve, Failure> {
-        let law = self.law()?;
         let control = Control::Level(force);
-        frequency_response(&self.under(&law), range.0, range.1, &control, settings, &mut |_: &Point| true)
+        frequency_response(&self.assembly()?, range.0, range.1, &control, settings, &mut |_: &Point| true)
             .map_err(Failure::from)
     }
 
@@ -114,9 +114,8 @@ impl System {
         angular_frequency: f64,
         settings: &CurveSettings,
     ) -> Result<Point, Failure> {
-        let law = self.law()?;
         let control = Control::Level(force);
-        periodic_response(&self.under(&law), angular_frequency, &control, settings, None)
+        periodic_response(&self.assembly()?, angular_frequency, &control, settings, None)
             .map_err(Failure::from)
     }
 
@@ -131,9 +130,8 @@ impl System {
         Ok(Tracked { peak, point: self.point(force, peak.angular_frequency, &settings)? })
     }
 
-    fn under<'a>(&'a self, law: &'a Jenkins) -> Assembly<'a> {
-        let contacts = vec![LoadedContact { law, normal_load: self.normal_load }];
-        Assembly { body: Body::Linear(&self.structure), contacts, waveform: vec![0.0, 1.0, 0.0] }
+    fn assembly(&self) -> Result<Assembly, Failure> {
+        Ok(Assembly::new(self.structure.system(vec![(Arc::new(self.law()?), self.normal_load)])))
     }
 }
 

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use crate::contact::{ContactLaw, JointChanges};
-use crate::harmonic::LoadedContact;
-use crate::harmonic::steady::ForcedBeam;
+use crate::harmonic::Assembly;
 use crate::model::{Beam, Model, Structure};
 use crate::system::{ModalBeam, StructureError, System};
 
@@ -54,9 +53,9 @@ impl Attached {
         Self { offset, ..self }
     }
 
-    pub fn contact(&self) -> Option<LoadedContact<'_>> {
-        let law = self.law.as_deref()?;
-        Some(LoadedContact { law, normal_load: self.normal_load })
+    /// Whether the beam has a contact.
+    pub fn has_contact(&self) -> bool {
+        self.law.is_some()
     }
 
     /// The beam with its contact as a system.
@@ -64,12 +63,12 @@ impl Attached {
         self.beam.system(self.law.clone().map(|law| (law, self.normal_load)))
     }
 
-    pub fn driven(&self) -> ForcedBeam<'_> {
-        ForcedBeam {
-            beam: &self.beam,
-            contact: self.contact(),
-            load_swing: &self.load_swing,
-            static_offset: self.offset,
-        }
+    /// The same under the load as it swings, and from the offset. The contact is the first of the beam's elements.
+    pub fn assembly(&self) -> Result<Assembly, StructureError> {
+        const CONTACT: usize = 0;
+        let mut assembly = Assembly::new(self.system()?);
+        assembly.load_swings.push((CONTACT, self.load_swing.clone()));
+        assembly.static_offsets.push((CONTACT, self.offset));
+        Ok(assembly)
     }
 }

@@ -29,7 +29,8 @@ impl<'r> Backbone<'r> {
 
     fn solve(&self, model: &Model) -> Result<Vec<Resonance>, String> {
         let attached = Attached::new(model, &[], None)?;
-        harmonic::backbone(&attached.beam, attached.contact(), self.amplitudes, &HELD, &self.starts)
+        let system = attached.system().map_err(|error| error.to_string())?;
+        harmonic::backbone(&system, self.amplitudes, &HELD, &self.starts)
             .map_err(|error| self.advice(&error, &attached))
     }
 

@@ -1,41 +1,52 @@
-//! A structure with its contacts and its excitation, and how its periodic responses are to be computed.
+//! A system under its excitation, and how its periodic responses are to be computed.
 
-use crate::contact::LoadedContact;
 use crate::harmonic::{HarmonicError, Method};
-use crate::system::{LinearStructure, ModalBeam};
+use crate::system::{Element, System};
 
-/// What the contacts are attached to.
-#[derive(Debug, Clone, Copy)]
-pub enum Body<'a> {
-    /// A linear structure, condensed to its contacts.
-    Linear(&'a LinearStructure),
-    /// A modal beam whose end moves inwards as it bends; one contact at most.
-    Beam(&'a ModalBeam),
-}
-
-/// A structure with contacts under a periodic excitation.
+/// A system under a periodic excitation.
 #[derive(Debug, Clone)]
-pub struct Assembly<'a> {
-    /// The structure.
-    pub body: Body<'a>,
-    /// One per contact of a linear structure, in its order.
-    pub contacts: Vec<LoadedContact<'a>>,
+pub struct Assembly {
+    /// The system.
+    pub system: System,
     /// Coefficients `[a0, c1, s1, …]` of the excitation at level 1: `[0, 1, 0]` is cos Ωt.
     pub waveform: Vec<f64>,
+    /// Coefficients `[c1, s1, …]` (N) by which the normal load of an element's law swings about its mean, for elements by
+    /// their places in [`System::elements`]. The others have a constant load.
+    pub load_swings: Vec<(usize, Vec<f64>)>,
+    /// Displacement (m) at which an element's law that never moved has no force, for elements by their places. A law that
+    /// slips forgets it; one that sticks all through a steady state keeps the force it was left with.
+    pub static_offsets: Vec<(usize, f64)>,
 }
 
-impl<'a> Assembly<'a> {
-    /// Under the excitation cos Ωt.
-    pub fn new(body: Body<'a>, contacts: Vec<LoadedContact<'a>>) -> Self {
-        Self { body, contacts, waveform: vec![0.0, 1.0, 0.0] }
+impl Assembly {
+    /// Under the excitation cos Ωt, with constant normal loads.
+    pub fn new(system: System) -> Self {
+        let waveform = vec![0.0, 1.0, 0.0];
+        Self { system, waveform, load_swings: Vec::new(), static_offsets: Vec::new() }
+    }
+
+    /// Names of the points that responses tell of: the sensors and, of a system that keeps its modal coordinates, the
+    /// port driven.
+    pub fn nodes(&self) -> Vec<String> {
+        let driven = self.system.driven.iter().filter(|_| !self.is_condensed());
+        let ports = self.system.sensors.iter().chain(driven);
+        ports.filter_map(|port| Some(self.system.ports.get(*port)?.name.clone())).collect()
+    }
+
+    /// Whether the system is condensed to its ports by receptance: all that have an element are linear.
+    pub(crate) fn is_condensed(&self) -> bool {
+        let rigid = |port: &usize| self.system.ports[*port].flexibility == 0.0;
+        self.system.is_linear_at_ports() && self.system.elements.iter().flat_map(Element::ports).all(rigid)
     }
 
     /// Whether responses of odd harmonics alone are a closed family: every law odd, the excitation without
     /// bias and even harmonics.
     pub(crate) fn is_odd(&self) -> bool {
         let even = |k: &usize| k.div_ceil(2).is_multiple_of(2);
-        matches!(self.body, Body::Linear(_))
-            && self.contacts.iter().all(|contact| contact.law.is_odd())
+        self.is_condensed()
+            && self.system.laws().all(|(_, law, _)| law.is_odd())
+            && self.load_swings.is_empty()
+            && self.static_offsets.is_empty()
             && (0..self.waveform.len()).filter(even).all(|k| self.waveform[k] == 0.0)
     }
 
@@ -52,21 +63,26 @@ impl<'a> Assembly<'a> {
     }
 
     pub(crate) fn check(&self) -> Result<(), HarmonicError> {
+        let refuse = |message| Err(HarmonicError::InvalidInput(message));
+        let swings = self.load_swings.iter().flat_map(|(_, swing)| swing);
+        let offsets = self.static_offsets.iter().map(|(_, offset)| offset);
+        let Self { system, .. } = self;
+        if system.core.size() == 0 {
+            return refuse("a system without coordinates has no response of its own");
+        }
         if self.waveform.iter().any(|f| !f.is_finite()) {
-            return Err(HarmonicError::InvalidInput("the excitation is not finite"));
+            return refuse("the excitation is not finite");
         }
-        if self.contacts.iter().any(|contact| !contact.normal_load.is_finite()) {
-            return Err(HarmonicError::InvalidInput("a normal load is not finite"));
+        if system.laws().any(|(.., load)| !load.is_finite()) || swings.chain(offsets).any(|x| !x.is_finite())
+        {
+            return refuse("a normal load or a static offset is not finite");
         }
-        match self.body {
-            Body::Linear(structure) if structure.contacts.len() != self.contacts.len() => {
-                Err(HarmonicError::InvalidInput("not one law per contact of the structure"))
-            }
-            Body::Beam(_) if self.contacts.len() > 1 => {
-                Err(HarmonicError::InvalidInput("a beam has one contact at most"))
-            }
-            _ => Ok(()),
+        let places =
+            system.elements.iter().flat_map(Element::ports).chain(&system.driven).chain(&system.sensors);
+        if places.into_iter().any(|port| *port >= system.ports.len()) {
+            return refuse("an element, an exciter or a sensor is at a port that there is not");
         }
+        Ok(())
     }
 }
 

@@ -1,12 +1,33 @@
-//! The balance of a structure with its contacts, as equations for Newton's method.
+//! The balance of a system with its elements, as equations for Newton's method.
 //!
-//! An [`assembly`] says what is balanced. A linear structure is condensed to its contacts by receptance
-//! ([`condensed`], with [`transfer`]); a beam whose end moves inwards as it bends is solved mode by mode under the
-//! force of its contact ([`beam`], with [`modal`]). Contacts may depend on a parameter ([`variation`]).
+//! An [`assembly`] says what is balanced: a system under its excitation. Where its ports are linear it is [`condensed`] to
+//! them by receptance ([`transfer`]); where one shortens with the motion, or has a flexibility in series, it keeps its
+//! [`modal`] coordinates. In both a law is [`attached`] to the unknowns of its port. A system may depend on a parameter
+//! ([`varied`]).
 
 pub(crate) mod assembly;
-pub(crate) mod beam;
+pub(crate) mod attached;
 pub(crate) mod condensed;
 pub(crate) mod modal;
 pub(crate) mod transfer;
-pub(crate) mod variation;
+pub(crate) mod varied;
+
+use super::HarmonicError;
+use super::newton::system::PeriodicSystem;
+use assembly::{Assembly, CurveSettings};
+use condensed::Condensed;
+use modal::Balance;
+
+/// The equations of an assembly.
+pub(crate) fn balance_of(
+    assembly: &Assembly,
+    settings: &CurveSettings,
+) -> Result<Box<dyn PeriodicSystem>, HarmonicError> {
+    assembly.check()?;
+    settings.check()?;
+    assembly.check_excitation(settings)?;
+    if assembly.is_condensed() {
+        return Ok(Box::new(Condensed::new(assembly, settings, 0.0)?));
+    }
+    Ok(Box::new(Balance::new(assembly, settings.harmonics, settings.method)?))
+}

@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use crate::harmonic::HarmonicError;
 use crate::harmonic::newton::Point;
 use crate::harmonic::stability::Undecided;
+use crate::system::System;
 
 /// Numbers besides the Fourier coefficients on which the balance depends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -175,6 +176,9 @@ pub(crate) trait PeriodicSystem {
         let _ = (harmonics, vectors);
         Ok(false)
     }
+
+    /// Takes the laws and normal loads of `system`, which is this one but for those.
+    fn replace_laws(&mut self, system: &System) -> Result<(), HarmonicError>;
 
     /// Writes the unknowns of a known response; false where it does not tell them.
     fn resume(&self, point: &Point, x: &mut [f64]) -> bool {

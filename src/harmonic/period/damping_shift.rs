@@ -78,6 +78,27 @@ impl Cycle for ShiftedMap {
         Ok(())
     }
 
+    fn evaluate_force(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+    ) -> Result<(), HarmonicError> {
+        if self.damping == 0.0 {
+            return self.map.evaluate_force(contact, angular_frequency, u);
+        }
+        self.evaluate(contact, angular_frequency, u)
+    }
+
+    fn complete(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+    ) -> Result<(), HarmonicError> {
+        if self.damping == 0.0 { self.map.complete(contact, angular_frequency, u) } else { Ok(()) }
+    }
+
     fn force(&self) -> &[f64] {
         if self.damping == 0.0 { self.map.force() } else { &self.force }
     }

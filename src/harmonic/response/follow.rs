@@ -1,7 +1,7 @@
 //! Solutions of the beam's balance from a start, from equivalent linearisation, or followed from small
 //! amplitudes.
 
-use crate::harmonic::balance::beam::Balance;
+use crate::harmonic::balance::modal::Balance;
 use crate::harmonic::newton::problem::{Effort, Newton, Stopping};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 use crate::harmonic::{HarmonicError, Settings};

@@ -1,12 +1,13 @@
 //! Periodic response to a periodic excitation.
 
 use super::follow::{Family, State, find};
-use crate::harmonic::balance::beam::Balance;
+use crate::harmonic::balance::assembly::Assembly;
+use crate::harmonic::balance::modal::Balance;
 use crate::harmonic::newton::problem::{Effort, Newton, Stopping};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
-use crate::harmonic::{HarmonicError, LoadedContact, Settings};
+use crate::harmonic::{HarmonicError, Settings};
 use crate::numeric::fourier::{coefficient_count, time_derivative, value};
-use crate::system::ModalBeam;
+use crate::system::System;
 
 /// The periodic response to a periodic excitation.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,7 +55,7 @@ impl ForcedResponse {
     }
 }
 
-/// Response of the beam to the force with the Fourier coefficients `excitation` (N; `[a0, c1, s1, …]`,
+/// Response of a system in modal coordinates to the force with the Fourier coefficients `excitation` (N; `[a0, c1, s1, …]`,
 /// at most the harmonics of `settings`) and the fundamental period `period` (s).
 ///
 /// `start`, a solution nearby, saves Newton steps. Without it the search starts from equivalent
@@ -64,8 +65,7 @@ impl ForcedResponse {
 /// [`HarmonicError::InvalidInput`] for arguments that do not fit; the other kinds when no solution was
 /// found.
 pub fn forced_response(
-    beam: &ModalBeam,
-    contact: Option<LoadedContact>,
+    system: &System,
     period: f64,
     excitation: &[f64],
     settings: &Settings,
@@ -82,7 +82,8 @@ pub fn forced_response(
         ));
     }
     settings.check()?;
-    let mut balance = Balance::new(beam, contact, excitation, settings.harmonics, settings.method)?;
+    let assembly = Assembly { waveform: excitation.to_vec(), ..Assembly::new(system.clone()) };
+    let mut balance = Balance::new(&assembly, settings.harmonics, settings.method)?;
     let at = Operating::forced(std::f64::consts::TAU / period, 1.0);
     let start = start.filter(|s| s.coefficients.len() == balance.q.len()).map(|start| {
         let x = balance.unknowns_of(&start.coefficients, &start.contact_force);
@@ -92,7 +93,7 @@ pub fn forced_response(
     let (_, effort) = find(&mut family, &mut balance, 1.0, start, settings)?;
     Ok(ForcedResponse {
         angular_frequency: at.angular_frequency,
-        contact_displacement: balance.displacement.clone(),
+        contact_displacement: balance.displacement().to_vec(),
         contact_force: balance.force().to_vec(),
         dissipated_energy: balance.dissipated_energy(),
         viscous_energy: balance.viscous_energy(at.angular_frequency),

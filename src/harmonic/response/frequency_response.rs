@@ -4,9 +4,8 @@ use super::curve::{Curve, Fold, Peak};
 use super::linear_resonances::linear_resonances;
 use super::start::{check_control, condition, first};
 use crate::harmonic::HarmonicError;
-use crate::harmonic::balance::assembly::{Assembly, Body, Control, CurveSettings, UNRESOLVED};
-use crate::harmonic::balance::beam::Balance;
-use crate::harmonic::balance::condensed::Condensed;
+use crate::harmonic::balance::assembly::{Assembly, Control, CurveSettings, UNRESOLVED};
+use crate::harmonic::balance::balance_of;
 use crate::harmonic::continuation::Ending;
 use crate::harmonic::continuation::LinearResonance;
 use crate::harmonic::continuation::{Advance, Location, NotFound, Path, Route, Verdict};
@@ -46,9 +45,7 @@ const AMPLE: f64 = 0.1;
 ///     contact = { at = "m1", law = "jenkins", tangential_stiffness = 7.0, friction_coefficient = 0.5, normal_load = 2.0 }
 ///     "#,
 /// )?;
-/// let assembled = model.assembled()?;
-/// let contacts = assembled.laws().map(|(law, normal_load)| LoadedContact { law, normal_load }).collect();
-/// let system = Assembly::new(Body::Linear(&assembled.structure), contacts);
+/// let system = Assembly::new(model.system()?);
 /// let settings = CurveSettings::default();
 /// let curve = frequency_response(&system, 2.0, 5.0, &Control::Level(2.0), &settings, &mut |_| true)?;
 /// // The resonance lies between that of the mass that slides freely, 3 rad/s, and that of the stuck one, 4 rad/s.
@@ -66,10 +63,10 @@ pub fn frequency_response(
     if !(from > 0.0 && to > 0.0 && from.is_finite() && to.is_finite() && from != to) {
         return Err(HarmonicError::InvalidInput("the angular frequencies must be positive and different"));
     }
-    let mut system = system_of(assembly, settings)?;
+    let mut system = balance_of(assembly, settings)?;
     let linear_resonances = linear_resonances(assembly);
     let sweep = Sweep { along: Scalar::AngularFrequency, from, to, control: *control, linear_resonances };
-    sweep.run(system.as_mut(), node_names(assembly), settings, watch)
+    sweep.run(system.as_mut(), assembly.nodes(), settings, watch)
 }
 
 /// Responses at `angular_frequency` (rad/s) under levels `from` … `to`, followed by arc length as
@@ -91,10 +88,10 @@ pub fn level_response(
             "the angular frequency must be positive, the levels finite and different",
         ));
     }
-    let mut system = system_of(assembly, settings)?;
+    let mut system = balance_of(assembly, settings)?;
     let control = Control::Level(from);
     let sweep = Sweep { along: Scalar::Level, from, to, control, linear_resonances: Vec::new() };
-    sweep.run_at(system.as_mut(), angular_frequency, node_names(assembly), settings, watch)
+    sweep.run_at(system.as_mut(), angular_frequency, assembly.nodes(), settings, watch)
 }
 
 /// One response at `angular_frequency` (rad/s) under `control`. `start`, a response nearby, saves the search.
@@ -111,7 +108,7 @@ pub fn periodic_response(
     if !(angular_frequency > 0.0 && angular_frequency.is_finite()) {
         return Err(HarmonicError::InvalidInput("the angular frequency must be positive"));
     }
-    let mut system = system_of(assembly, settings)?;
+    let mut system = balance_of(assembly, settings)?;
     let system = system.as_mut();
     check_control(control, system.nodes(), system.harmonics())?;
     let warm = start.and_then(|point| resume(system, angular_frequency, control, settings, point));
@@ -131,35 +128,6 @@ pub fn periodic_response(
                 system.set_harmonics(harmonics, &mut [&mut x])?;
             }
             _ => return recorder.pending.ok_or(HarmonicError::InvalidInput("no response")),
-        }
-    }
-}
-
-/// The equations of an assembly.
-pub(crate) fn system_of<'a>(
-    assembly: &Assembly<'a>,
-    settings: &CurveSettings,
-) -> Result<Box<dyn PeriodicSystem + 'a>, HarmonicError> {
-    assembly.check()?;
-    settings.check()?;
-    assembly.check_excitation(settings)?;
-    match assembly.body {
-        Body::Linear(_) => Ok(Box::new(Condensed::new(assembly, settings)?)),
-        Body::Beam(beam) => {
-            let contact = assembly.contacts.first().copied();
-            let (waveform, harmonics) = (&assembly.waveform, settings.harmonics);
-            Ok(Box::new(Balance::new(beam, contact, waveform, harmonics, settings.method)?))
-        }
-    }
-}
-
-/// Names of the points observed.
-pub(crate) fn node_names(assembly: &Assembly) -> Vec<String> {
-    match assembly.body {
-        Body::Linear(structure) => structure.outputs.iter().map(|output| output.name.clone()).collect(),
-        Body::Beam(beam) => {
-            let sensors = beam.sensors.iter().map(|sensor| format!("x={}", sensor.position));
-            sensors.chain(["excitation".into()]).collect()
         }
     }
 }

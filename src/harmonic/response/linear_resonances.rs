@@ -1,9 +1,9 @@
 //! Where a response curve may turn sharply: the resonances of the linear structure, its contacts free and at rest.
 
 use crate::contact::{ContactLaw, Inputs};
-use crate::harmonic::balance::assembly::{Assembly, Body};
+use crate::harmonic::balance::assembly::Assembly;
 use crate::harmonic::continuation::LinearResonance;
-use crate::system::LinearStructure;
+use crate::system::{LinearStructure, System};
 
 /// Structures beyond this size have no linear_resonances: their modes take longer than the curve.
 const LARGEST: usize = 200;
@@ -15,27 +15,14 @@ const SILENT: f64 = 1e-12;
 /// The linear_resonances of `assembly`, ascending: one resonance that is nowhere near a point of a curve leaves no trace in
 /// its neighbours, however sharp. None for structures too large, or without natural modes.
 pub(crate) fn linear_resonances(assembly: &Assembly) -> Vec<LinearResonance> {
-    let of_beam;
-    let (structure, flexibility) = match assembly.body {
-        Body::Linear(structure) => (structure, 0.0),
-        Body::Beam(beam) => {
-            of_beam = LinearStructure::from_beam(beam);
-            (&of_beam, beam.axial_flexibility)
-        }
-    };
+    let mut structure = assembly.system.linear_part();
     if structure.size > LARGEST {
         return Vec::new();
     }
-    let mut found = resonances(structure);
-    if !assembly.contacts.is_empty() {
-        let mut stuck = structure.clone();
-        for (row, contact) in structure.contacts.iter().zip(&assembly.contacts) {
-            let stiffness = tangent_stiffness(contact.law, contact.normal_load);
-            let stiffness = stiffness / (1.0 + flexibility * stiffness);
-            let pairs = row.iter().flat_map(|left| row.iter().map(move |right| (left, right)));
-            stuck.stiffness.extend(pairs.map(|((i, a), (j, b))| (*i, *j, a * stiffness * b)));
-        }
-        found.extend(resonances(&stuck));
+    let mut found = resonances(&structure);
+    if !structure.contacts.is_empty() {
+        structure.stiffness.extend(structure.along_contacts(at_rest(&assembly.system)));
+        found.extend(resonances(&structure));
     }
     let mut all: Vec<LinearResonance> =
         excited(&assembly.waveform).flat_map(|order| found.iter().map(move |one| one.over(order))).collect();
@@ -63,8 +50,16 @@ fn resonances(structure: &LinearStructure) -> Vec<LinearResonance> {
     resonance.filter(|one| one.half_width > SHARPEST * one.angular_frequency).collect()
 }
 
+/// Slopes (N/m) of the laws' forces at rest, each behind the flexibility of its port.
+pub(crate) fn at_rest(system: &System) -> impl Iterator<Item = f64> {
+    system.laws().map(|(port, law, normal_load)| {
+        let stiffness = tangent_stiffness(law.as_ref(), normal_load);
+        stiffness / (1.0 + system.ports[port].flexibility * stiffness)
+    })
+}
+
 /// Slope (N/m) of the force of a contact at rest that remembers nothing.
-pub(crate) fn tangent_stiffness(law: &dyn ContactLaw, normal_load: f64) -> f64 {
+fn tangent_stiffness(law: &dyn ContactLaw, normal_load: f64) -> f64 {
     let (mut state, mut next) = (vec![0.0; law.state_len()], vec![0.0; law.state_len()]);
     law.set_state(0.0, normal_load, 0.0, &mut state);
     let inputs = Inputs { displacement: 0.0, velocity: 0.0, normal_load };

@@ -1,12 +1,12 @@
 //! Phase resonance under response control, and backbones.
 
 use super::follow::{Family, State, find};
-use crate::harmonic::balance::beam::Balance;
-use crate::harmonic::balance::beam::guess;
+use crate::harmonic::balance::assembly::Assembly;
+use crate::harmonic::balance::modal::{Balance, guess};
 use crate::harmonic::newton::problem::{Condition, ConditionRow, Effort, Newton, Seen, Stopping};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
-use crate::harmonic::{HarmonicError, LoadedContact, Settings};
-use crate::system::ModalBeam;
+use crate::harmonic::{HarmonicError, Settings};
+use crate::system::System;
 
 /// A periodic response at phase resonance: the excitation `F cos Ωt` is in phase with the first
 /// harmonic of the velocity where it acts.
@@ -46,9 +46,9 @@ impl Resonance {
     }
 }
 
-/// Phase resonance of the beam's first mode with the first-harmonic acceleration at the excitation held
+/// Phase resonance of the first mode of a system in modal coordinates with the first-harmonic acceleration at the excitation held
 /// at `acceleration_amplitude` (m/s²): harmonics of the modes, frequency and force are the unknowns.
-/// Without a contact, or with one that never slips, this is the resonance of the linear beam.
+/// Without a contact, or with one that never slips, this is the resonance of the linear system.
 ///
 /// `start`, a solution nearby (another level, or other parameters), saves Newton steps; the result does
 /// not depend on it where the response is unique.
@@ -57,13 +57,12 @@ impl Resonance {
 /// [`HarmonicError::InvalidInput`] for arguments that do not fit; the other kinds when no solution was
 /// found even by following it from small amplitudes.
 pub fn phase_resonance(
-    beam: &ModalBeam,
-    contact: Option<LoadedContact>,
+    system: &System,
     acceleration_amplitude: f64,
     settings: &Settings,
     start: Option<&Resonance>,
 ) -> Result<Resonance, HarmonicError> {
-    Solver::new(beam, contact, settings)?.solve(acceleration_amplitude, start)
+    Solver::new(system, settings)?.solve(acceleration_amplitude, start)
 }
 
 /// [`phase_resonance`] at every amplitude (m/s²), in the caller's order. `starts` are earlier results
@@ -72,8 +71,7 @@ pub fn phase_resonance(
 /// # Errors
 /// Those of the first level, from below, that fails.
 pub fn backbone(
-    beam: &ModalBeam,
-    contact: Option<LoadedContact>,
+    system: &System,
     acceleration_amplitudes: &[f64],
     settings: &Settings,
     starts: &[Resonance],
@@ -81,7 +79,7 @@ pub fn backbone(
     if !(starts.is_empty() || starts.len() == acceleration_amplitudes.len()) {
         return Err(HarmonicError::InvalidInput("the starts are not one per amplitude"));
     }
-    let mut solver = Solver::new(beam, contact, settings)?;
+    let mut solver = Solver::new(system, settings)?;
     let mut order: Vec<usize> = (0..acceleration_amplitudes.len()).collect();
     order.sort_by(|a, b| acceleration_amplitudes[*a].total_cmp(&acceleration_amplitudes[*b]));
     let mut results: Vec<Option<Resonance>> = vec![None; order.len()];
@@ -95,20 +93,16 @@ pub fn backbone(
     Ok(results.into_iter().flatten().collect())
 }
 
-struct Solver<'a> {
-    balance: Balance<'a>,
+struct Solver {
+    balance: Balance,
     settings: Settings,
 }
 
-impl<'a> Solver<'a> {
-    fn new(
-        beam: &'a ModalBeam,
-        contact: Option<LoadedContact<'a>>,
-        settings: &Settings,
-    ) -> Result<Self, HarmonicError> {
+impl Solver {
+    fn new(system: &System, settings: &Settings) -> Result<Self, HarmonicError> {
         settings.check()?;
-        let balance = Balance::new(beam, contact, &[0.0, 1.0, 0.0], settings.harmonics, settings.method)?;
-        if beam.excitation_shape.iter().all(|phi| *phi == 0.0) {
+        let balance = Balance::new(&Assembly::new(system.clone()), settings.harmonics, settings.method)?;
+        if balance.system.driven.iter().all(|phi| *phi == 0.0) {
             return Err(HarmonicError::InvalidInput("the excitation moves no mode"));
         }
         Ok(Self { balance, settings: *settings })
@@ -133,7 +127,7 @@ impl<'a> Solver<'a> {
             force_amplitude: state.at.level,
             acceleration_amplitude: acceleration,
             coefficients: balance.modal_coefficients(),
-            contact_displacement: balance.displacement.clone(),
+            contact_displacement: balance.displacement().to_vec(),
             contact_force: balance.force().to_vec(),
             dissipated_energy: balance.dissipated_energy(),
             viscous_energy: balance.viscous_energy(state.at.angular_frequency),

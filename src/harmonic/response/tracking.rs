@@ -1,11 +1,11 @@
 //! Resonances followed over the excitation's level or over a parameter of the contacts.
 
-use super::frequency_response::system_of;
-use super::parameter::{ContactAt, attached, made, varied_balance};
 use super::start::at_level;
 use super::tracker::{Solution, Sought, Tracker, describe, more_harmonics};
 use crate::harmonic::HarmonicError;
 use crate::harmonic::balance::assembly::{Assembly, CurveSettings};
+use crate::harmonic::balance::balance_of;
+use crate::harmonic::balance::varied::{AssemblyAt, Varied};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 
@@ -64,21 +64,18 @@ pub struct TrackedCurve {
 /// Follows a response over the excitation's levels, in the order given.
 ///
 /// ```
-/// use stickslip::contact::Jenkins;
-/// use stickslip::harmonic::{
-///     Assembly, LoadedContact, Body, CurveSettings, Followed, Tracking, track_levels,
-/// };
-/// use stickslip::model::{Anchor, Mass, Oscillator, Spring};
-/// let structure = Oscillator {
-///     masses: vec![Mass { name: "m1".into(), mass: 1.0 }],
-///     springs: vec![Spring { between: [Anchor::Ground, Anchor::Mass(0)], stiffness: 1.0, damping: 0.1 }],
-///     contact: Some(0),
-///     excitation: 0,
-/// }
-/// .structure()?;
-/// let law = Jenkins::new(0.44, 0.1)?;
-/// let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
-/// let assembly = Assembly::new(Body::Linear(&structure), contacts);
+/// use stickslip::harmonic::{Assembly, CurveSettings, Followed, Tracking, track_levels};
+/// use stickslip::model::Model;
+/// let model = Model::parse(
+///     r#"
+///     schema = "stickslip.model/1"
+///     kind = "oscillator"
+///     mass = [{ name = "m1", mass = 1.0 }]
+///     spring = [{ between = ["ground", "m1"], stiffness = 1.0, damping = 0.1 }]
+///     contact = { at = "m1", law = "jenkins", tangential_stiffness = 0.44, friction_coefficient = 0.1, normal_load = 1.0 }
+///     "#,
+/// )?;
+/// let assembly = Assembly::new(model.system()?);
 /// let tracking = Tracking { followed: Followed::Peak, node: 0, angular_frequency: 1.1 };
 /// let levels = [0.001, 1.0, 100.0];
 /// let peaks = track_levels(&assembly, &tracking, &levels, &CurveSettings::default())?.points;
@@ -100,44 +97,38 @@ pub fn track_levels(
     if levels.iter().any(|level| !(level.is_finite() && *level != 0.0)) {
         return Err(HarmonicError::InvalidInput("a level is zero or not finite"));
     }
-    let mut system = system_of(assembly, settings)?;
+    let mut system = balance_of(assembly, settings)?;
     let mut follower = Follower::new(assembly, tracking, settings, &mut *system)?;
     follower.over(levels, |at, value| at.level = value)
 }
 
-/// Follows a response at a constant `level` over `values` of a parameter of the contacts, in the order given.
-/// The contacts of `assembly` are replaced by those that `contact` makes.
+/// Follows a response at a constant `level` over `values` of a parameter, in the order given. `at` makes the system at a
+/// value.
 ///
 /// ```
-/// use stickslip::contact::Jenkins;
-/// use stickslip::harmonic::{
-///     Assembly, LoadedContact, Body, CurveSettings, Followed, OwnedContact, Tracking, track_parameter,
-/// };
-/// use stickslip::model::{Anchor, Mass, Oscillator, Spring};
-/// let structure = Oscillator {
-///     masses: vec![Mass { name: "m1".into(), mass: 1.0 }],
-///     springs: vec![Spring { between: [Anchor::Ground, Anchor::Mass(0)], stiffness: 1.0, damping: 0.1 }],
-///     contact: Some(0),
-///     excitation: 0,
-/// }
-/// .structure()?;
-/// let law = Jenkins::new(0.44, 0.1)?;
-/// let contacts = vec![LoadedContact { law: &law, normal_load: 1.0 }];
-/// let assembly = Assembly::new(Body::Linear(&structure), contacts);
-/// let contact = |_, friction: f64| Ok(OwnedContact::new(Jenkins::new(0.44, friction)?, 1.0));
+/// use stickslip::harmonic::{Assembly, CurveSettings, Followed, Tracking, track_parameter};
+/// use stickslip::model::Model;
+/// let model = Model::parse(
+///     r#"
+///     schema = "stickslip.model/1"
+///     kind = "oscillator"
+///     mass = [{ name = "m1", mass = 1.0 }]
+///     spring = [{ between = ["ground", "m1"], stiffness = 1.0, damping = 0.1 }]
+///     contact = { at = "m1", law = "jenkins", tangential_stiffness = 0.44, friction_coefficient = 0.1, normal_load = 1.0 }
+///     "#,
+/// )?;
+/// let over_friction = model.assembly_over("contact.friction_coefficient")?;
 /// let tracking = Tracking { followed: Followed::Phase, node: 0, angular_frequency: 1.1 };
 /// let settings = CurveSettings::default();
-/// let curve = track_parameter(&assembly, &contact, 0.5, &tracking, &[0.1, 0.2, 0.3], &settings)?;
-/// let resonances = curve.points;
+/// let resonances = track_parameter(&over_friction, 0.5, &tracking, &[0.1, 0.2, 0.3], &settings)?.points;
 /// assert!(resonances[2].point.angular_frequency > resonances[0].point.angular_frequency);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// Those of [`track_levels`], and [`HarmonicError::Law`] where `contact` fails at any value.
+/// Those of [`track_levels`], and those of `at` at any value.
 pub fn track_parameter(
-    assembly: &Assembly,
-    contact: &ContactAt,
+    at: &AssemblyAt,
     level: f64,
     tracking: &Tracking,
     values: &[f64],
@@ -150,10 +141,9 @@ pub fn track_parameter(
         return Err(HarmonicError::InvalidInput("a value of the parameter is not finite"));
     }
     let Some(first) = values.first() else { return Ok(TrackedCurve { points: Vec::new(), lost: None }) };
-    let owned = made(assembly, contact, *first)?;
-    let attached = attached(assembly, &owned);
-    let mut system = varied_balance(&attached, contact, 0.0, settings)?;
-    let mut follower = Follower::new(assembly, tracking, settings, &mut *system)?;
+    let mut system = Varied::new(at, *first, 0.0, settings)?;
+    let assembly = system.assembly().clone();
+    let mut follower = Follower::new(&assembly, tracking, settings, &mut system)?;
     follower.over(values, |at, value| (at.level, at.parameter) = (level, value))
 }
 

@@ -12,15 +12,15 @@
 //!   disturbance of memory has one component per turning point, whatever the number of sliders.
 //! - Any other law (`tangents`): the tangents of its steps on a grid that meets all turning points,
 //!   the structure exactly between two, extrapolated (Romberg) until the map settles.
-//! - The modal beam (`beam`), whose contact turns with the motion: the same, whatever the law.
+//! - A system in modal coordinates (`modal`), whose ports turn with the motion: the same, whatever the laws.
 //!
 //! A slider that never slips keeps any position; that neutral direction is not counted.
 
-mod beam;
 mod budget;
 mod feedback;
 mod history;
 mod impulse;
+mod modal;
 mod monotone;
 mod regimes;
 mod signal;
@@ -29,14 +29,16 @@ mod tangents;
 
 use nalgebra::{Complex, DMatrix};
 
+use super::HarmonicError;
+use super::modal_system::ModalSystem;
 use crate::contact::Slider;
-use crate::system::{LinearStructure, ModalBeam};
+use crate::system::{Element, LinearStructure, System};
 use crate::time::exact::multipliers;
-use crate::time::exact::system::System;
+use crate::time::exact::system::System as Exact;
 use crate::time::{LoadedContact, OscillatorError};
-use beam::Bent;
 use budget::Budget;
 use feedback::Linear;
+use modal::Bent;
 
 /// Most degrees of freedom for which multipliers are computed.
 const LARGEST: usize = 60;
@@ -82,43 +84,37 @@ pub fn floquet(
     Ok(Multipliers { values: motion.multipliers(&motion.system()?, &mut |_| false, Budget::unlimited())? })
 }
 
-/// Multipliers of the periodic motion of `beam` at `angular_frequency` (rad/s) whose modes move by the Fourier
-/// coefficients `modes` (m √kg), `[a0, c1, s1, …]` mode after mode, and whose contact, if it has one, by
-/// `displacement` (m): what the beam's axial flexibility leaves of the displacement.
+/// Multipliers of the periodic motion of `system`, in modal coordinates, at `angular_frequency` (rad/s). Its modes move by
+/// the Fourier coefficients `modes` (m √kg), `[a0, c1, s1, …]` mode after mode, and its laws, in the order of the elements,
+/// by `displacement` (m): what a flexibility in series leaves of that of the port.
 ///
 /// ```
-/// use stickslip::harmonic::stability::floquet_of_beam;
-/// use stickslip::system::ModalBeam;
-/// let beam = ModalBeam {
-///     angular_frequency: vec![330.0],
-///     damping_ratio: vec![0.003],
-///     contact_shape: vec![0.057],
-///     excitation_shape: vec![1.2],
-///     shortening: vec![20.0],
-///     axial_flexibility: 1.5e-8,
-///     stretching_stiffness: 0.0,
-///     string_stiffness: 0.0,
-///     string_stretch: vec![],
-///     quadratic_damping: 0.0,
+/// use stickslip::harmonic::stability::floquet_in_modes;
+/// use stickslip::system::{Core, System};
+/// let system = System {
+///     core: Core::Modal { angular_frequency: vec![330.0], damping_ratio: vec![0.003] },
+///     shortening: vec![],
+///     ports: vec![],
+///     elements: vec![],
+///     driven: vec![],
 ///     sensors: vec![],
-///     contact_points: vec![],
 /// };
-/// let multipliers = floquet_of_beam(&beam, None, &[0.0, 1e-3, 0.0], &[], 300.0)?;
+/// let multipliers = floquet_in_modes(&system, &[0.0, 1e-3, 0.0], &[], 300.0)?;
 /// let decay = (-0.003 * 330.0 * std::f64::consts::TAU / 300.0_f64).exp();
 /// assert!((multipliers.values[0].norm() - decay).abs() < 1e-9);
-/// # Ok::<(), stickslip::time::OscillatorError>(())
+/// # Ok::<(), stickslip::harmonic::HarmonicError>(())
 /// ```
 ///
 /// # Errors
-/// Lists that do not fit the beam, numbers that are not finite, a map that does not settle.
-pub fn floquet_of_beam(
-    beam: &ModalBeam,
-    contact: Option<LoadedContact>,
+/// A system without modal coordinates, lists that do not fit it, numbers that are not finite, a map that does not settle.
+pub fn floquet_in_modes(
+    system: &System,
     modes: &[f64],
-    displacement: &[f64],
+    displacement: &[&[f64]],
     angular_frequency: f64,
-) -> Result<Multipliers, OscillatorError> {
-    let bent = bent(beam, contact, modes, displacement, angular_frequency)?;
+) -> Result<Multipliers, HarmonicError> {
+    let modal = ModalSystem::new(system)?;
+    let bent = bent(&modal, modes, displacement, angular_frequency)?;
     Ok(Multipliers { values: tangents::multipliers_of(&bent, &mut |_| false, Budget::unlimited())? })
 }
 
@@ -144,16 +140,6 @@ impl From<OscillatorError> for Undecided {
             _ => Undecided::NotSettled,
         }
     }
-}
-
-/// Whether the motion that [`floquet`] describes is stable; `None` where it cannot be told. [`decide`] says why.
-pub fn is_stable(
-    structure: &LinearStructure,
-    contacts: &[LoadedContact],
-    displacement: &[&[f64]],
-    angular_frequency: f64,
-) -> Option<bool> {
-    decide(structure, contacts, displacement, angular_frequency).ok()
 }
 
 /// Whether the motion that [`floquet`] describes is stable. Sliders without play, as no contact at all, make every
@@ -187,17 +173,14 @@ pub fn decide(
 /// Whether no pole lies to the right of the imaginary axis, where the contacts are springs.
 fn poles_are_stable(
     structure: &LinearStructure,
-    system: &System,
+    system: &Exact,
     contacts: &[f64],
 ) -> Result<bool, Undecided> {
     /// Real part of a pole that is rounding, as share of the fastest motion: two that fall together are off by the
     /// root of it.
     const ON_THE_AXIS: f64 = 1e-7;
     let mut stiffness = structure.stiffness.clone();
-    for (row, k) in structure.contacts.iter().zip(contacts) {
-        let pairs = row.iter().flat_map(|a| row.iter().map(move |b| (a.0, b.0, a.1 * k * b.1)));
-        stiffness.extend(pairs);
-    }
+    stiffness.extend(structure.along_contacts(contacts.iter().copied()));
     if monotone::is_passive(structure, &stiffness) {
         return Ok(true);
     }
@@ -217,32 +200,30 @@ fn poles_are_stable(
     Ok(poles.iter().all(|pole| pole.re <= limit))
 }
 
-/// Whether the motion that [`floquet_of_beam`] describes is stable; `None` where it cannot be told.
-/// [`decide_for_beam`] says why.
-pub fn beam_is_stable(
-    beam: &ModalBeam,
-    contact: Option<LoadedContact>,
-    modes: &[f64],
-    displacement: &[f64],
-    angular_frequency: f64,
-) -> Option<bool> {
-    decide_for_beam(beam, contact, modes, displacement, angular_frequency).ok()
-}
-
-/// Whether the motion that [`floquet_of_beam`] describes is stable.
+/// Whether the motion that [`floquet_in_modes`] describes is stable.
 ///
 /// # Errors
 /// Why it cannot be told.
-pub fn decide_for_beam(
-    beam: &ModalBeam,
-    contact: Option<LoadedContact>,
+pub fn decide_in_modes(
+    system: &System,
     modes: &[f64],
-    displacement: &[f64],
+    displacement: &[&[f64]],
     angular_frequency: f64,
 ) -> Result<bool, Undecided> {
-    let bent = bent(beam, contact, modes, displacement, angular_frequency)?;
-    let linear = contact.is_none() && !beam.pulls_along() && beam.quadratic_damping == 0.0;
-    if linear && beam.damping_ratio.iter().all(|ratio| *ratio >= 0.0) {
+    let modal = ModalSystem::new(system).map_err(|_| Undecided::NotSettled)?;
+    decide_modal(&modal, modes, displacement, angular_frequency)
+}
+
+/// As [`decide_in_modes`].
+pub(crate) fn decide_modal(
+    system: &ModalSystem,
+    modes: &[f64],
+    displacement: &[&[f64]],
+    angular_frequency: f64,
+) -> Result<bool, Undecided> {
+    let bent = bent(system, modes, displacement, angular_frequency)?;
+    let linear = system.elements.iter().all(|element| matches!(element, Element::Outside { .. }));
+    if linear && system.damping_ratio.iter().all(|ratio| *ratio >= 0.0) {
         return Ok(true);
     }
     verdict(false, |enough| tangents::multipliers_of(&bent, enough, Budget::of_a_point()))
@@ -293,8 +274,8 @@ impl Motion<'_> {
         check_frequency(self.angular_frequency)
     }
 
-    fn system(&self) -> Result<System, OscillatorError> {
-        System::new(self.structure)
+    fn system(&self) -> Result<Exact, OscillatorError> {
+        Exact::new(self.structure)
     }
 
     fn has_sliders(&self) -> bool {
@@ -304,7 +285,7 @@ impl Motion<'_> {
 
     fn multipliers(
         &self,
-        system: &System,
+        system: &Exact,
         enough: &mut Enough,
         budget: Budget,
     ) -> Result<Vec<Complex<f64>>, OscillatorError> {
@@ -320,32 +301,22 @@ impl Motion<'_> {
     }
 }
 
-/// A periodic motion of a beam.
+/// A periodic motion in modal coordinates.
 fn bent<'a>(
-    beam: &'a ModalBeam,
-    contact: Option<LoadedContact<'a>>,
+    system: &'a ModalSystem,
     modes: &'a [f64],
-    displacement: &'a [f64],
+    displacement: &[&'a [f64]],
     angular_frequency: f64,
 ) -> Result<Bent<'a>, OscillatorError> {
     check_frequency(angular_frequency)?;
     check("modes", modes)?;
-    if contact.is_some() {
-        check("displacement", displacement)?;
+    displacement.iter().try_for_each(|coefficients| check("displacement", coefficients))?;
+    let found = modes.len() % system.modes();
+    if found != 0 {
+        return Err(OscillatorError::Length { name: "modes", expected: 0, found });
     }
-    let expected = beam.angular_frequency.len();
-    let lists = [
-        ("damping_ratio", beam.damping_ratio.len(), expected),
-        ("contact_shape", beam.contact_shape.len(), expected),
-        ("excitation_shape", beam.excitation_shape.len(), expected),
-        ("shortening", beam.shortening.len(), expected * expected),
-        ("modes", modes.len() % expected.max(1), 0),
-    ];
-    if let Some((name, found, expected)) = lists.into_iter().find(|(_, found, expected)| found != expected) {
-        return Err(OscillatorError::Length { name, expected, found });
-    }
-    let width = (modes.len() / expected.max(1)).max(1);
-    Bent::new(beam, contact, modes.chunks_exact(width).collect(), displacement, angular_frequency)
+    let width = (modes.len() / system.modes()).max(1);
+    Bent::new(system, modes.chunks_exact(width).collect(), displacement, angular_frequency)
 }
 
 fn check(name: &'static str, coefficients: &[f64]) -> Result<(), OscillatorError> {

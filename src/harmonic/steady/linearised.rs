@@ -1,9 +1,9 @@
 //! Beams to first order about a motion that need not be a response of theirs: one step of Newton's method, which is no
 //! search and finds no other response.
 
-use super::{ForcedBeam, Start, SteadyProblem, factored, sensed};
+use super::{Assembly, Start, SteadyProblem, factored, sensed};
 use crate::harmonic::HarmonicError;
-use crate::harmonic::balance::beam::{Ports, Workspace};
+use crate::harmonic::balance::modal::{Ports, Workspace};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 use crate::numeric::lu::Factors;
 
@@ -22,29 +22,29 @@ pub(crate) struct Linearised {
 }
 
 impl Linearised {
-    /// `forced` as it stands at `start`, with unknowns that its `neighbours` have too; in the workspace that another
+    /// `assembly` as it stands at `start`, with unknowns that its `neighbours` have too; in the workspace that another
     /// has left.
     ///
     /// # Errors
     /// [`HarmonicError`] for a beam or contact that cannot be balanced, or whose equations are singular there.
     pub fn new(
         problem: &SteadyProblem,
-        forced: ForcedBeam,
-        neighbours: &[ForcedBeam],
+        assembly: &Assembly,
+        neighbours: &[Assembly],
         start: &Start,
         left: Option<Workspace>,
     ) -> Result<Self, HarmonicError> {
-        let ports = Ports::of_all(forced, neighbours);
+        let ports = Ports::of_all(assembly, neighbours);
         let (unknowns, at) = (start.unknowns(&ports), problem.operating());
-        let mut balance = problem.balance(forced, &ports, left)?;
+        let mut balance = problem.balance(assembly, &ports, left)?;
         let mut factors = Factors::default();
         factored(&mut balance, &unknowns, &at, &mut factors)?;
         Ok(Self { unknowns, at, factors, ports, left: Some(balance.into_workspace()) })
     }
 
-    /// Whether its unknowns are those that `forced` and its `neighbours` have.
-    pub fn covers(&self, forced: ForcedBeam, neighbours: &[ForcedBeam]) -> bool {
-        self.ports == Ports::of_all(forced, neighbours)
+    /// Whether its unknowns are those that `assembly` and its `neighbours` have.
+    pub fn covers(&self, assembly: &Assembly, neighbours: &[Assembly]) -> bool {
+        self.ports == Ports::of_all(assembly, neighbours)
     }
 
     /// The workspace, for another.
@@ -52,15 +52,15 @@ impl Linearised {
         self.left
     }
 
-    /// Displacement coefficients (m) of every sensor that `forced`, the beam itself or one very near to it, has to first
+    /// Displacement coefficients (m) of every sensor that `assembly`, the beam itself or one very near to it, has to first
     /// order. The derivatives are those of the beam itself: between neighbours only the residual differs. Far from a
     /// solution that is not the whole change.
     pub fn first_order(
         &mut self,
         problem: &SteadyProblem,
-        forced: ForcedBeam,
+        assembly: &Assembly,
     ) -> Result<Vec<f64>, HarmonicError> {
-        let mut there = problem.balance(forced, &self.ports, self.left.take())?;
+        let mut there = problem.balance(assembly, &self.ports, self.left.take())?;
         there.balance_alone(&self.unknowns, &self.at)?;
         let mut moved: Vec<f64> = there.residual().iter().map(|r| -PROBE * r).collect();
         self.factors.solve(&mut moved);

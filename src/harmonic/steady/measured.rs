@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 
-use crate::harmonic::balance::beam::Balance;
+use crate::harmonic::balance::modal::Balance;
 
 /// Modal coefficients, mode after mode, and coefficients of the contact's force (N) with which the linear part of the
 /// beam moves as measured: harmonic by harmonic the one force at the contact that explains the sensors best, by least
@@ -13,9 +13,10 @@ pub(super) fn explained(
     excitation: &[f64],
     motion: &[Vec<f64>],
 ) -> (Vec<f64>, Vec<f64>) {
-    let (beam, modes, count) = (balance.beam, balance.modes(), balance.count);
+    let (system, modes, count) = (&balance.system, balance.modes(), balance.count);
+    let (contact_shape, sensors) = (balance.contact_shape(), balance.sensors());
     let mut coefficients = vec![0.0; modes * count];
-    let mut force = vec![0.0; balance.displacement.len()];
+    let mut force = vec![0.0; balance.displacement().len()];
     for order in 1..=count / 2 {
         let speed = order as f64 * angular_frequency;
         let at = |values: &[f64]| match values.get(2 * order - 1..=2 * order) {
@@ -23,10 +24,10 @@ pub(super) fn explained(
             None => Complex::new(0.0, 0.0),
         };
         let pushed = at(excitation);
-        let receptance: Vec<Complex<f64>> = beam
+        let receptance: Vec<Complex<f64>> = system
             .angular_frequency
             .iter()
-            .zip(&beam.damping_ratio)
+            .zip(&system.damping_ratio)
             .map(|(natural, ratio)| {
                 Complex::new(natural * natural - speed * speed, 2.0 * ratio * natural * speed).inv()
             })
@@ -37,9 +38,9 @@ pub(super) fn explained(
         };
         let (mut found, mut size) = (Complex::new(0.0, 0.0), 0.0);
         if motion.iter().any(|sensor| at(sensor).norm_sqr() > 0.0) {
-            for (sensor, measured) in beam.sensors.iter().zip(motion) {
-                let by_contact = along(&sensor.shape, &beam.contact_shape);
-                let free = along(&sensor.shape, &beam.excitation_shape) * pushed;
+            for (sensor, measured) in sensors.iter().zip(motion) {
+                let by_contact = along(sensor, contact_shape);
+                let free = along(sensor, &system.driven) * pushed;
                 found += by_contact.conj() * (free - at(measured));
                 size += by_contact.norm_sqr();
             }
@@ -49,7 +50,7 @@ pub(super) fn explained(
             (force[2 * order - 1], force[2 * order]) = (contact.re, -contact.im);
         }
         for mode in 0..modes {
-            let acting = pushed * beam.excitation_shape[mode] - contact * beam.contact_shape[mode];
+            let acting = pushed * system.driven[mode] - contact * contact_shape[mode];
             let moved = receptance[mode] * acting;
             if moved.re.is_finite() && moved.im.is_finite() {
                 coefficients[mode * count + 2 * order - 1] = moved.re;

@@ -9,15 +9,14 @@
 pub(crate) mod linearised;
 mod measured;
 
-use super::{HarmonicError, LoadedContact, Method, Settings};
-use crate::harmonic::balance::beam::{Balance, Extent, Ports, Workspace};
+use super::{Assembly, HarmonicError, Method, Settings};
+use crate::harmonic::balance::modal::{Balance, Extent, Ports, Workspace};
 use crate::harmonic::newton::problem::{Newton, Stopping, length};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 use crate::harmonic::response::follow::{Family, State, find};
 use crate::harmonic::response::forced::Forced;
 use crate::numeric::fourier::coefficient_count;
 use crate::numeric::lu::Factors;
-use crate::system::ModalBeam;
 use measured::explained;
 
 /// Steps with factors found elsewhere, before the search starts anew.
@@ -33,17 +32,6 @@ const REACH: f64 = 20.0;
 /// Damped steps from a start that is not near enough for the factors, and from nothing.
 const NEAR_ITERATIONS: usize = 12;
 const FAR_ITERATIONS: usize = 25;
-
-/// A beam with its contact.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ForcedBeam<'a> {
-    pub beam: &'a ModalBeam,
-    pub contact: Option<LoadedContact<'a>>,
-    /// Coefficients `[c1, s1, …]` (N) of the normal load's swing over the period; empty where it is constant.
-    pub load_swing: &'a [f64],
-    /// Displacement (m) at which the contact that never moved has no force.
-    pub static_offset: f64,
-}
 
 /// The excitation, and the discretisation of the response to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,8 +64,8 @@ pub(crate) struct Start {
 
 /// A periodic response with its equations as they stand there.
 #[derive(Debug)]
-pub(crate) struct Steady<'a> {
-    balance: Balance<'a>,
+pub(crate) struct Steady {
+    balance: Balance,
     unknowns: Vec<f64>,
     at: Operating,
     factors: Factors,
@@ -91,8 +79,8 @@ pub(crate) struct Steady<'a> {
 
 impl Ports {
     /// What any of them needs.
-    pub fn of_all(forced: ForcedBeam, neighbours: &[ForcedBeam]) -> Self {
-        neighbours.iter().fold(Self::of(forced.beam), |all, next| all.or(&Self::of(next.beam)))
+    pub fn of_all(assembly: &Assembly, neighbours: &[Assembly]) -> Self {
+        neighbours.iter().fold(Self::of(&assembly.system), |all, next| all.or(&Self::of(&next.system)))
     }
 }
 
@@ -105,34 +93,29 @@ impl SteadyProblem {
         Extent { harmonics: self.harmonics, contact: self.contact_harmonics, ports: ports.clone() }
     }
 
-    /// `forced` in the workspace that another has left.
-    pub(super) fn balance<'a>(
+    /// `assembly` in the workspace that another has left.
+    pub(super) fn balance(
         &self,
-        forced: ForcedBeam<'a>,
+        assembly: &Assembly,
         ports: &Ports,
         left: Option<Workspace>,
-    ) -> Result<Balance<'a>, HarmonicError> {
-        let extent = self.extent(ports);
-        let (beam, contact) = (forced.beam, forced.contact);
-        let mut balance = Balance::with(beam, contact, &self.coefficients, &extent, Method::Exact, left)?;
-        balance.swing_load(forced.load_swing);
-        balance.static_offset(forced.static_offset);
-        Ok(balance)
+    ) -> Result<Balance, HarmonicError> {
+        Balance::with(assembly, &self.coefficients, &self.extent(ports), Method::Exact, left)
     }
 
-    /// The response of `forced`, with unknowns that its `neighbours` have too: that near `start`, or without a start
+    /// The response of `assembly`, with unknowns that its `neighbours` have too: that near `start`, or without a start
     /// one sought from nothing.
     ///
     /// # Errors
     /// [`HarmonicError`] where no solution was found.
-    pub fn solve<'a>(
+    pub fn solve(
         &self,
-        forced: ForcedBeam<'a>,
-        neighbours: &[ForcedBeam],
+        assembly: &Assembly,
+        neighbours: &[Assembly],
         start: Option<&Start>,
-    ) -> Result<Steady<'a>, HarmonicError> {
-        let ports = Ports::of_all(forced, neighbours);
-        let mut balance = self.balance(forced, &ports, None)?;
+    ) -> Result<Steady, HarmonicError> {
+        let ports = Ports::of_all(assembly, neighbours);
+        let mut balance = self.balance(assembly, &ports, None)?;
         let at = self.operating();
         let steady = |balance, unknowns| Steady::new(balance, unknowns, self);
         let mut family = Forced { angular_frequency: self.angular_frequency };
@@ -167,11 +150,11 @@ impl SteadyProblem {
     /// [`HarmonicError`] for a beam or contact that cannot be balanced.
     pub fn start_at(
         &self,
-        forced: ForcedBeam,
+        assembly: &Assembly,
         motion: &[Vec<f64>],
         left: &mut Option<Workspace>,
     ) -> Result<Start, HarmonicError> {
-        let mut balance = self.balance(forced, &Ports::of(forced.beam), left.take())?;
+        let mut balance = self.balance(assembly, &Ports::of(&assembly.system), left.take())?;
         let (coefficients, force) = explained(&balance, self.angular_frequency, &self.coefficients, motion);
         let unknowns = balance.unknowns_of(&coefficients, &force);
         let start = Start::of(&balance, &unknowns, None)?;
@@ -228,8 +211,8 @@ impl Start {
         unknowns: &[f64],
         factors: Option<(Ports, Factors)>,
     ) -> Result<Self, HarmonicError> {
-        let contact = unknowns[..balance.displacement.len()].to_vec();
-        Ok(Self { contact, ports: balance.at_ports()?, factors })
+        let contact = unknowns[..balance.displacement().len()].to_vec();
+        Ok(Self { contact, ports: balance.at_ports(), factors })
     }
 
     /// The unknowns as they are: found anew without a step.
@@ -259,8 +242,8 @@ impl Start {
     }
 }
 
-impl<'a> Steady<'a> {
-    fn new(balance: Balance<'a>, unknowns: Vec<f64>, problem: &SteadyProblem) -> Self {
+impl Steady {
+    fn new(balance: Balance, unknowns: Vec<f64>, problem: &SteadyProblem) -> Self {
         let (at, factors) = (problem.operating(), Factors::default());
         Self { balance, unknowns, at, factors, current: false, sensors: Vec::new(), left: None }
     }
@@ -287,7 +270,7 @@ impl<'a> Steady<'a> {
     pub fn change(
         &mut self,
         problem: &SteadyProblem,
-        neighbour: ForcedBeam,
+        neighbour: &Assembly,
     ) -> Result<Vec<f64>, HarmonicError> {
         self.linearise()?;
         if self.sensors.is_empty() {
@@ -332,5 +315,5 @@ pub(super) fn factored(
 /// Displacement coefficients (m) of every sensor at the last evaluation.
 pub(super) fn sensed(balance: &mut Balance, at: &Operating, problem: &SteadyProblem) -> Vec<f64> {
     let beyond = balance.beyond(at, problem.sensed_harmonics);
-    balance.beam.sensors.iter().flat_map(|sensor| balance.output_with(&sensor.shape, &beyond)).collect()
+    balance.sensors().iter().flat_map(|sensor| balance.output_with(sensor, &beyond)).collect()
 }

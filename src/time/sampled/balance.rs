@@ -1,5 +1,7 @@
 //! The contact forces at the end of a step, which fit the motion that they themselves change.
 
+use std::sync::Arc;
+
 use super::hold::Hold;
 use crate::contact::{ContactLaw, Inputs, Response, SlipState, Tangents};
 use crate::time::solve::solve;
@@ -38,7 +40,7 @@ const NOTHING: Response = Response {
 };
 
 impl Balance {
-    pub fn new(laws: &[Box<dyn ContactLaw>]) -> Self {
+    pub fn new(laws: &[Arc<dyn ContactLaw>]) -> Self {
         let mut offsets = vec![0];
         offsets.extend(laws.iter().scan(0, |sum, law| {
             *sum += law.state_len();
@@ -72,7 +74,7 @@ impl Balance {
     /// Calls `visit` with every law, its part of `memory` and its place.
     pub fn remember(
         &self,
-        laws: &[Box<dyn ContactLaw>],
+        laws: &[Arc<dyn ContactLaw>],
         memory: &mut [f64],
         mut visit: impl FnMut(&dyn ContactLaw, &mut [f64], usize),
     ) {
@@ -84,7 +86,7 @@ impl Balance {
     /// One step of every law to the inputs that `inputs` gives it.
     pub fn settle(
         &mut self,
-        laws: &[Box<dyn ContactLaw>],
+        laws: &[Arc<dyn ContactLaw>],
         memory: &mut [f64],
         inputs: impl Fn(usize) -> Inputs,
     ) {
@@ -99,7 +101,7 @@ impl Balance {
     /// its start.
     pub fn find(
         &mut self,
-        laws: &[Box<dyn ContactLaw>],
+        laws: &[Arc<dyn ContactLaw>],
         hold: &Hold,
         (force, rate): (&mut [f64], &mut [f64]),
         memory: &mut [f64],
@@ -169,7 +171,7 @@ impl Balance {
     }
 
     /// Residuals of all contacts at `self.force`; the largest over its size.
-    fn residuals(&mut self, laws: &[Box<dyn ContactLaw>], hold: &Hold, memory: &[f64], loads: &[f64]) -> f64 {
+    fn residuals(&mut self, laws: &[Arc<dyn ContactLaw>], hold: &Hold, memory: &[f64], loads: &[f64]) -> f64 {
         let count = laws.len();
         let mut largest = 0.0_f64;
         let mut sizes = 0.0_f64;
@@ -196,7 +198,7 @@ impl Balance {
         if largest == 0.0 { 0.0 } else { largest / sizes }
     }
 
-    fn find_all(&mut self, laws: &[Box<dyn ContactLaw>], hold: &Hold, memory: &[f64], loads: &[f64]) -> bool {
+    fn find_all(&mut self, laws: &[Arc<dyn ContactLaw>], hold: &Hold, memory: &[f64], loads: &[f64]) -> bool {
         let count = laws.len();
         let mut worst = self.residuals(laws, hold, memory, loads);
         for _ in 0..NEWTON {

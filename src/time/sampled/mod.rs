@@ -9,6 +9,8 @@ mod tests;
 pub(crate) use followed::Followed;
 pub use hold::MOST_STEPPED;
 
+use std::sync::Arc;
+
 use super::OscillatorError;
 use super::exact::system::System;
 use crate::contact::{ContactLaw, Inputs, Response};
@@ -62,7 +64,7 @@ impl Drive {
 ///     excitation: vec![(0, 1.0)],
 ///     outputs: Vec::new(),
 /// };
-/// let law: Box<dyn ContactLaw> = Box::new(Jenkins::new(3.0, 0.5)?);
+/// let law: std::sync::Arc<dyn ContactLaw> = std::sync::Arc::new(Jenkins::new(3.0, 0.5)?);
 /// let mut integrator = SampledIntegrator::new(&structure, vec![law], &[vec![(0, 1.0)]], 0.05)?;
 /// let mut state = vec![0.0; integrator.state_len()];
 /// integrator.rest(&[1.0], &mut state);
@@ -76,7 +78,7 @@ impl Drive {
 #[derive(Debug)]
 pub struct SampledIntegrator {
     plant: Plant,
-    laws: Vec<Box<dyn ContactLaw>>,
+    laws: Vec<Arc<dyn ContactLaw>>,
     rows: Vec<Row>,
     drives: usize,
     step: f64,
@@ -97,7 +99,7 @@ impl SampledIntegrator {
     /// freedom; not one law per contact; a step that is not above zero.
     pub fn new(
         structure: &LinearStructure,
-        laws: Vec<Box<dyn ContactLaw>>,
+        laws: Vec<Arc<dyn ContactLaw>>,
         drives: &[Row],
         step: f64,
     ) -> Result<Self, OscillatorError> {

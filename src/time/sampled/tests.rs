@@ -1,6 +1,8 @@
 //! Items to verify: exact linear propagation at any step; order with smooth forces and with corners; agreement with the
 //! exact flow; energy balance; drag's decay; Duffing's frequency.
 
+use std::sync::Arc;
+
 use super::{Drive, SampledIntegrator};
 use crate::contact::{ContactLaw, CubicSpring, Drag, Jenkins};
 use crate::system::LinearStructure;
@@ -31,7 +33,7 @@ fn multisine(samples: usize, step: f64) -> Vec<f64> {
 /// Displacements of both masses at every sample, `substeps` steps between two.
 fn run(
     structure: &LinearStructure,
-    law: Box<dyn ContactLaw>,
+    law: Arc<dyn ContactLaw>,
     force: &[f64],
     step: f64,
     substeps: usize,
@@ -83,14 +85,14 @@ fn single(stiffness: f64, damping: f64, contacts: usize) -> LinearStructure {
     }
 }
 
-fn boxed(law: impl ContactLaw + 'static) -> Box<dyn ContactLaw> {
-    Box::new(law)
+fn boxed(law: impl ContactLaw + 'static) -> Arc<dyn ContactLaw> {
+    Arc::new(law)
 }
 
 /// One mass with `laws`, from `displacement` and `velocity`, without a drive, over `steps` steps.
 fn free_motion(
     structure: &LinearStructure,
-    laws: Vec<Box<dyn ContactLaw>>,
+    laws: Vec<Arc<dyn ContactLaw>>,
     start: (f64, f64),
     duration: f64,
     steps: usize,
@@ -144,7 +146,7 @@ fn errors_against_the_exact_flow_fall_with_the_square_of_the_step_where_forces_h
     let step = 0.4;
     let force = multisine(1500, step);
     let reference = exact(&structure, &law, &force, step);
-    let errors = [2, 8, 32].map(|n| relative(&run(&structure, Box::new(law), &force, step, n), &reference));
+    let errors = [2, 8, 32].map(|n| relative(&run(&structure, Arc::new(law), &force, step, n), &reference));
     for pair in errors.windows(2) {
         let order = (pair[0] / pair[1]).log(4.0);
         assert!((1.6..2.6).contains(&order), "{errors:?}");
@@ -152,7 +154,7 @@ fn errors_against_the_exact_flow_fall_with_the_square_of_the_step_where_forces_h
     // The length recommended: well below a thousandth.
     let longest = SampledIntegrator::longest_step(&structure, &[0.2]).unwrap();
     let substeps = (step / longest).ceil() as usize;
-    let error = relative(&run(&structure, Box::new(law), &force, step, substeps), &reference);
+    let error = relative(&run(&structure, Arc::new(law), &force, step, substeps), &reference);
     assert!(error < 4e-4, "{substeps} steps: {error:e}");
 }
 

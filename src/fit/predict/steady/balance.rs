@@ -9,8 +9,8 @@ use super::spectrum::{displacement, input};
 use crate::data::{Channel, Record};
 use crate::fit::predict::attached::Attached;
 use crate::fit::predict::channels::derivative_order;
-use crate::harmonic::HarmonicError;
-use crate::harmonic::steady::{ForcedBeam, Start, Steady, SteadyProblem};
+use crate::harmonic::steady::{Start, Steady, SteadyProblem};
+use crate::harmonic::{Assembly, HarmonicError};
 use crate::model::Model;
 use crate::numeric::common_periods;
 use crate::numeric::fourier::{self, coefficient_count, time_derivative};
@@ -135,11 +135,11 @@ impl SteadyRecord {
     /// Predictions of all channels, one after the other: of the response near the last one of this simulation where
     /// there is one, as the many steps that a fit tries need no search.
     pub fn predict(&mut self, at: &At, out: &mut Vec<f64>) -> Result<(), String> {
-        let driven = at.attached.driven();
+        let assembly = at.attached.assembly().map_err(|error| error.to_string())?;
         let Some(start) = self.start.as_ref().filter(|_| self.settled) else {
             return self.nearest(at, &[], out).map(drop).map_err(text);
         };
-        let mut steady = self.forcing.solve(driven, &[], Some(start)).map_err(text)?;
+        let mut steady = self.forcing.solve(&assembly, &[], Some(start)).map_err(text)?;
         self.observe(&steady.sensors(&self.forcing), out);
         self.last = Some((at.known(), steady.here().map_err(text)?));
         Ok(())
@@ -150,13 +150,13 @@ impl SteadyRecord {
     pub fn linearise(
         &mut self,
         at: &At,
-        neighbours: &[ForcedBeam],
+        neighbours: &[Assembly],
         predictions: &mut Vec<f64>,
         differences: &mut [Vec<f64>],
     ) -> Result<(), String> {
         let mut solved = self.nearest(at, neighbours, predictions).map_err(text)?;
         for (neighbour, difference) in neighbours.iter().zip(differences) {
-            let change = solved.change(&self.forcing, *neighbour).map_err(text)?;
+            let change = solved.change(&self.forcing, neighbour).map_err(text)?;
             self.observe(&change, difference);
         }
         self.start = Some(solved.start().map_err(text)?);
@@ -172,17 +172,20 @@ impl SteadyRecord {
 
     /// The response near the last one and, where that is not the motion measured, the one nearest to it; with its
     /// predictions. Nothing is sought far off in a fit under way: a step that leads too far is one to be shortened.
-    fn nearest<'m>(
+    fn nearest(
         &self,
-        at: &At<'m>,
-        others: &[ForcedBeam],
+        at: &At,
+        others: &[Assembly],
         predictions: &mut Vec<f64>,
-    ) -> Result<Steady<'m>, HarmonicError> {
+    ) -> Result<Steady, HarmonicError> {
+        let assembly = at.attached.assembly()?;
         let mut best: Option<(f64, Steady)> = None;
         let mut failure = None;
         let mut near = Vec::new();
         for origin in [Origin::LastSolution, Origin::MeasuredMotion, Origin::Nothing] {
-            let Some(found) = self.solve_from(origin, at, others, best.is_some()) else { continue };
+            let Some(found) = self.solve_from(origin, at, &assembly, others, best.is_some()) else {
+                continue;
+            };
             match found {
                 Ok(mut steady) => {
                     self.observe(&steady.sensors(&self.forcing), &mut near);
@@ -206,30 +209,30 @@ impl SteadyRecord {
     }
 
     /// The response sought from `origin`, if there is something to seek from; `found` says whether there is one already.
-    fn solve_from<'m>(
+    fn solve_from(
         &self,
         origin: Origin,
-        at: &At<'m>,
-        others: &[ForcedBeam],
+        at: &At,
+        assembly: &Assembly,
+        others: &[Assembly],
         found: bool,
-    ) -> Option<Result<Steady<'m>, HarmonicError>> {
-        let driven = at.attached.driven();
+    ) -> Option<Result<Steady, HarmonicError>> {
         match origin {
             Origin::LastSolution => {
                 let last = self.last.as_ref().filter(|(known, _)| self.settled && known.is(at));
                 let start = last.map(|(_, here)| here).or(self.start.as_ref())?;
-                Some(self.forcing.solve(driven, others, Some(start)))
+                Some(self.forcing.solve(assembly, others, Some(start)))
             }
             Origin::MeasuredMotion => {
                 if self.motion.iter().flatten().all(|x| *x == 0.0) {
                     return None;
                 }
-                let start = self.forcing.start_at(driven, &self.motion, &mut None);
-                Some(start.and_then(|start| self.forcing.solve(driven, others, Some(&start))))
+                let start = self.forcing.start_at(assembly, &self.motion, &mut None);
+                Some(start.and_then(|start| self.forcing.solve(assembly, others, Some(&start))))
             }
             Origin::Nothing => {
                 let needless = self.settled || self.start.is_some() && found;
-                (!needless).then(|| self.forcing.solve(driven, others, None))
+                (!needless).then(|| self.forcing.solve(assembly, others, None))
             }
         }
     }

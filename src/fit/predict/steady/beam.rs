@@ -7,7 +7,8 @@ use crate::fit::least_squares::{Parameter, Scale};
 use crate::fit::predict::attached::Attached;
 use crate::fit::predict::channels::position;
 use crate::fit::predict::simulation::{Direction, Seed, Simulation};
-use crate::harmonic::steady::{ForcedBeam, Start};
+use crate::harmonic::Assembly;
+use crate::harmonic::steady::Start;
 use crate::model::Model;
 
 /// Farthest static offset of a contact, in elastic displacements at the limit (m): from there on it slips wherever it
@@ -111,8 +112,8 @@ impl Simulation for SteadyBeam<'_> {
     ) -> Result<(), String> {
         let attached = self.attached(model, nuisances)?;
         let neighbours = directions.iter().map(|there| self.attached(&there.model, &there.nuisances));
-        let neighbours: Vec<Attached> = neighbours.collect::<Result<_, _>>()?;
-        let neighbours: Vec<ForcedBeam> = neighbours.iter().map(Attached::driven).collect();
+        let neighbours = neighbours.map(|there| there?.assembly().map_err(|error| error.to_string()));
+        let neighbours: Vec<Assembly> = neighbours.collect::<Result<_, _>>()?;
         derivatives.resize_with(directions.len(), Vec::new);
         let at = At { model, nuisances, attached: &attached };
         match &mut self.solver {

@@ -1,9 +1,8 @@
 //! A steady beam to first order about the motion that was measured.
 
 use super::balance::{At, Known, SteadyRecord};
-use crate::harmonic::HarmonicError;
-use crate::harmonic::steady::ForcedBeam;
 use crate::harmonic::steady::linearised::Linearised;
+use crate::harmonic::{Assembly, HarmonicError};
 
 /// The record, and the model it was last predicted with: a fit that accepts a step asks for the derivatives there next.
 pub(super) struct LinearisedAtMeasurement {
@@ -39,14 +38,14 @@ impl LinearisedAtMeasurement {
     pub fn linearise(
         &mut self,
         at: &At,
-        neighbours: &[ForcedBeam],
+        neighbours: &[Assembly],
         predictions: &mut Vec<f64>,
         differences: &mut [Vec<f64>],
     ) -> Result<(), String> {
         let mut last = self.at(at, neighbours).map_err(|error| error.to_string())?;
         predictions.clone_from(&last.predictions);
         for (neighbour, difference) in neighbours.iter().zip(differences) {
-            let there = last.about.first_order(&self.record.forcing, *neighbour);
+            let there = last.about.first_order(&self.record.forcing, neighbour);
             self.record.observe(&there.map_err(|error| error.to_string())?, difference);
             difference.iter_mut().zip(&*predictions).for_each(|(there, here)| *there -= here);
         }
@@ -55,20 +54,20 @@ impl LinearisedAtMeasurement {
     }
 
     /// What was made of the model last time, if it serves; else made now.
-    fn at(&mut self, at: &At, others: &[ForcedBeam]) -> Result<Last, HarmonicError> {
-        let driven = at.attached.driven();
+    fn at(&mut self, at: &At, others: &[Assembly]) -> Result<Last, HarmonicError> {
+        let assembly = at.attached.assembly()?;
         let mut left = None;
         if let Some(last) = self.last.take() {
-            if last.about.covers(driven, others) && last.known.is(at) {
+            if last.about.covers(&assembly, others) && last.known.is(at) {
                 return Ok(last);
             }
             left = last.about.into_workspace();
         }
         let forcing = &self.record.forcing;
-        let start = forcing.start_at(driven, &self.record.motion, &mut left)?;
-        let mut about = Linearised::new(forcing, driven, others, &start, left)?;
+        let start = forcing.start_at(&assembly, &self.record.motion, &mut left)?;
+        let mut about = Linearised::new(forcing, &assembly, others, &start, left)?;
         let mut predictions = Vec::new();
-        self.record.observe(&about.first_order(forcing, driven)?, &mut predictions);
+        self.record.observe(&about.first_order(forcing, &assembly)?, &mut predictions);
         Ok(Last { known: at.known(), about, predictions })
     }
 }

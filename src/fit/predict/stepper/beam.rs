@@ -56,7 +56,7 @@ impl<'r> ExcitedBeam<'r> {
     /// Writes what acts on the beam from one sample to another: excitation, normal load. What effects add knows no load.
     fn act(&self, attached: &Attached, from: usize, to: usize, inputs: &mut [Ramp]) {
         inputs[0] = Ramp { start: self.excitation[from], end: self.excitation[to] };
-        if attached.contact().is_some() {
+        if attached.has_contact() {
             inputs[1] = Ramp { start: self.load(attached, from), end: self.load(attached, to) };
         }
     }

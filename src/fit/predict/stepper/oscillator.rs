@@ -71,25 +71,23 @@ pub(in crate::fit::predict) struct OscillatorStepper<'i> {
 impl<'i> OscillatorStepper<'i> {
     fn new(model: &Model, oscillator: &'i ExcitedOscillator) -> Result<Self, String> {
         let excitation = &oscillator.excitation;
-        let assembled = model.assembled().map_err(|error| error.to_string())?;
+        let system = model.system().map_err(|error| error.to_string())?;
+        let structure = system.linear_part();
         let joint = model.changes().joint;
         // In stick; what is added to the structure is soft.
-        let stiffest = model.contact.as_ref().map_or(0.0, |contact| contact.tangential_stiffness);
-        let mut stiffness = vec![0.0; assembled.structure.contacts.len()];
-        let contact = assembled.law.is_some();
-        if contact {
-            stiffness[0] = stiffest + joint.residual_stiffness.max(0.0);
+        let mut stiffness = vec![0.0; structure.contacts.len()];
+        if let Some(contact) = &model.contact {
+            stiffness[0] = contact.tangential_stiffness + joint.residual_stiffness.max(0.0);
         }
-        let longest = SampledIntegrator::longest_step(&assembled.structure, &stiffness)
-            .map_err(|error| error.to_string())?;
+        let normal_load = model.contact.as_ref().map_or(0.0, |contact| contact.normal_load);
+        let longest =
+            SampledIntegrator::longest_step(&structure, &stiffness).map_err(|error| error.to_string())?;
         let substeps = ((excitation.step / longest).ceil() as usize).clamp(1, MOST_SUBSTEPS);
-        let (normal_load, gain) = (assembled.normal_load, joint.load_gain.unwrap_or(0.0));
-        let size = assembled.structure.size;
-        let structure = assembled.structure.clone();
+        let gain = joint.load_gain.unwrap_or(0.0);
         let rows: Vec<_> = excitation.forces.iter().map(|force| vec![(force.mass, 1.0)]).collect();
         let integrator = SampledIntegrator::new(
             &structure,
-            assembled.into_loaded().into_iter().map(|(law, _)| law).collect(),
+            system.laws().map(|(_, law, _)| law.clone()).collect(),
             &rows,
             excitation.step / substeps as f64,
         )
@@ -99,11 +97,11 @@ impl<'i> OscillatorStepper<'i> {
             integrator,
             substeps,
             load: (normal_load, gain),
-            contact,
+            contact: model.contact.is_some(),
             drives: vec![Drive::default(); rows.len()],
             forces: vec![0.0; rows.len()],
             loads: vec![0.0; structure.contacts.len()],
-            accelerations: vec![0.0; size],
+            accelerations: vec![0.0; structure.size],
             state: Vec::new(),
         };
         stepper.rest();

@@ -67,9 +67,10 @@ impl<'r> OscillatorOfUnknownStart<'r> {
 
     /// Displacements and velocities at the first sample as far as they were measured, with their bounds.
     fn read(&self, model: &Model) -> Result<Vec<Parameter>, String> {
-        let structure = model.assembled().map_err(|error| error.to_string())?;
-        let law_limit = structure.law.as_ref().map_or(0.0, |law| law.limit(structure.normal_load));
-        let slowest = structure.structure.natural_modes().map_err(|error| error.to_string())?;
+        let system = model.system().map_err(|error| error.to_string())?;
+        let own = system.laws().next().filter(|_| model.contact.is_some());
+        let law_limit = own.map_or(0.0, |(_, law, load)| law.limit(load));
+        let slowest = system.linear_part().natural_modes().map_err(|error| error.to_string())?;
         let rate = slowest.angular_frequency.iter().copied().find(|omega| *omega > 0.0);
         // A free structure moves at the pace of the record.
         let rate = rate.unwrap_or(1.0 / (self.oscillator.excitation.step * self.samples as f64));

@@ -18,7 +18,7 @@ struct Equivalent {
     damping: f64,
 }
 
-impl Condensed<'_> {
+impl Condensed {
     /// Response of the structure with the contacts linearised at the amplitude that results; starts from
     /// the contacts under a motion too small to slip.
     pub(super) fn linearised(&mut self, at: &Operating, x: &mut [f64]) -> Result<(), HarmonicError> {
@@ -60,7 +60,7 @@ impl Condensed<'_> {
     /// Springs and dampers nearest to what the contacts do under `x`.
     fn measure(&mut self, at: &Operating, x: &[f64]) -> Result<Vec<Equivalent>, HarmonicError> {
         self.forget_all();
-        self.carry(x, at, &[])?;
+        self.carry(x, at)?;
         let orders = &self.orders;
         let parts = self.contacts.iter().zip(x.chunks_exact(self.set.len()));
         let equivalents = parts.map(|(contact, u)| {

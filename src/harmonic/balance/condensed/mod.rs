@@ -1,4 +1,4 @@
-//! Harmonic balance of a linear structure condensed to its contacts.
+//! Harmonic balance of a system condensed to its ports, which are linear: its laws are the contacts of a linear structure.
 //!
 //! Unknowns are the Fourier coefficients of the contacts' displacements, contact after contact. In
 //! compliance form every harmonic reads
@@ -11,18 +11,14 @@
 //! Where every law is odd and the excitation has odd harmonics alone, so may the response, and the set of
 //! harmonics is the odd one: half the unknowns. Responses that break this symmetry are out of its sight.
 
-mod attached;
 mod guess;
 mod outcome;
 
 use nalgebra::DMatrix;
 
-use attached::{Attached, Law, contact_of};
-
-use super::assembly::{Assembly, Body, CurveSettings};
+use super::assembly::{Assembly, CurveSettings};
+use super::attached::Attached;
 use super::transfer::{Of, Transfer, add_product};
-use super::variation::Rebuild;
-use crate::contact::LoadedContact;
 use crate::harmonic::newton::system::{Observation, Operating, PeriodicSystem, Scalar};
 use crate::harmonic::period::Cycle;
 use crate::harmonic::period::damping_shift::ShiftedMap;
@@ -30,13 +26,15 @@ use crate::harmonic::stability::Undecided;
 use crate::harmonic::{HarmonicError, Method, Point};
 use crate::numeric::HarmonicSet;
 use crate::numeric::extremum::Extremum;
-use crate::system::{LinearStructure, Output, Receptance, Rows};
+use crate::system::{Element, LinearStructure, Output, Receptance, Rows, System};
 
-/// The balance of one structure with its contacts.
-pub(crate) struct Condensed<'a> {
-    structure: &'a LinearStructure,
+/// The balance of one system.
+pub(crate) struct Condensed {
+    structure: LinearStructure,
     receptance: Receptance,
-    contacts: Vec<Attached<'a>>,
+    contacts: Vec<Attached>,
+    /// The same contacts on twice the harmonics, to see what the set leaves out.
+    wider: Vec<Option<ShiftedMap>>,
     waveform: Vec<f64>,
     method: Method,
     /// Damper (N s/m) that the structure has taken over from every contact.
@@ -58,8 +56,6 @@ pub(crate) struct Condensed<'a> {
     jacobian: DMatrix<f64>,
     by: [Vec<f64>; 4],
     at: Operating,
-    /// Value of the parameter that the laws were made for.
-    built: f64,
     extremum: Extremum,
     scratch: Scratch,
     /// Ω (rad/s) and the rounding of the balance about it.
@@ -80,53 +76,49 @@ struct Scratch {
     sums: Vec<f64>,
 }
 
-impl<'a> Condensed<'a> {
-    /// The balance of `assembly`, whose body is linear.
-    pub fn new(assembly: &Assembly<'a>, settings: &CurveSettings) -> Result<Self, HarmonicError> {
-        assembly.check()?;
-        settings.check()?;
-        let Body::Linear(structure) = assembly.body else {
-            return Err(HarmonicError::InvalidInput("only a linear structure can be condensed"));
-        };
-        let odd = assembly.is_odd() && !settings.all_harmonics;
-        Self::with_set(structure, &assembly.contacts, &assembly.waveform, odd, settings)
-    }
-
-    fn with_set(
-        structure: &'a LinearStructure,
-        contacts: &[LoadedContact<'a>],
-        waveform: &[f64],
-        odd: bool,
+impl Condensed {
+    /// The balance of `assembly`, whose ports are linear; without a damper (N s/m) at every contact that is in the
+    /// structure instead.
+    ///
+    /// Free vibrations are poles of the structure's compliance where the contacts carry little; with such a damper
+    /// compliances are finite there.
+    pub fn new(
+        assembly: &Assembly,
         settings: &CurveSettings,
+        damping_shift: f64,
     ) -> Result<Self, HarmonicError> {
-        // The displacement where the excitation acts is one more output, for its work.
+        let odd = assembly.is_odd() && !settings.all_harmonics;
+        let set = set_of(odd, settings.harmonics);
+        let structure = assembly.system.linear_part();
         let mut seen = structure.clone();
+        if damping_shift != 0.0 {
+            seen.damping.extend(structure.along_contacts(structure.contacts.iter().map(|_| damping_shift)));
+        }
+        // The displacement where the excitation acts is one more output, for its work.
         seen.outputs.push(Output { name: String::new(), row: structure.excitation.clone() });
         let receptance = Receptance::new(&seen)?;
-        let set = set_of(odd, settings.harmonics);
-        let attach = |contact: &LoadedContact<'a>| Attached {
-            law: Law::Given(contact.law),
-            normal_load: contact.normal_load,
-            rebuild: None,
-            least: 0.0,
-            homotopy_compliance: 0.0,
-            odd,
-            cycle: ShiftedMap::new(set, settings.method, 0.0),
-            wide: None,
-            by_parameter: Vec::new(),
+        let elements = assembly.system.elements.iter().enumerate();
+        let attach = |(place, element): (usize, &Element)| match element {
+            Element::Law { law, normal_load, .. } => {
+                let cycle = ShiftedMap::new(set, settings.method, damping_shift);
+                Some(Attached::new(assembly, place, (law, *normal_load), cycle))
+            }
+            Element::Springs { .. } | Element::Outside { .. } => None,
         };
+        let contacts: Vec<Attached> = elements.filter_map(attach).collect();
         let none = || Transfer::new(&receptance, Rows::Contacts, std::iter::empty());
         let mut system = Self {
-            structure,
-            contacts: contacts.iter().map(attach).collect(),
-            waveform: waveform.to_vec(),
+            wider: Vec::new(),
+            contacts,
+            waveform: assembly.waveform.clone(),
             method: settings.method,
-            damping_shift: 0.0,
+            damping_shift,
             odd,
             set,
             wide: set,
             orders: Vec::new(),
             nodes: structure.outputs.len(),
+            structure,
             at_contacts: none(),
             everywhere: none(),
             beyond: none(),
@@ -138,32 +130,12 @@ impl<'a> Condensed<'a> {
             jacobian: DMatrix::zeros(0, 0),
             by: Default::default(),
             at: Operating::forced(0.0, 0.0),
-            built: f64::NAN,
             extremum: Extremum::default(),
             scratch: Scratch::default(),
             rounding: None,
         };
         system.reserve();
         Ok(system)
-    }
-
-    /// Contact `contact` depends on [`Scalar::Parameter`] in the way `rebuild` says; the harmonics kept stay
-    /// those of the law given. Differences take the parameter for no smaller than `least`.
-    pub fn vary(&mut self, contact: usize, least: f64, rebuild: Rebuild<'a>) {
-        if let Some(attached) = self.contacts.get_mut(contact) {
-            (attached.rebuild, attached.least) = (Some(rebuild), least);
-            self.built = f64::NAN;
-        }
-    }
-
-    /// Takes a damper (N s/m) from every contact that the structure has been given there, so that compliances
-    /// are finite at free vibrations.
-    pub fn shift_damping(&mut self, damping: f64) {
-        self.damping_shift = damping;
-        for contact in &mut self.contacts {
-            contact.cycle = ShiftedMap::new(self.set, self.method, damping);
-            contact.wide = None;
-        }
     }
 
     /// The harmonics of the unknowns.
@@ -195,10 +167,8 @@ impl<'a> Condensed<'a> {
         self.residual = vec![0.0; unknowns];
         self.jacobian = DMatrix::zeros(unknowns, unknowns);
         self.by = std::array::from_fn(|_| vec![0.0; unknowns]);
-        for contact in &mut self.contacts {
-            contact.wide = None;
-            contact.by_parameter = vec![0.0; set.len()];
-        }
+        self.wider.clear();
+        self.wider.resize_with(self.contacts.len(), || None);
     }
 
     /// Rounding of the compliances at `at`, seen where the frequency changes by a few units in its last place.
@@ -238,23 +208,9 @@ impl<'a> Condensed<'a> {
         rounding
     }
 
-    fn carry(&mut self, x: &[f64], at: &Operating, scalars: &[Scalar]) -> Result<(), HarmonicError> {
-        let width = self.set.len();
-        let varied = scalars.contains(&Scalar::Parameter);
-        // After a failure halfway the laws belong to different values.
-        let built = std::mem::replace(&mut self.built, f64::NAN);
-        for (contact, u) in self.contacts.iter_mut().zip(x.chunks_exact(width)) {
-            if varied && contact.rebuild.is_some() {
-                contact.vary(at.angular_frequency, u, at.parameter)?;
-                continue;
-            }
-            if built != at.parameter {
-                contact.build(at.parameter)?;
-            }
-            contact.evaluate(at.angular_frequency, u)?;
-        }
-        self.built = at.parameter;
-        Ok(())
+    fn carry(&mut self, x: &[f64], at: &Operating) -> Result<(), HarmonicError> {
+        let mut parts = self.contacts.iter_mut().zip(x.chunks_exact(self.set.len()));
+        parts.try_for_each(|(contact, u)| contact.evaluate(at.angular_frequency, u))
     }
 
     /// Residual; returns the size of its terms.
@@ -316,14 +272,10 @@ impl<'a> Condensed<'a> {
                     add_product(compliance, &self.excitation[span], -1.0, into);
                     continue;
                 }
-                for (j, contact) in self.contacts.iter().enumerate() {
+                let contacts = self.contacts.iter().filter(|_| scalar == Scalar::AngularFrequency);
+                for (j, contact) in contacts.enumerate() {
                     let compliance = self.at_contacts.get(k, Of::Value, i, j);
-                    let force = match scalar {
-                        Scalar::Parameter => &contact.by_parameter[span.clone()],
-                        Scalar::AngularFrequency => &contact.cycle.by_frequency()[span.clone()],
-                        _ => &[],
-                    };
-                    add_product(compliance, force, 1.0, into);
+                    add_product(compliance, &contact.cycle.by_frequency()[span.clone()], 1.0, into);
                 }
                 let Some(of) = compliance_derivative(scalar) else { continue };
                 let compliance = self.at_contacts.get(k, of, i, p);
@@ -371,7 +323,7 @@ impl<'a> Condensed<'a> {
     }
 }
 
-impl PeriodicSystem for Condensed<'_> {
+impl PeriodicSystem for Condensed {
     fn unknowns(&self) -> usize {
         self.residual.len()
     }
@@ -379,7 +331,7 @@ impl PeriodicSystem for Condensed<'_> {
     fn evaluate(&mut self, x: &[f64], at: &Operating, scalars: &[Scalar]) -> Result<f64, HarmonicError> {
         self.at = *at;
         self.at_contacts.evaluate(&mut self.receptance, at)?;
-        self.carry(x, at, scalars)?;
+        self.carry(x, at)?;
         let scale = self.balance(x, at);
         self.differentiate();
         scalars.iter().for_each(|scalar| self.differentiate_by(*scalar, at));
@@ -434,7 +386,7 @@ impl PeriodicSystem for Condensed<'_> {
                 let [re, im] = self.at_contacts.get(k, Of::Value, i, i);
                 re.hypot(im)
             });
-            contact.homotopy_compliance = compliances * own.fold(0.0, f64::max);
+            contact.compliance = compliances * own.fold(0.0, f64::max);
         }
         p > 0
     }
@@ -473,6 +425,18 @@ impl PeriodicSystem for Condensed<'_> {
             HarmonicSet::full(known.len() / 2).convert(known, self.set, u);
         }
         true
+    }
+
+    fn replace_laws(&mut self, system: &System) -> Result<(), HarmonicError> {
+        for (contact, (_, law, normal_load)) in self.contacts.iter_mut().zip(system.laws()) {
+            if self.odd && !law.is_odd() {
+                return Err(HarmonicError::InvalidInput(
+                    "the contact loses its symmetry with the parameter: all harmonics are needed",
+                ));
+            }
+            contact.replace(law, normal_load);
+        }
+        Ok(())
     }
 
     fn set_harmonics(

@@ -1,18 +1,18 @@
 //! What a solution means for the whole structure, and how far off it may be.
 
-use super::{Condensed, compliance_derivative, contact_of, full_place, method_on, pair, span};
+use super::{Attached, Condensed, compliance_derivative, full_place, method_on, pair, span};
 use crate::harmonic::balance::transfer::{Of, add_product};
 use crate::harmonic::newton::Contacting;
 use crate::harmonic::newton::system::{Observation, Operating, Scalar};
+use crate::harmonic::period::Cycle;
 use crate::harmonic::period::damping_shift::ShiftedMap;
-use crate::harmonic::period::{Cycle, PeriodicContact};
 use crate::harmonic::stability::{Undecided, decide};
 use crate::harmonic::{HarmonicError, Point};
 use crate::numeric::HarmonicSet;
 use crate::numeric::fourier::work_per_cycle;
 use crate::time::LoadedContact;
 
-impl Condensed<'_> {
+impl Condensed {
     /// One harmonic of an output.
     pub(super) fn seen(&mut self, node: usize, order: usize) -> [f64; 2] {
         let Some(place) = self.set.place(order) else { return [0.0; 2] };
@@ -42,7 +42,7 @@ impl Condensed<'_> {
         }
         let (row, span) = (p + node, span(order, place));
         let excitation = (&self.excitation[span.clone()], self.at.level);
-        let forces = |contacts: &[super::Attached]| -> Vec<(usize, [f64; 2])> {
+        let forces = |contacts: &[Attached]| -> Vec<(usize, [f64; 2])> {
             let parts = contacts.iter().enumerate();
             parts.map(|(j, contact)| (j, pair(&contact.cycle.force()[span.clone()]))).collect()
         };
@@ -61,15 +61,11 @@ impl Condensed<'_> {
         (0..2).for_each(|part| out.by_scalars[part][Scalar::Level.index()] = by_level[part]);
         for (j, contact) in self.contacts.iter().enumerate() {
             let compliance = self.one.get(0, Of::Value, row, j);
-            let derivatives = [
-                (Scalar::AngularFrequency, contact.cycle.by_frequency()),
-                (Scalar::Parameter, &contact.by_parameter),
-            ];
-            for (scalar, by) in derivatives {
-                let mut moved = [0.0; 2];
-                add_product(compliance, &by[span.clone()], -1.0, &mut moved[..span.len()]);
-                (0..2).for_each(|part| out.by_scalars[part][scalar.index()] += moved[part]);
-            }
+            let mut moved = [0.0; 2];
+            let by_frequency = &contact.cycle.by_frequency()[span.clone()];
+            add_product(compliance, by_frequency, -1.0, &mut moved[..span.len()]);
+            let index = Scalar::AngularFrequency.index();
+            (0..2).for_each(|part| out.by_scalars[part][index] += moved[part]);
             for (n, column) in contact.cycle.jacobian().as_slice().chunks_exact(width).enumerate() {
                 let mut moved = [0.0; 2];
                 add_product(compliance, &column[span.clone()], -1.0, &mut moved[..span.len()]);
@@ -88,7 +84,7 @@ impl Condensed<'_> {
         let driven = self.coefficients_of(p + self.nodes);
         let waveform = &self.waveform[..self.waveform.len().min(driven.len())];
         let work = at.level * work_per_cycle(waveform, &driven);
-        let contacting = |(contact, u): (&mut super::Attached, &[f64])| {
+        let contacting = |(contact, u): (&mut Attached, &[f64])| {
             let summary = contact.cycle.summary();
             let mut displacement = vec![0.0; full.len()];
             set.convert(u, full, &mut displacement);
@@ -123,17 +119,13 @@ impl Condensed<'_> {
         if self.damping_shift != 0.0 {
             return Err(Undecided::NoResponse);
         }
-        let contacts: Vec<LoadedContact> = self
-            .contacts
-            .iter()
-            .map(|contact| {
-                let PeriodicContact { law, normal_load, .. } = contact_of(&contact.law, contact.normal_load);
-                LoadedContact { law, normal_load }
-            })
+        let laws = self.contacts.iter();
+        let contacts: Vec<LoadedContact> = laws
+            .map(|attached| LoadedContact { law: attached.law.as_ref(), normal_load: attached.normal_load })
             .collect();
         let displacement: Vec<&[f64]> =
             point.contacts.iter().map(|contact| contact.displacement.as_slice()).collect();
-        decide(self.structure, &contacts, &displacement, point.angular_frequency)
+        decide(&self.structure, &contacts, &displacement, point.angular_frequency)
     }
 
     /// Derivatives of the outputs' coefficients along a direction.
@@ -144,7 +136,7 @@ impl Condensed<'_> {
             out.iter_mut().for_each(|node| node.clear());
             return;
         }
-        let [by_frequency, by_level, by_self_excitation, by_parameter] = *scalars;
+        let [by_frequency, by_level, by_self_excitation, _] = *scalars;
         let along = &mut self.scratch.along;
         along.clear();
         along.resize(p * width, 0.0);
@@ -154,13 +146,8 @@ impl Condensed<'_> {
             for (column, step) in contact.cycle.jacobian().as_slice().chunks_exact(width).zip(direction) {
                 into.iter_mut().zip(column).for_each(|(t, c)| *t += step * c);
             }
-            let rates = contact.cycle.by_frequency().iter().zip(&contact.by_parameter);
-            for (t, (rate, parameter)) in into.iter_mut().zip(rates) {
-                *t += by_frequency * rate;
-                if by_parameter != 0.0 {
-                    *t += by_parameter * parameter;
-                }
-            }
+            let rates = contact.cycle.by_frequency();
+            into.iter_mut().zip(rates).for_each(|(t, rate)| *t += by_frequency * rate);
         }
         for (node, coefficients) in out.iter_mut().enumerate() {
             coefficients.clear();
@@ -319,14 +306,12 @@ impl Condensed<'_> {
     fn change_kept(&mut self, at: &Operating) -> Result<(), HarmonicError> {
         let (p, width, wide) = (self.contacts.len(), self.set.len(), self.wide.len());
         self.scratch.kept.resize(p * width, 0.0);
-        for (j, contact) in self.contacts.iter_mut().enumerate() {
-            let attached = contact_of(&contact.law, contact.normal_load);
-            let set = self.wide;
-            let (method, damping_shift) = (method_on(self.method, set), self.damping_shift);
-            let cycle = contact.wide.get_or_insert_with(|| ShiftedMap::new(set, method, damping_shift));
+        let (method, damping_shift) = (method_on(self.method, self.wide), self.damping_shift);
+        for (j, (contact, wider)) in self.contacts.iter_mut().zip(&mut self.wider).enumerate() {
+            let wider = wider.get_or_insert_with(|| ShiftedMap::new(self.wide, method, damping_shift));
             let u = &self.scratch.wide[j * wide..(j + 1) * wide];
             let into = &mut self.scratch.kept[j * width..(j + 1) * width];
-            cycle.force_alone(&attached, at.angular_frequency, u, self.set, into)?;
+            contact.force_alone(wider, at.angular_frequency, u, self.set, into)?;
             into.iter_mut().zip(contact.cycle.force()).for_each(|(t, force)| *t -= force);
         }
         Ok(())

@@ -1,7 +1,10 @@
 //! Derivatives of the condensed balance against differences.
 
+use std::sync::Arc;
+
 use super::*;
 use crate::contact::{ContactLaw, Jenkins, Unilateral, Valanis};
+use crate::harmonic::balance::varied::Varied;
 
 /// Two masses, a contact on each, the excitation on the first.
 fn structure() -> LinearStructure {
@@ -17,7 +20,11 @@ fn structure() -> LinearStructure {
     }
 }
 
-fn unknowns(system: &Condensed) -> Vec<f64> {
+fn assembly(laws: [&Arc<dyn ContactLaw>; 2]) -> Assembly {
+    Assembly::new(structure().system(laws.map(|law| (law.clone(), 1.0)).to_vec()))
+}
+
+fn unknowns(system: &dyn PeriodicSystem) -> Vec<f64> {
     let parts = [0.02, 0.5, 0.3, -0.08, 0.11, 0.05, -0.07];
     (0..system.unknowns()).map(|k| parts[k % 7]).collect()
 }
@@ -26,7 +33,7 @@ const SCALARS: [Scalar; 4] =
     [Scalar::AngularFrequency, Scalar::Level, Scalar::SelfExcitation, Scalar::Parameter];
 
 /// Residual, then both parts of harmonics 1 and 3 of both outputs.
-fn everything(system: &mut Condensed, x: &[f64], at: &Operating) -> Vec<f64> {
+fn everything(system: &mut dyn PeriodicSystem, x: &[f64], at: &Operating) -> Vec<f64> {
     system.forget();
     system.evaluate(x, at, &[]).unwrap();
     let mut all = system.residual().to_vec();
@@ -40,27 +47,16 @@ fn everything(system: &mut Condensed, x: &[f64], at: &Operating) -> Vec<f64> {
 
 #[test]
 fn derivatives_equal_central_differences() {
-    let jenkins = Jenkins::new(0.8, 0.2).unwrap();
-    let valanis = Valanis::new(0.9, 0.2, 0.4, 0.0).unwrap();
-    let stop = Unilateral::new(0.7, 0.1).unwrap();
-    let structure = structure();
-    let pairs: [[&dyn ContactLaw; 2]; 2] = [[&jenkins, &valanis], [&stop, &jenkins]];
-    for laws in pairs {
-        let contacts = laws.map(|law| LoadedContact { law, normal_load: 1.0 }).to_vec();
-        let assembly = Assembly::new(Body::Linear(&structure), contacts);
-        let settings = CurveSettings { harmonics: 3, ..CurveSettings::default() };
-        let mut system = Condensed::new(&assembly, &settings).unwrap();
-        let limit = |p: f64| {
-            let law: Box<dyn ContactLaw> = Box::new(Jenkins::new(0.8, p)?);
-            Ok((law, 1.0))
+    let jenkins: Arc<dyn ContactLaw> = Arc::new(Jenkins::new(0.8, 0.2).unwrap());
+    let valanis: Arc<dyn ContactLaw> = Arc::new(Valanis::new(0.9, 0.2, 0.4, 0.0).unwrap());
+    let stop: Arc<dyn ContactLaw> = Arc::new(Unilateral::new(0.7, 0.1).unwrap());
+    for law in [&jenkins, &valanis, &stop] {
+        let make = |p: f64| {
+            let limited: Arc<dyn ContactLaw> = Arc::new(Jenkins::new(0.8, p)?);
+            Ok(assembly([law, &limited]))
         };
-        system.vary(
-            1,
-            0.0,
-            Box::new(move |p| {
-                limit(p).map_err(|_: crate::contact::LawError| HarmonicError::InvalidInput("no such law"))
-            }),
-        );
+        let settings = CurveSettings { harmonics: 3, ..CurveSettings::default() };
+        let mut system = Varied::new(&make, 0.2, 0.0, &settings).unwrap();
         let x = unknowns(&system);
         let at = Operating { angular_frequency: 0.9, level: 0.4, self_excitation: 0.03, parameter: 0.2 };
         let n = x.len();
@@ -98,7 +94,7 @@ fn derivatives_equal_central_differences() {
                 let difference = (up[i] - down[i]) / (2.0 * STEP);
                 assert!(
                     (derivative - difference).abs() < 2e-5 * size,
-                    "{laws:?} ({i}, {j}): {derivative} {difference}"
+                    "{law:?} ({i}, {j}): {derivative} {difference}"
                 );
             }
         }
@@ -107,12 +103,10 @@ fn derivatives_equal_central_differences() {
 
 #[test]
 fn derivatives_along_a_direction_are_those_of_the_outputs() {
-    let structure = structure();
-    let jenkins = Jenkins::new(0.8, 0.2).unwrap();
-    let contacts = vec![LoadedContact { law: &jenkins, normal_load: 1.0 }; 2];
-    let assembly = Assembly::new(Body::Linear(&structure), contacts);
+    let jenkins: Arc<dyn ContactLaw> = Arc::new(Jenkins::new(0.8, 0.2).unwrap());
+    let assembly = assembly([&jenkins, &jenkins]);
     let settings = CurveSettings { harmonics: 5, ..CurveSettings::default() };
-    let mut system = Condensed::new(&assembly, &settings).unwrap();
+    let mut system = Condensed::new(&assembly, &settings, 0.0).unwrap();
     assert!(system.set().is_odd());
     let x = unknowns(&system);
     let at = Operating::forced(0.9, 0.4);

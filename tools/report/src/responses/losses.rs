@@ -1,8 +1,7 @@
 //! Where the energy goes: the contact, the structure's own nonlinearities, its dampers.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
-use stickslip::harmonic::fourier::{time_derivative, value};
 use stickslip::harmonic::{Contacting, Point};
 
 use super::Responses;
@@ -13,8 +12,6 @@ pub struct Losses {
     /// Whether the model has a contact: it is the first of a point's. What comes behind it are nonlinearities of the
     /// structure itself.
     pub contact: bool,
-    /// Drag (N s²/m²) on the last node, where that is no contact of the points.
-    pub drag: f64,
     /// Entries of the matrix of dampers (N s/m) between the nodes; `None` where the nodes do not tell what the
     /// dampers take.
     pub dampers: Option<Vec<(usize, usize, f64)>>,
@@ -36,16 +33,7 @@ impl Losses {
     /// Energy (J) that the structure's own nonlinearities take per cycle.
     pub(super) fn of_structure(&self, point: &Point) -> f64 {
         let own = point.contacts.iter().skip(usize::from(self.contact));
-        own.map(|contact| contact.dissipated_energy).sum::<f64>() + self.of_drag(point)
-    }
-
-    /// `∮ d |ẏ|³ dt`, summed over so many phases that it is exact but for the kinks of |ẏ|³.
-    fn of_drag(&self, point: &Point) -> f64 {
-        let Some(node) = point.nodes.last().filter(|_| self.drag != 0.0) else { return 0.0 };
-        let velocity = time_derivative(node, 1, point.angular_frequency);
-        let count = 16 * node.len() + 64;
-        let cubes = (0..count).map(|k| value(&velocity, TAU * k as f64 / count as f64).abs().powi(3));
-        self.drag * cubes.sum::<f64>() / count as f64 * TAU / point.angular_frequency
+        own.map(|contact| contact.dissipated_energy).sum()
     }
 
     /// Energy (J) that the dampers take per cycle, where it is known.

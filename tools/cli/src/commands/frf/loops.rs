@@ -24,10 +24,13 @@ pub fn at_peaks(
         let exact =
             periodic_response(assembly, peak.angular_frequency, control, &request.alone(), Some(near));
         let point = exact.as_ref().unwrap_or(near);
-        let (Some(contact), Some(at)) = (assembly.contacts.first(), point.contacts.first()) else { continue };
+        let (Some((_, law, normal_load)), Some(at)) = (assembly.system.laws().next(), point.contacts.first())
+        else {
+            continue;
+        };
         let name = format!("{level} {unit}, {}", request.unit.shown(point.angular_frequency));
         loops.extend(
-            contact_loop(contact.law, contact.normal_load, point.angular_frequency, &at.displacement)
+            contact_loop(law.as_ref(), normal_load, point.angular_frequency, &at.displacement)
                 .map(|(displacement, force)| ContactLoop { name, displacement, force }),
         );
     }

@@ -105,7 +105,7 @@ impl Frf {
         let request = Request::new(&self, setup.nodes())?;
         let assembly = setup.assembly();
         let started = Instant::now();
-        let curves = follow_all(&assembly, &request, setup.losses().contact)?;
+        let curves = follow_all(assembly, &request, setup.losses().contact)?;
         let responses = Responses {
             title: format!("Response of {}", self.model.display()),
             unit: request.unit,

@@ -6,7 +6,7 @@ use super::Balance;
 use crate::harmonic::Point;
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 
-impl Balance<'_> {
+impl Balance {
     /// Estimated error of the nodes from harmonics above H, as share of the amplitude of the node it is
     /// largest at.
     ///
@@ -19,7 +19,7 @@ impl Balance<'_> {
         point: &Point,
         solve: &mut dyn FnMut(&mut [f64]),
     ) -> f64 {
-        if self.contact.is_none() {
+        if !self.has_contact() {
             return 0.0;
         }
         // From the first harmonic alone nothing would be seen of the third.
@@ -31,7 +31,7 @@ impl Balance<'_> {
         };
         let mut change = vec![0.0; self.unknowns()];
         for (order, modes) in beyond.iter().filter(|(order, _)| 2 * order < self.wide) {
-            let moved = displaced(&self.beam.contact_shape, modes);
+            let moved = displaced(&self.ports[0].shape, modes);
             (change[2 * order - 1], change[2 * order]) = (moved.re, -moved.im);
         }
         solve(&mut change);
@@ -39,7 +39,7 @@ impl Balance<'_> {
         self.nodes_along(&change, &[0.0; 4], &mut below);
         let mut worst = 0.0_f64;
         for (node, (changes, amplitude)) in below.iter().zip(&point.amplitude).enumerate() {
-            let shape = self.output_shape(node);
+            let shape = &self.system.observed[node];
             let kept = changes[0].abs() + changes[1..].chunks_exact(2).map(|c| c[0].hypot(c[1])).sum::<f64>();
             let added: f64 = beyond.iter().map(|(_, modes)| displaced(shape, modes).norm()).sum();
             if *amplitude > 0.0 {

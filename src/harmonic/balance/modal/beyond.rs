@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 
-use super::Balance;
+use super::{Acting, Balance};
 use crate::harmonic::newton::system::Operating;
 use crate::harmonic::period::Cycle;
 use crate::numeric::HarmonicSet;
@@ -10,20 +10,21 @@ use crate::numeric::HarmonicSet;
 /// Harmonics of `w_i` that carry the contact's force from one harmonic to another: the motion is slow and smooth.
 const CARRYING: usize = 8;
 
-impl Balance<'_> {
+impl Balance {
     /// Response of every mode to the contact's force in harmonics H + 1 to `highest`, at the last evaluation, as
     /// `c − i s`: harmonic after harmonic, all modes of each.
     ///
     /// That the contact feels this motion in turn is left out.
     pub fn beyond(&mut self, at: &Operating, highest: usize) -> Vec<Complex<f64>> {
         let (modes, harmonics) = (self.modes(), self.harmonics);
-        if self.contact.is_none() || highest <= harmonics {
-            return vec![Complex::new(0.0, 0.0); modes * highest.saturating_sub(harmonics)];
-        }
+        let contact = match self.acting.first_mut() {
+            Some(Acting::Law { rows, attached }) if rows.start == 0 && highest > harmonics => attached,
+            _ => return vec![Complex::new(0.0, 0.0); modes * highest.saturating_sub(harmonics)],
+        };
         let carrying = CARRYING.min(harmonics);
         let set = HarmonicSet::full(highest + carrying);
         let mut force = vec![0.0; set.len()];
-        self.cycle.force_on(set, &mut force);
+        contact.cycle.force_on(set, &mut force);
         let force = |order: usize| Complex::new(force[2 * order - 1], -force[2 * order]);
         let mut response = Vec::with_capacity(modes * (highest - harmonics));
         // ŵ of harmonic 0, then half of c − i s.
@@ -34,8 +35,8 @@ impl Balance<'_> {
                 let carried =
                     (1..=carrying).map(|m| arm[m] * force(order - m) + arm[m].conj() * force(order + m));
                 let acting = arm[0] * force(order) + carried.sum::<Complex<f64>>();
-                let natural = self.beam.angular_frequency[mode];
-                let damping = 2.0 * self.beam.damping_ratio[mode] * natural * speed;
+                let natural = self.system.angular_frequency[mode];
+                let damping = 2.0 * self.system.damping_ratio[mode] * natural * speed;
                 response.push(-acting / Complex::new(natural * natural - speed * speed, damping));
             }
         }
@@ -45,12 +46,12 @@ impl Balance<'_> {
     /// Harmonics `0..=highest` of `w_i`, the contact's lever on a mode.
     fn arm(&self, mode: usize, highest: usize) -> Vec<Complex<f64>> {
         let modes = self.modes();
-        let row = &self.beam.shortening[mode * modes..(mode + 1) * modes];
+        let row = &self.system.shortening[mode * modes..(mode + 1) * modes];
         let turned = |place: usize| -> f64 {
             let q = &self.q[place * modes..(place + 1) * modes];
-            -row.iter().zip(q).map(|(g, q)| g * q).sum::<f64>()
+            -self.ports[0].shortening * row.iter().zip(q).map(|(g, q)| g * q).sum::<f64>()
         };
-        let mean = Complex::new(self.beam.contact_shape[mode] + turned(0), 0.0);
+        let mean = Complex::new(self.ports[0].shape[mode] + turned(0), 0.0);
         let harmonic = |order: usize| Complex::new(0.5 * turned(2 * order - 1), -0.5 * turned(2 * order));
         std::iter::once(mean).chain((1..=highest).map(harmonic)).collect()
     }

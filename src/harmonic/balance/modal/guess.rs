@@ -25,7 +25,7 @@ pub(crate) fn resonance(balance: &mut Balance, acceleration: f64) -> Result<(f64
     let mut angular_frequency = 0.0;
     for _ in 0..ROUNDS {
         let (frequency, vector) = lowest_mode(balance, equivalent.stiffness);
-        let seen = (0..modes).map(|i| vector[i] * balance.beam.excitation_shape[i]).sum::<f64>();
+        let seen = (0..modes).map(|i| vector[i] * balance.system.driven[i]).sum::<f64>();
         if seen == 0.0 {
             return Err(HarmonicError::InvalidInput("the excitation does not move the first mode"));
         }
@@ -71,13 +71,13 @@ fn averaged(a: Equivalent, b: Equivalent) -> Equivalent {
 
 /// Stiffness of the contact with its series spring under a motion too small to slip.
 fn stuck_stiffness(balance: &mut Balance) -> Result<f64, HarmonicError> {
-    if balance.contact.is_none() {
+    if !balance.has_contact() {
         return Ok(0.0);
     }
-    let mut u = vec![0.0; balance.displacement.len()];
+    let mut u = vec![0.0; balance.displacement().len()];
     u[2] = 1e-10;
     balance.forget();
-    let stiffness = balance.contact_force(1.0, &u, balance.beam.axial_flexibility)?[2] / u[2];
+    let stiffness = balance.contact_force(1.0, &u, balance.ports[0].flexibility)?[2] / u[2];
     balance.forget();
     Ok(stiffness.max(0.0))
 }
@@ -91,13 +91,13 @@ fn measure(
     angular_frequency: f64,
     before: Equivalent,
 ) -> Result<Equivalent, HarmonicError> {
-    if balance.contact.is_none() {
+    if !balance.has_contact() {
         return Ok(Equivalent { stiffness: 0.0, damping: 0.0 });
     }
     balance.weigh();
-    let u = balance.displacement.clone();
+    let u = balance.displacement().to_vec();
     balance.forget();
-    let share = (1.0 - balance.beam.axial_flexibility * before.stiffness).clamp(0.0, 1.0);
+    let share = (1.0 - balance.ports[0].flexibility * before.stiffness).clamp(0.0, 1.0);
     let kept: Vec<f64> = u.iter().map(|u| share * u).collect();
     let force = balance.contact_force(angular_frequency, &kept, 0.0)?;
     let work = work_per_cycle(force, &u);
@@ -118,10 +118,10 @@ fn measure(
 
 /// Frequency and shape of the lowest mode with a spring at the contact.
 fn lowest_mode(balance: &Balance, stiffness: f64) -> (f64, Vec<f64>) {
-    let (modes, beam) = (balance.modes(), balance.beam);
+    let (modes, system, shape) = (balance.modes(), &balance.system, &balance.ports[0].shape);
     let matrix = DMatrix::from_fn(modes, modes, |i, j| {
-        let diagonal = if i == j { beam.angular_frequency[i].powi(2) } else { 0.0 };
-        diagonal + stiffness * beam.contact_shape[i] * beam.contact_shape[j]
+        let diagonal = if i == j { system.angular_frequency[i].powi(2) } else { 0.0 };
+        diagonal + stiffness * shape[i] * shape[j]
     });
     let eigen = SymmetricEigen::new(matrix);
     let lowest = eigen.eigenvalues.imin();
@@ -131,7 +131,8 @@ fn lowest_mode(balance: &Balance, stiffness: f64) -> (f64, Vec<f64>) {
 /// Response of the beam with a spring and damper at the contact, harmonic by harmonic; the rank-one
 /// contact is taken into the diagonal receptance by the Sherman–Morrison formula.
 fn linear_response(balance: &mut Balance, angular_frequency: f64, excitation: &[f64], contact: Equivalent) {
-    let (beam, modes, count) = (balance.beam, balance.modes(), balance.count);
+    let (system, shape) = (&balance.system, &balance.ports[0].shape);
+    let (modes, count) = (balance.modes(), balance.count);
     balance.q.fill(0.0);
     for h in 0..=count / 2 {
         let speed = h as f64 * angular_frequency;
@@ -141,19 +142,19 @@ fn linear_response(balance: &mut Balance, angular_frequency: f64, excitation: &[
             _ => break,
         };
         let receptance = |i: usize| {
-            let natural = beam.angular_frequency[i];
+            let natural = system.angular_frequency[i];
             let dynamic = natural * natural - speed * speed;
-            Complex::new(dynamic, 2.0 * beam.damping_ratio[i] * natural * speed).inv()
+            Complex::new(dynamic, 2.0 * system.damping_ratio[i] * natural * speed).inv()
         };
         let (mut free, mut own) = (Complex::new(0.0, 0.0), Complex::new(0.0, 0.0));
-        for i in 0..modes {
-            free += receptance(i) * beam.contact_shape[i] * beam.excitation_shape[i] * force;
-            own += receptance(i) * beam.contact_shape[i].powi(2);
+        for (i, (shape, driven)) in shape.iter().zip(&system.driven).enumerate() {
+            free += receptance(i) * shape * driven * force;
+            own += receptance(i) * shape.powi(2);
         }
         let stiffness = Complex::new(contact.stiffness, contact.damping * speed);
         let held = stiffness * free / (Complex::new(1.0, 0.0) + stiffness * own);
-        for i in 0..modes {
-            let x = receptance(i) * (force * beam.excitation_shape[i] - held * beam.contact_shape[i]);
+        for (i, (shape, driven)) in shape.iter().zip(&system.driven).enumerate() {
+            let x = receptance(i) * (force * driven - held * shape);
             if x.re.is_finite() && x.im.is_finite() {
                 if h == 0 {
                     balance.q[i] = x.re;

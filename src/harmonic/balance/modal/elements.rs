@@ -1,69 +1,112 @@
-//! What acts at the ports besides the contact, by coefficients.
+//! What acts at the ports, by coefficients.
 
 use std::ops::Range;
-use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
 use super::ports::{CondensedPort, Ports};
-use crate::contact::ContactLaw;
-use crate::harmonic::period::map::ContactMap;
-use crate::harmonic::period::{Cycle, PeriodicContact};
+use crate::harmonic::balance::assembly::Assembly;
+use crate::harmonic::balance::attached::Attached;
+use crate::harmonic::period::Cycle;
+use crate::harmonic::period::damping_shift::ShiftedMap;
 use crate::harmonic::{HarmonicError, Method};
 use crate::numeric::HarmonicSet;
-use crate::numeric::fourier::work_per_cycle;
-use crate::system::{Element, System};
+use crate::system::Element;
+
+/// Maps of laws, and the unknowns that each is for.
+pub(super) type Maps = Vec<(Range<usize>, ShiftedMap)>;
 
 /// An element at the unknowns of its ports.
 #[derive(Debug)]
 pub(super) enum Acting {
     /// A law over a period.
-    Law { rows: Range<usize>, law: Arc<dyn ContactLaw>, normal_load: f64, map: Box<ContactMap> },
+    Law { rows: Range<usize>, attached: Box<Attached> },
     /// Springs between two ports.
     Springs { rows: [Range<usize>; 2], stiffness: [[f64; 2]; 2] },
     /// A damper (N s/m).
     Damper { rows: Range<usize>, damping: f64 },
 }
 
-/// The elements of `system` at `ports`, but those given from outside: the contact is one. Maps that others have left are
-/// used again.
+/// The elements of `assembly` at `ports`, but those given from outside. Maps that others have left are used again.
 pub(super) fn acting(
-    system: &System,
+    assembly: &Assembly,
     names: &Ports,
     ports: &[CondensedPort],
     method: Method,
-    left: Vec<ContactMap>,
+    mut left: Maps,
 ) -> Vec<Acting> {
-    let mut left = left.into_iter();
+    let system = &assembly.system;
     let rows = |place: usize| Some(ports.get(names.place(&system.ports[place].name)?)?.rows.clone());
-    let one = |element: &Element| match element {
+    let mut map = |rows: &Range<usize>| match left.iter().position(|(of, _)| of == rows) {
+        Some(place) => left.swap_remove(place).1,
+        None => ShiftedMap::new(HarmonicSet::full(rows.len() / 2), method, 0.0),
+    };
+    let one = |(place, element): (usize, &Element)| match element {
         Element::Law { port, law, normal_load } => {
             let rows = rows(*port)?;
-            let map =
-                left.next().unwrap_or_else(|| ContactMap::new(HarmonicSet::full(rows.len() / 2), method));
-            Some(Acting::Law { rows, law: law.clone(), normal_load: *normal_load, map: Box::new(map) })
+            let attached = Attached::new(assembly, place, (law, *normal_load), map(&rows));
+            Some(Acting::Law { rows, attached: Box::new(attached) })
         }
         Element::Springs { ports: [a, b], stiffness } => {
             Some(Acting::Springs { rows: [rows(*a)?, rows(*b)?], stiffness: *stiffness })
         }
         Element::Outside { .. } => None,
     };
-    system.elements.iter().filter_map(one).collect()
+    system.elements.iter().enumerate().filter_map(one).collect()
 }
 
 impl Acting {
-    /// Adds the forces (N) for the unknowns `x`, without their derivatives.
+    /// The map of a law, for another to use.
+    pub fn into_map(self) -> Option<(Range<usize>, ShiftedMap)> {
+        match self {
+            Self::Law { rows, attached } => Some((rows, attached.cycle)),
+            Self::Springs { .. } | Self::Damper { .. } => None,
+        }
+    }
+
+    /// A law and its unknowns.
+    pub fn law(&self) -> Option<(&Range<usize>, &Attached)> {
+        match self {
+            Self::Law { rows, attached } => Some((rows, attached)),
+            Self::Springs { .. } | Self::Damper { .. } => None,
+        }
+    }
+
+    /// A law.
+    pub fn law_mut(&mut self) -> Option<&mut Attached> {
+        match self {
+            Self::Law { attached, .. } => Some(attached),
+            Self::Springs { .. } | Self::Damper { .. } => None,
+        }
+    }
+
+    /// Makes the next evaluation depend on its arguments alone.
+    pub fn forget(&mut self) {
+        if let Self::Law { attached, .. } = self {
+            attached.cycle.forget();
+        }
+    }
+
+    /// Makes a law's derivatives at the unknowns `x` that it was last evaluated for.
+    pub fn complete(&mut self, angular_frequency: f64, x: &[f64]) {
+        if let Self::Law { rows, attached } = self {
+            attached.complete(angular_frequency, &x[rows.clone()]);
+        }
+    }
+
+    /// Adds the forces (N) for the unknowns `x`; no derivatives can follow where they are wanted `alone`.
     pub fn act(
         &mut self,
         angular_frequency: f64,
         x: &[f64],
+        alone: bool,
         forces: &mut [f64],
     ) -> Result<(), HarmonicError> {
         match self {
-            Self::Law { rows, law, normal_load, map } => {
-                let contact = periodic(law.as_ref(), *normal_load);
-                map.evaluate_force(&contact, angular_frequency, &x[rows.clone()])?;
-                add(&mut forces[rows.clone()], map.force(), 1.0);
+            Self::Law { rows, attached } => {
+                let (u, forces) = (&x[rows.clone()], &mut forces[rows.clone()]);
+                attached.evaluate_force(angular_frequency, u, alone)?;
+                add(forces, attached.force(), 1.0);
             }
             Self::Springs { rows, stiffness } => {
                 for (to, row) in rows.iter().zip(stiffness) {
@@ -79,15 +122,12 @@ impl Acting {
         Ok(())
     }
 
-    /// Adds ∂forces/∂unknowns at the unknowns `x` that it was last evaluated for.
-    pub fn differentiate(&mut self, angular_frequency: f64, x: &[f64], law_matrix: &mut DMatrix<f64>) {
+    /// Adds ∂forces/∂unknowns, those of a law being made already.
+    pub fn differentiate(&self, angular_frequency: f64, law_matrix: &mut DMatrix<f64>) {
         match self {
-            Self::Law { rows, law, normal_load, map } => {
-                // Where the derivatives are not found those there are stay, as for the contact.
-                let contact = periodic(law.as_ref(), *normal_load);
-                let _ = map.complete(&contact, angular_frequency, &x[rows.clone()]);
+            Self::Law { rows, attached } => {
                 let mut block = law_matrix.view_mut((rows.start, rows.start), (rows.len(), rows.len()));
-                block += map.jacobian();
+                block += attached.cycle.jacobian();
             }
             Self::Springs { rows, stiffness } => {
                 for (to, row) in rows.iter().zip(stiffness) {
@@ -111,23 +151,13 @@ impl Acting {
     /// Adds ∂forces/∂Ω at fixed unknowns `x`.
     pub fn add_rates(&self, x: &[f64], rates: &mut [f64]) {
         match self {
-            Self::Law { rows, map, .. } => add(&mut rates[rows.clone()], map.by_frequency(), 1.0),
+            Self::Law { rows, attached } => {
+                add(&mut rates[rows.clone()], attached.cycle.by_frequency(), 1.0);
+            }
             Self::Springs { .. } => {}
             Self::Damper { rows, damping } => add_rates(&mut rates[rows.clone()], &x[rows.clone()], *damping),
         }
     }
-
-    /// Energy (J) that a law takes per cycle of the displacements `u`.
-    pub fn dissipated(&self, u: &[f64]) -> f64 {
-        match self {
-            Self::Law { rows, map, .. } => work_per_cycle(map.force(), &u[rows.clone()]),
-            Self::Springs { .. } | Self::Damper { .. } => 0.0,
-        }
-    }
-}
-
-fn periodic(law: &dyn ContactLaw, normal_load: f64) -> PeriodicContact<'_> {
-    PeriodicContact { law, normal_load, load_swing: &[], compliance: 0.0 }
 }
 
 fn add(to: &mut [f64], from: &[f64], factor: f64) {

@@ -1,28 +1,29 @@
 //! Derivatives of the balance, made when they are asked for.
 
-use super::{Balance, attached, mean_square, sized};
+use super::{Acting, Attached, Balance, mean_square, sized};
 use crate::harmonic::newton::system::Scalar;
-use crate::harmonic::period::{Cycle, PeriodicContact};
+use crate::harmonic::period::Cycle;
 use nalgebra::DMatrix;
 
-impl Balance<'_> {
-    /// ∂forces/∂unknowns.
-    pub(super) fn law(&self) -> &DMatrix<f64> {
-        if self.has_contact_alone() { self.cycle.jacobian() } else { &self.matrices.law }
+impl Balance {
+    /// The law that acts alone, at all unknowns: its derivatives need no copy.
+    fn single(acting: &[Acting], unknowns: usize) -> Option<&Attached> {
+        match acting {
+            [Acting::Law { rows, attached }] if rows.len() == unknowns => Some(attached),
+            _ => None,
+        }
     }
 
-    /// Makes the contact's derivatives at its last evaluation. Where they are not found those there are stay: a step
-    /// with them is judged by the residual as any other.
-    fn complete_contact(&mut self, angular_frequency: f64) {
-        if let Some((law, normal_load)) = attached(&self.contact, &self.varied) {
-            let contact = PeriodicContact { law, normal_load, load_swing: &self.load_swing, compliance: 0.0 };
-            let _ = self.cycle.complete(&contact, angular_frequency, &self.evaluated);
-        }
+    /// ∂forces/∂unknowns.
+    pub(super) fn law(&self) -> &DMatrix<f64> {
+        Self::single(&self.acting, self.residual.len()).map_or(&self.matrices.law, |law| law.cycle.jacobian())
     }
 
     /// B, A⁻¹ B and the derivatives of the forces.
     pub fn differentiate(&mut self, angular_frequency: f64) {
-        self.complete_contact(angular_frequency);
+        for acting in &mut self.acting {
+            acting.complete(angular_frequency, &self.unknown);
+        }
         let modes = self.modes();
         let (size, rows) = (self.q.len(), self.matrices.weights.nrows());
         sized(&mut self.matrices.adjoint, size, rows);
@@ -63,35 +64,28 @@ impl Balance<'_> {
             port.rows.clone().for_each(|m| self.matrices.compliance[(m, m)] += port.flexibility);
         }
         // As `law`, of which the borrow would hold all of the balance.
-        let law = if self.has_contact_alone() { self.cycle.jacobian() } else { &self.matrices.law };
+        let law = Self::single(&self.acting, rows).map_or(&self.matrices.law, |law| law.cycle.jacobian());
         self.matrices.jacobian.gemm(1.0, &self.matrices.compliance, law, 0.0);
         (0..rows).for_each(|m| self.matrices.jacobian[(m, m)] += 1.0);
         self.complete = true;
     }
 
-    /// ∂forces/∂unknowns where there is more than the contact.
+    /// ∂forces/∂unknowns where there is more than one law.
     fn differentiate_laws(&mut self, angular_frequency: f64) {
-        if self.has_contact_alone() {
+        let unknowns = self.residual.len();
+        if Self::single(&self.acting, unknowns).is_some() {
             return;
         }
-        let unknowns = self.residual.len();
         sized(&mut self.matrices.law, unknowns, unknowns);
         self.matrices.law.fill(0.0);
-        if self.contact.is_some() {
-            let wide = self.wide;
-            self.matrices.law.view_mut((0, 0), (wide, wide)).copy_from(self.cycle.jacobian());
-        }
-        for acting in &mut self.acting {
-            acting.differentiate(angular_frequency, &self.unknown, &mut self.matrices.law);
+        for acting in &self.acting {
+            acting.differentiate(angular_frequency, &mut self.matrices.law);
         }
     }
 
     /// ∂forces/∂Ω at fixed unknowns; false where it vanishes.
     fn force_rates(&mut self) -> bool {
         self.rates.fill(0.0);
-        if self.contact.is_some() {
-            self.rates[..self.wide].copy_from_slice(self.cycle.by_frequency());
-        }
         for acting in &self.acting {
             acting.add_rates(&self.unknown, &mut self.rates);
         }
@@ -113,13 +107,9 @@ impl Balance<'_> {
                 }
                 right.iter_mut().for_each(|r| *r = -*r);
             }
-            Scalar::Parameter if self.force_by_parameter() => {
-                self.project(&self.rates, &mut right);
-                right.iter_mut().for_each(|r| *r = -*r);
-            }
             Scalar::Level => {
                 for (k, right) in right.chunks_exact_mut(modes).enumerate() {
-                    let shapes = right.iter_mut().zip(&self.beam.excitation_shape);
+                    let shapes = right.iter_mut().zip(&self.system.driven);
                     shapes.for_each(|(r, e)| *r = self.waveform[k] * e);
                 }
             }
@@ -140,8 +130,7 @@ impl Balance<'_> {
         {
             by.iter_mut().zip(column).for_each(|(b, w)| *b -= w * q);
         }
-        // What the forces themselves change by is at hand in both cases.
-        if matches!(scalar, Scalar::AngularFrequency | Scalar::Parameter) {
+        if scalar == Scalar::AngularFrequency {
             for port in self.ports.iter().filter(|port| port.flexibility != 0.0) {
                 let rates = by[port.rows.clone()].iter_mut().zip(&self.rates[port.rows.clone()]);
                 rates.for_each(|(b, rate)| *b += port.flexibility * rate);

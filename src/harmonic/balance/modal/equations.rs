@@ -12,11 +12,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::harmonic::modal_system::ModalSystem;
 use crate::harmonic::newton::system::Operating;
 use crate::numeric::fourier::{coefficient_count, multiplication};
 use crate::numeric::gmres::Krylov;
 use crate::numeric::lu::Factors;
-use crate::system::ModalBeam;
 
 /// Highest harmonic of those first inverted together.
 const FIRST_JOINT: usize = 2;
@@ -66,8 +66,8 @@ pub(crate) struct ModalEquations {
 }
 
 impl ModalEquations {
-    pub fn new(beam: &ModalBeam, harmonics: usize) -> Self {
-        let modes = beam.angular_frequency.len();
+    pub fn new(system: &ModalSystem, harmonics: usize) -> Self {
+        let modes = system.modes();
         let count = coefficient_count(harmonics);
         let mut equations = Self {
             modes,
@@ -93,20 +93,20 @@ impl ModalEquations {
             multiplied: vec![0.0; modes * count],
             prepared: vec![0.0; modes * count],
         };
-        equations.describe(beam);
+        equations.describe(system);
         equations
     }
 
-    fn describe(&mut self, beam: &ModalBeam) {
-        self.shortening = DMatrix::from_row_slice(self.modes, self.modes, &beam.shortening);
-        self.stiffness = beam.angular_frequency.iter().map(|natural| natural * natural).collect();
-        let natural = beam.angular_frequency.iter().zip(&beam.damping_ratio);
+    fn describe(&mut self, system: &ModalSystem) {
+        self.shortening = DMatrix::from_row_slice(self.modes, self.modes, &system.shortening);
+        self.stiffness = system.angular_frequency.iter().map(|natural| natural * natural).collect();
+        let natural = system.angular_frequency.iter().zip(&system.damping_ratio);
         self.damping = natural.map(|(natural, ratio)| 2.0 * ratio * natural).collect();
     }
 
-    /// Those of another beam with as many modes and harmonics, in the same room.
-    pub fn renewed(mut self, beam: &ModalBeam) -> Self {
-        self.describe(beam);
+    /// Those of another system with as many modes and harmonics, in the same room.
+    pub fn renewed(mut self, system: &ModalSystem) -> Self {
+        self.describe(system);
         self.forget();
         self.inverted = false;
         self.contraction = 0.0;

@@ -1,7 +1,10 @@
 //! Derivatives of the beam's balance against differences; the contact on it against closed forms.
 
+use std::sync::Arc;
+
 use super::*;
 use crate::contact::{ContactLaw, Inputs, Jenkins, Response, SlipState, StateTangents, Tangents, Valanis};
+use crate::system::ModalBeam;
 
 fn beam() -> ModalBeam {
     ModalBeam {
@@ -52,12 +55,13 @@ impl ContactLaw for Damper {
 
 /// Largest difference between Jacobian and central differences, as share of the largest entry of
 /// each column; the last columns are those of the scalars.
-fn jacobian_error(law: &dyn ContactLaw, size: f64) -> f64 {
+fn jacobian_error(law: Arc<dyn ContactLaw>, size: f64) -> f64 {
     const SCALARS: [Scalar; 3] = [Scalar::AngularFrequency, Scalar::Level, Scalar::SelfExcitation];
-    let beam = beam();
-    let contact = LoadedContact { law, normal_load: 100.0 };
-    let mut balance =
-        Balance::new(&beam, Some(contact), &[0.0, 30.0, 5.0], 3, Method::Sampled { samples: 64 }).unwrap();
+    let assembly = Assembly {
+        waveform: vec![0.0, 30.0, 5.0],
+        ..Assembly::new(beam().system(Some((law, 100.0))).unwrap())
+    };
+    let mut balance = Balance::new(&assembly, 3, Method::Sampled { samples: 64 }).unwrap();
     balance.equations.derivative_error = 1e-10;
     let n = balance.unknowns();
     let mut x: Vec<f64> = (0..n).map(|k| size * [0.1, 0.4, 1.0, -0.2, 0.1, 0.15, -0.05][k % 7]).collect();
@@ -112,28 +116,28 @@ fn jacobian_error(law: &dyn ContactLaw, size: f64) -> f64 {
 
 #[test]
 fn jacobian_equals_central_differences() {
-    let cases: [(&dyn ContactLaw, f64); 6] = [
-        (&Valanis::new(5e6, 0.9, 0.3, 0.0).unwrap(), 3e-5),
-        (&Valanis::new(5e6, 0.9, 0.3, 0.0).unwrap(), 5e-4),
-        (&Valanis::new(5e6, 0.9, 0.7, 4e5).unwrap(), 5e-4),
-        (&Jenkins::new(5e6, 0.9).unwrap(), 1e-5),
-        (&Jenkins::new(5e6, 0.9).unwrap(), 5e-4),
-        (&Damper(3e6, 2e3), 3e-4),
+    let cases: [(Arc<dyn ContactLaw>, f64); 6] = [
+        (Arc::new(Valanis::new(5e6, 0.9, 0.3, 0.0).unwrap()), 3e-5),
+        (Arc::new(Valanis::new(5e6, 0.9, 0.3, 0.0).unwrap()), 5e-4),
+        (Arc::new(Valanis::new(5e6, 0.9, 0.7, 4e5).unwrap()), 5e-4),
+        (Arc::new(Jenkins::new(5e6, 0.9).unwrap()), 1e-5),
+        (Arc::new(Jenkins::new(5e6, 0.9).unwrap()), 5e-4),
+        (Arc::new(Damper(3e6, 2e3)), 3e-4),
     ];
     for (law, size) in cases {
-        let error = jacobian_error(law, size);
+        let error = jacobian_error(law.clone(), size);
         assert!(error < 3e-6, "{law:?} at {size}: {error}");
     }
 }
 
 /// Dissipation of the contact alone under `u = U sin θ`.
-fn loop_of(law: &dyn ContactLaw, load: f64, amplitude: f64, samples: usize) -> f64 {
+fn loop_of(law: impl ContactLaw + 'static, load: f64, amplitude: f64, samples: usize) -> f64 {
     let mut beam = beam();
     beam.axial_flexibility = 0.0;
-    let contact = LoadedContact { law, normal_load: load };
-    let mut balance = Balance::new(&beam, Some(contact), &[], 2, Method::Sampled { samples }).unwrap();
-    balance.displacement[2] = amplitude;
-    let u = balance.displacement.clone();
+    let assembly = Assembly::new(beam.system(Some((Arc::new(law), load))).unwrap());
+    let mut balance = Balance::new(&assembly, 2, Method::Sampled { samples }).unwrap();
+    balance.moved[2] = amplitude;
+    let u = balance.displacement().to_vec();
     balance.contact_force(300.0, &u, 0.0).unwrap();
     balance.dissipated_energy()
 }
@@ -142,9 +146,9 @@ fn loop_of(law: &dyn ContactLaw, load: f64, amplitude: f64, samples: usize) -> f
 fn jenkins_loop_area_equals_4_limit_times_slip() {
     let law = Jenkins::new(5e6, 0.9).unwrap();
     let exact = 4.0 * 90.0 * (6e-5 - 90.0 / 5e6);
-    let error = |samples: usize| (loop_of(&law, 100.0, 6e-5, samples) / exact - 1.0).abs();
+    let error = |samples: usize| (loop_of(law, 100.0, 6e-5, samples) / exact - 1.0).abs();
     assert!(error(128) < 2e-3 && error(1024) < 3e-5, "{} {}", error(128), error(1024));
-    assert!(loop_of(&law, 100.0, 1e-5, 128).abs() < 1e-18, "a stuck contact dissipates nothing");
+    assert!(loop_of(law, 100.0, 1e-5, 128).abs() < 1e-18, "a stuck contact dissipates nothing");
 }
 
 #[test]
@@ -153,7 +157,7 @@ fn valanis_periodic_loops_have_the_reference_areas() {
     // twenty cycles.
     let law = Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, 147.15).unwrap();
     for (amplitude, area) in [(1e-6, 6.40993067e-7), (1e-5, 5.82422872e-4), (5e-5, 1.39860743e-2)] {
-        let found = loop_of(&law, 147.15, amplitude, 1024);
+        let found = loop_of(law, 147.15, amplitude, 1024);
         assert!((found / area - 1.0).abs() < 2e-4, "{amplitude}: {found}");
     }
 }

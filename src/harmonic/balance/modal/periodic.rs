@@ -1,18 +1,16 @@
-//! The beam's balance as a [`PeriodicSystem`]: what continuation, tracking and conditions ask of it.
+//! The balance as a [`PeriodicSystem`]: what continuation, tracking and conditions ask of it.
 
 use super::*;
-use crate::harmonic::stability::{Undecided, decide_for_beam};
-use crate::time::LoadedContact;
+use crate::harmonic::newton::Contacting;
+use crate::harmonic::stability::{Undecided, decide_modal};
+use crate::system::System;
 
-impl PeriodicSystem for Balance<'_> {
+impl PeriodicSystem for Balance {
     fn unknowns(&self) -> usize {
         self.residual.len()
     }
 
     fn evaluate(&mut self, x: &[f64], at: &Operating, scalars: &[Scalar]) -> Result<f64, HarmonicError> {
-        if scalars.contains(&Scalar::Parameter) {
-            self.vary_force(at.angular_frequency, &x[..self.wide], at.parameter)?;
-        }
         let scale = self.balance(x, at)?;
         self.undifferentiated = Some(*at);
         self.asked.clear();
@@ -41,7 +39,7 @@ impl PeriodicSystem for Balance<'_> {
     }
 
     fn output(&mut self, node: usize, order: usize) -> [f64; 2] {
-        let (modes, shape) = (self.modes(), self.output_shape(node));
+        let (modes, shape) = (self.modes(), &self.system.observed[node]);
         let seen = |place: usize| -> f64 {
             let q = &self.q[place * modes..(place + 1) * modes];
             q.iter().zip(shape).map(|(q, phi)| q * phi).sum()
@@ -56,7 +54,7 @@ impl PeriodicSystem for Balance<'_> {
     fn observe(&mut self, node: usize, order: usize, out: &mut Observation) {
         self.catch_up();
         let (modes, unknowns) = (self.modes(), self.unknowns());
-        let shape = self.output_shape(node);
+        let shape = &self.system.observed[node];
         out.value = [0.0; 2];
         out.by_scalars = [[0.0; 4]; 2];
         for row in &mut out.by_unknowns {
@@ -89,13 +87,13 @@ impl PeriodicSystem for Balance<'_> {
     }
 
     fn forget(&mut self) {
-        self.cycle.forget();
+        self.acting.iter_mut().for_each(Acting::forget);
         self.equations.forget();
         self.differentiated = false;
     }
 
     fn nodes(&self) -> usize {
-        self.beam.sensors.len() + 1
+        self.system.observed.len()
     }
 
     fn harmonics(&self) -> usize {
@@ -130,7 +128,7 @@ impl PeriodicSystem for Balance<'_> {
             self.right.iter_mut().zip(by).for_each(|(q, d)| *q += d * change);
         }
         for (node, coefficients) in out.iter_mut().enumerate() {
-            let shape = self.output_shape(node);
+            let shape = &self.system.observed[node];
             coefficients.clear();
             coefficients.extend(
                 self.right
@@ -141,11 +139,24 @@ impl PeriodicSystem for Balance<'_> {
     }
 
     fn resume(&self, point: &Point, x: &mut [f64]) -> bool {
-        let known = point.contacts.first().filter(|contact| contact.displacement.len() == x.len());
-        known.is_some_and(|contact| {
-            x.copy_from_slice(&contact.displacement);
-            true
-        })
+        let mut known = 0;
+        for ((rows, _), contact) in self.acting.iter().filter_map(Acting::law).zip(&point.contacts) {
+            if contact.displacement.len() != rows.len() {
+                return false;
+            }
+            x[rows.clone()].copy_from_slice(&contact.displacement);
+            known += rows.len();
+        }
+        known == x.len()
+    }
+
+    fn replace_laws(&mut self, system: &System) -> Result<(), HarmonicError> {
+        for (acting, (_, law, normal_load)) in
+            self.acting.iter_mut().filter_map(Acting::law_mut).zip(system.laws())
+        {
+            acting.replace(law, normal_load);
+        }
+        Ok(())
     }
 
     fn truncation_error(
@@ -159,29 +170,28 @@ impl PeriodicSystem for Balance<'_> {
     }
 
     fn stable(&mut self, point: &Point) -> Result<bool, Undecided> {
-        let contact = attached(&self.contact, &self.varied);
-        let contact = contact.map(|(law, normal_load)| LoadedContact { law, normal_load });
-        let displacement = point.contacts.first().map_or(&[][..], |contact| &contact.displacement);
-        decide_for_beam(self.beam, contact, &self.modal_coefficients(), displacement, point.angular_frequency)
+        let displacement: Vec<&[f64]> =
+            point.contacts.iter().map(|contact| contact.displacement.as_slice()).collect();
+        decide_modal(&self.system, &self.modal_coefficients(), &displacement, point.angular_frequency)
     }
 
     fn describe(&mut self, x: &[f64], at: &Operating) -> Result<Point, HarmonicError> {
-        let nodes: Vec<Vec<f64>> =
-            (0..self.nodes()).map(|node| self.displacement_along(self.output_shape(node))).collect();
-        let contacts = match &self.contact {
-            None => Vec::new(),
-            Some(_) => {
-                let summary = self.cycle.summary();
-                vec![Contacting {
-                    dissipated_energy: summary.dissipated_energy,
-                    equivalent_stiffness: summary.equivalent_stiffness,
-                    stick_fraction: summary.stick_fraction,
-                    displacement: x[..self.wide].to_vec(),
-                    force: self.force.clone(),
-                }]
-            }
+        let rows = &self.system.observed;
+        let nodes: Vec<Vec<f64>> = rows.iter().map(|row| self.displacement_along(row)).collect();
+        let forces = &self.forces;
+        let contacting = |acting: &mut Acting| {
+            let Acting::Law { rows, attached } = acting else { return None };
+            let summary = attached.cycle.summary();
+            Some(Contacting {
+                dissipated_energy: summary.dissipated_energy,
+                equivalent_stiffness: summary.equivalent_stiffness,
+                stick_fraction: summary.stick_fraction,
+                displacement: x[rows.clone()].to_vec(),
+                force: forces[rows.clone()].to_vec(),
+            })
         };
-        let driven = self.displacement_along(&self.beam.excitation_shape);
+        let contacts = self.acting.iter_mut().filter_map(contacting).collect();
+        let driven = self.displacement_along(&self.system.driven);
         Ok(Point {
             angular_frequency: at.angular_frequency,
             level: at.level,

@@ -1,0 +1,111 @@
+//! The ports that a balance is condensed to.
+
+use std::ops::{Deref, Range};
+
+use crate::harmonic::modal_system::ModalPort;
+use crate::system::{Element, Port, Row, System};
+
+/// Names of the ports that a beam may be condensed to though it has no element there: a neighbour may.
+const WITHOUT_ELEMENT: [&str; 2] = ["shortening", "string"];
+
+/// The system with every port that any beam has.
+pub(super) fn completed(system: &System) -> System {
+    let mut system = system.clone();
+    for name in WITHOUT_ELEMENT {
+        if system.port(name).is_none() {
+            let shortening = if name == "shortening" { -1.0 } else { 0.0 };
+            system.ports.push(Port { shortening, ..Port::linear(name, Row::new()) });
+        }
+    }
+    system
+}
+
+/// The port of the contact, which is that of the first element, and the others to whose displacements a balance is
+/// condensed: two such lists are equal where the names are.
+#[derive(Debug, Clone)]
+pub(crate) struct Ports {
+    contact: Port,
+    others: Vec<Port>,
+}
+
+impl PartialEq for Ports {
+    fn eq(&self, other: &Self) -> bool {
+        self.contact.name == other.contact.name && self.names().eq(other.names())
+    }
+}
+
+impl Ports {
+    /// Those at which elements of `system` act by themselves, and the first in any case.
+    pub fn of(system: &System) -> Self {
+        let port = |place: &usize| system.ports.get(*place).cloned();
+        let contact = system.elements.first().and_then(|element| port(element.ports().first()?));
+        let contact = contact.unwrap_or_else(|| Port::linear("contact", Row::new()));
+        let acting = system.elements.iter().filter(|element| !matches!(element, Element::Outside { .. }));
+        let ports = acting.flat_map(Element::ports).filter_map(port);
+        ports.fold(Self { contact, others: Vec::new() }, Self::with)
+    }
+
+    /// That of the contact.
+    pub fn contact(&self) -> &Port {
+        &self.contact
+    }
+
+    /// These and one more.
+    pub fn with(mut self, port: Port) -> Self {
+        let known = self.others.binary_search_by(|known| known.name.cmp(&port.name));
+        if let (Err(place), true) = (known, port.name != self.contact.name) {
+            self.others.insert(place, port);
+        }
+        self
+    }
+
+    /// These and others.
+    pub fn or(self, others: &Self) -> Self {
+        others.others.iter().cloned().fold(self, Self::with)
+    }
+
+    /// The names of the others, ascending.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.others.iter().map(|port| port.name.as_str())
+    }
+
+    /// Where `name` is, counted with the contact's port first.
+    pub fn place(&self, name: &str) -> Option<usize> {
+        std::iter::once(self.contact.name.as_str()).chain(self.names()).position(|known| known == name)
+    }
+
+    /// The ports by `modes` modes as `system` has them, the contact's first with `wide` coefficients, the others
+    /// with `count`.
+    pub(super) fn condensed(
+        &self,
+        system: &System,
+        modes: usize,
+        wide: usize,
+        count: usize,
+    ) -> Vec<CondensedPort> {
+        let mut first = 0;
+        let mut condensed = Vec::with_capacity(1 + self.others.len());
+        for port in std::iter::once(&self.contact).chain(&self.others) {
+            let length = if first == 0 { wide } else { count };
+            let own = system.port(&port.name).map_or(port, |place| &system.ports[place]);
+            condensed.push(CondensedPort { port: ModalPort::new(own, modes), rows: first..first + length });
+            first += length;
+        }
+        condensed
+    }
+}
+
+/// A port with the unknowns that are the coefficients of its displacement.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct CondensedPort {
+    port: ModalPort,
+    pub rows: Range<usize>,
+}
+
+impl Deref for CondensedPort {
+    type Target = ModalPort;
+
+    fn deref(&self) -> &ModalPort {
+        &self.port
+    }
+}
