@@ -1,8 +1,7 @@
 //! Jenkins' element with play.
 
 use super::element::Element;
-use super::error::{Bounds, LawError, checked};
-use super::jenkins::checked_pair;
+use super::error::{Bounds, LawError, checked, checked_pair};
 use super::{ContactLaw, Inputs, Response, Slider, StateTangents};
 
 /// Jenkins' element with play of half-width g in series: a clearance that must be taken up before the

@@ -2,13 +2,11 @@
 
 use std::ops::Bound;
 
-use super::error::{Bounds, LawError, checked};
-use super::jenkins::checked_pair;
+use super::error::{Bounds, LawError, checked, checked_pair};
+use super::gradual::{Gradual, GradualLaw, STATE};
+use super::kind::{self, LawKind, LawParameter, LawValues};
 use super::saturation::{Reached, Saturation};
-use super::{
-    ContactLaw, GradualLaw, Inputs, JointBase, LawKind, LawParameter, LawValues, Response, SlipState,
-    StateTangents, Tangents, catalogue, cut_to,
-};
+use super::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tangents};
 use crate::vocabulary::{self as v, Scale};
 
 /// Bouc and Wen's law: slip sets in as gradually as the exponent n says, and unloading may be stiffer than stick.
@@ -68,13 +66,9 @@ use crate::vocabulary::{self as v, Scale};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoucWen {
-    /// k (N/m).
-    hysteretic_stiffness: f64,
-    friction_coefficient: f64,
-    residual_stiffness: f64,
+    gradual: Gradual,
     loading: Saturation,
     unloading: Saturation,
-    asymmetry: f64,
 }
 
 pub(super) static KIND: LawKind = LawKind {
@@ -94,13 +88,13 @@ pub(super) static KIND: LawKind = LawKind {
             includes_min: false,
             range: |_| (1.0, 2.0, Scale::Linear),
         },
-        catalogue::RESIDUAL_STIFFNESS,
+        kind::RESIDUAL_STIFFNESS,
     ],
     one_slider: false,
-    refuses: |values| catalogue::residual_rule(values.own[2], values.tangential_stiffness),
+    refuses: |values| kind::residual_rule(values.own[2], values.tangential_stiffness),
     build: |&LawValues { tangential_stiffness, friction_coefficient, own }| {
         let law = BoucWen::new(tangential_stiffness, friction_coefficient, own[0], own[1], own[2])?;
-        Ok(JointBase::Gradual(Box::new(law)))
+        Ok(law.into())
     },
 };
 
@@ -180,19 +174,18 @@ impl BoucWen {
         let r = checked(ratio.name, ratio.unit, unloading_ratio, between(1.0, 2.0))?;
         let residual = &v::RESIDUAL_STIFFNESS;
         checked(residual.name, residual.unit, residual_stiffness, Bounds::from_zero_to_below(stiffness))?;
-        Ok(Self {
+        let gradual = Gradual {
             hysteretic_stiffness: stiffness - residual_stiffness,
-            friction_coefficient: friction,
             residual_stiffness,
-            loading: Saturation { n, a: 1.0 },
-            unloading: Saturation { n, a: 1.0 - r },
+            friction_coefficient: friction,
             asymmetry: 0.0,
-        })
+        };
+        Ok(Self { gradual, loading: Saturation { n, a: 1.0 }, unloading: Saturation { n, a: 1.0 - r } })
     }
 
     /// Coefficient of friction against motion in the direction `sign` (1).
     fn friction(&self, sign: f64) -> f64 {
-        self.friction_coefficient * (1.0 + sign * self.asymmetry)
+        self.gradual.friction_coefficient * self.gradual.side(sign)
     }
 
     /// `force` (N) within the limits under `load` (N), and the energy (J) lost by cutting it.
@@ -202,14 +195,14 @@ impl BoucWen {
         if force.value.abs() <= limit.value.abs() {
             return (force, 0.0);
         }
-        let kept = |y: f64| 0.5 * y * y / self.hysteretic_stiffness;
+        let kept = |y: f64| 0.5 * y * y / self.gradual.hysteretic_stiffness;
         (limit, kept(force.value) - kept(limit.value))
     }
 
     /// Force (N) after the motion over `travel` (m) in the direction `sign` from `force` (N), which is within the limits,
     /// under the constant `load` (N), and the energy (J) dissipated.
     fn follow(&self, force: &Graded, travel: &Graded, sign: f64, load: &Graded) -> (Graded, f64) {
-        let (limit, stiffness) = (self.friction(sign) * load.value, self.hysteretic_stiffness);
+        let (limit, stiffness) = (self.friction(sign) * load.value, self.gradual.hysteretic_stiffness);
         if limit <= 0.0 {
             return (Graded::default(), 0.0);
         }
@@ -266,19 +259,19 @@ impl BoucWen {
                 let (rest, lost) = self.move_on(force, &way, [&start_load, &none]);
                 let stretch = start.value + way.value - origin.value;
                 let kept = 0.5
-                    * (rest.value * rest.value / self.hysteretic_stiffness
-                        + self.residual_stiffness * stretch * stretch);
+                    * (rest.value * rest.value / self.gradual.hysteretic_stiffness
+                        + self.gradual.residual_stiffness * stretch * stretch);
                 Outcome { hysteretic: none, origin: end, force: none, dissipated_energy: lost + kept }
             }
             (false, true) => {
                 let way = travel.times(&end_load.scaled(-1.0).over(&fall));
                 let (hysteretic, lost) = self.move_on(none, &way, [&none, &end_load]);
-                let force = hysteretic.plus(self.residual_stiffness, &way);
+                let force = hysteretic.plus(self.gradual.residual_stiffness, &way);
                 Outcome { hysteretic, origin: end.plus(-1.0, &way), force, dissipated_energy: lost }
             }
             (true, true) => {
                 let (hysteretic, lost) = self.move_on(force, &travel, [&start_load, &end_load]);
-                let force = hysteretic.plus(self.residual_stiffness, &end.plus(-1.0, &origin));
+                let force = hysteretic.plus(self.gradual.residual_stiffness, &end.plus(-1.0, &origin));
                 Outcome { hysteretic, origin, force, dissipated_energy: lost }
             }
         }
@@ -290,31 +283,22 @@ impl GradualLaw for BoucWen {
         Box::new(*self)
     }
 
-    fn with_asymmetry(&self, asymmetry: f64) -> Box<dyn GradualLaw> {
-        Box::new(Self { asymmetry, ..*self })
+    fn gradual(&self) -> &Gradual {
+        &self.gradual
     }
 
-    fn asymmetry(&self) -> f64 {
-        self.asymmetry
-    }
-
-    fn hysteretic_stiffness(&self) -> f64 {
-        self.hysteretic_stiffness
-    }
-
-    fn residual_stiffness(&self) -> f64 {
-        self.residual_stiffness
+    fn gradual_mut(&mut self) -> &mut Gradual {
+        &mut self.gradual
     }
 }
 
 impl ContactLaw for BoucWen {
     fn state_len(&self) -> usize {
-        4
+        STATE
     }
 
     fn set_state(&self, displacement: f64, normal_load: f64, force: f64, state: &mut [f64]) {
-        let limit = self.friction(force.signum()) * normal_load.max(0.0);
-        state.copy_from_slice(&[cut_to(force, limit), displacement, normal_load, displacement]);
+        self.gradual.set_state(displacement, normal_load, force, state);
     }
 
     fn step(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> Response {
@@ -347,11 +331,11 @@ impl ContactLaw for BoucWen {
     }
 
     fn limit(&self, normal_load: f64) -> f64 {
-        self.friction_coefficient * normal_load.max(0.0)
+        self.gradual.limit(normal_load)
     }
 
     fn is_odd(&self) -> bool {
-        self.asymmetry == 0.0
+        self.gradual.asymmetry == 0.0
     }
 
     fn has_stick(&self) -> bool {

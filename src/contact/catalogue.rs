@@ -1,66 +1,15 @@
 //! The catalogue of contact laws that a model file can name. A law is a file with its [`LawKind`], and its line in
 //! [`LAWS`]; files, parameters by path, FMUs and what a fit may try come from it.
 
-use super::{ContactLaw, JointBase, LawError, bouc_wen, iwan, jenkins, valanis};
-use crate::vocabulary::{self as v, Quantity, Scale};
-
-/// An entry of the catalogue.
-pub struct LawKind {
-    /// The name in model files: `law = "valanis"`.
-    pub name: &'static str,
-    /// Name of an FMU of the contact alone.
-    pub fmu_name: &'static str,
-    /// One line for an engineer.
-    pub summary: &'static str,
-    /// Its parameters beside tangential stiffness and coefficient of friction, at most [`MOST_PARAMETERS`].
-    pub parameters: &'static [LawParameter],
-    /// Whether it is one slider, in whose place an effect may put many.
-    pub one_slider: bool,
-    /// The rule that values break which are legal one by one.
-    pub refuses: fn(&LawValues<'_>) -> Option<LawRule>,
-    /// Makes the law.
-    pub build: fn(&LawValues<'_>) -> Result<JointBase, LawError>,
-}
-
-/// A parameter that not every law has.
-pub struct LawParameter {
-    /// Name, unit and legal values.
-    pub quantity: &'static Quantity,
-    /// What stands for it in a file that does not give it; `None` where it must be given.
-    pub default: Option<f64>,
-    /// Whether its smallest value is legal although its bounds are open.
-    pub includes_min: bool,
-    /// Smallest and largest value that a fit may try, for a tangential stiffness (N/m).
-    pub range: fn(f64) -> (f64, f64, Scale),
-}
-
-/// What a law is built from.
-#[derive(Debug, Clone, Copy)]
-pub struct LawValues<'a> {
-    /// Stiffness in stick (N/m).
-    pub tangential_stiffness: f64,
-    /// Coefficient of friction (1).
-    pub friction_coefficient: f64,
-    /// The law's own parameters, in the order of [`LawKind::parameters`].
-    pub own: &'a [f64],
-}
-
-/// A rule that a value breaks.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LawRule {
-    /// Name of the parameter.
-    pub parameter: &'static str,
-    /// What is wrong, in one sentence.
-    pub message: String,
-    /// What would be right.
-    pub help: &'static str,
-}
+use super::kind::BaseLaw;
+use super::{
+    ContactLaw, Jenkins, JointBase, LawError, LawKind, LawParameter, LawRule, LawValues, MOST_PARAMETERS,
+    bouc_wen, iwan, jenkins, valanis,
+};
+use crate::vocabulary as v;
 
 /// Every law, in the order of the documentation.
 pub static LAWS: [&LawKind; 4] = [&jenkins::KIND, &valanis::KIND, &iwan::KIND, &bouc_wen::KIND];
-
-/// Most parameters that a law has of its own.
-pub const MOST_PARAMETERS: usize = 4;
 
 /// A law of the catalogue with its own numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,11 +29,6 @@ impl LawKind {
     /// ```
     pub fn find(name: &str) -> Option<&'static Self> {
         LAWS.into_iter().find(|kind| kind.name == name)
-    }
-
-    /// Its own parameter called `name`, if it has one.
-    pub fn parameter(&self, name: &str) -> Option<&'static LawParameter> {
-        self.parameters.iter().find(|parameter| parameter.quantity.name == name)
     }
 }
 
@@ -148,44 +92,13 @@ impl Law {
     }
 }
 
-/// Residual stiffness (N/m), of laws that keep one: below that in stick.
-pub(super) const RESIDUAL_STIFFNESS: LawParameter = LawParameter {
-    quantity: &v::RESIDUAL_STIFFNESS,
-    default: Some(0.0),
-    includes_min: false,
-    range: |tangential| (0.0, 0.9 * tangential, Scale::Linear),
-};
-
-/// The rule that joins residual and tangential stiffness.
-pub(super) fn residual_rule(residual: f64, tangential: f64) -> Option<LawRule> {
-    (residual >= tangential).then(|| LawRule {
-        parameter: v::RESIDUAL_STIFFNESS.name,
-        message: format!(
-            "`residual_stiffness` ({residual} N/m) must be below `tangential_stiffness` ({tangential} N/m)"
-        ),
-        help: "the stiffness in macro-slip cannot exceed the stiffness in stick",
-    })
-}
-
-impl PartialEq for LawKind {
-    fn eq(&self, other: &Self) -> bool {
-        self.name == other.name
-    }
-}
-
-impl std::fmt::Debug for LawKind {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.write_str(self.name)
-    }
-}
-
 impl JointBase {
     /// The law alone.
     pub fn into_law(self) -> Box<dyn ContactLaw> {
-        match self {
-            Self::Jenkins(law) => Box::new(law),
-            Self::Iwan(law) => Box::new(law),
-            Self::Gradual(law) => law,
+        match self.0 {
+            BaseLaw::Slider(element) => Box::new(Jenkins::from(element)),
+            BaseLaw::Sliders(sliders) => Box::new(sliders),
+            BaseLaw::Gradual(law) => law,
         }
     }
 }

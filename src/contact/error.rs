@@ -3,6 +3,8 @@
 use std::fmt;
 use std::ops::Bound;
 
+use crate::vocabulary::{FRICTION_COEFFICIENT, Quantity, TANGENTIAL_STIFFNESS};
+
 /// The values a parameter may take, an interval with open, closed or absent ends.
 ///
 /// ```
@@ -112,4 +114,11 @@ pub(super) fn checked(
     } else {
         Err(LawError::OutOfBounds { parameter, value, unit, bounds })
     }
+}
+
+/// Stiffness and coefficient of friction, both finite and above zero.
+pub(super) fn checked_pair(stiffness: f64, friction: f64) -> Result<(f64, f64), LawError> {
+    let checked_one =
+        |quantity: &Quantity, value| checked(quantity.name, quantity.unit, value, Bounds::POSITIVE);
+    Ok((checked_one(&TANGENTIAL_STIFFNESS, stiffness)?, checked_one(&FRICTION_COEFFICIENT, friction)?))
 }

@@ -2,12 +2,9 @@
 
 use std::ops::Bound;
 
-use super::error::{Bounds, LawError, checked};
-use super::jenkins::checked_pair;
-use super::{
-    ContactLaw, Inputs, JointBase, LawKind, LawParameter, LawRule, LawValues, ParallelSliders, Response,
-    Slider, StateTangents,
-};
+use super::error::{Bounds, LawError, checked, checked_pair};
+use super::kind::{BaseLaw, JointBase, LawKind, LawParameter, LawRule, LawValues};
+use super::{ContactLaw, Inputs, ParallelSliders, Response, Slider, StateTangents};
 use crate::vocabulary::{self as v, Scale};
 
 /// The four-parameter Iwan element: sliders of every strength side by side, as a joint slips from its
@@ -139,8 +136,9 @@ pub(super) static KIND: LawKind = LawKind {
         })
     },
     build: |&LawValues { tangential_stiffness, friction_coefficient, own }| {
-        let iwan = Iwan::new(tangential_stiffness, friction_coefficient, own[0], own[1], INTERVALS, SPACING)?;
-        Ok(JointBase::Iwan(iwan))
+        let (exponent, ratio) = (own[0], own[1]);
+        let law = Iwan::new(tangential_stiffness, friction_coefficient, exponent, ratio, INTERVALS, SPACING)?;
+        Ok(law.into())
     },
 };
 
@@ -255,6 +253,12 @@ fn power_difference(start: f64, end: f64, power: f64) -> f64 {
         return end.powf(power);
     }
     -end.powf(power) * (power * (start / end).ln()).exp_m1()
+}
+
+impl From<Iwan> for JointBase {
+    fn from(law: Iwan) -> Self {
+        Self(BaseLaw::Sliders(law.sliders))
+    }
 }
 
 impl ContactLaw for Iwan {

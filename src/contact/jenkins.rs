@@ -1,9 +1,9 @@
 //! Jenkins' element: a spring in series with a Coulomb slider.
 
 use super::element::Element;
-use super::error::{Bounds, LawError, checked};
-use super::{ContactLaw, Inputs, JointBase, LawKind, Response, Slider, StateTangents};
-use crate::vocabulary::{FRICTION_COEFFICIENT, Quantity, TANGENTIAL_STIFFNESS};
+use super::error::{LawError, checked_pair};
+use super::kind::{BaseLaw, JointBase, LawKind};
+use super::{ContactLaw, Inputs, Response, Slider, StateTangents};
 
 /// Jenkins' element, `T = k (u − z)` with `|T| ≤ μ N`.
 ///
@@ -63,9 +63,7 @@ pub(super) static KIND: LawKind = LawKind {
     parameters: &[],
     one_slider: true,
     refuses: |_| None,
-    build: |values| {
-        Ok(JointBase::Jenkins(Jenkins::new(values.tangential_stiffness, values.friction_coefficient)?))
-    },
+    build: |values| Ok(Jenkins::new(values.tangential_stiffness, values.friction_coefficient)?.into()),
 };
 
 impl Jenkins {
@@ -96,11 +94,16 @@ impl Jenkins {
     }
 }
 
-/// Stiffness and coefficient of friction, both finite and above zero.
-pub(super) fn checked_pair(stiffness: f64, friction: f64) -> Result<(f64, f64), LawError> {
-    let checked_one =
-        |quantity: &Quantity, value| checked(quantity.name, quantity.unit, value, Bounds::POSITIVE);
-    Ok((checked_one(&TANGENTIAL_STIFFNESS, stiffness)?, checked_one(&FRICTION_COEFFICIENT, friction)?))
+impl From<Element> for Jenkins {
+    fn from(element: Element) -> Self {
+        Self { element }
+    }
+}
+
+impl From<Jenkins> for JointBase {
+    fn from(law: Jenkins) -> Self {
+        Self(BaseLaw::Slider(law.element))
+    }
 }
 
 impl ContactLaw for Jenkins {

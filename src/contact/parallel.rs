@@ -1,8 +1,7 @@
 //! Jenkins' elements side by side.
 
 use super::element::{Element, Start};
-use super::error::{Bounds, LawError, checked};
-use super::jenkins::checked_pair;
+use super::error::{Bounds, LawError, checked, checked_pair};
 use super::{ContactLaw, Inputs, Response, Slider, SlipState, StateTangents, Tangents, cut_to};
 
 /// Jenkins' elements side by side: they share displacement and normal load, and their forces add up.

@@ -2,7 +2,7 @@
 //! finite differences.
 
 use num_dual::{Dual64, DualNum};
-use stickslip::contact::{ContactLaw, Inputs, Jenkins, StateTangents, Valanis};
+use stickslip::contact::{BoucWen, ContactLaw, GradualLaw, Inputs, Jenkins, StateTangents, Valanis};
 
 /// Result of an oracle: force and next state.
 type Outcome = (Dual64, Vec<Dual64>);
@@ -99,6 +99,88 @@ fn valanis(law: &Valanis, state: &[Dual64], u1: Dual64, n1: Dual64) -> Outcome {
         }
     }
     (y + (u1 - origin) * e_t, vec![y, u1, n1, origin])
+}
+
+/// Parameters of Bouc and Wen's law that it does not tell: μ, n, r.
+type Shape = (f64, f64, f64);
+
+/// `∫ dt/(1 − a tⁿ)` from `from` to `to`, both in `[0, 1]`, by Simpson's rule over a coordinate in which the integrand is
+/// smooth at zero, and up to saturation: `t = q²` away from it, `t = 1 − exp(−q²)` towards it (a = 1).
+fn bouc_wen_way(n: f64, a: f64, from: Dual64, to: Dual64) -> Dual64 {
+    let rises = a == 1.0;
+    let coordinate = |t: Dual64| match (t.re, rises) {
+        (0.0, _) => Dual64::from(0.0),
+        (_, true) => (-(-t + 1.0).ln()).sqrt(),
+        (_, false) => t.sqrt(),
+    };
+    let (start, span) = (coordinate(from), coordinate(to) - coordinate(from));
+    let at = |share: f64| {
+        let q = start + span * share;
+        let left = if rises { (-q * q).exp() } else { Dual64::from(1.0) };
+        let t = if rises { -left + 1.0 } else { q * q };
+        let power = if t.re == 0.0 { Dual64::from(0.0) } else { t.powf(n) };
+        q * 2.0 * left / (-power * a + 1.0)
+    };
+    let parts = 2000;
+    let weight = |index: u32| if index % 2 == 1 { 4.0 } else { 2.0 };
+    let inner: Dual64 = (1..parts).map(|i| at(f64::from(i) / f64::from(parts)) * weight(i)).sum();
+    let way = (at(0.0) + inner + at(1.0)) * span / (3.0 * f64::from(parts));
+    // At zero the coordinate has no derivative, and the integrand is one.
+    if from.re == 0.0 { way - from } else { way }
+}
+
+/// Where a way along `dx/dw = 1 − a xⁿ` ends, in `direction`: bisection for the value, then one of Newton's steps in dual
+/// numbers, which carries the derivative.
+fn bouc_wen_follow(n: f64, a: f64, from: Dual64, way: Dual64, direction: f64) -> Dual64 {
+    let gone = |to: Dual64| bouc_wen_way(n, a, from, to) * direction;
+    let (mut near, mut far) = if direction > 0.0 { (from.re, 1.0 - 1e-15) } else { (from.re, 0.0) };
+    for _ in 0..60 {
+        let middle = 0.5 * (near + far);
+        if gone(Dual64::from(middle)).re < way.re { near = middle } else { far = middle }
+    }
+    let x = Dual64::from(0.5 * (near + far));
+    x + (way - gone(x)) * direction * (1.0 - a * x.re.powf(n))
+}
+
+/// Bouc and Wen's hysteretic force after a motion under one limit.
+fn bouc_wen_motion((mu, n, r): Shape, k: f64, y: Dual64, travel: Dual64, load: Dual64) -> Dual64 {
+    let limit = load * mu;
+    let y = if y.re.abs() > limit.re { limit * y.re.signum() } else { y };
+    let s = travel.re.signum();
+    let (x, way) = (y * s / limit, travel * s * k / limit);
+    if x.re >= 1.0 {
+        return limit * s * (-(-x + 1.0) * (way * -n).exp() + 1.0);
+    }
+    let mut x = x;
+    let mut way = way;
+    if x.re < 0.0 {
+        let back = bouc_wen_way(n, 1.0 - r, Dual64::from(0.0), -x);
+        if back.re > way.re {
+            return limit * s * -bouc_wen_follow(n, 1.0 - r, -x, way, -1.0);
+        }
+        (x, way) = (Dual64::from(0.0), way - back);
+    }
+    x = bouc_wen_follow(n, 1.0, x, way, 1.0);
+    limit * s * x
+}
+
+/// Bouc and Wen's law over one step, split as Valanis' is.
+fn bouc_wen(law: &BoucWen, shape: Shape, state: &[Dual64], u1: Dual64, n1: Dual64) -> Outcome {
+    let numbers = law.gradual();
+    let (mut y, u0, mut n0, mut origin) = (state[0], state[1], state[2], state[3]);
+    if n1.re <= 0.0 {
+        return (Dual64::from(0.0), vec![Dual64::from(0.0), u1, n1, u1]);
+    }
+    let mut travel = u1 - u0;
+    if n0.re <= 0.0 {
+        travel = travel * n1 / (n1 - n0);
+        origin = u1 - travel;
+        (y, n0) = (Dual64::from(0.0), Dual64::from(0.0));
+    }
+    for (share, load) in [(0.75, (n0 * 2.0 + n1) / 3.0), (0.25, n1)] {
+        y = bouc_wen_motion(shape, numbers.hysteretic_stiffness, y, travel * share, load);
+    }
+    (y + (u1 - origin) * numbers.residual_stiffness, vec![y, u1, n1, origin])
 }
 
 /// Scales in which errors are judged: force 1 N, displacement 1 µm.
@@ -221,6 +303,26 @@ fn valanis_tangents_equal_dual_derivatives() {
                         state[3] = -7e-6;
                     }
                     let oracle = |state: &[Dual64], u, n| valanis(&law, state, u, n);
+                    check(&law, &oracle, &state, 2e-6 + travel, end_load);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn bouc_wen_tangents_equal_dual_derivatives() {
+    for (n, r, e_t) in [(1.0, 1.0, 0.0), (1.4, 1.3, 3e5), (2.0, 2.0, 0.0), (5.0, 1.6, 1e6)] {
+        let law = BoucWen::new(7.9e6, 0.6, n, r, e_t).unwrap();
+        for (start_load, end_load) in LOADS {
+            for share in [-0.93, -0.31, 0.0, 0.57, 0.97] {
+                for travel in TRAVELS {
+                    let mut state = [0.0; 4];
+                    law.set_state(2e-6, start_load, share * law.limit(start_load), &mut state);
+                    if start_load > 0.0 {
+                        state[3] = -7e-6;
+                    }
+                    let oracle = |state: &[Dual64], u, load| bouc_wen(&law, (0.6, n, r), state, u, load);
                     check(&law, &oracle, &state, 2e-6 + travel, end_load);
                 }
             }

@@ -1,6 +1,6 @@
 //! A contact with effects in harmonic balance: carried over a period exactly and by samples, with its derivative.
 
-use stickslip::contact::{ContactLaw, Jenkins, Joint, JointBase, JointChanges, Valanis};
+use stickslip::contact::{ContactLaw, Jenkins, Joint, JointChanges, Valanis};
 use stickslip::harmonic::{ContactMapping, HarmonicSet, Method};
 
 use crate::common::contact::LOAD;
@@ -36,13 +36,13 @@ fn joints() -> Vec<(&'static str, Joint)> {
     let mut all: Vec<(&str, Joint)> = list
         .into_iter()
         .map(|(name, changes)| {
-            let base = JointBase::Jenkins(Jenkins::new(stiffness, friction).unwrap());
+            let base = Jenkins::new(stiffness, friction).unwrap();
             (name, Joint::new(base, changes).unwrap())
         })
         .collect();
-    let base = JointBase::Gradual(Box::new(Valanis::new(stiffness, friction, 0.3, 0.0).unwrap()));
+    let base = Valanis::new(stiffness, friction, 0.3, 0.0).unwrap();
     let changes = JointChanges { asymmetry: 0.3, cubic_stiffness: 0.05, ..none };
-    all.push(("valanis", Joint::new(base.clone(), changes).unwrap()));
+    all.push(("valanis", Joint::new(base, changes).unwrap()));
     let changes = JointChanges { half_gap: 0.2, damping: 5e-4, ..none };
     all.push(("valanis and damper behind a play", Joint::new(base, changes).unwrap()));
     all

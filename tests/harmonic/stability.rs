@@ -5,9 +5,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Complex, DMatrix, DVector};
 use stickslip::contact::JointChanges;
-use stickslip::contact::{
-    ContactLaw, CubicSpring, Jenkins, Joint, JointBase, ParallelSliders, Unilateral, Valanis,
-};
+use stickslip::contact::{ContactLaw, CubicSpring, Jenkins, Joint, ParallelSliders, Unilateral, Valanis};
 use stickslip::harmonic::fourier::from_samples;
 use stickslip::harmonic::stability::{Multipliers, Undecided, decide, floquet};
 use stickslip::time::{Excitation, LoadedContact, OscillatorFlow, ShootingSettings, shoot};
@@ -373,8 +371,7 @@ fn flow(stiffness: f64, damping: f64, time: f64) -> DMatrix<f64> {
 fn a_damper_that_takes_hold_with_a_velocity_kicks_a_disturbance() {
     let (stiffness, damping, gap, amplitude, omega) = (0.5, 0.3, 0.4, 1.0, 0.8);
     let changes = JointChanges { half_gap: gap, damping, ..JointChanges::default() };
-    let base = JointBase::Jenkins(Jenkins::new(stiffness, 100.0).unwrap());
-    let law = Joint::new(base, changes).unwrap();
+    let law = Joint::new(Jenkins::new(stiffness, 100.0).unwrap(), changes).unwrap();
     let structure = single(1.0, 0.05, 1.0, 1);
     let found = floquet(&structure, &[attached(&law)], &[&[0.0, amplitude, 0.0]], omega).unwrap();
     // From the turning point until the damper would pull, through the play, and from there to the other turning point.

@@ -1,5 +1,6 @@
 //! The elements behind the play of a joint: sliders or a law that slips gradually, under a load that scales the limit.
 
+use super::look::{Look, Path};
 use super::sliders::Sliders;
 use crate::contact::gradual::{GradualLaw, STATE};
 use crate::contact::{Inputs, SlipState, StateTangents};
@@ -9,30 +10,6 @@ use crate::contact::{Inputs, SlipState, StateTangents};
 pub(super) enum Base {
     Sliders(Sliders),
     Gradual(Box<dyn GradualLaw>),
-}
-
-/// One step, without the next state.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Look {
-    /// N.
-    pub force: f64,
-    /// N/m.
-    pub by_displacement: f64,
-    /// By the load (1).
-    pub by_load: f64,
-    /// J.
-    pub dissipated_energy: f64,
-    pub path: Path,
-    /// Whether anything slid.
-    pub slips: bool,
-}
-
-/// The distance slipped in a step (m), with its derivatives.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Path {
-    pub length: f64,
-    pub by_displacement: f64,
-    pub by_load: f64,
 }
 
 impl Base {
@@ -71,7 +48,7 @@ impl Base {
     pub fn limit(&self, load: f64) -> f64 {
         match self {
             Self::Sliders(sliders) => sliders.limit(load),
-            Self::Gradual(law) => law.limit(load) * (1.0 + law.asymmetry().abs()),
+            Self::Gradual(law) => law.limit(load) * (1.0 + law.gradual().asymmetry.abs()),
         }
     }
 
@@ -125,10 +102,10 @@ impl Base {
         let mut path = Path::default();
         // A step in which the contact opens or closes is left out: the path there is of no account.
         if load > 0.0 && state[2] > 0.0 {
-            let elastic = 1.0 / law.hysteretic_stiffness();
+            let elastic = 1.0 / law.gradual().hysteretic_stiffness;
             let plastic = (displacement - state[1]) - elastic * (next[0] - state[0]);
             let sign = plastic.signum();
-            let slope = response.tangents.displacement - law.residual_stiffness();
+            let slope = response.tangents.displacement - law.gradual().residual_stiffness;
             path = Path {
                 length: plastic.abs(),
                 by_displacement: sign * (1.0 - elastic * slope),
@@ -180,7 +157,7 @@ impl Base {
             out.next_by_state[(offset + row) * n + offset..][..STATE].copy_from_slice(&own[3 + row]);
         }
         if path.length > 0.0 {
-            let elastic = 1.0 / law.hysteretic_stiffness();
+            let elastic = 1.0 / law.gradual().hysteretic_stiffness;
             let plastic = (displacement - state[1])
                 - elastic * (own_end(law.as_ref(), state, displacement, load) - state[0]);
             let sign = plastic.signum();

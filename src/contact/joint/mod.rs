@@ -2,17 +2,19 @@
 
 mod base;
 mod jump;
+mod look;
 mod sliders;
 mod tangents;
 
+use super::element::Element;
 use super::error::{Bounds, LawError, checked};
+use super::kind::{BaseLaw, JointBase};
 use super::{
-    ContactLaw, GradualLaw, Inputs, Iwan, Jenkins, Jump, ParallelSliders, Response, Slider, SlipState,
-    StateTangents,
+    ContactLaw, Inputs, JointChanges, Jump, ParallelSliders, Response, Slider, SlipState, StateTangents,
 };
-use crate::contact::JointChanges;
 use crate::vocabulary::{self as v, Quantity};
-use base::{Base, Look};
+use base::Base;
+use look::Look;
 use sliders::Sliders;
 use std::ops::Bound;
 
@@ -69,10 +71,9 @@ use std::ops::Bound;
 /// 1083–1138. Distributed sliders: Iwan (1966), J. Appl. Mech. 33, 893–900.
 ///
 /// ```
-/// use stickslip::contact::{ContactLaw, Inputs, Jenkins, Joint, JointBase};
-/// use stickslip::contact::JointChanges;
+/// use stickslip::contact::{ContactLaw, Inputs, Jenkins, Joint, JointChanges};
 /// let changes = JointChanges { half_gap: 10e-6, residual_stiffness: 1e5, ..JointChanges::default() };
-/// let law = Joint::new(JointBase::Jenkins(Jenkins::new(2e6, 0.5)?), changes)?;
+/// let law = Joint::new(Jenkins::new(2e6, 0.5)?, changes)?;
 /// let mut state = vec![0.0; law.state_len()];
 /// law.set_state(0.0, 100.0, 0.0, &mut state);
 /// let mut force = |displacement| law.advance(&mut state, Inputs { displacement, velocity: 0.0, normal_load: 100.0 });
@@ -86,17 +87,6 @@ pub struct Joint {
     changes: JointChanges,
     /// Energy is neither made by the damper nor by anything else.
     passive_damper: bool,
-}
-
-/// The law that a [`Joint`] changes.
-#[derive(Debug, Clone)]
-pub enum JointBase {
-    /// One slider, or with a spread many.
-    Jenkins(Jenkins),
-    /// Iwan's distribution, which has its own gradual slip and takes no spread.
-    Iwan(Iwan),
-    /// Another law that slips gradually, which takes no spread either.
-    Gradual(Box<dyn GradualLaw>),
 }
 
 /// Number of sliders that stand for an even distribution of yield displacements. A response near a resonance of three
@@ -138,9 +128,9 @@ impl Joint {
     /// # Errors
     /// [`LawError::OutOfBounds`] where a change is not finite or outside its bounds (0 ≤ σ ≤ 1, −1 < a < 1, −1 < δ,
     /// 0 < v_s, 0 ≤ e_t, 0 ≤ g), [`LawError::Combination`] for a spread on a law that slips gradually by itself.
-    pub fn new(base: JointBase, changes: JointChanges) -> Result<Self, LawError> {
+    pub fn new(base: impl Into<JointBase>, changes: JointChanges) -> Result<Self, LawError> {
         let sliders = if changes.spread == 0.0 { 1 } else { MICRO_SLIDERS };
-        Self::with_sliders(base, changes, sliders)
+        Self::with_sliders(base.into(), changes, sliders)
     }
 
     /// As [`Joint::new`], with so many sliders (at least one) in place of Jenkins' whatever the spread: the
@@ -152,15 +142,13 @@ impl Joint {
     ) -> Result<Self, LawError> {
         check(&changes)?;
         let spread = changes.spread;
-        let base = match base {
-            JointBase::Jenkins(law) => {
-                Base::Sliders(Sliders::new(spread_out(&law, spread, sliders)?, changes.asymmetry))
+        let base = match base.0 {
+            BaseLaw::Slider(element) => {
+                Base::Sliders(Sliders::new(spread_out(&element, spread, sliders)?, changes.asymmetry))
             }
             _ if spread > 0.0 => return Err(LawError::Combination { parameter: v::SPREAD.name }),
-            JointBase::Iwan(law) => {
-                Base::Sliders(Sliders::new(law.sliders_alone().clone(), changes.asymmetry))
-            }
-            JointBase::Gradual(law) => Base::Gradual(law.with_asymmetry(changes.asymmetry)),
+            BaseLaw::Sliders(sliders) => Base::Sliders(Sliders::new(sliders, changes.asymmetry)),
+            BaseLaw::Gradual(law) => Base::Gradual(law.with_asymmetry(changes.asymmetry)),
         };
         Ok(Self { base, changes, passive_damper: changes.damping >= 0.0 })
     }
@@ -460,15 +448,12 @@ impl ContactLaw for Joint {
     }
 }
 
-/// `law` as sliders of equal stiffness whose yield displacements are spread evenly over `1 ± spread` times its own.
-fn spread_out(law: &Jenkins, spread: f64, count: usize) -> Result<ParallelSliders, LawError> {
+/// `one` as sliders of equal stiffness whose yield displacements are spread evenly over `1 ± spread` times its own.
+fn spread_out(one: &Element, spread: f64, count: usize) -> Result<ParallelSliders, LawError> {
     let fraction = 1.0 / count as f64;
     let slider = |index: usize| {
         let place = (2 * index + 1) as f64 * fraction - 1.0;
-        (
-            law.tangential_stiffness() * fraction,
-            law.friction_coefficient() * fraction * (1.0 + spread * place),
-        )
+        (one.stiffness * fraction, one.friction * fraction * (1.0 + spread * place))
     };
     ParallelSliders::new(&(0..count).map(slider).collect::<Vec<_>>())
 }

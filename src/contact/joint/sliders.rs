@@ -1,6 +1,6 @@
 //! Sliders in parallel whose limits may differ by direction: the fast step of a joint.
 
-use super::base::{Look, Path};
+use super::look::{Look, Path};
 use crate::contact::{ContactLaw, ParallelSliders, Slider, StateTangents};
 
 /// Before the slider positions in the state: displacement (m) and load (N) at the end of the last step.

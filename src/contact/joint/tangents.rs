@@ -1,6 +1,7 @@
 //! Derivatives of a joint's step: those of the base law carried through wear, weakening and play.
 
-use super::{BASE, DAMPER, End, Joint, Look, SIDE, SLIP};
+use super::look::Look;
+use super::{BASE, DAMPER, End, Joint, SIDE, SLIP};
 use crate::contact::{Inputs, StateTangents, Tangents};
 
 /// How the end of a step hangs on what it starts from, to first order.

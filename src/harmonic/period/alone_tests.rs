@@ -4,7 +4,7 @@ use super::map::ContactMap;
 use super::reference::ReferenceCycle;
 use super::{Cycle, PeriodicContact};
 use crate::contact::JointChanges;
-use crate::contact::{ContactLaw, Jenkins, Joint, JointBase, Valanis};
+use crate::contact::{ContactLaw, Jenkins, Joint, Valanis};
 use crate::harmonic::Method;
 use crate::numeric::HarmonicSet;
 
@@ -16,7 +16,7 @@ const SMALL: [f64; 7] = [0.02, -0.2, 0.3, 0.02, 0.03, -0.01, 0.02];
 const WIDER: usize = 7;
 
 fn joint(changes: JointChanges) -> Box<dyn ContactLaw> {
-    Box::new(Joint::new(JointBase::Jenkins(Jenkins::new(1.0, 0.4).unwrap()), changes).unwrap())
+    Box::new(Joint::new(Jenkins::new(1.0, 0.4).unwrap(), changes).unwrap())
 }
 
 /// Laws for each of the ways, of states of different lengths.

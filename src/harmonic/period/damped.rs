@@ -137,7 +137,7 @@ mod tests {
 
     use super::*;
     use crate::contact::JointChanges;
-    use crate::contact::{ContactLaw, Jenkins, Joint, JointBase};
+    use crate::contact::{ContactLaw, Jenkins, Joint};
     use crate::harmonic::period::reference::ReferenceCycle;
 
     const OMEGA: f64 = 300.0;
@@ -147,7 +147,7 @@ mod tests {
     /// A slider with a damper beside it, of the limit 0.4 under the load 1.
     fn law() -> Joint {
         let changes = JointChanges { damping: DAMPING, ..JointChanges::default() };
-        Joint::new(JointBase::Jenkins(Jenkins::new(STIFFNESS, 0.4).unwrap()), changes).unwrap()
+        Joint::new(Jenkins::new(STIFFNESS, 0.4).unwrap(), changes).unwrap()
     }
 
     fn evaluated<C: Cycle>(mut cycle: C, law: &dyn ContactLaw, angular_frequency: f64, u: &[f64]) -> C {

@@ -187,7 +187,7 @@ fn spread_keeps_stiffness_and_limit_and_loses_energy_in_small_loops() {
 
 #[test]
 fn a_spread_on_a_gradual_law_is_refused() {
-    let base = || JointBase::Gradual(Box::new(Valanis::new(STIFFNESS, FRICTION, 0.3, 0.0).unwrap()));
+    let base = || Valanis::new(STIFFNESS, FRICTION, 0.3, 0.0).unwrap();
     let refused = Joint::new(base(), JointChanges { spread: 0.5, ..none() });
     assert!(matches!(refused, Err(LawError::Combination { parameter: "spread", .. })));
     for changes in [

@@ -1,6 +1,6 @@
 //! What all changes share, alone and together.
 
-use stickslip::contact::{BoucWen, Iwan, IwanSpacing, SlipState, StateTangents};
+use stickslip::contact::{BoucWen, Iwan, IwanSpacing, JointBase, SlipState, StateTangents};
 
 use super::*;
 
@@ -47,10 +47,10 @@ fn without_changes_a_joint_is_its_base_law() {
     let iwan = Iwan::new(STIFFNESS, FRICTION, -0.4, 2.0, 12, IwanSpacing::Equal).unwrap();
     let bouc_wen = BoucWen::new(STIFFNESS, FRICTION, 1.5, 1.4, 2e5).unwrap();
     let pairs: [(Box<dyn ContactLaw>, JointBase); 4] = [
-        (Box::new(bouc_wen), JointBase::Gradual(Box::new(bouc_wen))),
-        (Box::new(jenkins()), JointBase::Jenkins(jenkins())),
-        (Box::new(valanis), JointBase::Gradual(Box::new(valanis))),
-        (Box::new(iwan.clone()), JointBase::Iwan(iwan)),
+        (Box::new(bouc_wen), JointBase::from(bouc_wen)),
+        (Box::new(jenkins()), JointBase::from(jenkins())),
+        (Box::new(valanis), JointBase::from(valanis)),
+        (Box::new(iwan.clone()), JointBase::from(iwan)),
     ];
     for (law, base) in pairs {
         let same = Joint::new(base, none()).unwrap();

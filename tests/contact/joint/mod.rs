@@ -3,7 +3,7 @@
 mod changes;
 mod laws;
 
-use stickslip::contact::{ContactLaw, Inputs, Jenkins, Joint, JointBase, JointChanges, Valanis};
+use stickslip::contact::{ContactLaw, Inputs, Jenkins, Joint, JointChanges, Valanis};
 
 use crate::common::contact::{ContactHistory, close};
 
@@ -23,12 +23,11 @@ fn jenkins() -> Jenkins {
 }
 
 fn joint(changes: JointChanges) -> Joint {
-    Joint::new(JointBase::Jenkins(jenkins()), changes).unwrap()
+    Joint::new(jenkins(), changes).unwrap()
 }
 
 fn on_valanis(changes: JointChanges) -> Joint {
-    Joint::new(JointBase::Gradual(Box::new(Valanis::new(STIFFNESS, FRICTION, 0.3, 0.0).unwrap())), changes)
-        .unwrap()
+    Joint::new(Valanis::new(STIFFNESS, FRICTION, 0.3, 0.0).unwrap(), changes).unwrap()
 }
 
 /// Force at the end of a motion through `corners` (m) in steps of at most `step` (m).

@@ -177,14 +177,14 @@ fn golden_section(mut low: f64, mut high: f64, cost: &mut impl FnMut(f64) -> f64
 mod tests {
     use super::*;
     use crate::contact::JointChanges;
-    use crate::contact::{Jenkins, Joint, JointBase};
+    use crate::contact::{Jenkins, Joint};
 
     /// Every force between the contact's two limits can be the first of a record: springs beside the slider and
     /// unequal limits included.
     #[test]
     fn first_loading_reaches_every_force_and_no_value_twice() {
         let changes = JointChanges { residual_stiffness: 2e5, asymmetry: 0.3, ..JointChanges::default() };
-        let law = Joint::new(JointBase::Jenkins(Jenkins::new(2e6, 0.5).unwrap()), changes).unwrap();
+        let law = Joint::new(Jenkins::new(2e6, 0.5).unwrap(), changes).unwrap();
         let first = Inputs { displacement: 3e-4, velocity: 0.0, normal_load: 100.0 };
         let mut initial = InitialState::new(&[3e-4; 20], None);
         initial.choose(Hypothesis::FirstLoading, &law, 100.0);
