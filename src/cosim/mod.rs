@@ -4,6 +4,9 @@
 //! communication point; the result is a [`Report`], with the energy residual of each power connection and with
 //! notes on what slaves cannot do.
 //!
+//! slave/ what can be coupled; system/ what is coupled to what; schedule/ who steps when; step/ one communication step;
+//! run/ all of them.
+//!
 //! # Inputs over a step
 //! Plain [`Algorithm::Jacobi`] and [`Algorithm::GaussSeidel`] set an input and let the slave hold it. All
 //! else lets inputs run linearly over the step: for slaves that interpolate by their values at the beginning and
@@ -12,35 +15,17 @@
 //! # Determinism
 //! The same system gives the same numbers bit by bit, stepped one by one or at the same time.
 
-mod adaptive;
-mod energy;
-mod engine;
-mod gauss_seidel;
-mod graph;
-mod initialize;
-mod jacobi;
-mod krylov;
-mod level;
-mod master;
-mod native;
-mod notes;
-mod power;
-mod report;
+mod run;
 mod schedule;
 mod settings;
-mod signals;
 mod slave;
-mod solve;
-mod source;
-mod strong;
+mod step;
 mod system;
-mod unit;
 
-pub use master::Master;
-pub use native::NativeSlave;
-pub use power::{EnergyResidual, PowerConnection};
-pub use report::{Cause, Failure, Observed, Point, Report, RunError, Unconverged};
+pub use run::{Cause, Failure, Master, Observed, Point, Report, RunError, Unconverged};
 pub use settings::{Adaptive, Algorithm, Control, Method, Parallel, Settings, Strong};
-pub use slave::{Abilities, Causality, Kind, Setup, Severity, Slave, SlaveError, Stepped, Variable};
-pub use source::Source;
-pub use system::{Connection, InputRule, Port, System, SystemError};
+pub use slave::{
+    Abilities, Causality, Kind, NativeSlave, Setup, Severity, Slave, SlaveError, Source, Stepped, Variable,
+};
+pub use system::power::EnergyResidual;
+pub use system::{Connection, InputRule, Port, PowerConnection, System, SystemError};

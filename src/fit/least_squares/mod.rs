@@ -16,6 +16,7 @@ mod revive;
 mod starts;
 mod uncertainty;
 
+pub use crate::numeric::student::student_quantile;
 pub use crate::vocabulary::Scale;
 pub(crate) use coordinate::Coordinate;
 pub(crate) use levenberg_marquardt::{Limits, SumOfSquares, Sums, minimise};
@@ -23,4 +24,4 @@ pub use options::{Difference, InterruptHook, Options, Parameter, Progress, Progr
 pub use outcome::{Ending, Fit, FitError};
 pub(crate) use revive::fit_reviving;
 pub use starts::fit;
-pub use uncertainty::{Interval, Uncertainty, student_quantile};
+pub use uncertainty::{Interval, Uncertainty};

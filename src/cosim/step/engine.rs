@@ -1,16 +1,16 @@
 //! A system prepared for stepping: slaves in the order of their levels, connections as indices.
 
 use super::energy::{Energy, Place};
+use super::iteration::{Assumption, LoopStep};
 use super::level::{Level, StepFrame, Trouble};
 use super::notes::InputCoupling;
-use super::schedule::Schedule;
-use super::settings::{Algorithm, Settings, Strong};
 use super::signals::Signals;
-use super::slave::{Kind, SlaveError};
 use super::solve::{Solved, Solver};
-use super::strong::{Assumption, LoopStep};
-use super::system::{Port, System};
 use super::unit::{BEGINNING, Channel, SignalSource, Unit};
+use crate::cosim::schedule::Schedule;
+use crate::cosim::settings::{Algorithm, Settings, Strong};
+use crate::cosim::slave::{Kind, SlaveError};
+use crate::cosim::system::{Port, System};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -34,7 +34,7 @@ struct Repeated {
 
 /// The system, ready to step.
 #[derive(Debug)]
-pub(super) struct Engine {
+pub(in crate::cosim) struct Engine {
     pub units: Vec<Unit>,
     pub signals: Signals,
     pub energy: Energy,

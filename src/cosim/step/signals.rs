@@ -2,7 +2,7 @@
 
 /// All variables that are read, in the order of the units that own them.
 #[derive(Debug, Default)]
-pub(super) struct Signals {
+pub(in crate::cosim) struct Signals {
     /// At the beginning of the step.
     pub now: Vec<f64>,
     /// At its end, as far as slaves have stepped.

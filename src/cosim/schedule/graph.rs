@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Strongly connected components of the graph whose node `i` has edges to `next[i]`; a component's nodes come in
 /// ascending order, components in topological order (edges lead from earlier to later ones), ties by lowest node.
-pub(super) fn components(next: &[Vec<usize>]) -> Vec<Vec<usize>> {
+pub(in crate::cosim) fn components(next: &[Vec<usize>]) -> Vec<Vec<usize>> {
     let found = tarjan(next);
     let mut of = vec![0; next.len()];
     for (index, nodes) in found.iter().enumerate() {
@@ -38,7 +38,7 @@ pub(super) fn components(next: &[Vec<usize>]) -> Vec<Vec<usize>> {
 }
 
 /// Does the component have an edge inside?
-pub(super) fn is_cyclic(component: &[usize], next: &[Vec<usize>]) -> bool {
+pub(in crate::cosim) fn is_cyclic(component: &[usize], next: &[Vec<usize>]) -> bool {
     component.len() > 1 || component.first().is_some_and(|node| next[*node].contains(node))
 }
 
@@ -91,7 +91,7 @@ fn tarjan(next: &[Vec<usize>]) -> Vec<Vec<usize>> {
 
 /// An order of `nodes` that respects the edges `(from, to, weight)` between them as far as loops allow: next always comes
 /// the node whose heaviest edge from nodes not yet placed is lightest, ties in the order of `nodes`.
-pub(super) fn lightest_first(nodes: &[usize], edges: &[(usize, usize, f64)]) -> Vec<usize> {
+pub(in crate::cosim) fn lightest_first(nodes: &[usize], edges: &[(usize, usize, f64)]) -> Vec<usize> {
     let mut into: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
     for (from, to, weight) in edges.iter().filter(|(from, to, _)| from != to) {
         into.entry(*to).or_default().push((*from, *weight));

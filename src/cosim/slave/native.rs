@@ -1,6 +1,6 @@
 //! The library's own models as slaves, without an FMU.
 
-use super::slave::{Abilities, Causality, Kind, Setup, Severity, Slave, SlaveError, Stepped, Variable};
+use super::{Abilities, Causality, Kind, Setup, Severity, Slave, SlaveError, Stepped, Variable};
 use crate::fmi::{self, DERIVATIVE_ORDER, Instance, Snapshot, VariableType};
 use crate::model::Model;
 use crate::time::Ramp;

@@ -1,7 +1,7 @@
 //! The length of the next step, and whether the last one was short enough.
 
-use super::engine::Engine;
-use super::settings::{Adaptive, Control};
+use crate::cosim::settings::{Adaptive, Control};
+use crate::cosim::step::engine::Engine;
 
 /// Part of the step that the measures allow which is taken.
 const CAUTION: f64 = 0.9;
@@ -12,7 +12,7 @@ const RETREAT: f64 = 0.5;
 
 /// Controls the step of a run.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct StepControl {
+pub(in crate::cosim) struct StepControl {
     settings: Adaptive,
     /// Length to try next (s).
     pub step: f64,

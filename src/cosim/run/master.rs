@@ -1,15 +1,15 @@
 //! The run of a system from start to stop.
 
 use super::adaptive::StepControl;
-use super::engine::Engine;
 use super::initialize::initialize;
-use super::level::Trouble;
-use super::notes::notes;
 use super::report::{Cause, Failure, Observed, Point, Report, RunError, Unconverged};
-use super::schedule::Schedule;
-use super::settings::Settings;
-use super::slave::{Severity, SlaveError};
-use super::system::{Port, System, SystemError};
+use crate::cosim::schedule::Schedule;
+use crate::cosim::settings::Settings;
+use crate::cosim::slave::{Severity, SlaveError};
+use crate::cosim::step::engine::Engine;
+use crate::cosim::step::level::Trouble;
+use crate::cosim::step::notes::notes;
+use crate::cosim::system::{Port, System, SystemError};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 

@@ -1,13 +1,13 @@
 //! From start values to values that agree with each other.
 
-use super::engine::Engine;
 use super::report::Cause;
-use super::settings::{Algorithm, Method, Settings, Strong};
-use super::slave::{Setup, SlaveError};
-use super::solve::{Coupling, Solver};
-use super::strong::Assumption;
-use super::system::Port;
-use super::unit::SignalSource;
+use crate::cosim::settings::{Algorithm, Method, Settings, Strong};
+use crate::cosim::slave::{Setup, SlaveError};
+use crate::cosim::step::engine::Engine;
+use crate::cosim::step::iteration::Assumption;
+use crate::cosim::step::solve::{Coupling, Solver};
+use crate::cosim::step::unit::SignalSource;
+use crate::cosim::system::Port;
 use std::collections::BTreeMap;
 
 /// Relative change of values that count as settled, where the settings say nothing.
@@ -16,7 +16,7 @@ const SETTLED: f64 = 1e-10;
 const ROUNDS: u32 = 200;
 
 /// Sets start values and lets inputs and outputs settle, algebraic loops included; then the slaves are ready to step.
-pub(super) fn initialize(
+pub(in crate::cosim) fn initialize(
     engine: &mut Engine,
     settings: &Settings,
     starts: &[(Port, f64)],

@@ -1,16 +1,16 @@
 //! Slaves that do not wait for each other, stepped one by one or at the same time.
 
-use super::settings::Parallel;
 use super::signals::Signals;
-use super::slave::{SlaveError, Stepped};
 use super::unit::{Frame, Unit, copy_few};
+use crate::cosim::settings::Parallel;
+use crate::cosim::slave::{SlaveError, Stepped};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// What keeps a step from being done.
 #[derive(Debug)]
-pub(super) enum Trouble {
+pub(in crate::cosim) enum Trouble {
     /// A slave, by its place, gave up at this time (s).
     Discarded(usize, f64),
     /// A slave failed.
@@ -32,7 +32,7 @@ const PARTS: usize = 4;
 
 /// A run of units.
 #[derive(Debug)]
-pub(super) struct Level {
+pub(in crate::cosim) struct Level {
     pub units: Range<usize>,
     parallel: Parallel,
     timed: u32,
@@ -103,7 +103,7 @@ fn collect(unit: &mut Unit, place: usize, signals: &mut Signals) -> Result<(), T
 
 /// A step, and the signals that it writes.
 #[derive(Debug)]
-pub(super) struct StepFrame<'a> {
+pub(in crate::cosim) struct StepFrame<'a> {
     pub time: f64,
     pub step: f64,
     pub plain: bool,

@@ -1,29 +1,13 @@
 //! What is coupled to what: slaves, connections, start values, power connections; checked when they are made.
+//!
+//! ports.rs: variables of slaves and what is between them; power.rs: the power that passes, and the energy residual.
 
-use super::power::PowerConnection;
-use super::slave::{Causality, Kind, Slave, Variable};
+mod ports;
+pub(in crate::cosim) mod power;
 
-/// A variable of one of the system's slaves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Port {
-    /// The slave, in the order in which they were added.
-    pub slave: usize,
-    /// The variable's position in the slave's table.
-    pub variable: usize,
-}
+pub use ports::{Connection, Port, PowerConnection};
 
-/// What an input is fed from: `input = factor · source + offset`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Connection {
-    /// Where the value comes from.
-    pub from: Port,
-    /// The input it is for.
-    pub to: Port,
-    /// Units and gains, resolved.
-    pub factor: f64,
-    /// In the unit of the input.
-    pub offset: f64,
-}
+use crate::cosim::slave::{Causality, Kind, Slave, Variable};
 
 /// How a slave that cannot interpolate its inputs is given them where more than the first order is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -179,12 +163,12 @@ pub enum SystemError {
 /// ```
 #[derive(Debug, Default)]
 pub struct System {
-    pub(super) slaves: Vec<Box<dyn Slave>>,
-    pub(super) rules: Vec<InputRule>,
-    pub(super) connections: Vec<Connection>,
-    pub(super) starts: Vec<(Port, f64)>,
-    pub(super) power: Vec<PowerConnection>,
-    pub(super) observed: Vec<Port>,
+    pub(in crate::cosim) slaves: Vec<Box<dyn Slave>>,
+    pub(in crate::cosim) rules: Vec<InputRule>,
+    pub(in crate::cosim) connections: Vec<Connection>,
+    pub(in crate::cosim) starts: Vec<(Port, f64)>,
+    power: Vec<PowerConnection>,
+    pub(in crate::cosim) observed: Vec<Port>,
 }
 
 impl System {
@@ -237,7 +221,7 @@ impl System {
     }
 
     /// The row of `port` in its slave's table; ports of this system always have one.
-    pub(super) fn variable(&self, port: Port) -> &Variable {
+    pub(in crate::cosim) fn variable(&self, port: Port) -> &Variable {
         &self.slaves[port.slave].variables()[port.variable]
     }
 
@@ -353,37 +337,15 @@ impl System {
         ports.collect()
     }
 
-    /// Declares that the inputs `force` and `motion` (a displacement or a velocity), both (slave, variable), exchange
-    /// power between their slaves. Pairs that the units identify are found without it.
-    ///
-    /// # Errors
-    /// Unknown names, [`SystemError::Power`].
-    pub fn declare_power(&mut self, force: (&str, &str), motion: (&str, &str)) -> Result<(), SystemError> {
-        let (force, motion) = (self.port(force.0, force.1)?, self.port(motion.0, motion.1)?);
-        match PowerConnection::declared(self, force, motion) {
-            Ok(power) => self.power.push(power),
-            Err(reason) => {
-                let (force, motion) = (self.full_name(force), self.full_name(motion));
-                return Err(SystemError::Power { force, motion, reason });
-            }
-        }
-        Ok(())
-    }
-
-    /// The power connections: those declared, and those found by their units.
-    pub fn power_connections(&self) -> Vec<PowerConnection> {
-        PowerConnection::find(self)
-    }
-
     /// Does the output `from` depend at once on the input `on` of the same slave?
-    pub(super) fn depends(&self, slave: usize, output: usize, input: usize) -> bool {
+    pub(in crate::cosim) fn depends(&self, slave: usize, output: usize, input: usize) -> bool {
         let row = &self.slaves[slave].variables()[output];
         row.depends_on.as_ref().is_none_or(|inputs| inputs.contains(&input))
     }
 
     /// Of each variable of a slave: the fraction of the slave's Real outputs that depend on it at once, as far as it is an
     /// input.
-    pub(super) fn feed_through(&self, slave: usize) -> Vec<f64> {
+    pub(in crate::cosim) fn feed_through(&self, slave: usize) -> Vec<f64> {
         let rows = self.slaves[slave].variables();
         let outputs = rows.iter().filter(|row| row.causality == Causality::Output && row.kind == Kind::Real);
         let (mut counts, mut all, mut number) = (vec![0_usize; rows.len()], 0, 0);

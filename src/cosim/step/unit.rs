@@ -1,11 +1,11 @@
 //! A slave with its connections: the sources of its inputs, and buffers for their values.
 
 use super::signals::Signals;
-use super::slave::{Abilities, Slave, SlaveError, Stepped};
+use crate::cosim::slave::{Abilities, Slave, SlaveError, Stepped};
 
 /// Where the value of an input at the end of a step comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum SignalSource {
+pub(in crate::cosim) enum SignalSource {
     /// A slave that has stepped already.
     Computed,
     /// Extrapolation of the source from earlier values.
@@ -16,7 +16,7 @@ pub(super) enum SignalSource {
 
 /// How an input is given that is to run from one value to another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Given {
+pub(in crate::cosim) enum Given {
     /// The value at the end.
     End,
     /// The value at the middle.
@@ -27,7 +27,7 @@ pub(super) enum Given {
 
 /// Copies what is mostly a single number, for which a call of `memcpy` would take longer than all the rest.
 #[inline]
-pub(super) fn copy_few(to: &mut [f64], from: &[f64]) {
+pub(in crate::cosim) fn copy_few(to: &mut [f64], from: &[f64]) {
     match (to, from) {
         ([to], [from]) => *to = *from,
         (to, from) => to.copy_from_slice(from),
@@ -36,7 +36,7 @@ pub(super) fn copy_few(to: &mut [f64], from: &[f64]) {
 
 /// A connected input.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Channel {
+pub(in crate::cosim) struct Channel {
     /// Position in the slave's table.
     pub input: usize,
     /// The signal that feeds it.
@@ -58,7 +58,7 @@ impl Channel {
 
 /// What is the same for all slaves in a step.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Frame<'a> {
+pub(in crate::cosim) struct Frame<'a> {
     pub time: f64,
     pub step: f64,
     /// Inputs are held at their value for the end of the step, as in the plain algorithms.
@@ -81,11 +81,11 @@ struct AtOnce {
 }
 
 /// Where a slave's state at the beginning of a step is kept, and where it is while a step is only tried for outputs.
-pub(super) const BEGINNING: usize = 0;
+pub(in crate::cosim) const BEGINNING: usize = 0;
 const TRIAL: usize = 1;
 
 #[derive(Debug)]
-pub(super) struct Unit {
+pub(in crate::cosim) struct Unit {
     pub slave: Box<dyn Slave>,
     pub abilities: Abilities,
     pub channels: Vec<Channel>,

@@ -1,16 +1,13 @@
-//! Which slaves step when.
+//! Blocks of levels of slaves, and who feeds whom.
 
 use super::graph;
-use super::jacobi;
-use super::settings::{Algorithm, Settings};
-use super::system::{Connection, Port, System, SystemError};
-use super::{gauss_seidel, strong};
+use crate::cosim::system::{Connection, Port, System};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Levels in the order in which they step; the slaves of a level do not wait for each other.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Schedule {
+pub(in crate::cosim) struct Schedule {
     /// Slaves by level.
     pub levels: Vec<Vec<usize>>,
     /// Of each slave: an input fed from a slave of lower rank has its value at the end of the step.
@@ -21,20 +18,12 @@ pub(super) struct Schedule {
 
 /// Levels that step once, or again and again until they agree.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Block {
+pub(in crate::cosim) struct Block {
     pub levels: Range<usize>,
     pub iterated: bool,
 }
 
 impl Schedule {
-    pub fn new(system: &System, settings: &Settings) -> Result<Self, SystemError> {
-        match &settings.algorithm {
-            Algorithm::Jacobi { .. } => Ok(jacobi::schedule(system)),
-            Algorithm::GaussSeidel { order, .. } => gauss_seidel::schedule(system, order.as_deref()),
-            Algorithm::Strong(_) => Ok(strong::schedule(system)),
-        }
-    }
-
     /// Nothing yet; `slaves` is their number.
     pub fn empty(slaves: usize) -> Self {
         Self { levels: Vec::new(), rank: vec![0; slaves], blocks: Vec::new() }
@@ -62,7 +51,7 @@ impl Schedule {
 
 /// Who feeds whom.
 #[derive(Debug)]
-pub(super) struct Connected {
+pub(in crate::cosim) struct Connected {
     /// Slaves fed by each.
     pub after: Vec<Vec<usize>>,
     /// Slaves that feed each.

@@ -1,4 +1,12 @@
 //! The interface of a slave: the same for native models and FMUs.
+//!
+//! native.rs: one of this library's models; source.rs: signals of time alone.
+
+mod native;
+mod source;
+
+pub use native::NativeSlave;
+pub use source::Source;
 
 use std::fmt::Debug;
 

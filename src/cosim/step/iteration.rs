@@ -7,38 +7,13 @@
 //! A slave that cannot save its state steps once, with inputs extrapolated, before those of its loop that repeat.
 
 use super::level::{Level, StepFrame, Trouble};
-use super::schedule::{Connected, Schedule};
-use super::slave::Severity;
 use super::solve::Coupling;
-use super::system::System;
 use super::unit::{SignalSource, Unit};
-
-/// Loops one after the other along the connections; those that can be repeated are.
-pub(super) fn schedule(system: &System) -> Schedule {
-    let mut connected = Connected::new(system);
-    let saves: Vec<bool> = system.slaves.iter().map(|slave| slave.abilities().saves_state).collect();
-    // Within loops nobody waits for what feeds a slave that cannot repeat: its inputs are extrapolated.
-    let mut of = vec![0; saves.len()];
-    for (index, (slaves, _)) in connected.components().iter().enumerate() {
-        slaves.iter().for_each(|slave| of[*slave] = index);
-    }
-    connected.edges.retain(|(from, to, _)| saves[*to] || of[*from] != of[*to]);
-    for to in (0..saves.len()).filter(|slave| !saves[*slave]) {
-        connected.before[to].retain(|from| of[*from] != of[to]);
-        for from in (0..saves.len()).filter(|from| of[*from] == of[to]) {
-            connected.after[from].retain(|other| *other != to);
-        }
-    }
-    let mut schedule = Schedule::empty(saves.len());
-    for (slaves, cyclic) in connected.components() {
-        schedule.push(&slaves, &connected, cyclic);
-    }
-    schedule
-}
+use crate::cosim::slave::Severity;
 
 /// An input that the iteration assumes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Assumption {
+pub(in crate::cosim) struct Assumption {
     /// The signal that feeds it.
     pub source: usize,
     pub factor: f64,
@@ -52,7 +27,7 @@ impl Assumption {
 }
 
 /// A step of a loop as equations for what its slaves assume of each other.
-pub(super) struct LoopStep<'a> {
+pub(in crate::cosim) struct LoopStep<'a> {
     pub units: &'a mut [Unit],
     pub levels: &'a mut [Level],
     pub frame: StepFrame<'a>,

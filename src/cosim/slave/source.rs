@@ -1,6 +1,6 @@
 //! A slave whose output is a function of time.
 
-use super::slave::{Abilities, Causality, Kind, Setup, Severity, Slave, SlaveError, Stepped, Variable};
+use super::{Abilities, Causality, Kind, Setup, Severity, Slave, SlaveError, Stepped, Variable};
 use std::fmt;
 
 /// One output, given by a function of time: an exciter.

@@ -1,7 +1,7 @@
 //! The report of a run, and why it ended.
 
-use super::power::EnergyResidual;
-use super::slave::{Severity, SlaveError};
+use crate::cosim::slave::{Severity, SlaveError};
+use crate::cosim::system::power::EnergyResidual;
 
 /// The results of a run besides the values at its communication points.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -128,5 +128,5 @@ pub struct Observed {
     /// Its unit as the slave writes it.
     pub unit: Option<String>,
     /// What kind of number.
-    pub kind: super::Kind,
+    pub kind: crate::cosim::Kind,
 }

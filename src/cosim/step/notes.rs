@@ -1,14 +1,14 @@
 //! Notes on what slaves cannot do, and how this changes the accuracy.
 
-use super::schedule::Schedule;
-use super::settings::{Algorithm, Settings};
-use super::slave::{Causality, Kind};
-use super::system::{InputRule, Port, System};
 use super::unit::Given;
+use crate::cosim::schedule::Schedule;
+use crate::cosim::settings::{Algorithm, Settings};
+use crate::cosim::slave::{Causality, Kind};
+use crate::cosim::system::{InputRule, Port, System};
 use std::collections::BTreeSet;
 
 /// How each slave is given its inputs under more than the first order.
-pub(super) struct InputCoupling {
+pub(in crate::cosim) struct InputCoupling {
     /// Of each variable of each slave: does the slave declare that all it puts out depends on it at once?
     at_once: Vec<Vec<bool>>,
 }
@@ -44,7 +44,7 @@ impl InputCoupling {
 }
 
 /// Notes on how the slaves of `system` take part.
-pub(super) fn notes(system: &System, settings: &Settings, schedule: &Schedule) -> Vec<String> {
+pub(in crate::cosim) fn notes(system: &System, settings: &Settings, schedule: &Schedule) -> Vec<String> {
     let mut notes = Vec::new();
     let order = match &settings.algorithm {
         Algorithm::Jacobi { extrapolation } | Algorithm::GaussSeidel { extrapolation, .. } => *extrapolation,

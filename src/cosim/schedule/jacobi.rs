@@ -7,11 +7,11 @@
 //! loop the gain is thus multiplied by nine: values oscillate for gains above 1/9. With output derivatives the limit is
 //! 1/4, under Gauss–Seidel 1/3, and strong coupling has no limit.
 
-use super::schedule::{Block, Connected, Schedule};
-use super::system::System;
+use super::blocks::{Block, Connected, Schedule};
+use crate::cosim::system::System;
 
 /// One level with everyone, and nobody waits.
-pub(super) fn schedule(system: &System) -> Schedule {
+pub(in crate::cosim) fn schedule(system: &System) -> Schedule {
     let components = Connected::new(system).components();
     let everyone: Vec<usize> = components.into_iter().flat_map(|(slaves, _)| slaves).collect();
     let mut schedule = Schedule::empty(system.slaves.len());

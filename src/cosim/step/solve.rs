@@ -1,10 +1,10 @@
 //! Equations `given(assumed) = assumed`: fixed points, accelerated, and Newton's method.
 
-use super::krylov::Krylov;
-use super::settings::{Method, Strong};
+use crate::cosim::settings::{Method, Strong};
+use crate::numeric::gmres::Krylov;
 
 /// The difference between what was assumed and what that gives.
-pub(super) trait Coupling {
+pub(in crate::cosim) trait Coupling {
     /// Why the difference cannot be computed.
     type Trouble;
 
@@ -23,7 +23,7 @@ pub(super) trait Coupling {
 
 /// How a solution ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Solved {
+pub(in crate::cosim) struct Solved {
     pub evaluations: u32,
     /// Largest difference left, over the largest magnitude of each unknown.
     pub residual: f64,
@@ -36,6 +36,8 @@ const DIFFERENCE: f64 = 1e-6;
 const HOPELESS: f64 = 1e6;
 /// How often values that a slave refuses are taken back half way.
 const RETREATS: u32 = 10;
+/// Relative residual at which a Newton step is good enough.
+const ENOUGH: f64 = 1e-10;
 /// A column of differences that lies this close to the span of newer ones adds no information.
 const DEPENDENT: f64 = 1e-10;
 /// Least reduction of the residual that Newton's method must give before its derivatives are mistrusted.
@@ -43,7 +45,7 @@ const SLOW: f64 = 0.2;
 
 /// A method with room for its vectors: nothing allocates while it solves.
 #[derive(Debug)]
-pub(super) struct Solver {
+pub(in crate::cosim) struct Solver {
     settings: Strong,
     /// Largest magnitude of each unknown so far.
     pub peak: Vec<f64>,
@@ -63,6 +65,8 @@ pub(super) struct Solver {
     stored: usize,
     relaxation: f64,
     krylov: Krylov,
+    /// Right side of the Newton step.
+    right: Vec<f64>,
     /// Newton: the derivatives at the end of the step are not sufficient.
     repeated: bool,
     last_size: f64,
@@ -93,7 +97,8 @@ impl Solver {
             newest: 0,
             stored: 0,
             relaxation: 1.0,
-            krylov: Krylov::new(if settings.method == Method::Newton { unknowns } else { 0 }),
+            krylov: Krylov::default(),
+            right: zeros(),
             repeated: false,
             last_size: f64::INFINITY,
         }
@@ -279,13 +284,23 @@ impl Solver {
 
     /// The Newton direction into `changed`.
     fn direction<C: Coupling>(&mut self, coupling: &mut C, solved: &mut Solved) -> Result<(), C::Trouble> {
-        let Self { krylov, scale, last_assumed, last_residual, trial, residual, repeated, changed, .. } =
-            self;
+        let Self {
+            krylov,
+            right,
+            scale,
+            last_assumed,
+            last_residual,
+            trial,
+            residual,
+            repeated,
+            changed,
+            ..
+        } = self;
         // In units of the scale, where one is as large as the other.
-        for ((right, residual), scale) in changed.iter_mut().zip(last_residual.iter()).zip(scale.iter()) {
+        for ((right, residual), scale) in right.iter_mut().zip(last_residual.iter()).zip(scale.iter()) {
             *right = -residual / scale;
         }
-        krylov.solve(changed, |vector, product| {
+        let product = |vector: &[f64], product: &mut [f64]| {
             for ((step, part), scale) in trial.iter_mut().zip(vector).zip(scale.iter()) {
                 *step = part * scale;
             }
@@ -306,7 +321,8 @@ impl Solver {
             }
             product.iter_mut().zip(scale.iter()).for_each(|(value, scale)| *value /= scale);
             Ok(())
-        })?;
+        };
+        krylov.try_solve(product, right, changed, ENOUGH)?;
         changed.iter_mut().zip(scale.iter()).for_each(|(value, scale)| *value *= scale);
         Ok(())
     }

@@ -18,18 +18,7 @@
 //! - the side that takes a force that runs linearly moves on a cubic through displacement and velocity at both ends:
 //!   `½ (F̃₀ + F̃₁) Δu + (F̃₁ − F̃₀) (u̇₁ − u̇₀) H/12`.
 
-use super::system::{Port, System};
-
-/// A force and a motion that two slaves give each other.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PowerConnection {
-    /// The input that takes the force.
-    pub force: Port,
-    /// The other slave's input that takes the displacement, if one is connected.
-    pub displacement: Option<Port>,
-    /// The other slave's input that takes the velocity, if one is connected.
-    pub velocity: Option<Port>,
-}
+use super::{Port, PowerConnection, System, SystemError};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Role {
@@ -52,9 +41,37 @@ fn role(unit: Option<&str>) -> Option<(Role, bool)> {
     Some((role, rotational))
 }
 
+impl System {
+    /// Declares that the inputs `force` and `motion` (a displacement or a velocity), both (slave, variable), exchange
+    /// power between their slaves. Pairs that the units identify are found without it.
+    ///
+    /// # Errors
+    /// Unknown names, [`SystemError::Power`].
+    pub fn declare_power(&mut self, force: (&str, &str), motion: (&str, &str)) -> Result<(), SystemError> {
+        let (force, motion) = (self.port(force.0, force.1)?, self.port(motion.0, motion.1)?);
+        match PowerConnection::declared(self, force, motion) {
+            Ok(power) => self.power.push(power),
+            Err(reason) => {
+                let (force, motion) = (self.full_name(force), self.full_name(motion));
+                return Err(SystemError::Power { force, motion, reason });
+            }
+        }
+        Ok(())
+    }
+
+    /// The power connections: those declared, and those found by their units.
+    pub fn power_connections(&self) -> Vec<PowerConnection> {
+        PowerConnection::find(self)
+    }
+}
+
 impl PowerConnection {
     /// By the inputs that take force and motion; the motion's role follows from its unit; without a unit it is a velocity.
-    pub(super) fn declared(system: &System, force: Port, motion: Port) -> Result<Self, &'static str> {
+    pub(in crate::cosim) fn declared(
+        system: &System,
+        force: Port,
+        motion: Port,
+    ) -> Result<Self, &'static str> {
         let source = |port: Port| system.connections.iter().find(|other| other.to == port);
         let (Some(f), Some(u)) = (source(force), source(motion)) else {
             return Err("an end is not connected");
@@ -72,7 +89,7 @@ impl PowerConnection {
     }
 
     /// The declared ones, and each force between two slaves that has one motion in return.
-    pub(super) fn find(system: &System) -> Vec<Self> {
+    pub(in crate::cosim) fn find(system: &System) -> Vec<Self> {
         let mut found = system.power.clone();
         let ends = |port: Port| role(system.variable(port).unit.as_deref());
         for force in &system.connections {
@@ -125,7 +142,7 @@ pub struct EnergyResidual {
 
 /// Values at both ends of a step of what a connection carries: as given by one slave, and to the other.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Ends {
+pub(in crate::cosim) struct Ends {
     /// The source before and after the step.
     pub given: [f64; 2],
     /// The input at the beginning and the end, where it runs linearly; twice the same where it is held.
@@ -137,7 +154,12 @@ pub(super) struct Ends {
 }
 
 /// Work of a step (J) as the side that takes the force and as the side that gives it account for it.
-pub(super) fn works(force: Ends, displacement: Option<Ends>, velocity: Option<Ends>, step: f64) -> [f64; 2] {
+pub(in crate::cosim) fn works(
+    force: Ends,
+    displacement: Option<Ends>,
+    velocity: Option<Ends>,
+    step: f64,
+) -> [f64; 2] {
     let mean = |pair: [f64; 2]| 0.5 * (pair[0] + pair[1]);
     let change = |pair: [f64; 2]| pair[1] - pair[0];
     let ramp = change(force.taken);

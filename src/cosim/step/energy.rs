@@ -1,13 +1,13 @@
 //! Energy residuals, step by step.
 
-use super::power::{Ends, EnergyResidual, PowerConnection, works};
 use super::signals::Signals;
-use super::system::{Port, System};
 use super::unit::{Channel, Unit};
+use crate::cosim::system::power::{Ends, EnergyResidual, works};
+use crate::cosim::system::{Port, PowerConnection, System};
 
 /// A connected input: its unit and its place among the unit's channels, with what of the channel never changes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(in crate::cosim) struct Place {
     unit: usize,
     channel: usize,
     source: usize,
@@ -40,7 +40,7 @@ struct Bond {
 
 /// The power connections of a running system.
 #[derive(Debug, Default)]
-pub(super) struct Energy {
+pub(in crate::cosim) struct Energy {
     bonds: Vec<Bond>,
     pub residuals: Vec<EnergyResidual>,
     /// Work of the last step, not yet accepted: residual and exchange (J).

@@ -1,11 +1,11 @@
 //! Gauss–Seidel: one slave after the other, each with the newest values.
 
-use super::schedule::{Connected, Schedule};
-use super::system::{System, SystemError};
+use super::blocks::{Connected, Schedule};
+use crate::cosim::system::{System, SystemError};
 
 /// In the order of `names`, or along the connections: slaves that are fed come after those that feed them, and a loop
 /// is opened at the slave whose outputs depend least on its inputs at once.
-pub(super) fn schedule(system: &System, names: Option<&[String]>) -> Result<Schedule, SystemError> {
+pub(in crate::cosim) fn schedule(system: &System, names: Option<&[String]>) -> Result<Schedule, SystemError> {
     let connected = Connected::new(system);
     let order: Vec<usize> = match names {
         Some(names) => given(system, names)?,
