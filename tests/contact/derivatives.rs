@@ -121,7 +121,7 @@ fn bouc_wen_way(n: f64, a: f64, from: Dual64, to: Dual64) -> Dual64 {
         let power = if t.re == 0.0 { Dual64::from(0.0) } else { t.powf(n) };
         q * 2.0 * left / (-power * a + 1.0)
     };
-    let parts = 2000;
+    let parts = 500;
     let weight = |index: u32| if index % 2 == 1 { 4.0 } else { 2.0 };
     let inner: Dual64 = (1..parts).map(|i| at(f64::from(i) / f64::from(parts)) * weight(i)).sum();
     let way = (at(0.0) + inner + at(1.0)) * span / (3.0 * f64::from(parts));
@@ -129,17 +129,29 @@ fn bouc_wen_way(n: f64, a: f64, from: Dual64, to: Dual64) -> Dual64 {
     if from.re == 0.0 { way - from } else { way }
 }
 
-/// Where a way along `dx/dw = 1 − a xⁿ` ends, in `direction`: bisection for the value, then one of Newton's steps in dual
-/// numbers, which carries the derivative.
+/// Where a way along `dx/dw = 1 − a xⁿ` ends, in `direction`: bisection, then Newton's steps within the bracket, the last
+/// of which carries the derivative.
 fn bouc_wen_follow(n: f64, a: f64, from: Dual64, way: Dual64, direction: f64) -> Dual64 {
-    let gone = |to: Dual64| bouc_wen_way(n, a, from, to) * direction;
-    let (mut near, mut far) = if direction > 0.0 { (from.re, 1.0 - 1e-15) } else { (from.re, 0.0) };
-    for _ in 0..60 {
-        let middle = 0.5 * (near + far);
-        if gone(Dual64::from(middle)).re < way.re { near = middle } else { far = middle }
+    let gone = |to: f64| bouc_wen_way(n, a, from, Dual64::from(to)) * direction;
+    let (mut near, mut far) = if direction > 0.0 { (from.re, 1.0 - 1e-12) } else { (from.re, 0.0) };
+    if direction > 0.0 && gone(far).re < way.re {
+        return Dual64::from(1.0);
     }
-    let x = Dual64::from(0.5 * (near + far));
-    x + (way - gone(x)) * direction * (1.0 - a * x.re.powf(n))
+    for _ in 0..10 {
+        let middle = 0.5 * (near + far);
+        if gone(middle).re < way.re { near = middle } else { far = middle }
+    }
+    let mut x = Dual64::from(if direction > 0.0 { near } else { far });
+    for _ in 0..8 {
+        let next = (way - gone(x.re)) * direction * (1.0 - a * x.re.powf(n)) + x.re;
+        let inside = (next.re - near) * (next.re - far) <= 0.0;
+        x = if inside {
+            next
+        } else {
+            Dual64::from(0.5 * (x.re + if next.re > x.re { near.max(far) } else { near.min(far) }))
+        };
+    }
+    x
 }
 
 /// Bouc and Wen's hysteretic force after a motion under one limit.

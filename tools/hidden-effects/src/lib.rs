@@ -6,25 +6,9 @@
 //!
 //! Cases are sealed: a case is its name, all its numbers follow from it, and its files are made on demand.
 
-pub mod agreement;
-pub mod beam;
-pub mod case;
-pub mod effect;
-pub mod files;
-pub mod finite_elements;
-pub mod friction;
-pub mod joint_effects;
+pub mod cases;
 pub mod motion;
-pub mod moving;
-pub mod oscillator;
-pub mod path;
-pub mod prescribed;
-pub mod random;
-pub mod record;
-pub mod rig;
-pub mod run;
-pub mod score;
-pub mod table;
-pub mod truth;
-pub mod visibility;
-pub mod wilson;
+pub mod physics;
+pub mod records;
+pub mod rigs;
+pub mod scoring;

@@ -8,11 +8,13 @@ use std::time::Duration;
 use clap::Parser;
 use rayon::prelude::*;
 use serde_json::Value;
-use stickslip_hidden_effects::case::{self, Case, Kind};
-use stickslip_hidden_effects::run::{self, Plan, Task};
-use stickslip_hidden_effects::truth::Truth;
-use stickslip_hidden_effects::visibility::visibility;
-use stickslip_hidden_effects::{agreement, files, table};
+use stickslip_hidden_effects::cases::case::{Case, Kind};
+use stickslip_hidden_effects::cases::files;
+use stickslip_hidden_effects::cases::sealed::sealed;
+use stickslip_hidden_effects::scoring::run::{self, Plan, Task};
+use stickslip_hidden_effects::scoring::truth::Truth;
+use stickslip_hidden_effects::scoring::visibility::visibility;
+use stickslip_hidden_effects::scoring::{agreement, table};
 
 /// Simulated measurements with a hidden effect, and the score of a diagnosis of them
 #[derive(Parser)]
@@ -118,7 +120,7 @@ fn chosen(arguments: &Arguments) -> Result<Vec<Case>, String> {
     {
         return Err(format!("no kind `{word}`: contact, oscillator, beam"));
     }
-    let cases: Vec<Case> = case::sealed()
+    let cases: Vec<Case> = sealed()
         .into_iter()
         .map(|case| Case { replica: case.replica + REPLICAS * arguments.set, ..case })
         .filter(|case| wanted(arguments, case.kind.word(), &case.name()))

@@ -11,9 +11,9 @@ use stickslip::contact::Inputs;
 use stickslip::model::Model;
 use stickslip_fmi_host::{Library, Slave};
 use stickslip_fmu_package::{library_extension, platform};
-use stickslip_hidden_effects::case::{Case, Kind, Noise, Strength};
-use stickslip_hidden_effects::files;
-use stickslip_hidden_effects::motion::Drive;
+use stickslip_hidden_effects::cases::case::{Case, Kind, Noise, Strength};
+use stickslip_hidden_effects::cases::files;
+use stickslip_hidden_effects::motion::drive::Drive;
 use tempfile::TempDir;
 
 use crate::support::{error, read_json, stickslip};

@@ -2,9 +2,10 @@
 
 use std::fs;
 
-use stickslip_hidden_effects::case::{Case, Kind, sealed};
-use stickslip_hidden_effects::files;
-use stickslip_hidden_effects::motion::Drive;
+use stickslip_hidden_effects::cases::case::{Case, Kind};
+use stickslip_hidden_effects::cases::files;
+use stickslip_hidden_effects::cases::sealed::sealed;
+use stickslip_hidden_effects::motion::drive::Drive;
 
 /// Six quick cases.
 fn few() -> Vec<Case> {

@@ -1,8 +1,8 @@
 //! The scorer on answers written by hand, and the runner on a program that always says the same.
 
 use serde_json::{Value, json};
-use stickslip_hidden_effects::score::{Diagnosis, score};
-use stickslip_hidden_effects::truth::{Class, Truth};
+use stickslip_hidden_effects::scoring::score::{Diagnosis, score};
+use stickslip_hidden_effects::scoring::truth::{Class, Truth};
 
 fn truth(effect: &str) -> Truth {
     let entry = json!({
@@ -150,8 +150,8 @@ mod runs {
     use std::path::{Path, PathBuf};
     use std::time::Duration;
 
-    use stickslip_hidden_effects::run::{Outcome, Plan, Task, run};
-    use stickslip_hidden_effects::table;
+    use stickslip_hidden_effects::scoring::run::{Outcome, Plan, Task, run};
+    use stickslip_hidden_effects::scoring::table;
 
     use super::truth;
 

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::record::{Record, root_mean_square};
-use crate::rig::Rig;
+use crate::records::record::{Record, root_mean_square};
+use crate::rigs::rig::Rig;
 
 /// Change of the responses by what is hidden, over their root mean square, as the mean square over records
 /// and channels.

@@ -1,7 +1,7 @@
 //! What the three kinds of experiment have in common.
 
-use crate::effect::Hidden;
-use crate::record::{Record, Regime};
+use crate::records::record::{Record, Regime};
+use crate::rigs::effect::Hidden;
 
 /// An experiment: a true system, and what is done to it.
 pub trait Rig {

@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
-use crate::score::{Diagnosis, Score, score};
-use crate::truth::Truth;
+use crate::scoring::score::{Diagnosis, Score, score};
+use crate::scoring::truth::Truth;
 
 /// A case to run: its files may have to be made first.
 pub struct Task {

@@ -5,14 +5,14 @@
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-use crate::effect::Hidden;
-use crate::finite_elements::{Geometry, Modes};
-use crate::friction::{Contact, Joint};
-use crate::joint_effects::{self, Measures};
-use crate::prescribed::contact_table;
-use crate::random::Random;
-use crate::record::{Column, Fault, Fine, Record, Regime, Role};
-use crate::rig::Rig;
+use crate::physics::finite_elements::{Geometry, Modes};
+use crate::physics::friction::{Contact, Joint};
+use crate::records::random::Random;
+use crate::records::record::{Column, Fault, Fine, Record, Regime, Role};
+use crate::rigs::effect::Hidden;
+use crate::rigs::joint_effects::{self, Measures};
+use crate::rigs::prescribed::contact_table;
+use crate::rigs::rig::Rig;
 
 const MODES: usize = 6;
 /// Samples of a period, periods of a record, steps of the simulation between samples.

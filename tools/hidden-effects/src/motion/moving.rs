@@ -1,8 +1,8 @@
 //! Records that are not stationary: what test machines do beside sines of one level.
 
-use crate::path::{self, Path};
-use crate::random::Random;
-use crate::record::Regime;
+use crate::motion::path::{self, Path};
+use crate::records::random::Random;
+use crate::records::record::Regime;
 
 /// Level over the yield displacement, course and regime of each record.
 pub const PLAN: [(f64, Course, Regime); 8] = [

@@ -1,15 +1,15 @@
-//! The sealed cases: each is its name, and its name is its seed.
+//! A case: it is its name, and its name is its seed.
 
 use std::fmt;
 
-use crate::beam::Beam;
-use crate::effect::{Hidden, UNKNOWN};
-use crate::motion::Drive;
-use crate::oscillator::Oscillator;
-use crate::prescribed::Prescribed;
-use crate::random::Random;
-use crate::record::Record;
-use crate::rig::Rig;
+use crate::motion::drive::Drive;
+use crate::records::random::Random;
+use crate::records::record::Record;
+use crate::rigs::beam::Beam;
+use crate::rigs::effect::{Hidden, UNKNOWN};
+use crate::rigs::oscillator::Oscillator;
+use crate::rigs::prescribed::Prescribed;
+use crate::rigs::rig::Rig;
 
 /// Kind of model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -92,7 +92,7 @@ impl Kind {
         }
     }
 
-    fn pairs(self) -> &'static [[&'static str; 2]] {
+    pub(super) fn pairs(self) -> &'static [[&'static str; 2]] {
         match self {
             Kind::Contact => &[
                 ["backlash", "micro_slip"],
@@ -133,7 +133,7 @@ impl Kind {
         }
     }
 
-    fn outside(self) -> &'static [&'static str] {
+    pub(super) fn outside(self) -> &'static [&'static str] {
         let all = &[
             "unknown:position_dependent_friction",
             "unknown:dwell_strengthening",
@@ -292,168 +292,7 @@ impl Drawn {
 }
 
 /// FNV-1a.
-fn fingerprint(name: &str) -> u64 {
+pub(super) fn fingerprint(name: &str) -> u64 {
     name.bytes()
         .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
-}
-
-/// All sealed cases.
-pub fn sealed() -> Vec<Case> {
-    let mut cases = Vec::new();
-    for kind in Kind::ALL {
-        nulls(kind, &mut cases);
-        singles(kind, &mut cases);
-        pairs(kind, &mut cases);
-        outside(kind, &mut cases);
-        if kind == Kind::Contact {
-            moving(kind, &mut cases);
-        }
-    }
-    cases
-}
-
-fn case(
-    kind: Kind,
-    effects: &[&'static str],
-    strength: Strength,
-    (share, coloured): (f64, bool),
-    replica: usize,
-) -> Case {
-    Case {
-        kind,
-        effects: effects.to_vec(),
-        strength,
-        noise: Noise { share, coloured },
-        drive: Drive::Stationary,
-        replica,
-    }
-}
-
-const NOISES: [(f64, bool); 8] = [
-    (0.003, false),
-    (0.003, true),
-    (0.01, false),
-    (0.01, true),
-    (0.03, false),
-    (0.03, true),
-    (0.1, false),
-    (0.1, true),
-];
-
-fn nulls(kind: Kind, cases: &mut Vec<Case>) {
-    let replicas = match kind {
-        Kind::Contact => 6,
-        Kind::Oscillator => 2,
-        Kind::Beam => 1,
-    };
-    for replica in 1..=replicas {
-        cases.extend(NOISES.map(|noise| case(kind, &[], Strength::Full, noise, replica)));
-    }
-}
-
-fn singles(kind: Kind, cases: &mut Vec<Case>) {
-    use Strength::{Full, Half, Quarter};
-    for (index, id) in kind.effects().iter().enumerate() {
-        let plan: &[(Strength, (f64, bool))] = match (kind, index % 3) {
-            (Kind::Contact, _) => &[
-                (Full, (0.01, false)),
-                (Full, (0.03, false)),
-                (Full, (0.003, true)),
-                (Full, (0.1, true)),
-                (Half, (0.01, true)),
-                (Quarter, (0.01, false)),
-            ],
-            (Kind::Oscillator, 0) => &[(Full, (0.01, false)), (Full, (0.03, true)), (Half, (0.01, false))],
-            (Kind::Oscillator, 1) => {
-                &[(Full, (0.01, false)), (Full, (0.03, true)), (Quarter, (0.003, false))]
-            }
-            (Kind::Oscillator, _) => &[(Full, (0.01, false)), (Full, (0.03, true)), (Full, (0.1, false))],
-            (Kind::Beam, 0) => &[(Full, (0.01, false)), (Full, (0.03, true))],
-            (Kind::Beam, 1) => &[(Full, (0.01, false)), (Half, (0.01, true))],
-            (Kind::Beam, _) => &[(Full, (0.01, false)), (Full, (0.003, false))],
-        };
-        cases.extend(plan.iter().map(|(strength, noise)| case(kind, &[id], *strength, *noise, 1)));
-    }
-}
-
-fn pairs(kind: Kind, cases: &mut Vec<Case>) {
-    const PLAN: [(f64, bool); 3] = [(0.01, false), (0.003, true), (0.03, false)];
-    for (index, pair) in kind.pairs().iter().enumerate() {
-        cases.push(case(kind, pair, Strength::Full, PLAN[index % 3], 1));
-    }
-}
-
-fn outside(kind: Kind, cases: &mut Vec<Case>) {
-    let plan: &[(Strength, (f64, bool))] = match kind {
-        Kind::Contact => &[
-            (Strength::Full, (0.003, false)),
-            (Strength::Full, (0.01, true)),
-            (Strength::Full, (0.03, false)),
-            (Strength::Half, (0.01, false)),
-        ],
-        Kind::Oscillator => &[(Strength::Full, (0.003, false)), (Strength::Full, (0.01, true))],
-        Kind::Beam => &[(Strength::Full, (0.01, false))],
-    };
-    for id in kind.outside() {
-        cases.extend(plan.iter().map(|(strength, noise)| case(kind, &[id], *strength, *noise, 1)));
-    }
-}
-
-/// One of each kind of question, asked of records that are not stationary; where the noise is not told, those that can
-/// be answered without it.
-fn moving(kind: Kind, cases: &mut Vec<Case>) {
-    const NULLS: [(f64, bool); 4] = [(0.003, false), (0.01, false), (0.01, true), (0.03, true)];
-    const PAIRS: [(f64, bool); 3] = [(0.01, false), (0.003, true), (0.03, false)];
-    let mut push = |drive, effects: &[&'static str], noise| {
-        let case = case(kind, effects, Strength::Full, noise, 1);
-        cases.push(Case { drive, ..case });
-    };
-    NULLS.into_iter().for_each(|noise| push(Drive::Moving, &[], noise));
-    for id in kind.effects() {
-        push(Drive::Moving, &[id], (0.01, false));
-        push(Drive::Moving, &[id], (0.03, true));
-    }
-    kind.pairs().iter().zip(PAIRS).for_each(|(pair, noise)| push(Drive::Moving, pair, noise));
-    for drive in [Drive::Moving, Drive::MovingUntold] {
-        kind.outside().iter().for_each(|id| push(drive, &[id], (0.01, false)));
-    }
-    kind.effects().iter().for_each(|id| push(Drive::MovingUntold, &[id], (0.01, false)));
-}
-
-#[cfg(test)]
-mod tests {
-    use std::collections::BTreeSet;
-
-    use super::*;
-
-    #[test]
-    fn the_sealed_cases_are_enough_and_none_is_repeated() {
-        let cases = sealed();
-        let names: BTreeSet<String> = cases.iter().map(Case::name).collect();
-        assert_eq!(names.len(), cases.len());
-        assert!(cases.len() >= 200);
-        assert!(cases.iter().filter(|case| case.effects.is_empty()).count() >= 60);
-    }
-
-    #[test]
-    fn cases_that_were_there_before_keep_their_names() {
-        let old: Vec<String> =
-            sealed().into_iter().filter(|case| !case.drive.is_moving()).map(|case| case.name()).collect();
-        assert_eq!(old.len(), 301);
-        assert_eq!(format!("{:016x}", fingerprint(&old.join("\n"))), "5d1cd47880136401");
-        let moving: Vec<String> =
-            sealed().iter().filter(|case| case.drive.is_moving()).map(Case::name).collect();
-        assert!(moving.len() == 58 && moving.iter().all(|name| name.contains("-moving")));
-        // Those of one kind stand together.
-        assert!(sealed().is_sorted_by_key(|case| case.kind));
-    }
-
-    #[test]
-    fn every_case_can_be_drawn_and_hides_what_it_says() {
-        for case in sealed() {
-            let drawn = case.draw().unwrap();
-            let hidden: Vec<&str> = drawn.rig.hidden().iter().map(|hidden| hidden.id.as_str()).collect();
-            assert_eq!(hidden, case.effects, "{}", case.name());
-        }
-    }
 }

@@ -1,6 +1,6 @@
 //! Records as columns: clean from the simulation, then noisy as an instrument would write them.
 
-use crate::random::Random;
+use crate::records::random::Random;
 
 /// What a column's noise is relative to the case's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! Drawing effects of the contact in the measures of a motion.
 
-use crate::effect::{Hidden, UNKNOWN};
-use crate::friction::{Joint, Unknown};
-use crate::random::Random;
+use crate::physics::friction::{Joint, Unknown};
+use crate::records::random::Random;
+use crate::rigs::effect::{Hidden, UNKNOWN};
 
 /// The measures of a motion, by which the sizes of effects are drawn.
 #[derive(Debug, Clone, Copy)]

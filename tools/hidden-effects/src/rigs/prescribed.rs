@@ -3,13 +3,13 @@
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-use crate::effect::Hidden;
-use crate::friction::{Contact, Joint};
-use crate::joint_effects::{self, Measures};
-use crate::motion::{Drive, Motion};
-use crate::random::Random;
-use crate::record::{Column, Fault, Fine, Record, Regime, Role};
-use crate::rig::Rig;
+use crate::motion::drive::{Drive, Motion};
+use crate::physics::friction::{Contact, Joint};
+use crate::records::random::Random;
+use crate::records::record::{Column, Fault, Fine, Record, Regime, Role};
+use crate::rigs::effect::Hidden;
+use crate::rigs::joint_effects::{self, Measures};
+use crate::rigs::rig::Rig;
 
 /// Steps of the simulation between samples.
 const STEPS: usize = 32;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use crate::effect::UNKNOWN;
+use crate::rigs::effect::UNKNOWN;
 
 /// What a case hides.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,13 +5,13 @@
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-use crate::effect::Hidden;
-use crate::friction::{Contact, Joint};
-use crate::joint_effects::{self, Measures};
-use crate::prescribed::contact_table;
-use crate::random::Random;
-use crate::record::{Column, Fault, Fine, Record, Regime, Role};
-use crate::rig::Rig;
+use crate::physics::friction::{Contact, Joint};
+use crate::records::random::Random;
+use crate::records::record::{Column, Fault, Fine, Record, Regime, Role};
+use crate::rigs::effect::Hidden;
+use crate::rigs::joint_effects::{self, Measures};
+use crate::rigs::prescribed::contact_table;
+use crate::rigs::rig::Rig;
 
 const SAMPLES: usize = 2400;
 /// Time between samples (s).

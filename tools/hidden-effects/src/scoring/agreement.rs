@@ -8,8 +8,8 @@ use std::process::{Command, Stdio};
 use rayon::prelude::*;
 use serde_json::Value;
 
-use crate::case::Case;
-use crate::files;
+use crate::cases::case::Case;
+use crate::cases::files;
 
 /// Prints the error of each case's true model over the noise.
 ///

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
-use crate::case::{Case, Drawn};
-use crate::record::{Column, Record};
+use crate::cases::case::{Case, Drawn};
+use crate::records::record::{Column, Record};
 
 /// Changes when the same name no longer gives the same case: files of another generation are left alone.
 pub const GENERATION: u32 = 4;

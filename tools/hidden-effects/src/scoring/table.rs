@@ -5,10 +5,10 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use crate::run::Outcome;
-use crate::score::Score;
-use crate::truth::Class;
-use crate::wilson;
+use crate::scoring::run::Outcome;
+use crate::scoring::score::Score;
+use crate::scoring::truth::Class;
+use crate::scoring::wilson;
 
 /// Untouched error over the noise up to which a model counts as improved to the noise.
 const NEAR: f64 = 1.15;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use crate::truth::{Class, Truth};
+use crate::scoring::truth::{Class, Truth};
 
 /// What `stickslip diagnose --json` says, as far as it is scored.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use crate::moving;
-use crate::path::Path;
-use crate::random::Random;
-use crate::record::Regime;
+use crate::motion::moving;
+use crate::motion::path::Path;
+use crate::records::random::Random;
+use crate::records::record::Regime;
 
 /// How the records of an experiment move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,0 +1,6 @@
+//! What the test machine does with a bare contact: path.rs curves over time, drive.rs the records of an experiment,
+//! moving.rs those that are not stationary.
+
+pub mod drive;
+pub mod moving;
+pub mod path;
