@@ -1,201 +1,36 @@
-//! Beam and contact coupled, against the same in one piece: errors over the communication step, written as a table
-//! and a drawing to `benches/cosimulation.md` and `.svg` (or to the folder named on the command line).
+//! A beam and its contact as two slaves that repeat each step until they agree, and the energy that the coupling feeds in.
+//!
+//! `cargo run --release -p stickslip --example cosimulation`
 
-#[path = "../tests/common/mod.rs"]
-mod common;
+use std::ops::ControlFlow;
 
-use common::cosim::*;
-use std::fmt::Write as _;
-use std::path::PathBuf;
-use stickslip::cosim::{Algorithm, Method, Settings};
+use stickslip::cosim::{Algorithm, Master, Method, NativeSlave, Settings, Source, Strong, System};
+use stickslip::model::Model;
 
-/// Slips within a few periods.
-const SHAKER: Shaker = Shaker { amplitude: 60.0, omega: 324.0, growth: 0.02 };
-/// Friction settles the motion within the second.
-const STEADY: Shaker = Shaker { amplitude: 6.0, omega: 324.0, growth: 0.1 };
-const STEPS: [f64; 10] = [1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6];
-const CONTACTS: [(&str, &str); 2] = [("ValanisContact", VALANIS), ("JenkinsContact", JENKINS)];
-const COLOURS: [&str; 6] = ["#b2182b", "#ef8a62", "#762a83", "#1b7837", "#2166ac", "#67a9cf"];
-
-fn algorithms() -> [(&'static str, Algorithm); 5] {
-    [
-        ("Jacobi", JACOBI),
-        ("Gauss–Seidel", GAUSS_SEIDEL),
-        ("Jacobi, extrapolated", Algorithm::Jacobi { extrapolation: 1 }),
-        ("Gauss–Seidel, extrapolated", Algorithm::GaussSeidel { extrapolation: 1, order: None }),
-        ("strong", strong(Method::Anderson { depth: 5 })),
-    ]
-}
-
-/// Errors, energy residuals and repetitions per step of one algorithm, for each of the steps.
-struct Series {
-    name: &'static str,
-    errors: Vec<f64>,
-    residuals: Vec<f64>,
-    repetitions: Vec<f64>,
-}
-
-fn series(contact: &str, exact: &[[f64; 3]]) -> Vec<Series> {
-    let size = exact.iter().map(|row| row[2].abs()).fold(0.0, f64::max);
-    let stop = exact.last().map_or(0.0, |row| row[0]);
-    let run = |(name, algorithm): (&'static str, Algorithm)| {
-        let mut series = Series { name, errors: vec![], residuals: vec![], repetitions: vec![] };
-        for step in STEPS {
-            let settings =
-                Settings { tolerance: Some(1e-10), ..Settings::new(algorithm.clone(), step, stop) };
-            let Ok((rows, report)) = record(beam_with(contact, SHAKER), settings) else {
-                series.errors.push(f64::NAN);
-                series.residuals.push(f64::NAN);
-                series.repetitions.push(f64::NAN);
-                continue;
-            };
-            let every = (1e-3 / step).round() as usize;
-            let pairs = rows.iter().step_by(every).zip(exact);
-            let worst = pairs.map(|((_, values), exact)| (values[3] - exact[2]).abs()).fold(0.0, f64::max);
-            series.errors.push(worst / size);
-            series.residuals.push(report.energy[0].magnitude / report.energy[0].exchanged);
-            series.repetitions.push(report.evaluations as f64 / report.steps as f64);
-        }
-        series
-    };
-    algorithms().into_iter().map(run).collect()
-}
-
-/// Order between the last two steps at which the error is well above that of the solution in one piece.
-fn order(errors: &[f64]) -> f64 {
-    let resolved = errors.iter().take_while(|error| **error > 1e-7).count().max(2);
-    let (coarse, fine) = (resolved - 2, resolved - 1);
-    (errors[coarse] / errors[fine]).ln() / (STEPS[coarse] / STEPS[fine]).ln()
-}
-
-fn table(text: &mut String, title: &str, series: &[Series], values: impl Fn(&Series) -> &Vec<f64>) {
-    let _ = writeln!(
-        text,
-        "\n{title}\n\n| H (s) | {} |",
-        series.iter().map(|s| s.name).collect::<Vec<_>>().join(" | ")
-    );
-    let _ = writeln!(text, "|---|{}", "---|".repeat(series.len()));
-    for (index, step) in STEPS.iter().enumerate() {
-        let cells: Vec<String> = series.iter().map(|s| format!("{:.1e}", values(s)[index])).collect();
-        let _ = writeln!(text, "| {step:.0e} | {} |", cells.join(" | "));
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut system = System::new();
+    system.add(Box::new(Source::new("shaker", "force", "N", |time| 60.0 * (324.0 * time).sin())))?;
+    for (name, text) in [
+        ("beam", include_str!("../modelDescription/ModalBeam.toml")),
+        ("contact", include_str!("../modelDescription/ValanisContact.toml")),
+    ] {
+        let model = Model::parse(text).map_err(|error| error.message)?;
+        system.add(Box::new(NativeSlave::new(name, &model)?))?;
     }
-    let orders: Vec<String> = series.iter().map(|s| format!("{:.2}", order(values(s)))).collect();
-    let _ = writeln!(text, "| order | {} |", orders.join(" | "));
-}
-
-fn steady(text: &mut String) {
-    let (step, stop, from) = (1e-4, 1.0, 0.9);
-    let names: Vec<&str> = algorithms().iter().map(|(name, _)| *name).collect();
-    let _ = writeln!(text, "\n| contact | {} |\n|---|{}", names.join(" | "), "---|".repeat(names.len()));
-    for (name, contact) in CONTACTS {
-        let exact = monolithic(contact, STEADY, 1e-5, stop, 10);
-        let exact = amplitude(exact.iter().filter(|row| row[0] >= from).map(|row| row[2]));
-        let cells = algorithms().map(|(_, algorithm)| {
-            let (rows, _) =
-                record(beam_with(contact, STEADY), Settings::new(algorithm, step, stop)).expect("a run");
-            let late = rows.iter().filter(|(time, _)| *time >= from);
-            format!("{:+.3} %", 100.0 * (amplitude(late.map(|(_, values)| values[3])) / exact - 1.0))
-        });
-        let _ = writeln!(text, "| {name} | {} |", cells.join(" | "));
-    }
-}
-
-/// Errors over steps, both logarithmic.
-fn drawing(all: &[(&str, Vec<Series>)]) -> String {
-    const WIDTH: f64 = 380.0;
-    const HEIGHT: f64 = 320.0;
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" font-family=\"sans-serif\" font-size=\"11\">\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-        (WIDTH + 70.0) * all.len() as f64,
-        HEIGHT + 150.0
-    );
-    for (panel, (name, series)) in all.iter().enumerate() {
-        let left = 55.0 + panel as f64 * (WIDTH + 70.0);
-        let x = |step: f64| left + (step.log10() + 6.0) / 3.0 * WIDTH;
-        let y = |error: f64| 30.0 + -error.clamp(1e-10, 1.0).log10() / 10.0 * HEIGHT;
-        let _ = writeln!(svg, "<text x=\"{left}\" y=\"18\" font-weight=\"bold\">ModalBeam + {name}</text>");
-        for decade in 0..=10 {
-            let (at, right) = (y(10f64.powi(-decade)), left + WIDTH);
-            let _ = writeln!(svg, "<path d=\"M{left} {at:.1}H{right}\" stroke=\"#ddd\"/>");
-            let _ = writeln!(
-                svg,
-                "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">1e-{decade}</text>",
-                left - 4.0,
-                at + 4.0
-            );
-        }
-        for decade in 3..=6 {
-            let (at, bottom) = (x(10f64.powi(-decade)), 30.0 + HEIGHT);
-            let _ = writeln!(svg, "<path d=\"M{at:.1} 30V{bottom}\" stroke=\"#ddd\"/>");
-            let _ = writeln!(
-                svg,
-                "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">1e-{decade}</text>",
-                bottom + 14.0
-            );
-        }
-        let _ = writeln!(
-            svg,
-            "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">communication step H (s); relative error</text>",
-            left + 0.5 * WIDTH,
-            HEIGHT + 60.0
-        );
-        for (index, series) in series.iter().enumerate() {
-            let points: Vec<String> = STEPS
-                .iter()
-                .zip(&series.errors)
-                .filter(|(_, error)| error.is_finite())
-                .map(|(step, error)| format!("{:.1},{:.1}", x(*step), y(*error)))
-                .collect();
-            let (points, colour) = (points.join(" "), COLOURS[index % COLOURS.len()]);
-            let _ = writeln!(
-                svg,
-                "<polyline points=\"{points}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.8\"/>"
-            );
-            let row = HEIGHT + 76.0 + 14.0 * index as f64;
-            let _ = writeln!(
-                svg,
-                "<path d=\"M{left} {}h18\" stroke=\"{colour}\" stroke-width=\"3\"/><text x=\"{}\" y=\"{row}\">{} (order {:.2})</text>",
-                row - 4.0,
-                left + 24.0,
-                series.name,
-                order(&series.errors)
-            );
-        }
-    }
-    svg + "</svg>\n"
-}
-
-fn main() -> std::io::Result<()> {
-    let folder = std::env::args().nth(1).map_or_else(|| PathBuf::from("benches"), PathBuf::from);
-    let mut text = String::from(
-        "# Co-simulation against the monolithic beam\n\n\
-         Written by `cargo xtask cosimulation`. ModalBeam and a contact, each a slave, under the library's masters; the\n\
-         reference is the beam with the contact inside, integrated at 1e-6 s with a tolerance of 1e-10. The shaker's\n\
-         force grows smoothly to 60 N at 324 rad/s; the contact slips from the second period on. Errors are the largest\n\
-         of the displacement at the shaker over 0.1 s, relative to its largest value. \"Extrapolated\" is of first order\n\
-         in time, by output derivatives or past values. The order stands for the finest two steps\n\
-         whose errors are above 1e-7.\n\n\
-         Laws with corners keep the second order: a corner or a reversal between two communication points is met\n\
-         at a wrong instant by O(H), which is an error of the force of O(H) over a time of O(H).\n\n\
-         ![errors over the communication step](cosimulation.svg)\n",
-    );
-    let mut all = Vec::new();
-    for (name, contact) in CONTACTS {
-        let exact = monolithic(contact, SHAKER, 1e-6, 0.1, 1000);
-        let series = series(contact, &exact);
-        let _ = writeln!(text, "\n## ModalBeam + {name}");
-        table(&mut text, "Error of the displacement:", &series, |series| &series.errors);
-        table(&mut text, "Energy residual over energy exchanged:", &series, |series| &series.residuals);
-        let strong = &series[series.len() - 1];
-        let cells: Vec<String> = strong.repetitions.iter().map(|count| format!("{count:.1}")).collect();
-        let _ = writeln!(text, "\nRepetitions of a step under strong coupling: {}.", cells.join(", "));
-        all.push((name, series));
-    }
-    text.push_str(
-        "\n## Steady amplitude at H = 1e-4 s\n\nDifference from the monolithic beam, 6 N at 324 rad/s:\n",
-    );
-    steady(&mut text);
-    std::fs::write(folder.join("cosimulation.md"), text)?;
-    std::fs::write(folder.join("cosimulation.svg"), drawing(&all))
+    system.connect(("shaker", "force"), ("beam", "excitation"), 1.0, 0.0)?;
+    system.connect(("beam", "displacement"), ("contact", "displacement"), 1.0, 0.0)?;
+    system.connect(("beam", "velocity"), ("contact", "velocity"), 1.0, 0.0)?;
+    system.connect(("contact", "force"), ("beam", "contact_force"), 1.0, 0.0)?;
+    system.observe("contact", "force")?;
+    let method = Method::Anderson { depth: 5 };
+    let algorithm = Algorithm::Strong(Strong { method, tolerance: 1e-9, iterations: 40 });
+    let mut largest = 0.0_f64;
+    let report = Master::new(system, Settings::new(algorithm, 1e-4, 0.1))?.run(|point| {
+        largest = largest.max(point.values[0].abs());
+        ControlFlow::Continue(())
+    })?;
+    let power = &report.energy[0];
+    println!("largest friction force {largest:.1} N");
+    println!("energy fed in {:.1e} J of {:.1e} J exchanged", power.sum, power.exchanged);
+    Ok(())
 }

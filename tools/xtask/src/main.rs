@@ -36,9 +36,7 @@ fn main() -> ExitCode {
         "figures" => {
             figures::figures(&root(), std::env::args().nth(2).as_deref()).map(|text| print!("{text}"))
         }
-        "cosimulation" => {
-            cargo(&["run", "--release", "--package", "stickslip", "--example", "cosimulation"], &[])
-        }
+        "cosimulation" => cargo(&["bench", "--package", "stickslip", "--bench", "coupling_errors"], &[]),
         "hidden-effects" => hidden_effects(std::env::args().skip(2).collect()),
         _ => Err(USAGE.to_owned()),
     };
