@@ -129,8 +129,8 @@ fn bouc_wen_way(n: f64, a: f64, from: Dual64, to: Dual64) -> Dual64 {
     if from.re == 0.0 { way - from } else { way }
 }
 
-/// Where a way along `dx/dw = 1 − a xⁿ` ends, in `direction`: bisection, then Newton's steps within the bracket, the last
-/// of which carries the derivative.
+/// Where a way along `dx/dw = 1 − a xⁿ` ends, in `direction`: bisection, then Newton's steps, the last of which carries
+/// the derivative.
 fn bouc_wen_follow(n: f64, a: f64, from: Dual64, way: Dual64, direction: f64) -> Dual64 {
     let gone = |to: f64| bouc_wen_way(n, a, from, Dual64::from(to)) * direction;
     let (mut near, mut far) = if direction > 0.0 { (from.re, 1.0 - 1e-12) } else { (from.re, 0.0) };
@@ -138,18 +138,15 @@ fn bouc_wen_follow(n: f64, a: f64, from: Dual64, way: Dual64, direction: f64) ->
         return Dual64::from(1.0);
     }
     for _ in 0..10 {
-        let middle = 0.5 * (near + far);
+        // Towards saturation halves of the gap's logarithm.
+        let middle =
+            if direction > 0.0 { 1.0 - ((1.0 - near) * (1.0 - far)).sqrt() } else { 0.5 * (near + far) };
         if gone(middle).re < way.re { near = middle } else { far = middle }
     }
-    let mut x = Dual64::from(if direction > 0.0 { near } else { far });
-    for _ in 0..8 {
-        let next = (way - gone(x.re)) * direction * (1.0 - a * x.re.powf(n)) + x.re;
-        let inside = (next.re - near) * (next.re - far) <= 0.0;
-        x = if inside {
-            next
-        } else {
-            Dual64::from(0.5 * (x.re + if next.re > x.re { near.max(far) } else { near.min(far) }))
-        };
+    // From beyond the root the steps do not pass it.
+    let mut x = Dual64::from(far);
+    for _ in 0..6 {
+        x = (way - gone(x.re)) * direction * (1.0 - a * x.re.powf(n)) + x.re;
     }
     x
 }
