@@ -22,7 +22,7 @@ impl Model {
 
     /// The rules that a change of a parameter's value can break.
     pub(super) fn check_values(&self) -> Result<(), ParameterError> {
-        // Before the bounds: what a law says of its own numbers is said better.
+        // Before the bounds: a law's own message about its parameters is clearer.
         self.contact.as_ref().map_or(Ok(()), check_law)?;
         let law = self.contact.map(|contact| contact.law.kind);
         for Value { path, quantity, value } in self.values() {
@@ -77,7 +77,7 @@ fn allowed(quantity: &Quantity, min: Option<f64>, open_below: bool) -> String {
     [lower, upper].into_iter().flatten().collect::<Vec<_>>().join(" and ")
 }
 
-/// The law's own rules, which hold for numbers that are some.
+/// The law's own rules, for finite numbers.
 fn check_law(contact: &Contact) -> Result<(), ParameterError> {
     let stiffness = contact.tangential_stiffness;
     if !(stiffness > 0.0 && contact.law.values().iter().all(|value| value.is_finite())) {

@@ -15,7 +15,7 @@ pub(super) fn is_free(model: &Model, path: &str, value: f64) -> bool {
 }
 
 fn free_by_default(path: &str, value: f64) -> bool {
-    // A spring that is not there stays away: adding one is a change of the model, not a fit of it.
+    // A spring of stiffness zero stays zero: adding a spring is a change of the model, not a fit of it.
     let spring = path == "support.rotational_stiffness" || matches("spring.*", path);
     let spring_present = spring && value > 0.0;
     frees("contact.*", path)

@@ -51,7 +51,7 @@ impl Model {
         self.contact.map(|contact| contact.changed_law(&joint)).transpose()
     }
 
-    /// As [`Model::law`], with a state whose length does not hang on the values of the parameters.
+    /// As [`Model::law`], with a state whose length does not depend on the values of the parameters.
     pub(crate) fn law_of_any_values(&self) -> Result<Option<Box<dyn ContactLaw>>, LawError> {
         let Some(contact) = &self.contact else { return Ok(None) };
         if self.effects.is_empty() {

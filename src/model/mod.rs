@@ -79,7 +79,7 @@ pub struct Model {
     /// `[[effect]]`: effects added, in order.
     pub effects: Vec<AppliedEffect>,
     /// Paths a fit may change, as written in `[fit] free`, where `*` stands for any characters;
-    /// defaults when absent. [`Model::parameters`] says what they come to.
+    /// defaults when absent. [`Model::parameters`] lists the result.
     pub free: Option<Vec<String>>,
 }
 

@@ -148,7 +148,7 @@ fn contact(table: &Table<'_>, structure: &Structure) -> Result<Contact, ModelErr
     })
 }
 
-/// The keys that only one law has say so at any other.
+/// Refuses a key of one law at another, with the name of its law.
 fn refuse_keys_of_other_laws(table: &Table<'_>, law: &LawKind) -> Result<(), ModelError> {
     for key in table.keys().iter().filter(|key| law.parameter(key.value).is_none()) {
         let owners: Vec<String> = LAWS

@@ -2,7 +2,7 @@
 
 use std::convert::Infallible;
 
-/// Most directions; what is not solved then is a case for factors.
+/// Most directions; beyond them a factorisation is better.
 const MOST_DIRECTIONS: usize = 60;
 /// A new direction this much shorter than what it was made from is rounding: the space is complete.
 const COMPLETE: f64 = 1e-14;

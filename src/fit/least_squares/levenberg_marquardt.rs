@@ -45,7 +45,7 @@ pub(crate) struct Limits {
     pub iterations: usize,
     /// Relative fall of the sum of squares that counts as none.
     pub tolerance: f64,
-    /// Largest change of a coordinate that counts as none; infinite where the fall alone is to tell.
+    /// Largest change of a coordinate that counts as none; infinite where only the fall of the sum counts.
     pub change: f64,
     /// Cost above which the end is of no use: a search that cannot come below it any more is given up.
     pub useful: f64,
@@ -111,7 +111,7 @@ pub(crate) fn minimise(
         let given_up = !enough && reachable > limits.useful;
         match search.problem.sums(&search.y) {
             Some(there) if there.cost.is_finite() => search.sums = there,
-            // Derivatives failed where the value did not: the point stands, without a way on.
+            // Derivatives failed where the value did not: the point is kept, and the search ends.
             _ => {
                 search.sums.cost = cost;
                 let interrupted = search.problem.interrupted();
@@ -161,7 +161,7 @@ impl<P: SumOfSquares> Search<'_, P> {
                 return Ok((cost, change));
             }
             self.damping *= 6.0;
-            // What a step promises falls with the damping: nothing is to be had any more.
+            // The fall that a step promises decreases with the damping: no further fall is possible.
             let promised = promised(&self.sums, &step);
             promise.get_or_insert(promised);
             if promised <= 0.1 * tolerance * self.sums.cost {

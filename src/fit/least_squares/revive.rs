@@ -14,8 +14,8 @@ const UNSEEN: f64 = 1e-6;
 const TRIED: i32 = 12;
 const FACTOR: f64 = 1.5;
 
-/// The fit of `residual` (of `count` numbers) to `parameters`, begun again where a parameter that it lost sight of
-/// comes back into play with a smaller error. One that plays no part anywhere ends where it started; their indices are
+/// The fit of `residual` (of `count` numbers) to `parameters`, started again where a parameter that no longer had an effect
+/// gets one again with a smaller error. A parameter without any effect ends where it started; the indices of these are
 /// the second result.
 ///
 /// # Errors

@@ -102,7 +102,7 @@ fn start_point(coordinates: &[Coordinate], start: usize) -> Vec<f64> {
     coordinates.iter().enumerate().map(|(j, c)| if c.held() { 0.0 } else { c.spread(along(j)) }).collect()
 }
 
-/// Where one start led.
+/// The end of one start.
 struct Minimum {
     start: usize,
     y: Vec<f64>,

@@ -130,7 +130,7 @@ impl ModalBeam {
                 shape.neg_mut();
             }
         }
-        // In terms of s h, of which the shortening tells from now on.
+        // In terms of s h, which the shortening now means.
         let string = root * root;
         self.stretching_stiffness =
             self.stretching_stiffness / (fraction * fraction) + 0.5 * string / fraction;

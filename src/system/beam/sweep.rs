@@ -129,7 +129,7 @@ impl Arrival {
         let deflection = self.basis.0.map(|state| state[0]);
         let spring = self.spring_residual(tip);
         let size = |[a, b]: [f64; 2]| a.hypot(b);
-        // Both rows say the same at a natural frequency: take the one that says it louder.
+        // Both rows are equivalent at a natural frequency: take the larger one.
         let [a, b] = if size(deflection) >= size(spring) { deflection } else { spring };
         [b, -a]
     }
