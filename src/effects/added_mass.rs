@@ -12,7 +12,7 @@ pub(super) static EFFECT: Effect = Effect {
     summary: "A mass on the structure that the model lacks",
     explanation: "A sensor, its cable, the stinger and head of a shaker, or a part left out of the model. Every \
           resonance in which the place moves is lower than the model's, by the same ratio at every level.",
-    confirmation: "Weigh what is attached; put a known mass at the place and see the frequencies shift as predicted.",
+    confirmation: "Weigh what is attached; put a known mass at the place: the frequencies must shift as predicted.",
     confused_with: &[
         Confusion {
             with: &super::support_compliance::EFFECT,

@@ -10,9 +10,9 @@ pub(super) static EFFECT: Effect = Effect {
     title: "Geometric stiffening",
     summary: "Cubic stretching of the structure: k3 x³ (first mass to the ground, or the mid-plane of the beam)",
     explanation: "A slender part that bends must also stretch when its ends cannot come closer. The stiffness then \
-          grows with the square of the amplitude: resonances climb with the level whatever the friction does, \
-          and odd harmonics appear.",
-    confirmation: "Measure the resonance at three levels with the contact locked or removed: the frequency still climbs \
+          grows with the square of the amplitude: resonance frequencies rise with the level, with or without \
+          friction, and odd harmonics appear.",
+    confirmation: "Measure the resonance at three levels with the contact locked or removed: the frequency still rises \
           with the square of the amplitude.",
     confused_with: &[Confusion {
         with: &super::stiffening::EFFECT,

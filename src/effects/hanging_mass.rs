@@ -29,8 +29,8 @@ pub(super) static EFFECT: Effect = Effect {
     title: "Hanging mass",
     summary: "A resonator hung at the contact: a mass on a string or a soft mount",
     explanation: "The weights that press the contact together hang on a string and move with it. Near the natural \
-          frequency of this pendulum or bounce the response has a second, narrow resonance, and above it the \
-          mass stands still.",
+          frequency of these weights the response has a second, narrow resonance; far above it the weights hardly \
+          move.",
     confirmation: "Change the length of the string: the narrow resonance moves with it.",
     confused_with: &[],
     next_experiment: experiments::SECOND_MODE,

@@ -11,9 +11,9 @@ pub(super) static EFFECT: Effect = Effect {
     title: "Micro-slip",
     summary: "Slip sets in gradually: the yield displacements of many sliders spread over (1 ± spread) times their \
           mean",
-    explanation: "Asperities and the uneven pressure over a contact do not give way at one instant: the edge slips \
-          first, the middle last. The force bends over from stick to slip instead of breaking off at a corner, \
-          and a little energy is lost even at amplitudes far below the limit. One slider cannot show either.",
+    explanation: "The pressure over a contact is not uniform, so its parts do not slip at one instant: the edge slips \
+          first, the middle last. The force changes gradually from stick to slip, without a corner, and a little \
+          energy is lost even at amplitudes far below the limit. A model with one slider shows neither.",
     confirmation: "Load the joint slowly to half of its friction limit and back: with micro-slip the small loop has an \
           area that grows with the third power of the amplitude; one slider gives a straight line.",
     confused_with: &[Confusion {

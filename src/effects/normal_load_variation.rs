@@ -9,8 +9,8 @@ pub(super) static EFFECT: Effect = Effect {
     summary: "The friction limit follows the measured normal load N0 + gain (N(t) − N0), with lift-off at zero and \
           below",
     explanation: "Vibration, thermal growth or a second direction of motion changes the pressure on the contact while \
-          it slides. The limit rises and falls with it, and where the load vanishes the bodies part: the force \
-          is zero and nothing is remembered when they touch again.",
+          it slides. The limit rises and falls with it. Where the load vanishes, the bodies separate: the force \
+          is zero, and the contact starts without history when they touch again.",
     confirmation: "Hold the load by a soft spring or a dead weight, or plot the loop's height against the measured \
           load: with this effect it is a straight line through zero.",
     confused_with: &[Confusion {

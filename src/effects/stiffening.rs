@@ -10,8 +10,7 @@ pub(super) static EFFECT: Effect = Effect {
     title: "Stiffening contact",
     summary: "A cubic spring beside the contact: k3 u³",
     explanation: "Surfaces that conform, a rubber layer or a membrane stiffen as they deform. The ends of the loop \
-          point up (or down, for softening), and the more so the larger the amplitude; the middle does not \
-          change.",
+          point up (or down, for softening), and more with larger amplitude; the middle does not change.",
     confirmation: "Compare the slope near the ends of the stroke at two amplitudes: it grows with the square of the \
           amplitude.",
     confused_with: &[],

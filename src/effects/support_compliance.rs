@@ -7,9 +7,9 @@ pub(super) static EFFECT: Effect = Effect {
     id: "support_compliance",
     title: "Compliant clamp",
     summary: "The clamp is a rotational spring instead of rigid",
-    explanation: "Bolts, a thin foot or a fixture on the shaker table give way. The lowest resonances are too low at \
-          every level, the first the most, and the mode shapes turn at the clamp.",
-    confirmation: "Measure the rotation at the clamp, or tighten it and see the frequencies climb.",
+    explanation: "Bolts, a thin foot or a fixture on the shaker table deform. The lowest resonance frequencies are too \
+          low at every level, the first the most, and the mode shapes rotate at the clamp.",
+    confirmation: "Measure the rotation at the clamp, or tighten the clamp: the frequencies must rise.",
     confused_with: &[],
     next_experiment: experiments::SECOND_MODE,
     parameters: &[EffectParameter {

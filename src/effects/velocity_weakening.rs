@@ -10,8 +10,8 @@ pub(super) static EFFECT: Effect = Effect {
     title: "Velocity weakening",
     summary: "The limit falls with speed: limit · (1 + δ exp(−|u̇|/v_s))",
     explanation: "Stribeck's effect: at rest the surfaces bond and the limit is higher than in motion. It shows as \
-          peaks of the force beside the reversals and as lower plateaus in faster records, and it is what \
-          makes joints squeal: falling friction feeds energy into the structure.",
+          peaks of the force near the reversals and as lower plateaus in faster records. It makes joints \
+          squeal: friction that falls with the speed adds energy to the structure.",
     confirmation: "Slide at constant speeds over two decades at one load and plot friction against speed; or compare a \
           slow with a fast loop of one amplitude.",
     confused_with: &[],

@@ -10,8 +10,8 @@ pub(super) static EFFECT: Effect = Effect {
     title: "Wear",
     summary: "The limit changes with the distance slipped: limit · (1 + w s)",
     explanation: "Sliding polishes or roughens the surfaces, removes a coating, or makes debris. The limit drifts with \
-          the distance travelled in slip, not with time: cycle after cycle the loop's height grows or shrinks, \
-          and stands still while the contact sticks.",
+          the distance travelled in slip, not with time: the loop's height changes from cycle to cycle, and \
+          stays constant while the contact sticks.",
     confirmation: "Run many cycles at one amplitude and plot the loop's height against the distance slipped; then stop \
           for a while: wear stays, a temperature effect comes back.",
     confused_with: &[Confusion {
