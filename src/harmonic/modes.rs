@@ -15,7 +15,7 @@ use crate::harmonic::newton::problem::{Condition, Newton, Stopping};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
 use crate::harmonic::response::linear_resonances::at_rest;
 use crate::harmonic::response::tracker::{Solution, describe_by, more_harmonics};
-use crate::harmonic::response::tracking::{LARGEST_CHANGE, LEAST_SHARE, between};
+use crate::harmonic::response::tracking::{LARGEST_CHANGE, LEAST_FRACTION, between};
 use crate::numeric::fourier::coefficient_count;
 use crate::system::{Element, LinearStructure, Output, Row};
 
@@ -111,7 +111,7 @@ pub fn nonlinear_mode(
     let start = LinearStart::new(&structure, at_rest(&assembly.system), range)?;
     // Free vibrations are poles of the structure's compliance where the contacts carry little; a damper moved
     // from the contacts to the structure, more than any friction damps, keeps the poles away.
-    let mut system = Condensed::new(assembly, settings, start.angular_frequency / start.contact_share)?;
+    let mut system = Condensed::new(assembly, settings, start.angular_frequency / start.contact_fraction)?;
     let mut x = vec![0.0; system.unknowns()];
     let set = system.set();
     for (u, row) in x.chunks_exact_mut(set.len()).zip(&structure.contacts) {
@@ -142,8 +142,8 @@ fn mode_in_modes(
     system.shift_damping(mode, start.angular_frequency);
     let count = coefficient_count(harmonics);
     let mut modal = vec![0.0; count * start.shape.len()];
-    for (mode, share) in modal.chunks_exact_mut(count).zip(&start.shape) {
-        mode[1] = share * amplitudes[0];
+    for (mode, fraction) in modal.chunks_exact_mut(count).zip(&start.shape) {
+        mode[1] = fraction * amplitudes[0];
     }
     let mut force = vec![0.0; coefficient_count(2 * harmonics)];
     if let (true, Some(stiffness)) = (system.has_contact(), at_rest(&assembly.system).next()) {
@@ -219,7 +219,7 @@ struct LinearStart {
     /// Degrees of freedom where the node's displacement is 1.
     shape: Vec<f64>,
     /// Sum of the squares of the contacts' displacements in the mode of unit modal mass (1/kg).
-    contact_share: f64,
+    contact_fraction: f64,
 }
 
 impl LinearStart {
@@ -249,8 +249,8 @@ impl LinearStart {
         if node.abs() <= STILL * shape.amax() {
             return Err(HarmonicError::InvalidInput("the node does not move in this mode"));
         }
-        let contact_share: f64 = structure.contacts.iter().map(|row| of(row).powi(2)).sum();
-        if contact_share.sqrt() <= STILL * shape.amax() {
+        let contact_fraction: f64 = structure.contacts.iter().map(|row| of(row).powi(2)).sum();
+        if contact_fraction.sqrt() <= STILL * shape.amax() {
             return Err(HarmonicError::InvalidInput("no contact moves in this mode: it is linear"));
         }
         let rate: f64 = structure.damping.iter().map(|(i, j, c)| shape[*i] * c * shape[*j]).sum();
@@ -258,7 +258,7 @@ impl LinearStart {
             angular_frequency,
             damping_ratio: 0.5 * rate / angular_frequency,
             shape: shape.iter().map(|x| x / node).collect(),
-            contact_share,
+            contact_fraction,
         })
     }
 
@@ -282,9 +282,10 @@ struct FreeVibration<'s> {
 impl FreeVibration<'_> {
     /// The mode at an amplitude, on smaller and smaller steps from the last one.
     fn reach(&mut self, amplitude: f64, first: &Solution) -> Result<ModePoint, HarmonicError> {
-        let mut share = 1.0;
+        let mut fraction = 1.0;
         loop {
-            let next = self.reached.first().map_or(amplitude, |(from, _)| between(*from, amplitude, share));
+            let next =
+                self.reached.first().map_or(amplitude, |(from, _)| between(*from, amplitude, fraction));
             let start = self.predicted(next).unwrap_or_else(|| first.clone());
             match self.step(next, start) {
                 Ok(point) if next == amplitude => {
@@ -296,10 +297,10 @@ impl FreeVibration<'_> {
                         point,
                     });
                 }
-                Ok(_) => share = f64::min(2.0 * share, 1.0),
+                Ok(_) => fraction = f64::min(2.0 * fraction, 1.0),
                 Err(error) => {
-                    share *= 0.5;
-                    if self.reached.is_empty() || share < LEAST_SHARE || !error.is_of_the_step() {
+                    fraction *= 0.5;
+                    if self.reached.is_empty() || fraction < LEAST_FRACTION || !error.is_of_the_step() {
                         return Err(error);
                     }
                     self.system.forget();

@@ -25,7 +25,7 @@ impl Assembly {
         Self { system, waveform, load_swings: Vec::new(), static_offsets: Vec::new() }
     }
 
-    /// Names of the points that responses tell of: the sensors and, of a system that keeps its modal coordinates, the
+    /// Names of the points whose responses are given: the sensors and, of a system that keeps its modal coordinates, the
     /// port driven.
     pub fn nodes(&self) -> Vec<String> {
         let driven = self.system.driven.iter().filter(|_| !self.is_condensed());
@@ -95,14 +95,14 @@ pub const UNRESOLVED: f64 = 0.01;
 pub struct CurveSettings {
     /// Highest harmonic of the displacements, to start with where they adapt.
     pub harmonics: usize,
-    /// Truncation error of the displacements accepted (share of the amplitude). With it the harmonics adapt
+    /// Truncation error of the displacements accepted (fraction of the amplitude). With it the harmonics adapt
     /// between [`CurveSettings::harmonics`] and [`CurveSettings::max_harmonics`]; without it they stay.
     pub truncation: Option<f64>,
     /// Most harmonics an adapted point may have.
     pub max_harmonics: usize,
     /// How contacts are carried over a period.
     pub method: Method,
-    /// Largest residual accepted, as share of the largest displacement.
+    /// Largest residual accepted, as a fraction of the largest displacement.
     pub tolerance: f64,
     /// Newton steps before a start is given up.
     pub max_iterations: usize,
@@ -113,7 +113,7 @@ pub struct CurveSettings {
     /// (even harmonics born in a pitchfork bifurcation, as of the Duffing oscillator), only that
     /// the symmetric response has become unstable.
     pub all_harmonics: bool,
-    /// Longest step, as share of the range.
+    /// Longest step, as a fraction of the range.
     pub max_step: f64,
     /// Points before a curve is given up.
     pub max_points: usize,

@@ -9,7 +9,7 @@ use crate::harmonic::stability::Undecided;
 use crate::harmonic::{HarmonicError, Point};
 use crate::system::{Element, System};
 
-/// Steps of a difference, as shares of the parameter: the first, and the shortest.
+/// Steps of a difference, as fractions of the parameter: the first, and the shortest.
 const LONGEST: f64 = 1e-5;
 const SHORTEST: f64 = 1e-9;
 /// Second difference over first that is a kink's, and what rounding makes of the residual.

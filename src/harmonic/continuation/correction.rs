@@ -60,11 +60,11 @@ impl Path<'_> {
     /// The end of the range that `next` has passed.
     pub(super) fn edge_ahead(&self) -> Option<Ending> {
         let Route { along, from, to, .. } = self.route;
-        let share = (self.next.at.get(along) - from) / (to - from);
+        let fraction = (self.next.at.get(along) - from) / (to - from);
         let forward = self.present.scalars[along.index()] * (to - from) > 0.0;
-        if share.is_nan() || (share >= 1.0 && forward) {
+        if fraction.is_nan() || (fraction >= 1.0 && forward) {
             Some(Ending::Complete)
-        } else if share <= 0.0 && !forward {
+        } else if fraction <= 0.0 && !forward {
             Some(Ending::Returned)
         } else {
             None
@@ -104,12 +104,12 @@ impl Path<'_> {
         let along = self.route.along;
         let end = if edge == Ending::Complete { self.route.to } else { self.route.from };
         let (here, there) = (self.present.at.get(along), self.next.at.get(along));
-        let share = if there == here { 1.0 } else { ((end - here) / (there - here)).clamp(0.0, 1.0) };
+        let fraction = if there == here { 1.0 } else { ((end - here) / (there - here)).clamp(0.0, 1.0) };
         let here = &self.present;
-        self.next.x.iter_mut().zip(&here.x).for_each(|(n, x)| *n = x + share * (*n - x));
+        self.next.x.iter_mut().zip(&here.x).for_each(|(n, x)| *n = x + fraction * (*n - x));
         for scalar in &self.free {
             let start = here.at.get(*scalar);
-            self.next.at.set(*scalar, start + share * (self.next.at.get(*scalar) - start));
+            self.next.at.set(*scalar, start + fraction * (self.next.at.get(*scalar) - start));
         }
         self.next.at.set(along, end);
         let (guess, guess_at) = (self.next.x.clone(), self.next.at);

@@ -110,10 +110,10 @@ impl Path<'_> {
 
     /// Puts `next` between the present and the previous point (swapped: the present one comes first) on
     /// Hermite's cubic.
-    fn interpolate(&mut self, share: f64, reach: f64) {
-        let (s2, s3) = (share * share, share * share * share);
+    fn interpolate(&mut self, fraction: f64, reach: f64) {
+        let (s2, s3) = (fraction * fraction, fraction * fraction * fraction);
         let (h0, h1) = (2.0 * s3 - 3.0 * s2 + 1.0, 3.0 * s2 - 2.0 * s3);
-        let (g0, g1) = (reach * (s3 - 2.0 * s2 + share), reach * (s3 - s2));
+        let (g0, g1) = (reach * (s3 - 2.0 * s2 + fraction), reach * (s3 - s2));
         let (a, b) = (&self.present, &self.previous);
         self.next.x.clear();
         let ends = a.x.iter().zip(&a.unknowns).zip(b.x.iter().zip(&b.unknowns));

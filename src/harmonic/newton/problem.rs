@@ -199,27 +199,28 @@ impl Newton {
     ) -> Option<f64> {
         const HALVINGS: usize = 12;
         let n = x.len();
-        let mut share = longest_share(at, free, &self.step[n..]);
+        let mut fraction = longest_fraction(at, free, &self.step[n..]);
         for _ in 0..=HALVINGS {
             let mut moved = *at;
             let mut trial = std::mem::take(&mut self.trial);
             trial.clear();
-            trial.extend(x.iter().zip(&self.step).map(|(x, s)| x + share * s));
+            trial.extend(x.iter().zip(&self.step).map(|(x, s)| x + fraction * s));
             for (scalar, step) in free.iter().zip(&self.step[n..]) {
-                moved.set(*scalar, at.get(*scalar) + share * step);
+                moved.set(*scalar, at.get(*scalar) + fraction * step);
             }
             let done = self.evaluate(system, &trial, &moved, free, conditions).is_ok();
             self.trial = trial;
             let residual = largest(&self.residual);
             // At the accuracy of the contacts' periodic states the norm cannot fall any more.
             if done
-                && (length(&self.residual) <= (1.0 - 1e-4 * share) * norm || residual <= stopping.tolerance)
+                && (length(&self.residual) <= (1.0 - 1e-4 * fraction) * norm
+                    || residual <= stopping.tolerance)
             {
                 x.copy_from_slice(&self.trial);
                 *at = moved;
                 return Some(residual);
             }
-            share *= 0.5;
+            fraction *= 0.5;
         }
         None
     }
@@ -285,7 +286,7 @@ impl Newton {
 }
 
 /// Keeps the frequency positive: at most halved in a step.
-fn longest_share(at: &Operating, free: &[Scalar], step: &[f64]) -> f64 {
+fn longest_fraction(at: &Operating, free: &[Scalar], step: &[f64]) -> f64 {
     let frequency = free.iter().position(|scalar| *scalar == Scalar::AngularFrequency);
     frequency.map_or(1.0, |k| {
         let fall = -step[k];

@@ -113,7 +113,7 @@ pub(crate) trait PeriodicSystem {
     /// Writes a start for Newton's method at `at`: equivalent linearisation, or what the system has.
     fn guess(&mut self, at: &Operating, x: &mut [f64]) -> Result<(), HarmonicError>;
 
-    /// Size of the residual, as share of its largest term, below which it is rounding at `at`: what the structure is
+    /// Size of the residual, as a fraction of its largest term, below which it is rounding at `at`: what the structure is
     /// condensed by is only as good as its condition allows. Leaves the last evaluation alone.
     fn rounding(&mut self, at: &Operating) -> f64 {
         let _ = at;
@@ -152,7 +152,7 @@ pub(crate) trait PeriodicSystem {
         }
     }
 
-    /// Estimated error of the nodes' displacements from the harmonics left out, as share of the amplitude of
+    /// Estimated error of the nodes' displacements from the harmonics left out, as a fraction of the amplitude of
     /// the node it is largest at, at the solution `x`, `point` last evaluated. `solve` turns a residual into
     /// `(∂residual/∂unknowns)⁻¹ residual` in place. 0 where the system has no estimate.
     fn truncation_error(
@@ -180,13 +180,13 @@ pub(crate) trait PeriodicSystem {
     /// Takes the laws and normal loads of `system`, which is this one but for those.
     fn replace_laws(&mut self, system: &System) -> Result<(), HarmonicError>;
 
-    /// Writes the unknowns of a known response; false where it does not tell them.
+    /// Writes the unknowns of a known response; false where it does not determine them.
     fn resume(&self, point: &Point, x: &mut [f64]) -> bool {
         let _ = (point, x);
         false
     }
 
-    /// Whether a small disturbance of `point`, the solution last evaluated, dies out, or why that cannot be told.
+    /// Whether a small disturbance of `point`, the solution last evaluated, dies out, or why that cannot be determined.
     fn stable(&mut self, point: &Point) -> Result<bool, Undecided> {
         let _ = point;
         Err(Undecided::NoResponse)

@@ -141,15 +141,15 @@ impl Motion {
     /// The phase between the turning points `from` and `to`, which follow each other, where the
     /// displacement is `target` (m): an end where it lies outside.
     pub fn phase_of(&self, target: f64, from: &Turning, to: &Turning) -> f64 {
-        let share = (target - from.value) / (to.value - from.value);
+        let fraction = (target - from.value) / (to.value - from.value);
         // Also without motion, where the fraction is no number.
-        if !(share > 0.0 && share < 1.0) {
-            return if share >= 1.0 { to.phase } else { from.phase };
+        if !(fraction > 0.0 && fraction < 1.0) {
+            return if fraction >= 1.0 { to.phase } else { from.phase };
         }
         let rising = to.value > from.value;
         let (mut low, mut high) = (from.phase, to.phase);
         // Exact for a single harmonic.
-        let mut phase = low + (high - low) * (1.0 - 2.0 * share).acos() * std::f64::consts::FRAC_1_PI;
+        let mut phase = low + (high - low) * (1.0 - 2.0 * fraction).acos() * std::f64::consts::FRAC_1_PI;
         let mut last = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS {
             let (value, slope) = self.value_and_slope(phase);
@@ -174,8 +174,8 @@ impl Motion {
     pub fn turning_point(&self, low: (f64, f64), high: (f64, f64), rising: bool) -> Turning {
         let (mut left, mut right) = (low.0, high.0);
         let weight = low.1.abs() + high.1.abs();
-        let share = if weight > 0.0 { low.1.abs() / weight } else { 0.5 };
-        let mut phase = left + share * (right - left);
+        let fraction = if weight > 0.0 { low.1.abs() / weight } else { 0.5 };
+        let mut phase = left + fraction * (right - left);
         let mut last = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS {
             let (slope, curvature) = self.slope_and_curvature(phase);

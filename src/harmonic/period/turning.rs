@@ -118,11 +118,11 @@ mod tests {
     #[test]
     fn a_small_high_harmonic_turns_the_motion_at_its_crests() {
         // u = cos θ + e cos 50θ has extra turning points about θ = 0 and π as soon as 50² e > 1.
-        for (share, extra) in [(0.9, false), (1.1, true)] {
+        for (fraction, extra) in [(0.9, false), (1.1, true)] {
             let mut u = vec![0.0; 101];
-            (u[1], u[99]) = (1.0, share / 2500.0);
+            (u[1], u[99]) = (1.0, fraction / 2500.0);
             let count = found(HarmonicSet::full(50), &u).len();
-            assert_eq!(count > 2, extra, "{share}: {count}");
+            assert_eq!(count > 2, extra, "{fraction}: {count}");
         }
     }
 

@@ -103,10 +103,10 @@ impl Waves {
         if order.is_multiple_of(2) { self.even[order / 2] } else { self.odd[order / 2] }
     }
 
-    /// Coefficients on `set` of the signal whose integrals with the waves these are, `share` of a
+    /// Coefficients on `set` of the signal whose integrals with the waves these are, `fraction` of a
     /// period having been integrated.
-    pub fn coefficients(&self, set: HarmonicSet, share: f64, out: &mut [f64]) {
-        let norm = 1.0 / (share * PI);
+    pub fn coefficients(&self, set: HarmonicSet, fraction: f64, out: &mut [f64]) {
+        let norm = 1.0 / (fraction * PI);
         for (order, place) in set.orders() {
             if order == 0 {
                 out[place] = 0.5 * norm * self.even[0][0];
@@ -131,16 +131,16 @@ impl Waves {
 }
 
 /// Matrix of "multiply by k and keep the harmonics of `rows`" for signals on `columns`, from the integrals of
-/// k with the waves over `share` of a period.
+/// k with the waves over `fraction` of a period.
 pub(super) fn multiplication(
     k: &Waves,
     rows: HarmonicSet,
     columns: HarmonicSet,
-    share: f64,
+    fraction: f64,
     out: &mut DMatrix<f64>,
 ) {
     let height = out.nrows();
-    let norm = 0.5 / (share * PI);
+    let norm = 0.5 / (fraction * PI);
     for (b, column) in columns.orders() {
         let width = if b == 0 { 1 } else { 2 };
         let block = &mut out.as_mut_slice()[column * height..(column + width) * height];

@@ -29,7 +29,7 @@ pub(crate) trait Family {
     fn guess(&mut self, balance: &mut Balance, amount: f64) -> Result<State, HarmonicError>;
 }
 
-/// Smallest share of `amount` from which it is followed, and the smallest step (factor).
+/// Smallest fraction of `amount` from which it is followed, and the smallest step (factor).
 const WEAK: f64 = 1e-3;
 const SMALLEST_STEP: f64 = 1.001;
 

@@ -26,7 +26,7 @@ pub struct ForcedResponse {
     pub viscous_energy: f64,
     /// Newton steps of the last solve.
     pub iterations: usize,
-    /// Largest residual of the balance as share of the largest force.
+    /// Largest residual of the balance as a fraction of the largest force.
     pub residual: f64,
 }
 
@@ -103,7 +103,7 @@ pub fn forced_response(
     })
 }
 
-/// Responses to a share of the excitation.
+/// Responses to a fraction of the excitation.
 pub(crate) struct Forced {
     pub angular_frequency: f64,
 }

@@ -15,13 +15,13 @@ use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
 use crate::numeric::extremum::{Extremum, value_at};
 use crate::numeric::fourier::dot;
 
-/// Change of a node's motion, beyond the straight line, that one step may bring (share of its size).
+/// Change of a node's motion, beyond the straight line, that one step may bring (fraction of its size).
 const BEND: f64 = 0.03;
-/// Share of a step within which a peak is at one of its ends, or at another peak.
+/// Fraction of a step within which a peak is at one of its ends, or at another peak.
 const SAME_PLACE: f64 = 1e-3;
 /// The harmonics grow by this factor where the error is too large …
 const GROWTH: f64 = 1.5;
-/// … and shrink by this one where it is smaller than this share of the tolerance.
+/// … and shrink by this one where it is smaller than this fraction of the tolerance.
 const SHRINKAGE: f64 = 1.25;
 const AMPLE: f64 = 0.1;
 
@@ -419,7 +419,7 @@ impl<'s> Recorder<'s> {
         system.truncation_error(&location.x, &location.at, point, &mut solve)
     }
 
-    /// How far the nodes' motion deviates from a straight line back to the last point, as share of what is
+    /// How far the nodes' motion deviates from a straight line back to the last point, as a fraction of what is
     /// tolerable.
     fn bend(&mut self, point: &Point) -> f64 {
         if self.last_nodes.len() != point.nodes.len() {

@@ -9,7 +9,7 @@ use crate::system::{LinearStructure, System};
 const LARGEST: usize = 200;
 /// Damping ratios below this are rounding: an undamped resonance itself has no response to look at.
 const SHARPEST: f64 = 1e-9;
-/// Entries of the waveform below this share of the largest excite nothing.
+/// Entries of the waveform below this fraction of the largest excite nothing.
 const SILENT: f64 = 1e-12;
 
 /// The linear_resonances of `assembly`, ascending: one resonance that is nowhere near a point of a curve leaves no trace in

@@ -30,7 +30,7 @@ pub struct Resonance {
     pub viscous_energy: f64,
     /// Newton steps of the last solve.
     pub iterations: usize,
-    /// Largest residual of the balance as share of the largest force.
+    /// Largest residual of the balance as a fraction of the largest force.
     pub residual: f64,
 }
 

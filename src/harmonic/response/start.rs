@@ -7,7 +7,7 @@ use crate::harmonic::newton::condition::HeldAmplitude;
 use crate::harmonic::newton::problem::{Condition, Stopping, solve};
 use crate::harmonic::newton::system::{Observation, Operating, PeriodicSystem, Scalar};
 
-/// Level from which a response is followed up where Newton's method fails at once, as share of the wanted.
+/// Level from which a response is followed up where Newton's method fails at once, as a fraction of the wanted.
 const WEAK: f64 = 1e-3;
 
 /// Points of such a curve after which it is given up: the response may be out of reach, and is to say so soon.
@@ -219,8 +219,8 @@ fn directly(
         // Over the logarithm of the compliance a response runs evenly.
         let mut ahead = x.clone();
         if let Some((last, y)) = &before {
-            let share = factor.ln() / (compliance / last).ln();
-            ahead.iter_mut().zip(y).for_each(|(x, y)| *x += share * (*x - y));
+            let fraction = factor.ln() / (compliance / last).ln();
+            ahead.iter_mut().zip(y).for_each(|(x, y)| *x += fraction * (*x - y));
         }
         system.compliance_homotopy(next);
         if attempt(system, &mut ahead, HOMOTOPY_ITERATIONS) {

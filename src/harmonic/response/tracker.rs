@@ -274,8 +274,8 @@ impl Tracker {
                 found = Some((nearest.clone(), fall));
                 break;
             }
-            let share = (above / (above - below)).clamp(0.001, 0.999);
-            let middle = self.place_along(system, node, &up.solution, &chord, share * distance)?;
+            let fraction = (above / (above - below)).clamp(0.001, 0.999);
+            let middle = self.place_along(system, node, &up.solution, &chord, fraction * distance)?;
             let lowered = |here: f64, replaced: f64| {
                 let weight = 1.0 - here / replaced;
                 if weight > 0.0 { weight } else { 0.5 }

@@ -9,8 +9,8 @@ use crate::harmonic::balance::varied::{AssemblyAt, Varied};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 
-/// Share of the way from one value to the next below which it is given up.
-pub(crate) const LEAST_SHARE: f64 = 1e-5;
+/// Fraction of the way from one value to the next below which it is given up.
+pub(crate) const LEAST_FRACTION: f64 = 1e-5;
 /// Change of the frequency in a step, relative, beyond which another resonance may have been taken for this.
 pub(crate) const LARGEST_CHANGE: f64 = 0.03;
 
@@ -216,9 +216,9 @@ impl<'s> Follower<'s> {
 
     /// The response at a value, on smaller and smaller steps from the last one.
     fn reach(&mut self, value: f64, set: &impl Fn(&mut Operating, f64)) -> Result<Tracked, HarmonicError> {
-        let mut share = 1.0;
+        let mut fraction = 1.0;
         loop {
-            let next = self.reached.first().map_or(value, |(from, _)| between(*from, value, share));
+            let next = self.reached.first().map_or(value, |(from, _)| between(*from, value, fraction));
             match self.step(next, set) {
                 Ok(point) if next == value => {
                     let amplitude = point.amplitude[self.node];
@@ -229,10 +229,10 @@ impl<'s> Follower<'s> {
                         point,
                     });
                 }
-                Ok(_) => share = f64::min(2.0 * share, 1.0),
+                Ok(_) => fraction = f64::min(2.0 * fraction, 1.0),
                 Err(error) => {
-                    share *= 0.5;
-                    if self.reached.is_empty() || share < LEAST_SHARE || !error.is_of_the_step() {
+                    fraction *= 0.5;
+                    if self.reached.is_empty() || fraction < LEAST_FRACTION || !error.is_of_the_step() {
                         return Err(error);
                     }
                     self.system.forget();
@@ -303,13 +303,13 @@ impl<'s> Follower<'s> {
     }
 }
 
-/// A share of the way from one value to another, by ratio where both have the same sign.
-pub(crate) fn between(from: f64, to: f64, share: f64) -> f64 {
-    if share >= 1.0 || from == to {
+/// A fraction of the way from one value to another, by ratio where both have the same sign.
+pub(crate) fn between(from: f64, to: f64, fraction: f64) -> f64 {
+    if fraction >= 1.0 || from == to {
         to
     } else if from * to > 0.0 {
-        from * (to / from).powf(share)
+        from * (to / from).powf(fraction)
     } else {
-        from + share * (to - from)
+        from + fraction * (to - from)
     }
 }

@@ -44,8 +44,8 @@ pub(super) struct Feedback {
     channels: usize,
 }
 
-/// Where a contact sits.
-pub(super) struct Seat<'a> {
+/// How a contact is attached to the structure.
+pub(super) struct Attachment<'a> {
     /// Its displacement by those of the channels, and the rate of that.
     pub arm: &'a [f64],
     pub arm_rate: &'a [f64],
@@ -73,27 +73,27 @@ impl Feedback {
     }
 
     /// Adds a contact.
-    pub fn attach(&mut self, step: &Step, seat: &Seat) {
+    pub fn attach(&mut self, step: &Step, attachment: &Attachment) {
         let (m, width) = (self.channels, self.force.ncols());
-        let place = 2 * m + seat.memory;
+        let place = 2 * m + attachment.memory;
         let states = step.state.force_by_state.len();
         let mut moved = vec![0.0; width];
-        moved[..m].copy_from_slice(seat.arm);
+        moved[..m].copy_from_slice(attachment.arm);
         let mut remembered = vec![0.0; width];
         remembered[place..place + states].copy_from_slice(&step.state.force_by_state);
         let (stiffness, damping) = (step.by_displacement, step.by_velocity);
         let (displacement, velocity, force);
-        match seat.series {
+        match attachment.series {
             Series::Rigid => {
                 let mut rate = vec![0.0; width];
-                rate[..m].copy_from_slice(seat.arm_rate);
-                rate[m..2 * m].copy_from_slice(seat.arm);
+                rate[..m].copy_from_slice(attachment.arm_rate);
+                rate[m..2 * m].copy_from_slice(attachment.arm);
                 force = sum([(stiffness, &moved), (damping, &rate), (1.0, &remembered)]);
                 (displacement, velocity) = (moved, rate);
             }
             Series::Spring(compliance) => {
-                let share = 1.0 / (1.0 + compliance * stiffness);
-                displacement = sum([(share, &moved), (-share * compliance, &remembered)]);
+                let fraction = 1.0 / (1.0 + compliance * stiffness);
+                displacement = sum([(fraction, &moved), (-fraction * compliance, &remembered)]);
                 velocity = vec![0.0; width];
                 force = sum([(stiffness, &displacement), (1.0, &remembered)]);
             }
@@ -102,9 +102,9 @@ impl Feedback {
                 before[place + states] = 1.0;
                 if duration > 0.0 {
                     let rate = damping / duration;
-                    let share = 1.0 / (1.0 + compliance * (stiffness + rate));
-                    let (held, drawn) = (share * compliance * rate, -share * compliance);
-                    displacement = sum([(share, &moved), (held, &before), (drawn, &remembered)]);
+                    let fraction = 1.0 / (1.0 + compliance * (stiffness + rate));
+                    let (held, drawn) = (fraction * compliance * rate, -fraction * compliance);
+                    displacement = sum([(fraction, &moved), (held, &before), (drawn, &remembered)]);
                     velocity = sum([(1.0 / duration, &displacement), (-1.0 / duration, &before)]);
                 } else {
                     (displacement, velocity) = (before, vec![0.0; width]);
@@ -112,7 +112,7 @@ impl Feedback {
                 force = sum([(1.0 / compliance, &moved), (-1.0 / compliance, &displacement)]);
             }
         }
-        for (i, arm) in seat.arm.iter().enumerate().filter(|(_, arm)| **arm != 0.0) {
+        for (i, arm) in attachment.arm.iter().enumerate().filter(|(_, arm)| **arm != 0.0) {
             self.force.row_mut(i).iter_mut().zip(&force).for_each(|(into, f)| *into += arm * f);
         }
         let laws = step.state.next_by_displacement.iter().zip(&step.state.next_by_velocity);
@@ -120,10 +120,14 @@ impl Feedback {
             let mut row = sum([(*by_displacement, &displacement), (*by_velocity, &velocity)]);
             let states = step.state.next_by_state[i * states..(i + 1) * states].iter();
             row[place..].iter_mut().zip(states).for_each(|(into, by)| *into += by);
-            self.memory.row_mut(seat.memory + i).iter_mut().zip(row).for_each(|(into, value)| *into = value);
+            self.memory
+                .row_mut(attachment.memory + i)
+                .iter_mut()
+                .zip(row)
+                .for_each(|(into, value)| *into = value);
         }
-        if let Series::Yielding(..) = seat.series {
-            let row = self.memory.row_mut(seat.memory + states);
+        if let Series::Yielding(..) = attachment.series {
+            let row = self.memory.row_mut(attachment.memory + states);
             row.into_iter().zip(displacement).for_each(|(into, value)| *into = value);
         }
     }
@@ -179,9 +183,9 @@ impl Disturbed for Linear<'_> {
         for (channel, (contact, u)) in self.contacts.iter().zip(self.displacement).enumerate() {
             let mut arm = still.clone();
             arm[channel] = 1.0;
-            let seat = Seat { arm: &arm, arm_rate: &still, memory: first, series: Series::Rigid };
+            let attachment = Attachment { arm: &arm, arm_rate: &still, memory: first, series: Series::Rigid };
             let steps = history(contact, u, self.angular_frequency, grid, true)?;
-            out.iter_mut().zip(&steps).for_each(|(feedback, step)| feedback.attach(step, &seat));
+            out.iter_mut().zip(&steps).for_each(|(feedback, step)| feedback.attach(step, &attachment));
             first += contact.law.state_len();
         }
         Ok(out)

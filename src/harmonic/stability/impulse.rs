@@ -67,7 +67,7 @@ pub(super) fn phases(contact: &LoadedContact, coefficients: &[f64], angular_freq
     let law = contact.law;
     let mut state = vec![0.0; law.state_len()];
     law.set_state(0.0, contact.normal_load, 0.0, &mut state);
-    // Without a periodic state the history tells so.
+    // Without a periodic state the history says so.
     if PeriodicSolver::new().solve(law, &period, &mut state).is_err() {
         return [of_force, of_tangents];
     }
@@ -103,8 +103,8 @@ fn jumps_between(from: f64, to: f64, tangents: &mut impl FnMut(f64) -> [f64; 2],
     /// Fractions of a tangent by which it changes over an interval, and by which it jumps.
     const CHANGES: f64 = 1e-2;
     const JUMPS: f64 = 1e-3;
-    let changes = |a: &[f64; 2], b: &[f64; 2], share: f64| {
-        a.iter().zip(b).any(|(a, b)| (a - b).abs() > share * a.abs().max(b.abs()))
+    let changes = |a: &[f64; 2], b: &[f64; 2], fraction: f64| {
+        a.iter().zip(b).any(|(a, b)| (a - b).abs() > fraction * a.abs().max(b.abs()))
     };
     let phase = |k: usize| from + (to - from) * (k as f64 + 1e-6) / (INTERVALS as f64 + 2e-6);
     let mut before = tangents(phase(0));

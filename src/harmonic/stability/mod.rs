@@ -1,13 +1,12 @@
-//! Whether a periodic response lasts: Floquet multipliers of the variational equation along it.
+//! Stability of periodic responses: Floquet multipliers of the variational equation along them.
 //!
 //! A small disturbance δq of a periodic motion obeys `M δq̈ + C δq̇ + K δq + Σ Bᵢᵀ δTᵢ = 0`, where δTᵢ is
 //! what the contact answers to `δuᵢ = Bᵢ δq` and to what its memory was disturbed by. The eigenvalues of
 //! the map over one period are the multipliers; the motion is stable where all are smaller than one.
 //!
-//! - Sliders without play on a structure that gains energy nowhere, and no contact at all (`monotone`): no
-//!   disturbance can grow, whatever the motion; nothing has to be computed. Motions along which no slider changes its
-//!   branch: the poles of the linear structure tell.
-//! - Other piecewise-linear laws (`regimes`): the displacement tells which slider sticks when; each regime is
+//! - Sliders without play on a structure that gains energy nowhere, and no contact at all (`monotone`): always stable, no
+//!   check is needed. Motions along which no slider changes its branch: the poles of the linear structure decide.
+//! - Other piecewise-linear laws (`regimes`): the displacement determines when each slider sticks; each regime is
 //!   a linear system, solved to rounding by the exponential of its matrix. Sliders remember the displacement of their last reversal, so that a
 //!   disturbance of memory has one component per turning point, whatever the number of sliders.
 //! - Any other law (`tangents`): the tangents of its steps on a grid that meets all turning points,
@@ -56,7 +55,7 @@ pub struct Multipliers {
 }
 
 impl Multipliers {
-    /// Whether no disturbance grows: by more than 1e-8 of itself in a period, which is what can be told from
+    /// Whether no disturbance grows: by more than 1e-8 of itself in a period, which can be distinguished from
     /// rounding.
     pub fn stable(&self) -> bool {
         self.values.iter().all(|multiplier| multiplier.norm() <= 1.0 + ON_THE_CIRCLE)
@@ -118,7 +117,7 @@ pub fn floquet_in_modes(
     Ok(Multipliers { values: tangents::multipliers_of(&bent, &mut |_| false, Budget::unlimited())? })
 }
 
-/// Why it cannot be told whether a motion is stable.
+/// Why the stability of a motion cannot be determined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Undecided {
@@ -146,7 +145,7 @@ impl From<OscillatorError> for Undecided {
 /// motion stable, whatever the structure's size, unless it gains energy by itself.
 ///
 /// # Errors
-/// Why it cannot be told.
+/// Why it cannot be determined.
 pub fn decide(
     structure: &LinearStructure,
     contacts: &[LoadedContact],
@@ -176,7 +175,7 @@ fn poles_are_stable(
     system: &Exact,
     contacts: &[f64],
 ) -> Result<bool, Undecided> {
-    /// Real part of a pole that is rounding, as share of the fastest motion: two that fall together are off by the
+    /// Real part of a pole that is rounding, as a fraction of the fastest motion: two that fall together are off by the
     /// root of it.
     const ON_THE_AXIS: f64 = 1e-7;
     let mut stiffness = structure.stiffness.clone();
@@ -203,7 +202,7 @@ fn poles_are_stable(
 /// Whether the motion that [`floquet_in_modes`] describes is stable.
 ///
 /// # Errors
-/// Why it cannot be told.
+/// Why it cannot be determined.
 pub fn decide_in_modes(
     system: &System,
     modes: &[f64],
@@ -232,12 +231,12 @@ pub(crate) fn decide_modal(
 /// Tells whether multipliers are good enough.
 type Enough<'e> = dyn FnMut(&[Complex<f64>]) -> bool + 'e;
 
-/// Whether all multipliers are stable, made no better than it takes to tell.
+/// Whether all multipliers are stable, computed only as accurately as the decision needs.
 fn verdict(
     floats: bool,
     found: impl FnOnce(&mut Enough) -> Result<Vec<Complex<f64>>, OscillatorError>,
 ) -> Result<bool, Undecided> {
-    /// Change of the largest multiplier from one map to a better one, as share of its distance from the unit circle.
+    /// Change of the largest multiplier from one map to a better one, as a fraction of its distance from the unit circle.
     const CLEAR: f64 = 0.1;
     /// What floats has two multipliers at one, which rounding drives apart by its root.
     const OF_FLOATING: f64 = 1e-4;

@@ -4,7 +4,7 @@
 //! disturbed itself: on the modes act `J δF − γ F G δq`. Every mode is a channel. A flexibility a in series with a law
 //! leaves it `δv = J·δq − a δF`.
 
-use super::feedback::{Disturbed, Feedback, Seat, Series, events_of};
+use super::feedback::{Attachment, Disturbed, Feedback, Series, events_of};
 use super::history::history;
 use super::signal::evaluate;
 use super::step::Step;
@@ -124,7 +124,7 @@ impl<'a> Bent<'a> {
             let turning = -self.angular_frequency * law.port.shortening;
             let arm_rate: Vec<f64> = bending.iter().map(|bending| turning * bending).collect();
             let (arm, series) = (arm(law.port), law.series(duration));
-            feedback.attach(step, &Seat { arm: &arm, arm_rate: &arm_rate, memory: law.memory, series });
+            feedback.attach(step, &Attachment { arm: &arm, arm_rate: &arm_rate, memory: law.memory, series });
         }
         feedback
     }

@@ -27,7 +27,7 @@ const MOST_STEPS: usize = 1 << 16;
 /// Cost of a step beyond its products, in multiplications.
 const LEAST_STEP: usize = 4000;
 
-/// The multipliers over a period. `enough` sees them all, each better than the last, and tells whether they are good
+/// The multipliers over a period. `enough` sees them all, each better than the last, and says whether they are good
 /// enough, which they can be only on a grid that resolves the structure's own motion.
 pub(super) fn multipliers_of(
     motion: &dyn Disturbed,

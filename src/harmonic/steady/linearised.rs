@@ -7,7 +7,7 @@ use crate::harmonic::balance::modal::{Ports, Workspace};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 use crate::numeric::lu::Factors;
 
-/// Share of a step by which the change along it is told.
+/// Fraction of a step over which the change along it is measured.
 const PROBE: f64 = 1e-4;
 
 /// A beam's equations as they stand at a motion.

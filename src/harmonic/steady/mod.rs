@@ -21,9 +21,9 @@ use measured::explained;
 
 /// Steps with factors found elsewhere, before the search starts anew.
 const MOST_STEPS: usize = 40;
-/// Share to which a step must bring the residual for the factors to be used again.
+/// Fraction to which a step must bring the residual for the factors to be used again.
 const GOOD_FACTORS: f64 = 0.2;
-/// Share to which a step with new factors must bring the residual; else a search with shorter steps is better.
+/// Fraction to which a step with new factors must bring the residual; else a search with shorter steps is better.
 const GOOD_STEP: f64 = 0.9;
 
 /// Step, as multiple of the motion itself, that leads nowhere near: those that led to a response were 8 times as long at
@@ -47,7 +47,7 @@ pub(crate) struct SteadyProblem {
     /// Highest harmonic of the sensors' motion, at least that of the modes: above that the modes follow the contact's
     /// force without acting on it.
     pub sensed_harmonics: usize,
-    /// Largest residual accepted, as share of the largest displacement among the unknowns.
+    /// Largest residual accepted, as a fraction of the largest displacement among the unknowns.
     pub tolerance: f64,
 }
 

@@ -79,9 +79,9 @@ impl RungeKutta {
                 self.forces(&y, &mut contact);
                 let before = self.contact_displacements(&y);
                 let forces_before = contact.clone();
-                for (i, (share, at)) in [(0.0, 0), (0.5, 1), (0.5, 1), (1.0, 2)].into_iter().enumerate() {
+                for (i, (fraction, at)) in [(0.0, 0), (0.5, 1), (0.5, 1), (1.0, 2)].into_iter().enumerate() {
                     for (place, stage) in stage.iter_mut().enumerate() {
-                        *stage = y[place] + if i > 0 { share * h * rates[i - 1][place] } else { 0.0 };
+                        *stage = y[place] + if i > 0 { fraction * h * rates[i - 1][place] } else { 0.0 };
                     }
                     self.rate(&stage, force[2 * k + at], &mut contact, &mut rates[i]);
                 }

@@ -38,7 +38,7 @@ pub struct PeriodicMotion {
     /// Floquet multipliers of displacements, velocities and the sliders that slip, by falling magnitude. A
     /// slider that never slips keeps any position it is given (a multiplier of one) and is not counted.
     pub multipliers: Vec<Complex<f64>>,
-    /// Whether no disturbance counted grows by more than 1e-8 of itself in a period, which is what can be told
+    /// Whether no disturbance counted grows by more than 1e-8 of itself in a period, which can be distinguished
     /// from rounding.
     pub stable: bool,
     /// Largest change over a period, as a fraction of the largest displacement and velocity.

@@ -5,7 +5,7 @@
 //!
 //! `u_h + Σ_j H_cj(hΩ) T_j,h(u_j) − level · H_ce(hΩ) f_h = 0`,
 //!
-//! all in metres, so that the stopping rule is a share of the largest displacement. The other points of the
+//! all in metres, so that the stopping rule is a fraction of the largest displacement. The other points of the
 //! structure follow from the solution, without iteration. No contact at all is a linear response.
 //!
 //! Where every law is odd and the excitation has odd harmonics alone, so may the response, and the set of

@@ -22,11 +22,11 @@ use crate::numeric::lu::Factors;
 const FIRST_JOINT: usize = 2;
 /// Rounds before more harmonics are inverted together.
 const ROUNDS: usize = 10;
-/// Change (share of the largest coefficient) at which the solution is at rounding.
+/// Change (fraction of the largest coefficient) at which the solution is at rounding.
 const FINISHED: f64 = 1e-12;
 /// Change above which the ratio of two changes tells the contraction.
 const TELLING: f64 = 1e-8;
-/// Share left by a round above which the rounds are too many.
+/// Fraction left by a round above which the rounds are too many.
 const SLOW: f64 = 0.5;
 /// Error of the derivatives that Newton's method does not notice.
 const DERIVATIVE_ERROR: f64 = 1e-3;
@@ -50,9 +50,9 @@ pub(crate) struct ModalEquations {
     /// Whether it is that of the present factors.
     inverted: bool,
     factors: Factors,
-    /// Share of the error that a round leaves.
+    /// Fraction of the error that a round leaves.
     contraction: f64,
-    /// Error accepted of [`Self::solve_many`], as share.
+    /// Error accepted of [`Self::solve_many`], as a fraction.
     pub derivative_error: f64,
     coupled: DMatrix<f64>,
     residual: DVector<f64>,

@@ -84,7 +84,7 @@ fn stuck_stiffness(balance: &mut Balance) -> Result<f64, HarmonicError> {
 
 /// The spring and damper nearest to what the contact does under `q`.
 ///
-/// Behind the series spring the contact keeps the share `1 − a k` of the displacement, with the stiffness k
+/// Behind the series spring the contact keeps the fraction `1 − a k` of the displacement, with the stiffness k
 /// of the round `before`: no iteration through that spring, since the rounds settle it too.
 fn measure(
     balance: &mut Balance,
@@ -97,8 +97,8 @@ fn measure(
     balance.weigh();
     let u = balance.displacement().to_vec();
     balance.forget();
-    let share = (1.0 - balance.ports[0].flexibility * before.stiffness).clamp(0.0, 1.0);
-    let kept: Vec<f64> = u.iter().map(|u| share * u).collect();
+    let fraction = (1.0 - balance.ports[0].flexibility * before.stiffness).clamp(0.0, 1.0);
+    let kept: Vec<f64> = u.iter().map(|u| fraction * u).collect();
     let force = balance.contact_force(angular_frequency, &kept, 0.0)?;
     let work = work_per_cycle(force, &u);
     let (mut along, mut squares, mut rates) = (0.0, 0.0, 0.0);

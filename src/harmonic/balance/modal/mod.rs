@@ -331,7 +331,7 @@ impl Balance {
     }
 
     /// Energy dissipated in the contact per cycle (J) at the last evaluation: the work of the force on
-    /// the displacement before the series spring, which stores and returns its share.
+    /// the displacement before the series spring, which stores and returns its part.
     pub fn dissipated_energy(&self) -> f64 {
         work_per_cycle(self.force(), self.displacement())
     }

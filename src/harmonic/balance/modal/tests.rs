@@ -53,7 +53,7 @@ impl ContactLaw for Damper {
     }
 }
 
-/// Largest difference between Jacobian and central differences, as share of the largest entry of
+/// Largest difference between Jacobian and central differences, as a fraction of the largest entry of
 /// each column; the last columns are those of the scalars.
 fn jacobian_error(law: Arc<dyn ContactLaw>, size: f64) -> f64 {
     const SCALARS: [Scalar; 3] = [Scalar::AngularFrequency, Scalar::Level, Scalar::SelfExcitation];

@@ -7,7 +7,7 @@ use crate::harmonic::Point;
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 
 impl Balance {
-    /// Estimated error of the nodes from harmonics above H, as share of the amplitude of the node it is
+    /// Estimated error of the nodes from harmonics above H, as a fraction of the amplitude of the node it is
     /// largest at.
     ///
     /// What the contact's force would move the modes by above H is added, and so is

@@ -306,7 +306,7 @@ impl Bundle {
         books.record.dissipated_energy += self.settle(to.value, source);
     }
 
-    /// The pulls left of a change, softened by the spring.
+    /// The pulls that remain of a change, reduced by the spring.
     fn remember_pulls(&mut self) {
         let homotopy_compliance = 1.0 / (1.0 + self.compliance * self.total.stiffness);
         for (before, pull) in self.before.iter_mut().zip(&self.total.pulls) {

@@ -140,12 +140,12 @@ impl PiecewiseForceIntegrals {
         }
     }
 
-    /// Integrates force and derivatives over the period, `share` of which was run through. The sources are
+    /// Integrates force and derivatives over the period, `fraction` of which was run through. The sources are
     /// displacements at the turning points, or what depends on them by the rows of `by_points`.
     pub fn integrate(
         &mut self,
         set: HarmonicSet,
-        share: f64,
+        fraction: f64,
         u: &[f64],
         by_points: Option<&[f64]>,
         force: &mut [f64],
@@ -154,8 +154,8 @@ impl PiecewiseForceIntegrals {
         self.sum();
         self.by_stiffness.integrate();
         self.by_constant.integrate();
-        multiplication(&self.by_stiffness, set, set, share, jacobian);
-        self.by_constant.coefficients(set, share, force);
+        multiplication(&self.by_stiffness, set, set, fraction, jacobian);
+        self.by_constant.coefficients(set, fraction, force);
         for (column, u) in jacobian.as_slice().chunks_exact(force.len()).zip(u) {
             force.iter_mut().zip(column).for_each(|(f, k)| *f += k * u);
         }
@@ -166,7 +166,7 @@ impl PiecewiseForceIntegrals {
             self.spread(by_points);
         }
         for source in 0..self.sources {
-            self.by_source[source].coefficients(set, share, &mut self.pull);
+            self.by_source[source].coefficients(set, fraction, &mut self.pull);
             self.waves.fill(self.changes[source].phase);
             self.waves.basis(set, &mut self.basis);
             subtract_product(jacobian, &self.pull, &self.basis);
@@ -211,8 +211,15 @@ impl PiecewiseForceIntegrals {
 
     /// Coefficients on `other` of the force for the displacement `u` on `set`. Of half a period of an odd
     /// motion only odd harmonics follow, and there are no others.
-    pub fn force_on(&mut self, other: HarmonicSet, set: HarmonicSet, share: f64, u: &[f64], out: &mut [f64]) {
-        let half = share < 1.0;
+    pub fn force_on(
+        &mut self,
+        other: HarmonicSet,
+        set: HarmonicSet,
+        fraction: f64,
+        u: &[f64],
+        out: &mut [f64],
+    ) {
+        let half = fraction < 1.0;
         if half && other.highest() == 0 {
             out.fill(0.0);
             return;
@@ -239,8 +246,8 @@ impl PiecewiseForceIntegrals {
         }
         stiffness.integrate();
         constant.integrate();
-        multiplication(stiffness, kept, set, share, matrix);
-        constant.coefficients(kept, share, force);
+        multiplication(stiffness, kept, set, fraction, matrix);
+        constant.coefficients(kept, fraction, force);
         for (column, u) in matrix.as_slice().chunks_exact(force.len()).zip(u) {
             force.iter_mut().zip(column).for_each(|(f, k)| *f += k * u);
         }

@@ -235,7 +235,7 @@ impl Cycle for PiecewiseCycle {
         };
         let contact_by_points = together.then_some(self.bundle.by_points.as_slice());
         let (force, jacobian) = (&mut self.force, &mut self.jacobian);
-        self.integrals.integrate(self.set, self.path.share(), u, contact_by_points, force, jacobian);
+        self.integrals.integrate(self.set, self.path.fraction(), u, contact_by_points, force, jacobian);
         Ok(())
     }
 
@@ -270,7 +270,7 @@ impl Cycle for PiecewiseCycle {
         if self.path.points.is_empty() {
             self.set.convert(&self.force, set, out);
         } else {
-            self.integrals.force_on(set, self.set, self.path.share(), &self.displacement, out);
+            self.integrals.force_on(set, self.set, self.path.fraction(), &self.displacement, out);
         }
     }
 

@@ -69,7 +69,7 @@ impl Path {
     }
 
     /// Fraction of a period the path runs through.
-    pub fn share(&self) -> f64 {
+    pub fn fraction(&self) -> f64 {
         if self.sign < 0.0 { 0.5 } else { 1.0 }
     }
 
@@ -169,10 +169,10 @@ impl Record {
             loose += (to - from.max(covered)).max(0.0);
             covered = covered.max(*to);
         }
-        let period = path.share() * std::f64::consts::TAU;
+        let period = path.fraction() * std::f64::consts::TAU;
         let stick_fraction = if apart { 0.0 } else { (1.0 - loose / period).clamp(0.0, 1.0) };
         CycleSummary {
-            dissipated_energy: self.dissipated_energy / path.share(),
+            dissipated_energy: self.dissipated_energy / path.fraction(),
             equivalent_stiffness: tip_stiffness(path, &self.force, compliance),
             stick_fraction: Some(stick_fraction),
         }

@@ -84,9 +84,9 @@ impl SampledCycle {
                 .zip(&self.velocity_row)
                 .map(|(by_place, by_velocity)| damping * by_velocity * short - height * by_place),
         );
-        for (sample, share, sign) in [(before, 1.0 - place, -1.0), (k, place, 1.0)] {
+        for (sample, fraction, sign) in [(before, 1.0 - place, -1.0), (k, place, 1.0)] {
             let column = &mut self.sensitivity.as_mut_slice()[sample * columns..(sample + 1) * columns];
-            add_scaled(column, share, added);
+            add_scaled(column, fraction, added);
             add_scaled(column, sign * height * short, by_place);
         }
     }

@@ -70,7 +70,7 @@ pub(crate) struct SmoothCycle {
     turnings: Vec<Turning>,
     /// One whole period.
     path: Path,
-    share: f64,
+    fraction: f64,
     chain: Chain,
     rule: Rule,
     nodes: [Node; NODES],
@@ -183,7 +183,7 @@ impl SmoothCycle {
             motion: Motion::default(),
             turnings: Vec::new(),
             path: Path::default(),
-            share: 1.0,
+            fraction: 1.0,
             chain: Chain::default(),
             rule: Rule::new(),
             nodes: [Node::default(); NODES],
@@ -377,7 +377,7 @@ impl SmoothCycle {
             for (l, weight) in self.chain.by_points(leg, component).iter().enumerate() {
                 // The second half of an odd period mirrors the first.
                 let (index, sign) =
-                    if self.share < 1.0 && l >= points / 2 { (l - points / 2, -1.0) } else { (l, 1.0) };
+                    if self.fraction < 1.0 && l >= points / 2 { (l - points / 2, -1.0) } else { (l, 1.0) };
                 if *weight != 0.0 {
                     self.sums.by_source[index].add(sign * weight, sum);
                 }
@@ -388,17 +388,17 @@ impl SmoothCycle {
 
     /// Coefficients and derivatives from the sums.
     fn finish(&mut self) {
-        let (set, share) = (self.set, self.share);
-        self.sums.force.coefficients(set, share, &mut self.force);
-        multiplication(&self.sums.stiffness, set, set, share, &mut self.jacobian);
-        self.sums.by_frequency.coefficients(set, share, &mut self.by_frequency);
+        let (set, fraction) = (self.set, self.fraction);
+        self.sums.force.coefficients(set, fraction, &mut self.force);
+        multiplication(&self.sums.stiffness, set, set, fraction, &mut self.jacobian);
+        self.sums.by_frequency.coefficients(set, fraction, &mut self.by_frequency);
         if self.rated {
-            multiplication(&self.sums.damping, set, set, share, &mut self.matrix);
+            multiplication(&self.sums.damping, set, set, fraction, &mut self.matrix);
             add_by_slope(set, &self.matrix, &mut self.jacobian);
         }
-        let sources = (self.path.points.len() - 1) / if share < 1.0 { 2 } else { 1 };
+        let sources = (self.path.points.len() - 1) / if fraction < 1.0 { 2 } else { 1 };
         for source in 0..sources {
-            self.sums.by_source[source].coefficients(set, share, &mut self.pull);
+            self.sums.by_source[source].coefficients(set, fraction, &mut self.pull);
             self.sums.waves.fill(self.path.points[source].phase);
             self.sums.waves.basis(set, &mut self.basis);
             let size = self.pull.len();
@@ -423,7 +423,7 @@ impl SmoothCycle {
         self.has_stick = contact.law.has_stick();
         turning_points(&self.motion, &mut self.turnings);
         self.path.set(&self.turnings, &self.motion, false);
-        self.share = if self.motion.is_odd() && contact.law.is_odd() { 0.5 } else { 1.0 };
+        self.fraction = if self.motion.is_odd() && contact.law.is_odd() { 0.5 } else { 1.0 };
         self.reset(contact.law.state_len());
         if self.path.points.is_empty() {
             self.rest(contact, angular_frequency);
@@ -431,7 +431,7 @@ impl SmoothCycle {
         }
         self.chain.solve(contact, &self.path.points)?;
         let legs = self.path.points.len() - 1;
-        for leg in 0..if self.share < 1.0 { legs / 2 } else { legs } {
+        for leg in 0..if self.fraction < 1.0 { legs / 2 } else { legs } {
             self.integrate_leg(contact, angular_frequency, leg);
             if !self.alone {
                 self.hand_on(leg);
@@ -558,7 +558,7 @@ impl Cycle for SmoothCycle {
 
     /// The nodes resolve harmonics up to about twice the highest of the cycle's own set.
     fn force_on(&mut self, set: HarmonicSet, out: &mut [f64]) {
-        let half = self.share < 1.0;
+        let half = self.fraction < 1.0;
         if self.path.points.is_empty() {
             self.set.convert(&self.force, set, out);
             return;
@@ -575,7 +575,7 @@ impl Cycle for SmoothCycle {
             sum.add(*force, &waves);
         }
         let mut force = vec![0.0; kept.len()];
-        sum.coefficients(kept, self.share, &mut force);
+        sum.coefficients(kept, self.fraction, &mut force);
         kept.convert(&force, set, out);
     }
 
