@@ -20,6 +20,9 @@ pub(super) struct Reached {
 /// A series in `a xⁿ` serves up to here, which takes at most 50 terms; quadrature beyond.
 const NEAR: f64 = 0.5;
 
+/// Slope below which the gap to the limit falls exponentially to eight digits.
+const NEARLY: f64 = 1e-8;
+
 /// More rounds than any step needs; the bound only stops a NaN.
 const ROUNDS: usize = 60;
 
@@ -52,8 +55,11 @@ impl Saturation {
         let whole = self.way(x) + w;
         // The last number below one.
         if !(x < 1.0 && whole < self.way(1.0 - 0.5 * f64::EPSILON)) {
-            let by_start = if x < 1.0 { 0.0 } else { (-self.n * w).exp() };
-            return Reached { x: 1.0, by_start, lost: self.lost_rising(x, 1.0, w) };
+            return Reached {
+                x: 1.0,
+                by_start: self.left_of_gap(x, 1.0, w),
+                lost: self.lost_rising(x, 1.0, w),
+            };
         }
         // The way is concave in −ln(1 − x): from below Newton's steps never go too far.
         let mut gap = (1.0 - x) * (-w).exp();
@@ -66,7 +72,14 @@ impl Saturation {
             gap = next;
         }
         let end = (1.0 - gap).max(x);
-        Reached { x: end, by_start: self.slope(end) / self.slope(x), lost: self.lost_rising(x, end, w) }
+        Reached { x: end, by_start: self.left_of_gap(x, end, w), lost: self.lost_rising(x, end, w) }
+    }
+
+    /// `∂end/∂x` of a way `w` upwards from `x`: near the limit the gap falls exponentially, where its rounded values have
+    /// no digits left.
+    fn left_of_gap(&self, x: f64, end: f64, w: f64) -> f64 {
+        let slope = self.slope(x);
+        if slope < NEARLY { (-self.n * w).exp() } else { self.slope(end) / slope }
     }
 
     /// Follows the curve from `x ≥ 0` downwards over the way `w ≥ 0`, to zero at the least; the way left over.

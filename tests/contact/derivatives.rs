@@ -157,7 +157,8 @@ fn bouc_wen_motion((mu, n, r): Shape, k: f64, y: Dual64, travel: Dual64, load: D
     let y = if y.re.abs() > limit.re { limit * y.re.signum() } else { y };
     let s = travel.re.signum();
     let (x, way) = (y * s / limit, travel * s * k / limit);
-    if x.re >= 1.0 {
+    // In saturation the gap falls exponentially.
+    if x.re >= 1.0 - 1e-9 {
         return limit * s * (-(-x + 1.0) * (way * -n).exp() + 1.0);
     }
     let mut x = x;
