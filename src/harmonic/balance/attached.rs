@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::contact::ContactLaw;
 use crate::harmonic::HarmonicError;
 use crate::harmonic::balance::assembly::Assembly;
-use crate::harmonic::period::damping_shift::ShiftedMap;
+use crate::harmonic::period::map::ContactMap;
 use crate::harmonic::period::{Cycle, PeriodicContact};
 use crate::numeric::HarmonicSet;
 
@@ -20,7 +20,7 @@ pub(crate) struct Attached {
     static_offset: f64,
     /// Compliance (m/N) of a spring in front of the law.
     pub compliance: f64,
-    pub cycle: ShiftedMap,
+    pub cycle: ContactMap,
     /// Displacement from the offset.
     displaced: Vec<f64>,
     force: Vec<f64>,
@@ -32,7 +32,7 @@ impl Attached {
         assembly: &Assembly,
         element: usize,
         law: (&Arc<dyn ContactLaw>, f64),
-        cycle: ShiftedMap,
+        cycle: ContactMap,
     ) -> Self {
         let swing = assembly.load_swings.iter().find(|(of, _)| *of == element);
         let offset = assembly.static_offsets.iter().find(|(of, _)| *of == element);
@@ -53,7 +53,7 @@ impl Attached {
         (self.law, self.normal_load) = (law.clone(), normal_load);
     }
 
-    fn parts<'s>(&'s mut self, u: &'s [f64]) -> (PeriodicContact<'s>, &'s mut ShiftedMap, &'s [f64]) {
+    fn parts<'s>(&'s mut self, u: &'s [f64]) -> (PeriodicContact<'s>, &'s mut ContactMap, &'s [f64]) {
         let Self { law, normal_load, load_swing, static_offset, compliance, cycle, displaced, .. } = self;
         let law: &'s Arc<dyn ContactLaw> = law;
         let contact = PeriodicContact {
@@ -114,7 +114,7 @@ impl Attached {
     /// Coefficients on `set` of the force (N) under `u`, of which no derivatives follow, by the cycle `other`.
     pub fn force_alone(
         &mut self,
-        other: &mut ShiftedMap,
+        other: &mut ContactMap,
         angular_frequency: f64,
         u: &[f64],
         set: HarmonicSet,

@@ -41,14 +41,14 @@ fn loaded<'a>(law: &'a dyn ContactLaw, load_swing: &'a [f64]) -> PeriodicContact
 #[test]
 fn the_force_alone_is_that_with_derivatives_on_any_harmonics() {
     // One workspace goes through all laws, as one balance lends it to the next.
-    let mut lean = ContactMap::new(HarmonicSet::full(3), Method::Exact);
+    let mut lean = ContactMap::new(HarmonicSet::full(3), Method::Exact, 0.0);
     let motions = [SLIPPING, SMALL];
     for law in laws() {
         for (swing, u) in
             [&[][..], &[0.3, 0.1, 0.0, 0.2]].into_iter().flat_map(|swing| motions.map(|u| (swing, u)))
         {
             let contact = loaded(law.as_ref(), swing);
-            let mut whole = ContactMap::new(HarmonicSet::full(3), Method::Exact);
+            let mut whole = ContactMap::new(HarmonicSet::full(3), Method::Exact, 0.0);
             whole.evaluate(&contact, OMEGA, &u).unwrap();
             let wider = HarmonicSet::full(WIDER);
             let size = whole.force().iter().fold(0.0, |most: f64, force| most.max(force.abs()));

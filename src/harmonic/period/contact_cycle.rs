@@ -41,7 +41,7 @@ pub struct ContactMapping {
 impl ContactMapping {
     /// A map between coefficients on `set`.
     pub fn new(set: HarmonicSet, method: Method) -> Self {
-        Self { set, map: ContactMap::new(set, method) }
+        Self { set, map: ContactMap::new(set, method, 0.0) }
     }
 
     /// Evaluates `law` under the constant `normal_load` (N), behind a spring of `compliance` (m/N; 0 for

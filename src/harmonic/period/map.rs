@@ -1,8 +1,7 @@
-//! The choice of the way a contact is carried over a period.
+//! The choice of the way a contact is carried over a period, and the damper beside it.
 
 use nalgebra::DMatrix;
 
-use super::damped::DampedCycle;
 use super::piecewise::PiecewiseCycle;
 use super::reference::ReferenceCycle;
 use super::smooth::SmoothCycle;
@@ -15,79 +14,126 @@ use crate::numeric::HarmonicSet;
 const SAMPLES_IN_MOTION: usize = 1024;
 
 /// A contact map by the given method: of the exact ones the one that fits the law.
+///
+/// A damper is linear in the motion, and so exact in coefficients: that of a law beside its sliders, less one that the
+/// structure has taken over from the contact. A structure alone has no free vibration of its own frequency at a finite
+/// compliance; with a damper at the contact it has, and taking the damper from the contact leaves the sum of both forces
+/// as it was.
 #[derive(Debug)]
 pub(crate) struct ContactMap {
     set: HarmonicSet,
     method: Method,
     sliders: Vec<Slider>,
-    scheme: Scheme,
+    way: Way,
+    cycle: Box<dyn Cycle>,
+    /// Dampers (N s/m): of the law beside what the cycle follows, and taken over by the structure.
+    own_damping: f64,
+    shift: f64,
+    displacement: Vec<f64>,
+    angular_frequency: f64,
+    force: Vec<f64>,
+    jacobian: DMatrix<f64>,
+    by_frequency: Vec<f64>,
 }
 
-#[derive(Debug)]
-enum Scheme {
-    Piecewise(Box<PiecewiseCycle>),
-    Damped(Box<DampedCycle>),
-    Smooth(Box<SmoothCycle>),
-    Reference(Box<ReferenceCycle>),
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Way {
+    Piecewise,
+    Smooth,
+    Sampled(usize),
+}
+
+impl Way {
+    fn cycle(self, set: HarmonicSet) -> Box<dyn Cycle> {
+        match self {
+            Self::Piecewise => Box::new(PiecewiseCycle::new(set)),
+            Self::Smooth => Box::new(SmoothCycle::new(set)),
+            Self::Sampled(samples) => Box::new(ReferenceCycle::new(set, samples)),
+        }
+    }
 }
 
 impl ContactMap {
-    /// A contact map on `set`.
-    pub fn new(set: HarmonicSet, method: Method) -> Self {
-        let scheme = match method {
-            Method::Exact => Scheme::Piecewise(Box::new(PiecewiseCycle::new(set))),
-            Method::Sampled { samples } => Scheme::Reference(Box::new(ReferenceCycle::new(set, samples))),
+    /// A contact map on `set`, less the damper `shift` (N s/m), which may be zero.
+    pub fn new(set: HarmonicSet, method: Method, shift: f64) -> Self {
+        let way = match method {
+            Method::Exact => Way::Piecewise,
+            Method::Sampled { samples } => Way::Sampled(samples),
         };
-        Self { set, method, sliders: Vec::new(), scheme }
+        Self {
+            set,
+            method,
+            sliders: Vec::new(),
+            way,
+            cycle: way.cycle(set),
+            own_damping: 0.0,
+            shift,
+            displacement: Vec::new(),
+            angular_frequency: 0.0,
+            force: Vec::new(),
+            jacobian: DMatrix::zeros(0, 0),
+            by_frequency: Vec::new(),
+        }
     }
 
     /// Makes the way fit the law.
-    fn choose(&mut self, contact: &PeriodicContact) {
-        if self.method != Method::Exact {
-            return;
-        }
-        if contact.law.limit_moves() || !contact.load_swing.is_empty() {
-            if !matches!(self.scheme, Scheme::Reference(_)) {
-                self.scheme = Scheme::Reference(Box::new(ReferenceCycle::new(self.set, SAMPLES_IN_MOTION)));
-            }
-            return;
-        }
-        let damping = contact.law.sliders_and_damper(contact.normal_load, &mut self.sliders);
-        // Behind a spring the damper's velocity is not that of the displacement given.
-        let damping = damping.filter(|damping| *damping == 0.0 || contact.compliance == 0.0);
-        match (&self.scheme, damping) {
-            (Scheme::Piecewise(_), Some(0.0)) | (Scheme::Damped(_), Some(_)) | (Scheme::Smooth(_), None) => {}
-            (_, Some(0.0)) => self.scheme = Scheme::Piecewise(Box::new(PiecewiseCycle::new(self.set))),
-            (_, Some(_)) => self.scheme = Scheme::Damped(Box::new(DampedCycle::new(self.set))),
-            (_, None) => self.scheme = Scheme::Smooth(Box::new(SmoothCycle::new(self.set))),
-        }
-    }
-
-    fn check(&self) -> Result<(), HarmonicError> {
-        match self.method {
-            Method::Sampled { samples } if samples < 8 * self.set.highest() => {
+    fn choose(&mut self, contact: &PeriodicContact) -> Result<(), HarmonicError> {
+        if let Method::Sampled { samples } = self.method {
+            return if samples < 8 * self.set.highest() {
                 Err(HarmonicError::InvalidInput("fewer than 8 samples per harmonic"))
+            } else {
+                Ok(())
+            };
+        }
+        let moving = contact.law.limit_moves() || !contact.load_swing.is_empty();
+        let damping = if moving {
+            None
+        } else {
+            let damping = contact.law.sliders_and_damper(contact.normal_load, &mut self.sliders);
+            // Behind a spring the damper's velocity is not that of the displacement given.
+            damping.filter(|damping| *damping == 0.0 || contact.compliance == 0.0)
+        };
+        let way = match damping {
+            Some(_) => Way::Piecewise,
+            None if moving => Way::Sampled(SAMPLES_IN_MOTION),
+            None => Way::Smooth,
+        };
+        if self.way != way {
+            (self.way, self.cycle) = (way, way.cycle(self.set));
+        }
+        self.own_damping = damping.unwrap_or(0.0);
+        Ok(())
+    }
+
+    /// Whether there is no damper beside what the cycle follows.
+    fn is_plain(&self) -> bool {
+        self.own_damping == 0.0 && self.shift == 0.0
+    }
+
+    fn take_motion(&mut self, angular_frequency: f64, u: &[f64]) {
+        self.displacement.clear();
+        self.displacement.extend_from_slice(u);
+        self.angular_frequency = angular_frequency;
+    }
+
+    /// Adds the force on `set` of a damper (N s/m) to `out`.
+    fn add_damper(&self, damping: f64, set: HarmonicSet, out: &mut [f64]) {
+        for (order, place) in self.set.orders().filter(|(order, _)| *order > 0) {
+            if let Some(to) = set.place(order) {
+                let rate = damping * self.angular_frequency * order as f64;
+                out[to] += rate * self.displacement[place + 1];
+                out[to + 1] -= rate * self.displacement[place];
             }
-            _ => Ok(()),
         }
     }
 
-    fn cycle(&self) -> &dyn Cycle {
-        match &self.scheme {
-            Scheme::Piecewise(cycle) => cycle.as_ref(),
-            Scheme::Damped(cycle) => cycle.as_ref(),
-            Scheme::Smooth(cycle) => cycle.as_ref(),
-            Scheme::Reference(cycle) => cycle.as_ref(),
+    /// Coefficients of the contact's own force (N) at the last evaluation.
+    pub fn own_force(&self) -> Vec<f64> {
+        let mut force = self.cycle.force().to_vec();
+        if self.own_damping != 0.0 {
+            self.add_damper(self.own_damping, self.set, &mut force);
         }
-    }
-
-    fn cycle_mut(&mut self) -> &mut dyn Cycle {
-        match &mut self.scheme {
-            Scheme::Piecewise(cycle) => cycle.as_mut(),
-            Scheme::Damped(cycle) => cycle.as_mut(),
-            Scheme::Smooth(cycle) => cycle.as_mut(),
-            Scheme::Reference(cycle) => cycle.as_mut(),
-        }
+        force
     }
 }
 
@@ -98,9 +144,30 @@ impl Cycle for ContactMap {
         angular_frequency: f64,
         u: &[f64],
     ) -> Result<(), HarmonicError> {
-        self.check()?;
-        self.choose(contact);
-        self.cycle_mut().evaluate(contact, angular_frequency, u)
+        self.choose(contact)?;
+        self.cycle.evaluate(contact, angular_frequency, u)?;
+        if self.is_plain() {
+            return Ok(());
+        }
+        self.take_motion(angular_frequency, u);
+        let damping = self.own_damping - self.shift;
+        let mut force = std::mem::take(&mut self.force);
+        force.clear();
+        force.extend_from_slice(self.cycle.force());
+        self.add_damper(damping, self.set, &mut force);
+        self.force = force;
+        self.by_frequency.clear();
+        self.by_frequency.extend_from_slice(self.cycle.by_frequency());
+        self.jacobian.clone_from(self.cycle.jacobian());
+        for (order, place) in self.set.orders().filter(|(order, _)| *order > 0) {
+            // (c cos hθ + s sin hθ)' = h s cos hθ − h c sin hθ.
+            let rate = damping * order as f64;
+            self.jacobian[(place, place + 1)] += rate * angular_frequency;
+            self.jacobian[(place + 1, place)] -= rate * angular_frequency;
+            self.by_frequency[place] += rate * u[place + 1];
+            self.by_frequency[place + 1] -= rate * u[place];
+        }
+        Ok(())
     }
 
     fn evaluate_force(
@@ -109,9 +176,11 @@ impl Cycle for ContactMap {
         angular_frequency: f64,
         u: &[f64],
     ) -> Result<(), HarmonicError> {
-        self.check()?;
-        self.choose(contact);
-        self.cycle_mut().evaluate_force(contact, angular_frequency, u)
+        self.choose(contact)?;
+        if self.is_plain() {
+            return self.cycle.evaluate_force(contact, angular_frequency, u);
+        }
+        self.evaluate(contact, angular_frequency, u)
     }
 
     fn complete(
@@ -120,42 +189,53 @@ impl Cycle for ContactMap {
         angular_frequency: f64,
         u: &[f64],
     ) -> Result<(), HarmonicError> {
-        self.cycle_mut().complete(contact, angular_frequency, u)
+        if self.is_plain() { self.cycle.complete(contact, angular_frequency, u) } else { Ok(()) }
     }
 
-    fn force_alone(
+    fn follow(
         &mut self,
         contact: &PeriodicContact,
         angular_frequency: f64,
         u: &[f64],
-        set: HarmonicSet,
-        out: &mut [f64],
     ) -> Result<(), HarmonicError> {
-        self.choose(contact);
-        self.cycle_mut().force_alone(contact, angular_frequency, u, set, out)
+        self.choose(contact)?;
+        self.take_motion(angular_frequency, u);
+        self.cycle.follow(contact, angular_frequency, u)
     }
 
     fn force(&self) -> &[f64] {
-        self.cycle().force()
+        if self.is_plain() { self.cycle.force() } else { &self.force }
     }
 
     fn jacobian(&self) -> &DMatrix<f64> {
-        self.cycle().jacobian()
+        if self.is_plain() { self.cycle.jacobian() } else { &self.jacobian }
     }
 
     fn by_frequency(&self) -> &[f64] {
-        self.cycle().by_frequency()
+        if self.is_plain() { self.cycle.by_frequency() } else { &self.by_frequency }
     }
 
     fn forget(&mut self) {
-        self.cycle_mut().forget();
+        self.cycle.forget();
     }
 
     fn force_on(&mut self, set: HarmonicSet, out: &mut [f64]) {
-        self.cycle_mut().force_on(set, out);
+        self.cycle.force_on(set, out);
+        if !self.is_plain() {
+            self.add_damper(self.own_damping - self.shift, set, out);
+        }
     }
 
+    /// Where the motion turns the damper has no force: the slope from tip to tip is that of the rest.
     fn summary(&mut self) -> CycleSummary {
-        self.cycle_mut().summary()
+        let mut summary = self.cycle.summary();
+        if self.own_damping != 0.0 {
+            for (order, place) in self.set.orders().filter(|(order, _)| *order > 0) {
+                let square = self.displacement[place].powi(2) + self.displacement[place + 1].powi(2);
+                let rate = self.own_damping * self.angular_frequency * (order * order) as f64;
+                summary.dissipated_energy += std::f64::consts::PI * rate * square;
+            }
+        }
+        summary
     }
 }

@@ -5,8 +5,8 @@
 #[cfg(test)]
 mod alone_tests;
 pub(crate) mod contact_cycle;
-mod damped;
-pub(crate) mod damping_shift;
+#[cfg(test)]
+mod damper_tests;
 pub(crate) mod map;
 mod motion;
 mod piecewise;
@@ -51,7 +51,7 @@ pub struct CycleSummary {
 }
 
 /// One way to carry a contact over a period.
-pub(crate) trait Cycle {
+pub(crate) trait Cycle: std::fmt::Debug + Send + Sync {
     /// Evaluates the contact for the displacement coefficients `u` (m, on the set of harmonics the cycle
     /// was made for) at the fundamental `angular_frequency` (rad/s). Force and derivatives are on the
     /// same set.
@@ -96,13 +96,20 @@ pub(crate) trait Cycle {
     fn by_frequency(&self) -> &[f64];
 
     /// Forgets the last solution, so that the next evaluation depends on its arguments alone.
-    fn forget(&mut self);
+    fn forget(&mut self) {}
 
-    /// Coefficients of the force on another set of harmonics, for the displacement last evaluated.
+    /// Follows the contact for [`Cycle::force_on`] alone: what else is of an evaluation has no meaning then.
+    fn follow(
+        &mut self,
+        contact: &PeriodicContact,
+        angular_frequency: f64,
+        u: &[f64],
+    ) -> Result<(), HarmonicError>;
+
+    /// Coefficients of the force on another set of harmonics, for the displacement last evaluated or followed.
     fn force_on(&mut self, set: HarmonicSet, out: &mut [f64]);
 
-    /// Coefficients on `set` of the force for the displacement `u`, without derivatives. Of what follows only
-    /// [`Cycle::force_on`] has a meaning then.
+    /// Coefficients on `set` of the force for the displacement `u`, without derivatives.
     fn force_alone(
         &mut self,
         contact: &PeriodicContact,
@@ -110,7 +117,11 @@ pub(crate) trait Cycle {
         u: &[f64],
         set: HarmonicSet,
         out: &mut [f64],
-    ) -> Result<(), HarmonicError>;
+    ) -> Result<(), HarmonicError> {
+        self.follow(contact, angular_frequency, u)?;
+        self.force_on(set, out);
+        Ok(())
+    }
 
     /// What the contact did in the last evaluation.
     fn summary(&mut self) -> CycleSummary;

@@ -108,24 +108,20 @@ impl Cycle for ReferenceCycle {
     }
 
     /// Marches no second time: who asks for the force alone does not ask where the contact sticks.
-    fn force_alone(
+    fn follow(
         &mut self,
         contact: &PeriodicContact,
         angular_frequency: f64,
         u: &[f64],
-        set: HarmonicSet,
-        out: &mut [f64],
     ) -> Result<(), HarmonicError> {
         self.set.convert(u, self.wide, &mut self.displacement);
-        if self.inner.force_alone(contact, angular_frequency, &self.displacement) {
-            self.complete = false;
-            self.history.clear();
-            let force = |k| self.inner.sample(k).2;
-            self.history.extend((0..self.samples).map(|k| (0.0, force(k), SlipState::Stick)));
-        } else {
-            self.evaluate(contact, angular_frequency, u)?;
+        if !self.inner.force_alone(contact, angular_frequency, &self.displacement) {
+            return self.evaluate(contact, angular_frequency, u);
         }
-        self.force_on(set, out);
+        self.complete = false;
+        self.history.clear();
+        let force = |k| self.inner.sample(k).2;
+        self.history.extend((0..self.samples).map(|k| (0.0, force(k), SlipState::Stick)));
         Ok(())
     }
 

@@ -21,7 +21,7 @@ use super::attached::Attached;
 use super::transfer::{Of, Transfer, add_product};
 use crate::harmonic::newton::system::{Observation, Operating, PeriodicSystem, Scalar};
 use crate::harmonic::period::Cycle;
-use crate::harmonic::period::damping_shift::ShiftedMap;
+use crate::harmonic::period::map::ContactMap;
 use crate::harmonic::stability::Undecided;
 use crate::harmonic::{HarmonicError, Method, Point};
 use crate::numeric::HarmonicSet;
@@ -34,7 +34,7 @@ pub(crate) struct Condensed {
     receptance: Receptance,
     contacts: Vec<Attached>,
     /// The same contacts on twice the harmonics, to see what the set leaves out.
-    wider: Vec<Option<ShiftedMap>>,
+    wider: Vec<Option<ContactMap>>,
     waveform: Vec<f64>,
     method: Method,
     /// Damper (N s/m) that the structure has taken over from every contact.
@@ -100,7 +100,7 @@ impl Condensed {
         let elements = assembly.system.elements.iter().enumerate();
         let attach = |(place, element): (usize, &Element)| match element {
             Element::Law { law, normal_load, .. } => {
-                let cycle = ShiftedMap::new(set, settings.method, damping_shift);
+                let cycle = ContactMap::new(set, settings.method, damping_shift);
                 Some(Attached::new(assembly, place, (law, *normal_load), cycle))
             }
             Element::Springs { .. } | Element::Outside { .. } => None,
@@ -454,7 +454,7 @@ impl PeriodicSystem for Condensed {
         self.set = new;
         let method = method_on(self.method, new);
         for contact in &mut self.contacts {
-            contact.cycle = ShiftedMap::new(new, method, self.damping_shift);
+            contact.cycle = ContactMap::new(new, method, self.damping_shift);
         }
         self.reserve();
         Ok(true)

@@ -5,7 +5,7 @@ use crate::harmonic::balance::transfer::{Of, add_product};
 use crate::harmonic::newton::Contacting;
 use crate::harmonic::newton::system::{Observation, Operating, Scalar};
 use crate::harmonic::period::Cycle;
-use crate::harmonic::period::damping_shift::ShiftedMap;
+use crate::harmonic::period::map::ContactMap;
 use crate::harmonic::stability::{Undecided, decide};
 use crate::harmonic::{HarmonicError, Point};
 use crate::numeric::HarmonicSet;
@@ -89,7 +89,7 @@ impl Condensed {
             let mut displacement = vec![0.0; full.len()];
             set.convert(u, full, &mut displacement);
             let mut force = vec![0.0; full.len()];
-            set.convert(contact.cycle.own_force(), full, &mut force);
+            set.convert(&contact.cycle.own_force(), full, &mut force);
             Contacting {
                 dissipated_energy: summary.dissipated_energy,
                 equivalent_stiffness: summary.equivalent_stiffness,
@@ -308,7 +308,7 @@ impl Condensed {
         self.scratch.kept.resize(p * width, 0.0);
         let (method, damping_shift) = (method_on(self.method, self.wide), self.damping_shift);
         for (j, (contact, wider)) in self.contacts.iter_mut().zip(&mut self.wider).enumerate() {
-            let wider = wider.get_or_insert_with(|| ShiftedMap::new(self.wide, method, damping_shift));
+            let wider = wider.get_or_insert_with(|| ContactMap::new(self.wide, method, damping_shift));
             let u = &self.scratch.wide[j * wide..(j + 1) * wide];
             let into = &mut self.scratch.kept[j * width..(j + 1) * width];
             contact.force_alone(wider, at.angular_frequency, u, self.set, into)?;

@@ -8,13 +8,13 @@ use super::ports::{CondensedPort, Ports};
 use crate::harmonic::balance::assembly::Assembly;
 use crate::harmonic::balance::attached::Attached;
 use crate::harmonic::period::Cycle;
-use crate::harmonic::period::damping_shift::ShiftedMap;
+use crate::harmonic::period::map::ContactMap;
 use crate::harmonic::{HarmonicError, Method};
 use crate::numeric::HarmonicSet;
 use crate::system::Element;
 
 /// Maps of laws, and the unknowns that each is for.
-pub(super) type Maps = Vec<(Range<usize>, ShiftedMap)>;
+pub(super) type Maps = Vec<(Range<usize>, ContactMap)>;
 
 /// An element at the unknowns of its ports.
 #[derive(Debug)]
@@ -39,7 +39,7 @@ pub(super) fn acting(
     let rows = |place: usize| Some(ports.get(names.place(&system.ports[place].name)?)?.rows.clone());
     let mut map = |rows: &Range<usize>| match left.iter().position(|(of, _)| of == rows) {
         Some(place) => left.swap_remove(place).1,
-        None => ShiftedMap::new(HarmonicSet::full(rows.len() / 2), method, 0.0),
+        None => ContactMap::new(HarmonicSet::full(rows.len() / 2), method, 0.0),
     };
     let one = |(place, element): (usize, &Element)| match element {
         Element::Law { port, law, normal_load } => {
@@ -57,7 +57,7 @@ pub(super) fn acting(
 
 impl Acting {
     /// The map of a law, for another to use.
-    pub fn into_map(self) -> Option<(Range<usize>, ShiftedMap)> {
+    pub fn into_map(self) -> Option<(Range<usize>, ContactMap)> {
         match self {
             Self::Law { rows, attached } => Some((rows, attached.cycle)),
             Self::Springs { .. } | Self::Damper { .. } => None,

@@ -131,7 +131,7 @@ impl PiecewiseCycle {
     }
 
     /// Follows the contact through the period and keeps the books; at rest they are complete.
-    fn follow(&mut self, contact: &PeriodicContact, u: &[f64]) -> Result<Followed, HarmonicError> {
+    fn run_through(&mut self, contact: &PeriodicContact, u: &[f64]) -> Result<Followed, HarmonicError> {
         if contact.law.sliders_and_damper(contact.normal_load, &mut self.sliders).is_none() {
             return Err(HarmonicError::InvalidInput("the contact law is not piecewise linear"));
         }
@@ -228,7 +228,7 @@ impl Cycle for PiecewiseCycle {
         _angular_frequency: f64,
         u: &[f64],
     ) -> Result<(), HarmonicError> {
-        let together = match self.follow(contact, u)? {
+        let together = match self.run_through(contact, u)? {
             Followed::AtRest => return Ok(()),
             Followed::Alone => false,
             Followed::Together => true,
@@ -239,17 +239,13 @@ impl Cycle for PiecewiseCycle {
         Ok(())
     }
 
-    fn force_alone(
+    fn follow(
         &mut self,
         contact: &PeriodicContact,
         _angular_frequency: f64,
         u: &[f64],
-        set: HarmonicSet,
-        out: &mut [f64],
     ) -> Result<(), HarmonicError> {
-        self.follow(contact, u)?;
-        self.force_on(set, out);
-        Ok(())
+        self.run_through(contact, u).map(drop)
     }
 
     fn force(&self) -> &[f64] {
@@ -263,8 +259,6 @@ impl Cycle for PiecewiseCycle {
     fn by_frequency(&self) -> &[f64] {
         &self.by_frequency
     }
-
-    fn forget(&mut self) {}
 
     fn force_on(&mut self, set: HarmonicSet, out: &mut [f64]) {
         if self.path.points.is_empty() {

@@ -408,13 +408,15 @@ impl SmoothCycle {
         }
     }
 
-    /// The contact along one period; sums over it, unless the force alone is asked for.
-    fn follow(
+    /// The contact along one period; sums over it, unless the force is wanted `alone`.
+    fn run_through(
         &mut self,
         contact: &PeriodicContact,
         angular_frequency: f64,
         u: &[f64],
+        alone: bool,
     ) -> Result<(), HarmonicError> {
+        self.alone = alone;
         if !self.motion.set(self.set, u) {
             return Err(HarmonicError::InvalidInput("a displacement that is not finite"));
         }
@@ -524,22 +526,16 @@ impl Cycle for SmoothCycle {
         angular_frequency: f64,
         u: &[f64],
     ) -> Result<(), HarmonicError> {
-        self.alone = false;
-        self.follow(contact, angular_frequency, u)
+        self.run_through(contact, angular_frequency, u, false)
     }
 
-    fn force_alone(
+    fn follow(
         &mut self,
         contact: &PeriodicContact,
         angular_frequency: f64,
         u: &[f64],
-        set: HarmonicSet,
-        out: &mut [f64],
     ) -> Result<(), HarmonicError> {
-        self.alone = true;
-        self.follow(contact, angular_frequency, u)?;
-        self.force_on(set, out);
-        Ok(())
+        self.run_through(contact, angular_frequency, u, true)
     }
 
     fn force(&self) -> &[f64] {
@@ -553,8 +549,6 @@ impl Cycle for SmoothCycle {
     fn by_frequency(&self) -> &[f64] {
         &self.by_frequency
     }
-
-    fn forget(&mut self) {}
 
     /// The nodes resolve harmonics up to about twice the highest of the cycle's own set.
     fn force_on(&mut self, set: HarmonicSet, out: &mut [f64]) {
