@@ -1,6 +1,7 @@
 //! The point predicted, brought onto the curve.
 
 use super::*;
+use crate::harmonic::newton::problem::Stopping;
 
 impl Path<'_> {
     /// Solves `next` with the scalar continued held.

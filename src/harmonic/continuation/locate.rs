@@ -1,6 +1,7 @@
 //! Peaks and folds located between two points of a curve.
 
 use super::*;
+use crate::harmonic::newton::problem::Stopping;
 use crate::numeric::bracket::Bracket;
 
 /// Why nothing was found between two points.

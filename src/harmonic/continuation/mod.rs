@@ -13,15 +13,18 @@
 mod correction;
 mod locate;
 mod location;
+mod prediction;
+mod route;
 mod unit;
 
 pub(crate) use locate::NotFound;
 pub use location::Ending;
 pub(crate) use location::{LinearResonance, Location};
+pub(crate) use route::{Advance, Judge, Route, See, Verdict};
 
 use super::HarmonicError;
 use crate::harmonic::newton::condition::ArcLength;
-use crate::harmonic::newton::problem::{Condition, Newton, Stopping};
+use crate::harmonic::newton::problem::{Condition, Newton, length};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
 use crate::system::StructureError;
 use unit::Unit;
@@ -55,51 +58,6 @@ const MOST_ITERATIONS: usize = 8;
 const AIMED_ITERATIONS: f64 = 2.0;
 /// Correction over step beyond which a point is another branch's.
 const LARGEST_CORRECTION: f64 = 0.5;
-
-/// What is followed, and how.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Route {
-    /// The scalar continued.
-    pub along: Scalar,
-    /// Where it starts.
-    pub from: f64,
-    /// Where it is to arrive.
-    pub to: f64,
-    /// When a point is good enough.
-    pub stopping: Stopping,
-    /// Longest step, as a fraction of the range.
-    pub max_step: f64,
-}
-
-/// Judgement of a point that Newton's method found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Verdict {
-    /// Good. What the caller watches turned by this fraction of what is tolerable, in second order of the step:
-    /// above 1 the step was too long, unless it is as short as steps at corners.
-    Keep(f64),
-    /// To be solved again with so many harmonics.
-    Harmonics(usize),
-}
-
-/// Judges a point that the system and the solver have just left; the last argument is what is free, the scalar
-/// continued first.
-pub(crate) type Judge<'j> = dyn FnMut(&mut dyn PeriodicSystem, &mut Newton, &Location, &[Scalar]) -> Result<Verdict, HarmonicError>
-    + 'j;
-
-/// Looks at a location as a [`Judge`] does.
-pub(crate) type See<'s, T> =
-    dyn FnMut(&mut dyn PeriodicSystem, &mut Newton, &Location, &[Scalar]) -> Option<T> + 's;
-
-/// Outcome of one step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Advance {
-    /// A point was found.
-    Going,
-    /// A point was found, the last one.
-    Arrived(Ending),
-    /// No point was found.
-    Stuck,
-}
 
 /// A branch being followed.
 pub(crate) struct Path<'s> {
@@ -310,45 +268,6 @@ impl<'s> Path<'s> {
         true
     }
 
-    /// The plane through the present point at a right angle to the curve.
-    fn set_plane(&mut self) {
-        let unit = self.unit;
-        self.arc.unknowns.clear();
-        self.arc.unknowns.extend(self.present.unknowns.iter().map(|d| d * unit.unknowns * unit.unknowns));
-        self.arc.scalars =
-            std::array::from_fn(|k| self.present.scalars[k] * unit.scalars[k] * unit.scalars[k]);
-    }
-
-    /// Puts `next` ahead by `step`: along the tangent; where the curve is `bent`, on the cubic through the last
-    /// two points and tangents.
-    fn predict(&mut self, step: f64, bent: bool) {
-        let (here, before) = (&self.present, &self.previous);
-        // With s the step over the last one: x + s h d + s² (…) + s³ (…), Hermite's cubic beyond its end.
-        // The chord measured in the present unit, and the arc above it.
-        let chord = self.unit.distance(here, &before.x, &before.at);
-        let turned = 1.0 - self.unit.product(here, before).clamp(-1.0, 1.0);
-        let last = chord * (1.0 + turned / 12.0);
-        let s = if bent { step / last } else { 0.0 };
-        let (square, cube) = (s * s * (2.0 * s + 3.0), s * s * (s + 1.0));
-        let ahead = |x: f64, d: f64, y: f64, b: f64| {
-            if bent {
-                x + step * d + square * (y - x) + last * (cube * b + (cube + s * s) * d)
-            } else {
-                x + step * d
-            }
-        };
-        self.next.x.clear();
-        let ends = here.x.iter().zip(&here.unknowns).zip(before.x.iter().zip(&before.unknowns));
-        self.next.x.extend(ends.map(|((x, d), (y, b))| ahead(*x, *d, *y, *b)));
-        self.next.at = here.at;
-        for scalar in &self.free {
-            let k = scalar.index();
-            let (x, y) = (here.at.get(*scalar), before.at.get(*scalar));
-            self.next.at.set(*scalar, ahead(x, here.scalars[k], y, before.scalars[k]));
-        }
-        self.arc.target = self.arc.at(&here.x, &here.at) + step;
-    }
-
     /// Judges `next` and takes it, or says that the step was too long.
     fn settle(
         &mut self,
@@ -445,8 +364,4 @@ impl<'s> Path<'s> {
     pub fn along(&self) -> Scalar {
         self.route.along
     }
-}
-
-fn length(v: &[f64]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

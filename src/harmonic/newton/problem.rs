@@ -300,6 +300,6 @@ pub(crate) fn length(v: &[f64]) -> f64 {
 }
 
 /// Largest magnitude; NaN where there is one.
-fn largest(v: &[f64]) -> f64 {
+pub(crate) fn largest(v: &[f64]) -> f64 {
     v.iter().fold(0.0, |m: f64, x| if x.abs() > m || x.is_nan() { x.abs() } else { m })
 }

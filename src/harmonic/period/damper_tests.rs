@@ -54,9 +54,7 @@ fn in_slip_the_damper_adds_its_ellipses_to_the_loop_of_the_slider() {
         (1..=3).map(|h| (h * h) as f64 * (SLIPPING[2 * h - 1].powi(2) + SLIPPING[2 * h].powi(2))).sum();
     let expected = alone + PI * DAMPING * OMEGA * squares;
     assert!(alone > 0.0);
-    assert!(
-        (damped(&law(), OMEGA, &SLIPPING).summary().dissipated_energy / expected - 1.0).abs() < 1e-12
-    );
+    assert!((damped(&law(), OMEGA, &SLIPPING).summary().dissipated_energy / expected - 1.0).abs() < 1e-12);
 }
 
 #[test]
@@ -65,8 +63,7 @@ fn the_sampled_cycle_converges_to_it() {
     let errors = [256, 1024].map(|samples| {
         let sampled = ReferenceCycle::new(HarmonicSet::full(3), samples);
         let sampled = evaluated(sampled, &law(), OMEGA, &SLIPPING);
-        let force =
-            exact.force().iter().zip(sampled.force()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let force = exact.force().iter().zip(sampled.force()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         (force, (exact.jacobian() - sampled.jacobian()).amax())
     });
     // Turning points are met to the second order of the step, the onset of slip to the first in its derivative.
@@ -90,8 +87,7 @@ fn derivatives_are_those_of_the_force() {
             assert!((cycle.jacobian()[(row, column)] - expected).abs() < 1e-5, "{row} {column}");
         }
     }
-    let (ahead, behind) =
-        (damped(&law(), OMEGA + 0.1, &SLIPPING), damped(&law(), OMEGA - 0.1, &SLIPPING));
+    let (ahead, behind) = (damped(&law(), OMEGA + 0.1, &SLIPPING), damped(&law(), OMEGA - 0.1, &SLIPPING));
     for row in 0..SLIPPING.len() {
         let expected = (ahead.force()[row] - behind.force()[row]) / 0.2;
         assert!((cycle.by_frequency()[row] - expected).abs() < 1e-9, "{row}");

@@ -4,6 +4,7 @@
 
 #[cfg(test)]
 mod alone_tests;
+mod closure;
 pub(crate) mod contact_cycle;
 #[cfg(test)]
 mod damper_tests;

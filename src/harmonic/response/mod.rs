@@ -1,7 +1,7 @@
 //! Responses that users ask for: single ones, curves, resonances, followed over a level or a parameter.
 //!
 //! [`start`] finds the first solution from nothing. [`frequency_response`] follows a curve over frequency or level and
-//! locates peaks and folds, pausing at the [`linear_resonances`]; [`parameter`] follows one over a parameter.
+//! has the [`recorder`] locate peaks and folds, pausing at the [`linear_resonances`]; [`parameter`] follows one over a parameter.
 //! [`tracking`] carries a resonance from value to value, found by [`tracker`]. For records of beams: [`forced`]
 //! responses and phase [`resonance`]s, both found as [`follow`] does.
 
@@ -11,6 +11,7 @@ pub(crate) mod forced;
 pub(crate) mod frequency_response;
 pub(crate) mod linear_resonances;
 pub(crate) mod parameter;
+mod recorder;
 pub(crate) mod resonance;
 pub(crate) mod start;
 pub(crate) mod tracker;

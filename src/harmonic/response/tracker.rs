@@ -4,9 +4,10 @@ use crate::harmonic::HarmonicError;
 use crate::harmonic::balance::assembly::{CurveSettings, UNRESOLVED};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::condition::{ArcLength, Phase, Value};
-use crate::harmonic::newton::problem::{Condition, Newton, Stopping};
+use crate::harmonic::newton::problem::{Condition, Newton, Stopping, length};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
 use crate::numeric::extremum::{Extremum, value_at};
+use crate::numeric::fourier::dot;
 use crate::numeric::lu::Factors;
 
 const FREQUENCY: [Scalar; 1] = [Scalar::AngularFrequency];
@@ -356,12 +357,4 @@ pub(crate) fn more_harmonics(point: &Point, settings: &CurveSettings) -> Option<
     // An unknown error gives no reason for more.
     let asked = settings.truncation.is_some_and(|tolerance| point.error_estimate > tolerance);
     (asked && more >= least).then_some(more)
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn length(v: &[f64]) -> f64 {
-    dot(v, v).sqrt()
 }

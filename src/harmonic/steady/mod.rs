@@ -157,7 +157,7 @@ impl SteadyProblem {
         let mut balance = self.balance(assembly, &Ports::of(&assembly.system), left.take())?;
         let (coefficients, force) = explained(&balance, self.angular_frequency, &self.coefficients, motion);
         let unknowns = balance.unknowns_of(&coefficients, &force);
-        let start = Start::of(&balance, &unknowns, None)?;
+        let start = Start::of(&balance, &unknowns, None);
         *left = Some(balance.into_workspace());
         Ok(start)
     }
@@ -206,25 +206,21 @@ impl SteadyProblem {
 }
 
 impl Start {
-    fn of(
-        balance: &Balance,
-        unknowns: &[f64],
-        factors: Option<(Ports, Factors)>,
-    ) -> Result<Self, HarmonicError> {
+    fn of(balance: &Balance, unknowns: &[f64], factors: Option<(Ports, Factors)>) -> Self {
         let contact = unknowns[..balance.displacement().len()].to_vec();
-        Ok(Self { contact, ports: balance.at_ports(), factors })
+        Self { contact, ports: balance.at_ports(), factors }
     }
 
     /// The unknowns as they are: found anew without a step.
-    fn exactly(balance: &Balance, unknowns: &[f64]) -> Result<Self, HarmonicError> {
-        let mut start = Self::of(balance, unknowns, None)?;
+    fn exactly(balance: &Balance, unknowns: &[f64]) -> Self {
+        let mut start = Self::of(balance, unknowns, None);
         let own = unknowns[start.contact.len()..].chunks_exact(balance.count);
         for (name, own) in balance.ports().names().zip(own) {
             if let Some((_, known)) = start.ports.iter_mut().find(|(known, _)| known == name) {
                 known.copy_from_slice(own);
             }
         }
-        Ok(start)
+        start
     }
 
     /// Whether it has the harmonics of `problem`.
@@ -254,7 +250,7 @@ impl Steady {
     }
 
     /// The solution, to be found again without a step.
-    pub fn here(&self) -> Result<Start, HarmonicError> {
+    pub fn here(&self) -> Start {
         Start::exactly(&self.balance, &self.unknowns)
     }
 
@@ -262,7 +258,7 @@ impl Steady {
     pub fn start(mut self) -> Result<Start, HarmonicError> {
         self.linearise()?;
         let factors = (self.balance.ports().clone(), self.factors);
-        Start::of(&self.balance, &self.unknowns, Some(factors))
+        Ok(Start::of(&self.balance, &self.unknowns, Some(factors)))
     }
 
     /// Change of [`Steady::sensors`] to first order when the beam and its contact become `neighbour`, one of those

@@ -141,7 +141,7 @@ impl SteadyRecord {
         };
         let mut steady = self.forcing.solve(&assembly, &[], Some(start)).map_err(text)?;
         self.observe(&steady.sensors(&self.forcing), out);
-        self.last = Some((at.known(), steady.here().map_err(text)?));
+        self.last = Some((at.known(), steady.here()));
         Ok(())
     }
 

@@ -11,22 +11,23 @@
 //! Where every law is odd and the excitation has odd harmonics alone, so may the response, and the set of
 //! harmonics is the odd one: half the unknowns. Responses that break this symmetry are out of its sight.
 
+mod equations;
 mod guess;
 mod outcome;
+mod periodic;
 
 use nalgebra::DMatrix;
 
 use super::assembly::{Assembly, CurveSettings};
 use super::attached::Attached;
 use super::transfer::{Of, Transfer, add_product};
-use crate::harmonic::newton::system::{Observation, Operating, PeriodicSystem, Scalar};
+use crate::harmonic::newton::system::{Operating, Scalar};
 use crate::harmonic::period::Cycle;
 use crate::harmonic::period::map::ContactMap;
-use crate::harmonic::stability::Undecided;
-use crate::harmonic::{HarmonicError, Method, Point};
+use crate::harmonic::{HarmonicError, Method};
 use crate::numeric::HarmonicSet;
 use crate::numeric::extremum::Extremum;
-use crate::system::{Element, LinearStructure, Output, Receptance, Rows, System};
+use crate::system::{Element, LinearStructure, Output, Receptance, Rows};
 
 /// The balance of one system.
 pub(crate) struct Condensed {
@@ -171,123 +172,6 @@ impl Condensed {
         self.wider.resize_with(self.contacts.len(), || None);
     }
 
-    /// Rounding of the compliances at `at`, seen where the frequency changes by a few units in its last place.
-    /// Measured anew where the frequency is another.
-    fn rounding_about(&mut self, at: &Operating) -> f64 {
-        const NEAR: f64 = 0.05;
-        const PROBES: usize = 3;
-        const SAFETY: f64 = 8.0;
-        let speed = at.angular_frequency;
-        if let Some((about, rounding)) = self.rounding
-            && (speed - about).abs() <= NEAR * about
-        {
-            return rounding;
-        }
-        let mut probe = Transfer::new(&self.receptance, Rows::Contacts, self.orders.iter().map(|(h, _)| *h));
-        let mut first: Vec<[f64; 2]> = Vec::new();
-        let (mut change, mut largest) = (0.0_f64, 0.0_f64);
-        for k in 0..=PROBES {
-            let at = Operating { angular_frequency: speed * (1.0 + 2.0 * k as f64 * f64::EPSILON), ..*at };
-            if probe.evaluate(&mut self.receptance, &at).is_err() {
-                return 0.0;
-            }
-            let p = self.contacts.len();
-            let places = (0..self.orders.len())
-                .flat_map(|k| (0..p).flat_map(move |i| (0..=p).map(move |j| (k, i, j))));
-            let values = places.map(|(k, i, j)| probe.get(k, Of::Value, i, j));
-            if k == 0 {
-                first = values.collect();
-                largest = first.iter().fold(0.0, |m, [re, im]| m.max(re.hypot(*im)));
-            } else {
-                let moved = values.zip(&first).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
-                change = moved.fold(change, f64::max);
-            }
-        }
-        let rounding = if largest > 0.0 { SAFETY * change / largest } else { 0.0 };
-        self.rounding = Some((speed, rounding));
-        rounding
-    }
-
-    fn carry(&mut self, x: &[f64], at: &Operating) -> Result<(), HarmonicError> {
-        let mut parts = self.contacts.iter_mut().zip(x.chunks_exact(self.set.len()));
-        parts.try_for_each(|(contact, u)| contact.evaluate(at.angular_frequency, u))
-    }
-
-    /// Residual; returns the size of its terms.
-    fn balance(&mut self, x: &[f64], at: &Operating) -> f64 {
-        let (p, width) = (self.contacts.len(), self.set.len());
-        self.residual.copy_from_slice(x);
-        let mut scale = x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        for i in 0..p {
-            for (k, (order, place)) in self.orders.iter().enumerate() {
-                let span = *place..place + if *order == 0 { 1 } else { 2 };
-                let mut sum = [0.0; 2];
-                let sum = &mut sum[..span.len()];
-                let compliance = self.at_contacts.get(k, Of::Value, i, p);
-                add_product(compliance, &self.excitation[span.clone()], -at.level, sum);
-                scale = sum.iter().fold(scale, |m, x| m.max(x.abs()));
-                for (j, contact) in self.contacts.iter().enumerate() {
-                    let compliance = self.at_contacts.get(k, Of::Value, i, j);
-                    add_product(compliance, &contact.cycle.force()[span.clone()], 1.0, sum);
-                }
-                let target = &mut self.residual[i * width + span.start..i * width + span.end];
-                target.iter_mut().zip(sum.iter()).for_each(|(r, s)| *r += s);
-            }
-        }
-        scale
-    }
-
-    fn differentiate(&mut self) {
-        let (p, width) = (self.contacts.len(), self.set.len());
-        let unknowns = p * width;
-        for (j, contact) in self.contacts.iter().enumerate() {
-            let columns = contact.cycle.jacobian().as_slice().chunks_exact(width);
-            for (n, source) in columns.enumerate() {
-                let column = j * width + n;
-                let target = &mut self.jacobian.as_mut_slice()[column * unknowns..(column + 1) * unknowns];
-                target.fill(0.0);
-                for i in 0..p {
-                    for (k, (order, place)) in self.orders.iter().enumerate() {
-                        let end = place + if *order == 0 { 1 } else { 2 };
-                        let compliance = self.at_contacts.get(k, Of::Value, i, j);
-                        let into = &mut target[i * width + place..i * width + end];
-                        add_product(compliance, &source[*place..end], 1.0, into);
-                    }
-                }
-                target[column] += 1.0;
-            }
-        }
-    }
-
-    fn differentiate_by(&mut self, scalar: Scalar, at: &Operating) {
-        let (p, width) = (self.contacts.len(), self.set.len());
-        let target = &mut self.by[scalar.index()];
-        target.fill(0.0);
-        for i in 0..p {
-            for (k, (order, place)) in self.orders.iter().enumerate() {
-                let span = *place..place + if *order == 0 { 1 } else { 2 };
-                let into = &mut target[i * width + span.start..i * width + span.end];
-                if scalar == Scalar::Level {
-                    let compliance = self.at_contacts.get(k, Of::Value, i, p);
-                    add_product(compliance, &self.excitation[span], -1.0, into);
-                    continue;
-                }
-                let contacts = self.contacts.iter().filter(|_| scalar == Scalar::AngularFrequency);
-                for (j, contact) in contacts.enumerate() {
-                    let compliance = self.at_contacts.get(k, Of::Value, i, j);
-                    add_product(compliance, &contact.cycle.by_frequency()[span.clone()], 1.0, into);
-                }
-                let Some(of) = compliance_derivative(scalar) else { continue };
-                let compliance = self.at_contacts.get(k, of, i, p);
-                add_product(compliance, &self.excitation[span.clone()], -at.level, into);
-                for (j, contact) in self.contacts.iter().enumerate() {
-                    let compliance = self.at_contacts.get(k, of, i, j);
-                    add_product(compliance, &contact.cycle.force()[span.clone()], 1.0, into);
-                }
-            }
-        }
-    }
-
     /// Displacement harmonic of an output row from signals of excitation and forces.
     fn displace(
         transfer: &Transfer,
@@ -320,144 +204,6 @@ impl Condensed {
             out[start..start + span.len()].copy_from_slice(&value[..span.len()]);
         }
         out
-    }
-}
-
-impl PeriodicSystem for Condensed {
-    fn unknowns(&self) -> usize {
-        self.residual.len()
-    }
-
-    fn evaluate(&mut self, x: &[f64], at: &Operating, scalars: &[Scalar]) -> Result<f64, HarmonicError> {
-        self.at = *at;
-        self.at_contacts.evaluate(&mut self.receptance, at)?;
-        self.carry(x, at)?;
-        let scale = self.balance(x, at);
-        self.differentiate();
-        scalars.iter().for_each(|scalar| self.differentiate_by(*scalar, at));
-        Ok(scale)
-    }
-
-    fn residual(&self) -> &[f64] {
-        &self.residual
-    }
-
-    fn jacobian(&mut self) -> &DMatrix<f64> {
-        &self.jacobian
-    }
-
-    fn by(&self, scalar: Scalar) -> &[f64] {
-        &self.by[scalar.index()]
-    }
-
-    fn output(&mut self, node: usize, order: usize) -> [f64; 2] {
-        self.seen(node, order)
-    }
-
-    fn observe(&mut self, node: usize, order: usize, out: &mut Observation) {
-        self.look(node, order, out);
-    }
-
-    fn forget(&mut self) {
-        self.contacts.iter_mut().for_each(|contact| contact.cycle.forget());
-    }
-
-    fn nodes(&self) -> usize {
-        self.nodes
-    }
-
-    fn harmonics(&self) -> usize {
-        self.set.highest()
-    }
-
-    fn guess(&mut self, at: &Operating, x: &mut [f64]) -> Result<(), HarmonicError> {
-        self.linearised(at, x)
-    }
-
-    fn rounding(&mut self, at: &Operating) -> f64 {
-        self.rounding_about(at)
-    }
-
-    fn compliance_homotopy(&mut self, compliances: f64) -> bool {
-        let p = self.contacts.len();
-        for (i, contact) in self.contacts.iter_mut().enumerate() {
-            // The largest at the harmonics of the last evaluation.
-            let own = (0..self.orders.len()).map(|k| {
-                let [re, im] = self.at_contacts.get(k, Of::Value, i, i);
-                re.hypot(im)
-            });
-            contact.compliance = compliances * own.fold(0.0, f64::max);
-        }
-        p > 0
-    }
-
-    fn describe(&mut self, x: &[f64], at: &Operating) -> Result<Point, HarmonicError> {
-        self.point(x, at)
-    }
-
-    fn nodes_along(&mut self, unknowns: &[f64], scalars: &[f64; 4], out: &mut [Vec<f64>]) {
-        self.derivatives_along(unknowns, scalars, out);
-    }
-
-    fn truncation_error(
-        &mut self,
-        x: &[f64],
-        at: &Operating,
-        point: &Point,
-        solve: &mut dyn FnMut(&mut [f64]),
-    ) -> Result<f64, HarmonicError> {
-        self.left_out(x, at, point, solve)
-    }
-
-    fn stable(&mut self, point: &Point) -> Result<bool, Undecided> {
-        self.lasts(point)
-    }
-
-    fn resume(&self, point: &Point, x: &mut [f64]) -> bool {
-        if point.contacts.len() != self.contacts.len() {
-            return false;
-        }
-        for (contact, u) in point.contacts.iter().zip(x.chunks_exact_mut(self.set.len())) {
-            let known = &contact.displacement;
-            if known.len().is_multiple_of(2) {
-                return false;
-            }
-            HarmonicSet::full(known.len() / 2).convert(known, self.set, u);
-        }
-        true
-    }
-
-    fn replace_laws(&mut self, system: &System) -> Result<(), HarmonicError> {
-        for (contact, (_, law, normal_load)) in self.contacts.iter_mut().zip(system.laws()) {
-            if self.odd && !law.is_odd() {
-                return Err(HarmonicError::InvalidInput(
-                    "the contact loses its symmetry with the parameter: all harmonics are needed",
-                ));
-            }
-            contact.replace(law, normal_load);
-        }
-        Ok(())
-    }
-
-    fn set_harmonics(
-        &mut self,
-        harmonics: usize,
-        vectors: &mut [&mut Vec<f64>],
-    ) -> Result<bool, HarmonicError> {
-        let (old, new) = (self.set, set_of(self.odd, harmonics));
-        for vector in vectors {
-            let mut carried = vec![0.0; new.len() * self.contacts.len()];
-            let parts = carried.chunks_exact_mut(new.len()).zip(vector.chunks_exact(old.len()));
-            parts.for_each(|(into, from)| old.convert(from, new, into));
-            **vector = carried;
-        }
-        self.set = new;
-        let method = method_on(self.method, new);
-        for contact in &mut self.contacts {
-            contact.cycle = ContactMap::new(new, method, self.damping_shift);
-        }
-        self.reserve();
-        Ok(true)
     }
 }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::*;
 use crate::contact::{ContactLaw, Jenkins, Unilateral, Valanis};
 use crate::harmonic::balance::varied::Varied;
+use crate::harmonic::newton::system::{Observation, PeriodicSystem};
 
 /// Two masses, a contact on each, the excitation on the first.
 fn structure() -> LinearStructure {

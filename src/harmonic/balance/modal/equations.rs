@@ -10,9 +10,10 @@
 //! that nearly buckles the beam or more, minimal residuals find the way, and where they do not, more harmonics join
 //! the low ones, in the end all of them.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector, Dyn};
 
 use crate::harmonic::modal_system::ModalSystem;
+use crate::harmonic::newton::problem::largest;
 use crate::harmonic::newton::system::Operating;
 use crate::numeric::fourier::{coefficient_count, multiplication};
 use crate::numeric::gmres::Krylov;
@@ -34,14 +35,14 @@ const DERIVATIVE_ERROR: f64 = 1e-3;
 /// Workspace of the solution.
 #[derive(Debug)]
 pub(crate) struct ModalEquations {
-    modes: usize,
-    harmonics: usize,
+    pub(super) modes: usize,
+    pub(super) harmonics: usize,
     /// G.
     shortening: DMatrix<f64>,
     /// ωᵢ² and 2 ζᵢ ωᵢ.
     stiffness: Vec<f64>,
-    damping: Vec<f64>,
-    at: Operating,
+    pub(super) damping: Vec<f64>,
+    pub(super) at: Operating,
     /// M(T), transposed.
     product: DMatrix<f64>,
     product_columns: Vec<f64>,
@@ -199,13 +200,8 @@ impl ModalEquations {
         if self.low.shape() != (low, columns) {
             self.low = DMatrix::zeros(low, columns);
         }
-        let source = nalgebra::DMatrixView::from_slice_with_strides_generic(
-            right,
-            nalgebra::Dyn(low),
-            nalgebra::Dyn(columns),
-            nalgebra::Dyn(1),
-            nalgebra::Dyn(size),
-        );
+        let source =
+            DMatrixView::from_slice_with_strides_generic(right, Dyn(low), Dyn(columns), Dyn(1), Dyn(size));
         if columns < low {
             self.low.copy_from(&source);
             self.low.as_mut_slice().chunks_exact_mut(low).for_each(|column| self.factors.solve(column));
@@ -271,9 +267,9 @@ impl ModalEquations {
     fn multiply(&mut self, q: &[f64], out: &mut [f64]) {
         let (modes, count) = (self.modes, coefficient_count(self.harmonics));
         self.multiply_dynamic(q, out);
-        let view = nalgebra::DMatrixView::from_slice(q, modes, count);
+        let view = DMatrixView::from_slice(q, modes, count);
         self.coupled.gemm(1.0, &self.shortening, &view, 0.0);
-        let mut matrix = nalgebra::DMatrixViewMut::from_slice(out, modes, count);
+        let mut matrix = DMatrixViewMut::from_slice(out, modes, count);
         matrix.gemm(-1.0, &self.coupled, &self.product, 1.0);
     }
 
@@ -349,9 +345,9 @@ impl ModalEquations {
                 self.many_coupled = right.clone();
             }
             let mut many = std::mem::replace(&mut self.many, DMatrix::zeros(0, 0));
-            let view = nalgebra::DMatrixView::from_slice(out.as_slice(), modes, count * columns);
+            let view = DMatrixView::from_slice(out.as_slice(), modes, count * columns);
             let coupled = self.many_coupled.as_mut_slice();
-            nalgebra::DMatrixViewMut::from_slice(coupled, modes, count * columns).gemm(
+            DMatrixViewMut::from_slice(coupled, modes, count * columns).gemm(
                 1.0,
                 &self.shortening,
                 &view,
@@ -361,13 +357,9 @@ impl ModalEquations {
             for m in 0..columns {
                 let span = m * size..(m + 1) * size;
                 self.multiply_dynamic(&out.as_slice()[span.clone()], &mut many.as_mut_slice()[span.clone()]);
-                let coupled = nalgebra::DMatrixView::from_slice(
-                    &self.many_coupled.as_slice()[span.clone()],
-                    modes,
-                    count,
-                );
-                let mut into =
-                    nalgebra::DMatrixViewMut::from_slice(&mut many.as_mut_slice()[span], modes, count);
+                let coupled =
+                    DMatrixView::from_slice(&self.many_coupled.as_slice()[span.clone()], modes, count);
+                let mut into = DMatrixViewMut::from_slice(&mut many.as_mut_slice()[span], modes, count);
                 into.gemm(-1.0, &coupled, &self.product, 1.0);
             }
             many.iter_mut().zip(right.iter()).for_each(|(r, b)| *r = b - *r);
@@ -377,36 +369,6 @@ impl ModalEquations {
             rounds += 1;
         }
     }
-
-    /// `out = ∂D/∂Ω q`.
-    pub fn by_frequency(&self, q: &[f64], out: &mut [f64]) {
-        let modes = self.modes;
-        out.fill(0.0);
-        for i in 0..modes {
-            for order in 1..=self.harmonics {
-                let h = order as f64;
-                let inertia = -2.0 * h * h * self.at.angular_frequency;
-                let rate = h * (self.damping[i] - 4.0 * self.at.self_excitation * self.at.angular_frequency);
-                let (c, s) = ((2 * order - 1) * modes + i, 2 * order * modes + i);
-                out[c] = inertia * q[c] + rate * q[s];
-                out[s] = inertia * q[s] - rate * q[c];
-            }
-        }
-    }
-
-    /// `out = ∂D/∂ζ q` for the self-excitation ζ.
-    pub fn by_self_excitation(&self, q: &[f64], out: &mut [f64]) {
-        let modes = self.modes;
-        out.fill(0.0);
-        for order in 1..=self.harmonics {
-            let rate = -2.0 * order as f64 * self.at.angular_frequency.powi(2);
-            for i in 0..modes {
-                let (c, s) = ((2 * order - 1) * modes + i, 2 * order * modes + i);
-                out[c] = rate * q[s];
-                out[s] = -rate * q[c];
-            }
-        }
-    }
 }
 
 /// Dynamic stiffness and damping force per displacement of a mode with the stiffness ω² and the damping 2 ζ ω.
@@ -414,8 +376,4 @@ fn dynamic(stiffness: f64, damping: f64, at: &Operating, order: usize) -> (f64, 
     let speed = order as f64 * at.angular_frequency;
     let sustained = 2.0 * at.self_excitation * at.angular_frequency;
     (stiffness - speed * speed, (damping - sustained) * speed)
-}
-
-fn largest(v: &[f64]) -> f64 {
-    v.iter().fold(0.0, |m: f64, x| if x.abs() > m || x.is_nan() { x.abs() } else { m })
 }

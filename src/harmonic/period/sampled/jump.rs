@@ -1,8 +1,10 @@
 //! A jump of the force between two samples.
 
-use super::{SampledCycle, add_scaled, differentiate_functions};
+use super::SampledCycle;
+use super::march::differentiate_functions;
 use crate::contact::{Inputs, StateTangents};
 use crate::harmonic::period::PeriodicContact;
+use crate::harmonic::period::closure::add_scaled;
 
 /// How far beyond a jump the law is looked at, as a fraction of the step.
 const BESIDE: f64 = 1e-6;

@@ -15,20 +15,18 @@
 
 mod alone;
 mod jump;
+mod march;
 
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 
 use super::PeriodicContact;
-use crate::contact::{Inputs, Response, StateTangents};
+use super::closure::{Closure, Marched, add_scaled};
+use crate::contact::StateTangents;
 use crate::harmonic::HarmonicError;
-use crate::numeric::elimination::solve_ranked;
 use crate::numeric::fourier::{Basis, coefficient_count, differentiate, dot};
-use crate::numeric::implicit::Implicit;
 
-/// Where a pivot of `1 − monodromy` (scaled) counts as zero: the memory does not fade.
-const UNFADING: f64 = 1e-9;
 /// Fraction of the largest force left as error of the implicit step through the series spring.
 const STEP_TOLERANCE: f64 = 1e-11;
 /// Change of force (fraction of the largest) and of the state (of each part's largest) below which the periodic state is
@@ -71,9 +69,7 @@ pub(crate) struct SampledCycle {
     next_sensitivity: Vec<f64>,
     displacement_row: Vec<f64>,
     velocity_row: Vec<f64>,
-    solution: Vec<f64>,
-    system: Vec<f64>,
-    pivots: Vec<usize>,
+    closure: Closure,
     tangents: StateTangents,
     jump: jump::Workspace,
     force_scale: f64,
@@ -85,7 +81,7 @@ pub(crate) struct SampledCycle {
 }
 
 /// What one marched period tells about the periodic state.
-struct Closure {
+struct Judgement {
     unique: bool,
     /// Largest change (N) of a force sample, to first order.
     force_change: f64,
@@ -122,9 +118,7 @@ impl SampledCycle {
             next_sensitivity: Vec::new(),
             displacement_row: Vec::new(),
             velocity_row: Vec::new(),
-            solution: Vec::new(),
-            system: Vec::new(),
-            pivots: Vec::new(),
+            closure: Closure::default(),
             tangents: StateTangents::default(),
             jump: jump::Workspace::default(),
             force_scale: 0.0,
@@ -182,9 +176,6 @@ impl SampledCycle {
         }
         self.displacement_row = vec![0.0; columns];
         self.velocity_row = vec![0.0; columns];
-        self.solution = vec![0.0; state_len * (self.wide + 2)];
-        self.system = vec![0.0; state_len * (state_len + self.wide + 2)];
-        self.pivots = vec![0; state_len];
         self.forget();
     }
 
@@ -222,7 +213,7 @@ impl SampledCycle {
             let unmoved = closure.state_change <= LINEAR_FINISH;
             if unmoved && closure.force_change <= LINEAR_FINISH * self.force_scale {
                 self.finish();
-                self.correct_start();
+                self.closure.correct(&mut self.start, &mut self.start_sensitivity, true);
                 self.warm = true;
                 return Ok(());
             }
@@ -284,200 +275,25 @@ impl SampledCycle {
         self.force_samples.fill(f64::NAN);
     }
 
-    /// One step from `state` to the sample `k` through the series spring; leaves `next` and its
-    /// sensitivity, and writes the force's sensitivity to column `column` if there is one.
-    fn step(
-        &mut self,
-        contact: &PeriodicContact,
-        angular_frequency: f64,
-        k: usize,
-        predicted: f64,
-        column: Option<usize>,
-    ) -> f64 {
-        let (inputs, response) = self.step_alone(contact, angular_frequency, k, predicted);
-        contact.law.state_tangents(&self.state, inputs, &mut self.tangents);
-        self.carry(&response, contact.compliance, angular_frequency, k, column);
-        response.force
-    }
-
-    /// As [`SampledCycle::step`], without sensitivities.
-    fn step_alone(
-        &mut self,
-        contact: &PeriodicContact,
-        angular_frequency: f64,
-        k: usize,
-        predicted: f64,
-    ) -> (Inputs, Response) {
-        let mut inputs = Inputs {
-            displacement: 0.0,
-            velocity: angular_frequency * self.rate[k],
-            normal_load: self.load[k],
+    /// How far the state at the start is from the periodic one.
+    fn close(&mut self) -> Judgement {
+        let (n, inputs) = (self.state_len, self.wide + 1);
+        let marched = Marched {
+            start: &self.start,
+            end: &self.state,
+            start_sensitivity: &self.start_sensitivity,
+            end_sensitivity: &self.state_sensitivity,
         };
-        let mut implicit = Implicit::new(predicted);
-        loop {
-            inputs.displacement = self.displacement[k] - contact.compliance * implicit.force;
-            let response = contact.law.step(&self.state, inputs, &mut self.next);
-            let scale = self.force_scale.max(response.force.abs());
-            let gradient = 1.0 + contact.compliance * response.tangents.displacement;
-            if implicit.accept(response.force, gradient, contact.compliance, STEP_TOLERANCE * scale) {
-                return (inputs, response);
-            }
-        }
-    }
-
-    /// Carries the derivatives through the step just made.
-    fn carry(
-        &mut self,
-        response: &Response,
-        compliance: f64,
-        angular_frequency: f64,
-        k: usize,
-        column: Option<usize>,
-    ) {
-        let (n, wide) = (self.state_len, self.wide);
-        let columns = wide + 1 + n;
-        let rated =
-            response.tangents.velocity != 0.0 || self.tangents.next_by_velocity.iter().any(|d| *d != 0.0);
-        let functions = self.basis.functions(k);
-        let (stiffness, damping) = (response.tangents.displacement, response.tangents.velocity);
-        let row = &mut self.displacement_row;
-        // Force at a held series spring …
-        for (r, b) in row.iter_mut().zip(functions) {
-            *r = stiffness * b;
-        }
-        row[wide..].fill(0.0);
-        if rated {
-            let velocity = &mut self.velocity_row;
-            differentiate_functions(functions, angular_frequency, velocity);
-            velocity[wide] = self.rate[k];
-            velocity[wide + 1..].fill(0.0);
-            row.iter_mut().zip(velocity.iter()).for_each(|(r, v)| *r += damping * v);
-        }
-        for (weight, source) in
-            self.tangents.force_by_state.iter().zip(self.state_sensitivity.chunks_exact(columns))
-        {
-            add_scaled(row, *weight, source);
-        }
-        // … the spring gives way: dT (1 + a ∂T/∂u) is what was summed …
-        let homotopy_compliance = 1.0 / (1.0 + compliance * stiffness);
-        row.iter_mut().for_each(|r| *r *= homotopy_compliance);
-        if let Some(column) = column {
-            self.sensitivity.as_mut_slice()[column * columns..(column + 1) * columns].copy_from_slice(row);
-        }
-        // … and the contact moves by du − a dT.
-        row.iter_mut().for_each(|r| *r *= -compliance);
-        row.iter_mut().zip(functions).for_each(|(r, b)| *r += b);
-        for (i, target) in self.next_sensitivity.chunks_exact_mut(columns).enumerate() {
-            target.fill(0.0);
-            add_scaled(target, self.tangents.next_by_displacement[i], row);
-            if rated {
-                add_scaled(target, self.tangents.next_by_velocity[i], &self.velocity_row);
-            }
-            let weights = &self.tangents.next_by_state[i * n..(i + 1) * n];
-            for (weight, source) in weights.iter().zip(self.state_sensitivity.chunks_exact(columns)) {
-                add_scaled(target, *weight, source);
-            }
-        }
-    }
-
-    /// Marches one period from `start`, which is the state at sample `origin`.
-    fn march(&mut self, contact: &PeriodicContact, angular_frequency: f64) {
-        let (n, wide) = (self.state_len, self.wide);
-        let columns = wide + 1 + n;
-        self.state.copy_from_slice(&self.start);
-        self.state_sensitivity.copy_from_slice(&self.start_sensitivity);
-        for i in 0..n {
-            self.state_sensitivity[i * columns + wide + 1..(i + 1) * columns].fill(0.0);
-            self.state_sensitivity[i * columns + wide + 1 + i] = 1.0;
-            self.state_scale[i] = self.start[i].abs();
-        }
-        self.jump.given.clear();
-        self.jump.given.resize(self.samples, 0.0);
-        let mut last = 0.0;
-        let mut largest = 0.0_f64;
-        for i in 1..=self.samples {
-            let k = (self.origin + i) % self.samples;
-            let known = self.force_samples[k];
-            let predicted = if known.is_finite() { known } else { last };
-            last = self.step(contact, angular_frequency, k, predicted, Some(k));
-            self.force_samples[k] = last;
-            // Behind a spring the force does not jump; nor does it right behind the farthest turning point.
-            if contact.compliance == 0.0 && i > 1 {
-                self.place_jump(contact, angular_frequency, k, true);
-            }
-            largest = largest.max(last.abs());
-            std::mem::swap(&mut self.state, &mut self.next);
-            std::mem::swap(&mut self.state_sensitivity, &mut self.next_sensitivity);
-            for (scale, value) in self.state_scale.iter_mut().zip(&self.state) {
-                *scale = scale.max(value.abs());
-            }
-        }
-        self.force_scale = largest;
-    }
-
-    /// Solves `(1 − M) δ = end − start` for the state and its sensitivities (left in `solution`, one
-    /// column for the state, then the coefficients and the frequency).
-    fn close(&mut self) -> Closure {
-        let (n, wide) = (self.state_len, self.wide);
-        let (columns, right) = (wide + 1 + n, wide + 2);
-        let width = n + right;
-        for scale in &mut self.state_scale {
-            if *scale == 0.0 {
-                *scale = 1.0;
-            }
-        }
-        for i in 0..n {
-            let end = &self.state_sensitivity[i * columns..(i + 1) * columns];
-            let begin = &self.start_sensitivity[i * columns..(i + 1) * columns];
-            let row = &mut self.system[i * width..(i + 1) * width];
-            for j in 0..n {
-                let identity = f64::from(u8::from(i == j));
-                row[j] = identity - end[wide + 1 + j] * self.state_scale[j] / self.state_scale[i];
-            }
-            row[n] = (self.state[i] - self.start[i]) / self.state_scale[i];
-            for m in 0..=wide {
-                row[n + 1 + m] = (end[m] - begin[m]) / self.state_scale[i];
-            }
-        }
-        self.hold_conserved(width);
-        let rank = solve_ranked(&mut self.system, &mut self.pivots, right, UNFADING, &mut self.solution);
+        let state_change = self.closure.solve(&marched, inputs, &mut self.state_scale);
         // Memory that does not fade must be a contact without history's, or the result would depend on the
         // evaluations before.
         let unique = (0..n).all(|i| {
-            self.pivots[..rank].contains(&i)
+            self.closure.is_found(i)
                 || (self.start[i] - self.without_history[i]).abs() <= 1e-12 * self.state_scale[i]
         });
-        let steps = self.solution.chunks_exact(right).map(|row| row[0].abs());
-        let state_change = steps.fold(0.0, f64::max);
-        for (row, scale) in self.solution.chunks_exact_mut(right).zip(&self.state_scale) {
-            row.iter_mut().for_each(|x| *x *= scale);
-        }
-        let mut force_change = 0.0_f64;
-        for column in self.sensitivity.as_slice().chunks_exact(columns) {
-            let by_state = &column[wide + 1..];
-            let change: f64 = by_state.iter().enumerate().map(|(i, d)| d * self.solution[i * right]).sum();
-            // `max` would drop a NaN.
-            force_change =
-                if change.abs() > force_change || change.is_nan() { change.abs() } else { force_change };
-            if force_change.is_nan() {
-                break;
-            }
-        }
-        Closure { unique, force_change, state_change }
-    }
-
-    /// Takes the memory that a period leaves exactly as it was out of the linear system: what a stuck
-    /// slider or an unstressed length remembers is kept, not traded against the rest of the state, which
-    /// elimination by the largest pivot would be free to do.
-    fn hold_conserved(&mut self, width: usize) {
-        let n = self.state_len;
-        for i in 0..n {
-            let conserved = self.system[i * width..i * width + n].iter().all(|x| x.abs() <= UNFADING);
-            if conserved {
-                self.system[i * width..(i + 1) * width].fill(0.0);
-                (0..n).for_each(|k| self.system[k * width + i] = 0.0);
-            }
-        }
+        let columns = self.sensitivity.as_slice().chunks_exact(inputs + n);
+        let force_change = self.closure.force_change(columns.map(|column| &column[inputs..]));
+        Judgement { unique, force_change, state_change }
     }
 
     /// Moves the start towards the periodic state: by Newton's step, or to where the period ended.
@@ -488,32 +304,22 @@ impl SampledCycle {
             self.start.copy_from_slice(&self.state);
             self.start_sensitivity.copy_from_slice(&self.state_sensitivity);
         } else {
-            self.correct_start();
-        }
-    }
-
-    /// Newton's step on the start state and its sensitivity.
-    fn correct_start(&mut self) {
-        let (columns, right) = (self.wide + 1 + self.state_len, self.wide + 2);
-        for (i, solution) in self.solution.chunks_exact(right).enumerate() {
-            self.start[i] += solution[0];
-            let row = &mut self.start_sensitivity[i * columns..];
-            row.iter_mut().zip(&solution[1..]).for_each(|(s, d)| *s += d);
+            self.closure.correct(&mut self.start, &mut self.start_sensitivity, true);
         }
     }
 
     /// Adds what the start state contributes, to first order, and projects on the harmonics.
     fn finish(&mut self) {
         let (n, wide, samples) = (self.state_len, self.wide, self.samples);
-        let (columns, right) = (wide + 1 + n, wide + 2);
+        let columns = wide + 1 + n;
         for (force, column) in
             self.force_samples.iter_mut().zip(self.sensitivity.as_mut_slice().chunks_exact_mut(columns))
         {
             let (total, by_state) = column.split_at_mut(wide + 1);
-            for (i, weight) in by_state.iter().enumerate() {
+            for (weight, changes) in by_state.iter().zip(self.closure.changes()) {
                 if *weight != 0.0 {
-                    *force += weight * self.solution[i * right];
-                    add_scaled(total, *weight, &self.solution[i * right + 1..(i + 1) * right]);
+                    *force += weight * changes[0];
+                    add_scaled(total, *weight, &changes[1..]);
                 }
             }
         }
@@ -547,18 +353,4 @@ pub(crate) fn transposed(
     stride: usize,
 ) -> DMatrixView<'_, f64, Dyn, Dyn> {
     DMatrixView::from_slice_with_strides_generic(data, Dyn(columns), Dyn(rows), Dyn(stride), Dyn(1))
-}
-
-fn differentiate_functions(functions: &[f64], angular_frequency: f64, out: &mut [f64]) {
-    out[0] = 0.0;
-    for h in 1..=functions.len() / 2 {
-        out[2 * h - 1] = -(h as f64) * angular_frequency * functions[2 * h];
-        out[2 * h] = h as f64 * angular_frequency * functions[2 * h - 1];
-    }
-}
-
-fn add_scaled(target: &mut [f64], weight: f64, source: &[f64]) {
-    if weight != 0.0 {
-        target.iter_mut().zip(source).for_each(|(t, s)| *t += weight * s);
-    }
 }

@@ -7,12 +7,10 @@
 use crate::contact::{Inputs, Response, StateTangents};
 use crate::harmonic::HarmonicError;
 use crate::harmonic::period::PeriodicContact;
+use crate::harmonic::period::closure::{Closure, Marched, add_scaled};
 use crate::harmonic::period::motion::Turning;
-use crate::numeric::elimination::solve_ranked;
 use crate::numeric::implicit::Implicit;
 
-/// Where a pivot of `1 − monodromy` (scaled) counts as zero: the memory does not fade.
-const UNFADING: f64 = 1e-9;
 /// Fraction of the largest force left as error of the implicit step through the series spring: rounding, since a
 /// slowly fading memory magnifies it.
 pub(super) const STEP_TOLERANCE: f64 = 1e-15;
@@ -44,9 +42,7 @@ pub(super) struct Chain {
     scale: Vec<f64>,
     without_history: Vec<f64>,
     next: Vec<f64>,
-    system: Vec<f64>,
-    solution: Vec<f64>,
-    pivots: Vec<usize>,
+    closure: Closure,
     tangents: StateTangents,
 }
 
@@ -93,10 +89,6 @@ impl Chain {
         for vector in [&mut self.scale, &mut self.without_history, &mut self.next] {
             fill(vector, n);
         }
-        fill(&mut self.system, n * (n + points + 1));
-        fill(&mut self.solution, n * (points + 1));
-        self.pivots.clear();
-        self.pivots.resize(n, 0);
     }
 
     /// State at a point.
@@ -226,70 +218,23 @@ impl Chain {
         }
     }
 
-    /// Solves `(1 − monodromy) δ = end − start` for state and derivatives, to `solution`; returns the largest
-    /// change of force it makes.
+    /// Finds what makes the state at the first point periodic; returns the largest change of force it makes.
     fn close(&mut self) -> f64 {
         let (n, points) = (self.n, self.points);
-        let (columns, right) = (points + n, points + 1);
-        let width = n + right;
-        for scale in &mut self.scale {
-            if *scale == 0.0 {
-                *scale = 1.0;
-            }
-        }
-        let last = points * n;
-        for i in 0..n {
-            let begin = &self.sensitivities[i * columns..(i + 1) * columns];
-            let end = &self.sensitivities[(last + i) * columns..(last + i + 1) * columns];
-            let row = &mut self.system[i * width..(i + 1) * width];
-            for k in 0..n {
-                let identity = f64::from(u8::from(i == k));
-                row[k] = identity - end[points + k] * self.scale[k] / self.scale[i];
-            }
-            row[n] = (self.states[last + i] - self.states[i]) / self.scale[i];
-            for m in 0..points {
-                row[n + 1 + m] = (end[m] - begin[m]) / self.scale[i];
-            }
-        }
-        self.hold_conserved(width);
-        solve_ranked(&mut self.system, &mut self.pivots, right, UNFADING, &mut self.solution);
-        for (row, scale) in self.solution.chunks_exact_mut(right).zip(&self.scale) {
-            row.iter_mut().for_each(|x| *x *= scale);
-        }
-        let mut largest = 0.0_f64;
-        for row in self.force_by_start.chunks_exact(n) {
-            let change: f64 = row.iter().enumerate().map(|(i, d)| d * self.solution[i * right]).sum();
-            // `max` would drop a NaN.
-            if change.is_nan() {
-                return f64::NAN;
-            }
-            largest = largest.max(change.abs());
-        }
-        largest
+        let (last, columns) = (points * n, points + n);
+        let marched = Marched {
+            start: &self.states[..n],
+            end: &self.states[last..last + n],
+            start_sensitivity: &self.sensitivities[..n * columns],
+            end_sensitivity: &self.sensitivities[last * columns..(last + n) * columns],
+        };
+        self.closure.solve(&marched, points, &mut self.scale);
+        self.closure.force_change(self.force_by_start.chunks_exact(n))
     }
 
-    /// Takes the memory that a period leaves exactly as it was out of the linear system: what a stuck
-    /// slider or an unstressed length remembers is kept.
-    fn hold_conserved(&mut self, width: usize) {
-        let n = self.n;
-        for i in 0..n {
-            if self.system[i * width..i * width + n].iter().all(|x| x.abs() <= UNFADING) {
-                self.system[i * width..(i + 1) * width].fill(0.0);
-                (0..n).for_each(|k| self.system[k * width + i] = 0.0);
-            }
-        }
-    }
-
-    /// Adds the solution to the start; the derivatives' part only counts at the periodic state.
+    /// Changes the start; the derivatives' part only counts at the periodic state.
     fn correct(&mut self, derivatives: bool) {
-        let (columns, right) = (self.points + self.n, self.points + 1);
-        for (i, solution) in self.solution.chunks_exact(right).enumerate() {
-            self.states[i] += solution[0];
-            if derivatives {
-                let row = &mut self.sensitivities[i * columns..];
-                row.iter_mut().zip(&solution[1..]).for_each(|(s, d)| *s += d);
-            }
-        }
+        self.closure.correct(&mut self.states[..self.n], &mut self.sensitivities, derivatives);
     }
 
     fn restart_at_end(&mut self) {
@@ -298,11 +243,5 @@ impl Chain {
         start.copy_from_slice(&rest[(self.points - 1) * n..]);
         let (start, rest) = self.sensitivities.split_at_mut(n * columns);
         start.copy_from_slice(&rest[(self.points - 1) * n * columns..]);
-    }
-}
-
-fn add_scaled(target: &mut [f64], weight: f64, source: &[f64]) {
-    if weight != 0.0 {
-        target.iter_mut().zip(source).for_each(|(t, s)| *t += weight * s);
     }
 }
