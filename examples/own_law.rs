@@ -4,9 +4,7 @@
 
 use std::sync::Arc;
 
-use stickslip::contact::StateTangents;
 use stickslip::prelude::*;
-use stickslip::system::Element;
 
 /// `T = k3 u³`, without memory.
 #[derive(Debug)]
@@ -18,15 +16,12 @@ impl ContactLaw for Hardening {
     }
     fn set_state(&self, _displacement: f64, _normal_load: f64, _force: f64, _state: &mut [f64]) {}
     fn step(&self, _state: &[f64], inputs: Inputs, _next: &mut [f64]) -> Response {
-        let (force, u) = (self.0 * inputs.displacement.powi(3), inputs.displacement);
+        let u = inputs.displacement;
         let tangents = Tangents { displacement: 3.0 * self.0 * u * u, ..Tangents::default() };
-        Response { force, tangents, dissipated_energy: 0.0, slip_state: SlipState::Stick }
+        Response { force: self.0 * u * u * u, tangents, dissipated_energy: 0.0, slip_state: SlipState::Stick }
     }
     fn state_tangents(&self, _state: &[f64], _inputs: Inputs, out: &mut StateTangents) {
         out.reset(0);
-    }
-    fn limit(&self, _normal_load: f64) -> f64 {
-        f64::INFINITY
     }
 }
 
@@ -36,9 +31,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if let [Element::Law { law, .. }] = &mut system.elements[..] {
         *law = Arc::new(Hardening(0.05)); // instead of the law of the model's one contact
     }
-    let system = Assembly::new(system);
     let (force, settings) = (Control::Level(0.1), CurveSettings::default());
-    let curve = frequency_response(&system, 0.4, 1.0, &force, &settings, &mut |_| true)?;
+    let curve = frequency_response(&Assembly::new(system), 0.4, 1.0, &force, &settings, &mut |_| true)?;
     for peak in &curve.peaks {
         println!("mass {}: {:.4} m at {:.4} rad/s", peak.node + 1, peak.amplitude, peak.angular_frequency);
     }

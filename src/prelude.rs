@@ -16,7 +16,8 @@
 //! ```
 
 pub use crate::contact::{
-    ContactLaw, Inputs, Iwan, Jenkins, LawError, LoadedContact, Response, SlipState, Tangents, Valanis,
+    ContactLaw, Inputs, Iwan, Jenkins, LawError, LoadedContact, Response, SlipState, StateTangents, Tangents,
+    Valanis,
 };
 pub use crate::data::{Channel, Dataset, Record, Regime};
 #[cfg(feature = "analysis")]

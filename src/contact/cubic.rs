@@ -80,10 +80,6 @@ impl ContactLaw for CubicSpring {
         out.reset(0);
     }
 
-    fn limit(&self, _normal_load: f64) -> f64 {
-        f64::INFINITY
-    }
-
     fn sliders(&self, _normal_load: f64, out: &mut Vec<Slider>) -> bool {
         out.clear();
         if self.cubic_stiffness != 0.0 {

@@ -80,8 +80,4 @@ impl ContactLaw for Drag {
         out.next_by_displacement[0] = 1.0;
         out.next_by_velocity[1] = 2.0 * self.quadratic_damping * inputs.velocity.abs();
     }
-
-    fn limit(&self, _normal_load: f64) -> f64 {
-        f64::INFINITY
-    }
 }

@@ -299,8 +299,11 @@ pub trait ContactLaw: std::fmt::Debug + Send + Sync {
     }
 
     /// The largest force the law reaches under `normal_load` (N) before any residual stiffness is
-    /// added (N).
-    fn limit(&self, normal_load: f64) -> f64;
+    /// added (N); a law without a limit says infinity, as here.
+    fn limit(&self, normal_load: f64) -> f64 {
+        let _ = normal_load;
+        f64::INFINITY
+    }
 
     /// Whether the reversed history of displacement gives the reversed history of force. Then a periodic
     /// response to a force of odd harmonics can have odd harmonics alone.

@@ -89,10 +89,6 @@ impl ContactLaw for Unilateral {
         out.reset(0);
     }
 
-    fn limit(&self, _normal_load: f64) -> f64 {
-        f64::INFINITY
-    }
-
     fn is_odd(&self) -> bool {
         false
     }
