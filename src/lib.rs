@@ -40,9 +40,6 @@
 //! holds no global state; files are read by `stickslip-readers`. `ARCHITECTURE.md` is the map of the code, `docs/` the
 //! guide. Without the default feature `analysis` the library is what an FMU needs: models, and their steps in time.
 
-// Some of what models and integrators can do serves the analysis alone.
-#![cfg_attr(not(feature = "analysis"), allow(dead_code, unused_imports))]
-
 pub mod contact;
 #[cfg(feature = "analysis")]
 pub mod cosim;

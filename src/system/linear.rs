@@ -167,6 +167,7 @@ impl LinearStructure {
 impl LinearStructure {
     /// Entries of the matrix that one factor for each contact, such as the stiffness (N/m) of a spring along its
     /// displacement, makes of the contacts' rows.
+    #[cfg(feature = "analysis")]
     pub(crate) fn along_contacts(&self, factors: impl IntoIterator<Item = f64>) -> Entries {
         let contacts = self.contacts.iter().zip(factors);
         contacts.flat_map(|(row, factor)| between(row, factor, row)).collect()

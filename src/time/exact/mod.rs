@@ -26,5 +26,6 @@ pub use excitation::Excitation;
 pub use flow::{OscillatorFlow, OscillatorMotion};
 pub use passage::Passage;
 pub use runge_kutta::{RungeKutta, Transient};
+#[cfg(feature = "analysis")]
 pub(crate) use shooting::multipliers;
 pub use shooting::{PeriodicMotion, ShootingSettings, shoot};

@@ -28,6 +28,7 @@ pub(crate) struct System {
     /// Largest magnitude of an eigenvalue of K (1/s²) and of C (1/s).
     largest: (f64, f64),
     /// Smallest eigenvalue of K (1/s²).
+    #[cfg_attr(not(feature = "analysis"), allow(dead_code))]
     least: f64,
     /// |bᵢ|² (1/kg).
     contact_mobility: Vec<f64>,
@@ -98,28 +99,6 @@ impl System {
             outputs,
             factor,
         })
-    }
-
-    /// The same structure, driven along the displacement of contact `i` against a force's sense: its
-    /// excitation is a contact force.
-    pub fn driven_by_contact(&self, i: usize) -> Self {
-        Self { excitation: self.contacts[i].iter().map(|b| -b).collect(), ..self.clone() }
-    }
-
-    /// K (1/s²) and C (1/s), row-major.
-    pub fn matrices(&self) -> (&[f64], &[f64]) {
-        (&self.stiffness, &self.damping)
-    }
-
-    /// Angular frequency (rad/s) of the structure's fastest motion; 1 without springs.
-    pub fn fastest(&self) -> f64 {
-        if self.largest.0 > 0.0 { self.largest.0.sqrt() } else { 1.0 }
-    }
-
-    /// Whether the structure can be displaced without a force: some part of it floats.
-    pub fn floats(&self) -> bool {
-        const ROUNDING: f64 = 1e-13;
-        self.least.abs() <= ROUNDING * self.size as f64 * self.largest.0
     }
 
     /// Inner coordinates of a displacement or velocity `q`.
@@ -231,5 +210,31 @@ impl System {
         let springs: f64 =
             x.iter().zip(self.stiffness.chunks_exact(self.size)).map(|(x_i, row)| x_i * dot(row, x)).sum();
         0.5 * (springs + dot(v, v))
+    }
+}
+
+/// What harmonic balance and its stability ask of the system.
+#[cfg(feature = "analysis")]
+impl System {
+    /// The same structure, driven along the displacement of contact `i` against a force's sense: its
+    /// excitation is a contact force.
+    pub fn driven_by_contact(&self, i: usize) -> Self {
+        Self { excitation: self.contacts[i].iter().map(|b| -b).collect(), ..self.clone() }
+    }
+
+    /// K (1/s²) and C (1/s), row-major.
+    pub fn matrices(&self) -> (&[f64], &[f64]) {
+        (&self.stiffness, &self.damping)
+    }
+
+    /// Angular frequency (rad/s) of the structure's fastest motion; 1 without springs.
+    pub fn fastest(&self) -> f64 {
+        if self.largest.0 > 0.0 { self.largest.0.sqrt() } else { 1.0 }
+    }
+
+    /// Whether the structure can be displaced without a force: some part of it floats.
+    pub fn floats(&self) -> bool {
+        const ROUNDING: f64 = 1e-13;
+        self.least.abs() <= ROUNDING * self.size as f64 * self.largest.0
     }
 }
