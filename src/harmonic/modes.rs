@@ -77,7 +77,7 @@ pub struct NonlinearMode {
 /// .structure()?;
 /// let assembly = Assembly::new(structure.system(vec![(Arc::new(CubicSpring::new(0.0, 1.0)?), 0.0)]));
 /// let range = ModeRange { mode: 0, node: 0, amplitudes: [0.01, 1.0], points: 20 };
-/// let mode = nonlinear_mode(&assembly, &range, &CurveSettings::default())?;
+/// let mode = nonlinear_mode(&assembly, &range, &CurveSettings::default(), &mut |_| true)?;
 /// assert!((mode.points[0].angular_frequency - 1.0).abs() < 1e-4);
 /// assert!(mode.points[19].angular_frequency > 1.3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -87,10 +87,13 @@ pub struct NonlinearMode {
 /// [`HarmonicError::InvalidInput`] for arguments that do not fit, or a node that does not move in the mode;
 /// [`HarmonicError::Structure`] for a structure whose modes cannot be computed; the other kinds where
 /// there is no vibration of the first amplitude.
+///
+/// `on_point` sees every point, and ends the mode there by `false`.
 pub fn nonlinear_mode(
     assembly: &Assembly,
     range: &ModeRange,
     settings: &CurveSettings,
+    on_point: &mut dyn FnMut(&ModePoint) -> bool,
 ) -> Result<NonlinearMode, HarmonicError> {
     let amplitudes = range.checked()?;
     assembly.check()?;
@@ -106,7 +109,7 @@ pub fn nonlinear_mode(
         if structure.contacts.is_empty() {
             structure.contacts.push(Ports::of(&assembly.system).contact().row.clone());
         }
-        return mode_in_modes(assembly, &structure, range, &amplitudes, settings);
+        return mode_in_modes(assembly, &structure, range, &amplitudes, (settings, on_point));
     }
     let start = LinearStart::new(&structure, at_rest(&assembly.system), range)?;
     // Free vibrations are poles of the structure's compliance where the contacts carry little; a damper moved
@@ -119,8 +122,11 @@ pub fn nonlinear_mode(
             u[place] = start.displacement(row) * amplitudes[0];
         }
     }
-    follow(&mut system, &start, x, range.node, &amplitudes, settings)
+    follow(&mut system, &start, x, range.node, &amplitudes, (settings, on_point))
 }
+
+/// Settings, and who sees the points and may end the mode.
+type Watched<'w> = (&'w CurveSettings, &'w mut dyn FnMut(&ModePoint) -> bool);
 
 /// A nonlinear mode of a system that keeps its modal coordinates.
 fn mode_in_modes(
@@ -128,7 +134,7 @@ fn mode_in_modes(
     structure: &LinearStructure,
     range: &ModeRange,
     amplitudes: &[f64],
-    settings: &CurveSettings,
+    (settings, on_point): Watched<'_>,
 ) -> Result<NonlinearMode, HarmonicError> {
     let start = LinearStart::new(structure, at_rest(&assembly.system), range)?;
     // As for a condensed system, but for the damper: it sits in the mode that takes most part.
@@ -150,7 +156,7 @@ fn mode_in_modes(
         force[1] = stiffness * start.displacement(&structure.contacts[0]) * amplitudes[0];
     }
     let x = system.unknowns_of(&modal, &force);
-    follow(&mut system, &start, x, range.node, amplitudes, settings)
+    follow(&mut system, &start, x, range.node, amplitudes, (settings, on_point))
 }
 
 /// The mode over its amplitudes, from the unknowns `x` of the linear one of the first amplitude.
@@ -160,7 +166,7 @@ fn follow(
     x: Vec<f64>,
     node: usize,
     amplitudes: &[f64],
-    settings: &CurveSettings,
+    (settings, on_point): Watched<'_>,
 ) -> Result<NonlinearMode, HarmonicError> {
     let at = Operating {
         angular_frequency: start.angular_frequency,
@@ -181,7 +187,13 @@ fn follow(
         NonlinearMode { angular_frequency: start.angular_frequency, points: Vec::new(), lost: None };
     for amplitude in amplitudes {
         match vibration.reach(*amplitude, &first) {
-            Ok(point) => mode.points.push(point),
+            Ok(point) => {
+                let goes_on = on_point(&point);
+                mode.points.push(point);
+                if !goes_on {
+                    break;
+                }
+            }
             Err(error) if !mode.points.is_empty() && error.is_of_the_step() => {
                 mode.lost = Some(error);
                 break;

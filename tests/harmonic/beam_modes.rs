@@ -37,7 +37,8 @@ fn mode(
     harmonics: usize,
 ) -> NonlinearMode {
     let range = ModeRange { mode: number, node: beam.sensors.len(), amplitudes: ends, points: 60 };
-    let mode = nonlinear_mode(&assembly(beam, law, LOAD), &range, &settings(harmonics)).unwrap();
+    let mode =
+        nonlinear_mode(&assembly(beam, law, LOAD), &range, &settings(harmonics), &mut |_| true).unwrap();
     assert_eq!(mode.lost, None);
     mode
 }
@@ -162,7 +163,7 @@ fn responses_of_the_beam_over_friction_are_those_of_each_friction_alone() {
     let beam = published(3);
     let contacts = |friction: f64| Ok(assembly(&beam, valanis(friction)?, LOAD));
     let (omega, range) = (TAU * 50.5, [FRICTION, 0.3 * FRICTION]);
-    let curve = parameter_response(&contacts, omega, 6.0, range, &settings(5)).unwrap();
+    let curve = parameter_response(&contacts, omega, 6.0, range, &settings(5), &mut |_| true).unwrap();
     assert_eq!(curve.ending, Ending::Complete);
     for varied in curve.points.iter().step_by(8).chain(curve.points.last()) {
         let alone = valanis(varied.value).unwrap();

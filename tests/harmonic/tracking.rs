@@ -156,7 +156,7 @@ fn parameter_sweeps_pass_turning_points_of_a_duffing_oscillator() {
     let (damping, omega, level): (f64, f64, f64) = (0.05, 1.3, 0.2);
     let structure = single(1.0, damping, 1.0, 1);
     let over = |cubic: f64| Ok(under_load(&structure, Arc::new(CubicSpring::new(0.0, cubic)?), 1.0));
-    let curve = parameter_response(&over, omega, level, [0.01, 2.0], &settings(1)).unwrap();
+    let curve = parameter_response(&over, omega, level, [0.01, 2.0], &settings(1), &mut |_| true).unwrap();
     assert_eq!(curve.ending, Ending::Complete);
     let mut turned = 0;
     for pair in curve.points.windows(2) {
@@ -175,7 +175,7 @@ fn parameter_sweeps_pass_turning_points_of_a_duffing_oscillator() {
 fn a_parameter_sweep_and_single_values_agree() {
     let structure = two_masses(0.1);
     let over = |friction: f64| Ok(under_load(&structure, Arc::new(Jenkins::new(0.2, friction)?), 1.0));
-    let curve = parameter_response(&over, 0.54, 0.4, [0.02, 0.12], &settings(9)).unwrap();
+    let curve = parameter_response(&over, 0.54, 0.4, [0.02, 0.12], &settings(9), &mut |_| true).unwrap();
     let last = curve.points.last().map(|varied| (varied.value, varied.point.dissipated_energy()));
     assert_eq!(curve.ending, Ending::Complete, "{last:?}");
     let picked: Vec<&Varied> = curve.points.iter().step_by(7).collect();
@@ -254,7 +254,7 @@ fn a_parameter_sweep_passes_the_corner_where_the_contact_sticks_for_good() {
     let over = |friction: f64| Ok(under_load(&structure, Arc::new(Jenkins::new(0.2, friction)?), 1.0));
     for (harmonics, most) in [(1, 0.5), (3, 1.0), (9, 0.3), (9, 2.0), (21, 0.5)] {
         let ends = [0.02, most];
-        let curve = parameter_response(&over, 0.54, 0.4, ends, &settings(harmonics)).unwrap();
+        let curve = parameter_response(&over, 0.54, 0.4, ends, &settings(harmonics), &mut |_| true).unwrap();
         let last = curve.points.last().unwrap();
         assert_eq!(curve.ending, Ending::Complete, "{harmonics} {most}: ends at {}", last.value);
         // Stuck for good, the contact is a spring; the limit it then needs is where it began to stick.
@@ -278,6 +278,6 @@ fn a_contact_that_loses_its_symmetry_on_the_way_is_refused() {
         };
         Ok(under_load(&structure, law, 1.0))
     };
-    let curve = parameter_response(&over, 0.8, 0.4, [0.1, 1.0], &settings(5));
+    let curve = parameter_response(&over, 0.8, 0.4, [0.1, 1.0], &settings(5), &mut |_| true);
     assert!(matches!(curve, Err(HarmonicError::InvalidInput(_))), "{curve:?}");
 }

@@ -32,6 +32,7 @@ pub struct VariedCurve {
 /// turning points are passed. `at` makes the system at a value; it must change smoothly with the parameter, within the
 /// range and a hundred-thousandth beyond, and keep its ports.
 ///
+/// `on_point` sees every response, and ends the curve there by `false`.
 /// A curve that cannot be followed to its end is returned as far as it came, with [`Ending`] saying so.
 ///
 /// ```
@@ -47,7 +48,7 @@ pub struct VariedCurve {
 ///     "#,
 /// )?;
 /// let over_friction = model.assembly_over("contact.friction_coefficient")?;
-/// let curve = parameter_response(&over_friction, 1.0, 0.5, [0.01, 0.2], &CurveSettings::default())?;
+/// let curve = parameter_response(&over_friction, 1.0, 0.5, [0.01, 0.2], &CurveSettings::default(), &mut |_| true)?;
 /// assert_eq!(curve.ending, Ending::Complete);
 /// let lost: Vec<f64> = curve.points.iter().map(|varied| varied.point.dissipated_energy()).collect();
 /// // As long as the contact slips freely, more friction takes more energy.
@@ -64,6 +65,7 @@ pub fn parameter_response(
     level: f64,
     range: [f64; 2],
     settings: &CurveSettings,
+    on_point: &mut dyn FnMut(&Varied) -> bool,
 ) -> Result<VariedCurve, HarmonicError> {
     let [from, to] = range;
     let positive = angular_frequency > 0.0 && angular_frequency.is_finite();
@@ -92,6 +94,9 @@ pub fn parameter_response(
         point = path.judged(settings)?;
     }
     curve.points.push(Varied { value: from, point });
+    if !on_point(&curve.points[0]) {
+        return Ok(VariedCurve { ending: Ending::Interrupted, ..curve });
+    }
     while curve.points.len() < settings.max_points {
         let mut found = None;
         let advance = path.advance(&mut |system, _, location, _| {
@@ -107,7 +112,12 @@ pub fn parameter_response(
         if advance == Advance::Stuck {
             break;
         }
+        let goes_on = found.as_ref().is_none_or(&mut *on_point);
         curve.points.extend(found);
+        if !goes_on {
+            curve.ending = Ending::Interrupted;
+            break;
+        }
         if let Advance::Arrived(ending) = advance {
             curve.ending = ending;
             break;
