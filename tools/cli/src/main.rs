@@ -45,6 +45,8 @@ enum Command {
     Effects(commands::effects::Effects),
     /// Follow the periodic response of a model to a harmonic force over frequency
     Frf(commands::frf::Frf),
+    /// Follow a nonlinear normal mode: its frequency and damping over the amplitude
+    Modes(commands::modes::Modes),
     /// Simulate a system of FMUs (SSP 1.0), or one FMU
     Simulate(commands::simulate::Simulate),
     /// Write one model as an FMU
@@ -103,6 +105,7 @@ fn main() -> ExitCode {
         Command::Add(command) => command.run().map(|()| 0),
         Command::Effects(command) => command.run().map(|()| 0),
         Command::Frf(command) => command.run().map(|()| 0),
+        Command::Modes(command) => command.run().map(|()| 0),
         Command::Export(command) => command.run().map(|()| 0),
         Command::Fmu(command) => command.run().map(|()| 0),
         Command::Simulate(command) => command.run(),

@@ -15,5 +15,6 @@ mod frf;
 mod friction_damper;
 mod hidden_effects;
 mod interrupt;
+mod modes;
 mod simulate;
 mod user_stories;

@@ -4,6 +4,7 @@ mod held;
 mod loops;
 mod request;
 mod setup;
+mod vary;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -16,6 +17,7 @@ use stickslip_report::responses::{
 
 use self::request::Request;
 use self::setup::Setup;
+use self::vary::Vary;
 use super::{check_destinations, list, read_model, settings};
 use crate::output::{Outputs, say};
 use crate::{Failure, ResultFiles, progress};
@@ -28,6 +30,7 @@ Examples:
   stickslip frf model.toml --from 0.2 --to 2 --unit rad/s --levels 0.05,0.1,0.4 --json frf.json
   stickslip frf beam.toml --from 45 --to 60 --hold acceleration:x=0.55=70
   stickslip frf beam.toml --from 45 --to 60 --hold acceleration:x=0.55 --levels 10,30,70
+  stickslip frf model.toml --vary contact.friction_coefficient=0.05:0.5 --at 0.6 --unit rad/s --force 0.4
 
 Exit codes: 0 done; 1 a curve ended before its end (what was found is written); 2 bad input (nothing is
 written); 130 interrupted by Ctrl-C (what was found is written).")]
@@ -35,11 +38,11 @@ pub struct Frf {
     /// The model file (an oscillator or a beam), or an FMU that carries one
     model: PathBuf,
     /// First frequency (in --unit)
-    #[arg(long, value_name = "FREQUENCY", allow_negative_numbers = true)]
-    from: f64,
+    #[arg(long, value_name = "FREQUENCY", allow_negative_numbers = true, required_unless_present = "vary")]
+    from: Option<f64>,
     /// Last frequency (in --unit)
-    #[arg(long, value_name = "FREQUENCY", allow_negative_numbers = true)]
-    to: f64,
+    #[arg(long, value_name = "FREQUENCY", allow_negative_numbers = true, required_unless_present = "vary")]
+    to: Option<f64>,
     /// Unit of --from, --to and of the output; JSON has both units
     #[arg(long, value_enum, default_value_t = Unit::Hertz)]
     unit: Unit,
@@ -69,6 +72,8 @@ pub struct Frf {
     /// take longer than half a second
     #[arg(long)]
     no_stability: bool,
+    #[command(flatten)]
+    vary: Vary,
     #[command(flatten)]
     files: ResultFiles,
 }
@@ -101,6 +106,9 @@ impl Frf {
     pub fn run(self) -> Result<(), Failure> {
         check_destinations(&self.files, None, &[&self.model])?;
         let model = read_model(&self.model)?;
+        if self.vary.is_asked() {
+            return vary::run(&self, &model);
+        }
         let setup = Setup::new(&model, self.excite.as_deref())?;
         let request = Request::new(&self, setup.nodes())?;
         let assembly = setup.assembly();

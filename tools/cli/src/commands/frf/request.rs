@@ -37,7 +37,7 @@ impl Request {
     /// Checks what can be checked before any work.
     pub fn new(command: &Frf, nodes: &[String]) -> Result<Self, Failure> {
         let unit: FrequencyUnit = command.unit.into();
-        let (from, to) = (command.from, command.to);
+        let (from, to) = (command.from.unwrap_or(f64::NAN), command.to.unwrap_or(f64::NAN));
         if !(from.is_finite() && to.is_finite() && from > 0.0) {
             return Err(Failure::input(format!(
                 "--from {} --to {}: frequencies must be positive numbers",
