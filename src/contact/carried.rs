@@ -25,6 +25,8 @@ pub(crate) struct Change {
 
 /// Half the span of the differences that stand for derivatives of tangent and dissipated energy, relative to the inputs.
 const SPAN: f64 = 1e-6;
+/// How much better the tangents fit the force on one side than on the other where they are those of that side.
+const CORNER: f64 = 30.0;
 /// Displacement (m), velocity (m/s) and load (N) below which the span is not made smaller.
 const SMALLEST: [f64; 3] = [1e-8, 1e-4, 1e-3];
 
@@ -67,31 +69,35 @@ impl Carried {
 
     /// The step to `inputs`, which change by `by`.
     pub fn step(&mut self, law: &dyn ContactLaw, inputs: Inputs, by: Inputs) -> Change {
-        let response = law.step(&self.memory, inputs, &mut self.next);
-        let (tangent, dissipated_energy) = self.differences(law, inputs, by);
-        law.state_tangents(&self.memory, inputs, &mut self.tangents);
-        let Inputs { displacement, velocity, normal_load } = by;
-        let t = &self.tangents;
-        let force = response.tangents.displacement * displacement
-            + response.tangents.velocity * velocity
-            + response.tangents.normal_load * normal_load
-            + dot(&t.force_by_state, &self.change);
-        let n = self.memory.len();
+        let change = self.look(law, inputs, by);
+        let (t, n) = (&self.tangents, self.memory.len());
         for row in 0..n {
             self.next_change[row] = dot(&t.next_by_state[row * n..(row + 1) * n], &self.change)
-                + t.next_by_displacement[row] * displacement
-                + t.next_by_velocity[row] * velocity
-                + t.next_by_normal_load[row] * normal_load;
+                + t.next_by_displacement[row] * by.displacement
+                + t.next_by_velocity[row] * by.velocity
+                + t.next_by_normal_load[row] * by.normal_load;
         }
         law.step(&self.memory, inputs, &mut self.next);
         std::mem::swap(&mut self.memory, &mut self.next);
         std::mem::swap(&mut self.change, &mut self.next_change);
+        change
+    }
+
+    /// What becomes of the change in a step to `inputs`, which change by `by`, if it were taken.
+    pub fn look(&mut self, law: &dyn ContactLaw, inputs: Inputs, by: Inputs) -> Change {
+        let t = law.step(&self.memory, inputs, &mut self.next).tangents;
+        law.state_tangents(&self.memory, inputs, &mut self.tangents);
+        let force = t.displacement * by.displacement
+            + t.velocity * by.velocity
+            + t.normal_load * by.normal_load
+            + dot(&self.tangents.force_by_state, &self.change);
+        let (tangent, dissipated_energy) = self.differences(law, inputs, by, force);
         Change { force, tangent, dissipated_energy }
     }
 
-    /// Changes of ∂force/∂displacement and of the dissipated energy. No law knows these derivatives: central
-    /// differences of steps that are exact.
-    fn differences(&mut self, law: &dyn ContactLaw, inputs: Inputs, by: Inputs) -> (f64, f64) {
+    /// Changes of ∂force/∂displacement and of the dissipated energy, beside that of the force. No law knows these
+    /// derivatives: differences of steps that are exact.
+    fn differences(&mut self, law: &dyn ContactLaw, inputs: Inputs, by: Inputs, force: f64) -> (f64, f64) {
         let share = |change: f64, of: f64, least: f64| change.abs() / of.abs().max(least);
         let most = share(by.displacement, inputs.displacement, SMALLEST[0])
             .max(share(by.velocity, inputs.velocity, SMALLEST[1]))
@@ -114,13 +120,15 @@ impl Carried {
             law.step(&self.next_change, inputs, &mut self.next)
         };
         let (ahead, here, behind) = (at(span), at(0.0), at(-span));
-        // At a corner only one side belongs to the branch that the step is on.
-        let (after, before, between) = if ahead.slip_state == behind.slip_state {
-            (ahead, behind, 2.0 * span)
-        } else if ahead.slip_state == here.slip_state {
+        // At a corner the derivatives are those of one side: the one whose force changes as the tangents say.
+        let off = |after: f64, before: f64| ((after - before) / span - force).abs();
+        let (off_ahead, off_behind) = (off(ahead.force, here.force), off(here.force, behind.force));
+        let (after, before, between) = if off_behind > CORNER * off_ahead {
             (ahead, here, span)
-        } else {
+        } else if off_ahead > CORNER * off_behind {
             (here, behind, span)
+        } else {
+            (ahead, behind, 2.0 * span)
         };
         (
             (after.tangents.displacement - before.tangents.displacement) / between,

@@ -133,6 +133,7 @@ pub(super) fn behaviour(beam: &Beam, model: &Model) -> Result<Box<dyn Behaviour>
         load: law.is_some().then_some(NORMAL_LOAD),
         shows_port: true,
         runs: false,
+        longest: None,
     };
     let system = modal.system(law.map(|law| (Arc::from(law), 0.0))).map_err(|error| error.to_string())?;
     // The end and the contact points.

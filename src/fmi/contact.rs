@@ -1,6 +1,7 @@
 //! A contact whose displacement and normal load are prescribed from outside.
 
 use super::description::{DependencyKind, Description, Experiment, Variable};
+use super::lines::Lines;
 use super::{Behaviour, LoadRule};
 use crate::contact::{Carried, ContactLaw, Inputs, Response, Tangents};
 use crate::model::{Contact, Model};
@@ -43,40 +44,17 @@ pub(super) fn describe(model: &Model, contact: &Contact, parameters: Vec<Variabl
 /// Inputs: displacement, velocity, normal load.
 const INPUTS: usize = 3;
 
-// What the state has behind the law's memory, twice: now and as it was before the last step.
-/// Inputs where the last step's straight line began.
-const STARTS: usize = 0;
-/// Inputs at its end.
-const ENDS: usize = INPUTS;
-/// Its length (s); 0 before the first step.
-const STEP: usize = 2 * INPUTS;
-/// Which inputs had a derivative, one bit each, and [`JUMPED`].
-const FLAGS: usize = STEP + 1;
-const LAST_STEP: usize = FLAGS + 1;
-
-/// The flag of a step that began with a jump to the values set.
-const JUMPED: u8 = 1 << INPUTS;
-
 /// Part of the way on which a contact shows how it leaves.
 const AHEAD: f64 = 1e-9;
 
-/// The law and room for one step.
+/// The law and room for one step. The state is the law's memory now and before the last step, and that step's lines.
 #[derive(Debug)]
 pub(super) struct ContactBehaviour {
     law: Box<dyn ContactLaw>,
     load: LoadRule,
     next: Vec<f64>,
     carried: Carried,
-}
-
-/// The last step as the state tells it.
-struct LastStep<'a> {
-    /// The law's memory before it.
-    before: &'a [f64],
-    starts: [f64; INPUTS],
-    ends: [f64; INPUTS],
-    step: f64,
-    flags: u8,
+    lines: Lines,
 }
 
 impl ContactBehaviour {
@@ -84,30 +62,39 @@ impl ContactBehaviour {
         let law = model.law_of_any_values().map_err(|error| error.to_string())?;
         let law = law.ok_or("a contact model needs a contact")?;
         let next = vec![0.0; law.state_len()];
-        Ok(Self { law, load: LoadRule::new(model), next, carried: Carried::default() })
+        let lines = Lines::new(INPUTS, true);
+        Ok(Self { law, load: LoadRule::new(model), next, carried: Carried::default(), lines })
     }
 
-    fn inputs(&self, values: &[f64]) -> Inputs {
-        Inputs {
-            displacement: values[DISPLACEMENT],
-            velocity: values[VELOCITY],
-            normal_load: self.load.acting(values[NORMAL_LOAD]),
-        }
+    /// What acts at the start of the lines, and at their end.
+    fn acting(&self) -> [Inputs; 2] {
+        let starts: fn(&Ramp) -> f64 = |line| line.start;
+        [starts, |line: &Ramp| line.end].map(|of| Inputs {
+            displacement: of(&self.lines.all[DISPLACEMENT]),
+            velocity: of(&self.lines.all[VELOCITY]),
+            normal_load: self.load.acting(of(&self.lines.all[NORMAL_LOAD])),
+        })
     }
 
     /// One step of the law in place.
-    fn advance(&mut self, memory: &mut [f64], values: &[f64]) -> Response {
-        let inputs = self.inputs(values);
+    fn advance(&mut self, memory: &mut [f64], inputs: Inputs) -> Response {
         let response = self.law.step(memory, inputs, &mut self.next);
         memory.copy_from_slice(&self.next);
         response
     }
 
-    fn last<'a>(&self, state: &'a [f64]) -> LastStep<'a> {
-        let (before, last) = state[self.next.len()..].split_at(self.next.len());
-        let three = |from: usize| std::array::from_fn(|i| last[from + i]);
-        let (starts, ends) = (three(STARTS), three(ENDS));
-        LastStep { before, starts, ends, step: last[STEP], flags: last[FLAGS] as u8 }
+    /// The law's memory now, that before the last step, and the lines.
+    fn parts<'s>(&self, state: &'s mut [f64]) -> (&'s mut [f64], &'s mut [f64], &'s mut [f64]) {
+        let (memory, rest) = state.split_at_mut(self.next.len());
+        let (before, lines) = rest.split_at_mut(self.next.len());
+        (memory, before, lines)
+    }
+
+    /// Goes back to before the last step.
+    fn go_back(&mut self, state: &[f64]) {
+        let (before, lines) = state[self.next.len()..].split_at(self.next.len());
+        self.carried.begin(before);
+        self.lines.read(lines);
     }
 }
 
@@ -118,18 +105,17 @@ fn write_outputs(response: &Response, values: &mut [f64]) {
 
 impl Behaviour for ContactBehaviour {
     fn state_len(&self) -> usize {
-        2 * self.law.state_len() + LAST_STEP
+        2 * self.law.state_len() + self.lines.state_len()
     }
 
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
-        let (memory, rest) = state.split_at_mut(self.next.len());
-        let (before, last) = rest.split_at_mut(self.next.len());
-        self.law.set_state(0.0, self.load.acting(values[NORMAL_LOAD]), 0.0, memory);
+        self.lines.hold(&values[..INPUTS]);
+        let [_, at] = self.acting();
+        let (memory, before, lines) = self.parts(state);
+        self.law.set_state(0.0, at.normal_load, 0.0, memory);
         before.copy_from_slice(memory);
-        last.fill(0.0);
-        last[STARTS..ENDS].copy_from_slice(&values[..INPUTS]);
-        last[ENDS..STEP].copy_from_slice(&values[..INPUTS]);
-        let response = self.advance(memory, values);
+        self.lines.write(lines);
+        let response = self.advance(memory, at);
         values[DISSIPATED_ENERGY] = response.dissipated_energy;
         write_outputs(&response, values);
         Ok(())
@@ -143,45 +129,33 @@ impl Behaviour for ContactBehaviour {
         step: f64,
         _tolerance: f64,
     ) -> Result<(), String> {
-        let (memory, rest) = state.split_at_mut(self.next.len());
-        let (before, last) = rest.split_at_mut(self.next.len());
+        let (memory, before, lines) = self.parts(state);
         before.copy_from_slice(memory);
-        // Each line begins where the last one ended, unless the input comes with its derivative.
-        last.copy_within(ENDS..STEP, STARTS);
-        let mut flags = 0;
-        for (input, slope) in slopes.iter().enumerate() {
-            if let Some(slope) = slope {
-                flags |= 1 << input;
-                if last[STARTS + input] != values[input] {
-                    flags |= JUMPED;
-                }
-                last[STARTS + input] = values[input];
-                values[input] += slope * step;
-            }
+        self.lines.read(lines);
+        self.lines.go_on(&values[..INPUTS], slopes, step);
+        self.lines.write(lines);
+        let [starts, ends] = self.acting();
+        if self.lines.jumped {
+            values[DISSIPATED_ENERGY] += self.advance(memory, starts).dissipated_energy;
         }
-        if flags & JUMPED != 0 {
-            values[DISSIPATED_ENERGY] += self.advance(memory, &last[STARTS..ENDS]).dissipated_energy;
-        }
-        last[ENDS..STEP].copy_from_slice(&values[..INPUTS]);
-        last[STEP] = step;
-        last[FLAGS] = f64::from(flags);
-        let response = self.advance(memory, values);
+        let response = self.advance(memory, ends);
         values[DISSIPATED_ENERGY] += response.dissipated_energy;
+        values.iter_mut().zip(&self.lines.all).for_each(|(value, line)| *value = line.end);
         write_outputs(&response, values);
         Ok(())
     }
 
     fn output_rates(&mut self, state: &[f64], rates: &mut [f64]) -> Result<(), String> {
-        let last = self.last(state);
+        self.go_back(state);
         rates.fill(0.0);
-        if last.step == 0.0 {
+        let step = self.lines.step;
+        if step == 0.0 {
             return Ok(());
         }
-        let rate = |input: usize| (last.ends[input] - last.starts[input]) / last.step;
-        let (starts, ends) = (self.inputs(&last.starts), self.inputs(&last.ends));
-        self.carried.begin(last.before);
+        let rate = |input: usize| (self.lines.all[input].end - self.lines.all[input].start) / step;
+        let [starts, ends] = self.acting();
         let memory = &mut self.carried.memory;
-        if last.flags & JUMPED != 0 {
+        if self.lines.jumped {
             self.law.advance(memory, starts);
         }
         let response = self.law.step(memory, ends, &mut self.next);
@@ -189,7 +163,7 @@ impl Behaviour for ContactBehaviour {
         rates[FORCE - INPUTS] = displacement * rate(DISPLACEMENT)
             + velocity * rate(VELOCITY)
             + normal_load * self.load.gain() * rate(NORMAL_LOAD);
-        rates[DISSIPATED_ENERGY - INPUTS] = response.dissipated_energy / last.step;
+        rates[DISSIPATED_ENERGY - INPUTS] = response.dissipated_energy / step;
         Ok(())
     }
 
@@ -200,24 +174,24 @@ impl Behaviour for ContactBehaviour {
         _tolerance: f64,
         change: &mut [f64],
     ) -> Result<(), String> {
-        let last = self.last(state);
-        let by = |change: &dyn Fn(usize) -> f64| Inputs {
-            displacement: change(DISPLACEMENT),
-            velocity: change(VELOCITY),
-            normal_load: self.load.gain() * change(NORMAL_LOAD),
+        self.go_back(state);
+        let by = |of: fn(&Ramp) -> f64| {
+            let change = |input: usize| of(&self.lines.change(input, &direction[input]));
+            Inputs {
+                displacement: change(DISPLACEMENT),
+                velocity: change(VELOCITY),
+                normal_load: self.load.gain() * change(NORMAL_LOAD),
+            }
         };
-        let begins_anew = |input: usize| last.flags & (1 << input) != 0;
-        let at_start = by(&|input| if begins_anew(input) { direction[input].start } else { 0.0 });
-        let at_end = by(&|input| direction[input].end);
-        let (starts, ends) = (self.inputs(&last.starts), self.inputs(&last.ends));
+        let (at_start, at_end) = (by(|line| line.start), by(|line| line.end));
+        let [starts, ends] = self.acting();
         let (law, carried) = (&*self.law, &mut self.carried);
         let mut dissipated = 0.0;
-        carried.begin(last.before);
-        if last.step == 0.0 {
+        if self.lines.step == 0.0 {
             carried.rest(law, ends.normal_load, at_end.normal_load);
-        } else if last.flags & JUMPED != 0 {
+        } else if self.lines.jumped {
             dissipated += carried.step(law, starts, at_start).dissipated_energy;
-        } else if last.flags != 0 {
+        } else if self.lines.begin_anew() {
             // A jump that was none still changes: in the direction in which the contact then went.
             let ahead = |start: f64, end: f64| start + AHEAD * (end - start);
             let inputs = Inputs {

@@ -162,7 +162,7 @@ impl Instance {
         self.direction.fill(Ramp::held(0.0));
         for (reference, line) in knowns.iter().zip(direction) {
             let sum = &mut self.direction[*reference as usize];
-            *sum = Ramp { start: sum.start + line.start, end: sum.end + line.end };
+            *sum = Ramp::line(sum.start + line.start, sum.end + line.end);
         }
         let changes =
             self.behaviour.sensitivity(&self.state, &self.direction, self.tolerance, &mut self.rates);

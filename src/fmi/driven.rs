@@ -1,8 +1,9 @@
 //! The behaviour of a model with a structure: a system whose ports are driven from outside.
 
+use super::lines::Lines;
 use super::{Behaviour, LoadRule};
 use crate::system::System;
-use crate::time::{Integrator, Motion, OutputRates, Outputs, Ramp, Settings, Tangent};
+use crate::time::{Integrator, Motion, OutputRates, Outputs, Ramp, Settings, Steps, Tangent};
 
 /// Tolerances the integrator takes; a simulation's is moved to the nearest.
 const TOLERANCES: (f64, f64) = (1e-13, 0.1);
@@ -24,18 +25,14 @@ pub(super) struct Table {
     pub shows_port: bool,
     /// Whether inputs without a derivative run from their previous values to those set, or are held.
     pub runs: bool,
+    /// The longest of equal steps (s), where the steps are not under control of their error.
+    pub longest: Option<f64>,
 }
 
-// What the state has behind the motion now and the motion before the last step: of that step
-/// its length (s); 0 before the first;
-const STEP: usize = 0;
-/// the energy dissipated in it (J);
-const DISSIPATED: usize = 1;
-/// of every input its start and end over it, and whether the start was set for it.
-const LINES: usize = 2;
-const PER_LINE: usize = 3;
-
 /// Integrator and work space.
+///
+/// The state is the motion now and the motion before the last step, each with its room; the energy (J) dissipated in that
+/// step; its lines.
 #[derive(Debug)]
 pub(super) struct DrivenSystem {
     integrator: Integrator,
@@ -45,9 +42,8 @@ pub(super) struct DrivenSystem {
     room: usize,
     motion: Motion,
     before: Motion,
-    /// Inputs of the table over a step, and which of them began at a value set.
-    lines: Vec<Ramp>,
-    anew: Vec<bool>,
+    /// Inputs of the table over a step.
+    lines: Lines,
     /// What acts on the system.
     acting: Vec<Ramp>,
     by: Vec<Ramp>,
@@ -59,12 +55,31 @@ pub(super) struct DrivenSystem {
 }
 
 /// A line going on beyond its end for as long again.
-fn beyond(&Ramp { start, end }: &Ramp) -> Ramp {
-    if start == end { Ramp::held(end) } else { Ramp { start: end, end: end + (end - start) } }
+fn beyond(&Ramp { start, end, .. }: &Ramp) -> Ramp {
+    if start == end { Ramp::held(end) } else { Ramp::line(end, end + (end - start)) }
 }
 
-fn settings(tolerance: f64) -> Settings {
-    Settings { tolerance: tolerance.clamp(TOLERANCES.0, TOLERANCES.1), ..Settings::default() }
+/// Tolerance that the longest of equal steps meets; the error falls with the square of the step.
+const TOLERANCE_OF_LONGEST: f64 = 3e-4;
+/// The longest step is divided by this at most.
+const FINEST: f64 = 1000.0;
+/// Most equal steps within a communication step.
+const MOST_STEPS: f64 = 1e7;
+
+impl Table {
+    /// The steps within a communication step of `step` (s).
+    fn steps(&self, step: f64, tolerance: f64) -> Result<Steps, String> {
+        let Some(longest) = self.longest else {
+            let tolerance = tolerance.clamp(TOLERANCES.0, TOLERANCES.1);
+            return Ok(Steps::Controlled(Settings { tolerance, ..Settings::default() }));
+        };
+        let finer = (TOLERANCE_OF_LONGEST / tolerance).sqrt().clamp(1.0, FINEST);
+        let count = (step * finer / longest).ceil().max(1.0);
+        if count > MOST_STEPS {
+            return Err(format!("a communication step of {step} s is too long for a motion this fast"));
+        }
+        Ok(Steps::Equal(count as usize))
+    }
 }
 
 impl DrivenSystem {
@@ -77,8 +92,7 @@ impl DrivenSystem {
         let held = vec![Ramp::held(0.0); integrator.held_inputs().len()];
         let motion = integrator.rest(&held).map_err(|error| error.to_string())?;
         Ok(Self {
-            lines: vec![Ramp::held(0.0); table.inputs],
-            anew: vec![true; table.inputs],
+            lines: Lines::new(table.inputs, table.runs),
             by: held.clone(),
             acting: held,
             before: motion.clone(),
@@ -96,11 +110,11 @@ impl DrivenSystem {
 
     /// What acts along `self.lines`, or beyond them.
     fn act(&mut self, along: impl Fn(&Ramp) -> Ramp) {
-        for (input, (acting, line)) in self.acting.iter_mut().zip(&self.lines).enumerate() {
-            let Ramp { start, end } = along(line);
-            *acting = Ramp { start, end };
+        for (input, (acting, line)) in self.acting.iter_mut().zip(&self.lines.all).enumerate() {
+            let Ramp { start, end, .. } = along(line);
+            *acting = Ramp::line(start, end);
             if self.table.load == Some(input) {
-                *acting = Ramp { start: self.load.acting(start), end: self.load.acting(end) };
+                *acting = Ramp::line(self.load.acting(start), self.load.acting(end));
             }
         }
     }
@@ -110,20 +124,23 @@ impl DrivenSystem {
         if motion.read_state(&state[..motion.state_len()]) { Ok(()) } else { Err(wrong_length()) }
     }
 
-    /// Reads the lines of the last step and its length (s) from `last`, what the state has of it.
-    fn read_last(&mut self, last: &[f64]) -> f64 {
-        let saved = last[LINES..].chunks_exact(PER_LINE);
-        for ((line, anew), saved) in self.lines.iter_mut().zip(&mut self.anew).zip(saved) {
-            *line = Ramp { start: saved[0], end: saved[1] };
-            *anew = saved[2] != 0.0;
-        }
-        last[STEP]
+    /// Reads the lines of the last step; returns the energy (J) dissipated in it.
+    fn read_last(&mut self, state: &[f64]) -> f64 {
+        let last = &state[2 * self.room..];
+        self.lines.read(&last[1..]);
+        last[0]
     }
 
-    /// Outputs of the motion at the end of the lines over `step` (s), written to `values` with those ends.
-    fn write_outputs(&mut self, values: &mut [f64], step: f64) -> Result<(), String> {
+    /// What the inputs go on like beyond the end of the lines: their rates last so long (s).
+    fn lasting(&self) -> f64 {
+        if self.lines.step > 0.0 { self.lines.step } else { f64::INFINITY }
+    }
+
+    /// Outputs of the motion at the end of the lines, written to `values` with those ends.
+    fn write_outputs(&mut self, values: &mut [f64]) -> Result<(), String> {
         self.act(beyond);
-        let read = self.integrator.outputs(&self.motion, step, &self.acting, &mut self.outputs);
+        let lasting = self.lasting();
+        let read = self.integrator.outputs(&self.motion, lasting, &self.acting, &mut self.outputs);
         read.map_err(|error| error.to_string())?;
         self.row.clear();
         let contact = self.outputs.contacts.first();
@@ -139,24 +156,21 @@ impl DrivenSystem {
         if !self.row.iter().all(|value| value.is_finite()) {
             return Err("an output is not a finite number".to_owned());
         }
-        let (inputs, outputs) = values.split_at_mut(self.lines.len());
+        let (inputs, outputs) = values.split_at_mut(self.lines.all.len());
         outputs[..self.row.len()].copy_from_slice(&self.row);
-        for (value, line) in inputs.iter_mut().zip(&self.lines) {
+        for (value, line) in inputs.iter_mut().zip(&self.lines.all) {
             *value = line.end;
         }
         Ok(())
     }
 
-    /// Writes to `state` that the present motion was reached along the lines in `step` (s).
-    fn store(&self, state: &mut [f64], step: f64, dissipated: f64) -> Result<(), String> {
+    /// Writes to `state` that the present motion was reached along the lines, with so much energy (J) dissipated.
+    fn store(&self, state: &mut [f64], dissipated: f64) -> Result<(), String> {
         let (now, rest) = state.split_at_mut(self.room);
         let (before, last) = rest.split_at_mut(self.room);
         before.copy_from_slice(now);
-        let saved = last[LINES..].chunks_exact_mut(PER_LINE);
-        for ((saved, Ramp { start, end }), anew) in saved.zip(&self.lines).zip(&self.anew) {
-            saved.copy_from_slice(&[*start, *end, f64::from(u8::from(*anew))]);
-        }
-        (last[STEP], last[DISSIPATED]) = (step, dissipated);
+        last[0] = dissipated;
+        self.lines.write(&mut last[1..]);
         now.fill(0.0);
         let length = self.motion.state_len();
         if self.motion.write_state(&mut now[..length]) { Ok(()) } else { Err(wrong_length()) }
@@ -170,16 +184,15 @@ impl DrivenSystem {
 
 impl Behaviour for DrivenSystem {
     fn state_len(&self) -> usize {
-        2 * self.room + LINES + PER_LINE * self.lines.len()
+        2 * self.room + 1 + self.lines.state_len()
     }
 
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
-        self.lines.iter_mut().zip(&*values).for_each(|(line, value)| *line = Ramp::held(*value));
-        self.anew.fill(true);
+        self.lines.hold(values);
         self.act(|line| *line);
         self.motion = self.integrator.rest(&self.acting).map_err(|error| error.to_string())?;
-        self.write_outputs(values, f64::INFINITY)?;
-        self.store(state, 0.0, 0.0)
+        self.write_outputs(values)?;
+        self.store(state, 0.0)
     }
 
     fn step(
@@ -191,32 +204,25 @@ impl Behaviour for DrivenSystem {
         tolerance: f64,
     ) -> Result<(), String> {
         Self::read(&mut self.motion, state)?;
-        self.read_last(&state[2 * self.room..]);
-        for (input, line) in self.lines.iter_mut().enumerate() {
-            let slope = slopes.get(input).copied().flatten();
-            self.anew[input] = slope.is_some() || !self.table.runs;
-            *line = match self.anew[input] {
-                true => Ramp::with_slope(values[input], slope.unwrap_or(0.0), step),
-                false => Ramp { start: line.end, end: values[input] },
-            };
-        }
+        self.read_last(state);
+        self.lines.go_on(values, slopes, step);
         self.act(|line| *line);
         let dissipated = self.dissipated();
-        let advanced = self.integrator.advance(&mut self.motion, step, &self.acting, &settings(tolerance));
-        advanced.map_err(|error| error.to_string())?;
+        let steps = self.table.steps(step, tolerance)?;
+        let gone = self.integrator.go(&mut self.motion, step, &self.acting, steps);
+        gone.map_err(|error| error.to_string())?;
         let dissipated = self.dissipated() - dissipated;
-        self.write_outputs(values, step)?;
-        self.store(state, step, dissipated)
+        self.write_outputs(values)?;
+        self.store(state, dissipated)
     }
 
     fn output_rates(&mut self, state: &[f64], rates: &mut [f64]) -> Result<(), String> {
-        let last = &state[2 * self.room..];
-        let step = self.read_last(last);
+        let dissipated = self.read_last(state);
+        let lasting = self.lasting();
+        let mean_power = dissipated / lasting;
         Self::read(&mut self.motion, state)?;
-        let (duration, mean_power) =
-            if step > 0.0 { (step, last[DISSIPATED] / step) } else { (f64::INFINITY, 0.0) };
         self.act(beyond);
-        let found = self.integrator.output_rates(&self.motion, duration, &self.acting, &mut self.rates);
+        let found = self.integrator.output_rates(&self.motion, lasting, &self.acting, &mut self.rates);
         found.map_err(|error| error.to_string())?;
         self.row.clear();
         if let Some([displacement, velocity, force]) = self.rates.contacts.first() {
@@ -239,21 +245,20 @@ impl Behaviour for DrivenSystem {
         tolerance: f64,
         change: &mut [f64],
     ) -> Result<(), String> {
-        let step = self.read_last(&state[2 * self.room..]);
-        let duration = (step > 0.0).then_some(step);
+        self.read_last(state);
+        let duration = (self.lines.step > 0.0).then_some(self.lines.step);
         // Before the first step there is no motion before it.
         let from = if duration.is_some() { &state[self.room..] } else { state };
         Self::read(&mut self.before, from)?;
         self.act(|line| *line);
         for (input, (by, line)) in self.by.iter_mut().zip(direction).take(self.table.inputs).enumerate() {
-            // A line that went on from the previous one has a fixed start.
-            let start = if self.anew[input] { line.start } else { 0.0 };
+            let Ramp { start, end, .. } = self.lines.change(input, line);
             let gain = if self.table.load == Some(input) { self.load.gain() } else { 1.0 };
-            *by = Ramp { start: gain * start, end: gain * line.end };
+            *by = Ramp::line(gain * start, gain * end);
         }
+        let steps = self.table.steps(self.lines.step, tolerance)?;
         let with = (&mut self.tangent, &self.by[..]);
-        let followed =
-            self.integrator.follow(&self.before, duration, &self.acting, &settings(tolerance), with);
+        let followed = self.integrator.follow(&self.before, duration, &self.acting, steps, with);
         followed.map_err(|error| error.to_string())?;
         self.row.clear();
         if let Some(contact) = self.tangent.contacts.first() {
@@ -265,7 +270,7 @@ impl Behaviour for DrivenSystem {
             }
         }
         for sensor in 0..self.outputs.sensors.len() {
-            self.row.extend(self.tangent.sensor(&self.integrator, sensor));
+            self.row.extend(self.integrator.sensor_change(&self.tangent, sensor));
         }
         change.copy_from_slice(&self.row);
         Ok(())

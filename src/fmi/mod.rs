@@ -65,6 +65,7 @@ mod description;
 mod driven;
 mod error;
 mod instance;
+mod lines;
 mod oscillator;
 mod parameter;
 mod snapshot;

@@ -15,13 +15,24 @@ pub(crate) struct ContactPoint {
     pub displacement: f64,
     /// Velocity without that part (m/s).
     pub velocity: f64,
-    /// How far the contact yields per force (m/N), not negative.
+    /// How far the contact yields per force (m/N), not negative, and the part of it that lies in series with the contact
+    /// and yields as fast as the force changes.
     pub flexibility: f64,
+    pub series: f64,
+    /// By how much it moves slower per force above the guess (m/(s N)), not negative.
+    pub slowing: f64,
+    /// The law's tangent by displacement (N/m) to begin with.
+    pub tangent: f64,
     /// Normal load (N).
     pub normal_load: f64,
     /// First guess of the force (N).
     pub guess: f64,
+    /// Residual accepted, relative to the force and to what the displacement rounds it by.
+    pub precision: f64,
 }
+
+/// As good as rounding lets it.
+pub(crate) const EXACT: f64 = 4.0 * f64::EPSILON;
 
 impl ContactPoint {
     /// Solves for the force; returns the law's response and the displacement it was evaluated at (m),
@@ -34,7 +45,9 @@ impl ContactPoint {
     pub fn solve(&self, law: &dyn ContactLaw, state: &[f64], next: &mut [f64]) -> Option<(Response, f64)> {
         let mut force = if self.flexibility == 0.0 { 0.0 } else { self.guess };
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut velocity = self.velocity;
+        let mut velocity = self.yielded(self.velocity, self.tangent);
+        // A force that falls with the velocity may answer by more than itself.
+        let reach = if self.slowing == 0.0 { 1.0 } else { 2.0 };
         for evaluation in 0..EVALUATIONS {
             let displacement = self.displacement - self.flexibility * force;
             let inputs = Inputs { displacement, velocity, normal_load: self.normal_load };
@@ -43,18 +56,19 @@ impl ContactPoint {
                 return None;
             }
             let tangent = response.tangents.displacement.max(0.0);
-            let slope = 1.0 + self.flexibility * tangent;
+            let by_velocity = self.slowing * response.tangents.velocity;
+            let slope = (1.0 + self.flexibility * tangent + by_velocity).max(0.5);
             let residual = force - response.force;
-            let rounding = 4.0 * f64::EPSILON * (response.force.abs() + tangent * displacement.abs());
+            let rounding = self.precision * (response.force.abs() + tangent * displacement.abs());
             if self.flexibility == 0.0 || residual.abs() <= rounding {
                 return Some((response, displacement));
             }
             if residual > 0.0 {
                 high = high.min(force);
-                low = low.max(force - residual);
+                low = low.max(force - reach * residual);
             } else {
                 low = low.max(force);
-                high = high.min(force - residual);
+                high = high.min(force - reach * residual);
             }
             let newton = force - residual / slope;
             let inside = newton >= low && newton <= high;
@@ -63,9 +77,14 @@ impl ContactPoint {
                 return Some((response, displacement));
             }
             force = following;
-            velocity = self.velocity / slope;
+            velocity = self.yielded(self.velocity - self.slowing * (force - self.guess), tangent);
         }
         None
+    }
+
+    /// A velocity (m/s) behind what lies in series with the law.
+    fn yielded(&self, velocity: f64, tangent: f64) -> f64 {
+        if self.series == 0.0 { velocity } else { velocity / (1.0 + self.series * tangent) }
     }
 }
 
@@ -83,8 +102,12 @@ mod tests {
             displacement,
             velocity,
             flexibility,
+            series: flexibility,
+            slowing: 0.0,
+            tangent: 0.0,
             normal_load,
             guess,
+            precision: EXACT,
         };
         for (point, force, displacement, origin) in [
             (

@@ -83,6 +83,12 @@ pub enum IntegrationError {
         /// The step refused (s).
         step: f64,
     },
+    /// In equal steps the motion is no longer finite.
+    #[error("the motion grows without bound, {time:?} s after the start of the communication step")]
+    Unbounded {
+        /// Time since the start of the communication step (s).
+        time: f64,
+    },
     /// More steps than [`Settings::step_limit`](super::Settings) were needed.
     #[error("{limit} steps were not enough; stopped at {time:?} s after the start of the communication step")]
     TooManySteps {

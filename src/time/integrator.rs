@@ -180,6 +180,17 @@ impl Integrator {
         }
     }
 
+    /// Moves the laws at once to where the modes of `motion` now are, after those were changed by hand.
+    #[cfg(feature = "analysis")]
+    pub(crate) fn settle(&mut self, motion: &mut Motion, inputs: &[Ramp]) -> Result<(), IntegrationError> {
+        self.begin(motion, 1.0, inputs, &Settings::default())?;
+        if !self.solver.settle() {
+            return Err(IntegrationError::StepTooSmall { time: 0.0, step: 0.0 });
+        }
+        self.solver.unload(motion);
+        Ok(())
+    }
+
     /// Advances `motion` by `duration` (s) under `inputs`; returns the number of steps that took.
     ///
     /// # Errors
@@ -307,6 +318,11 @@ impl Integrator {
         }
     }
 
+    pub(super) fn check_duration(&self, duration: f64) -> Result<(), IntegrationError> {
+        let legal = duration.is_finite() && duration > 0.0;
+        if legal { Ok(()) } else { Err(IntegrationError::Input { name: "duration", value: duration }) }
+    }
+
     fn check_inputs(
         &self,
         duration: f64,
@@ -314,9 +330,7 @@ impl Integrator {
         settings: &Settings,
     ) -> Result<(), IntegrationError> {
         let illegal = |name, value| Err(IntegrationError::Input { name, value });
-        if !(duration.is_finite() && duration > 0.0) {
-            return illegal("duration", duration);
-        }
+        self.check_duration(duration)?;
         if !(1e-13..=0.1).contains(&settings.tolerance) {
             return illegal("tolerance", settings.tolerance);
         }

@@ -1,9 +1,9 @@
 //! Motion in time.
 //!
-//! - [`Integrator`] is the one for production: any [`System`](crate::system::System), with events and tangents.
+//! - [`Integrator`] is the one for production: any [`System`](crate::system::System), with tangents. Its steps are under
+//!   control of their error and end at events, or are equal, for records that are sampled finely (`equal`).
 //! - [`exact`] is its oracle: the exact event flow of piecewise-linear oscillators, shooting for its periodic motions,
 //!   and a Runge–Kutta scheme.
-//! - [`SampledIntegrator`] takes steps of one length, for fits of sampled records of oscillators.
 //!
 //! # Equations of the integrator
 //! `q̈ᵢ + 2 ζᵢ ωᵢ q̇ᵢ + ωᵢ² qᵢ + Σₚ Fₚ [bₚ − γₚ G q]ᵢ = Σₖ fₖ bₖᵢ` in modal coordinates, with displacements of ports
@@ -41,15 +41,17 @@
 //! reads it, and `tangent` carries a small change of the inputs along.
 
 mod contact_point;
+mod equal;
 mod error;
 mod events;
 pub mod exact;
+mod follow;
 mod integrator;
 mod motion;
+mod node;
 mod outputs;
 mod plant;
 mod propagator;
-mod sampled;
 mod solve;
 mod step;
 mod tangent;
@@ -60,37 +62,51 @@ pub use exact::{
     Excitation, LoadedContact, OscillatorError, OscillatorFlow, OscillatorMotion, Passage, PeriodicMotion,
     RungeKutta, ShootingSettings, Transient, shoot,
 };
+pub(crate) use follow::Steps;
 pub use integrator::Integrator;
 pub use motion::{ContactMotion, Motion};
 pub(crate) use outputs::OutputRates;
 pub use outputs::{ContactReading, Outputs, SensorReading};
-pub(crate) use sampled::Followed;
-pub use sampled::{Drive, MOST_STEPPED, SampledIntegrator};
 pub(crate) use tangent::Tangent;
 
-/// An input over one communication step: held, or running linearly.
+/// An input over one communication step: held, running linearly, or along a parabola.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ramp {
     /// Value at the start of the step.
     pub start: f64,
     /// Value at its end.
     pub end: f64,
+    /// Four times its height above the straight line at the middle.
+    pub bow: f64,
 }
 
 impl Ramp {
     /// The same value throughout.
     pub const fn held(value: f64) -> Self {
-        Self { start: value, end: value }
+        Self::line(value, value)
+    }
+
+    /// On a straight line.
+    pub const fn line(start: f64, end: f64) -> Self {
+        Self { start, end, bow: 0.0 }
     }
 
     /// From `start` with the time derivative `slope` (1/s) over `duration` (s).
     pub const fn with_slope(start: f64, slope: f64, duration: f64) -> Self {
-        Self { start, end: start + slope * duration }
+        Self::line(start, start + slope * duration)
     }
 
     /// The value at `fraction` of the step; exact at both ends.
     pub(crate) fn at(&self, fraction: f64) -> f64 {
-        if fraction >= 1.0 { self.end } else { self.start + (self.end - self.start) * fraction }
+        if fraction >= 1.0 {
+            return self.end;
+        }
+        self.start + (self.end - self.start) * fraction + self.bow * fraction * (1.0 - fraction)
+    }
+
+    /// Whether it is held.
+    pub(crate) fn is_held(&self) -> bool {
+        self.start == self.end && self.bow == 0.0
     }
 }
 

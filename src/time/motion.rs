@@ -157,6 +157,17 @@ impl Motion {
         self.values[..2 * self.modes].split_at_mut(self.modes)
     }
 
+    /// Modal displacements, then velocities.
+    #[cfg(feature = "analysis")]
+    pub(crate) fn modal_state(&self) -> &[f64] {
+        &self.values[..2 * self.modes]
+    }
+
+    #[cfg(feature = "analysis")]
+    pub(crate) fn modal_state_mut(&mut self) -> &mut [f64] {
+        &mut self.values[..2 * self.modes]
+    }
+
     pub(crate) fn memory_mut(&mut self) -> &mut [f64] {
         let end = self.first_contact();
         &mut self.values[2 * self.modes..end]

@@ -100,6 +100,26 @@ impl Integrator {
         Ok(())
     }
 
+    /// What a sensor reads of the motion that was taken up, or advanced, last: its displacement (m) differentiated `order`
+    /// times.
+    #[cfg(feature = "analysis")]
+    pub(crate) fn sensor(&self, sensor: usize, order: usize) -> f64 {
+        let StepSolver { plant, q, v, forcing, .. } = &self.solver;
+        let row = &plant.ports[plant.sensors[sensor]].row;
+        match order {
+            0 => dot(row, &q[0]),
+            1 => dot(row, &v[0]),
+            _ => {
+                let modes = plant.angular_frequency.iter().zip(&plant.damping_ratio);
+                let motion = q[0].iter().zip(&v[0]).zip(&forcing[0]);
+                let terms = row.iter().zip(modes).zip(motion).map(|((b, (omega, zeta)), ((q, v), p))| {
+                    b * (p - 2.0 * zeta * omega * v - omega * omega * q)
+                });
+                terms.sum()
+            }
+        }
+    }
+
     /// Derivatives of the outputs of `motion`; the arguments are as those of [`Integrator::outputs`].
     pub(crate) fn output_rates(
         &mut self,

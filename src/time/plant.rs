@@ -145,6 +145,22 @@ impl Plant {
         self.angular_frequency.len()
     }
 
+    /// Whether forces that are not those of laws follow displacements.
+    pub fn follows_displacement(&self) -> bool {
+        !(self.springs.is_empty() && self.shortening.is_empty())
+    }
+
+    /// Whether they follow displacements or velocities.
+    pub fn follows_motion(&self) -> bool {
+        self.follows_displacement() || !self.damping.is_empty()
+    }
+
+    /// Whether a law's force acts on that of another, or on springs.
+    pub fn interacts(&self) -> bool {
+        let laws = self.contacts.iter().filter(|contact| contact.law.is_some()).count();
+        laws > 1 || self.follows_displacement()
+    }
+
     /// Number of inputs: forces on the driven ports, then one of each law and outside force.
     pub fn inputs(&self) -> usize {
         self.driven.len() + self.contacts.len()

@@ -7,6 +7,9 @@
 
 /// Nodes of a step, as fractions of it.
 pub(crate) const NODES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+/// Those of the quadratic through the forcing, besides the start.
+pub(crate) const MIDDLE: usize = 2;
+pub(crate) const END: usize = 4;
 
 /// Coefficient rows of one node behind the start: `q` and `v` from the state at the start and from
 /// the forcing at the start (three each), then from the forcing at the middle and at the end.
@@ -37,6 +40,13 @@ pub(crate) struct NodeRows<'a> {
     pub q_forcing: [&'a [f64]; 2],
     /// `v` from the forcing at the middle and at the end.
     pub v_forcing: [&'a [f64]; 2],
+}
+
+/// The same of one mode alone: `q` and `v` from `q₀`, `v₀`, `p₀` and the forcing at the middle and at the end.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Row {
+    pub q: [f64; 5],
+    pub v: [f64; 5],
 }
 
 /// The coefficients of all modes for one step size.
@@ -75,6 +85,17 @@ impl Propagator {
             q_forcing: [row(6), row(7)],
             v_forcing: [row(8), row(9)],
         }
+    }
+
+    /// Writes the coefficients of node 1 … 4 mode by mode.
+    pub fn write_rows(&self, node: usize, out: &mut Vec<Row>) {
+        let at = |first: usize, mode: usize| self.row((node - 1) * ROWS_PER_NODE + first)[mode];
+        let row = |mode: usize| Row {
+            q: [0, 1, 2, 6, 7].map(|first| at(first, mode)),
+            v: [3, 4, 5, 8, 9].map(|first| at(first, mode)),
+        };
+        out.clear();
+        out.extend((0..self.modes).map(row));
     }
 
     /// Coefficients of the forcing at the five nodes in `q` at the end.

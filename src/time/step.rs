@@ -1,78 +1,13 @@
 //! The state within a communication step: what is at its start, and taking over a step.
 
 use super::Ramp;
-use super::contact_point::ContactPoint;
 use super::motion::{ContactMotion, Motion};
+use super::node::{Answer, EqualSteps, NodeContact};
 use super::plant::{Plant, add_product};
-use super::propagator::Propagator;
-use super::trial::{END, MIDDLE};
-use crate::contact::{Inputs, Response, SlipState};
+use super::propagator::{END, MIDDLE, Propagator};
 
 /// Amplitudes below this are set to zero: denormal numbers are ten times slower.
 pub(crate) const NEGLIGIBLE: f64 = 1e-150;
-
-/// A law or an outside force at one node.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct NodeContact {
-    pub force: f64,
-    pub tangent: f64,
-    pub load_tangent: f64,
-    pub slip_state: SlipState,
-    pub normal_load: f64,
-    /// u (m).
-    pub displacement: f64,
-    /// u + a T (m) and its derivative (m/s): what the modes alone give.
-    pub geometric_displacement: f64,
-    pub geometric_velocity: f64,
-}
-
-impl NodeContact {
-    const REST: Self = Self {
-        force: 0.0,
-        tangent: 0.0,
-        load_tangent: 0.0,
-        slip_state: SlipState::Stick,
-        normal_load: 0.0,
-        displacement: 0.0,
-        geometric_displacement: 0.0,
-        geometric_velocity: 0.0,
-    };
-
-    /// u̇ (m/s) for a normal load that changes at `load_rate` (N/s), `flexibility` a (m/N).
-    pub fn velocity(&self, flexibility: f64, load_rate: f64) -> f64 {
-        (self.geometric_velocity - flexibility * self.load_tangent * load_rate)
-            / (1.0 + flexibility * self.tangent)
-    }
-
-    /// What the law is asked, under a normal load (N), behind a flexibility of its port (m/N) and its own `yielding`.
-    pub fn point(&self, normal_load: f64, flexibility: f64, yielding: f64) -> ContactPoint {
-        ContactPoint {
-            displacement: self.geometric_displacement + yielding * self.force,
-            velocity: self.geometric_velocity / (1.0 + flexibility * self.tangent),
-            flexibility: flexibility + yielding,
-            normal_load,
-            guess: self.force,
-        }
-    }
-
-    pub fn store(&mut self, response: Response, displacement: f64, load: f64) {
-        self.force = response.force;
-        self.tangent = response.tangents.displacement;
-        self.load_tangent = response.tangents.normal_load;
-        self.slip_state = response.slip_state;
-        self.normal_load = load;
-        self.displacement = displacement;
-    }
-
-    /// What a law takes over at the middle of a step.
-    pub fn inputs(&self) -> Inputs {
-        Inputs {
-            displacement: self.displacement,
-            velocity: self.geometric_velocity,
-            normal_load: self.normal_load,
-        }
-    }
-}
 
 /// The part of a communication step that a trial step covers.
 #[derive(Debug, Clone, Copy)]
@@ -129,10 +64,12 @@ pub(crate) struct StepSolver {
     /// G q at the node evaluated last.
     pub pull: Vec<f64>,
     /// Room for the forcing.
-    pushed: Vec<f64>,
+    pub pushed: Vec<f64>,
     /// Coefficients for the two step sizes used last.
     pub propagators: [Propagator; 2],
     pub current: usize,
+    /// Coefficients for the equal steps used last.
+    pub equal: EqualSteps,
 }
 
 impl StepSolver {
@@ -167,6 +104,7 @@ impl StepSolver {
             pushed: vec![0.0; modes],
             propagators: [Propagator::new(modes), Propagator::new(modes)],
             current: 0,
+            equal: EqualSteps::new(plant.contacts.len()),
             plant,
         }
     }
@@ -174,6 +112,17 @@ impl StepSolver {
     /// Completes node 0 from its modal state under the inputs at the start of `span`. A jump of a normal load since
     /// the last step is taken here. False if a law fails.
     pub fn prepare(&mut self, span: &Span) -> bool {
+        self.begin_at(span, |at, input| at.normal_load != input)
+    }
+
+    /// Takes all laws to where the modal state of node 0 is. False if a law fails.
+    #[cfg(feature = "analysis")]
+    pub fn settle(&mut self) -> bool {
+        self.begin_at(&Span::START, |_, _| true)
+    }
+
+    /// Completes node 0; laws that have `moved` take a step.
+    fn begin_at(&mut self, span: &Span, moved: impl Fn(&NodeContact, f64) -> bool) -> bool {
         self.geometry(0);
         for (e, contact) in self.plant.contacts.iter().enumerate() {
             let input = self.ramps[contact.input].at(span.from);
@@ -183,13 +132,14 @@ impl StepSolver {
                 at.force = input;
                 continue;
             };
-            if input == at.normal_load {
+            if !moved(at, input) {
                 at.displacement -= flexibility * at.force;
                 continue;
             }
             let place = contact.memory.clone();
             let (before, next) = (&mut self.memory[place.clone()], &mut self.memory_next[place]);
-            let Some((response, displacement)) = at.point(input, flexibility, 0.0).solve(law, before, next)
+            let Some((response, displacement)) =
+                at.point(input, flexibility, Answer::NONE).solve(law, before, next)
             else {
                 return false;
             };
@@ -237,21 +187,27 @@ impl StepSolver {
             return true;
         };
         let place = contact.memory.clone();
-        let mut before = &self.memory[place.clone()];
-        if contact.remembers && ramp.start != ramp.end {
+        let start = &self.memory[place.clone()];
+        let bends = contact.remembers && !ramp.is_held();
+        let (mut before, mut energy) = (start, 0.0);
+        if bends {
             // Two straight pieces follow a curved path in displacement and load better.
             let bent = &mut self.memory_middle[place.clone()];
-            self.dissipated_energy[e] += law.step(before, middle.inputs(), bent).dissipated_energy;
+            energy = law.step(start, middle.inputs(), bent).dissipated_energy;
             before = bent;
         }
         let load = ramp.at(span.to);
         (at.force, at.tangent) = (end.force, end.tangent);
-        let point = at.point(load, self.plant.ports[contact.port].flexibility, 0.0);
-        let Some((response, displacement)) = point.solve(law, before, &mut self.memory_next[place]) else {
-            return false;
-        };
+        let point = at.point(load, self.plant.ports[contact.port].flexibility, Answer::NONE);
+        let next = &mut self.memory_next[place.clone()];
+        let Some((response, displacement)) = point.solve(law, before, next) else { return false };
         at.store(response, displacement, load);
-        self.dissipated_energy[e] += response.dissipated_energy;
+        energy += response.dissipated_energy;
+        if bends {
+            let straight = law.step(start, at.inputs(), &mut self.memory_middle[place]).dissipated_energy;
+            energy = bent_energy(energy, straight).max(0.0);
+        }
+        self.dissipated_energy[e] += energy;
         true
     }
 
@@ -375,11 +331,20 @@ impl StepSolver {
         terms.map(|((omega, q), v)| omega * omega * q * q + v * v).sum::<f64>().sqrt()
     }
 
-    /// How far a unit force at a contact's port, spread over the step as `by`, moves the port (m/N).
-    pub fn yielding(&self, e: usize, by: &[f64]) -> f64 {
+    /// How far a law's port at a node yields to its unit force, spread over the step by its `weights` at the middle and at
+    /// the end.
+    pub fn yielding(&self, e: usize, node: usize, weights: [f64; 2]) -> f64 {
+        let [middle, end] = self.propagators[self.current].node(node).q_forcing;
+        let by = middle.iter().zip(end).map(|(middle, end)| weights[0] * middle + weights[1] * end);
         let row = &self.plant.ports[self.plant.contacts[e].port].row;
         row.iter().zip(by).map(|(b, w)| b * b * w).sum::<f64>().max(0.0)
     }
+}
+
+/// Energy (J) taken on a path that bends, from those on two straight pieces and on one: their errors are of the square of
+/// a piece's length.
+pub(crate) fn bent_energy(two: f64, one: f64) -> f64 {
+    two + (two - one) / 3.0
 }
 
 fn norm(values: impl Iterator<Item = f64>) -> f64 {

@@ -1,19 +1,18 @@
 //! A trial step: collocation by sweeps, correction, error estimate and events.
 
-use super::contact_point::ContactPoint;
+use super::contact_point::{ContactPoint, EXACT};
 use super::events::{self, Reversal};
-use super::propagator::NODES;
-use super::step::{NEGLIGIBLE, NodeContact, Span, StepSolver};
+use super::node::{Answer, NodeContact};
+use super::propagator::{END, MIDDLE, NODES};
+use super::step::{NEGLIGIBLE, Span, StepSolver};
 
-/// Nodes of the quadratic through the forcing.
-pub(crate) const MIDDLE: usize = 2;
-pub(crate) const END: usize = 4;
 /// Sweeps before a step counts as not converging; convergence is about a digit a sweep or better.
 const SWEEPS: usize = 12;
 /// No finer than this part of the limit is the force asked to follow a normal load that varies within
 /// a step: a law may be accurate to second order in the step only, so that the number of steps grows
 /// with the cube root of what is asked.
 const FINEST_PATH: f64 = 1e-5;
+
 /// What a trial step found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Trial {
@@ -27,13 +26,13 @@ impl StepSolver {
     /// Tries a step of `span.step` to the relative `tolerance`.
     pub fn attempt(&mut self, span: &Span, tolerance: f64) -> Trial {
         self.select_propagator(span.step);
-        self.begin();
+        self.begin(&[1, 2, 3, END]);
         if !self.collocate(span, tolerance) {
             return Trial::Diverged;
         }
         for node in [1, 3] {
             self.place(node);
-            if self.evaluate(node, span, false).is_none() {
+            if self.evaluate(node, span, [0.0, 0.0]).is_none() {
                 return Trial::Diverged;
             }
         }
@@ -44,7 +43,7 @@ impl StepSolver {
         Trial::Done { error, event: self.event(span, tolerance) }
     }
 
-    fn select_propagator(&mut self, step: f64) {
+    pub fn select_propagator(&mut self, step: f64) {
         if self.propagators[self.current].is_for(step) {
             return;
         }
@@ -55,10 +54,10 @@ impl StepSolver {
         }
     }
 
-    /// What the state and the forcing at the start contribute to the nodes.
-    fn begin(&mut self) {
+    /// What the state and the forcing at the start contribute to `nodes`, the last of them the end.
+    pub fn begin(&mut self, nodes: &[usize]) {
         let (q, v, p) = (&self.q[0], &self.v[0], &self.forcing[0]);
-        for node in 1..=END {
+        for &node in nodes {
             let rows = self.propagators[self.current].node(node);
             weigh(&mut self.q_start[node], rows.q_start, [q, v, p]);
             weigh(&mut self.v_start[node], rows.v_start, [q, v, p]);
@@ -67,13 +66,13 @@ impl StepSolver {
         rest[MIDDLE - 1].copy_from_slice(&first[0]);
         rest[END - 1].copy_from_slice(&first[0]);
         let (first, rest) = self.nodes.split_at_mut(1);
-        for node in rest {
-            node.copy_from_slice(&first[0]);
+        for node in nodes {
+            rest[node - 1].copy_from_slice(&first[0]);
         }
     }
 
     /// Modal state at a node from the quadratic forcing.
-    fn place(&mut self, node: usize) {
+    pub fn place(&mut self, node: usize) {
         let rows = self.propagators[self.current].node(node);
         let forcing = [&self.forcing[MIDDLE][..], &self.forcing[END][..]];
         add_weighed(&mut self.q[node], &self.q_start[node], rows.q_forcing, forcing);
@@ -85,12 +84,12 @@ impl StepSolver {
         let mut previous = f64::INFINITY;
         for sweep in 0..SWEEPS {
             self.place(MIDDLE);
-            let Some(middle) = self.evaluate(MIDDLE, span, true) else { return false };
+            let Some(middle) = self.evaluate(MIDDLE, span, [1.0, 0.0]) else { return false };
             if sweep == 0 {
                 self.extrapolate_end();
             }
             self.place(END);
-            let Some(end) = self.evaluate(END, span, true) else { return false };
+            let Some(end) = self.evaluate(END, span, [0.0, 1.0]) else { return false };
             let change = (middle + end).sqrt() * span.step;
             let scale = self.energy_norm.max(self.energy(&self.q[END], &self.v[END]));
             if change <= 0.02 * tolerance * scale || change <= NEGLIGIBLE {
@@ -116,31 +115,35 @@ impl StepSolver {
         }
     }
 
-    /// Laws and forcing at a placed node; squared change of the forcing, or `None` if a law fails. In an `implicit`
-    /// evaluation every force answers to what it does to its own port at the node; without, it is only slower.
-    fn evaluate(&mut self, node: usize, span: &Span, implicit: bool) -> Option<f64> {
+    /// Laws and forcing at a placed node; squared change of the forcing, or `None` if a law fails. Every force answers
+    /// to what it does to its own port at the node by so much of it at the middle and at the end of the step, as `weights`
+    /// tell; without, the evaluation is explicit.
+    fn evaluate(&mut self, node: usize, span: &Span, weights: [f64; 2]) -> Option<f64> {
         self.geometry(node);
         let fraction = span.fraction(NODES[node]);
         for e in 0..self.plant.contacts.len() {
-            let yielding = if implicit && self.plant.contacts[e].law.is_some() {
-                let rows = self.propagators[self.current].node(node).q_forcing;
-                self.yielding(e, rows[usize::from(node == END)])
-            } else {
-                0.0
-            };
-            let contact = &self.plant.contacts[e];
-            let (input, at) = (self.ramps[contact.input].at(fraction), &mut self.nodes[node][e]);
-            let Some(law) = contact.law.as_deref() else {
-                at.force = input;
-                continue;
-            };
-            let point = at.point(input, self.plant.ports[contact.port].flexibility, yielding);
-            let place = contact.memory.clone();
-            let (before, next) = (&self.memory[place.clone()], &mut self.memory_next[place]);
-            let (response, displacement) = point.solve(law, before, next)?;
-            at.store(response, displacement, input);
+            let implicit = weights != [0.0, 0.0] && self.plant.contacts[e].law.is_some();
+            let yielding = if implicit { self.yielding(e, node, weights) } else { 0.0 };
+            self.ask(e, node, fraction, Answer { yielding, ..Answer::NONE })?;
         }
         Some(self.force_modes(node, fraction))
+    }
+
+    /// A law or an outside force at a placed node, at `fraction` of the communication step. `None` if a law fails.
+    pub fn ask(&mut self, e: usize, node: usize, fraction: f64, answer: Answer) -> Option<()> {
+        let contact = &self.plant.contacts[e];
+        let (input, at) = (self.ramps[contact.input].at(fraction), &mut self.nodes[node][e]);
+        let Some(law) = contact.law.as_deref() else {
+            at.force = input;
+            return Some(());
+        };
+        let point = at.point(input, self.plant.ports[contact.port].flexibility, answer);
+        let place = contact.memory.clone();
+        let (before, next) = (&self.memory[place.clone()], &mut self.memory_next[place]);
+        let (response, displacement) = point.solve(law, before, next)?;
+        at.geometric_velocity -= answer.slowing * (response.force - point.guess);
+        at.store(response, displacement, input);
+        Some(())
     }
 
     /// End state from the quartic through all five nodes; returns the error estimate relative to
@@ -176,7 +179,7 @@ impl StepSolver {
         let contact = &self.plant.contacts[e];
         let Some(law) = contact.law.as_deref().filter(|_| contact.remembers) else { return 0.0 };
         let normal_load = self.ramps[contact.input];
-        if normal_load.start == normal_load.end {
+        if normal_load.is_held() {
             return 0.0;
         }
         let place = contact.memory.clone();
@@ -222,7 +225,7 @@ impl StepSolver {
             };
         }
         let mut slip = nodes.map(|node| node.slip_state);
-        let constant = normal_load.start == normal_load.end;
+        let constant = normal_load.is_held();
         let place = contact.memory.clone();
         let memory = &self.memory[place.clone()];
         let (before, next) = (&mut self.memory_middle[place.clone()], &mut self.memory_next[place]);
@@ -232,8 +235,12 @@ impl StepSolver {
                 displacement: u,
                 velocity: v,
                 flexibility,
+                series: flexibility,
+                slowing: 0.0,
+                tangent: 0.0,
                 normal_load: normal_load.at(span.fraction(at)),
                 guess: nodes[node].force,
+                precision: EXACT,
             }
         };
         let mut probe = |node: usize, at: f64| {

@@ -73,8 +73,8 @@ fn a_force_at_the_exciter_is_the_excitation_turned_round() {
         let mut motion = rest(&mut integrator);
         for k in 0..100 {
             let (start, end) = (f64::from(k).sin(), f64::from(k + 1).sin());
-            let push = Ramp { start: 9.0 * start, end: 9.0 * end };
-            let (pull, none) = (Ramp { start: -push.start, end: -push.end }, Ramp::held(0.0));
+            let push = Ramp::line(9.0 * start, 9.0 * end);
+            let (pull, none) = (Ramp::line(-push.start, -push.end), Ramp::held(0.0));
             let inputs = if turned { [none, none, pull] } else { [push, none, none] };
             integrator.advance(&mut motion, 2e-4, &inputs, &Accuracy::default()).unwrap();
         }

@@ -268,7 +268,7 @@ fn settles_to_the_balance(beam: &ModalBeam) {
     let force = |k: usize| amplitude * (2.0 * PI * (k % parts) as f64 / parts as f64).cos();
     let tight = time::Settings { tolerance: 1e-8, ..Default::default() };
     for k in 0..40 * parts {
-        let excitation = Ramp { start: force(k), end: force(k + 1) };
+        let excitation = Ramp::line(force(k), force(k + 1));
         let mut inputs = integrator.held_inputs();
         inputs[0] = excitation;
         integrator.advance(&mut motion, period / parts as f64, &inputs, &tight).unwrap();

@@ -8,7 +8,7 @@ use stickslip::harmonic::{
     Assembly, Control, CurveSettings, Ending, Point, frequency_response, periodic_response,
 };
 use stickslip::model::Model;
-use stickslip::time::{Drive, SampledIntegrator};
+use stickslip::time::{Integrator, Ramp};
 
 const TWO_MASSES: &str = r#"
 schema = "stickslip.model/1"
@@ -64,18 +64,17 @@ fn a_hanging_mass_is_a_third_mass_on_a_spring() {
 
 /// Largest displacement of both masses over a period under `force cos Ωt`, by marching.
 fn marched(model: &Model, omega: f64, force: f64, periods: usize, steps: usize) -> [f64; 2] {
-    let system = model.system().unwrap();
-    let (laws, loads): (Vec<_>, Vec<f64>) = system.laws().map(|(_, law, load)| (law.clone(), load)).unzip();
+    let mut integrator = Integrator::new(&model.system().unwrap()).unwrap();
+    let mut inputs = integrator.held_inputs();
+    let mut motion = integrator.rest(&inputs).unwrap();
     let h = TAU / omega / steps as f64;
-    let mut integrator = SampledIntegrator::new(&system.linear_part(), laws, &[vec![(0, 1.0)]], h).unwrap();
-    let mut state = vec![0.0; integrator.state_len()];
-    integrator.rest(&loads, &mut state);
     let at = |k: usize| force * (omega * h * k as f64).cos();
     let mut largest = [0.0_f64; 2];
     for k in 0..periods * steps {
-        assert!(integrator.step(&mut state, &[Drive::line(at(k), at(k + 1))], &loads));
+        inputs[0] = Ramp::line(at(k), at(k + 1));
+        integrator.march(&mut motion, h, &inputs, 1).unwrap();
         if k >= (periods - 1) * steps {
-            for (largest, x) in largest.iter_mut().zip(integrator.displacement(&state)) {
+            for (largest, x) in largest.iter_mut().zip(integrator.displacement(&motion)) {
                 *largest = largest.max(x.abs());
             }
         }

@@ -126,7 +126,7 @@ fn line_derivatives_are_those_of_a_step_to_other_ends() {
                     outputs.push(run.read());
                 }
                 let mut found = vec![0.0; run.outputs.len()];
-                let (known, ends) = ([run.inputs[input]], [Ramp { start: 0.0, end: 1.0 }]);
+                let (known, ends) = ([run.inputs[input]], [Ramp::line(0.0, 1.0)]);
                 run.instance.line_derivative(&run.outputs, &known, &ends, &mut found).unwrap();
                 let difference = |a: &[f64], b: &[f64]| -> Vec<f64> {
                     a.iter().zip(b).map(|(a, b)| (a - b) / span).collect()

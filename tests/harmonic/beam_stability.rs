@@ -186,7 +186,7 @@ fn by_integration(
         let inputs = [Ramp::held(0.0), Ramp::held(LOAD)];
         let mut motion = integrator.moving(&start[..n], &start[n..2 * n], &inputs, &[start[2 * n]]).unwrap();
         for k in 0..STEPS {
-            let inputs = [Ramp { start: force(k), end: force(k + 1) }, Ramp::held(LOAD)];
+            let inputs = [Ramp::line(force(k), force(k + 1)), Ramp::held(LOAD)];
             integrator.advance(&mut motion, TAU / omega / STEPS as f64, &inputs, &settings).unwrap();
         }
         [motion.modal_displacement(), motion.modal_velocity(), &[at_end(&motion).force]].concat()

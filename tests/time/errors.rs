@@ -62,7 +62,7 @@ fn inputs_that_are_no_numbers_are_named_and_change_nothing() {
     }
     let mut integrator = loaded(&steel_beam(2, 0.003));
     let mut motion = rest(&mut integrator);
-    let inputs = [Ramp::held(0.0), Ramp { start: 0.0, end: f64::NEG_INFINITY }];
+    let inputs = [Ramp::held(0.0), Ramp::line(0.0, f64::NEG_INFINITY)];
     let error = integrator.advance(&mut motion, 1e-3, &inputs, &settings).unwrap_err();
     assert!(error.to_string().contains("contact_force"), "{error}");
 }

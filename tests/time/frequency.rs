@@ -34,7 +34,7 @@ fn drive(
     let settings = time::Settings { tolerance: 1e-8, ..Default::default() };
     let force = |k: usize| FORCE * (TAU * (k % steps) as f64 / steps as f64).cos();
     for k in 0..periods * steps {
-        let inputs = [Ramp { start: force(k), end: force(k + 1) }, Ramp::held(LOAD)];
+        let inputs = [Ramp::line(force(k), force(k + 1)), Ramp::held(LOAD)];
         integrator.advance(motion, 1.0 / (FREQUENCY * steps as f64), &inputs, &settings).unwrap();
         visit(k + 1, motion);
     }

@@ -202,7 +202,7 @@ fn a_normal_load_that_lifts_off_and_returns_is_followed_at_any_communication_ste
             let mut separated = 0;
             for i in 0..milliseconds * per_millisecond {
                 let time = i as f64 * duration;
-                let normal_load = Ramp { start: load(time), end: load(time + duration) };
+                let normal_load = Ramp::line(load(time), load(time + duration));
                 let inputs = [Ramp::held(square_wave(time, 40.0)), normal_load];
                 integrator.advance(&mut motion, duration, &inputs, &tolerance(relative)).unwrap();
                 separated += usize::from(at_end(&motion).slip_state == SlipState::Separated);
@@ -275,7 +275,7 @@ fn six_modes_with_valanis_reach_a_steady_and_repeatable_amplitude() {
             let mut peak = 0.0_f64;
             for i in 0..100 {
                 let t = (cycle * 100 + i) as f64 * duration;
-                let excitation = Ramp { start: force(t), end: force(t + duration) };
+                let excitation = Ramp::line(force(t), force(t + duration));
                 let inputs = [excitation, Ramp::held(LOAD)];
                 integrator.advance(&mut motion, duration, &inputs, &tolerance(1e-5)).unwrap();
                 peak = peak.max(at_end(&motion).displacement);

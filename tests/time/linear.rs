@@ -87,7 +87,7 @@ fn a_spring_in_the_contact_is_of_fifth_order_in_the_step() {
 #[test]
 fn external_force_and_geometric_stiffness_match_runge_kutta() {
     let beam = steel_beam(3, 0.003);
-    let (force, excitation) = (Ramp { start: 80.0, end: -60.0 }, Ramp { start: 0.0, end: 30.0 });
+    let (force, excitation) = (Ramp::line(80.0, -60.0), Ramp::line(0.0, 30.0));
     let duration = 5e-3;
     let inputs = [excitation, force];
     let (q0, v0) = ([2e-3, -1e-4, 3e-5], [0.1, 0.5, -0.2]);

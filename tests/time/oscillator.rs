@@ -160,7 +160,7 @@ fn run(integrator: &mut Integrator, interval: f64, values: &[f64], tolerance: f6
     let settings = time::Settings { tolerance, ..Default::default() };
     let mut steps = 0;
     for pair in values.windows(2) {
-        inputs[0] = Ramp { start: pair[0], end: pair[1] };
+        inputs[0] = Ramp::line(pair[0], pair[1]);
         steps += integrator.advance(&mut motion, interval, &inputs, &settings).unwrap();
     }
     (motion, steps)

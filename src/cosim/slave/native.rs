@@ -224,7 +224,7 @@ impl Slave for NativeSlave {
         refer(&mut self.references, unknowns);
         refer(&mut self.knowns, knowns);
         self.lines.clear();
-        self.lines.extend(direction.iter().map(|end| Ramp { start: 0.0, end: *end }));
+        self.lines.extend(direction.iter().map(|end| Ramp::line(0.0, *end)));
         let derived = self.instance.line_derivative(&self.references, &self.knowns, &self.lines, change);
         derived.map_err(|error| failed(&self.name, error))
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::contact::{ContactLaw, JointChanges};
+use crate::contact::ContactLaw;
 use crate::harmonic::Assembly;
 use crate::model::{Beam, Model, Structure};
 use crate::system::{ModalBeam, StructureError, System};
@@ -18,8 +18,6 @@ pub(in crate::fit::predict) struct Attached {
     load_swing: Vec<f64>,
     /// Static contact offset (m): the displacement at which the contact that never moved has no force.
     offset: f64,
-    /// What is changed in the contact: how much of a measured normal load it follows.
-    pub joint: JointChanges,
 }
 
 impl Attached {
@@ -45,17 +43,12 @@ impl Attached {
             }
             _ => Vec::new(),
         };
-        Ok(Self { beam, law: law.map(Arc::from), normal_load, load_swing, offset: 0.0, joint })
+        Ok(Self { beam, law: law.map(Arc::from), normal_load, load_swing, offset: 0.0 })
     }
 
     /// The same with a static contact offset (m).
     pub fn with_offset(self, offset: f64) -> Self {
         Self { offset, ..self }
-    }
-
-    /// Whether the beam has a contact.
-    pub fn has_contact(&self) -> bool {
-        self.law.is_some()
     }
 
     /// The beam with its contact as a system.

@@ -1,9 +1,8 @@
 //! Records that begin at rest: nothing moves and nothing is remembered at the first sample.
 
 use super::simulation::Simulation;
-use super::stepper::beam::ExcitedBeam;
 use super::stepper::contact::MovedContact;
-use super::stepper::oscillator::ExcitedOscillator;
+use super::stepper::system::ExcitedSystem;
 use super::stepper::{Stepper, march};
 use crate::data::{Channel, Record};
 use crate::model::{Model, Structure};
@@ -18,8 +17,7 @@ pub(super) struct FromRest<'r> {
 /// What the record drives, by the kind of model.
 enum Driven<'r> {
     Contact(MovedContact<'r>),
-    Oscillator(ExcitedOscillator),
-    Beam(ExcitedBeam<'r>),
+    System(ExcitedSystem),
 }
 
 impl<'r> FromRest<'r> {
@@ -27,10 +25,7 @@ impl<'r> FromRest<'r> {
     pub fn new(model: &Model, record: &'r Record, channels: Vec<&'r Channel>) -> Result<Self, String> {
         let driven = match &model.structure {
             Structure::Prescribed => Driven::Contact(MovedContact::new(record, channels.clone())?),
-            Structure::Oscillator(oscillator) => {
-                Driven::Oscillator(ExcitedOscillator::new(oscillator, record, &channels)?)
-            }
-            Structure::Beam(_) => Driven::Beam(ExcitedBeam::new(record, &channels)?),
+            _ => Driven::System(ExcitedSystem::new(model, record, &channels)?),
         };
         Ok(Self { channels, samples: record.len(), driven })
     }
@@ -55,8 +50,7 @@ impl Simulation for FromRest<'_> {
                 let law = contact.drive(model)?;
                 run(&mut contact.stepper(law.as_ref()))
             }
-            Driven::Oscillator(oscillator) => run(&mut oscillator.stepper(model)?),
-            Driven::Beam(beam) => run(&mut beam.stepper(model)?),
+            Driven::System(system) => run(&mut system.stepper(model)?),
         }
     }
 }

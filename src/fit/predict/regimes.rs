@@ -25,15 +25,15 @@ pub(super) fn simulation<'r>(
     Ok(match (record.regime, &model.structure) {
         (Regime::FromRest, _) => Box::new(FromRest::new(model, record, channels)?),
         (Regime::Steady, Structure::Prescribed) => Box::new(SteadyContact::new(record, channels)?),
-        (Regime::Steady, Structure::Oscillator(oscillator)) => {
-            Box::new(SteadyOscillator::new(oscillator, record, channels)?)
+        (Regime::Steady, Structure::Oscillator(_)) => {
+            Box::new(SteadyOscillator::new(model, record, channels)?)
         }
         (Regime::Steady, Structure::Beam(_)) => Box::new(SteadyBeam::new(model, record, channels, seed)?),
         (Regime::UnknownInitialState, Structure::Prescribed) => {
             Box::new(ContactOfUnknownStart::new(record, channels)?)
         }
         (Regime::UnknownInitialState, Structure::Oscillator(oscillator)) => {
-            Box::new(OscillatorOfUnknownStart::new(oscillator, record, channels)?)
+            Box::new(OscillatorOfUnknownStart::new(model, oscillator, record, channels)?)
         }
         (Regime::UnknownInitialState, Structure::Beam(_)) => return Err(BEAM_OF_UNKNOWN_START.into()),
         (Regime::Backbone, Structure::Beam(_)) => Box::new(Backbone::new(record, channels)?),

@@ -33,14 +33,6 @@ pub enum OscillatorError {
     /// The mass matrix is not symmetric positive definite.
     #[error("the mass matrix is not positive definite: a degree of freedom has no mass")]
     MassNotPositive,
-    /// More degrees of freedom than steps of one length are made for.
-    #[error("{size} degrees of freedom are too many to integrate sample by sample; {most} is the limit")]
-    TooLarge {
-        /// Degrees of freedom.
-        size: usize,
-        /// The limit.
-        most: usize,
-    },
     /// The law of a contact is not piecewise linear.
     #[error("the law of contact {contact} is not piecewise linear")]
     NotPiecewiseLinear {

@@ -4,35 +4,32 @@ use super::shooting::shoot;
 use crate::data::{Channel, Record};
 use crate::fit::predict::simulation::{Direction, Simulation};
 use crate::fit::predict::stepper::march;
-use crate::fit::predict::stepper::oscillator::ExcitedOscillator;
-use crate::model::{Model, Oscillator};
+use crate::fit::predict::stepper::system::ExcitedSystem;
+use crate::model::Model;
+use crate::time::Motion;
 
 /// The simulation of one steady record of an oscillator: one period is stepped through, the others are like it.
 pub(in crate::fit::predict) struct SteadyOscillator<'r> {
     channels: Vec<&'r Channel>,
-    oscillator: ExcitedOscillator,
+    oscillator: ExcitedSystem,
     samples: usize,
     /// Where the search for a steady state begins.
-    start: Option<Vec<f64>>,
+    start: Option<Motion>,
 }
 
 impl<'r> SteadyOscillator<'r> {
-    /// Of `channels` of `record`, for models with the masses of `oscillator`.
-    pub fn new(
-        oscillator: &Oscillator,
-        record: &'r Record,
-        channels: Vec<&'r Channel>,
-    ) -> Result<Self, String> {
-        let oscillator = ExcitedOscillator::new(oscillator, record, &channels)?;
+    /// Of `channels` of `record`, for models with the masses of `model`.
+    pub fn new(model: &Model, record: &'r Record, channels: Vec<&'r Channel>) -> Result<Self, String> {
+        let oscillator = ExcitedSystem::new(model, record, &channels)?;
         Ok(Self { channels, oscillator, samples: record.len(), start: None })
     }
 
-    /// Writes the predictions; returns the state at the first sample.
-    fn simulate(&self, model: &Model, out: &mut Vec<f64>) -> Result<Vec<f64>, String> {
+    /// Writes the predictions; returns the motion at the first sample.
+    fn simulate(&self, model: &Model, out: &mut Vec<f64>) -> Result<Motion, String> {
         let mut stepper = self.oscillator.stepper(model)?;
         let period = self.oscillator.excitation.samples;
-        shoot(&mut stepper, self.start.as_deref(), period)?;
-        let first = stepper.state.clone();
+        shoot(&mut stepper, self.start.as_ref(), period)?;
+        let first = stepper.motion().clone();
         let mut one = Vec::new();
         march(&mut stepper, self.channels.len(), period, &mut one)?;
         out.clear();

@@ -7,7 +7,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::fit::predict::stepper::Stepper;
-use crate::fit::predict::stepper::oscillator::OscillatorStepper;
+use crate::fit::predict::stepper::system::SystemStepper;
+use crate::time::Motion;
 
 /// Newton steps before the search is given up.
 const MOST_STEPS: usize = 40;
@@ -22,14 +23,13 @@ const DIFFERENCE: f64 = 1e-6;
 
 /// Brings `stepper` to the first sample of the periodic motion over `samples` samples; from `start` if there is one.
 pub(super) fn shoot(
-    stepper: &mut OscillatorStepper,
-    start: Option<&[f64]>,
+    stepper: &mut SystemStepper,
+    start: Option<&Motion>,
     samples: usize,
 ) -> Result<(), String> {
-    let n = stepper.size();
     // A neighbour may have another mass hanging at its contact.
-    if let Some(start) = start.filter(|start| start.len() == stepper.state.len()) {
-        stepper.state.copy_from_slice(start);
+    if let Some(start) = start.filter(|start| start.state_len() == stepper.motion().state_len()) {
+        stepper.set(start);
     }
     if start.is_none() {
         for _ in 0..FIRST_PERIODS {
@@ -37,12 +37,12 @@ pub(super) fn shoot(
         }
     }
     let mut mismatch = f64::INFINITY;
-    let mut best: Option<(f64, Vec<f64>)> = None;
+    let mut best: Option<(f64, Motion)> = None;
     for _ in 0..MOST_STEPS {
-        let begin = stepper.state.clone();
+        let begin = stepper.motion().clone();
         let scales = over_a_period(stepper, samples)?;
-        let end = stepper.state.clone();
-        mismatch = change(&begin, &end, &scales, n);
+        let end = stepper.motion().clone();
+        mismatch = change(&begin, &end, &scales);
         if best.as_ref().is_none_or(|(least, _)| mismatch < *least) {
             best = Some((mismatch, end.clone()));
         }
@@ -50,15 +50,15 @@ pub(super) fn shoot(
             return Ok(());
         }
         let correction = newton(stepper, &begin, &end, &scales, samples)?;
-        stepper.state.copy_from_slice(&end);
-        for (x, correction) in stepper.state[..2 * n].iter_mut().zip(correction.iter()) {
+        let mut corrected = end;
+        for (x, correction) in corrected.modal_state_mut().iter_mut().zip(correction.iter()) {
             *x += correction;
         }
-        stepper.settle();
+        stepper.settle(&corrected)?;
     }
     match best {
         Some((least, end)) if least <= NEARLY => {
-            stepper.state.copy_from_slice(&end);
+            stepper.set(&end);
             Ok(())
         }
         _ => Err(format!(
@@ -67,48 +67,54 @@ pub(super) fn shoot(
     }
 }
 
-/// Steps over a period; returns the largest displacement and velocity on the way.
-fn over_a_period(stepper: &mut OscillatorStepper, samples: usize) -> Result<[f64; 2], String> {
-    let n = stepper.size();
+/// Steps over a period; returns the largest modal displacement and velocity on the way.
+fn over_a_period(stepper: &mut SystemStepper, samples: usize) -> Result<[f64; 2], String> {
     let mut largest = [0.0_f64; 2];
     for index in 0..samples {
         stepper.advance(index)?;
-        for (largest, part) in largest.iter_mut().zip(stepper.state.chunks_exact(n)) {
+        let motion = stepper.motion();
+        let motion = [motion.modal_displacement(), motion.modal_velocity()];
+        for (largest, part) in largest.iter_mut().zip(motion) {
             *largest = part.iter().fold(*largest, |largest, x| largest.max(x.abs()));
         }
     }
     Ok(largest.map(|largest| if largest > 0.0 { largest } else { 1.0 }))
 }
 
-fn change(start: &[f64], end: &[f64], scales: &[f64; 2], n: usize) -> f64 {
-    let pairs = start[..2 * n].iter().zip(&end[..2 * n]).enumerate();
+fn change(start: &Motion, end: &Motion, scales: &[f64; 2]) -> f64 {
+    let n = start.modes();
+    let pairs = start.modal_state().iter().zip(end.modal_state()).enumerate();
     pairs.map(|(i, (a, b))| (a - b).abs() / scales[i / n]).fold(0.0, f64::max)
 }
 
 /// What to add to the end of a period, by differences of the period map.
 fn newton(
-    stepper: &mut OscillatorStepper,
-    begin: &[f64],
-    end: &[f64],
+    stepper: &mut SystemStepper,
+    begin: &Motion,
+    end: &Motion,
     scales: &[f64; 2],
     samples: usize,
 ) -> Result<DVector<f64>, String> {
-    let n = stepper.size();
+    let n = begin.modes();
+    let (begun, ended) = (begin.modal_state(), end.modal_state());
+    let mut moved = begin.clone();
     let mut system = DMatrix::zeros(2 * n, 2 * n);
     for j in 0..2 * n {
         let step = DIFFERENCE * scales[j / n];
-        stepper.state.copy_from_slice(begin);
-        stepper.state[j] += step;
+        moved.clone_from(begin);
+        moved.modal_state_mut()[j] += step;
+        stepper.set(&moved);
         over_a_period(stepper, samples)?;
+        let after = stepper.motion().modal_state();
         for i in 0..2 * n {
-            let derivative = (stepper.state[i] - end[i]) / step;
+            let derivative = (after[i] - ended[i]) / step;
             // In units of the motion, so that displacements and velocities weigh alike.
             let unit = scales[j / n] / scales[i / n];
             system[(i, j)] = (if i == j { 1.0 } else { 0.0 }) - derivative * unit;
         }
     }
     // x* = P(x*) ≈ P(x) + P' (x* − x) gives (1 − P') (x* − P(x)) = P' (P(x) − x).
-    let moved = DVector::from_fn(2 * n, |i, _| (end[i] - begin[i]) / scales[i / n]);
+    let moved = DVector::from_fn(2 * n, |i, _| (ended[i] - begun[i]) / scales[i / n]);
     let right = &moved - &system * &moved;
     let solved = system.svd(true, true).solve(&right, 1e-12).map_err(str::to_owned)?;
     Ok(DVector::from_fn(2 * n, |i, _| solved[i] * scales[i / n]))

@@ -1,25 +1,25 @@
-//! What excites an oscillator, from the columns of a record.
+//! What excites a structure, from the columns of a record.
 
 use crate::data::{Record, Regime};
 use crate::numeric::common_periods;
 
-/// A measured force on a mass.
+/// A measured force.
 #[derive(Debug, Clone)]
 pub(in crate::fit::predict) struct ExcitationForce {
-    /// Place of the mass.
-    pub mass: usize,
+    /// Place of the mass, or of the one exciter of a beam.
+    pub at: usize,
     /// At the samples (N).
     pub values: Vec<f64>,
-    /// Bow from each sample to the next, as [`crate::time::Drive::bow`]: what shakers do between two samples is
-    /// smooth, and a straight line would be too small by `(ωh)²/12`.
+    /// Bow from each sample to the next, as [`crate::time::Ramp::bow`]: what shakers do between two samples is
+    /// smooth, and a straight line would be too small by `(ωh)²/12`. Empty for straight lines.
     pub bows: Vec<f64>,
 }
 
 /// Forces and normal load at the samples: of one period where the record is steady.
 #[derive(Debug, Clone)]
 pub(in crate::fit::predict) struct Excitation {
-    /// Time between samples (s).
-    pub step: f64,
+    /// Instants of the samples (s); two where they are evenly spaced.
+    time: Vec<f64>,
     /// Samples of the excitation.
     pub samples: usize,
     /// Whether the first sample follows the last.
@@ -30,8 +30,17 @@ pub(in crate::fit::predict) struct Excitation {
 }
 
 impl Excitation {
+    /// Of a record of a beam, on straight lines between samples.
+    pub fn of_beam(record: &Record) -> Result<Self, String> {
+        let time = record.time().ok_or("there is no `time` column")?.to_vec();
+        let values = record.channel("excitation").ok_or("there is no `excitation` column")?.values.clone();
+        let force = ExcitationForce { at: 0, values, bows: Vec::new() };
+        let load = record.channel("normal_load").map(|channel| channel.values.clone());
+        Ok(Self { time, samples: record.len(), periodic: false, forces: vec![force], load })
+    }
+
     /// Of a record whose excitations act on the masses called `names`.
-    pub fn new(record: &Record, names: &[&str]) -> Result<Self, String> {
+    pub fn of_masses(record: &Record, names: &[&str]) -> Result<Self, String> {
         let step = record.sample_step().ok_or("`time` is not there, or not evenly spaced")?;
         let mut forces: Vec<(usize, Vec<f64>)> = Vec::new();
         for channel in record.channels_of("excitation") {
@@ -51,9 +60,15 @@ impl Excitation {
         }
         let forces = forces
             .into_iter()
-            .map(|(mass, values)| ExcitationForce { mass, bows: bows(&values, periodic), values })
+            .map(|(at, values)| ExcitationForce { at, bows: bows(&values, periodic), values })
             .collect();
-        Ok(Self { step, samples, periodic, forces, load })
+        Ok(Self { time: vec![0.0, step], samples, periodic, forces, load })
+    }
+
+    /// Time from sample `index` to the next (s).
+    pub fn step(&self, index: usize) -> f64 {
+        let from = if self.time.len() == 2 { 0 } else { index };
+        self.time[from + 1] - self.time[from]
     }
 
     /// The sample after `index`; after the last comes the first of a period, and else the last again.

@@ -1,11 +1,9 @@
-//! What is stepped through a record from sample to sample: one model under the record's inputs.
-//!
-//! Each kind of model has an integrator of its own so far; regimes know this trait alone.
+//! What is stepped through a record from sample to sample: one model under the record's inputs, a contact alone or a
+//! system.
 
-pub(super) mod beam;
 pub(super) mod contact;
 mod excitation;
-pub(super) mod oscillator;
+pub(super) mod system;
 
 /// One model under the inputs of one record, at one of its samples.
 pub(super) trait Stepper {

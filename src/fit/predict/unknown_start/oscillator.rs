@@ -5,7 +5,7 @@ use crate::data::{Channel, Record};
 use crate::fit::least_squares::{Fit, Options, Parameter, Scale, fit};
 use crate::fit::predict::simulation::Simulation;
 use crate::fit::predict::stepper::march;
-use crate::fit::predict::stepper::oscillator::ExcitedOscillator;
+use crate::fit::predict::stepper::system::ExcitedSystem;
 use crate::model::{Model, Oscillator};
 
 /// Fraction of a record by which its start is judged: a damped structure forgets it.
@@ -22,22 +22,24 @@ const STEPS: usize = 15;
 /// The simulation of one record of an oscillator of unknown start.
 pub(in crate::fit::predict) struct OscillatorOfUnknownStart<'r> {
     channels: Vec<&'r Channel>,
-    oscillator: ExcitedOscillator,
+    oscillator: ExcitedSystem,
     samples: usize,
+    masses: usize,
     /// Place of the mass that the contact is at.
     at: usize,
 }
 
 impl<'r> OscillatorOfUnknownStart<'r> {
-    /// Of `channels` of `record`, for models with the masses of `oscillator`.
+    /// Of `channels` of `record`, for models like `model` with the masses of its `oscillator`.
     pub fn new(
+        model: &Model,
         oscillator: &Oscillator,
         record: &'r Record,
         channels: Vec<&'r Channel>,
     ) -> Result<Self, String> {
-        let at = oscillator.contact.unwrap_or(0);
-        let oscillator = ExcitedOscillator::new(oscillator, record, &channels)?;
-        Ok(Self { channels, oscillator, samples: record.len(), at })
+        let (at, masses) = (oscillator.contact.unwrap_or(0), oscillator.masses.len());
+        let oscillator = ExcitedSystem::new(model, record, &channels)?;
+        Ok(Self { channels, oscillator, samples: record.len(), masses, at })
     }
 
     /// Writes the predictions of the first `samples`. What hangs at the contact begins with its motion.
@@ -50,7 +52,7 @@ impl<'r> OscillatorOfUnknownStart<'r> {
     ) -> Result<(), String> {
         let mut stepper = self.oscillator.stepper(model)?;
         if !nuisances.is_empty() {
-            let masses = self.oscillator.masses;
+            let masses = self.masses;
             if nuisances.len() != 2 * masses + 1 {
                 return Err(format!("{} numbers for a start that has {}", nuisances.len(), 2 * masses + 1));
             }
@@ -60,7 +62,7 @@ impl<'r> OscillatorOfUnknownStart<'r> {
                 part
             };
             let (displacement, velocity) = (part(0), part(masses));
-            stepper.begin(&displacement, &velocity, nuisances[2 * masses]);
+            stepper.begin(&displacement, &velocity, nuisances[2 * masses])?;
         }
         march(&mut stepper, self.channels.len(), samples, out)
     }
@@ -73,7 +75,7 @@ impl<'r> OscillatorOfUnknownStart<'r> {
         let slowest = system.linear_part().natural_modes().map_err(|error| error.to_string())?;
         let rate = slowest.angular_frequency.iter().copied().find(|omega| *omega > 0.0);
         // A free structure moves at the pace of the record.
-        let rate = rate.unwrap_or(1.0 / (self.oscillator.excitation.step * self.samples as f64));
+        let rate = rate.unwrap_or(1.0 / (self.oscillator.excitation.step(0) * self.samples as f64));
         // The size of the motion: of displacements, or of what they would be at the lowest frequency.
         let mut size = 0.0_f64;
         for (channel, observed) in self.channels.iter().zip(&self.oscillator.observed) {
@@ -89,20 +91,20 @@ impl<'r> OscillatorOfUnknownStart<'r> {
             upper: ROOM * size,
             scale: Scale::Linear,
         };
-        let n = self.oscillator.masses;
+        let n = self.masses;
         let mut parameters: Vec<Parameter> =
             (0..2 * n).map(|i| around(0.0, if i < n { size } else { size * rate * ROOM })).collect();
         for (channel, observed) in self.channels.iter().zip(&self.oscillator.observed) {
-            let (value, slope) = line(&channel.values, self.oscillator.excitation.step);
+            let (value, slope) = line(&channel.values, self.oscillator.excitation.step(0));
             match observed.order {
                 0 => {
-                    parameters[observed.mass].start = value;
-                    let velocity = &mut parameters[n + observed.mass].start;
+                    parameters[observed.sensor].start = value;
+                    let velocity = &mut parameters[n + observed.sensor].start;
                     if *velocity == 0.0 {
                         *velocity = slope;
                     }
                 }
-                1 => parameters[n + observed.mass].start = value,
+                1 => parameters[n + observed.sensor].start = value,
                 _ => {}
             }
         }

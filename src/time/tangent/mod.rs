@@ -1,18 +1,15 @@
-//! What becomes of a small change of the inputs as a system goes through a communication step.
+//! What becomes of a small change of the inputs as a system goes through a communication step, by the linearised steps.
 
-use super::integrator::Integrator;
+mod controlled;
+mod equal;
+
+use super::Ramp;
+use super::node::NodeContact;
 use super::plant::{add_product, dot};
-use super::propagator::NODES;
-use super::solve::solve;
-use super::step::{NodeContact, Span, StepSolver};
-use super::trial::{END, MIDDLE};
-use super::{IntegrationError, Motion, Ramp, Settings};
+use super::propagator::{END, MIDDLE};
+use super::step::{Span, StepSolver, bent_energy};
 use crate::contact::{Carried, Inputs, Tangents};
 
-/// Sweeps over the weak terms of the linear collocation equations; each gains several digits.
-const SWEEPS: usize = 30;
-/// Change of the forcing, relative, at which the sweeps end.
-const SETTLED: f64 = 1e-13;
 /// Nodes whose forces are solved for.
 const PAIR: [usize; 2] = [MIDDLE, END];
 
@@ -42,6 +39,9 @@ pub(crate) struct Tangent {
     pub contacts: Vec<ContactChange>,
     /// Normal loads before a jump.
     loads: Vec<f64>,
+    /// Of an equal step: what laws see of their ports at its end, and rates of their forces at its two ends.
+    seen: Vec<[f64; 2]>,
+    rates: Vec<[f64; 2]>,
 }
 
 /// Change of a law or an outside force.
@@ -56,6 +56,8 @@ pub(crate) struct ContactChange {
     /// Of displacement (m) and velocity (m/s).
     pub displacement: f64,
     pub velocity: f64,
+    /// Of the energy taken before a step whose path bends, and of that on a straight line to its end.
+    bent: Option<[f64; 2]>,
 }
 
 /// A law at a node to first order: `δT = tangents · δinputs + by_memory`.
@@ -67,39 +69,9 @@ struct NodeChange {
     force: f64,
 }
 
-impl Integrator {
-    /// The step of [`Integrator::advance`] from `motion`, which stays, with the change `by` of the inputs; `tangent`
-    /// becomes that of the end. Without a `duration` it is that of `motion` itself, at rest with laws that remember
-    /// nothing.
-    pub(crate) fn follow(
-        &mut self,
-        motion: &Motion,
-        duration: Option<f64>,
-        inputs: &[Ramp],
-        settings: &Settings,
-        (tangent, by): (&mut Tangent, &[Ramp]),
-    ) -> Result<(), IntegrationError> {
-        self.begin(motion, duration.unwrap_or(1.0), inputs, settings)?;
-        tangent.begin(&self.solver);
-        let Some(duration) = duration else {
-            tangent.rest(&self.solver, by);
-            if !self.solver.prepare(&Span::START) {
-                return Err(IntegrationError::StepTooSmall { time: 0.0, step: 0.0 });
-            }
-            tangent.arrive(&self.solver, 0.0, by);
-            tangent.finish(&self.solver, &Span::START, by);
-            return Ok(());
-        };
-        let mut suggested = self.first_step(motion);
-        self.run(duration, settings, &mut suggested, Some((tangent, by)))?;
-        tangent.finish(&self.solver, &Span { duration, ..Span::START }, by);
-        Ok(())
-    }
-}
-
 impl Tangent {
     /// No change yet of the motion that `solver` has loaded.
-    fn begin(&mut self, solver: &StepSolver) {
+    pub fn begin(&mut self, solver: &StepSolver) {
         let (n, contacts) = (solver.plant.size(), solver.plant.contacts.len());
         let lists = [&mut self.q, &mut self.v, &mut self.p, &mut self.rest, &mut self.start_q];
         let more = [&mut self.start_v, &mut self.pull, &mut self.turning];
@@ -114,6 +86,10 @@ impl Tangent {
         }
         self.contacts.clear();
         self.contacts.resize(contacts, ContactChange::default());
+        for list in [&mut self.seen, &mut self.rates] {
+            list.clear();
+            list.resize(contacts, [0.0; 2]);
+        }
         self.unused.clear();
         self.unused.resize(solver.plant.memory_len, 0.0);
         self.carried.resize(contacts, Carried::default());
@@ -123,7 +99,7 @@ impl Tangent {
     }
 
     /// At rest, with laws that remember nothing but their loads.
-    fn rest(&mut self, solver: &StepSolver, by: &[Ramp]) {
+    pub fn rest(&mut self, solver: &StepSolver, by: &[Ramp]) {
         for (carried, contact) in self.carried.iter_mut().zip(&solver.plant.contacts) {
             if let Some(law) = contact.law.as_deref() {
                 carried.rest(law, solver.ramps[contact.input].start, by[contact.input].start);
@@ -177,54 +153,6 @@ impl Tangent {
         at.dissipated_energy += change.dissipated_energy;
     }
 
-    /// Goes through the step that `solver` has tried with success and not yet committed.
-    pub fn through(&mut self, solver: &StepSolver, span: &Span, by: &[Ramp]) {
-        let plant = &solver.plant;
-        for node in 0..=END {
-            plant.shorten(&solver.q[node], &mut self.pull[node]);
-            plant.shorten(&solver.v[node], &mut self.turning[node]);
-        }
-        for (at, contact) in self.nodes[0].iter_mut().zip(&self.contacts) {
-            at.force = contact.force;
-        }
-        self.force_without_laws(solver, 0, by, span.from);
-        self.add_laws(solver, 0);
-        for (node, at) in NODES.into_iter().enumerate().skip(1) {
-            self.linearise(solver, node, span.fraction(at), by);
-        }
-        self.start(solver);
-        self.collocate(solver, span, by);
-        for node in [1, 3] {
-            self.place(solver, node, |change| &change.p);
-            for (e, contact) in plant.contacts.iter().enumerate().filter(|(_, contact)| contact.law.is_some())
-            {
-                let own = self.own_force(solver, e, node);
-                let at = &mut self.nodes[node][e];
-                at.force = own / (1.0 + plant.ports[contact.port].flexibility * at.tangents.displacement);
-            }
-            self.force_without_laws(solver, node, by, span.fraction(NODES[node]));
-            self.add_laws(solver, node);
-        }
-        self.take_over(solver);
-    }
-
-    /// The laws at a node, at `fraction` of the communication step.
-    fn linearise(&mut self, solver: &StepSolver, node: usize, fraction: f64, by: &[Ramp]) {
-        for (e, contact) in solver.plant.contacts.iter().enumerate() {
-            let at = &mut self.nodes[node][e];
-            at.load = by[contact.input].at(fraction);
-            let Some(law) = contact.law.as_deref() else {
-                at.force = at.load;
-                continue;
-            };
-            let load = solver.ramps[contact.input].at(fraction);
-            let inputs = inputs(&solver.nodes[node][e], solver.plant.ports[contact.port].flexibility, load);
-            let unused = &mut self.unused[contact.memory.clone()];
-            at.tangents = law.step(&self.carried[e].memory, inputs, unused).tangents;
-            at.by_memory = self.carried[e].force_by_memory(law, inputs);
-        }
-    }
-
     /// What the changes at the start contribute to the nodes.
     fn start(&mut self, solver: &StepSolver) {
         for node in 1..=END {
@@ -256,73 +184,28 @@ impl Tangent {
         }
     }
 
-    /// Middle and end of the step: the forces of laws solved for, the weak terms by sweeps.
-    fn collocate(&mut self, solver: &StepSolver, span: &Span, by: &[Ramp]) {
-        for _ in 0..SWEEPS {
-            for node in PAIR {
-                self.force_without_laws(solver, node, by, span.fraction(NODES[node]));
-            }
-            for node in PAIR {
-                self.place(solver, node, |change| &change.rest);
-            }
-            self.solve_laws(solver);
-            let (mut moved, mut size) = (0.0_f64, 0.0_f64);
-            for node in PAIR {
-                self.product.copy_from_slice(&self.p[node]);
-                self.add_laws(solver, node);
-                for (p, before) in self.p[node].iter().zip(&self.product) {
-                    moved = moved.max((p - before).abs());
-                    size = size.max(p.abs());
-                }
-            }
-            for node in PAIR {
-                self.place(solver, node, |change| &change.p);
-            }
-            if moved <= SETTLED * size {
-                return;
-            }
-        }
+    /// A law at a node, at `inputs`, or a force from outside, whose own input changes by `change`.
+    fn linearise_at(&mut self, solver: &StepSolver, (e, node): (usize, usize), inputs: Inputs, change: f64) {
+        let contact = &solver.plant.contacts[e];
+        let at = &mut self.nodes[node][e];
+        at.load = change;
+        let Some(law) = contact.law.as_deref() else {
+            at.force = change;
+            return;
+        };
+        let unused = &mut self.unused[contact.memory.clone()];
+        at.tangents = law.step(&self.carried[e].memory, inputs, unused).tangents;
+        at.by_memory = self.carried[e].force_by_memory(law, inputs);
     }
 
-    /// The changes of force of all laws at both nodes, which move all ports at both.
-    fn solve_laws(&mut self, solver: &StepSolver) {
-        let plant = &solver.plant;
-        let laws = || plant.contacts.iter().enumerate().filter(|(_, contact)| contact.law.is_some());
-        let count = 2 * laws().count();
-        self.matrix.clear();
-        self.right.clear();
-        for (half, node) in PAIR.into_iter().enumerate() {
-            let rows = solver.propagators[solver.current].node(node);
-            for (e, contact) in laws() {
-                let t = self.nodes[node][e].tangents;
-                let (port, own) = (&plant.ports[contact.port], self.own_force(solver, e, node));
-                self.right.push(own);
-                for (other_half, other_node) in PAIR.into_iter().enumerate() {
-                    let (by_q, by_v) = (rows.q_forcing[other_half], rows.v_forcing[other_half]);
-                    for (other, pusher) in laws() {
-                        let pusher = &plant.ports[pusher.port];
-                        let (mut moved, mut sped) = (0.0, 0.0);
-                        for i in 0..plant.size() {
-                            let seen = port.row[i] - port.shortening * self.pull[node][i];
-                            let pushed = pusher.row[i] - pusher.shortening * self.pull[other_node][i];
-                            moved += seen * pushed * by_q[i];
-                            sped += seen * pushed * by_v[i];
-                        }
-                        let itself = half == other_half && e == other;
-                        let one = if itself { 1.0 + port.flexibility * t.displacement } else { 0.0 };
-                        self.matrix.push(one + t.displacement * moved + t.velocity * sped);
-                    }
-                }
-            }
+    /// Change of the force of a law or from outside at a node that is placed (N).
+    fn answer(&self, solver: &StepSolver, e: usize, node: usize) -> f64 {
+        let (contact, at) = (&solver.plant.contacts[e], &self.nodes[node][e]);
+        if contact.law.is_none() {
+            return at.force;
         }
-        // Forces that are not to be found stay as they were, and the sweeps go on.
-        if count > 0 && solve(&mut self.matrix, &mut self.right) {
-            for (half, node) in PAIR.into_iter().enumerate() {
-                for (k, (e, _)) in laws().enumerate() {
-                    self.nodes[node][e].force = self.right[half * (count / 2) + k];
-                }
-            }
-        }
+        let flexibility = solver.plant.ports[contact.port].flexibility;
+        self.own_force(solver, e, node) / (1.0 + flexibility * at.tangents.displacement)
     }
 
     /// A law's part of the change of its force at a node, the yielding left out (N).
@@ -397,28 +280,6 @@ impl Tangent {
         }
     }
 
-    /// The end of the step from the quartic, and the middle of a step under loads that run.
-    fn take_over(&mut self, solver: &StepSolver) {
-        for (e, contact) in solver.plant.contacts.iter().enumerate().filter(|(_, contact)| contact.remembers)
-        {
-            let ramp = solver.ramps[contact.input];
-            if ramp.start != ramp.end {
-                let (displacement, velocity) = self.geometric(solver, e, MIDDLE);
-                let (load, change) = (solver.nodes[MIDDLE][e].normal_load, self.nodes[MIDDLE][e].load);
-                self.contact_step(solver, e, MIDDLE, load, (displacement, velocity, change));
-            }
-        }
-        let propagator = &solver.propagators[solver.current];
-        let start = propagator.node(END);
-        let (q_rows, v_rows) = (propagator.quartic_q(), propagator.quartic_v());
-        for i in 0..self.q[0].len() {
-            let (q, v) = (self.q[0][i], self.v[0][i]);
-            let forced = |rows: &[&[f64]; 5]| (0..5).map(|j| rows[j][i] * self.p[j][i]).sum::<f64>();
-            self.q[0][i] = start.q_start[0][i] * q + start.q_start[1][i] * v + forced(&q_rows);
-            self.v[0][i] = start.v_start[0][i] * q + start.v_start[1][i] * v + forced(&v_rows);
-        }
-    }
-
     /// The laws and the forcing at the end of the step, which `solver` has committed.
     pub fn arrive(&mut self, solver: &StepSolver, fraction: f64, by: &[Ramp]) {
         solver.plant.shorten(&solver.v[0], &mut self.turning[0]);
@@ -432,14 +293,23 @@ impl Tangent {
                 let load = solver.ramps[contact.input].at(fraction);
                 self.contact_step(solver, e, 0, load, (displacement, velocity, change));
             }
+            let at = &mut self.contacts[e];
+            if let Some([before, straight]) = at.bent.take() {
+                at.dissipated_energy = before + bent_energy(at.dissipated_energy - before, straight);
+            }
             self.nodes[0][e].force = self.contacts[e].force;
         }
         self.force_without_laws(solver, 0, by, fraction);
         self.add_laws(solver, 0);
     }
 
+    /// Of the modal displacements, velocities and accelerations at the end.
+    pub fn present(&self) -> [&[f64]; 3] {
+        [&self.q[0], &self.v[0], &self.acceleration]
+    }
+
     /// Changes of the accelerations and of the ports' displacements and velocities at the end of the lines.
-    fn finish(&mut self, solver: &StepSolver, span: &Span, by: &[Ramp]) {
+    pub fn finish(&mut self, solver: &StepSolver, span: &Span, by: &[Ramp]) {
         let plant = &solver.plant;
         for i in 0..self.acceleration.len() {
             let (omega, zeta) = (plant.angular_frequency[i], plant.damping_ratio[i]);
@@ -460,13 +330,6 @@ impl Tangent {
                 (velocity - a * yielded) / (1.0 + a * node.tangent)
             };
         }
-    }
-
-    /// Change of what sensor `sensor` reads: displacement, velocity, acceleration.
-    pub fn sensor(&self, integrator: &Integrator, sensor: usize) -> [f64; 3] {
-        let plant = &integrator.solver.plant;
-        let row = &plant.ports[plant.sensors[sensor]].row;
-        [dot(row, &self.q[0]), dot(row, &self.v[0]), dot(row, &self.acceleration)]
     }
 }
 
