@@ -67,12 +67,12 @@ impl Connected {
         let count = system.slaves.len();
         let (mut after, mut before) = (vec![Vec::new(); count], vec![Vec::new(); count]);
         let mut edges = Vec::with_capacity(system.connections.len());
-        let shares: Vec<_> = (0..count).map(|slave| system.feed_through(slave)).collect();
+        let fractions: Vec<_> = (0..count).map(|slave| system.feed_through(slave)).collect();
         for connection in &system.connections {
             let (from, to) = (connection.from.slave, connection.to.slave);
             after[from].push(to);
             before[to].push(from);
-            edges.push((from, to, shares[to][connection.to.variable]));
+            edges.push((from, to, fractions[to][connection.to.variable]));
         }
         for list in after.iter_mut().chain(&mut before) {
             list.sort_unstable();

@@ -66,12 +66,12 @@ impl Level {
                 .try_for_each(|(place, unit)| collect(unit, first + place, frame.signals));
         }
         let start = (self.parallel == Parallel::Auto).then(Instant::now);
-        let mut told = Ok(());
+        let mut result = Ok(());
         for (place, unit) in level.iter_mut().enumerate() {
             unit.advance(&frame.seen(restore, assumed));
             // While it is still in the cache. None waits for another, so none reads this.
-            if told.is_ok() {
-                told = collect(unit, first + place, frame.signals);
+            if result.is_ok() {
+                result = collect(unit, first + place, frame.signals);
             }
         }
         if let Some(start) = start {
@@ -82,7 +82,7 @@ impl Level {
                 self.parallel = if pays { Parallel::Always } else { Parallel::Never };
             }
         }
-        told
+        result
     }
 }
 

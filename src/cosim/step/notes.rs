@@ -18,7 +18,7 @@ impl InputCoupling {
         let at_once = system.slaves.iter().enumerate().map(|(index, slave)| {
             let mut rows = slave.variables().iter();
             let declared = rows.all(|row| row.causality != Causality::Output || row.depends_on.is_some());
-            system.feed_through(index).into_iter().map(|share| declared && share == 1.0).collect()
+            system.feed_through(index).into_iter().map(|fraction| declared && fraction == 1.0).collect()
         });
         Self { at_once: at_once.collect() }
     }

@@ -227,9 +227,9 @@ impl Solver {
         let kept = self.orthogonalize();
         self.changed.copy_from_slice(&self.residual);
         for (change, step) in self.orthogonal_changes.iter().zip(&self.orthogonal_steps).take(kept) {
-            let share = dot(&self.scale, change, &self.changed);
-            add(&mut self.changed, change, -share);
-            add(assumed, step, -share);
+            let fraction = dot(&self.scale, change, &self.changed);
+            add(&mut self.changed, change, -fraction);
+            add(assumed, step, -fraction);
         }
         add(assumed, &self.changed, 1.0);
     }
@@ -247,9 +247,9 @@ impl Solver {
             step.copy_from_slice(&self.steps[column]);
             let before = dot(&self.scale, &change, &change).sqrt();
             for newer in 0..kept {
-                let share = dot(&self.scale, &self.orthogonal_changes[newer], &change);
-                add(&mut change, &self.orthogonal_changes[newer], -share);
-                add(&mut step, &self.orthogonal_steps[newer], -share);
+                let fraction = dot(&self.scale, &self.orthogonal_changes[newer], &change);
+                add(&mut change, &self.orthogonal_changes[newer], -fraction);
+                add(&mut step, &self.orthogonal_steps[newer], -fraction);
             }
             let length = dot(&self.scale, &change, &change).sqrt();
             let independent = length > DEPENDENT * before && length.is_finite();

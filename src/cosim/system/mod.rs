@@ -360,7 +360,7 @@ impl System {
                 }),
             }
         }
-        let share = |count: &usize| (count + all) as f64 / f64::from(number.max(1));
-        counts.iter().map(share).collect()
+        let fraction = |count: &usize| (count + all) as f64 / f64::from(number.max(1));
+        counts.iter().map(fraction).collect()
     }
 }
