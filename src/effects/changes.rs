@@ -28,6 +28,18 @@ pub struct SensorFault {
     pub bias: f64,
 }
 
+impl SensorFault {
+    /// Whether the sensor shows each moment at that moment.
+    pub fn is_on_time(&self) -> bool {
+        self.delay == 0.0
+    }
+
+    /// The moment that the sensor shows at sample `index`, in samples `step` seconds apart.
+    pub fn place(&self, index: usize, step: f64) -> f64 {
+        index as f64 - self.delay / step
+    }
+}
+
 impl Changes {
     /// The fault of `channel`, which is made where there is none.
     pub(super) fn sensor(&mut self, channel: Option<&Location>) -> &mut SensorFault {

@@ -36,8 +36,8 @@ impl Simulation for FromRest<'_> {
         &self.channels
     }
 
-    fn shows_delay(&self, channel: &Channel) -> bool {
-        matches!(&self.driven, Driven::Contact(contact) if contact.shows_delay(channel))
+    fn is_timed(&self, channel: &Channel) -> bool {
+        matches!(&self.driven, Driven::Contact(contact) if contact.is_timed(channel))
     }
 
     fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {

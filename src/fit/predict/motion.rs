@@ -38,8 +38,8 @@ pub(crate) fn white_noise(values: &[f64]) -> f64 {
 /// How a motion goes on outside of its samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Outside {
-    /// It stands still where it is.
-    Still,
+    /// It stood still before, and goes on at the rate that it has at the end.
+    StillBefore,
     /// At the rate that it has at the end.
     Straight,
     /// As so many samples later or earlier.
@@ -47,19 +47,20 @@ pub(crate) enum Outside {
 }
 
 impl Motion {
-    /// What was there `samples` earlier (not always whole) at each of the samples, which are `step` seconds apart.
-    pub fn earlier(&self, samples: f64, step: f64, outside: Outside) -> Self {
+    /// What was there at `place(index)` (in samples, not always whole) for each of the samples, which are `step` seconds
+    /// apart.
+    pub fn at(&self, place: impl Fn(usize) -> f64, step: f64, outside: Outside) -> Self {
         let last = self.values.len().saturating_sub(1) as f64;
         let at = |index: usize| {
-            let mut place = index as f64 - samples;
+            let mut place = place(index);
             if let Outside::Periodic(period) = outside {
                 // A whole period from the nearer end: where noise was smoothed, ends are smoothed least.
                 place += if place < 0.0 { period } else { 0.0 };
                 place -= if place > last { period } else { 0.0 };
             }
             let inside = place.clamp(0.0, last);
-            if outside == Outside::Still && inside != place {
-                return (self.values[inside as usize], 0.0);
+            if outside == Outside::StillBefore && place < 0.0 {
+                return (self.values[0], 0.0);
             }
             let (value, rate) = self.between(inside, step);
             (value + rate * (place - inside) * step, rate)
@@ -99,13 +100,26 @@ impl Motion {
     }
 }
 
-/// `values` as they were `samples` earlier, on straight lines between them; the first and the last value last.
-pub(crate) fn earlier(values: &[f64], samples: f64) -> Vec<f64> {
-    let last = values.len().saturating_sub(1);
+/// Evenly spaced `values` read at `place(index)` (in samples, not always whole) for each of them.
+///
+/// Between samples on the cubic through the four nearest (Lagrange): a sine of `n` samples per period is read to
+/// (3/128) (2π/n)⁴ of its amplitude, 2e-4 at 20 samples, where straight lines err by (2π/n)²/8, 1e-2, and would make
+/// the reading smaller than the sine. Before the first sample the first value lasts; beyond the last two the line
+/// through them goes on.
+pub(crate) fn read_at(values: &[f64], place: impl Fn(usize) -> f64) -> Vec<f64> {
+    let Some(last) = values.len().checked_sub(1) else { return Vec::new() };
     let at = |index: usize| {
-        let place = (index as f64 - samples).clamp(0.0, last as f64);
-        let (left, part) = (place as usize, place.fract());
-        (1.0 - part) * values[left] + part * values[(left + 1).min(last)]
+        let place = place(index).max(0.0);
+        if last < 3 || place >= last as f64 {
+            let left = (place as usize).min(last.saturating_sub(1));
+            let change = values[(left + 1).min(last)] - values[left];
+            return values[left] + (place - left as f64) * change;
+        }
+        let first = (place as usize).saturating_sub(1).min(last - 3);
+        let t = place - first as f64;
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| values[first + k]);
+        let outer = (t - 1.0) * (t - 2.0) * (t * d - (t - 3.0) * a) / 6.0;
+        outer + t * (t - 3.0) * ((t - 2.0) * b - (t - 1.0) * c) / 2.0
     };
     (0..values.len()).map(at).collect()
 }
@@ -236,7 +250,7 @@ mod tests {
             rates: (0..250).map(|i| TAU / 100.0 * angle(f64::from(i)).cos() / 0.5).collect(),
         };
         for samples in [0.0, 0.4, 7.3, -12.8] {
-            let earlier = sine.earlier(samples, 0.5, Outside::Periodic(100.0));
+            let earlier = sine.at(|index| index as f64 - samples, 0.5, Outside::Periodic(100.0));
             for (i, (value, rate)) in earlier.values.iter().zip(&earlier.rates).enumerate() {
                 let exact = angle(i as f64 - samples);
                 assert!((value - exact.sin()).abs() < 1e-6, "{samples} {i}");
@@ -244,10 +258,36 @@ mod tests {
             }
         }
         let line = Motion { values: (0..9).map(|i| 2.0 + 3.0 * f64::from(i)).collect(), rates: vec![6.0; 9] };
-        let straight = line.earlier(2.5, 0.5, Outside::Straight);
+        let straight = line.at(|index| index as f64 - 2.5, 0.5, Outside::Straight);
         assert!(straight.values.iter().enumerate().all(|(i, v)| (v - 3.0 * i as f64 + 5.5).abs() < 1e-12));
-        let still = line.earlier(2.5, 0.5, Outside::Still);
+        let still = line.at(|index| index as f64 - 2.5, 0.5, Outside::StillBefore);
         assert_eq!((still.values[1], still.rates[1]), (2.0, 0.0));
+    }
+
+    #[test]
+    fn between_samples_a_cubic_is_exact_and_a_sine_errs_with_the_fourth_power_of_the_step() {
+        let cubic = |x: f64| 1.0 - x + 0.4 * x * x - 0.02 * x * x * x;
+        let values: Vec<f64> = (0..12).map(|i| cubic(f64::from(i))).collect();
+        for (i, value) in read_at(&values, |index| 0.9 * index as f64 + 0.05).iter().enumerate() {
+            assert!((value - cubic(0.9 * i as f64 + 0.05)).abs() < 1e-12, "{i}: {value}");
+        }
+        for n in [20.0, 80.0] {
+            let wave = |x: f64| (TAU * x / n).sin();
+            let values: Vec<f64> = (0..200).map(|i| wave(f64::from(i))).collect();
+            let read = read_at(&values, |index| (index as f64 + 0.5).clamp(1.0, 198.0));
+            let error = |i: usize| (read[i] - wave(i as f64 + 0.5)).abs();
+            let largest = (1..197).map(error).fold(0.0, f64::max);
+            let bound = 3.0 / 128.0 * (TAU / n).powi(4);
+            assert!((0.9 * bound..=bound).contains(&largest), "{n}: {largest} {bound}");
+        }
+    }
+
+    #[test]
+    fn outside_of_the_record_the_first_value_lasts_and_the_last_two_go_on() {
+        let values: Vec<f64> = (0..9).map(|i| f64::from(i * i)).collect();
+        let read = read_at(&values, |index| 2.0 * index as f64 - 5.0);
+        assert_eq!(read, [0.0, 0.0, 0.0, 1.0, 9.0, 25.0, 49.0, 79.0, 109.0]);
+        assert_eq!(read_at(&[3.0], |_| 7.0), [3.0]);
     }
 
     #[test]

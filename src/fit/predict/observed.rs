@@ -49,7 +49,7 @@ impl<'r> ObservedSimulation<'r> {
         for channel in self.simulation.channels() {
             let length = channel.values.len();
             let (here, after) = rest.split_at_mut_checked(length).ok_or("the prediction is too short")?;
-            sensors::apply(model, self.record, channel, !self.simulation.shows_delay(channel), here);
+            sensors::apply(model, self.record, channel, self.simulation.is_timed(channel), here);
             rest = after;
         }
         Ok(())

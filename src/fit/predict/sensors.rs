@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::Complex;
 use realfft::RealFftPlanner;
 
+use super::motion::read_at;
 use crate::data::{Channel, Record, Regime};
 use crate::effects::SensorFault;
 use crate::model::Model;
@@ -19,38 +20,26 @@ pub(crate) fn fault(model: &Model, channel: &Channel) -> Option<SensorFault> {
 
 /// Turns the true motion `values` of `channel` into what the model's faulty sensors show of it.
 ///
-/// A steady record is late by the phases of its harmonics. Elsewhere a delay is linear between samples, and the first
-/// and the last value last. With `delayed` false the values are late already.
-pub(crate) fn apply(model: &Model, record: &Record, channel: &Channel, delayed: bool, values: &mut [f64]) {
+/// A steady record is late by the phases of its harmonics; elsewhere values are read between samples as
+/// [`read_at`] does. With `timed` the values are those of the moments that the sensor shows already.
+pub(crate) fn apply(model: &Model, record: &Record, channel: &Channel, timed: bool, values: &mut [f64]) {
     let Some(fault) = fault(model, channel) else { return };
-    if delayed
-        && fault.delay != 0.0
+    if !timed
+        && !fault.is_on_time()
         && let Some(step) = record.sample_step()
     {
-        delay(values, fault.delay / step, record.regime == Regime::Steady);
+        match record.regime {
+            Regime::Steady => turn(values, fault.delay / step),
+            _ => values.copy_from_slice(&read_at(values, |index| fault.place(index, step))),
+        }
     }
     for value in values {
         *value = fault.gain * *value + fault.bias;
     }
 }
 
-/// Moves `values` later by `samples`, which need not be whole.
-fn delay(values: &mut [f64], samples: f64, periodic: bool) {
-    if periodic {
-        turn(values, samples);
-        return;
-    }
-    let original = values.to_vec();
-    let last = original.len() as i64 - 1;
-    let (whole, part) = (samples.floor(), samples - samples.floor());
-    let at = |index: i64| original[index.clamp(0, last) as usize];
-    for (index, value) in values.iter_mut().enumerate() {
-        let index = index as i64 - whole as i64;
-        *value = (1.0 - part) * at(index) + part * at(index - 1);
-    }
-}
-
-/// As [`delay`], of values that the first follows: every line of their spectrum keeps its size.
+/// Moves `values`, whose first follows the last, later by `samples`, which need not be whole: every line of their
+/// spectrum keeps its size.
 fn turn(values: &mut [f64], samples: f64) {
     let count = values.len();
     let mut planner = RealFftPlanner::<f64>::new();
@@ -77,15 +66,19 @@ fn turn(values: &mut [f64], samples: f64) {
 mod tests {
     use std::f64::consts::TAU;
 
-    use super::delay;
+    use super::turn;
+    use crate::effects::SensorFault;
+    use crate::fit::predict::motion::read_at;
 
     #[test]
     fn a_late_line_lies_lower_by_its_slope() {
         for samples in [0.0, 0.3, 2.0, 2.75, -1.5] {
-            let mut values: Vec<f64> = (0..20).map(f64::from).collect();
-            delay(&mut values, samples, false);
-            for (index, value) in values.iter().enumerate().skip(4).take(12) {
-                assert!((value - (index as f64 - samples)).abs() < 1e-12, "{samples}: {value}");
+            let line: Vec<f64> = (0..20).map(f64::from).collect();
+            let fault =
+                SensorFault { channel: "force".to_owned(), delay: 0.1 * samples, gain: 1.0, bias: 0.0 };
+            let shown = read_at(&line, |index| fault.place(index, 0.1));
+            for (index, value) in shown.iter().enumerate() {
+                assert!((value - (index as f64 - samples).max(0.0)).abs() < 1e-12, "{samples}: {value}");
             }
         }
     }
@@ -93,7 +86,7 @@ mod tests {
     #[test]
     fn a_periodic_record_comes_round() {
         let mut values = vec![0.0, 1.0, 2.0, 3.0];
-        delay(&mut values, 1.0, true);
+        turn(&mut values, 1.0);
         for (value, expected) in values.iter().zip([3.0, 0.0, 1.0, 2.0]) {
             assert!((value - expected).abs() < 1e-14, "{value} {expected}");
         }
@@ -104,7 +97,7 @@ mod tests {
         for (count, samples) in [(64, 0.37), (63, -2.6)] {
             let wave = |at: f64| 0.4 + (TAU * 9.0 * at / f64::from(count)).cos();
             let mut values: Vec<f64> = (0..count).map(|index| wave(f64::from(index))).collect();
-            delay(&mut values, samples, true);
+            turn(&mut values, samples);
             for (index, value) in (0..).zip(&values) {
                 assert!((value - wave(f64::from(index) - samples)).abs() < 1e-12, "{index}: {value}");
             }

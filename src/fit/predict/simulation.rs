@@ -31,8 +31,8 @@ pub(crate) trait Simulation: Send {
         None
     }
 
-    /// Whether the predictions of `channel` are already as late as its sensor under the model.
-    fn shows_delay(&self, channel: &Channel) -> bool {
+    /// Whether the predictions of `channel` are of the moments that its sensor shows under the model.
+    fn is_timed(&self, channel: &Channel) -> bool {
         let _ = channel;
         false
     }

@@ -3,7 +3,7 @@
 use super::Stepper;
 use crate::contact::{ContactLaw, Inputs};
 use crate::data::{Channel, Record, Regime};
-use crate::fit::predict::motion::{Motion, Outside, earlier};
+use crate::fit::predict::motion::{Motion, Outside, read_at};
 use crate::fit::predict::sensors;
 use crate::model::Model;
 
@@ -20,8 +20,8 @@ pub(in crate::fit::predict) struct MovedContact<'r> {
     outside: Option<Outside>,
     /// Normal load (N) at every sample, under the model that drives it now.
     pub load: Vec<f64>,
-    /// Motion and load by as much earlier as that model's force sensor is late.
-    earlier: Option<(Motion, Vec<f64>)>,
+    /// Motion and load at the moments that that model's force sensor shows, where they are not those of the samples.
+    shown: Option<(Motion, Vec<f64>)>,
 }
 
 impl<'r> MovedContact<'r> {
@@ -44,9 +44,9 @@ impl<'r> MovedContact<'r> {
             measured_load: column("normal_load").map(motion).transpose()?,
             normal_displacement: column("normal_displacement").map(motion).transpose()?,
             step: record.sample_step(),
-            outside: (record.regime == Regime::FromRest).then_some(Outside::Still),
+            outside: (record.regime == Regime::FromRest).then_some(Outside::StillBefore),
             load: Vec::new(),
-            earlier: None,
+            shown: None,
         })
     }
 
@@ -56,8 +56,8 @@ impl<'r> MovedContact<'r> {
         self
     }
 
-    /// A late force is the force of the earlier motion, which has a past before the record's first sample.
-    pub fn shows_delay(&self, channel: &Channel) -> bool {
+    /// A force shown late is the force of the earlier motion, which has a past before the record's first sample.
+    pub fn is_timed(&self, channel: &Channel) -> bool {
         channel.quantity() == "force" && self.step.is_some() && self.outside.is_some()
     }
 
@@ -69,12 +69,12 @@ impl<'r> MovedContact<'r> {
     /// Prepares what the contact is driven by under `model`, and gives its law.
     pub fn drive(&mut self, model: &Model) -> Result<Box<dyn ContactLaw>, String> {
         self.update_load(model)?;
-        let force = self.channels.iter().copied().find(|channel| self.shows_delay(channel));
-        let delay = force.and_then(|force| sensors::fault(model, force)).map_or(0.0, |fault| fault.delay);
-        self.earlier = match (self.step, self.outside) {
-            (Some(step), Some(outside)) if delay != 0.0 => {
-                let motion = self.displacement.earlier(delay / step, step, outside);
-                Some((motion, earlier(&self.load, delay / step)))
+        let force = self.channels.iter().copied().find(|channel| self.is_timed(channel));
+        let fault = force.and_then(|force| sensors::fault(model, force));
+        self.shown = match (self.step, self.outside, fault) {
+            (Some(step), Some(outside), Some(fault)) if !fault.is_on_time() => {
+                let place = |index| fault.place(index, step);
+                Some((self.displacement.at(place, step, outside), read_at(&self.load, place)))
             }
             _ => None,
         };
@@ -103,7 +103,7 @@ impl<'r> MovedContact<'r> {
 
     /// What acts on the contact at a sample, after [`MovedContact::drive`].
     pub fn inputs(&self, index: usize) -> Inputs {
-        let (motion, load) = match &self.earlier {
+        let (motion, load) = match &self.shown {
             Some((motion, load)) => (motion, load),
             None => (&self.displacement, &self.load),
         };

@@ -53,8 +53,8 @@ impl Simulation for ContactOfUnknownStart<'_> {
         &self.contact.channels
     }
 
-    fn shows_delay(&self, channel: &Channel) -> bool {
-        self.contact.shows_delay(channel)
+    fn is_timed(&self, channel: &Channel) -> bool {
+        self.contact.is_timed(channel)
     }
 
     fn nuisances(&mut self, model: &Model) -> Result<Vec<Parameter>, String> {
