@@ -96,6 +96,7 @@ vocabulary! {
     NORMAL_CUBIC_STIFFNESS = "normal_cubic_stiffness" ["N/m^3"] None, None, false, 1e15, "Cubic stiffness of the contact in the normal direction";
     IMPACT_DAMPING = "impact_damping" ["s/m"] None, None, false, 1.0, "Hunt-Crossley damping: relative change of the normal load per approach velocity";
     DELAY = "delay" ["s"] None, None, false, 1e-4, "Delay of a sensor's signal";
+    CLOCK_ERROR = "clock_error" ["1"] Some(-0.1), Some(0.1), false, 1e-4, "Relative error of a sensor's clock: the signal at the time t since the record's start is that of t (1 + error)";
     GAIN = "gain" ["1"] Some(0.0), None, true, 1.0, "Reading of a sensor over the true value";
     BIAS = "bias" ["1"] None, None, false, 1.0, "Constant that a sensor adds, in the SI unit of its channel";
     BIAS_FORCE = "bias" ["N"] None, None, false, 1.0, "Constant that a force sensor adds";

@@ -15,13 +15,15 @@ pub struct Changes {
     pub sensors: Vec<SensorFault>,
 }
 
-/// What a faulty sensor shows: `gain · y(t − delay) + bias`.
+/// What a faulty sensor shows: `gain · y(t (1 + clock_error) − delay) + bias`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorFault {
     /// Name of the channel.
     pub channel: String,
     /// Lateness (s).
     pub delay: f64,
+    /// Relative error of the clock's rate (1); without meaning in a steady state.
+    pub clock_error: f64,
     /// Reading over true value (1).
     pub gain: f64,
     /// In the SI unit of the channel.
@@ -31,12 +33,12 @@ pub struct SensorFault {
 impl SensorFault {
     /// Whether the sensor shows each moment at that moment.
     pub fn is_on_time(&self) -> bool {
-        self.delay == 0.0
+        self.delay == 0.0 && self.clock_error == 0.0
     }
 
     /// The moment that the sensor shows at sample `index`, in samples `step` seconds apart.
     pub fn place(&self, index: usize, step: f64) -> f64 {
-        index as f64 - self.delay / step
+        index as f64 * (1.0 + self.clock_error) - self.delay / step
     }
 }
 
@@ -45,7 +47,13 @@ impl Changes {
     pub(super) fn sensor(&mut self, channel: Option<&Location>) -> &mut SensorFault {
         let name = channel.map(ToString::to_string).unwrap_or_default();
         let index = self.sensors.iter().position(|fault| fault.channel == name).unwrap_or_else(|| {
-            self.sensors.push(SensorFault { channel: name, delay: 0.0, gain: 1.0, bias: 0.0 });
+            self.sensors.push(SensorFault {
+                channel: name,
+                delay: 0.0,
+                clock_error: 0.0,
+                gain: 1.0,
+                bias: 0.0,
+            });
             self.sensors.len() - 1
         });
         &mut self.sensors[index]

@@ -37,6 +37,7 @@ mod normal_hardening;
 mod normal_load_variation;
 mod quadratic_damping;
 mod residual_stiffness;
+mod sensor_clock_drift;
 mod sensor_delay;
 mod sensor_gain;
 mod sensor_offset;
@@ -55,7 +56,7 @@ use range::{both_signs, from_zero, magnitudes};
 pub use scales::Scales;
 
 /// Every effect, in the order of the documentation.
-pub static CATALOGUE: [&Effect; 19] = [
+pub static CATALOGUE: [&Effect; 20] = [
     &micro_slip::EFFECT,
     &residual_stiffness::EFFECT,
     &normal_load_variation::EFFECT,
@@ -75,6 +76,7 @@ pub static CATALOGUE: [&Effect; 19] = [
     &sensor_delay::EFFECT,
     &sensor_gain::EFFECT,
     &sensor_offset::EFFECT,
+    &sensor_clock_drift::EFFECT,
 ];
 
 /// Effects that look like `effect`, each with what the two have in common and what distinguishes them.

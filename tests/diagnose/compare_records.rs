@@ -89,6 +89,32 @@ fn a_late_force_is_late_from_the_first_sample_on() {
 }
 
 #[test]
+fn a_clock_of_another_rate_is_seen_to_the_end_of_the_record() {
+    for error in [4e-3, -4e-3] {
+        let text =
+            format!("[[effect]]\nid = \"sensor_clock_drift\"\nchannel = \"force\"\nclock_error = {error}\n");
+        let drifting = Model::parse(&format!("{}\n{text}", contact().to_toml())).unwrap();
+        // In stick the force is that of a spring: the closed form of a sine.
+        let angle = |index: f64| TAU * index / 50.0;
+        let column = |amplitude: f64, rate: f64| {
+            (0..1001).map(|i| amplitude * angle(f64::from(i) * rate).sin()).collect()
+        };
+        let channels = vec![
+            channel("time", "s", (0..1001).map(|i| f64::from(i) * 1e-3).collect()),
+            channel("displacement", "m", column(20e-6, 1.0)),
+            channel("force", "N", column(20e-6 * STIFFNESS, 1.0 + error)),
+        ];
+        let record = record("stuck", Regime::UnknownInitialState, channels);
+        let stage = evaluate("", &drifting, &dataset(vec![record.clone()]));
+        assert!(stage.error < 1e-4, "{error}: {}", stage.error);
+        // A phase that grows to half a radian: its mean square is a third of the last.
+        let phase = 1000.0 * error * TAU / 50.0;
+        let without = evaluate("", &contact(), &dataset(vec![record])).error;
+        assert!((without / (phase.abs() / 3.0_f64.sqrt()) - 1.0).abs() < 0.05, "{without} {phase}");
+    }
+}
+
+#[test]
 fn a_steady_loop_needs_no_start() {
     let mut record = measured_loop(7e-6, 2, Regime::Steady);
     for channel in &mut record.channels {

@@ -74,8 +74,13 @@ mod tests {
     fn a_late_line_lies_lower_by_its_slope() {
         for samples in [0.0, 0.3, 2.0, 2.75, -1.5] {
             let line: Vec<f64> = (0..20).map(f64::from).collect();
-            let fault =
-                SensorFault { channel: "force".to_owned(), delay: 0.1 * samples, gain: 1.0, bias: 0.0 };
+            let fault = SensorFault {
+                channel: "force".to_owned(),
+                delay: 0.1 * samples,
+                clock_error: 0.0,
+                gain: 1.0,
+                bias: 0.0,
+            };
             let shown = read_at(&line, |index| fault.place(index, 0.1));
             for (index, value) in shown.iter().enumerate() {
                 assert!((value - (index as f64 - samples).max(0.0)).abs() < 1e-12, "{samples}: {value}");

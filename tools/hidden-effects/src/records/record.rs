@@ -102,17 +102,31 @@ pub fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// A fault of a sensor: it shows gain · y(t − delay) + bias.
+/// A fault of a sensor: it shows gain · y(t (1 + clock_error) − delay) + bias.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fault {
     /// The column.
     pub channel: String,
     /// Lateness (s), not negative.
     pub delay: f64,
+    /// Relative error of the clock.
+    pub clock_error: f64,
     /// Reading over true value.
     pub gain: f64,
     /// In the column's unit.
     pub bias: f64,
+}
+
+impl Fault {
+    /// None of the sensor of `channel`.
+    pub fn none(channel: impl Into<String>) -> Self {
+        Self { channel: channel.into(), delay: 0.0, clock_error: 0.0, gain: 1.0, bias: 0.0 }
+    }
+
+    /// How many true samples `count` readings reach over.
+    pub fn reach(fault: Option<&Self>, count: usize) -> usize {
+        count + (count as f64 * fault.map_or(0.0, |fault| fault.clock_error.max(0.0))).ceil() as usize
+    }
 }
 
 /// A response on a fine grid that begins before the record, from which a sensor's samples are taken.
@@ -129,11 +143,12 @@ impl Fine {
     /// What a sensor shows at `count` times `period` apart from 0 on.
     pub fn sample(&self, name: &str, count: usize, period: f64, fault: Option<&Fault>) -> Vec<f64> {
         let fault = fault.filter(|fault| fault.channel == name);
-        let (delay, gain, bias) =
-            fault.map_or((0.0, 1.0, 0.0), |fault| (fault.delay, fault.gain, fault.bias));
+        let fault = fault.cloned().unwrap_or_else(|| Fault::none(name));
+        let Fault { delay, clock_error, gain, bias, .. } = fault;
         (0..count)
             .map(|index| {
-                let place = ((index as f64 * period - delay - self.start) / self.step).max(0.0);
+                let time = index as f64 * period * (1.0 + clock_error) - delay;
+                let place = ((time - self.start) / self.step).max(0.0);
                 let left = (place.floor() as usize).min(self.values.len() - 1);
                 let right = (left + 1).min(self.values.len() - 1);
                 let part = place - left as f64;

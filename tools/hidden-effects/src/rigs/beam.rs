@@ -189,23 +189,23 @@ impl Beam {
 
     fn hide_in_sensor(&mut self, id: &str, strength: f64, random: &mut Random) -> Option<Hidden> {
         let channel = format!("acceleration:x={}", random.pick(&SENSORS));
-        let (mut delay, mut gain, mut bias) = (0.0, 1.0, 0.0);
+        let mut fault = Fault::none(channel.clone());
         let parameter = match id {
             "sensor_delay" => {
-                delay = strength * random.between(1e-4, 2.5e-4);
-                ("delay", delay)
+                fault.delay = strength * random.between(1e-4, 2.5e-4);
+                ("delay", fault.delay)
             }
             "sensor_gain" => {
-                gain = 1.0 + strength * random.sign() * random.between(0.08, 0.2);
-                ("gain", gain)
+                fault.gain = 1.0 + strength * random.sign() * random.between(0.08, 0.2);
+                ("gain", fault.gain)
             }
             "sensor_offset" => {
-                bias = strength * random.sign() * random.between(4.0, 10.0);
-                ("bias", bias)
+                fault.bias = strength * random.sign() * random.between(4.0, 10.0);
+                ("bias", fault.bias)
             }
             _ => return None,
         };
-        self.fault = Some(Fault { channel: channel.clone(), delay, gain, bias });
+        self.fault = Some(fault);
         Some(Hidden::at(id, channel, &[parameter]))
     }
 

@@ -167,7 +167,7 @@ impl Oscillator {
     ) -> Option<Hidden> {
         let mass = random.pick(&[0, 1]);
         let channel = format!("displacement:m{}", mass + 1);
-        let fault = |delay, gain, bias| Some(Fault { channel: channel.clone(), delay, gain, bias });
+        let fault = Fault::none(channel.clone());
         Some(match id {
             "normal_load_variation" => {
                 let share = if random.unit() < 0.2 { 1.25 } else { random.between(0.4, 0.8) };
@@ -196,18 +196,23 @@ impl Oscillator {
             }
             "sensor_delay" => {
                 let delay = strength * random.between(6e-4, 1.2e-3);
-                self.fault = fault(delay, 1.0, 0.0);
+                self.fault = Some(Fault { delay, ..fault });
                 Hidden::at(id, channel, &[("delay", delay)])
             }
             "sensor_gain" => {
                 let gain = 1.0 + strength * random.sign() * random.between(0.08, 0.2);
-                self.fault = fault(0.0, gain, 0.0);
+                self.fault = Some(Fault { gain, ..fault });
                 Hidden::at(id, channel, &[("gain", gain)])
             }
             "sensor_offset" => {
                 let bias = strength * random.sign() * random.between(0.3, 0.6) * measures.yield_displacement;
-                self.fault = fault(0.0, 1.0, bias);
+                self.fault = Some(Fault { bias, ..fault });
                 Hidden::at(id, channel, &[("bias", bias)])
+            }
+            "sensor_clock_drift" => {
+                let clock_error = strength * random.sign() * random.between(0.002, 0.004);
+                self.fault = Some(Fault { clock_error, ..fault });
+                Hidden::at(id, channel, &[("clock_error", clock_error)])
             }
             "unknown:periodic_disturbance" => {
                 let size = strength * random.between(0.3, 0.6) * measures.limit;
@@ -279,7 +284,7 @@ impl Oscillator {
 
     fn record(&self, excitation: &Excitation) -> Record {
         let times: Vec<f64> = (0..SAMPLES).map(|index| index as f64 * PERIOD).collect();
-        let fine = self.displacements(excitation, SAMPLES);
+        let fine = self.displacements(excitation, Fault::reach(self.fault.as_ref(), SAMPLES));
         let force = times.iter().map(|time| excitation.at(*time)).collect();
         let loads = times.iter().map(|time| self.load(excitation, *time)).collect();
         let mut columns = vec![

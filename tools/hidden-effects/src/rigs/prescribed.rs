@@ -98,13 +98,18 @@ impl Prescribed {
             "normal_hardening" | "impact_damping" => self.press(id, strength, random),
             "sensor_delay" => {
                 let delay = strength * random.between(0.004, 0.007);
-                self.fault = Some(Fault { channel: force(), delay, gain: 1.0, bias: 0.0 });
+                self.fault = Some(Fault { delay, ..Fault::none(force()) });
                 Hidden::at(id, force(), &[("delay", delay)])
             }
             "sensor_offset" => {
                 let bias = strength * random.sign() * random.between(0.1, 0.25) * measures.limit;
-                self.fault = Some(Fault { channel: force(), delay: 0.0, gain: 1.0, bias });
+                self.fault = Some(Fault { bias, ..Fault::none(force()) });
                 Hidden::at(id, force(), &[("bias", bias)])
+            }
+            "sensor_clock_drift" => {
+                let clock_error = strength * random.sign() * random.between(0.01, 0.02);
+                self.fault = Some(Fault { clock_error, ..Fault::none(force()) });
+                Hidden::at(id, force(), &[("clock_error", clock_error)])
             }
             "unknown:periodic_disturbance" => {
                 self.disturbance =
@@ -171,7 +176,8 @@ impl Prescribed {
         Record { regime: motion.regime, columns, told: Vec::new() }
     }
 
-    /// The contact force on the fine grid, from before the record's start as far as a late sensor looks back.
+    /// The contact force on the fine grid, from before the record's start as far as a late sensor looks back,
+    /// and beyond its end as far as one of a slow clock looks ahead.
     fn force(&self, motion: &Motion, step: f64) -> Fine {
         let late = self.fault.as_ref().map_or(0.0, |fault| fault.delay);
         // One sample at least: a contact that is put down at the first sample has no speed there yet.
@@ -189,7 +195,7 @@ impl Prescribed {
             }
             _ => Contact::at_rest(&self.joint, 0.0),
         };
-        let count = history + (motion.samples - 1) * STEPS + 1;
+        let count = history + (Fault::reach(self.fault.as_ref(), motion.samples) - 1) * STEPS + 1;
         let values = (0..count)
             .map(|index| {
                 let time = (index as f64 - history as f64) * step;

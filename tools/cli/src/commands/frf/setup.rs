@@ -74,16 +74,17 @@ impl Setup {
 fn check_effects(model: &Model) -> Result<(), Failure> {
     for applied in &model.effects {
         let id = applied.effect.id;
+        if let Some(Location::Channel(channel)) = &applied.location {
+            tell!(
+                "note: the effect \"{id}\" is of the measurement of {channel}: the response is the structure’s, without it"
+            );
+            continue;
+        }
         if applied.effect.needs == Needs::Transient {
             return Err(Failure::input(format!(
                 "the effect \"{id}\" has no steady state, and so no frequency response: what it adds grows from \
                  period to period; take it out of the model, or simulate from rest"
             )));
-        }
-        if let Some(Location::Channel(channel)) = &applied.location {
-            tell!(
-                "note: the effect \"{id}\" is of the measurement of {channel}: the response is the structure’s, without it"
-            );
         }
     }
     Ok(())
