@@ -80,19 +80,24 @@ pub(super) fn describe(
         ]);
     }
     variables.extend(parameters);
-    let (name, summary) = match (contact, beam.contact_points.len()) {
-        (Some(_), _) => ("FrictionalBeam", "Beam in modal coordinates with a frictional support"),
-        (None, 0) => ("ModalBeam", "Beam in modal coordinates, loaded by a contact force from outside"),
-        (None, 1) => {
-            ("ModalBeamTwoContacts", "Beam in modal coordinates, loaded by two contact forces from outside")
-        }
-        (None, _) => {
-            ("ModalBeamContacts", "Beam in modal coordinates, loaded by several contact forces from outside")
-        }
-    };
+    let (name, summary) = name_and_summary(contact.is_some(), beam.contact_points.len());
     let step = if beam.contact_points.is_empty() { STEPS.0 } else { STEPS.1 };
     let experiment = Experiment { start: 0.0, stop: 0.2, tolerance: 1e-6, step };
     Description { name, summary, experiment, variables, model: model.to_toml() }
+}
+
+/// Name and summary of the slave of a beam with a contact of its own or without, and so many contact points.
+fn name_and_summary(has_contact: bool, points: usize) -> (&'static str, &'static str) {
+    match (has_contact, points) {
+        (true, _) => ("FrictionalBeam", "Beam in modal coordinates with a frictional support"),
+        (false, 0) => ("ModalBeam", "Beam in modal coordinates, loaded by a contact force from outside"),
+        (false, 1) => {
+            ("ModalBeamTwoContacts", "Beam in modal coordinates, loaded by two contact forces from outside")
+        }
+        (false, _) => {
+            ("ModalBeamContacts", "Beam in modal coordinates, loaded by several contact forces from outside")
+        }
+    }
 }
 
 /// The parameters of the beam proper; those of a contact do not act while it is at rest.

@@ -7,16 +7,13 @@
 //! found with straight lines, so that the end of a step is as smooth in its beginning as the laws are.
 
 use super::integrator::Integrator;
-use super::node::PRECISION;
+use super::node::{PRECISION, SWEEPS, bow};
 use super::propagator::{END, MIDDLE, NODES};
 use super::step::{NEGLIGIBLE, Span, StepSolver};
 use super::{IntegrationError, Motion, Ramp, Settings};
 
 /// Radians of the fastest motion, laws in stick, that a step may last.
 const ANGLE: f64 = 0.2;
-/// Most sweeps where laws act on each other; each gains two digits or more.
-pub(super) const SWEEPS: usize = 12;
-
 impl Integrator {
     /// The longest of equal steps (s) that resolves the motion with springs of `stiffness` (N/m) in place of laws and
     /// outside forces, in stick as a rule. With a corner in a force at every reversal, the error is then some 1e-4 of the
@@ -253,10 +250,4 @@ impl StepSolver {
         }
         true
     }
-}
-
-/// How far the middle of a parabola lies above the straight line if it rises by so much less at its end than at its start,
-/// over the step.
-pub(super) fn bow(less: f64) -> f64 {
-    0.125 * less
 }

@@ -272,14 +272,8 @@ impl Integrator {
                     shortened = Some(fraction * step);
                 }
                 Trial::Done { error, .. } if error <= 1.0 => {
-                    if let Some((tangent, by)) = &mut tangent {
-                        tangent.through(&self.solver, &span, by);
-                    }
-                    if !self.solver.commit(&span) {
+                    if !self.take(&span, &mut tangent) {
                         return Err(IntegrationError::StepTooSmall { time, step });
-                    }
-                    if let Some((tangent, by)) = &mut tangent {
-                        tangent.arrive(&self.solver, span.to, by);
                     }
                     *suggested = suggest(*suggested, step, error);
                     (shortened, uncut) = (None, 0.0);
@@ -291,11 +285,7 @@ impl Integrator {
                     span.from = span.to;
                 }
                 failed => {
-                    let factor = match failed {
-                        Trial::Done { error, .. } => (0.9 * error.powf(-0.2)).clamp(0.1, 0.9),
-                        Trial::Diverged => 0.4,
-                    };
-                    *suggested = factor * step;
+                    *suggested = shortened_after(failed, step);
                     (shortened, uncut) = (None, 0.0);
                     if *suggested < smallest {
                         return Err(IntegrationError::StepTooSmall { time, step: *suggested });
@@ -304,6 +294,18 @@ impl Integrator {
             }
         }
         Err(IntegrationError::TooManySteps { limit: settings.step_limit, time })
+    }
+
+    /// Takes over the step tried, with `tangent` through it. False where a law fails.
+    fn take(&mut self, span: &Span, tangent: &mut Option<(&mut Tangent, &[Ramp])>) -> bool {
+        if let Some((tangent, by)) = tangent {
+            tangent.through(&self.solver, span, by);
+        }
+        let taken = self.solver.commit(span);
+        if let (true, Some((tangent, by))) = (taken, tangent) {
+            tangent.arrive(&self.solver, span.to, by);
+        }
+        taken
     }
 
     fn check_motion(&self, motion: &Motion) -> Result<(), IntegrationError> {
@@ -372,6 +374,14 @@ fn choose(duration: f64, remaining: f64, wanted: f64) -> (f64, bool) {
         (0.5 * remaining, false)
     } else {
         (step, false)
+    }
+}
+
+/// Step tried after one of `step` (s) that failed.
+fn shortened_after(failed: Trial, step: f64) -> f64 {
+    match failed {
+        Trial::Done { error, .. } => (0.9 * error.powf(-0.2)).clamp(0.1, 0.9) * step,
+        Trial::Diverged => 0.4 * step,
     }
 }
 

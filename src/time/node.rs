@@ -5,6 +5,8 @@ use super::plant::{Plant, add_product};
 use super::propagator::Row;
 use crate::contact::{Inputs, Response, SlipState};
 
+/// Most sweeps where laws act on each other; each gains two digits or more.
+pub(crate) const SWEEPS: usize = 12;
 /// Residual of a force in an equal step, relative.
 pub(crate) const PRECISION: f64 = 1e-12;
 /// Rounds in which the damping between modes settles: each gains two digits or more.
@@ -202,4 +204,10 @@ impl EqualSteps {
         }
         end
     }
+}
+
+/// How far the middle of a parabola lies above the straight line if it rises by so much less at its end than at its start,
+/// over the step.
+pub(crate) fn bow(less: f64) -> f64 {
+    0.125 * less
 }

@@ -1,8 +1,7 @@
 //! An equal step, linear in a change: sweep by sweep what the step itself does.
 
 use super::super::Ramp;
-use super::super::equal::{SWEEPS, bow};
-use super::super::node::Answer;
+use super::super::node::{Answer, SWEEPS, bow};
 use super::super::propagator::{END, MIDDLE, NODES};
 use super::super::step::{Span, StepSolver};
 use super::{PAIR, Tangent, inputs};
