@@ -2,17 +2,17 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::bench::{Bench, Scored, mean_square};
-use super::candidates::{self, Candidate};
 use super::diagnosis::{Cost, Diagnosis, Errors, Noise, Verdict};
-use super::findings::{ADEQUATE, Findings, Left, Outcome, UNEXPLAINED};
-use super::noise;
-use super::select::{Search, State};
-use super::split::{self, Parts};
-use super::trial::{self, Effort, Fitted, Unknown};
-use super::{
-    beginnings, blocks, evaluate, few_points, inputs, magnitudes, maps, remainder, thinned, verdict,
-};
+use super::measurements::bench::{Bench, Scored, mean_square};
+use super::measurements::noise;
+use super::measurements::split::{self, Parts};
+use super::measurements::{beginnings, inputs, magnitudes, thinned};
+use super::refit::trial::{self, Effort, Fitted, Unknown};
+use super::residual::{blocks, maps, remainder};
+use super::search::candidates::{self, Candidate};
+use super::search::findings::{ADEQUATE, Findings, Left, Outcome, UNEXPLAINED};
+use super::search::select::{Search, State};
+use super::{evaluate, few_points, verdict};
 use crate::data::Dataset;
 use crate::effects::{Effect, Location};
 use crate::fit::InterruptHook;

@@ -1,31 +1,18 @@
-//! Model against measurement: predict every record, score the prediction, refit, compare again.
+//! Which effect is missing: a model and measurements come in, a [`Diagnosis`] goes out.
+//!
+//! `engine` goes through it from beginning to end: `measurements` lays the records out with their weights and splits
+//! them, `refit` fits models jointly to them, `search` adds effects and drops them again by what `residual` says of two
+//! models' residuals, `verdict` judges and explains with the help of `features`. Tables of few points go their own way in
+//! `few_points`.
 
-mod beginnings;
-mod bench;
-mod blocks;
-mod candidates;
-mod confound;
-mod detectable;
 mod diagnosis;
-mod doubt;
 mod engine;
-mod explain;
 mod features;
 mod few_points;
-mod findings;
-mod inputs;
-mod loops;
-mod magnitudes;
-mod maps;
-mod noise;
-mod remainder;
-mod resonance;
-mod select;
-mod sensitivity;
-mod split;
-mod thinned;
-mod tone;
-mod trial;
+mod measurements;
+mod refit;
+mod residual;
+mod search;
 mod verdict;
 
 pub use diagnosis::{
@@ -33,7 +20,7 @@ pub use diagnosis::{
     NoiseSource, Step, Untried, Verdict,
 };
 pub use engine::{Added, DiagnoseError, DiagnoseHook, DiagnoseOptions, DiagnoseWatch, add, diagnose};
-pub use noise::noise_of;
+pub use measurements::noise::noise_of;
 
 pub use crate::fit::compare::{
     ChannelResult, Comparison, Parameter, RecordResult, Refit, RefitError, Stage, StepGain, Watch, evaluate,

@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::super::bench::Bench;
-use super::super::blocks::Gain;
-use super::super::select::Search;
-use super::super::trial::{self, Effort};
+use crate::diagnose::measurements::bench::Bench;
+use crate::diagnose::refit::trial::{self, Effort};
+use crate::diagnose::residual::blocks::Gain;
+use crate::diagnose::search::select::Search;
 use crate::fit::InterruptHook;
 use crate::model::Model;
 

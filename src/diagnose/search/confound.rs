@@ -1,13 +1,13 @@
 //! Effects that look similar in the data, and the experiment that distinguishes them.
 
-use super::diagnosis::{Confounding, Group};
+use crate::diagnose::diagnosis::{Confounding, Group};
 use crate::effects;
 
 /// Correlation from which a pair is worth a line in the report.
-pub(super) const ALIKE: f64 = 0.9;
+pub(in crate::diagnose) const ALIKE: f64 = 0.9;
 
 /// Notes a correlation; of several places of the same pair the strongest.
-pub(super) fn note(found: &mut Vec<Confounding>, effects: [&'static str; 2], correlation: f64) {
+pub(in crate::diagnose) fn note(found: &mut Vec<Confounding>, effects: [&'static str; 2], correlation: f64) {
     if effects[0] == effects[1] {
         return;
     }
@@ -25,7 +25,7 @@ fn separates(first: &str, second: &str) -> &'static str {
 }
 
 /// The experiment that separates `effects`.
-pub(super) fn experiment(effects: &[&str]) -> String {
+pub(in crate::diagnose) fn experiment(effects: &[&str]) -> String {
     let mut sentences: Vec<&str> = Vec::new();
     for (index, first) in effects.iter().enumerate() {
         for second in &effects[..index] {
@@ -44,7 +44,7 @@ pub(super) fn experiment(effects: &[&str]) -> String {
 }
 
 /// A group of tied effects, best first.
-pub(super) fn group(effects: Vec<&'static str>) -> Group {
+pub(in crate::diagnose) fn group(effects: Vec<&'static str>) -> Group {
     let experiment = experiment(&effects);
     let reason = format!(
         "with each of them the validation records are predicted equally well, to within one standard error ({})",

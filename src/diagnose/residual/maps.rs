@@ -1,10 +1,10 @@
 //! Whether residuals repeat: what they are on average at each place of the motion in the records that were fitted
 //! is taken off those that were not. Noise, coloured or not, is no smaller for it.
 
-use super::bench::{Bench, Scored};
 use super::blocks::{self, Gain};
-use super::noise::driver;
 use crate::data::Record;
+use crate::diagnose::measurements::bench::{Bench, Scored};
+use crate::diagnose::measurements::noise::driver;
 use crate::fit::predict::Motion;
 
 /// Cells of a map along the motion, in each direction.
@@ -18,7 +18,7 @@ const WORTH: f64 = 0.03;
 
 /// A view in which the residual repeats from record to record.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Repeated {
+pub(in crate::diagnose) struct Repeated {
     /// What it follows, in words.
     pub view: &'static str,
     /// What the map takes off the records that it was not made from.
@@ -36,7 +36,7 @@ enum View {
 
 /// The view in which the residuals of the `test` records are most like those of the `seen`, if in any beyond
 /// chance. Both are scores of one model.
-pub(super) fn repeated(bench: &Bench, seen: &[Scored], test: &[Scored]) -> Option<Repeated> {
+pub(in crate::diagnose) fn repeated(bench: &Bench, seen: &[Scored], test: &[Scored]) -> Option<Repeated> {
     let views = [(View::Place, "the displacement and its direction"), (View::Cycle, "the part of the cycle")];
     let gains = views.into_iter().filter_map(|(view, words)| {
         let range = range(bench, seen.iter().chain(test), view);

@@ -14,7 +14,7 @@ const LEFT: usize = 1000;
 const STRAIGHT: f64 = 1e-3;
 
 /// `dataset` with its long records thinned; `None` where none can be.
-pub(super) fn of(model: &Model, dataset: &Dataset) -> Option<Dataset> {
+pub(in crate::diagnose) fn of(model: &Model, dataset: &Dataset) -> Option<Dataset> {
     if model.structure != Structure::Prescribed {
         return None;
     }

@@ -11,7 +11,7 @@ const FRACTION: f64 = 0.2;
 const LEAST: usize = 200;
 
 /// `dataset` with its records from rest cut to their beginnings; `None` where none can be.
-pub(super) fn of(model: &Model, dataset: &Dataset) -> Option<Dataset> {
+pub(in crate::diagnose) fn of(model: &Model, dataset: &Dataset) -> Option<Dataset> {
     let begins = |record: &Record| record.regime == Regime::FromRest && kept(record.len()) < record.len();
     if model.structure == Structure::Prescribed || !dataset.records.iter().any(begins) {
         return None;

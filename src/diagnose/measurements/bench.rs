@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::trial::Fitted;
 use crate::data::{Dataset, Record};
+use crate::diagnose::refit::trial::Fitted;
 use crate::fit::InterruptHook;
 use crate::fit::predict::{ObservedSimulation, Seed, compared, deviation};
 use crate::model::Model;
@@ -14,7 +14,7 @@ use crate::model::Model;
 const ON_THE_WRONG_BRANCH: f64 = 0.2;
 
 /// A dataset with weights, and counters of what is spent on it.
-pub(super) struct Bench<'d> {
+pub(in crate::diagnose) struct Bench<'d> {
     pub dataset: &'d Dataset,
     /// Per record, in the order of the dataset.
     pub lanes: Vec<Lane<'d>>,
@@ -25,7 +25,7 @@ pub(super) struct Bench<'d> {
 
 /// One record's compared channels, one after the other.
 #[derive(Clone)]
-pub(super) struct Lane<'d> {
+pub(in crate::diagnose) struct Lane<'d> {
     pub record: &'d Record,
     /// Measured values.
     pub measured: Vec<f64>,
@@ -42,7 +42,7 @@ pub(super) struct Lane<'d> {
 
 /// A model's predictions of one record, its start fitted to it.
 #[derive(Debug, Clone)]
-pub(super) struct Scored {
+pub(in crate::diagnose) struct Scored {
     /// Index of the record.
     pub record: usize,
     /// All channels, one after the other.
@@ -183,7 +183,7 @@ impl<'d> Bench<'d> {
 }
 
 /// Mean square of the weighted residuals: chi-square per sample where the weights are those of the noise.
-pub(super) fn mean_square(scored: &[Scored]) -> f64 {
+pub(in crate::diagnose) fn mean_square(scored: &[Scored]) -> f64 {
     let count: usize = scored.iter().map(|one| one.residuals.len()).sum();
     scored.iter().flat_map(|one| &one.residuals).map(|r| r * r).sum::<f64>() / count.max(1) as f64
 }

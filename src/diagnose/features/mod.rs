@@ -1,15 +1,19 @@
-//! Features of the measurements and of the residual, as numbers.
+//! Features of the measurements and of the residual, as numbers. They explain a verdict and never decide it.
+//!
+//! `loops` reads the loops of a contact alone, `resonance` the stiffness and damping of a structure record by record.
 
-use super::loops::{self, Measured};
-use super::resonance;
-use super::select::{Search, State};
+mod loops;
+mod resonance;
+
 use crate::data::Record;
+use crate::diagnose::search::select::{Search, State};
 use crate::effects::Features;
 use crate::model::{Model, Structure};
+use loops::Measured;
 
 /// Of the measurements, and of the residual of the model refitted without effects on the validation records.
 /// `given` is the model as given.
-pub(super) fn of(search: &Search, given: &Model, base: &State) -> Features {
+pub(in crate::diagnose) fn of(search: &Search, given: &Model, base: &State) -> Features {
     let bench = search.bench;
     let mut found = Features::default();
     let (mut by_velocity, mut by_cube, mut by_rate, mut by_value) =
@@ -108,7 +112,7 @@ fn halves(residual: &[f64], motion: Option<&[f64]>) -> (f64, f64) {
 
 /// Sums of a correlation.
 #[derive(Default)]
-pub(super) struct Correlation {
+pub(in crate::diagnose) struct Correlation {
     count: f64,
     x: f64,
     y: f64,
@@ -118,7 +122,7 @@ pub(super) struct Correlation {
 }
 
 impl Correlation {
-    pub(super) fn add(&mut self, x: f64, y: f64) {
+    pub(in crate::diagnose) fn add(&mut self, x: f64, y: f64) {
         self.count += 1.0;
         self.x += x;
         self.y += y;
@@ -127,7 +131,7 @@ impl Correlation {
         self.yy += y * y;
     }
 
-    pub(super) fn value(&self) -> Option<f64> {
+    pub(in crate::diagnose) fn value(&self) -> Option<f64> {
         let centred = |product: f64, a: f64, b: f64| product - a * b / self.count;
         let size = (centred(self.xx, self.x, self.x) * centred(self.yy, self.y, self.y)).sqrt();
         (self.count > 2.0 && size > 1e-9 * (self.xx * self.yy).sqrt())

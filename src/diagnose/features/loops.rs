@@ -16,7 +16,7 @@ const SLIDING: std::ops::Range<f64> = 0.65..0.97;
 const STUCK: f64 = 0.6;
 
 /// A loop as it was measured.
-pub(super) struct Measured<'r> {
+pub(in crate::diagnose) struct Measured<'r> {
     displacement: Vec<f64>,
     force: &'r [f64],
     load: Option<&'r [f64]>,
@@ -67,7 +67,7 @@ struct Slid {
 }
 
 /// Fills what the loops of `records` show.
-pub(super) fn fill(records: &[Measured], found: &mut Features) {
+pub(in crate::diagnose) fn fill(records: &[Measured], found: &mut Features) {
     let branches: Vec<Vec<Branch>> = records.iter().map(branches).collect();
     let longest = branches.iter().flatten().map(Branch::stroke).fold(0.0, f64::max);
     let slid: Vec<Vec<(&Branch, Slid)>> = branches
@@ -110,7 +110,7 @@ fn branches(measured: &Measured) -> Vec<Branch> {
 }
 
 /// Samples at which the motion turns.
-pub(super) fn reversals(values: &[f64]) -> Vec<usize> {
+pub(in crate::diagnose) fn reversals(values: &[f64]) -> Vec<usize> {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let turn = TURN * (high - low);
@@ -268,7 +268,7 @@ fn height_by_speed(records: &[Vec<(&Branch, Slid)>]) -> Option<f64> {
 
 /// Correlation of the force with the measured normal load over the ends of the branches.
 fn height_by_load<'b>(branches: impl Iterator<Item = &'b Branch>) -> Option<f64> {
-    let mut correlation = super::features::Correlation::default();
+    let mut correlation = super::Correlation::default();
     for branch in branches.filter(|branch| !branch.load.is_empty()) {
         for i in branch.sliding() {
             correlation.add(branch.force[i], branch.load[i]);

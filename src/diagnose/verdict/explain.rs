@@ -1,14 +1,14 @@
 //! The verdict in sentences.
 
-use super::confound;
-use super::diagnosis::{Errors, Evidence, Group, Verdict};
-use super::features;
-use super::findings::{ADEQUATE, Outcome, UNEXPLAINED};
-use super::maps::Repeated;
-use super::remainder::Relation;
-use super::select::Search;
-use super::sensitivity::Sensitivities;
-use super::verdict::thresholds;
+use super::thresholds;
+use crate::diagnose::diagnosis::{Errors, Evidence, Group, Verdict};
+use crate::diagnose::features;
+use crate::diagnose::residual::maps::Repeated;
+use crate::diagnose::residual::remainder::Relation;
+use crate::diagnose::search::confound;
+use crate::diagnose::search::findings::{ADEQUATE, Outcome, UNEXPLAINED};
+use crate::diagnose::search::select::Search;
+use crate::diagnose::search::sensitivity::Sensitivities;
 use crate::effects;
 use crate::model::Model;
 
@@ -16,7 +16,7 @@ use crate::model::Model;
 const OPPOSED: f64 = -0.3;
 
 /// What the sentences of a verdict are made from.
-pub(super) struct VerdictContext<'a, 'b, 'd> {
+pub(in crate::diagnose) struct VerdictContext<'a, 'b, 'd> {
     pub search: &'a Search<'b, 'd>,
     pub outcome: &'a Outcome,
     /// The model as given.
@@ -33,7 +33,7 @@ fn percent(fraction: f64) -> String {
 }
 
 /// Why, the most important first.
-pub(super) fn reasons(context: &VerdictContext) -> Vec<String> {
+pub(in crate::diagnose) fn reasons(context: &VerdictContext) -> Vec<String> {
     let VerdictContext { outcome, error, known, .. } = context;
     let findings = &outcome.findings;
     let mut reasons = Vec::new();
@@ -238,7 +238,7 @@ fn repeats(repeated: Repeated) -> String {
 }
 
 /// What was seen of the effects, and what else could cause the same.
-pub(super) fn evidence(
+pub(in crate::diagnose) fn evidence(
     context: &VerdictContext,
     ids: &[&'static str],
     sensitivities: &Sensitivities,
@@ -286,7 +286,7 @@ fn otherwise(id: &str, sensitivities: &Sensitivities) -> Option<String> {
 }
 
 /// The experiment that would decide between the explanations that remain.
-pub(super) fn next_experiment(context: &VerdictContext, _: &Sensitivities) -> Option<String> {
+pub(in crate::diagnose) fn next_experiment(context: &VerdictContext, _: &Sensitivities) -> Option<String> {
     match context.verdict {
         Verdict::NotDistinguishable => context.groups.first().map(|group| group.experiment.clone()),
         Verdict::EffectFound if !context.known => Some(

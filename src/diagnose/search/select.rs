@@ -3,25 +3,25 @@
 
 use rayon::prelude::*;
 
-use super::bench::{Bench, Scored, mean_square};
-use super::blocks::{self, Gain};
 use super::candidates::{self, Candidate};
-use super::doubt;
 use super::findings::{ADEQUATE, Added};
-use super::split::Parts;
-use super::trial::{self, Effort, Fitted, Unknown};
+use crate::diagnose::measurements::bench::{Bench, Scored, mean_square};
+use crate::diagnose::measurements::split::Parts;
+use crate::diagnose::refit::doubt;
+use crate::diagnose::refit::trial::{self, Effort, Fitted, Unknown};
+use crate::diagnose::residual::blocks::{self, Gain};
 use crate::effects::Scales;
 use crate::fit::{Parameter, Scale};
 use crate::model::Model;
 
 /// Gain over its standard error above which a candidate passes.
-pub(super) const PASSING_Z: f64 = 3.0;
+pub(in crate::diagnose) const PASSING_Z: f64 = 3.0;
 /// Fraction of the squared error that it must remove.
-pub(super) const PASSING_FRACTION: f64 = 0.03;
+pub(in crate::diagnose) const PASSING_FRACTION: f64 = 0.03;
 /// Cost over that of the most promising candidate above which another is not refined to the end.
 const USEFUL: f64 = 4.0;
 /// Cost over that of the present fit below which a fit from another start has found another minimum.
-pub(super) const OTHER_MINIMUM: f64 = 0.7;
+pub(in crate::diagnose) const OTHER_MINIMUM: f64 = 0.7;
 /// Starts that a fit is begun from; of more, those are that come nearest to the data as they are.
 const MOST_STARTS: usize = 4;
 /// Mean square of the weighted residuals below which a model fits well.
@@ -46,7 +46,7 @@ const AT_BOUND: f64 = 1e-3;
 
 /// What all rounds have in common.
 #[derive(Clone, Copy)]
-pub(super) struct Search<'a, 'd> {
+pub(in crate::diagnose) struct Search<'a, 'd> {
     pub bench: &'a Bench<'d>,
     /// The beginnings of the same records, where those say more to a fit that starts far away.
     pub beginnings: Option<&'a Bench<'d>>,
@@ -64,14 +64,14 @@ pub(super) struct Search<'a, 'd> {
 
 /// A model fitted to the fitted records, with its predictions of the validation records.
 #[derive(Debug, Clone)]
-pub(super) struct State {
+pub(in crate::diagnose) struct State {
     pub fitted: Fitted,
     pub scored: Vec<Scored>,
 }
 
 /// A candidate (or a pair) after its refit.
 #[derive(Debug, Clone)]
-pub(super) struct Trial {
+pub(in crate::diagnose) struct Trial {
     pub candidates: Vec<Candidate>,
     pub state: Result<State, String>,
     /// Over the model without it, on the validation records.

@@ -1,18 +1,24 @@
 //! The verdict that the results of the search support, and the report of it.
+//!
+//! What the search found comes in, one of five verdicts goes out; `explain` gives its reasons in sentences.
 
-use super::bench::{Bench, mean_square};
-use super::candidates::{Candidate as Tried, effect_of};
-use super::confound;
-use super::diagnosis::{Candidate, Cost, Diagnosis, Errors, Estimate, Group, Noise, Step, Untried, Verdict};
-use super::engine::{comparison, cost, errors, stage};
-use super::explain::{self, VerdictContext};
-use super::findings::{Added, Outcome, UNEXPLAINED};
-use super::select::{PASSING_FRACTION, PASSING_Z, Search, Trial};
-use super::sensitivity::{self, Sensitivities};
-use super::split::Parts;
+mod explain;
+
 use crate::data::Dataset;
+use crate::diagnose::diagnosis::{
+    Candidate, Cost, Diagnosis, Errors, Estimate, Group, Noise, Step, Untried, Verdict,
+};
+use crate::diagnose::engine::{comparison, cost, errors, stage};
+use crate::diagnose::measurements::bench::{Bench, mean_square};
+use crate::diagnose::measurements::split::Parts;
+use crate::diagnose::search::candidates::{Candidate as Tried, effect_of};
+use crate::diagnose::search::confound;
+use crate::diagnose::search::findings::{Added, Outcome, UNEXPLAINED};
+use crate::diagnose::search::select::{PASSING_FRACTION, PASSING_Z, Search, Trial};
+use crate::diagnose::search::sensitivity::{self, Sensitivities};
 use crate::fit::compare::Stage;
 use crate::model::Model;
+use explain::VerdictContext;
 
 /// Fraction of the squared residual above which a part of it that repeats from record to record says that something
 /// is missing, though the whole is of the noise's size.
@@ -26,7 +32,7 @@ const MOST_LEFT: f64 = 0.6;
 const MOST_FRACTION_LEFT: f64 = 0.6;
 
 /// What a verdict is made of.
-pub(super) struct Material<'a> {
+pub(in crate::diagnose) struct Material<'a> {
     pub model: &'a Model,
     pub dataset: &'a Dataset,
     pub baseline: Stage,
@@ -39,7 +45,7 @@ pub(super) struct Material<'a> {
 }
 
 /// The whole diagnosis.
-pub(super) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosis {
+pub(in crate::diagnose) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosis {
     let Material { model, dataset, baseline, measured, known, tried, mut untried, outcome } = material;
     let found = outcome.findings.effects();
     let stages = stages(model, dataset, baseline, &outcome);
@@ -222,7 +228,7 @@ fn reported(bench: &Bench, round: &[Trial], given: usize) -> Vec<Candidate> {
 }
 
 /// A trial for the report.
-pub(super) fn reported_one(bench: &Bench, trial: &Trial, given: usize) -> Candidate {
+pub(in crate::diagnose) fn reported_one(bench: &Bench, trial: &Trial, given: usize) -> Candidate {
     let (error, parameters, evaluations) = match &trial.state {
         Ok(state) => (
             bench.normalised_error(&state.scored),
@@ -279,7 +285,7 @@ fn parameters_of(estimates: &[Estimate], model: &Model, effects: std::ops::Range
 }
 
 /// A diagnosis that could not be made.
-pub(super) fn insufficient(
+pub(in crate::diagnose) fn insufficient(
     model: &Model,
     dataset: &Dataset,
     baseline: Stage,
@@ -331,6 +337,6 @@ pub(super) fn insufficient(
 }
 
 /// The thresholds in words, for the reasons.
-pub(super) fn thresholds() -> String {
+pub(in crate::diagnose) fn thresholds() -> String {
     format!("z > {PASSING_Z} and more than {:.0} % of the squared error", 100.0 * PASSING_FRACTION)
 }

@@ -5,11 +5,11 @@
 
 use rayon::prelude::*;
 
-use super::bench::Bench;
-use super::magnitudes::drive_rate;
-use super::select::{Search, State};
-use super::trial::{self, Effort, Unknown};
 use crate::data::Regime;
+use crate::diagnose::measurements::bench::Bench;
+use crate::diagnose::measurements::magnitudes::drive_rate;
+use crate::diagnose::refit::trial::{self, Effort, Unknown};
+use crate::diagnose::search::select::{Search, State};
 use crate::effects::Features;
 use crate::fit::Parameter;
 use crate::fit::predict::derivative_order;
@@ -35,7 +35,7 @@ struct Seen {
 }
 
 /// Fills what the records seen show beside the model refitted without effects; `given` is the model as given.
-pub(super) fn fill(search: &Search, given: &Model, base: &State, found: &mut Features) {
+pub(in crate::diagnose) fn fill(search: &Search, given: &Model, base: &State, found: &mut Features) {
     let seen = search.parts.seen();
     let points: Vec<Seen> =
         seen.par_iter().filter_map(|record| alone(search.bench, &base.fitted.model, *record)).collect();

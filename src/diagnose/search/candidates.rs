@@ -1,10 +1,10 @@
 //! Which effects of the catalogue can be tried on a model and its data, where, and why others cannot.
 
-use super::bench::Bench;
-use super::diagnosis::Untried;
-use super::magnitudes;
-use super::trial::Unknown;
 use crate::data::{ChannelName, Dataset, Regime};
+use crate::diagnose::diagnosis::Untried;
+use crate::diagnose::measurements::bench::Bench;
+use crate::diagnose::measurements::magnitudes;
+use crate::diagnose::refit::trial::Unknown;
 use crate::effects::{AppliedEffect, CATALOGUE, Effect, Kind, Location, Needs, PlaceKind, Range, Scales};
 use crate::fit::Parameter;
 use crate::fit::predict::white_noise;
@@ -12,7 +12,7 @@ use crate::model::{Model, Structure};
 
 /// An effect at a place.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Candidate {
+pub(in crate::diagnose) struct Candidate {
     pub effect: &'static Effect,
     pub location: Option<Location>,
 }
@@ -57,7 +57,7 @@ impl Candidate {
 }
 
 /// The candidates beside what `model` has, and the effects left out.
-pub(super) fn of(model: &Model, bench: &Bench) -> (Vec<Candidate>, Vec<Untried>) {
+pub(in crate::diagnose) fn of(model: &Model, bench: &Bench) -> (Vec<Candidate>, Vec<Untried>) {
     let (mut candidates, mut untried) = (Vec::new(), Vec::new());
     for effect in CATALOGUE {
         let reason = refusal(effect, model, bench.dataset);
@@ -176,7 +176,12 @@ fn places(effect: &Effect, model: &Model, bench: &Bench) -> Vec<Option<Location>
 
 /// The unknowns of a refit of `model`: what its file leaves free, and the parameters of effects from number
 /// `added` on.
-pub(super) fn unknowns(model: &Model, added: usize, scales: &Scales, dataset: &Dataset) -> Vec<Unknown> {
+pub(in crate::diagnose) fn unknowns(
+    model: &Model,
+    added: usize,
+    scales: &Scales,
+    dataset: &Dataset,
+) -> Vec<Unknown> {
     let mut found = Vec::new();
     for parameter in model.parameters() {
         let of_effect = effect_of(&parameter.path, model);
@@ -202,7 +207,7 @@ pub(super) fn unknowns(model: &Model, added: usize, scales: &Scales, dataset: &D
 }
 
 /// Of `effect.2.half_gap` the effect's index from 0 and that of its parameter.
-pub(super) fn effect_of(path: &str, model: &Model) -> Option<(usize, usize)> {
+pub(in crate::diagnose) fn effect_of(path: &str, model: &Model) -> Option<(usize, usize)> {
     let (number, name) = path.strip_prefix("effect.")?.split_once('.')?;
     let index = number.parse::<usize>().ok()?.checked_sub(1)?;
     let place = model.effects.get(index)?.effect.parameters.iter().position(|p| p.quantity.name == name)?;

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::bench::Bench;
-use super::blocks;
-use super::diagnosis::Estimate;
+use crate::diagnose::diagnosis::Estimate;
+use crate::diagnose::measurements::bench::Bench;
+use crate::diagnose::residual::blocks;
 use crate::fit::predict::{Direction, NUISANCE_STEP, ObservedSimulation, Seed, inward};
 use crate::fit::{Coordinate, Limits, Parameter, SumOfSquares, Sums, minimise, student_quantile};
 use crate::harmonic::steady::Start;
@@ -13,7 +13,7 @@ use nalgebra::DMatrix;
 
 /// A number of the model that a fit may change.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Unknown {
+pub(in crate::diagnose) struct Unknown {
     /// Path in the model.
     pub path: String,
     /// Start, bounds, scale.
@@ -24,7 +24,7 @@ pub(super) struct Unknown {
 
 /// The result of a refit.
 #[derive(Debug, Clone)]
-pub(super) struct Fitted {
+pub(in crate::diagnose) struct Fitted {
     /// The model with the parameters found.
     pub model: Model,
     /// ½ Σ of the squared weighted residuals of the fitted records.
@@ -53,7 +53,7 @@ const SHORTEST_STEP: f64 = 1e-8;
 
 /// How thoroughly a fit is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Effort {
+pub(in crate::diagnose) enum Effort {
     /// As it stands.
     None,
     /// Enough to see which start is best.
@@ -83,7 +83,7 @@ impl Effort {
 ///
 /// # Errors
 /// Why the start cannot be evaluated.
-pub(super) fn fit(
+pub(in crate::diagnose) fn fit(
     bench: &Bench,
     model: &Model,
     unknowns: &[Unknown],
@@ -346,7 +346,7 @@ impl<'a, 'd> Joint<'a, 'd> {
 }
 
 /// Sums over records of products of weighted changes.
-pub(super) struct Products {
+pub(in crate::diagnose) struct Products {
     /// Of every two unknowns' changes.
     pub curvature: DMatrix<f64>,
     /// Of what the residuals make of every two unknowns' gradients, block by block.
@@ -371,7 +371,7 @@ impl Products {
 
 /// Products of the weighted changes along every unknown of `model` (those of the records' starts among them), then
 /// of the whole change to each of `probes`; and where the probes begin.
-pub(super) fn products(
+pub(in crate::diagnose) fn products(
     bench: &Bench,
     model: &Model,
     unknowns: &[Unknown],
@@ -399,7 +399,7 @@ pub(super) fn products(
 }
 
 /// The value of every unknown put into a copy of `base`.
-pub(super) fn set(
+pub(in crate::diagnose) fn set(
     base: &Model,
     unknowns: &[Unknown],
     values: impl Iterator<Item = f64>,
@@ -463,7 +463,12 @@ impl Slot<'_> {
         }
     }
 
-    fn cost(&mut self, model: &Model, y: &[f64], lanes: &[super::bench::Lane]) -> Result<f64, String> {
+    fn cost(
+        &mut self,
+        model: &Model,
+        y: &[f64],
+        lanes: &[crate::diagnose::measurements::bench::Lane],
+    ) -> Result<f64, String> {
         let nuisances = self.own_values(y);
         self.shown.predict(model, &nuisances, &mut self.predictions)?;
         let lane = &lanes[self.index];

@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 
-use super::bench::{Bench, Scored, mean_square};
-use super::select::{PASSING_FRACTION, PASSING_Z};
+use crate::diagnose::measurements::bench::{Bench, Scored, mean_square};
+use crate::diagnose::search::select::{PASSING_FRACTION, PASSING_Z};
 
 /// Correlation below which samples count as independent.
 const INDEPENDENT: f64 = 0.2;
@@ -15,7 +15,7 @@ const FEWEST: usize = 10;
 
 /// What one model gains over another.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Gain {
+pub(in crate::diagnose) struct Gain {
     /// The gain over its standard error.
     pub z: f64,
     /// Fraction of the squared error removed.
@@ -31,7 +31,7 @@ impl Gain {
 
 /// Length of blocks (samples) for `residuals`, one slice per record: twice the lag at which their correlation
 /// has died away.
-pub(super) fn length<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> usize {
+pub(in crate::diagnose) fn length<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> usize {
     let series: Vec<&[f64]> = residuals.collect();
     let longest = (typical(&series) / FEWEST).max(1);
     let product = |lag: usize| -> f64 {
@@ -56,7 +56,7 @@ fn typical(series: &[&[f64]]) -> usize {
 }
 
 /// How many samples in a row of `residuals` count as one: the sum of their correlation until it dies away.
-pub(super) fn correlation<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> f64 {
+pub(in crate::diagnose) fn correlation<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> f64 {
     let series: Vec<&[f64]> = residuals.collect();
     let longest = typical(&series) / FEWEST;
     let product = |lag: usize| -> f64 {
@@ -78,7 +78,7 @@ pub(super) fn correlation<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> f64
 }
 
 /// `range` cut into blocks of about `length`.
-pub(super) fn within(range: Range<usize>, length: usize) -> impl Iterator<Item = Range<usize>> {
+pub(in crate::diagnose) fn within(range: Range<usize>, length: usize) -> impl Iterator<Item = Range<usize>> {
     let count = (range.len() / length.max(1)).max(1);
     let total = range.len();
     (0..count).map(move |k| range.start + k * total / count..range.start + (k + 1) * total / count)
@@ -88,7 +88,7 @@ pub(super) fn within(range: Range<usize>, length: usize) -> impl Iterator<Item =
 ///
 /// Of a gain `old² − new² = Δ² + 2 Δ·new` with `Δ = old − new` only the second term is chance, where `new` is what is
 /// left beside the effect: that an effect shows in one stretch of a record more than in another is no doubt of it.
-pub(super) fn gain(bench: &Bench, without: &[Scored], with: &[Scored]) -> Gain {
+pub(in crate::diagnose) fn gain(bench: &Bench, without: &[Scored], with: &[Scored]) -> Gain {
     let length = length(with.iter().map(|one| one.residuals.as_slice()));
     let (mut chances, mut before, mut total) = (Vec::new(), 0.0, 0.0);
     for (old, new) in without.iter().zip(with) {
@@ -120,7 +120,7 @@ const BEYOND_DOUBT: f64 = 2.0;
 
 /// The least that the mean square of the residuals of `scored` would be if they were measured again: noise with a long
 /// memory has few independent values in a record, and its mean square differs from record to record.
-pub(super) fn mean_square_beyond_doubt(bench: &Bench, scored: &[Scored]) -> f64 {
+pub(in crate::diagnose) fn mean_square_beyond_doubt(bench: &Bench, scored: &[Scored]) -> f64 {
     let length = length(scored.iter().map(|one| one.residuals.as_slice()));
     let square = |block: &[f64]| block.iter().map(|residual| residual * residual).sum::<f64>();
     let strata = scored.iter().flat_map(|one| {

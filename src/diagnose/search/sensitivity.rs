@@ -3,13 +3,13 @@
 
 use nalgebra::DMatrix;
 
-use super::bench::Bench;
 use super::candidates::Candidate;
 use super::confound;
 use super::detectable;
-use super::diagnosis::{Confounding, Detectable};
 use super::select::Search;
-use super::trial;
+use crate::diagnose::diagnosis::{Confounding, Detectable};
+use crate::diagnose::measurements::bench::Bench;
+use crate::diagnose::refit::trial;
 use crate::effects::Range;
 use crate::model::Model;
 
@@ -28,7 +28,7 @@ struct Probe {
 
 /// What the sensitivities say.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Sensitivities {
+pub(in crate::diagnose) struct Sensitivities {
     pub confounding: Vec<Confounding>,
     pub detectable: Vec<Detectable>,
     /// Ids of effects that these data cannot show.
@@ -36,7 +36,7 @@ pub(super) struct Sensitivities {
 }
 
 /// Around `model`, over the fitted records. `chi_square` is the mean square of the weighted residuals there.
-pub(super) fn around(
+pub(in crate::diagnose) fn around(
     search: &Search,
     model: &Model,
     candidates: &[Candidate],

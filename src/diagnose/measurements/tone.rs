@@ -16,7 +16,7 @@ const CYCLES: f64 = 1.5;
 const FINE: usize = 4;
 
 /// What is left of the variance of `values` beside a tone that makes nearly all of it; `None` where no tone does.
-pub(super) fn variance_beside(values: &[f64]) -> Option<f64> {
+pub(in crate::diagnose) fn variance_beside(values: &[f64]) -> Option<f64> {
     let count = values.len();
     if count < 64 {
         return None;

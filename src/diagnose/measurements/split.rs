@@ -3,11 +3,11 @@
 use crate::data::{Dataset, Record, Use};
 
 /// Fewest records that can be split by record.
-pub(super) const FEWEST_RECORDS: usize = 3;
+pub(in crate::diagnose) const FEWEST_RECORDS: usize = 3;
 
 /// The records by use.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Parts {
+pub(in crate::diagnose) struct Parts {
     /// Parameters are fitted to these.
     pub fit: Vec<usize>,
     /// Models are chosen by these.
@@ -48,7 +48,7 @@ impl Parts {
 }
 
 /// Why `dataset` so split cannot carry an answer, if it cannot.
-pub(super) fn too_little(dataset: &Dataset, parts: &Parts) -> Option<String> {
+pub(in crate::diagnose) fn too_little(dataset: &Dataset, parts: &Parts) -> Option<String> {
     let count = dataset.records.len();
     if count < FEWEST_RECORDS {
         return Some(format!(
@@ -73,7 +73,7 @@ type Place = [f64; 3];
 /// By the records' marks where any is marked for choosing or confirming: a record without a mark is then fitted.
 /// Otherwise half are fitted, those marked so among them: the largest motion, the smallest, of ten or so records the fastest and the slowest, then always the one farthest from those already taken in level,
 /// frequency and regime; the others are dealt out in the order of regime and level.
-pub(super) fn split(dataset: &Dataset, driver: impl Fn(&Record) -> Vec<f64>) -> Parts {
+pub(in crate::diagnose) fn split(dataset: &Dataset, driver: impl Fn(&Record) -> Vec<f64>) -> Parts {
     let records = &dataset.records;
     if records.iter().any(|record| record.use_for.is_some_and(|use_for| use_for != Use::Fit)) {
         let of = |use_for: Use| {
@@ -118,7 +118,7 @@ fn originals(records: &[Record]) -> Vec<usize> {
 }
 
 /// Which records are copies of others, in words.
-pub(super) fn copies(dataset: &Dataset) -> Option<String> {
+pub(in crate::diagnose) fn copies(dataset: &Dataset) -> Option<String> {
     let names: Vec<String> = originals(&dataset.records)
         .into_iter()
         .enumerate()

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::bench::Bench;
 use super::trial::{Unknown, products};
+use crate::diagnose::measurements::bench::Bench;
 use crate::model::Model;
 
 /// Fraction of the curvature's diagonal that is added, so that what the records do not show has a doubt, too.
@@ -13,7 +13,7 @@ const LEAST: f64 = 1e-10;
 /// on average to what is left of the records `others`. Where a response is near a jump it can be far more than the
 /// noise. Its own scatter is that of a square: with one parameter in doubt four times the average is two standard
 /// errors.
-pub(super) fn of_predictions(
+pub(in crate::diagnose) fn of_predictions(
     bench: &Bench,
     model: &Model,
     unknowns: &[Unknown],

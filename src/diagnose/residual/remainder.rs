@@ -1,9 +1,9 @@
 //! Whether the residual looks like the noise: white as the noise is, and without relation
 //! to the motion, its rate and slow time.
 
-use super::bench::{Bench, Scored};
 use super::blocks;
-use super::noise::driver;
+use crate::diagnose::measurements::bench::{Bench, Scored};
+use crate::diagnose::measurements::noise::driver;
 use crate::fit::predict::period;
 
 /// Standard errors beyond which a relation is no chance.
@@ -11,7 +11,7 @@ const BEYOND: f64 = 3.0;
 
 /// Products of a residual with something else, both about their means.
 #[derive(Default)]
-pub(super) struct Relation {
+pub(in crate::diagnose) struct Relation {
     product: f64,
     squares: [f64; 2],
     count: f64,
@@ -38,7 +38,7 @@ impl Relation {
 
 /// What the residuals of `scored` follow beyond chance, in words; empty where they look like noise. That samples
 /// near each other are alike counts only where the noise, as periods show it, is less so.
-pub(super) fn follows(bench: &Bench, scored: &[Scored]) -> Vec<&'static str> {
+pub(in crate::diagnose) fn follows(bench: &Bench, scored: &[Scored]) -> Vec<&'static str> {
     let [mut motion, mut rate, mut time, mut next, mut noise] = [(); 5].map(|()| Relation::default());
     for one in scored {
         let lane = &bench.lanes[one.record];

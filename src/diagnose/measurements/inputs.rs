@@ -9,7 +9,7 @@ use crate::fit::predict::{ObservedSimulation, compared, white_noise};
 use crate::model::Model;
 
 /// Standard deviation of what the inputs' noise makes of each compared channel of each record, under `model`.
-pub(super) fn through(model: &Model, bench: &Bench) -> Vec<Vec<f64>> {
+pub(in crate::diagnose) fn through(model: &Model, bench: &Bench) -> Vec<Vec<f64>> {
     bench
         .lanes
         .par_iter()

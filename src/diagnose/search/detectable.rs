@@ -1,11 +1,11 @@
 //! Detection limits: the smallest size of an effect that would have been found in these data.
 
 use super::candidates::Candidate;
-use super::diagnosis::Detectable;
 use super::select::{PASSING_FRACTION, PASSING_Z};
+use crate::diagnose::diagnosis::Detectable;
 
 /// What a change is seen against.
-pub(super) struct Noise {
+pub(in crate::diagnose) struct Noise {
     /// Samples of the fitted records.
     pub samples: usize,
     /// Mean square of the weighted residuals.
@@ -16,14 +16,14 @@ pub(super) struct Noise {
 /// estimate must lie three standard errors off zero and it must make three percent of the squared error.
 /// `variance` is that of the residuals' product with the change. As in the intervals of parameters, the larger
 /// counts of the standard errors with and without the residuals' correlation.
-pub(super) fn multiple(square: f64, variance: f64, noise: &Noise) -> f64 {
+pub(in crate::diagnose) fn multiple(square: f64, variance: f64, noise: &Noise) -> f64 {
     let error = (noise.chi_square / square).sqrt().max(variance.sqrt() / square);
     let fraction = (PASSING_FRACTION * noise.samples as f64 * noise.chi_square / square).sqrt();
     (PASSING_Z * error).max(fraction)
 }
 
 /// Notes the size for the effect, the smallest where it can be at several places.
-pub(super) fn smaller(found: &mut Vec<Detectable>, candidate: &Candidate, size: Option<f64>) {
+pub(in crate::diagnose) fn smaller(found: &mut Vec<Detectable>, candidate: &Candidate, size: Option<f64>) {
     let parameter = candidate.effect.parameters[0].quantity;
     match found.iter_mut().find(|known| known.effect == candidate.effect.id) {
         Some(known) => {

@@ -1,20 +1,20 @@
 //! The rounds of the selection, and their results.
 
-use super::bench::{Scored, mean_square};
-use super::blocks::{self, Gain};
 use super::candidates::Candidate;
-use super::engine::Meter;
-use super::maps::Repeated;
 use super::select::{OTHER_MINIMUM, PASSING_Z, Search, State, Trial};
-use super::trial::Fitted;
+use crate::diagnose::engine::Meter;
+use crate::diagnose::measurements::bench::{Scored, mean_square};
+use crate::diagnose::refit::trial::Fitted;
+use crate::diagnose::residual::blocks::{self, Gain};
+use crate::diagnose::residual::maps::Repeated;
 use crate::model::Model;
 
 /// How many of the best are looked at until one holds.
 const HELD: usize = 3;
 /// Mean square of the weighted residuals below which a model is adequate.
-pub(super) const ADEQUATE: f64 = 1.15;
+pub(in crate::diagnose) const ADEQUATE: f64 = 1.15;
 /// The same above which it leaves the data unexplained.
-pub(super) const UNEXPLAINED: f64 = 1.5;
+pub(in crate::diagnose) const UNEXPLAINED: f64 = 1.5;
 /// The same in a single record, whose noise is less well known.
 const RECORD_UNEXPLAINED: f64 = 3.0;
 /// Singles from which pairs are made.
@@ -24,7 +24,7 @@ const PROMISING: f64 = 0.005;
 
 /// Something that was added.
 #[derive(Debug, Clone)]
-pub(super) struct Added {
+pub(in crate::diagnose) struct Added {
     pub candidates: Vec<Candidate>,
     pub state: State,
     pub gain: Gain,
@@ -40,7 +40,7 @@ pub(super) struct Added {
 }
 
 /// All rounds.
-pub(super) struct Findings {
+pub(in crate::diagnose) struct Findings {
     /// The model refitted, nothing added.
     pub base: State,
     /// What was added, in order.
@@ -53,7 +53,7 @@ pub(super) struct Findings {
 }
 
 /// The end of the search, on all records seen, and the test records.
-pub(super) struct Outcome {
+pub(in crate::diagnose) struct Outcome {
     pub findings: Findings,
     /// The base, and one per step; one more where something was dropped.
     pub fits: Vec<Fitted>,
@@ -80,7 +80,7 @@ pub(super) struct Outcome {
 
 /// What a model leaves, as multiples of the noise's mean square.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Left {
+pub(in crate::diagnose) struct Left {
     /// Over all records seen.
     pub seen: f64,
     /// In the record it describes worst, and that record's index.

@@ -6,7 +6,7 @@ use crate::effects::{Location, Scales};
 use crate::model::{Model, Structure};
 
 /// Magnitudes for the parameters of effects on `model` under `dataset`; what is unknown stays one.
-pub(super) fn of(model: &Model, dataset: &Dataset) -> Scales {
+pub(in crate::diagnose) fn of(model: &Model, dataset: &Dataset) -> Scales {
     let mut scales = Scales::default();
     let largest = |values: f64, found: &mut f64| {
         if values.is_finite() && values > 0.0 {
@@ -75,7 +75,7 @@ pub(super) fn of(model: &Model, dataset: &Dataset) -> Scales {
 }
 
 /// The same for an effect at `location`: the channel's own size.
-pub(super) fn at(scales: &Scales, dataset: &Dataset, location: Option<&Location>) -> Scales {
+pub(in crate::diagnose) fn at(scales: &Scales, dataset: &Dataset, location: Option<&Location>) -> Scales {
     let Some(Location::Channel(name)) = location else { return *scales };
     let deviation = |channel: &Channel| crate::fit::predict::deviation(channel).ok();
     let channel = fold(dataset, f64::max, |record| record.channel(name).and_then(deviation));
@@ -95,7 +95,7 @@ fn amplitude(values: &[f64]) -> f64 {
 
 /// Root mean square rate of the drive over its root mean square (rad/s); of a backbone table 2π times its
 /// frequency.
-pub(super) fn drive_rate(record: &Record) -> Option<f64> {
+pub(in crate::diagnose) fn drive_rate(record: &Record) -> Option<f64> {
     if let Some(frequency) = record.channel("frequency") {
         return Some(
             std::f64::consts::TAU * frequency.values.iter().sum::<f64>() / frequency.values.len() as f64,

@@ -2,14 +2,14 @@
 //! it was measured. Otherwise it is unknown.
 
 use super::bench::Lane;
-use super::diagnosis::{Noise, NoiseSource};
 use super::tone;
 use crate::data::{Channel, Dataset, Record};
+use crate::diagnose::diagnosis::{Noise, NoiseSource};
 use crate::fit::predict::{Motion, compared, period, white_noise};
 use crate::model::Model;
 
 /// The channel that drives a record: the displacement of a contact, the first excitation of a structure.
-pub(super) fn driver(record: &Record) -> Option<&Channel> {
+pub(in crate::diagnose) fn driver(record: &Record) -> Option<&Channel> {
     let named = |name: &str| record.channels.iter().find(|channel| channel.quantity() == name);
     named("excitation").or_else(|| named("displacement")).or_else(|| named("amplitude"))
 }
@@ -37,7 +37,7 @@ pub fn noise_of(model: &Model, dataset: &Dataset) -> Vec<Noise> {
 }
 
 /// Noise of every compared channel of every record, in the order of `lanes`.
-pub(super) fn measure(lanes: &[Lane]) -> Vec<Noise> {
+pub(in crate::diagnose) fn measure(lanes: &[Lane]) -> Vec<Noise> {
     let (mut found, mut doubts) = (Vec::new(), Vec::new());
     for (record, lane) in lanes.iter().enumerate() {
         for (name, range) in &lane.channels {
@@ -249,7 +249,7 @@ fn from_periods(values: &[f64], period: f64) -> Option<f64> {
 /// What the noise of a channel is proportional to from record to record.
 const LAWS: [fn(&[f64]) -> f64; 3] = [|_| 1.0, root_mean_square, white_noise];
 
-pub(super) fn root_mean_square(values: &[f64]) -> f64 {
+pub(in crate::diagnose) fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64).sqrt()
 }
 
@@ -316,7 +316,7 @@ fn carry_over(lanes: &[Lane], found: &mut [Noise], doubts: &[f64]) {
 /// Puts the noise into the weights of `lanes`, with the fraction that the noise of the inputs makes of the
 /// predictions (`through`, per record and channel, in the channel's unit), if all of it is known. Returns
 /// whether it is.
-pub(super) fn weigh(lanes: &mut [Lane], found: &[Noise], through: &[Vec<f64>]) -> bool {
+pub(in crate::diagnose) fn weigh(lanes: &mut [Lane], found: &[Noise], through: &[Vec<f64>]) -> bool {
     let known = found.iter().all(|noise| noise.deviation.is_some());
     if !known {
         return false;
