@@ -11,7 +11,6 @@
 
 mod backlash;
 mod bouc_wen;
-mod carried;
 mod catalogue;
 mod changes;
 mod cubic;
@@ -28,12 +27,12 @@ mod parallel;
 mod periodic;
 mod saturation;
 mod slider;
+mod state_sensitivity;
 mod unilateral;
 mod valanis;
 
 pub use backlash::Backlash;
 pub use bouc_wen::BoucWen;
-pub(crate) use carried::Carried;
 pub use catalogue::{LAWS, Law};
 pub use changes::JointChanges;
 pub use cubic::CubicSpring;
@@ -47,6 +46,7 @@ pub use kind::{JointBase, LawKind, LawParameter, LawRule, LawValues, MOST_PARAME
 pub use parallel::ParallelSliders;
 pub use periodic::{Period, PeriodicError, PeriodicInfo, PeriodicSolver, periodic_state};
 pub use slider::Slider;
+pub(crate) use state_sensitivity::StateSensitivity;
 pub use unilateral::Unilateral;
 pub use valanis::Valanis;
 

@@ -3,15 +3,15 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::diagnosis::{Cost, Diagnosis, Errors, Noise, Verdict};
-use super::measurements::bench::{Bench, Scored, mean_square};
 use super::measurements::noise;
 use super::measurements::split::{self, Parts};
+use super::measurements::weighted_dataset::{Scored, WeightedDataset, mean_square};
 use super::measurements::{beginnings, inputs, magnitudes, thinned};
 use super::refit::trial::{self, Effort, Fitted, Unknown};
 use super::residual::{blocks, maps, remainder};
 use super::search::candidates::{self, Candidate};
-use super::search::findings::{ADEQUATE, Findings, Left, Outcome, UNEXPLAINED};
 use super::search::select::{Search, State};
+use super::search::selection_path::{ADEQUATE, Outcome, ResidualSummary, SelectionPath, UNEXPLAINED};
 use super::{evaluate, few_points, verdict};
 use crate::data::Dataset;
 use crate::effects::{Effect, Location};
@@ -133,7 +133,7 @@ pub fn diagnose(
     let parts =
         split::split(dataset, |record| noise::driver(record).map(|c| c.values.clone()).unwrap_or_default());
     let measured = noise::measure(&whole.lanes);
-    let meter = Meter { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(1) };
+    let meter = Progress { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(1) };
     meter.tell("refitting the model as it is");
     if few_points::applies(dataset) {
         return table(model, dataset, options, watch, (bench, scales), (baseline, measured, &meter));
@@ -151,16 +151,17 @@ pub fn diagnose(
     let through = inputs::through(&first.model, &bench);
     let stated = noise::weigh(&mut bench.lanes, &measured, &through);
     noise::weigh(&mut whole.lanes, &measured, &through);
-    let about_measured = bench.about_measured();
+    let linearised_at_measurement = bench.linearised_at_measurement();
     let beginnings = beginnings::of(model, dataset);
-    let mut beginnings = beginnings.as_ref().and_then(|cut| Bench::new(model, cut, watch.interrupt).ok());
+    let mut beginnings =
+        beginnings.as_ref().and_then(|cut| WeightedDataset::new(model, cut, watch.interrupt).ok());
     if let Some(beginnings) = &mut beginnings {
         beginnings.reseed(&first.model);
         noise::weigh(&mut beginnings.lanes, &measured, &through);
     }
     let search = Search {
         beginnings: beginnings.as_ref(),
-        about_measured: about_measured.as_ref(),
+        linearised_at_measurement: linearised_at_measurement.as_ref(),
         ..Search::new(&bench, &parts, &scales, model, &report)
     };
     let base = search.state(&first.model).map_err(|reason| unpredictable(&bench, &first.model, reason))?;
@@ -171,7 +172,7 @@ pub fn diagnose(
         tried.retain(|candidate| only.iter().any(|id| id == candidate.effect.id));
     }
     meter.expect(1 + tried.len());
-    let findings = Findings::search(&search, base, &tried, options.max_effects, known, &meter);
+    let findings = SelectionPath::search(&search, base, &tried, options.max_effects, known, &meter);
     let outcome = conclude(&search, &whole, model, findings, known)?;
     let mut diagnosis = verdict::of(
         &search,
@@ -199,15 +200,16 @@ pub fn diagnose(
 /// The model refitted from where it is or, where motions are solved for, from what fits best about those that were
 /// measured: the better of the two.
 fn refitted_at_first(
-    bench: &Bench,
+    bench: &WeightedDataset,
     model: &Model,
     parts: &Parts,
     unknowns: impl Fn(&Model) -> Vec<Unknown>,
 ) -> Result<Fitted, String> {
-    let fit =
-        |bench: &Bench, model: &Model| trial::fit(bench, model, &unknowns(model), &parts.fit, Effort::Full);
+    let fit = |bench: &WeightedDataset, model: &Model| {
+        trial::fit(bench, model, &unknowns(model), &parts.fit, Effort::Full)
+    };
     let direct = fit(bench, model);
-    let about = bench.about_measured().and_then(|about| fit(&about, model).ok());
+    let about = bench.linearised_at_measurement().and_then(|about| fit(&about, model).ok());
     match (direct, about.and_then(|about| fit(bench, &about.model).ok())) {
         (Ok(direct), Some(led)) if direct.cost <= led.cost => Ok(direct),
         (_, Some(led)) => Ok(led),
@@ -221,8 +223,8 @@ fn table(
     dataset: &Dataset,
     options: &DiagnoseOptions,
     watch: DiagnoseWatch,
-    (mut bench, scales): (Bench, crate::effects::Scales),
-    (baseline, measured, meter): (Stage, Vec<Noise>, &Meter),
+    (mut bench, scales): (WeightedDataset, crate::effects::Scales),
+    (baseline, measured, meter): (Stage, Vec<Noise>, &Progress),
 ) -> Result<Diagnosis, DiagnoseError> {
     noise::weigh(&mut bench.lanes, &measured, &vec![Vec::new(); dataset.records.len()]);
     let parts = few_points::whole(dataset);
@@ -238,17 +240,17 @@ fn prepared<'d>(
     model: &Model,
     dataset: &'d Dataset,
     interrupt: Option<InterruptHook<'d>>,
-) -> Result<(Bench<'d>, crate::effects::Scales), DiagnoseError> {
+) -> Result<(WeightedDataset<'d>, crate::effects::Scales), DiagnoseError> {
     if !model.parameters().iter().any(|parameter| parameter.free) {
         return Err(RefitError::NothingFree.into());
     }
-    let bench = Bench::new(model, dataset, interrupt)
+    let bench = WeightedDataset::new(model, dataset, interrupt)
         .map_err(|(record, reason)| RefitError::Unpredictable { record, reason })?;
     Ok((bench, magnitudes::of(model, dataset)))
 }
 
 /// Why `model` could not be refitted, with the first record that it does not predict as it stands.
-fn unpredictable(bench: &Bench, model: &Model, reason: String) -> DiagnoseError {
+fn unpredictable(bench: &WeightedDataset, model: &Model, reason: String) -> DiagnoseError {
     let records = &bench.dataset.records;
     let failing = (0..records.len()).find(|record| bench.score(model, &[*record]).is_err());
     let record = records.get(failing.unwrap_or(0)).map(|record| record.name.clone()).unwrap_or_default();
@@ -261,8 +263,13 @@ const HARMFUL_Z: f64 = 1.0;
 /// How many effects of a chain the test records confirm, from their `scores` and `errors` with the first effect to
 /// those with all, and `before` any: those up to the first that does not lower the error. A first effect that changes
 /// nothing there may still be small; one that does harm is none. But an effect may do good only beside one that was
-/// found after it: where more of the chain gains beyond doubt, so much of it is kept.
-fn validated_prefix(whole: &Bench, before: &[Scored], scores: &[Vec<Scored>], errors: &[f64]) -> usize {
+/// found after it: where more of the chain gains significantly, that much of it is kept.
+fn validated_prefix(
+    whole: &WeightedDataset,
+    before: &[Scored],
+    scores: &[Vec<Scored>],
+    errors: &[f64],
+) -> usize {
     let Some(first) = scores.first() else { return 0 };
     let lost = first.is_empty() && !before.is_empty();
     let harmful = lost || blocks::gain(whole, before, first).z < -HARMFUL_Z;
@@ -280,9 +287,9 @@ fn validated_prefix(whole: &Bench, before: &[Scored], scores: &[Vec<Scored>], er
 /// take back effects that do not hold there.
 fn conclude(
     search: &Search,
-    whole: &Bench,
+    whole: &WeightedDataset,
     given: &Model,
-    mut findings: Findings,
+    mut findings: SelectionPath,
     known: bool,
 ) -> Result<Outcome, DiagnoseError> {
     let seen = search.parts.seen();
@@ -328,16 +335,16 @@ fn conclude(
     let last = fits.last().map(|last| whole.score_anew(last, &seen));
     let last = last.and_then(Result::ok).unwrap_or_default();
     let repeated = maps::repeated(whole, &last, &after);
-    let selecting = search.chi_square_beyond_doubt(findings.last(), UNEXPLAINED);
+    let selecting = search.least_chi_square(findings.last(), UNEXPLAINED);
     let left = known.then(|| {
-        let beyond_doubt = blocks::mean_square_beyond_doubt;
-        let selecting = selecting.min(beyond_doubt(search.bench, &findings.last().scored));
-        let certain = selecting.max(beyond_doubt(whole, &last)).max(beyond_doubt(whole, &after));
-        Left::of(&last, &after, certain)
+        let least = blocks::least_mean_square;
+        let selecting = selecting.min(least(search.bench, &findings.last().scored));
+        let certain = selecting.max(least(whole, &last)).max(least(whole, &after));
+        ResidualSummary::of(&last, &after, certain)
     });
-    let in_doubt = chi_square.is_some_and(|chi_square| {
+    let within_covariance = chi_square.is_some_and(|chi_square| {
         let model = fits.last().map(|fitted| &fitted.model);
-        let made = |model| search.made_by_doubt(whole, model, &seen, test);
+        let made = |model| search.prediction_variance(whole, model, &seen, test);
         chi_square > UNEXPLAINED
             && mean_square(&last) < ADEQUATE
             && model.is_some_and(|model| chi_square - made(model) < ADEQUATE)
@@ -351,7 +358,7 @@ fn conclude(
         chi_square,
         selecting,
         left,
-        in_doubt,
+        within_covariance,
         follows,
         repeated,
     })
@@ -361,7 +368,7 @@ fn conclude(
 /// all records seen; with the number of their effects. `fits` holds those of the steps and the last.
 fn chain(
     search: &Search,
-    findings: &Findings,
+    findings: &SelectionPath,
     fits: &[Fitted],
     refit: impl Fn(&Model) -> Result<Fitted, DiagnoseError>,
 ) -> Result<Vec<(usize, Fitted)>, DiagnoseError> {
@@ -415,7 +422,7 @@ pub fn add(
     if fit.is_empty() {
         return Err(RefitError::NothingToFit.into());
     }
-    let meter = Meter { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(2) };
+    let meter = Progress { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(2) };
     let report = |what: &str| meter.tell(what);
     let parts = Parts { fit, ..Parts::default() };
     let search = Search::new(&bench, &parts, &scales, model, &report);
@@ -446,13 +453,13 @@ pub(super) fn stage(name: &str, fitted: &Fitted, start: &Model, dataset: &Datase
 }
 
 /// Counts what is done of what is expected.
-pub(super) struct Meter<'a> {
+pub(super) struct Progress<'a> {
     watch: DiagnoseWatch<'a>,
     done: AtomicUsize,
     of: AtomicUsize,
 }
 
-impl Meter<'_> {
+impl Progress<'_> {
     fn tell(&self, what: &str) {
         let done = self.done.fetch_add(1, Ordering::Relaxed);
         if let Some(progress) = self.watch.progress {
@@ -474,7 +481,7 @@ pub(super) fn comparison(dataset: &Dataset, stages: Vec<Stage>) -> Comparison {
 /// Errors of the last models and of those before, by the parts.
 pub(super) fn errors(
     search: &Search,
-    bench: &Bench,
+    bench: &WeightedDataset,
     outcome: &Outcome,
     stages: &[Stage],
     known: bool,
@@ -501,7 +508,7 @@ pub(super) fn errors(
 }
 
 /// What was spent.
-pub(super) fn cost(benches: &[Option<&Bench>]) -> Cost {
+pub(super) fn cost(benches: &[Option<&WeightedDataset>]) -> Cost {
     let total =
         |of: fn((usize, usize)) -> usize| benches.iter().flatten().map(|bench| of(bench.spent())).sum();
     Cost { refits: total(|spent| spent.0), simulations: total(|spent| spent.1) }

@@ -3,7 +3,7 @@
 use super::description::{DependencyKind, Description, Experiment, Variable};
 use super::lines::Lines;
 use super::{Behaviour, LoadRule};
-use crate::contact::{Carried, ContactLaw, Inputs, Response, Tangents};
+use crate::contact::{ContactLaw, Inputs, Response, StateSensitivity, Tangents};
 use crate::model::{Contact, Model};
 use crate::time::Ramp;
 use crate::vocabulary as v;
@@ -53,7 +53,7 @@ pub(super) struct ContactBehaviour {
     law: Box<dyn ContactLaw>,
     load: LoadRule,
     next: Vec<f64>,
-    carried: Carried,
+    sensitivity: StateSensitivity,
     lines: Lines,
 }
 
@@ -63,7 +63,7 @@ impl ContactBehaviour {
         let law = law.ok_or("a contact model needs a contact")?;
         let next = vec![0.0; law.state_len()];
         let lines = Lines::new(INPUTS, true);
-        Ok(Self { law, load: LoadRule::new(model), next, carried: Carried::default(), lines })
+        Ok(Self { law, load: LoadRule::new(model), next, sensitivity: StateSensitivity::default(), lines })
     }
 
     /// What acts at the start of the lines, and at their end.
@@ -93,7 +93,7 @@ impl ContactBehaviour {
     /// Goes back to before the last step.
     fn go_back(&mut self, state: &[f64]) {
         let (before, lines) = state[self.next.len()..].split_at(self.next.len());
-        self.carried.begin(before);
+        self.sensitivity.begin(before);
         self.lines.read(lines);
     }
 }
@@ -154,7 +154,7 @@ impl Behaviour for ContactBehaviour {
         }
         let rate = |input: usize| (self.lines.all[input].end - self.lines.all[input].start) / step;
         let [starts, ends] = self.acting();
-        let memory = &mut self.carried.memory;
+        let memory = &mut self.sensitivity.memory;
         if self.lines.jumped {
             self.law.advance(memory, starts);
         }
@@ -185,7 +185,7 @@ impl Behaviour for ContactBehaviour {
         };
         let (at_start, at_end) = (by(|line| line.start), by(|line| line.end));
         let [starts, ends] = self.acting();
-        let (law, carried) = (&*self.law, &mut self.carried);
+        let (law, carried) = (&*self.law, &mut self.sensitivity);
         let mut dissipated = 0.0;
         if self.lines.step == 0.0 {
             carried.rest(law, ends.normal_load, at_end.normal_load);

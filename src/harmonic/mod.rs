@@ -38,6 +38,8 @@ pub use response::forced::{ForcedResponse, forced_response};
 pub use response::frequency_response::{frequency_response, level_response, periodic_response};
 pub use response::parameter::{Varied, VariedCurve, parameter_response};
 pub use response::resonance::{Resonance, backbone, phase_resonance};
-pub use response::tracking::{Followed, Tracked, TrackedCurve, Tracking, track_levels, track_parameter};
+pub use response::tracking::{
+    Tracked, TrackedCurve, TrackedQuantity, Tracking, track_levels, track_parameter,
+};
 pub use response::{Curve, Fold, Peak};
 pub use settings::{Method, Settings};

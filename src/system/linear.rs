@@ -184,7 +184,7 @@ fn symmetric(matrix: &'static str, entries: &Entries) -> Result<(), StructureErr
     /// Fraction of the largest entry that sums of the same terms in another order may differ by.
     const ROUNDING: f64 = 1e-12;
     let largest = entries.iter().fold(0.0_f64, |largest, entry| largest.max(entry.2.abs()));
-    // What is left of each pair once the lower triangle is taken from the upper.
+    // Difference of each pair: the upper triangle less the lower.
     let sides = entries.iter().filter(|(i, j, _)| i != j);
     let mut differences: Vec<(usize, usize, f64)> =
         sides.map(|(i, j, value)| if i < j { (*i, *j, *value) } else { (*j, *i, -value) }).collect();

@@ -213,7 +213,7 @@ impl StepSolver {
         if contact.remembers {
             let velocity = nodes.map(|node| node.velocity(flexibility, span.rate(normal_load)));
             let displacement = nodes.map(|node| node.displacement);
-            // Motion this small is invisible at the tolerance; what is left of it may be rounding.
+            // Motion this small is invisible at the tolerance; the rest may be rounding.
             let norm = self.row_norm[e] * self.energy_norm;
             let floor = (1e-6 * tolerance).max(1e-13) * norm;
             let size = displacement.iter().fold(0.0_f64, |m, u| m.max(u.abs()));

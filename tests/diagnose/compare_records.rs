@@ -241,6 +241,6 @@ fn a_beam_from_rest_ends_in_the_steady_state_of_harmonic_balance() {
     }
     let stage = evaluate("", &model, &dataset(vec![steady]));
     assert_eq!(stage.records[0].failure, None);
-    // Truncation at 30 harmonics, and what is left of the transient.
+    // Truncation at 30 harmonics, and the rest of the transient.
     assert!(stage.error < 5e-3, "{}", stage.error);
 }

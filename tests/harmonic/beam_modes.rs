@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use stickslip::contact::{ContactLaw, CubicSpring, LawError, Valanis};
 use stickslip::harmonic::{
-    Assembly, Control, CurveSettings, Ending, Followed, ModeRange, NonlinearMode, Settings, Tracking,
+    Assembly, Control, CurveSettings, Ending, ModeRange, NonlinearMode, Settings, TrackedQuantity, Tracking,
     nonlinear_mode, parameter_response, periodic_response, phase_resonance, track_levels, track_parameter,
 };
 use stickslip::system::ModalBeam;
@@ -133,7 +133,7 @@ fn with_one_mode_and_one_harmonic_the_backbone_is_phase_resonance() {
 fn resonances_of_the_beam_are_followed_over_friction_and_load() {
     let beam = published(4);
     let node = beam.sensors.len();
-    let tracking = Tracking { followed: Followed::Phase, node, angular_frequency: TAU * 51.0 };
+    let tracking = Tracking { followed: TrackedQuantity::Phase, node, angular_frequency: TAU * 51.0 };
     let friction = [FRICTION, 0.8 * FRICTION, 0.5 * FRICTION];
     let over_friction = |friction: f64| Ok(assembly(&beam, valanis(friction)?, LOAD));
     let over_load = |load: f64| Ok(assembly(&beam, valanis(FRICTION)?, load));

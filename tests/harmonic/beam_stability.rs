@@ -160,7 +160,7 @@ fn a_beam_that_does_not_turn_is_the_oscillator_of_its_modes() {
     }
 }
 
-/// The response at phase resonance with so much acceleration held, and what is left of the displacement for the
+/// The response at phase resonance with so much acceleration held, and the displacement that remains for the
 /// contact.
 fn resonance(beam: &ModalBeam, law: Law, acceleration: f64, harmonics: usize) -> (Resonance, Vec<f64>) {
     let settings = BalanceSettings { harmonics, ..BalanceSettings::default() };

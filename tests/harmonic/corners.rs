@@ -1,7 +1,7 @@
 //! Curves through the corner at which a contact begins to slip: followed to their ends, and no peak.
 
 use stickslip::contact::Jenkins;
-use stickslip::harmonic::{Control, Ending, Followed, Tracking, frequency_response, track_levels};
+use stickslip::harmonic::{Control, Ending, TrackedQuantity, Tracking, frequency_response, track_levels};
 
 use crate::common::oscillator::{in_contact, settings, single};
 
@@ -34,7 +34,7 @@ fn a_curve_passes_the_corners_at_which_slip_begins_and_ends() {
         let highest = peaks.iter().copied().fold(0.0, f64::max);
         assert!(highest > limit / stiffness, "{peaks:?}");
         for start in [0.95, 1.3] {
-            let tracking = Tracking { followed: Followed::Peak, node: 0, angular_frequency: start };
+            let tracking = Tracking { followed: TrackedQuantity::Peak, node: 0, angular_frequency: start };
             let found = track_levels(&assembly, &tracking, &[level], &settings).unwrap();
             let amplitude = found.points[0].amplitude;
             let nearest = peaks.iter().map(|peak| (amplitude / peak - 1.0).abs()).fold(f64::MAX, f64::min);

@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 
 use stickslip::contact::{ContactLaw, CubicSpring, Jenkins};
 use stickslip::harmonic::{
-    CurveSettings, Followed, HarmonicError, ModeRange, NonlinearMode, Tracking, nonlinear_mode, track_levels,
+    CurveSettings, HarmonicError, ModeRange, NonlinearMode, TrackedQuantity, Tracking, nonlinear_mode,
+    track_levels,
 };
 use stickslip::system::LinearStructure;
 
@@ -156,7 +157,7 @@ fn lightly_damped_resonances_lie_on_the_mode() {
     let law = Jenkins::new(0.02, 0.02).unwrap();
     let assembly = in_contact(&structure, law);
     let settings = settings(9);
-    let tracking = Tracking { followed: Followed::Phase, node: 0, angular_frequency: 0.5554 };
+    let tracking = Tracking { followed: TrackedQuantity::Phase, node: 0, angular_frequency: 0.5554 };
     let levels: Vec<f64> = (0..12).map(|k| 1e-3 * 1.6_f64.powi(k)).collect();
     let resonances = track_levels(&assembly, &tracking, &levels, &settings).unwrap().points;
     let mut frequencies = Vec::new();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use stickslip::contact::{ContactLaw, CubicSpring, Jenkins, Unilateral};
 use stickslip::harmonic::{
-    CurveSettings, Ending, Followed, HarmonicError, Tracked, TrackedCurve, Tracking, Varied,
+    CurveSettings, Ending, HarmonicError, Tracked, TrackedCurve, TrackedQuantity, Tracking, Varied,
     parameter_response, track_levels, track_parameter,
 };
 
@@ -18,7 +18,7 @@ fn whole(curve: Result<TrackedCurve, HarmonicError>) -> Vec<Tracked> {
     curve.points
 }
 
-const fn tracking(followed: Followed, node: usize, angular_frequency: f64) -> Tracking {
+const fn tracking(followed: TrackedQuantity, node: usize, angular_frequency: f64) -> Tracking {
     Tracking { followed, node, angular_frequency }
 }
 
@@ -37,12 +37,12 @@ fn a_linear_oscillator_peaks_below_and_is_in_phase_resonance_at_its_natural_freq
     let square: f64 = stiffness + contact;
     let follow =
         |followed| whole(track_levels(&assembly, &tracking(followed, 0, 0.8), &levels, &settings(3)));
-    for phase in follow(Followed::Phase) {
+    for phase in follow(TrackedQuantity::Phase) {
         assert!((phase.point.angular_frequency / square.sqrt() - 1.0).abs() < 1e-9);
         assert!((phase.receptance * damping * square.sqrt() - 1.0).abs() < 1e-9);
         assert!((phase.point.level - phase.value).abs() < 1e-12 * phase.value);
     }
-    for peak in follow(Followed::Peak) {
+    for peak in follow(TrackedQuantity::Peak) {
         let at = (square - 0.5 * damping * damping).sqrt();
         assert!((peak.point.angular_frequency / at - 1.0).abs() < 1e-7, "{}", peak.point.angular_frequency);
         let height = 1.0 / (damping * (square - 0.25 * damping * damping).sqrt());
@@ -63,7 +63,7 @@ fn two_mass_peaks_are_those_of_the_exact_solution() {
         (1, 1.33, 1.300160, 2.535184036, 1.065182030, 0.0772145624),
     ];
     for (node, start, omega, x, y, dissipated) in peaks {
-        let tracking = tracking(Followed::Peak, node, start);
+        let tracking = tracking(TrackedQuantity::Peak, node, start);
         let peak = whole(track_levels(&assembly, &tracking, &[0.4], &settings(41))).remove(0);
         let point = &peak.point;
         assert!((point.angular_frequency - omega).abs() < 2e-6, "{} {omega}", point.angular_frequency);
@@ -83,8 +83,12 @@ fn receptance_at_the_peak_is_least_at_a_medium_level() {
     let assembly = in_contact(&structure, law);
     let least = |node| {
         let levels = spaced(0.01, 2.0, 60);
-        let peaks =
-            whole(track_levels(&assembly, &tracking(Followed::Peak, node, 0.67), &levels, &settings(9)));
+        let peaks = whole(track_levels(
+            &assembly,
+            &tracking(TrackedQuantity::Peak, node, 0.67),
+            &levels,
+            &settings(9),
+        ));
         // Stuck, nothing depends on the level.
         assert!((peaks[1].receptance / peaks[0].receptance - 1.0).abs() < 1e-9);
         let by_receptance = |a: &&Tracked, b: &&Tracked| a.receptance.total_cmp(&b.receptance);
@@ -101,7 +105,7 @@ fn receptance_at_the_peak_is_least_at_a_medium_level() {
 fn dissipation_at_a_fixed_frequency_is_largest_at_a_medium_friction() {
     let structure = two_masses(0.1);
     let over = |friction: f64| Ok(under_load(&structure, Arc::new(Jenkins::new(0.2, friction)?), 1.0));
-    let frequency = tracking(Followed::Frequency, 1, 0.54);
+    let frequency = tracking(TrackedQuantity::Frequency, 1, 0.54);
     let friction = [0.05, 0.06, 0.07];
     let points = whole(track_parameter(&over, 0.4, &frequency, &friction, &settings(21)));
     for (point, lost) in points.iter().zip([0.2910, 0.2994, 0.2939]) {
@@ -117,8 +121,8 @@ fn load_and_level_together_only_scale_the_response() {
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let assembly = in_contact(&structure, law);
     let loads = [1.0, 0.5, 0.25, 2.0, 8.0];
-    for followed in [Followed::Peak, Followed::Phase] {
-        let node = if followed == Followed::Peak { 0 } else { 1 };
+    for followed in [TrackedQuantity::Peak, TrackedQuantity::Phase] {
+        let node = if followed == TrackedQuantity::Peak { 0 } else { 1 };
         let tracking = tracking(followed, node, 0.53);
         let over = |load: f64| Ok(under_load(&structure, Arc::new(Jenkins::new(0.2, 0.02)?), load));
         let by_load = whole(track_parameter(&over, 0.4, &tracking, &loads, &settings(9)));
@@ -139,7 +143,7 @@ fn duffing_peaks_are_followed_past_the_fold() {
     let structure = single(1.0, damping, 1.0, 1);
     let law = CubicSpring::new(0.0, cubic).unwrap();
     let levels = spaced(1e-3, 0.3, 9);
-    let peak = tracking(Followed::Peak, 0, 0.98);
+    let peak = tracking(TrackedQuantity::Peak, 0, 0.98);
     for peak in whole(track_levels(&in_contact(&structure, law), &peak, &levels, &settings(1))) {
         let (a, omega) = (peak.amplitude, peak.point.angular_frequency);
         let bent = 1.0 + 0.75 * cubic * a * a;
@@ -180,7 +184,7 @@ fn a_parameter_sweep_and_single_values_agree() {
     assert_eq!(curve.ending, Ending::Complete, "{last:?}");
     let picked: Vec<&Varied> = curve.points.iter().step_by(7).collect();
     let values: Vec<f64> = picked.iter().map(|varied| varied.value).collect();
-    let frequency = tracking(Followed::Frequency, 1, 0.54);
+    let frequency = tracking(TrackedQuantity::Frequency, 1, 0.54);
     let points = whole(track_parameter(&over, 0.4, &frequency, &values, &settings(9)));
     for (a, b) in picked.iter().zip(&points) {
         assert!((a.point.amplitude[1] / b.amplitude - 1.0).abs() < 1e-8, "{}", a.value);
@@ -200,7 +204,7 @@ fn harmonics_grow_until_a_tracked_peak_is_resolved() {
         max_harmonics: 101,
         ..CurveSettings::default()
     };
-    let tracking = tracking(Followed::Peak, 0, 0.5);
+    let tracking = tracking(TrackedQuantity::Peak, 0, 0.5);
     let peaks = whole(track_levels(&assembly, &tracking, &[0.4, 0.3], &adaptive));
     assert!(peaks.iter().all(|peak| peak.point.resolved && peak.point.error_estimate <= 1e-5));
     assert!((peaks[0].amplitude / 1.008048920 - 1.0).abs() < 1e-5, "{}", peaks[0].amplitude);
@@ -213,7 +217,7 @@ fn a_resonance_that_ends_is_reported_as_lost() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let levels = spaced(0.8, 0.02, 20);
-    let tracking = tracking(Followed::Phase, 0, 0.55);
+    let tracking = tracking(TrackedQuantity::Phase, 0, 0.55);
     let curve = track_levels(&in_contact(&structure, law), &tracking, &levels, &settings(9)).unwrap();
     assert!(curve.lost.is_some() && curve.points.len() > 5 && curve.points.len() < 20);
     for pair in curve.points.windows(2) {
@@ -230,20 +234,20 @@ fn what_cannot_be_followed_is_refused() {
     let follow =
         |tracking: Tracking, levels: &[f64]| track_levels(&assembly, &tracking, levels, &settings(5));
     let refused = [
-        follow(tracking(Followed::Peak, 2, 0.5), &[0.4]),
-        follow(tracking(Followed::Peak, 0, 0.0), &[0.4]),
-        follow(tracking(Followed::Peak, 0, f64::NAN), &[0.4]),
-        follow(tracking(Followed::Peak, 0, 0.5), &[0.0]),
+        follow(tracking(TrackedQuantity::Peak, 2, 0.5), &[0.4]),
+        follow(tracking(TrackedQuantity::Peak, 0, 0.0), &[0.4]),
+        follow(tracking(TrackedQuantity::Peak, 0, f64::NAN), &[0.4]),
+        follow(tracking(TrackedQuantity::Peak, 0, 0.5), &[0.0]),
     ];
     for result in refused {
         assert!(matches!(result, Err(HarmonicError::InvalidInput(_))), "{result:?}");
     }
     let over = |friction: f64| Ok(under_load(&structure, Arc::new(Jenkins::new(0.2, friction)?), 1.0));
-    let frequency = tracking(Followed::Frequency, 0, 0.5);
+    let frequency = tracking(TrackedQuantity::Frequency, 0, 0.5);
     let result = track_parameter(&over, 0.4, &frequency, &[0.02, -1.0], &settings(5));
     assert!(matches!(result, Err(HarmonicError::Law(_))), "{result:?}");
     assert_eq!(
-        follow(tracking(Followed::Peak, 0, 0.5), &[]),
+        follow(tracking(TrackedQuantity::Peak, 0, 0.5), &[]),
         Ok(TrackedCurve { points: Vec::new(), lost: None })
     );
 }

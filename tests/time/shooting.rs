@@ -44,7 +44,7 @@ fn the_two_masses_have_the_reference_responses() {
 }
 
 /// The study finds 2 % and 3.4 % between the second resonance's amplitudes of harmonic balance and
-/// Runge–Kutta, and 1.8 % between the dissipated energies at ω = 0.5. That is what is left of the transient
+/// Runge–Kutta, and 1.8 % between the dissipated energies at ω = 0.5. That is the remaining transient
 /// after 75 s or so: 14 to 16 periods of the second resonance, but six periods at ω = 0.5.
 #[test]
 fn the_published_differences_are_transients_not_yet_over() {

@@ -6,8 +6,8 @@
 use rayon::prelude::*;
 
 use crate::data::Regime;
-use crate::diagnose::measurements::bench::Bench;
 use crate::diagnose::measurements::magnitudes::drive_rate;
+use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
 use crate::diagnose::refit::trial::{self, Effort, Unknown};
 use crate::diagnose::search::select::{Search, State};
 use crate::effects::Features;
@@ -44,7 +44,7 @@ pub(in crate::diagnose) fn fill(search: &Search, given: &Model, base: &State, fo
 }
 
 /// The structure that `record` alone asks for.
-fn alone(bench: &Bench, model: &Model, record: usize) -> Option<Seen> {
+fn alone(bench: &WeightedDataset, model: &Model, record: usize) -> Option<Seen> {
     let unknowns: Vec<Unknown> = model
         .parameters()
         .into_iter()

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::diagnose::measurements::bench::Bench;
+use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
 use crate::diagnose::refit::trial::{self, Effort};
 use crate::diagnose::residual::blocks::Gain;
 use crate::diagnose::search::select::Search;
@@ -28,7 +28,7 @@ pub(super) struct Row {
 }
 
 /// All rows of all tables.
-pub(super) fn rows(bench: &Bench) -> Vec<Row> {
+pub(super) fn rows(bench: &WeightedDataset) -> Vec<Row> {
     let of = |record: usize| {
         let channels = &bench.lanes[record].channels;
         let length = channels.iter().map(|(_, range)| range.len()).min().unwrap_or(0);
@@ -70,7 +70,7 @@ fn without(
     model: &Model,
     unseen: &[&Row],
 ) -> Result<Vec<Vec<f64>>, String> {
-    let mut bench = Bench::new(model, search.bench.dataset, interrupt)
+    let mut bench = WeightedDataset::new(model, search.bench.dataset, interrupt)
         .map_err(|(record, why)| format!("{record}: {why}"))?;
     for (lane, whole) in bench.lanes.iter_mut().zip(&search.bench.lanes) {
         lane.weights.clone_from(&whole.weights);

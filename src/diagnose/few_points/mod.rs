@@ -10,8 +10,8 @@ use self::leave_out::LeftOut;
 use super::diagnosis::{Diagnosis, Group, Noise, Step, Untried, Verdict};
 use super::engine::{DiagnoseOptions, comparison, cost, stage};
 use crate::data::{Dataset, Regime};
-use crate::diagnose::measurements::bench::mean_square;
 use crate::diagnose::measurements::split::{FEWEST_RECORDS, Parts};
+use crate::diagnose::measurements::weighted_dataset::mean_square;
 use crate::diagnose::residual::blocks::Gain;
 use crate::diagnose::search::candidates::{self, Candidate};
 use crate::diagnose::search::confound;
@@ -172,7 +172,7 @@ impl Rounds<'_, '_> {
         sum / count.max(1) as f64
     }
 
-    /// Whether nothing is left that an effect could lower.
+    /// Whether the residual has nothing that an effect could lower.
     fn exact(&self) -> bool {
         mean_square(&self.last().state.scored) < self.resolution()
     }
@@ -385,7 +385,7 @@ fn passes(tried: &Tried) -> bool {
     tried.standing.is_some() && tried.trial.gain.z > PASSING_Z && tried.trial.gain.fraction > PASSING_FRACTION
 }
 
-/// A rival need not pass by itself to make the winner doubtful.
+/// A rival need not pass by itself to make the winner uncertain.
 fn nearly_passes(tried: &Tried) -> bool {
     tried.standing.is_some()
         && tried.trial.gain.z > 0.5 * PASSING_Z

@@ -39,7 +39,7 @@ fn cut(record: &Record) -> Record {
 mod tests {
     use super::*;
 
-    const OSCILLATOR: &str = include_str!("../../examples/friction-vibration/model.toml");
+    const OSCILLATOR: &str = include_str!("../../../examples/friction-vibration/model.toml");
 
     fn record(count: usize, regime: Regime) -> Record {
         let time = (0..count).map(|i| i as f64 * 1e-3).collect();

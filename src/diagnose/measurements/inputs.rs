@@ -3,13 +3,13 @@
 
 use rayon::prelude::*;
 
-use super::bench::{Bench, Lane};
+use super::weighted_dataset::{RecordResiduals, WeightedDataset};
 use crate::data::Channel;
 use crate::fit::predict::{ObservedSimulation, compared, white_noise};
 use crate::model::Model;
 
 /// Standard deviation of what the inputs' noise makes of each compared channel of each record, under `model`.
-pub(in crate::diagnose) fn through(model: &Model, bench: &Bench) -> Vec<Vec<f64>> {
+pub(in crate::diagnose) fn through(model: &Model, bench: &WeightedDataset) -> Vec<Vec<f64>> {
     bench
         .lanes
         .par_iter()
@@ -18,7 +18,7 @@ pub(in crate::diagnose) fn through(model: &Model, bench: &Bench) -> Vec<Vec<f64>
         .collect()
 }
 
-fn one(model: &Model, lane: &Lane, index: usize) -> Result<Vec<f64>, String> {
+fn one(model: &Model, lane: &RecordResiduals, index: usize) -> Result<Vec<f64>, String> {
     let record = lane.record;
     let names: Vec<&str> = compared(model, record).iter().map(|channel| channel.name.as_str()).collect();
     let mut shaken = record.clone();

@@ -1,8 +1,8 @@
 //! The noise as far as it is known: stated, from repeated periods, from repeated records, or taken from records in which
 //! it was measured. Otherwise it is unknown.
 
-use super::bench::Lane;
 use super::tone;
+use super::weighted_dataset::RecordResiduals;
 use crate::data::{Channel, Dataset, Record};
 use crate::diagnose::diagnosis::{Noise, NoiseSource};
 use crate::fit::predict::{Motion, compared, period, white_noise};
@@ -18,7 +18,7 @@ pub(in crate::diagnose) fn driver(record: &Record) -> Option<&Channel> {
 /// repeated periods or records show it.
 pub fn noise_of(model: &Model, dataset: &Dataset) -> Vec<Noise> {
     let lane = |record| {
-        let mut lane = Lane {
+        let mut lane = RecordResiduals {
             record,
             measured: Vec::new(),
             weights: Vec::new(),
@@ -37,22 +37,22 @@ pub fn noise_of(model: &Model, dataset: &Dataset) -> Vec<Noise> {
 }
 
 /// Noise of every compared channel of every record, in the order of `lanes`.
-pub(in crate::diagnose) fn measure(lanes: &[Lane]) -> Vec<Noise> {
-    let (mut found, mut doubts) = (Vec::new(), Vec::new());
+pub(in crate::diagnose) fn measure(lanes: &[RecordResiduals]) -> Vec<Noise> {
+    let (mut found, mut errors_of_log) = (Vec::new(), Vec::new());
     for (record, lane) in lanes.iter().enumerate() {
         for (name, range) in &lane.channels {
             let stated =
                 lane.record.channel(name).and_then(|channel| channel.noise).filter(|noise| *noise > 0.0);
             let (seen, source) = match stated {
-                Some(noise) => (Some(Seen { deviation: noise, doubt: 0.0 }), NoiseSource::Stated),
+                Some(noise) => (Some(Seen { deviation: noise, log_error: 0.0 }), NoiseSource::Stated),
                 None => seen(lanes, record, name, &lane.measured[range.clone()]),
             };
             let deviation = seen.map(|seen| seen.deviation);
             found.push(Noise { record, channel: (*name).to_owned(), deviation, source });
-            doubts.push(seen.map_or(0.0, |seen| seen.doubt));
+            errors_of_log.push(seen.map_or(0.0, |seen| seen.log_error));
         }
     }
-    carry_over(lanes, &mut found, &doubts);
+    carry_over(lanes, &mut found, &errors_of_log);
     found
 }
 
@@ -61,7 +61,7 @@ pub(in crate::diagnose) fn measure(lanes: &[Lane]) -> Vec<Noise> {
 struct Seen {
     deviation: f64,
     /// Standard error of its logarithm.
-    doubt: f64,
+    log_error: f64,
 }
 
 impl Seen {
@@ -82,8 +82,8 @@ impl Seen {
         }
         // What does not die away is a drift, and no noise.
         let is_noise = power > 0.0 && lags + 1 < longest;
-        let doubt = if is_noise { (together / (2.0 * differences.len() as f64)).sqrt() } else { 0.0 };
-        Self { deviation, doubt }
+        let log_error = if is_noise { (together / (2.0 * differences.len() as f64)).sqrt() } else { 0.0 };
+        Self { deviation, log_error }
     }
 }
 
@@ -91,7 +91,7 @@ impl Seen {
 const DEAD: f64 = 0.1;
 
 /// From the record itself, or from another of the same motion.
-fn seen(lanes: &[Lane], record: usize, name: &str, values: &[f64]) -> (Option<Seen>, NoiseSource) {
+fn seen(lanes: &[RecordResiduals], record: usize, name: &str, values: &[f64]) -> (Option<Seen>, NoiseSource) {
     let Some(drive) = driver(lanes[record].record) else { return (None, NoiseSource::Unknown) };
     if let Some(period) = period(&drive.values)
         && inputs_repeat(lanes[record].record, period)
@@ -260,8 +260,8 @@ const BY_CHANCE: f64 = 1.5;
 
 /// Gives channels without a noise that of the same quantity elsewhere, by the law that holds best where the
 /// noise was seen: one size, one fraction of the channel's root mean square, or one fraction of its high
-/// frequencies. Where the law holds to within the doubt of the single estimates these are replaced by it.
-fn carry_over(lanes: &[Lane], found: &mut [Noise], doubts: &[f64]) {
+/// frequencies. Where the law holds to within the standard error of the single estimates these are replaced by it.
+fn carry_over(lanes: &[RecordResiduals], found: &mut [Noise], errors_of_log: &[f64]) {
     let values = |noise: &Noise| {
         let lane = &lanes[noise.record];
         let range =
@@ -280,10 +280,12 @@ fn carry_over(lanes: &[Lane], found: &mut [Noise], doubts: &[f64]) {
         if measured.is_empty() {
             continue;
         }
-        let own =
-            found.iter().zip(doubts).filter(|(noise, _)| noise.channel == name && noise.deviation.is_some());
-        let doubt = root_mean_square(&own.map(|(_, doubt)| *doubt).collect::<Vec<_>>());
-        let exact = EXACT.max(BY_CHANCE * doubt);
+        let own = found
+            .iter()
+            .zip(errors_of_log)
+            .filter(|(noise, _)| noise.channel == name && noise.deviation.is_some());
+        let log_error = root_mean_square(&own.map(|(_, log_error)| *log_error).collect::<Vec<_>>());
+        let exact = EXACT.max(BY_CHANCE * log_error);
         let fits = (0..LAWS.len()).map(|law| {
             let logarithms: Vec<f64> =
                 measured.iter().map(|(noise, sizes)| (noise / sizes[law]).ln()).collect();
@@ -316,7 +318,11 @@ fn carry_over(lanes: &[Lane], found: &mut [Noise], doubts: &[f64]) {
 /// Puts the noise into the weights of `lanes`, with the fraction that the noise of the inputs makes of the
 /// predictions (`through`, per record and channel, in the channel's unit), if all of it is known. Returns
 /// whether it is.
-pub(in crate::diagnose) fn weigh(lanes: &mut [Lane], found: &[Noise], through: &[Vec<f64>]) -> bool {
+pub(in crate::diagnose) fn weigh(
+    lanes: &mut [RecordResiduals],
+    found: &[Noise],
+    through: &[Vec<f64>],
+) -> bool {
     let known = found.iter().all(|noise| noise.deviation.is_some());
     if !known {
         return false;
@@ -353,7 +359,7 @@ mod tests {
         (0..1200).map(|i| value(i) + DEVIATION * noise()).collect()
     }
 
-    /// The doubt of a deviation is its spread from record to record, white noise or not.
+    /// The standard error of a deviation is its spread from record to record, white noise or not.
     #[test]
     fn the_standard_error_of_a_deviation_is_its_scatter() {
         for memory in [0.0_f64, 0.8, 0.95] {
@@ -372,15 +378,18 @@ mod tests {
             let logarithms: Vec<f64> = seen.iter().map(|seen| seen.deviation.ln()).collect();
             let mean = logarithms.iter().sum::<f64>() / 200.0;
             let spread = (logarithms.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 200.0).sqrt();
-            let doubt = root_mean_square(&seen.iter().map(|seen| seen.doubt).collect::<Vec<_>>());
-            assert!((doubt / spread - 1.0).abs() < 0.25, "memory {memory}: {doubt} instead of {spread}");
+            let log_error = root_mean_square(&seen.iter().map(|seen| seen.log_error).collect::<Vec<_>>());
+            assert!(
+                (log_error / spread - 1.0).abs() < 0.25,
+                "memory {memory}: {log_error} instead of {spread}"
+            );
         }
     }
 
     #[test]
     fn a_drift_is_no_noise_with_a_memory() {
         let drift: Vec<f64> = (0..400).map(|i| f64::from(i) / 400.0).collect();
-        assert_eq!(Seen::of(0.5, &drift, 70).doubt, 0.0);
+        assert_eq!(Seen::of(0.5, &drift, 70).log_error, 0.0);
     }
 
     /// Two periods' difference is the noise, and the start that the first one still remembers is not.

@@ -15,7 +15,7 @@ const CYCLES: f64 = 1.5;
 /// Lines of the spectrum per cycle within the values.
 const FINE: usize = 4;
 
-/// What is left of the variance of `values` beside a tone that makes nearly all of it; `None` where no tone does.
+/// Variance of `values` without a tone that makes nearly all of it; `None` where no tone does.
 pub(in crate::diagnose) fn variance_beside(values: &[f64]) -> Option<f64> {
     let count = values.len();
     if count < 64 {

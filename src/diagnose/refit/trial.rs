@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::diagnose::diagnosis::Estimate;
-use crate::diagnose::measurements::bench::Bench;
+use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
 use crate::diagnose::residual::blocks;
 use crate::fit::predict::{Direction, NUISANCE_STEP, ObservedSimulation, Seed, inward};
 use crate::fit::{Coordinate, Limits, Parameter, SumOfSquares, Sums, minimise, student_quantile};
@@ -84,7 +84,7 @@ impl Effort {
 /// # Errors
 /// Why the start cannot be evaluated.
 pub(in crate::diagnose) fn fit(
-    bench: &Bench,
+    bench: &WeightedDataset,
     model: &Model,
     unknowns: &[Unknown],
     records: &[usize],
@@ -122,7 +122,7 @@ pub(in crate::diagnose) fn fit(
 
 /// The problem: shared coordinates first, then each record's own.
 struct Joint<'a, 'd> {
-    bench: &'a Bench<'d>,
+    bench: &'a WeightedDataset<'d>,
     base: &'a Model,
     unknowns: &'a [Unknown],
     shared: Vec<Coordinate>,
@@ -146,7 +146,7 @@ struct Slot<'d> {
 
 impl<'a, 'd> Joint<'a, 'd> {
     fn new(
-        bench: &'a Bench<'d>,
+        bench: &'a WeightedDataset<'d>,
         base: &'a Model,
         unknowns: &'a [Unknown],
         records: &[usize],
@@ -372,7 +372,7 @@ impl Products {
 /// Products of the weighted changes along every unknown of `model` (those of the records' starts among them), then
 /// of the whole change to each of `probes`; and where the probes begin.
 pub(in crate::diagnose) fn products(
-    bench: &Bench,
+    bench: &WeightedDataset,
     model: &Model,
     unknowns: &[Unknown],
     records: &[usize],
@@ -467,7 +467,7 @@ impl Slot<'_> {
         &mut self,
         model: &Model,
         y: &[f64],
-        lanes: &[crate::diagnose::measurements::bench::Lane],
+        lanes: &[crate::diagnose::measurements::weighted_dataset::RecordResiduals],
     ) -> Result<f64, String> {
         let nuisances = self.own_values(y);
         self.shown.predict(model, &nuisances, &mut self.predictions)?;

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::diagnose::measurements::bench::{Bench, Scored, mean_square};
+use crate::diagnose::measurements::weighted_dataset::{Scored, WeightedDataset, mean_square};
 use crate::diagnose::search::select::{PASSING_FRACTION, PASSING_Z};
 
 /// Correlation below which samples count as independent.
@@ -23,7 +23,7 @@ pub(in crate::diagnose) struct Gain {
 }
 
 impl Gain {
-    /// Whether it is beyond doubt and worth having.
+    /// Whether it is significant and large enough to matter.
     pub fn passes(&self) -> bool {
         self.z > PASSING_Z && self.fraction > PASSING_FRACTION
     }
@@ -87,8 +87,8 @@ pub(in crate::diagnose) fn within(range: Range<usize>, length: usize) -> impl It
 /// What `with` gains over `without`; both are scores of the same records in the same order.
 ///
 /// Of a gain `old² − new² = Δ² + 2 Δ·new` with `Δ = old − new` only the second term is chance, where `new` is what is
-/// left beside the effect: that an effect shows in one stretch of a record more than in another is no doubt of it.
-pub(in crate::diagnose) fn gain(bench: &Bench, without: &[Scored], with: &[Scored]) -> Gain {
+/// left beside the effect: that an effect shows in one stretch of a record more than in another does not make it less certain.
+pub(in crate::diagnose) fn gain(bench: &WeightedDataset, without: &[Scored], with: &[Scored]) -> Gain {
     let length = length(with.iter().map(|one| one.residuals.as_slice()));
     let (mut chances, mut before, mut total) = (Vec::new(), 0.0, 0.0);
     for (old, new) in without.iter().zip(with) {
@@ -110,17 +110,17 @@ pub(in crate::diagnose) fn gain(bench: &Bench, without: &[Scored], with: &[Score
     if before == 0.0 {
         return Gain { z: 0.0, fraction: 0.0 };
     }
-    // Rounding is a doubt of data without noise.
-    let doubt = variance_of(&chances).sqrt().max(1e-9 * before);
-    Gain { z: total / doubt, fraction: total / before }
+    // In data without noise, rounding is the uncertainty.
+    let error = variance_of(&chances).sqrt().max(1e-9 * before);
+    Gain { z: total / error, fraction: total / before }
 }
 
-/// Standard errors that a mean square is lowered by to be beyond doubt.
-const BEYOND_DOUBT: f64 = 2.0;
+/// Standard errors by which a mean square is lowered to its lower confidence bound.
+const MARGIN: f64 = 2.0;
 
 /// The least that the mean square of the residuals of `scored` would be if they were measured again: noise with a long
 /// memory has few independent values in a record, and its mean square differs from record to record.
-pub(in crate::diagnose) fn mean_square_beyond_doubt(bench: &Bench, scored: &[Scored]) -> f64 {
+pub(in crate::diagnose) fn least_mean_square(bench: &WeightedDataset, scored: &[Scored]) -> f64 {
     let length = length(scored.iter().map(|one| one.residuals.as_slice()));
     let square = |block: &[f64]| block.iter().map(|residual| residual * residual).sum::<f64>();
     let strata = scored.iter().flat_map(|one| {
@@ -129,16 +129,16 @@ pub(in crate::diagnose) fn mean_square_beyond_doubt(bench: &Bench, scored: &[Sco
             within(range.clone(), length).map(|block| square(&one.residuals[block])).collect::<Vec<_>>()
         })
     });
-    let doubt = variance_of(&strata.collect::<Vec<_>>()).sqrt();
+    let error = variance_of(&strata.collect::<Vec<_>>()).sqrt();
     let count: usize = scored.iter().map(|one| one.residuals.len()).sum();
-    mean_square(scored) - BEYOND_DOUBT * doubt / count.max(1) as f64
+    mean_square(scored) - MARGIN * error / count.max(1) as f64
 }
 
 /// Blocks of a channel for which the significance of its mean is tested.
 const STRATUM: usize = 8;
 
 /// Variance of a sum of independent numbers, from their differences within each stratum. Strata of few numbers are
-/// taken together; a single number that is left doubts itself.
+/// taken together; a single number is its own variance.
 fn variance_of(strata: &[Vec<f64>]) -> f64 {
     let spread = |values: &[f64]| -> f64 {
         let count = values.len() as f64;
@@ -183,7 +183,7 @@ mod tests {
         for [a, b] in [[5.0, 0.0], [2.5, 2.5], [4.0, 1.0]] {
             assert!((variance_of(&[shaken(a), shaken(b)]) - variance).abs() < 1e-12, "{a} {b}");
         }
-        // A single number is its own doubt, beside others as well; two are judged by each other.
+        // A single number is its own variance, beside others as well; two are judged by each other.
         assert_eq!(variance_of(&[vec![3.0]]), 9.0);
         assert!((variance_of(&[shaken(5.0), vec![3.0]]) - 0.5 * variance - 9.0).abs() < 1e-12);
         assert!((variance_of(&[vec![1.0], vec![3.0]]) - 4.0).abs() < 1e-12);

@@ -3,8 +3,8 @@
 
 use super::blocks::{self, Gain};
 use crate::data::Record;
-use crate::diagnose::measurements::bench::{Bench, Scored};
 use crate::diagnose::measurements::noise::driver;
+use crate::diagnose::measurements::weighted_dataset::{Scored, WeightedDataset};
 use crate::fit::predict::Motion;
 
 /// Cells of a map along the motion, in each direction.
@@ -36,7 +36,11 @@ enum View {
 
 /// The view in which the residuals of the `test` records are most like those of the `seen`, if in any beyond
 /// chance. Both are scores of one model.
-pub(in crate::diagnose) fn repeated(bench: &Bench, seen: &[Scored], test: &[Scored]) -> Option<Repeated> {
+pub(in crate::diagnose) fn repeated(
+    bench: &WeightedDataset,
+    seen: &[Scored],
+    test: &[Scored],
+) -> Option<Repeated> {
     let views = [(View::Place, "the displacement and its direction"), (View::Cycle, "the part of the cycle")];
     let gains = views.into_iter().filter_map(|(view, words)| {
         let range = range(bench, seen.iter().chain(test), view);
@@ -51,7 +55,7 @@ pub(in crate::diagnose) fn repeated(bench: &Bench, seen: &[Scored], test: &[Scor
     gains.max_by(|a, b| a.gain.fraction.total_cmp(&b.gain.fraction))
 }
 
-fn names<'b>(bench: &'b Bench) -> Vec<&'b str> {
+fn names<'b>(bench: &'b WeightedDataset) -> Vec<&'b str> {
     let mut names: Vec<&str> =
         bench.lanes.iter().flat_map(|lane| lane.channels.iter().map(|(name, _)| *name)).collect();
     names.sort_unstable();
@@ -60,7 +64,11 @@ fn names<'b>(bench: &'b Bench) -> Vec<&'b str> {
 }
 
 /// The range of all motions; `None` where each record has its own.
-fn range<'s>(bench: &Bench, scored: impl Iterator<Item = &'s Scored>, view: View) -> Option<[f64; 2]> {
+fn range<'s>(
+    bench: &WeightedDataset,
+    scored: impl Iterator<Item = &'s Scored>,
+    view: View,
+) -> Option<[f64; 2]> {
     match view {
         View::Cycle => None,
         View::Place => {
@@ -78,7 +86,7 @@ fn ends(values: &[f64]) -> [f64; 2] {
 struct Map([(f64, f64); 2 * CELLS]);
 
 impl Map {
-    fn of(bench: &Bench, scored: &[Scored], name: &str, range: Option<[f64; 2]>) -> Self {
+    fn of(bench: &WeightedDataset, scored: &[Scored], name: &str, range: Option<[f64; 2]>) -> Self {
         let mut map = Self([(0.0, 0.0); 2 * CELLS]);
         for one in scored {
             each(bench, one, name, range, |index, cell| {
@@ -89,7 +97,7 @@ impl Map {
         map
     }
 
-    fn take_off(&self, bench: &Bench, one: &mut Scored, name: &str, range: Option<[f64; 2]>) {
+    fn take_off(&self, bench: &WeightedDataset, one: &mut Scored, name: &str, range: Option<[f64; 2]>) {
         let mut changed = one.residuals.clone();
         each(bench, one, name, range, |index, cell| {
             let (sum, count) = self.0[cell];
@@ -101,7 +109,7 @@ impl Map {
 
 /// Calls `visit` with every sample of the channel and its cell.
 fn each(
-    bench: &Bench,
+    bench: &WeightedDataset,
     one: &Scored,
     name: &str,
     range: Option<[f64; 2]>,
@@ -168,7 +176,7 @@ mod tests {
         let data = dataset();
         let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
                     tangential_stiffness = 5e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";
-        let bench = Bench::new(&Model::parse(text).unwrap(), &data, None).unwrap();
+        let bench = WeightedDataset::new(&Model::parse(text).unwrap(), &data, None).unwrap();
         let of = |more: &dyn Fn(usize) -> f64| {
             let [a, b, c] = [0, 1, 2].map(|record| scored(record, more));
             repeated(&bench, &[a, b], &[c])

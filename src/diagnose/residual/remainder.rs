@@ -2,8 +2,8 @@
 //! to the motion, its rate and slow time.
 
 use super::blocks;
-use crate::diagnose::measurements::bench::{Bench, Scored};
 use crate::diagnose::measurements::noise::driver;
+use crate::diagnose::measurements::weighted_dataset::{Scored, WeightedDataset};
 use crate::fit::predict::period;
 
 /// Standard errors beyond which a relation is no chance.
@@ -38,7 +38,7 @@ impl Relation {
 
 /// What the residuals of `scored` follow beyond chance, in words; empty where they look like noise. That samples
 /// near each other are alike counts only where the noise, as periods show it, is less so.
-pub(in crate::diagnose) fn follows(bench: &Bench, scored: &[Scored]) -> Vec<&'static str> {
+pub(in crate::diagnose) fn follows(bench: &WeightedDataset, scored: &[Scored]) -> Vec<&'static str> {
     let [mut motion, mut rate, mut time, mut next, mut noise] = [(); 5].map(|()| Relation::default());
     for one in scored {
         let lane = &bench.lanes[one.record];
@@ -71,8 +71,8 @@ pub(in crate::diagnose) fn follows(bench: &Bench, scored: &[Scored]) -> Vec<&'st
             found.push(name);
         }
     }
-    let doubt = (alike * (1.0 / next.count.max(1.0) + 1.0 / noise.count.max(1.0))).sqrt();
-    if noise.count > 0.0 && next.value() - noise.value() > BEYOND * doubt {
+    let error = (alike * (1.0 / next.count.max(1.0) + 1.0 / noise.count.max(1.0))).sqrt();
+    if noise.count > 0.0 && next.value() - noise.value() > BEYOND * error {
         found.push("itself from sample to sample, more than the noise does");
     }
     found

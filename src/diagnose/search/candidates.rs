@@ -2,8 +2,8 @@
 
 use crate::data::{ChannelName, Dataset, Regime};
 use crate::diagnose::diagnosis::Untried;
-use crate::diagnose::measurements::bench::Bench;
 use crate::diagnose::measurements::magnitudes;
+use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
 use crate::diagnose::refit::trial::Unknown;
 use crate::effects::{AppliedEffect, CATALOGUE, Effect, Kind, Location, Needs, PlaceKind, Range, Scales};
 use crate::fit::Parameter;
@@ -57,7 +57,7 @@ impl Candidate {
 }
 
 /// The candidates beside what `model` has, and the effects left out.
-pub(in crate::diagnose) fn of(model: &Model, bench: &Bench) -> (Vec<Candidate>, Vec<Untried>) {
+pub(in crate::diagnose) fn of(model: &Model, bench: &WeightedDataset) -> (Vec<Candidate>, Vec<Untried>) {
     let (mut candidates, mut untried) = (Vec::new(), Vec::new());
     for effect in CATALOGUE {
         let reason = refusal(effect, model, bench.dataset);
@@ -140,7 +140,7 @@ fn load_varies(dataset: &Dataset) -> bool {
 }
 
 /// The possible places of `effect`.
-fn places(effect: &Effect, model: &Model, bench: &Bench) -> Vec<Option<Location>> {
+fn places(effect: &Effect, model: &Model, bench: &WeightedDataset) -> Vec<Option<Location>> {
     let channels = || {
         let mut names: Vec<&str> =
             bench.lanes.iter().flat_map(|lane| lane.channels.iter().map(|(name, _)| *name)).collect();

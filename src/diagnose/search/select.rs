@@ -4,10 +4,10 @@
 use rayon::prelude::*;
 
 use super::candidates::{self, Candidate};
-use super::findings::{ADEQUATE, Added};
-use crate::diagnose::measurements::bench::{Bench, Scored, mean_square};
+use super::selection_path::{ADEQUATE, Added};
 use crate::diagnose::measurements::split::Parts;
-use crate::diagnose::refit::doubt;
+use crate::diagnose::measurements::weighted_dataset::{Scored, WeightedDataset, mean_square};
+use crate::diagnose::refit::prediction_covariance;
 use crate::diagnose::refit::trial::{self, Effort, Fitted, Unknown};
 use crate::diagnose::residual::blocks::{self, Gain};
 use crate::effects::Scales;
@@ -36,7 +36,7 @@ const WITHIN_REACH: f64 = 300.0;
 const MOST_LEADS: usize = 4;
 /// Combinations of starts that are compared with the data.
 const MOST_COMBINATIONS: usize = 320;
-/// What chance can make of the mean square that the doubt of the parameters adds, as multiple of its average.
+/// Largest probable mean square that the uncertainty of the parameters adds, as a multiple of its average.
 const CHANCE: f64 = 4.0;
 /// Two candidates whose difference is below this many standard errors are tied.
 const TIED_Z: f64 = 1.0;
@@ -47,11 +47,11 @@ const AT_BOUND: f64 = 1e-3;
 /// What all rounds have in common.
 #[derive(Clone, Copy)]
 pub(in crate::diagnose) struct Search<'a, 'd> {
-    pub bench: &'a Bench<'d>,
+    pub bench: &'a WeightedDataset<'d>,
     /// The beginnings of the same records, where those say more to a fit that starts far away.
-    pub beginnings: Option<&'a Bench<'d>>,
+    pub beginnings: Option<&'a WeightedDataset<'d>>,
     /// The records about their measured motions, where motions are solved for.
-    pub about_measured: Option<&'a Bench<'d>>,
+    pub linearised_at_measurement: Option<&'a WeightedDataset<'d>>,
     pub parts: &'a Parts,
     pub scales: &'a Scales,
     /// The model as given.
@@ -86,7 +86,7 @@ struct Screened {
 }
 
 impl Trial {
-    /// Whether its gain is beyond doubt and worth having.
+    /// Whether its gain is significant and large enough to matter.
     pub fn passes(&self) -> bool {
         self.state.is_ok() && self.gain.passes()
     }
@@ -107,7 +107,7 @@ impl State {
 impl<'a, 'd> Search<'a, 'd> {
     /// For effects beside those of `origin`, without beginnings.
     pub fn new(
-        bench: &'a Bench<'d>,
+        bench: &'a WeightedDataset<'d>,
         parts: &'a Parts,
         scales: &'a Scales,
         origin: &'a Model,
@@ -116,7 +116,7 @@ impl<'a, 'd> Search<'a, 'd> {
         Self {
             bench,
             beginnings: None,
-            about_measured: None,
+            linearised_at_measurement: None,
             parts,
             scales,
             origin,
@@ -190,7 +190,8 @@ impl<'a, 'd> Search<'a, 'd> {
     /// where motions are solved for, at the model as given.
     fn begun_at<'m>(&'m self, model: &'m Model) -> Vec<(&'m Model, bool)> {
         let nothing_added = model.effects.len() == self.given;
-        let origin = (self.about_measured.is_some() && nothing_added).then_some((self.origin, true));
+        let origin =
+            (self.linearised_at_measurement.is_some() && nothing_added).then_some((self.origin, true));
         std::iter::once((model, false)).chain(origin).collect()
     }
 
@@ -226,7 +227,7 @@ impl<'a, 'd> Search<'a, 'd> {
             let enough = state.as_ref().is_ok_and(|state| self.fitted_chi_square(state) < ADEQUATE);
             least = least.min(state.as_ref().map_or(f64::INFINITY, |state| state.fitted.cost));
             refined[index] = Some(state);
-            if enough || self.about_measured.is_none() {
+            if enough || self.linearised_at_measurement.is_none() {
                 break;
             }
         }
@@ -234,7 +235,7 @@ impl<'a, 'd> Search<'a, 'd> {
         let followed = |index: usize| {
             let leading = order.first().map_or(f64::INFINITY, |leader| cost(*leader));
             let most = reached.map_or(USEFUL * leading, |reached| WITHIN_REACH * reached);
-            self.about_measured.is_none() || cost(index) <= most
+            self.linearised_at_measurement.is_none() || cost(index) <= most
         };
         let mut trials: Vec<Trial> = sets
             .par_iter()
@@ -291,7 +292,7 @@ impl<'a, 'd> Search<'a, 'd> {
     /// `state`, led by what fits best about the measured motion from minimum to minimum as long as each is deeper than
     /// the last and does not reach the noise.
     fn led_on(&self, mut state: State) -> State {
-        let Some(about) = self.about_measured else { return state };
+        let Some(about) = self.linearised_at_measurement else { return state };
         for _ in 0..MOST_LEADS {
             if !(ADEQUATE..WITHIN_REACH).contains(&self.fitted_chi_square(&state)) {
                 break;
@@ -313,7 +314,7 @@ impl<'a, 'd> Search<'a, 'd> {
         let mut best: Result<Fitted, String> = Err("the fit failed from every start".to_owned());
         let mut rough = Vec::new();
         for &(model, far) in from {
-            let found = match self.about_measured {
+            let found = match self.linearised_at_measurement {
                 None => {
                     let bench = self.beginnings.filter(|_| far).unwrap_or(self.bench);
                     let found = self.screened_on(bench, Effort::Screen, model, set, far);
@@ -338,7 +339,7 @@ impl<'a, 'd> Search<'a, 'd> {
     /// The fits from all starts by the predictions of `bench` alone.
     fn screened_on(
         &self,
-        bench: &Bench,
+        bench: &WeightedDataset,
         effort: Effort,
         model: &Model,
         set: &[Candidate],
@@ -380,7 +381,7 @@ impl<'a, 'd> Search<'a, 'd> {
     }
 
     /// The `count` of `models` that come nearest to the fitted records of `bench` as they are.
-    fn nearest(&self, bench: &Bench, models: Vec<Model>, count: usize) -> Vec<Model> {
+    fn nearest(&self, bench: &WeightedDataset, models: Vec<Model>, count: usize) -> Vec<Model> {
         if models.len() <= count {
             return models;
         }
@@ -446,7 +447,7 @@ impl<'a, 'd> Search<'a, 'd> {
         }
     }
 
-    /// `state` with its model fitted to all records seen, and what that leaves of the noise's mean square there.
+    /// `state` with its model fitted to all records seen, and its reduced χ² there.
     pub fn fitted_to_seen(&self, state: &State) -> Option<(State, f64)> {
         let parts = Parts { fit: self.parts.seen(), ..self.parts.clone() };
         let wide = Search { parts: &parts, ..*self };
@@ -479,22 +480,29 @@ impl<'a, 'd> Search<'a, 'd> {
         step.tied.is_empty() && self.unknowns(model).iter().all(inside)
     }
 
-    /// Mean square of the weighted residuals on the validation records, less what the doubt of the parameters makes of
+    /// Mean square of the weighted residuals on the validation records, less what the uncertainty of the parameters makes of
     /// it; looked at only where it is `limit` or more.
-    pub fn chi_square_beyond_doubt(&self, state: &State, limit: f64) -> f64 {
+    pub fn least_chi_square(&self, state: &State, limit: f64) -> f64 {
         let chi_square = state.chi_square();
         if chi_square < limit {
             return chi_square;
         }
         let (fitted, others) = (&self.parts.fit, &self.parts.select);
-        chi_square - self.made_by_doubt(self.bench, &state.fitted.model, fitted, others)
+        chi_square - self.prediction_variance(self.bench, &state.fitted.model, fitted, others)
     }
 
-    /// What the doubt of the parameters of `model`, fitted to the records `fitted`, can make of the mean square of the
+    /// What the uncertainty of the parameters of `model`, fitted to the records `fitted`, can make of the mean square of the
     /// weighted residuals of `others`.
-    pub fn made_by_doubt(&self, bench: &Bench, model: &Model, fitted: &[usize], others: &[usize]) -> f64 {
-        let doubt = doubt::of_predictions(bench, model, &self.unknowns(model), fitted, others);
-        doubt.map_or(0.0, |doubt| CHANCE * doubt)
+    pub fn prediction_variance(
+        &self,
+        bench: &WeightedDataset,
+        model: &Model,
+        fitted: &[usize],
+        others: &[usize],
+    ) -> f64 {
+        let variance =
+            prediction_covariance::of_predictions(bench, model, &self.unknowns(model), fitted, others);
+        variance.map_or(0.0, |variance| CHANCE * variance)
     }
 
     /// Mean square of the weighted residuals on the fitted records.

@@ -8,7 +8,7 @@ use super::confound;
 use super::detectable;
 use super::select::Search;
 use crate::diagnose::diagnosis::{Confounding, Detectable};
-use crate::diagnose::measurements::bench::Bench;
+use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
 use crate::diagnose::refit::trial;
 use crate::effects::Range;
 use crate::model::Model;
@@ -42,7 +42,7 @@ pub(in crate::diagnose) fn around(
     candidates: &[Candidate],
     chi_square: f64,
 ) -> Result<Sensitivities, String> {
-    let bench: &Bench = search.bench;
+    let bench: &WeightedDataset = search.bench;
     if bench.interrupted() {
         return Err("interrupted".to_owned());
     }
@@ -111,7 +111,7 @@ fn probe(candidate: &Candidate, ranges: &[Range]) -> (Vec<f64>, Probe) {
 struct Gram {
     /// Square of each, as it is.
     sizes: Vec<f64>,
-    /// Products of what is left beside the base.
+    /// Products with the base projected off.
     projected: DMatrix<f64>,
     /// Variance of the residuals' product with each, their correlation in time taken into account.
     variances: Vec<f64>,
@@ -119,7 +119,7 @@ struct Gram {
 }
 
 fn gram(
-    bench: &Bench,
+    bench: &WeightedDataset,
     model: &Model,
     unknowns: &[trial::Unknown],
     records: &[usize],
@@ -142,7 +142,7 @@ fn gram(
     let taken = cross.transpose() * &made;
     let projected =
         DMatrix::from_fn(total - base, total - base, |a, b| all[(base + a, base + b)] - taken[(a, b)]);
-    // The gradient along what is left beside the base, and its variance.
+    // The gradient along the part that the base cannot produce, and its variance.
     let rest = DMatrix::from_fn(total, total - base, |row, k| match kept.iter().position(|at| *at == row) {
         Some(a) => -made[(a, k)] / length(row),
         None if row == base + k => 1.0,

@@ -6,8 +6,8 @@ use crate::diagnose::features;
 use crate::diagnose::residual::maps::Repeated;
 use crate::diagnose::residual::remainder::Relation;
 use crate::diagnose::search::confound;
-use crate::diagnose::search::findings::{ADEQUATE, Outcome, UNEXPLAINED};
 use crate::diagnose::search::select::Search;
+use crate::diagnose::search::selection_path::{ADEQUATE, Outcome, UNEXPLAINED};
 use crate::diagnose::search::sensitivity::Sensitivities;
 use crate::effects;
 use crate::model::Model;
@@ -61,7 +61,7 @@ pub(in crate::diagnose) fn reasons(context: &VerdictContext) -> Vec<String> {
         )),
         _ => {}
     }
-    if outcome.in_doubt {
+    if outcome.within_covariance {
         reasons.push(
             "the model explains the training and validation records. The uncertainty of the parameters alone could \
              cause the residual of the test records, so the model may be complete"
@@ -169,7 +169,7 @@ fn opposed(search: &Search, outcome: &Outcome) -> Vec<String> {
     names.into_iter().map(of).collect()
 }
 
-/// What the candidates of the first round came to, where the noise explains what is left.
+/// What the candidates of the first round came to, where the noise explains the residual.
 fn nothing_gained(outcome: &Outcome) -> String {
     let best = outcome.findings.rounds.first().and_then(|round| round.iter().find(|trial| trial.passes()));
     match best {
@@ -297,7 +297,7 @@ pub(in crate::diagnose) fn next_experiment(context: &VerdictContext, _: &Sensiti
         Verdict::Unexplained if !context.known => Some(
             "Repeat one record, or run it over several periods: the difference of the repeats is the noise".to_owned(),
         ),
-        Verdict::Unexplained if context.outcome.in_doubt => Some(
+        Verdict::Unexplained if context.outcome.within_covariance => Some(
             "Measure more records like the test records, with levels and frequencies a little above and a little below \
              theirs: then the parameters are known well enough to decide whether an effect is missing"
                 .to_owned(),

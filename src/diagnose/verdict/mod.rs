@@ -9,12 +9,12 @@ use crate::diagnose::diagnosis::{
     Candidate, Cost, Diagnosis, Errors, Estimate, Group, Noise, Step, Untried, Verdict,
 };
 use crate::diagnose::engine::{comparison, cost, errors, stage};
-use crate::diagnose::measurements::bench::{Bench, mean_square};
 use crate::diagnose::measurements::split::Parts;
+use crate::diagnose::measurements::weighted_dataset::{WeightedDataset, mean_square};
 use crate::diagnose::search::candidates::{Candidate as Tried, effect_of};
 use crate::diagnose::search::confound;
-use crate::diagnose::search::findings::{Added, Outcome, UNEXPLAINED};
 use crate::diagnose::search::select::{PASSING_FRACTION, PASSING_Z, Search, Trial};
+use crate::diagnose::search::selection_path::{Added, Outcome, UNEXPLAINED};
 use crate::diagnose::search::sensitivity::{self, Sensitivities};
 use crate::fit::compare::Stage;
 use crate::model::Model;
@@ -45,7 +45,7 @@ pub(in crate::diagnose) struct Material<'a> {
 }
 
 /// The whole diagnosis.
-pub(in crate::diagnose) fn of(search: &Search, whole: &Bench, material: Material) -> Diagnosis {
+pub(in crate::diagnose) fn of(search: &Search, whole: &WeightedDataset, material: Material) -> Diagnosis {
     let Material { model, dataset, baseline, measured, known, tried, mut untried, outcome } = material;
     let found = outcome.findings.effects();
     let stages = stages(model, dataset, baseline, &outcome);
@@ -111,7 +111,7 @@ pub(in crate::diagnose) fn of(search: &Search, whole: &Bench, material: Material
         noise: measured,
         comparison: comparison(dataset, stages),
         model: last.model.clone().with_effects_free(search.given),
-        cost: cost(&[Some(search.bench), search.beginnings, search.about_measured, Some(whole)]),
+        cost: cost(&[Some(search.bench), search.beginnings, search.linearised_at_measurement, Some(whole)]),
     }
 }
 
@@ -145,7 +145,7 @@ fn step(added: &Added) -> Step {
     }
 }
 
-/// Effects that lower the error without explaining it: those added, else the best that gained beyond doubt.
+/// Effects that lower the error without explaining it: those added, else the best with a significant gain.
 fn surrogates(outcome: &Outcome) -> Vec<&'static str> {
     let mut ids: Vec<&'static str> =
         outcome.findings.effects().iter().map(|candidate| candidate.effect.id).collect();
@@ -190,7 +190,7 @@ fn judge(outcome: &Outcome, known: bool, groups: &[Group], errors: &Errors) -> V
     let structured = outcome.repeated.is_some_and(|repeated| repeated.gain.fraction > STRUCTURED);
     // What was named must explain the data; the model as it was is doubted for more than chance.
     let too_much = if none {
-        outcome.left.is_some_and(|left| left.is_certainly_too_much())
+        outcome.left.is_some_and(|left| left.is_significant())
     } else {
         test > UNEXPLAINED || selecting > UNEXPLAINED || elsewhere
     };
@@ -223,12 +223,12 @@ fn sensitivities(search: &Search, outcome: &Outcome, tried: &[Tried]) -> Sensiti
 }
 
 /// A round for the report.
-fn reported(bench: &Bench, round: &[Trial], given: usize) -> Vec<Candidate> {
+fn reported(bench: &WeightedDataset, round: &[Trial], given: usize) -> Vec<Candidate> {
     round.iter().map(|trial| reported_one(bench, trial, given)).collect()
 }
 
 /// A trial for the report.
-pub(in crate::diagnose) fn reported_one(bench: &Bench, trial: &Trial, given: usize) -> Candidate {
+pub(in crate::diagnose) fn reported_one(bench: &WeightedDataset, trial: &Trial, given: usize) -> Candidate {
     let (error, parameters, evaluations) = match &trial.state {
         Ok(state) => (
             bench.normalised_error(&state.scored),

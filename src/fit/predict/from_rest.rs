@@ -11,11 +11,11 @@ use crate::model::{Model, Structure};
 pub(super) struct FromRest<'r> {
     channels: Vec<&'r Channel>,
     samples: usize,
-    driven: Driven<'r>,
+    excited: Excited<'r>,
 }
 
 /// What the record drives, by the kind of model.
-enum Driven<'r> {
+enum Excited<'r> {
     Contact(MovedContact<'r>),
     System(ExcitedSystem),
 }
@@ -23,11 +23,11 @@ enum Driven<'r> {
 impl<'r> FromRest<'r> {
     /// Of `channels` of `record`, for models of the kind of `model`.
     pub fn new(model: &Model, record: &'r Record, channels: Vec<&'r Channel>) -> Result<Self, String> {
-        let driven = match &model.structure {
-            Structure::Prescribed => Driven::Contact(MovedContact::new(record, channels.clone())?),
-            _ => Driven::System(ExcitedSystem::new(model, record, &channels)?),
+        let excited = match &model.structure {
+            Structure::Prescribed => Excited::Contact(MovedContact::new(record, channels.clone())?),
+            _ => Excited::System(ExcitedSystem::new(model, record, &channels)?),
         };
-        Ok(Self { channels, samples: record.len(), driven })
+        Ok(Self { channels, samples: record.len(), excited })
     }
 }
 
@@ -37,7 +37,7 @@ impl Simulation for FromRest<'_> {
     }
 
     fn is_timed(&self, channel: &Channel) -> bool {
-        matches!(&self.driven, Driven::Contact(contact) if contact.is_timed(channel))
+        matches!(&self.excited, Excited::Contact(contact) if contact.is_timed(channel))
     }
 
     fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
@@ -45,12 +45,12 @@ impl Simulation for FromRest<'_> {
             stepper.rest();
             march(stepper, self.channels.len(), self.samples, out)
         };
-        match &mut self.driven {
-            Driven::Contact(contact) => {
+        match &mut self.excited {
+            Excited::Contact(contact) => {
                 let law = contact.drive(model)?;
                 run(&mut contact.stepper(law.as_ref()))
             }
-            Driven::System(system) => run(&mut system.stepper(model)?),
+            Excited::System(system) => run(&mut system.stepper(model)?),
         }
     }
 }

@@ -50,8 +50,8 @@ impl Assembly {
             && (0..self.waveform.len()).filter(even).all(|k| self.waveform[k] == 0.0)
     }
 
-    /// Refuses an excitation that a response with the harmonics of `settings` could not follow: what is left out
-    /// of it would be missing from the response and from the estimate of its error.
+    /// Refuses an excitation that a response with the harmonics of `settings` could not follow: the harmonics left out
+    /// would be missing from the response and from the estimate of its error.
     pub(crate) fn check_excitation(&self, settings: &CurveSettings) -> Result<(), HarmonicError> {
         let highest = self.waveform.iter().rposition(|f| *f != 0.0).map_or(0, |place| place.div_ceil(2));
         if highest > settings.harmonics {

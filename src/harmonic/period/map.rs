@@ -24,7 +24,7 @@ pub(crate) struct ContactMap {
     set: HarmonicSet,
     method: Method,
     sliders: Vec<Slider>,
-    way: Way,
+    scheme: Scheme,
     cycle: Box<dyn Cycle>,
     /// Dampers (N s/m): of the law beside what the cycle follows, and taken over by the structure.
     own_damping: f64,
@@ -37,13 +37,13 @@ pub(crate) struct ContactMap {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Way {
+enum Scheme {
     Piecewise,
     Smooth,
     Sampled(usize),
 }
 
-impl Way {
+impl Scheme {
     fn cycle(self, set: HarmonicSet) -> Box<dyn Cycle> {
         match self {
             Self::Piecewise => Box::new(PiecewiseCycle::new(set)),
@@ -56,16 +56,16 @@ impl Way {
 impl ContactMap {
     /// A contact map on `set`, less the damper `shift` (N s/m), which may be zero.
     pub fn new(set: HarmonicSet, method: Method, shift: f64) -> Self {
-        let way = match method {
-            Method::Exact => Way::Piecewise,
-            Method::Sampled { samples } => Way::Sampled(samples),
+        let scheme = match method {
+            Method::Exact => Scheme::Piecewise,
+            Method::Sampled { samples } => Scheme::Sampled(samples),
         };
         Self {
             set,
             method,
             sliders: Vec::new(),
-            way,
-            cycle: way.cycle(set),
+            scheme,
+            cycle: scheme.cycle(set),
             own_damping: 0.0,
             shift,
             displacement: Vec::new(),
@@ -76,7 +76,7 @@ impl ContactMap {
         }
     }
 
-    /// Makes the way fit the law.
+    /// Makes the scheme fit the law.
     fn choose(&mut self, contact: &PeriodicContact) -> Result<(), HarmonicError> {
         if let Method::Sampled { samples } = self.method {
             return if samples < 8 * self.set.highest() {
@@ -93,13 +93,13 @@ impl ContactMap {
             // Behind a spring the damper's velocity is not that of the displacement given.
             damping.filter(|damping| *damping == 0.0 || contact.compliance == 0.0)
         };
-        let way = match damping {
-            Some(_) => Way::Piecewise,
-            None if moving => Way::Sampled(SAMPLES_IN_MOTION),
-            None => Way::Smooth,
+        let scheme = match damping {
+            Some(_) => Scheme::Piecewise,
+            None if moving => Scheme::Sampled(SAMPLES_IN_MOTION),
+            None => Scheme::Smooth,
         };
-        if self.way != way {
-            (self.way, self.cycle) = (way, way.cycle(self.set));
+        if self.scheme != scheme {
+            (self.scheme, self.cycle) = (scheme, scheme.cycle(self.set));
         }
         self.own_damping = damping.unwrap_or(0.0);
         Ok(())

@@ -16,7 +16,7 @@ pub(crate) const LARGEST_CHANGE: f64 = 0.03;
 
 /// What is followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Followed {
+pub enum TrackedQuantity {
     /// The frequency at which the node's amplitude, its largest displacement over a period, is largest.
     Peak,
     /// The frequency at which the first harmonic of the node's displacement is a quarter period behind that
@@ -30,7 +30,7 @@ pub enum Followed {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tracking {
     /// What is followed.
-    pub followed: Followed,
+    pub followed: TrackedQuantity,
     /// Which node of the structure.
     pub node: usize,
     /// Ω (rad/s) near which it is at the first value: the peak is the next one uphill from there.
@@ -64,7 +64,7 @@ pub struct TrackedCurve {
 /// Follows a response over the excitation's levels, in the order given.
 ///
 /// ```
-/// use stickslip::harmonic::{Assembly, CurveSettings, Followed, Tracking, track_levels};
+/// use stickslip::harmonic::{Assembly, CurveSettings, TrackedQuantity, Tracking, track_levels};
 /// use stickslip::model::Model;
 /// let model = Model::parse(
 ///     r#"
@@ -76,7 +76,7 @@ pub struct TrackedCurve {
 ///     "#,
 /// )?;
 /// let assembly = Assembly::new(model.system()?);
-/// let tracking = Tracking { followed: Followed::Peak, node: 0, angular_frequency: 1.1 };
+/// let tracking = Tracking { followed: TrackedQuantity::Peak, node: 0, angular_frequency: 1.1 };
 /// let levels = [0.001, 1.0, 100.0];
 /// let peaks = track_levels(&assembly, &tracking, &levels, &CurveSettings::default())?.points;
 /// // From stuck, √1.44, to free.
@@ -106,7 +106,7 @@ pub fn track_levels(
 /// value.
 ///
 /// ```
-/// use stickslip::harmonic::{Assembly, CurveSettings, Followed, Tracking, track_parameter};
+/// use stickslip::harmonic::{Assembly, CurveSettings, TrackedQuantity, Tracking, track_parameter};
 /// use stickslip::model::Model;
 /// let model = Model::parse(
 ///     r#"
@@ -118,7 +118,7 @@ pub fn track_levels(
 ///     "#,
 /// )?;
 /// let over_friction = model.assembly_over("contact.friction_coefficient")?;
-/// let tracking = Tracking { followed: Followed::Phase, node: 0, angular_frequency: 1.1 };
+/// let tracking = Tracking { followed: TrackedQuantity::Phase, node: 0, angular_frequency: 1.1 };
 /// let settings = CurveSettings::default();
 /// let resonances = track_parameter(&over_friction, 0.5, &tracking, &[0.1, 0.2, 0.3], &settings)?.points;
 /// assert!(resonances[2].point.angular_frequency > resonances[0].point.angular_frequency);
@@ -173,9 +173,9 @@ impl<'s> Follower<'s> {
             return Err(HarmonicError::InvalidInput("the frequency to start from must be positive"));
         }
         let sought = match tracking.followed {
-            Followed::Frequency => Sought::Frequency,
-            Followed::Peak => Sought::Peak(tracking.node),
-            Followed::Phase => {
+            TrackedQuantity::Frequency => Sought::Frequency,
+            TrackedQuantity::Peak => Sought::Peak(tracking.node),
+            TrackedQuantity::Phase => {
                 let part = |place: usize| assembly.waveform.get(place).copied().unwrap_or(0.0);
                 let excitation = [part(1), part(2)];
                 if excitation == [0.0; 2] {

@@ -1,4 +1,4 @@
-//! Where no disturbance can grow, whatever the motion: no multiplier has to be computed.
+//! Motions that are always stable, whatever they are: no multiplier has to be computed.
 //!
 //! Between two motions of a structure whose mass is positive, whose damping and stiffness nowhere negative, on sliders
 //! without play, the energy of the difference, `½ δẋᵀM δẋ + ½ δxᵀK δx + ½ Σ δTᵢ²/kᵢ`, only falls: dampers take from it,

@@ -94,7 +94,7 @@ impl Basis {
     }
 }
 
-/// Result of one sweep: what is left of the problem at the pin.
+/// Result of one sweep: the reduced problem at the pin.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Arrival {
     /// Natural frequencies below this one if the pin's rotation were held as well.

@@ -162,6 +162,6 @@ impl Tangent {
         let flexibility = solver.plant.ports[contact.port].flexibility;
         let displacement = displacement - flexibility * change.force;
         let by = Inputs { displacement, velocity, normal_load: change.load };
-        self.carried[e].look(law, inputs(at, flexibility, at.normal_load), by).dissipated_energy
+        self.sensitivity[e].look(law, inputs(at, flexibility, at.normal_load), by).dissipated_energy
     }
 }

@@ -8,7 +8,7 @@ use super::{PAIR, Tangent, inputs};
 use crate::contact::Inputs;
 
 /// A step, and the change of the inputs over the communication step.
-struct Way<'a> {
+struct PerturbedStep<'a> {
     span: &'a Span,
     by: &'a [Ramp],
 }
@@ -16,7 +16,7 @@ struct Way<'a> {
 impl Tangent {
     /// Goes through the step that `solver` has tried with success and not yet taken over.
     pub fn through_equal(&mut self, solver: &StepSolver, span: &Span, by: &[Ramp]) {
-        let (plant, way) = (&solver.plant, &Way { span, by });
+        let (plant, perturbed) = (&solver.plant, &PerturbedStep { span, by });
         for node in PAIR {
             plant.shorten(&solver.q[node], &mut self.pull[node]);
             plant.shorten(&solver.v[node], &mut self.turning[node]);
@@ -29,26 +29,26 @@ impl Tangent {
             self.linearise_at(solver, (e, END), inputs, by[contact.input].at(span.to));
             if contact.law.is_some() {
                 let change = (self.geometric(solver, e, 0).1, self.contacts[e].tangent);
-                self.rates[e] = [rate(solver, (e, 0), change, way); 2];
+                self.rates[e] = [rate(solver, (e, 0), change, perturbed); 2];
                 self.nodes[END][e].force = self.contacts[e].force + span.step * self.rates[e][0];
             }
         }
         self.straighten();
         for _ in 0..if plant.follows_motion() { 2 } else { 1 } {
-            PAIR.into_iter().for_each(|node| self.push(solver, node, way));
+            PAIR.into_iter().for_each(|node| self.push(solver, node, perturbed));
         }
         for _ in 0..if plant.interacts() { SWEEPS } else { 1 } {
             self.place(solver, END, |change| &change.p);
             (0..plant.contacts.len()).for_each(|e| self.answer_at_end(solver, e));
             self.straighten();
-            PAIR.into_iter().for_each(|node| self.push(solver, node, way));
+            PAIR.into_iter().for_each(|node| self.push(solver, node, perturbed));
         }
         for e in 0..plant.contacts.len() {
-            self.rate_at_end(solver, e, way);
+            self.rate_at_end(solver, e, perturbed);
             let [before, after] = self.rates[e];
             self.nodes[MIDDLE][e].force += bow(span.step * (before - after));
         }
-        self.push(solver, MIDDLE, way);
+        self.push(solver, MIDDLE, perturbed);
         for e in 0..plant.contacts.len() {
             let [displacement, velocity] = self.seen[e];
             let (load, change) = (solver.nodes[END][e].normal_load, self.nodes[END][e].load);
@@ -91,7 +91,7 @@ impl Tangent {
     }
 
     /// Change of the rate of a law's force at the end.
-    fn rate_at_end(&mut self, solver: &StepSolver, e: usize, way: &Way) {
+    fn rate_at_end(&mut self, solver: &StepSolver, e: usize, perturbed: &PerturbedStep) {
         let contact = &solver.plant.contacts[e];
         let Some(law) = contact.law.as_deref() else { return };
         let flexibility = solver.plant.ports[contact.port].flexibility;
@@ -99,8 +99,8 @@ impl Tangent {
         let by =
             Inputs { displacement: displacement - flexibility * at.force, velocity, normal_load: at.load };
         let node = &solver.nodes[END][e];
-        let tangent = self.carried[e].look(law, inputs(node, flexibility, node.normal_load), by).tangent;
-        self.rates[e][1] = rate(solver, (e, END), (velocity, tangent), way);
+        let tangent = self.sensitivity[e].look(law, inputs(node, flexibility, node.normal_load), by).tangent;
+        self.rates[e][1] = rate(solver, (e, END), (velocity, tangent), perturbed);
     }
 
     /// Forces at the middle of the step on straight lines between its ends.
@@ -111,20 +111,25 @@ impl Tangent {
     }
 
     /// Forcing at a node from forces that are known there.
-    fn push(&mut self, solver: &StepSolver, node: usize, way: &Way) {
+    fn push(&mut self, solver: &StepSolver, node: usize, perturbed: &PerturbedStep) {
         if solver.plant.follows_motion() {
             self.place(solver, node, |change| &change.p);
         }
-        self.force_without_laws(solver, node, way.by, way.span.fraction(NODES[node]));
+        self.force_without_laws(solver, node, perturbed.by, perturbed.span.fraction(NODES[node]));
         self.add_laws(solver, node);
     }
 }
 
 /// Change of the rate of a law's force at a node (N/s), where its port's velocity and its tangent change so.
-fn rate(solver: &StepSolver, (e, node): (usize, usize), (velocity, tangent): (f64, f64), way: &Way) -> f64 {
+fn rate(
+    solver: &StepSolver,
+    (e, node): (usize, usize),
+    (velocity, tangent): (f64, f64),
+    perturbed: &PerturbedStep,
+) -> f64 {
     let (contact, at) = (&solver.plant.contacts[e], &solver.nodes[node][e]);
     let flexibility = solver.plant.ports[contact.port].flexibility;
-    tangent * at.velocity(flexibility, way.span.rate(solver.ramps[contact.input]))
+    tangent * at.velocity(flexibility, perturbed.span.rate(solver.ramps[contact.input]))
         + at.tangent * velocity / (1.0 + flexibility * at.tangent)
-        + at.load_tangent * way.span.rate(way.by[contact.input])
+        + at.load_tangent * perturbed.span.rate(perturbed.by[contact.input])
 }

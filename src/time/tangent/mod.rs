@@ -8,7 +8,7 @@ use super::node::NodeContact;
 use super::plant::{add_product, dot};
 use super::propagator::{END, MIDDLE};
 use super::step::{Span, StepSolver, bent_energy};
-use crate::contact::{Carried, Inputs, Tangents};
+use crate::contact::{Inputs, StateSensitivity, Tangents};
 
 /// Nodes whose forces are solved for.
 const PAIR: [usize; 2] = [MIDDLE, END];
@@ -31,7 +31,7 @@ pub(crate) struct Tangent {
     acceleration: Vec<f64>,
     product: Vec<f64>,
     nodes: [Vec<NodeChange>; 5],
-    carried: Vec<Carried>,
+    sensitivity: Vec<StateSensitivity>,
     unused: Vec<f64>,
     matrix: Vec<f64>,
     right: Vec<f64>,
@@ -92,15 +92,15 @@ impl Tangent {
         }
         self.unused.clear();
         self.unused.resize(solver.plant.memory_len, 0.0);
-        self.carried.resize(contacts, Carried::default());
-        for (carried, contact) in self.carried.iter_mut().zip(&solver.plant.contacts) {
+        self.sensitivity.resize(contacts, StateSensitivity::default());
+        for (carried, contact) in self.sensitivity.iter_mut().zip(&solver.plant.contacts) {
             carried.begin(&solver.memory[contact.memory.clone()]);
         }
     }
 
     /// At rest, with laws that remember nothing but their loads.
     pub fn rest(&mut self, solver: &StepSolver, by: &[Ramp]) {
-        for (carried, contact) in self.carried.iter_mut().zip(&solver.plant.contacts) {
+        for (carried, contact) in self.sensitivity.iter_mut().zip(&solver.plant.contacts) {
             if let Some(law) = contact.law.as_deref() {
                 carried.rest(law, solver.ramps[contact.input].start, by[contact.input].start);
             }
@@ -138,7 +138,7 @@ impl Tangent {
         let Some(law) = contact.law.as_deref() else { return };
         let flexibility = solver.plant.ports[contact.port].flexibility;
         let inputs = inputs(&solver.nodes[node][e], flexibility, load);
-        let carried = &mut self.carried[e];
+        let carried = &mut self.sensitivity[e];
         let t = law.step(&carried.memory, inputs, &mut self.unused[contact.memory.clone()]).tangents;
         let by_memory = carried.force_by_memory(law, inputs);
         let slope = 1.0 + flexibility * t.displacement;
@@ -194,8 +194,8 @@ impl Tangent {
             return;
         };
         let unused = &mut self.unused[contact.memory.clone()];
-        at.tangents = law.step(&self.carried[e].memory, inputs, unused).tangents;
-        at.by_memory = self.carried[e].force_by_memory(law, inputs);
+        at.tangents = law.step(&self.sensitivity[e].memory, inputs, unused).tangents;
+        at.by_memory = self.sensitivity[e].force_by_memory(law, inputs);
     }
 
     /// Change of the force of a law or from outside at a node that is placed (N).

@@ -180,7 +180,7 @@ impl Condensed {
 
     /// One step of block elimination on the balance with twice the harmonics: those beyond the set respond
     /// to the contacts' forces there, the changed displacement changes the forces kept, and these
-    /// move the unknowns. First order in what is left out. What is beyond twice the harmonics is taken from how fast
+    /// move the unknowns. First order in the harmonics left out. What is beyond twice the harmonics is taken from how fast
     /// the forces fall ([`Self::tails`]).
     pub(super) fn left_out(
         &mut self,

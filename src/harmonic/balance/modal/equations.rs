@@ -6,7 +6,7 @@
 //! `modes × coefficients`.
 //!
 //! Solved by iteration: the low harmonics, where the response is resonant and the force strong, are inverted
-//! together, the rest mode by mode. What is left out converges within a few rounds; where it does not, under a force
+//! together, the rest mode by mode. The remainder converges within a few rounds; where it does not, under a force
 //! that nearly buckles the beam or more, minimal residuals find the way, and where they do not, more harmonics join
 //! the low ones, in the end all of them.
 

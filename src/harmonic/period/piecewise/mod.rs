@@ -47,7 +47,7 @@ pub(crate) struct PiecewiseCycle {
 
 /// How the sliders went through a period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Followed {
+enum Passage {
     /// Nothing moved.
     AtRest,
     /// Each on its own.
@@ -131,7 +131,7 @@ impl PiecewiseCycle {
     }
 
     /// Follows the contact through the period and keeps the books; at rest they are complete.
-    fn run_through(&mut self, contact: &PeriodicContact, u: &[f64]) -> Result<Followed, HarmonicError> {
+    fn run_through(&mut self, contact: &PeriodicContact, u: &[f64]) -> Result<Passage, HarmonicError> {
         if contact.law.sliders_and_damper(contact.normal_load, &mut self.sliders).is_none() {
             return Err(HarmonicError::InvalidInput("the contact law is not piecewise linear"));
         }
@@ -146,7 +146,7 @@ impl PiecewiseCycle {
         self.record.clear(self.path.points.len());
         if self.path.points.is_empty() {
             self.rest();
-            return Ok(Followed::AtRest);
+            return Ok(Passage::AtRest);
         }
         self.integrals.start(&self.path.points);
         if contact.compliance != 0.0 && self.sliders.len() > 1 {
@@ -154,13 +154,13 @@ impl PiecewiseCycle {
             if !bundle.run(sliders, contact.compliance, path, &mut Books { integrals, record, motion }) {
                 return Err(HarmonicError::ContactNotPeriodic { cycles: MOST_ROUNDS });
             }
-            return Ok(Followed::Together);
+            return Ok(Passage::Together);
         }
         for i in 0..self.sliders.len() {
             let reach = Reach::behind(&self.sliders[i], contact.compliance);
             self.run(&reach);
         }
-        Ok(Followed::Alone)
+        Ok(Passage::Alone)
     }
 
     /// A contact at rest: a contact without history loaded to the mean displacement. What slid on the way follows a
@@ -229,9 +229,9 @@ impl Cycle for PiecewiseCycle {
         u: &[f64],
     ) -> Result<(), HarmonicError> {
         let together = match self.run_through(contact, u)? {
-            Followed::AtRest => return Ok(()),
-            Followed::Alone => false,
-            Followed::Together => true,
+            Passage::AtRest => return Ok(()),
+            Passage::Alone => false,
+            Passage::Together => true,
         };
         let contact_by_points = together.then_some(self.bundle.by_points.as_slice());
         let (force, jacobian) = (&mut self.force, &mut self.jacobian);

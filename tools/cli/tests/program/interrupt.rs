@@ -61,7 +61,7 @@ impl Hung {
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(130), "{output:?}");
         assert_eq!(fs::read_dir(&temporary).unwrap().count(), 0, "temporary folders are left");
-        wait_for("its processes to end", || !anybody_names(&temporary));
+        wait_for("its processes to end", || !is_named_by_a_process(&temporary));
         (folder, output)
     }
 }
@@ -75,7 +75,7 @@ fn wait_for(what: &str, done: impl Fn() -> bool) {
 }
 
 /// Whether a process has the path in its command line.
-fn anybody_names(path: &Path) -> bool {
+fn is_named_by_a_process(path: &Path) -> bool {
     let path = path.to_str().unwrap();
     let processes = fs::read_dir("/proc").unwrap().flatten();
     processes
@@ -136,5 +136,5 @@ fn the_process_of_an_fmu_that_hangs_ends_with_a_master_that_is_killed() {
     let mut hung = Hung::new(&["--isolate"]);
     hung.child.kill().unwrap();
     hung.child.wait().unwrap();
-    wait_for("its processes to end", || !anybody_names(&hung.temporary));
+    wait_for("its processes to end", || !is_named_by_a_process(&hung.temporary));
 }

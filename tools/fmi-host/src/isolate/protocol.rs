@@ -136,7 +136,7 @@ impl Frame {
     }
 }
 
-/// What is left of a frame.
+/// The unread rest of a frame.
 #[derive(Debug)]
 pub struct Reader<'a>(&'a [u8]);
 

@@ -18,7 +18,7 @@ pub struct Diagnosis {
     pub places: BTreeMap<String, String>,
     /// Groups of effects that the data cannot tell apart.
     pub groups: Vec<Vec<String>>,
-    /// Error on the untouched records.
+    /// Error on the test records.
     pub untouched: Option<f64>,
     /// What the noise alone leaves there, as the program sees it.
     pub floor: Option<f64>,
@@ -138,7 +138,7 @@ pub struct Score {
     pub named_falsely: bool,
     /// Parameters of truly hidden effects whose interval holds the true value, and how many were told.
     pub covered: (usize, usize),
-    /// Error on untouched records over the noise that was added, when the verdict is right.
+    /// Error on test records over the noise that was added, when the verdict is right.
     pub untouched: Option<f64>,
     /// The same over the noise floor that the program tells.
     pub untouched_told: Option<f64>,

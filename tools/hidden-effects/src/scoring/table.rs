@@ -48,7 +48,7 @@ impl<'a> Figures<'a> {
         (covered as f64, told)
     }
 
-    /// Errors on untouched records over the noise that `of` takes, rising.
+    /// Errors on test records over the noise that `of` takes, rising.
     fn untouched(&self, of: fn(&Score) -> Option<f64>) -> Vec<f64> {
         let mut ratios: Vec<f64> = self.outcomes.iter().filter_map(|outcome| of(&outcome.score)).collect();
         ratios.sort_by(f64::total_cmp);

@@ -314,7 +314,7 @@ fn view(kind: &str, caption: &str, half: bool) -> Markup {
     }
 }
 
-/// What is left of the last stage, as the force (or motion) that the model lacks, against every cause, over all
+/// Residual of the last stage, as the force (or motion) that the model lacks, against every cause, over all
 /// records: for a look at what the catalogue does not hold. To be followed by [`section`], which has the data.
 pub fn latent(comparison: &Comparison, records: &[usize]) -> Markup {
     let shown = drawable(comparison, records);

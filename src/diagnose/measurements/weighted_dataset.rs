@@ -14,10 +14,10 @@ use crate::model::Model;
 const ON_THE_WRONG_BRANCH: f64 = 0.2;
 
 /// A dataset with weights, and counters of what is spent on it.
-pub(in crate::diagnose) struct Bench<'d> {
+pub(in crate::diagnose) struct WeightedDataset<'d> {
     pub dataset: &'d Dataset,
     /// Per record, in the order of the dataset.
-    pub lanes: Vec<Lane<'d>>,
+    pub lanes: Vec<RecordResiduals<'d>>,
     simulations: AtomicUsize,
     refits: AtomicUsize,
     interrupt: Option<InterruptHook<'d>>,
@@ -25,7 +25,7 @@ pub(in crate::diagnose) struct Bench<'d> {
 
 /// One record's compared channels, one after the other.
 #[derive(Clone)]
-pub(in crate::diagnose) struct Lane<'d> {
+pub(in crate::diagnose) struct RecordResiduals<'d> {
     pub record: &'d Record,
     /// Measured values.
     pub measured: Vec<f64>,
@@ -51,7 +51,7 @@ pub(in crate::diagnose) struct Scored {
     pub residuals: Vec<f64>,
 }
 
-impl<'d> Bench<'d> {
+impl<'d> WeightedDataset<'d> {
     /// Of `dataset`, for models of the kind of `model`, weighted by the channels' standard deviations.
     ///
     /// # Errors
@@ -80,14 +80,14 @@ impl<'d> Bench<'d> {
     }
 
     /// The same with predictions to first order about the measured motions; `None` where nothing is solved for.
-    pub fn about_measured(&self) -> Option<Self> {
-        let solved = |lane: &Lane| lane.seed.is_some();
+    pub fn linearised_at_measurement(&self) -> Option<Self> {
+        let solved = |lane: &RecordResiduals| lane.seed.is_some();
         self.lanes.iter().any(solved).then(|| Self {
             dataset: self.dataset,
             lanes: self
                 .lanes
                 .iter()
-                .map(|lane| Lane {
+                .map(|lane| RecordResiduals {
                     seed: lane.seed.as_ref().map(|_| Seed::LinearisedAtMeasurement),
                     ..lane.clone()
                 })
@@ -130,7 +130,7 @@ impl<'d> Bench<'d> {
         records.par_iter().map(scored).collect()
     }
 
-    /// As [`Bench::score`], of the model of a fit. Where that is far from what was measured, also from the solution that
+    /// As [`WeightedDataset::score`], of the model of a fit. Where that is far from what was measured, also from the solution that
     /// the fit ended at, or from none: simulations may start from what leads to another of several responses.
     pub fn score_anew(&self, fitted: &Fitted, records: &[usize]) -> Result<Vec<Scored>, String> {
         let model = &fitted.model;
@@ -192,10 +192,10 @@ fn square(scored: &Scored) -> f64 {
     scored.residuals.iter().map(|r| r * r).sum()
 }
 
-fn lane<'d>(model: &Model, record: &'d Record) -> Result<Lane<'d>, String> {
+fn lane<'d>(model: &Model, record: &'d Record) -> Result<RecordResiduals<'d>, String> {
     // Building a simulation says what the record lacks.
     let seed = ObservedSimulation::new(model, record)?.solution().cloned().map(Seed::Near);
-    let mut lane = Lane {
+    let mut lane = RecordResiduals {
         record,
         measured: Vec::new(),
         weights: Vec::new(),
@@ -214,7 +214,7 @@ fn lane<'d>(model: &Model, record: &'d Record) -> Result<Lane<'d>, String> {
     Ok(lane)
 }
 
-impl<'d> Lane<'d> {
+impl<'d> RecordResiduals<'d> {
     /// A simulation of the record.
     pub fn shown(&self, model: &Model) -> Result<ObservedSimulation<'d>, String> {
         ObservedSimulation::near(model, self.record, self.seed.as_ref())

@@ -3,18 +3,18 @@
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::trial::{Unknown, products};
-use crate::diagnose::measurements::bench::Bench;
+use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
 use crate::model::Model;
 
-/// Fraction of the curvature's diagonal that is added, so that what the records do not show has a doubt, too.
+/// Fraction of the curvature's diagonal that is added, so that parameters that the records do not determine have a variance, too.
 const LEAST: f64 = 1e-10;
 
-/// Mean square, in units of the noise's, that the doubt of `unknowns` of `model`, fitted to the records `fitted`, adds
-/// on average to what is left of the records `others`. Where a response is near a jump it can be far more than the
-/// noise. Its own scatter is that of a square: with one parameter in doubt four times the average is two standard
+/// Mean square, in units of the noise's, that the uncertainty of `unknowns` of `model`, fitted to the records `fitted`, adds
+/// on average to the residuals of the records `others`. Where a response is near a jump it can be far more than the
+/// noise. Its own scatter is that of a square: with one uncertain parameter four times the average is two standard
 /// errors.
 pub(in crate::diagnose) fn of_predictions(
-    bench: &Bench,
+    bench: &WeightedDataset,
     model: &Model,
     unknowns: &[Unknown],
     fitted: &[usize],
@@ -49,7 +49,7 @@ pub(in crate::diagnose) fn of_predictions(
 mod tests {
     use super::*;
     use crate::data::{Channel, Dataset, Record, Regime};
-    use crate::diagnose::trial::{Effort, fit};
+    use crate::diagnose::refit::trial::{Effort, fit};
     use crate::fit::{Parameter, Scale};
 
     const STIFFNESS: f64 = 5e6; // N/m
@@ -102,12 +102,12 @@ mod tests {
             unknown("contact.tangential_stiffness", STIFFNESS),
             unknown("contact.friction_coefficient", 0.5),
         ];
-        // The first hardly slips: the limit is in doubt, and the second shows little else.
+        // The first hardly slips: the limit is uncertain, and the second shows little else.
         const DRAWS: u64 = 60;
         let (mut scatter, mut expected) = (0.0, 0.0);
         for draw in 0..DRAWS {
             let data = dataset(&[1.05e-5, 5e-5], draw);
-            let mut bench = Bench::new(&model, &data, None).unwrap();
+            let mut bench = WeightedDataset::new(&model, &data, None).unwrap();
             bench.lanes.iter_mut().for_each(|lane| lane.weights.fill(1.0 / DEVIATION));
             let exact = &bench.score(&model, &[1]).unwrap()[0].predictions;
             let fitted = fit(&bench, &model, &unknowns, &[0], Effort::Full).unwrap();

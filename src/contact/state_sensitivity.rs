@@ -4,7 +4,7 @@ use super::{ContactLaw, Inputs, StateTangents};
 
 /// A law's memory, and how it changes when the inputs of all steps so far change by given amounts, to first order.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Carried {
+pub(crate) struct StateSensitivity {
     pub memory: Vec<f64>,
     pub change: Vec<f64>,
     next: Vec<f64>,
@@ -30,7 +30,7 @@ const CORNER: f64 = 30.0;
 /// Displacement (m), velocity (m/s) and load (N) below which the span is not made smaller.
 const SMALLEST: [f64; 3] = [1e-8, 1e-4, 1e-3];
 
-impl Carried {
+impl StateSensitivity {
     /// Begins with `memory`, which does not change.
     pub fn begin(&mut self, memory: &[f64]) {
         self.memory.clear();

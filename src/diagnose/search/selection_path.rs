@@ -2,8 +2,8 @@
 
 use super::candidates::Candidate;
 use super::select::{OTHER_MINIMUM, PASSING_Z, Search, State, Trial};
-use crate::diagnose::engine::Meter;
-use crate::diagnose::measurements::bench::{Scored, mean_square};
+use crate::diagnose::engine::Progress;
+use crate::diagnose::measurements::weighted_dataset::{Scored, mean_square};
 use crate::diagnose::refit::trial::Fitted;
 use crate::diagnose::residual::blocks::{self, Gain};
 use crate::diagnose::residual::maps::Repeated;
@@ -40,7 +40,7 @@ pub(in crate::diagnose) struct Added {
 }
 
 /// All rounds.
-pub(in crate::diagnose) struct Findings {
+pub(in crate::diagnose) struct SelectionPath {
     /// The model refitted, nothing added.
     pub base: State,
     /// What was added, in order.
@@ -54,42 +54,43 @@ pub(in crate::diagnose) struct Findings {
 
 /// The end of the search, on all records seen, and the test records.
 pub(in crate::diagnose) struct Outcome {
-    pub findings: Findings,
+    pub findings: SelectionPath,
     /// The base, and one per step; one more where something was dropped.
     pub fits: Vec<Fitted>,
     /// Normalised error of the test records under the model as given.
     pub given: f64,
-    /// Untouched records under the first and the last of them.
+    /// Test records under the first and the last of them.
     pub before: Vec<Scored>,
     pub after: Vec<Scored>,
     /// Mean square of the weighted residuals on the test records, where the noise is known.
     pub chi_square: Option<f64>,
-    /// The same on the validation records under the model that the search ended with, less what the doubt of its
+    /// The same on the validation records under the model that the search ended with, less what the uncertainty of its
     /// parameters makes of it.
     pub selecting: f64,
-    /// What the last model leaves of the noise's mean square elsewhere, where the noise is known.
-    pub left: Option<Left>,
+    /// Reduced χ² of the last model elsewhere, where the noise is known.
+    pub left: Option<ResidualSummary>,
     /// Whether the last model, which explains all records seen, leaves more than noise on the test records, but no
-    /// more than the doubt of its parameters can make of them.
-    pub in_doubt: bool,
+    /// more than the uncertainty of its parameters can make of them.
+    pub within_covariance: bool,
     /// What the residual there still follows, where the noise is known.
     pub follows: Vec<&'static str>,
     /// Whether that residual is the one that the records seen leave at the same places of the motion.
     pub repeated: Option<Repeated>,
 }
 
-/// What a model leaves, as multiples of the noise's mean square.
+/// Reduced χ² of a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::diagnose) struct Left {
+pub(in crate::diagnose) struct ResidualSummary {
     /// Over all records seen.
     pub seen: f64,
     /// In the record it describes worst, and that record's index.
     pub worst: (usize, f64),
-    /// Beyond doubt, over those seen, the validation records, or those that nothing was fitted to, where it is most.
+    /// Lower confidence bound, over those seen, the validation records, or those that nothing was fitted to, where it is
+    /// largest.
     pub certain: f64,
 }
 
-impl Left {
+impl ResidualSummary {
     /// Of scores of the records seen and of the test records, and what is `certain`.
     pub fn of(seen: &[Scored], test: &[Scored], certain: f64) -> Self {
         let worst = seen.iter().chain(test).map(|one| (one.record, mean_square(std::slice::from_ref(one))));
@@ -100,13 +101,13 @@ impl Left {
         }
     }
 
-    /// Whether so much is left that the model does not explain its data.
+    /// Whether the residual is so large that the model does not explain its data.
     pub fn is_too_much(&self) -> bool {
         self.seen > UNEXPLAINED || self.worst.1 > RECORD_UNEXPLAINED
     }
 
-    /// The same beyond doubt.
-    pub fn is_certainly_too_much(&self) -> bool {
+    /// The same, at the lower confidence bound.
+    pub fn is_significant(&self) -> bool {
         self.certain > UNEXPLAINED || self.worst.1 > RECORD_UNEXPLAINED
     }
 }
@@ -118,7 +119,7 @@ impl Added {
     }
 }
 
-impl Findings {
+impl SelectionPath {
     /// Adds what gains most until the model is adequate or nothing passes.
     pub fn search(
         search: &Search,
@@ -126,7 +127,7 @@ impl Findings {
         tried: &[Candidate],
         most: usize,
         known: bool,
-        meter: &Meter,
+        meter: &Progress,
     ) -> Self {
         let mut findings =
             Self { base, steps: Vec::new(), rounds: Vec::new(), shortened: None, interrupted: false };
@@ -178,7 +179,7 @@ impl Findings {
         let present = self.last();
         search.fitted_chi_square(present) < ADEQUATE
             && present.chi_square() < UNEXPLAINED
-            && search.chi_square_beyond_doubt(present, ADEQUATE) < ADEQUATE
+            && search.least_chi_square(present, ADEQUATE) < ADEQUATE
     }
 
     /// Makes the first `round` anew where that leads to a far better fit: from the model as given, then from a better
@@ -189,11 +190,11 @@ impl Findings {
         sets: &[Vec<Candidate>],
         round: &mut Vec<Trial>,
         known: bool,
-        meter: &Meter,
+        meter: &Progress,
     ) -> bool {
         let fits = round.iter().filter_map(|trial| trial.state.as_ref().ok());
         let least = fits.fold(f64::INFINITY, |least, fit| least.min(search.fitted_chi_square(fit)));
-        if known && least > UNEXPLAINED && search.about_measured.is_none() {
+        if known && least > UNEXPLAINED && search.linearised_at_measurement.is_none() {
             meter.expect(sets.len());
             *round = search.begun_at_origin(&self.base, sets, std::mem::take(round));
         }
@@ -273,7 +274,7 @@ impl Findings {
     /// near it and it comes to the noise of all records seen once it is fitted to them: beside a jump, a record for
     /// selecting may hang on a parameter that the fitted ones hardly show. Whether it is the cause the test records say.
     fn only_explanation(&self, search: &Search, round: &[Trial]) -> Option<Added> {
-        search.about_measured?;
+        search.linearised_at_measurement?;
         let states = round.iter().filter_map(|trial| Some((trial, trial.state.as_ref().ok()?)));
         let mut explaining = states.filter(|(_, state)| search.fitted_chi_square(state) < UNEXPLAINED);
         let (Some((only, fitted)), None) = (explaining.next(), explaining.next()) else { return None };
@@ -295,7 +296,7 @@ impl Findings {
     }
 
     /// Where single effects do not reach the noise: two at once, from the best singles of the first round.
-    fn try_pairs(&mut self, search: &Search, most: usize, known: bool, meter: &Meter) {
+    fn try_pairs(&mut self, search: &Search, most: usize, known: bool, meter: &Progress) {
         let poor = !known || self.last().chi_square() > UNEXPLAINED;
         let stuck = if known { poor && self.steps.len() < 2 } else { self.steps.is_empty() };
         if !(poor && stuck) || most < 2 || self.interrupted {
