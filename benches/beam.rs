@@ -6,8 +6,7 @@ use std::sync::Arc;
 use divan::Bencher;
 use stickslip::contact::{Jenkins, Valanis};
 use stickslip::harmonic::{
-    Assembly, Control, CurveSettings, Method, Settings, backbone, forced_response, frequency_response,
-    phase_resonance,
+    Assembly, Control, CurveSettings, backbone, frequency_response, periodic_response, phase_resonance,
 };
 use stickslip::model::{Beam, Damping, Model, Structure};
 use stickslip::system::ModalBeam;
@@ -33,7 +32,7 @@ fn valanis() -> Valanis {
 fn backbone_of_61_levels(bencher: Bencher, (modes, harmonics): (usize, usize)) {
     let (beam, law) = (published(modes), valanis());
     let system = beam.system(Some((Arc::new(law), LOAD))).expect("a system");
-    let settings = Settings { harmonics, ..Settings::default() };
+    let settings = CurveSettings { harmonics, ..CurveSettings::default() };
     let levels: Vec<f64> = (10..=70).map(f64::from).collect();
     bencher.bench(|| backbone(&system, &levels, &settings, &[]).expect("converged"));
 }
@@ -43,7 +42,7 @@ fn backbone_of_61_levels(bencher: Bencher, (modes, harmonics): (usize, usize)) {
 fn cold_resonance_6_modes_9_harmonics(bencher: Bencher, level: f64) {
     let (beam, law) = (published(6), valanis());
     let system = beam.system(Some((Arc::new(law), LOAD))).expect("a system");
-    let settings = Settings { harmonics: 9, ..Settings::default() };
+    let settings = CurveSettings { harmonics: 9, ..CurveSettings::default() };
     bencher.bench(|| phase_resonance(&system, level, &settings, None).expect("converged"));
 }
 
@@ -53,11 +52,11 @@ fn cold_steady_record(bencher: Bencher, (modes, harmonics): (usize, usize)) {
     let beam = published(modes);
     let law = Jenkins::new(7e6, 0.5).expect("a law");
     let system = beam.system(Some((Arc::new(law), LOAD))).expect("a system");
-    let settings = Settings { harmonics, method: Method::Exact, tolerance: 1e-8, max_iterations: 40 };
-    let mut force = [0.0; 7];
-    (force[1], force[5]) = (6.0, 10.0);
-    bencher
-        .bench(|| forced_response(&system, TAU / (TAU * 51.0), &force, &settings, None).expect("converged"));
+    let settings = CurveSettings { harmonics, tolerance: 1e-8, ..CurveSettings::default() };
+    let waveform = vec![0.0, 6.0, 0.0, 0.0, 0.0, 10.0, 0.0];
+    let assembly = Assembly { waveform, ..Assembly::new(system) };
+    let control = Control::Level(1.0);
+    bencher.bench(|| periodic_response(&assembly, TAU * 51.0, &control, &settings, None).expect("converged"));
 }
 
 /// A response over 48 … 56 Hz, 6 modes and 9 harmonics; the number of points is printed.

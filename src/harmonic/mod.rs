@@ -26,7 +26,7 @@ pub(crate) mod steady;
 
 pub use crate::contact::LoadedContact;
 pub use crate::numeric::{HarmonicSet, common_periods, excited_harmonics, fourier, whole_periods};
-pub use balance::assembly::{Assembly, Control, CurveSettings, UNRESOLVED};
+pub use balance::assembly::{Assembly, Control};
 pub use balance::varied::AssemblyAt;
 pub use continuation::Ending;
 pub use error::HarmonicError;
@@ -34,7 +34,6 @@ pub use modes::{ModePoint, ModeRange, NonlinearMode, nonlinear_mode};
 pub use newton::{Contacting, Point};
 pub use period::CycleSummary;
 pub use period::contact_cycle::{ContactCycle, ContactMapping, contact_cycle};
-pub use response::forced::{ForcedResponse, forced_response};
 pub use response::frequency_response::{frequency_response, level_response, periodic_response};
 pub use response::parameter::{Varied, VariedCurve, parameter_response};
 pub use response::resonance::{Resonance, backbone, phase_resonance};
@@ -42,4 +41,4 @@ pub use response::tracking::{
     Tracked, TrackedCurve, TrackedQuantity, Tracking, track_levels, track_parameter,
 };
 pub use response::{Curve, Fold, Peak};
-pub use settings::{Method, Settings};
+pub use settings::{CurveSettings, Method, UNRESOLVED};

@@ -5,8 +5,8 @@
 //! solution for every amplitude, with the mode's frequency Ω, damping ratio ζ and shape, harmonics included.
 //! Where ζ is small and modes are apart, the resonances of the forced structure lie on it.
 
-use super::HarmonicError;
-use crate::harmonic::balance::assembly::{Assembly, CurveSettings};
+use super::{CurveSettings, HarmonicError};
+use crate::harmonic::balance::assembly::Assembly;
 use crate::harmonic::balance::condensed::Condensed;
 use crate::harmonic::balance::modal::{Balance, Extent, Ports};
 use crate::harmonic::newton::Point;

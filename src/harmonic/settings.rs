@@ -1,6 +1,7 @@
-//! How a period of the contact is computed, and when a beam's balance counts as solved.
+//! How a period of the contact is computed, when a balance counts as solved, and how far apart the points of a curve are.
 
 use super::HarmonicError;
+use super::newton::problem::Stopping;
 
 /// How a contact is carried over a period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -16,49 +17,90 @@ pub enum Method {
     },
 }
 
-/// Discretisation and stopping rule.
+/// Largest estimated truncation error of a point that counts as resolved where [`CurveSettings::truncation`]
+/// asks for none: 1 % of the amplitude.
+pub const UNRESOLVED: f64 = 0.01;
+
+/// Discretisation, stopping rule and step control of responses.
 ///
 /// ```
-/// use stickslip::harmonic::{Method, Settings};
+/// use stickslip::harmonic::{CurveSettings, Method};
 /// // The same response by samples, as an independent check.
-/// let check = Settings { method: Method::Sampled { samples: 1024 }, ..Settings::default() };
-/// assert_eq!(check.harmonics, 7);
+/// let check = CurveSettings { method: Method::Sampled { samples: 1024 }, ..CurveSettings::default() };
+/// assert_eq!(check.harmonics, 21);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// Highest harmonic H of the displacements, at least 1.
+pub struct CurveSettings {
+    /// Highest harmonic of the displacements, to start with where they adapt.
     pub harmonics: usize,
-    /// How the contact is carried over a period. Its displacement has `2 H` harmonics.
+    /// Truncation error of the displacements accepted (fraction of the amplitude). With it the harmonics adapt
+    /// between [`CurveSettings::harmonics`] and [`CurveSettings::max_harmonics`]; without it they stay.
+    pub truncation: Option<f64>,
+    /// Most harmonics an adapted point may have.
+    pub max_harmonics: usize,
+    /// How contacts are carried over a period.
     pub method: Method,
-    /// Largest residual accepted, as a fraction of the contact's displacement.
+    /// Largest residual accepted, as a fraction of the largest displacement.
     pub tolerance: f64,
     /// Newton steps before a start is given up.
     pub max_iterations: usize,
+    /// Whether the stability of every point is determined.
+    pub stability: bool,
+    /// Even harmonics and bias too where symmetry allows odd harmonics alone. By default the set is odd where
+    /// all laws are odd and so is the excitation; such a set cannot see responses that break the symmetry
+    /// (even harmonics born in a pitchfork bifurcation, as of the Duffing oscillator), only that
+    /// the symmetric response has become unstable.
+    pub all_harmonics: bool,
+    /// Longest step, as a fraction of the range.
+    pub max_step: f64,
+    /// Points before a curve is given up.
+    pub max_points: usize,
 }
 
-impl Default for Settings {
+impl Default for CurveSettings {
     fn default() -> Self {
-        Self { harmonics: 7, method: Method::Exact, tolerance: 1e-9, max_iterations: 40 }
+        Self {
+            harmonics: 21,
+            truncation: None,
+            max_harmonics: 101,
+            method: Method::Exact,
+            tolerance: 1e-10,
+            max_iterations: 40,
+            stability: false,
+            all_harmonics: false,
+            max_step: 0.02,
+            max_points: 20_000,
+        }
     }
 }
 
-impl Settings {
-    pub(super) fn check(&self) -> Result<(), HarmonicError> {
-        if self.harmonics == 0 {
-            return Err(HarmonicError::InvalidInput("there must be a harmonic at least"));
+impl CurveSettings {
+    pub(crate) fn check(&self) -> Result<(), HarmonicError> {
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        if self.harmonics == 0 || self.max_iterations == 0 || self.max_points == 0 {
+            return Err(HarmonicError::InvalidInput("harmonics, iterations and points must be at least 1"));
         }
-        if let Method::Sampled { samples } = self.method
-            && samples < 16 * self.harmonics
+        if !positive(self.tolerance) || !positive(self.max_step) {
+            return Err(HarmonicError::InvalidInput("the tolerance and the longest step must be positive"));
+        }
+        if let Some(truncation) = self.truncation
+            && (!positive(truncation) || self.max_harmonics < self.harmonics)
         {
             return Err(HarmonicError::InvalidInput(
-                "fewer than 16 samples per harmonic, 8 for each of the contact's displacement",
+                "the truncation error must be positive, and the most harmonics no fewer than the first",
             ));
         }
-        if !(self.tolerance > 0.0 && self.max_iterations > 0) {
-            return Err(HarmonicError::InvalidInput(
-                "the tolerance and the number of iterations must be positive",
-            ));
+        if let Method::Sampled { samples } = self.method
+            && samples < 8 * self.harmonics
+        {
+            return Err(HarmonicError::InvalidInput("fewer than 8 samples per harmonic"));
         }
         Ok(())
+    }
+
+    /// The stopping rule of a solution that may be anywhere.
+    pub(crate) fn stopping(&self) -> Stopping {
+        let (tolerance, max_iterations) = (self.tolerance, self.max_iterations);
+        Stopping { tolerance, max_iterations, reach: f64::INFINITY }
     }
 }

@@ -1,7 +1,10 @@
 //! Beams the tests share.
 
+use std::f64::consts::TAU;
+
+use stickslip::harmonic::{Assembly, Control, CurveSettings, HarmonicError, Point, periodic_response};
 use stickslip::model::{Beam, Damping, PointMass};
-use stickslip::system::{ModalBeam, Sensor};
+use stickslip::system::{ModalBeam, Sensor, System};
 
 /// A steel strip of 600 × 40 × 5 mm, clamped and pinned, without masses.
 pub fn bare() -> Beam {
@@ -64,6 +67,17 @@ pub fn modal(omega: &[f64], zeta: &[f64], contact: &[f64], excitation: &[f64]) -
         sensors: Vec::new(),
         contact_points: Vec::new(),
     }
+}
+
+/// Response of `system` to the force with the Fourier coefficients `excitation` (N) and the period `period` (s).
+pub fn forced_response(
+    system: System,
+    period: f64,
+    excitation: &[f64],
+    settings: &CurveSettings,
+) -> Result<Point, HarmonicError> {
+    let assembly = Assembly { waveform: excitation.to_vec(), ..Assembly::new(system) };
+    periodic_response(&assembly, TAU / period, &Control::Level(1.0), settings, None)
 }
 
 /// A beam with one mode.

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use stickslip::data::{Channel, Dataset, Record, Regime, Use};
 use stickslip::diagnose::{RefitError, Watch, evaluate, refit, unused_columns};
-use stickslip::harmonic::{Settings, phase_resonance};
+use stickslip::harmonic::{CurveSettings, phase_resonance};
 use stickslip::model::{Model, Structure};
 use stickslip::system::ModalBeam;
 
@@ -77,7 +77,7 @@ fn damping_of_a_backbone_counts_beside_its_frequency() {
     let found = phase_resonance(
         &modal(&model).system(None).unwrap(),
         1.0,
-        &Settings { harmonics: 5, ..Settings::default() },
+        &CurveSettings { harmonics: 5, ..CurveSettings::default() },
         None,
     )
     .unwrap();

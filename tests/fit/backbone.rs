@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use stickslip::contact::Valanis;
 use stickslip::fit::{Options, Parameter, Scale, fit};
-use stickslip::harmonic::{HarmonicError, Method, Settings, backbone};
+use stickslip::harmonic::{CurveSettings, HarmonicError, Method, backbone};
 use stickslip::system::ModalBeam;
 
 use crate::common::beam::modal;
@@ -19,7 +19,8 @@ fn valanis_parameters_are_recovered_from_exact_frequencies() {
         axial_flexibility: 1.5e-8,
         ..modal(&[TAU * 49.0], &[0.003], &[0.06], &[0.4])
     };
-    let settings = Settings { harmonics: 3, method: Method::Sampled { samples: 64 }, ..Settings::default() };
+    let settings =
+        CurveSettings { harmonics: 3, method: Method::Sampled { samples: 64 }, ..CurveSettings::default() };
     let amplitudes = [1.0, 12.0, 30.0, 70.0];
     let frequencies = |p: &[f64]| -> Result<Vec<f64>, HarmonicError> {
         let law = Valanis::new(p[0], p[1] / LOAD, p[2], 0.0)

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use stickslip::contact::{ContactLaw, CubicSpring, LawError, Valanis};
 use stickslip::harmonic::{
-    Assembly, Control, CurveSettings, Ending, ModeRange, NonlinearMode, Settings, TrackedQuantity, Tracking,
+    Assembly, Control, CurveSettings, Ending, ModeRange, NonlinearMode, TrackedQuantity, Tracking,
     nonlinear_mode, parameter_response, periodic_response, phase_resonance, track_levels, track_parameter,
 };
 use stickslip::system::ModalBeam;
@@ -115,7 +115,7 @@ fn the_backbone_of_the_published_beam_has_the_reference_frequencies() {
 fn with_one_mode_and_one_harmonic_the_backbone_is_phase_resonance() {
     // The damping that sustains the vibration then is a force in phase with the velocity where it acts.
     let (beam, law) = (published(1), valanis(FRICTION).unwrap());
-    let balance = Settings { harmonics: 1, ..Settings::default() };
+    let balance = CurveSettings { harmonics: 1, ..CurveSettings::default() };
     let contact = loaded(law, LOAD);
     for acceleration in [2.0, 15.0, 60.0] {
         let forced =

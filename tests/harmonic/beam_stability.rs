@@ -8,11 +8,11 @@ use nalgebra::{Complex, DMatrix};
 use stickslip::contact::{
     ContactLaw, CubicSpring, Inputs, Jenkins, ParallelSliders, Response, SlipState, StateTangents, Tangents,
 };
+use stickslip::harmonic::Resonance;
 use stickslip::harmonic::stability::{Multipliers, decide_in_modes, floquet, floquet_in_modes};
 use stickslip::harmonic::{
     Assembly, Control, CurveSettings, Ending, LoadedContact, frequency_response, phase_resonance,
 };
-use stickslip::harmonic::{Resonance, Settings as BalanceSettings};
 use stickslip::system::{ModalBeam, System};
 use stickslip::time::{Ramp, Settings};
 
@@ -163,7 +163,7 @@ fn a_beam_that_does_not_turn_is_the_oscillator_of_its_modes() {
 /// The response at phase resonance with so much acceleration held, and the displacement that remains for the
 /// contact.
 fn resonance(beam: &ModalBeam, law: Law, acceleration: f64, harmonics: usize) -> (Resonance, Vec<f64>) {
-    let settings = BalanceSettings { harmonics, ..BalanceSettings::default() };
+    let settings = CurveSettings { harmonics, ..CurveSettings::default() };
     let found = phase_resonance(&on(beam, Some(law)), acceleration, &settings, None).unwrap();
     let pairs = found.contact_displacement.iter().zip(&found.contact_force);
     let left = pairs.map(|(u, force)| u - beam.axial_flexibility * force).collect();

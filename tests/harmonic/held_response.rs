@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use stickslip::harmonic::{
-    Assembly, Control, CurveSettings, Ending, Method, Settings, backbone, frequency_response, phase_resonance,
+    Assembly, Control, CurveSettings, Ending, Method, backbone, frequency_response, phase_resonance,
 };
 use stickslip::model::{Beam, Damping, Model, Structure};
 use stickslip::system::ModalBeam;
@@ -72,7 +72,7 @@ fn phase_resonance_at_held_acceleration_has_the_reference_frequencies_and_peaks(
     for (modes, harmonics, reference) in [(4, 5, FOUR_MODES_FIVE_HARMONICS), (6, 9, SIX_MODES_NINE_HARMONICS)]
     {
         let beam = published(modes, false);
-        let settings = Settings { harmonics, ..Settings::default() };
+        let settings = CurveSettings { harmonics, ..CurveSettings::default() };
         let found = backbone(&beam.system(contact.clone()).unwrap(), &reference.map(|r| r.0), &settings, &[])
             .unwrap();
         for ((level, frequency, ratio), found) in reference.into_iter().zip(found) {
@@ -105,7 +105,7 @@ fn held_frequency_responses_have_the_reference_resonances_and_peaks() {
 }
 
 /// Frequency (Hz) at phase resonance of the four-mode beam at 20 m/s².
-fn resonance_at_20(settings: Settings) -> f64 {
+fn resonance_at_20(settings: CurveSettings) -> f64 {
     let law = contact::published();
     let contact = loaded(law, LOAD);
     let found =
@@ -115,10 +115,10 @@ fn resonance_at_20(settings: Settings) -> f64 {
 
 #[test]
 fn the_sampled_contact_converges_to_the_exact_one_with_the_square_of_its_step() {
-    let exact = resonance_at_20(Settings { harmonics: 5, ..Settings::default() });
+    let exact = resonance_at_20(CurveSettings { harmonics: 5, ..CurveSettings::default() });
     let off = |samples| {
         let method = Method::Sampled { samples };
-        (resonance_at_20(Settings { harmonics: 5, method, ..Settings::default() }) - exact).abs()
+        (resonance_at_20(CurveSettings { harmonics: 5, method, ..CurveSettings::default() }) - exact).abs()
     };
     let (coarse, fine) = (off(128), off(512));
     println!("sampled contact: {coarse} Hz at 128 samples, {fine} Hz at 512");
@@ -128,7 +128,7 @@ fn the_sampled_contact_converges_to_the_exact_one_with_the_square_of_its_step() 
 #[test]
 fn five_harmonics_are_enough_for_the_resonance() {
     let [five, fifteen] =
-        [5, 15].map(|harmonics| resonance_at_20(Settings { harmonics, ..Settings::default() }));
+        [5, 15].map(|harmonics| resonance_at_20(CurveSettings { harmonics, ..CurveSettings::default() }));
     println!("5 harmonics: {five} Hz, 15: {fifteen} Hz");
     assert!((five - fifteen).abs() < 1e-4, "{five} {fifteen}");
 }
@@ -137,7 +137,7 @@ fn five_harmonics_are_enough_for_the_resonance() {
 fn resonances(modes: usize, static_correction: bool) -> [f64; 3] {
     let law = contact::published();
     let contact = loaded(law, LOAD);
-    let settings = Settings { harmonics: 5, ..Settings::default() };
+    let settings = CurveSettings { harmonics: 5, ..CurveSettings::default() };
     let beam = published(modes, static_correction);
     let found = backbone(&beam.system(contact.clone()).unwrap(), &[0.5, 20.0, 70.0], &settings, &[]).unwrap();
     std::array::from_fn(|k| found[k].angular_frequency / TAU)

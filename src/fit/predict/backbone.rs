@@ -5,12 +5,13 @@ use std::f64::consts::TAU;
 use super::attached::Attached;
 use super::simulation::{Direction, Simulation};
 use crate::data::{Channel, Record};
-use crate::harmonic::{self, HarmonicError, Method, Resonance, Settings};
+use crate::harmonic::{self, CurveSettings, HarmonicError, Resonance};
 use crate::model::Model;
 
 /// Harmonics at phase resonance: the frequencies of the frictional support are then within 0.1 mHz of those
 /// with 15.
-const HELD: Settings = Settings { harmonics: 5, method: Method::Exact, tolerance: 1e-9, max_iterations: 40 };
+const HARMONICS: usize = 5;
+const TOLERANCE: f64 = 1e-9;
 
 /// Predictions of a table's columns `frequency` (Hz) and `damping_ratio` at each `amplitude`.
 pub(super) struct Backbone<'r> {
@@ -30,7 +31,9 @@ impl<'r> Backbone<'r> {
     fn solve(&self, model: &Model) -> Result<Vec<Resonance>, String> {
         let attached = Attached::new(model, &[], None)?;
         let system = attached.system().map_err(|error| error.to_string())?;
-        harmonic::backbone(&system, self.amplitudes, &HELD, &self.starts)
+        let settings =
+            CurveSettings { harmonics: HARMONICS, tolerance: TOLERANCE, ..CurveSettings::default() };
+        harmonic::backbone(&system, self.amplitudes, &settings, &self.starts)
             .map_err(|error| self.advice(&error, &attached))
     }
 

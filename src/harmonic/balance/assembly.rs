@@ -1,6 +1,6 @@
 //! A system under its excitation, and how its periodic responses are to be computed.
 
-use crate::harmonic::{HarmonicError, Method};
+use crate::harmonic::{CurveSettings, HarmonicError};
 use crate::system::{Element, System};
 
 /// A system under a periodic excitation.
@@ -81,81 +81,6 @@ impl Assembly {
             system.elements.iter().flat_map(Element::ports).chain(&system.driven).chain(&system.sensors);
         if places.into_iter().any(|port| *port >= system.ports.len()) {
             return refuse("an element, an exciter or a sensor is at a port that there is not");
-        }
-        Ok(())
-    }
-}
-
-/// Largest estimated truncation error of a point that counts as resolved where [`CurveSettings::truncation`]
-/// asks for none: 1 % of the amplitude.
-pub const UNRESOLVED: f64 = 0.01;
-
-/// Discretisation, stopping rule and step control of response curves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CurveSettings {
-    /// Highest harmonic of the displacements, to start with where they adapt.
-    pub harmonics: usize,
-    /// Truncation error of the displacements accepted (fraction of the amplitude). With it the harmonics adapt
-    /// between [`CurveSettings::harmonics`] and [`CurveSettings::max_harmonics`]; without it they stay.
-    pub truncation: Option<f64>,
-    /// Most harmonics an adapted point may have.
-    pub max_harmonics: usize,
-    /// How contacts are carried over a period.
-    pub method: Method,
-    /// Largest residual accepted, as a fraction of the largest displacement.
-    pub tolerance: f64,
-    /// Newton steps before a start is given up.
-    pub max_iterations: usize,
-    /// Whether the stability of every point is determined.
-    pub stability: bool,
-    /// Even harmonics and bias too where symmetry allows odd harmonics alone. By default the set is odd where
-    /// all laws are odd and so is the excitation; such a set cannot see responses that break the symmetry
-    /// (even harmonics born in a pitchfork bifurcation, as of the Duffing oscillator), only that
-    /// the symmetric response has become unstable.
-    pub all_harmonics: bool,
-    /// Longest step, as a fraction of the range.
-    pub max_step: f64,
-    /// Points before a curve is given up.
-    pub max_points: usize,
-}
-
-impl Default for CurveSettings {
-    fn default() -> Self {
-        Self {
-            harmonics: 21,
-            truncation: None,
-            max_harmonics: 101,
-            method: Method::Exact,
-            tolerance: 1e-10,
-            max_iterations: 40,
-            stability: false,
-            all_harmonics: false,
-            max_step: 0.02,
-            max_points: 20_000,
-        }
-    }
-}
-
-impl CurveSettings {
-    pub(crate) fn check(&self) -> Result<(), HarmonicError> {
-        let positive = |x: f64| x > 0.0 && x.is_finite();
-        if self.harmonics == 0 || self.max_iterations == 0 || self.max_points == 0 {
-            return Err(HarmonicError::InvalidInput("harmonics, iterations and points must be at least 1"));
-        }
-        if !positive(self.tolerance) || !positive(self.max_step) {
-            return Err(HarmonicError::InvalidInput("the tolerance and the longest step must be positive"));
-        }
-        if let Some(truncation) = self.truncation
-            && (!positive(truncation) || self.max_harmonics < self.harmonics)
-        {
-            return Err(HarmonicError::InvalidInput(
-                "the truncation error must be positive, and the most harmonics no fewer than the first",
-            ));
-        }
-        if let Method::Sampled { samples } = self.method
-            && samples < 8 * self.harmonics
-        {
-            return Err(HarmonicError::InvalidInput("fewer than 8 samples per harmonic"));
         }
         Ok(())
     }

@@ -12,9 +12,9 @@ pub(crate) mod modal;
 pub(crate) mod transfer;
 pub(crate) mod varied;
 
-use super::HarmonicError;
 use super::newton::system::PeriodicSystem;
-use assembly::{Assembly, CurveSettings};
+use super::{CurveSettings, HarmonicError};
+use assembly::Assembly;
 use condensed::Condensed;
 use modal::Balance;
 

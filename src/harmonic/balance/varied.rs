@@ -2,11 +2,11 @@
 
 use nalgebra::DMatrix;
 
-use super::assembly::{Assembly, CurveSettings};
+use super::assembly::Assembly;
 use super::balance_of;
 use crate::harmonic::newton::system::{Observation, Operating, PeriodicSystem, Scalar};
 use crate::harmonic::stability::Undecided;
-use crate::harmonic::{HarmonicError, Point};
+use crate::harmonic::{CurveSettings, HarmonicError, Point};
 use crate::system::{Element, System};
 
 /// Steps of a difference, as fractions of the parameter: the first, and the shortest.

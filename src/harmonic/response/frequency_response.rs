@@ -4,8 +4,7 @@ use super::curve::Curve;
 use super::linear_resonances::linear_resonances;
 use super::recorder::Recorder;
 use super::start::{check_control, condition, first};
-use crate::harmonic::HarmonicError;
-use crate::harmonic::balance::assembly::{Assembly, Control, CurveSettings};
+use crate::harmonic::balance::assembly::{Assembly, Control};
 use crate::harmonic::balance::balance_of;
 use crate::harmonic::continuation::Ending;
 use crate::harmonic::continuation::LinearResonance;
@@ -13,6 +12,7 @@ use crate::harmonic::continuation::{Advance, Location, Path, Route, Verdict};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::problem::{Condition, Newton, solve};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
+use crate::harmonic::{CurveSettings, HarmonicError};
 
 /// Responses at angular frequencies `from` … `to` (rad/s) under `control`, followed by arc length: turning
 /// points are passed, peaks and folds located. `watch` sees every point and says whether to go on.

@@ -2,12 +2,10 @@
 //!
 //! [`start`] finds the first solution from nothing. [`frequency_response`] follows a curve over frequency or level and
 //! has the [`recorder`] locate peaks and folds, pausing at the [`linear_resonances`]; [`parameter`] follows one over a parameter.
-//! [`tracking`] carries a resonance from value to value, found by [`tracker`]. For records of beams: [`forced`]
-//! responses and phase [`resonance`]s, both found as [`follow`] does.
+//! [`tracking`] carries a resonance from value to value, found by [`tracker`]. [`resonance`]: phase resonance
+//! of a beam at held accelerations.
 
 mod curve;
-pub(crate) mod follow;
-pub(crate) mod forced;
 pub(crate) mod frequency_response;
 pub(crate) mod linear_resonances;
 pub(crate) mod parameter;

@@ -2,13 +2,12 @@
 
 use super::start::at_level;
 use super::tracker::{Solution, describe, more_harmonics};
-use crate::harmonic::HarmonicError;
-use crate::harmonic::balance::assembly::CurveSettings;
 use crate::harmonic::balance::varied::{self, AssemblyAt};
 use crate::harmonic::continuation::Ending;
 use crate::harmonic::continuation::{Advance, Path, Route, Verdict};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::system::{Operating, Scalar};
+use crate::harmonic::{CurveSettings, HarmonicError};
 
 /// The response at one value of a parameter.
 #[derive(Debug, Clone, PartialEq)]

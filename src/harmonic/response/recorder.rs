@@ -1,12 +1,11 @@
 //! Points of a curve as they are found: judged, their error estimated, peaks and folds located between them.
 
 use super::curve::{Curve, Fold, Peak};
-use crate::harmonic::HarmonicError;
-use crate::harmonic::balance::assembly::{CurveSettings, UNRESOLVED};
 use crate::harmonic::continuation::{Location, NotFound, Path, Verdict};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::problem::Newton;
 use crate::harmonic::newton::system::{PeriodicSystem, Scalar};
+use crate::harmonic::{CurveSettings, HarmonicError, UNRESOLVED};
 use crate::numeric::extremum::{Extremum, value_at};
 use crate::numeric::fourier::dot;
 

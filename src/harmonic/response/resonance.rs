@@ -1,12 +1,16 @@
 //! Phase resonance under response control, and backbones.
 
-use super::follow::{Family, State, find};
+use super::tracker::Solution;
 use crate::harmonic::balance::assembly::Assembly;
 use crate::harmonic::balance::modal::{Balance, guess};
-use crate::harmonic::newton::problem::{Condition, ConditionRow, Effort, Newton, Seen, Stopping};
+use crate::harmonic::newton::problem::{Condition, ConditionRow, Newton, Seen};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
-use crate::harmonic::{HarmonicError, Settings};
+use crate::harmonic::{CurveSettings, HarmonicError};
 use crate::system::System;
+
+/// Fraction of an amplitude from which it is followed where Newton's method fails at once, and the smallest step (factor).
+const WEAK: f64 = 1e-3;
+const SMALLEST_STEP: f64 = 1.001;
 
 /// A periodic response at phase resonance: the excitation `F cos Ωt` is in phase with the first
 /// harmonic of the velocity where it acts.
@@ -28,10 +32,6 @@ pub struct Resonance {
     pub dissipated_energy: f64,
     /// Energy the modal damping takes per cycle (J).
     pub viscous_energy: f64,
-    /// Newton steps of the last solve.
-    pub iterations: usize,
-    /// Largest residual of the balance as a fraction of the largest force.
-    pub residual: f64,
 }
 
 impl Resonance {
@@ -59,7 +59,7 @@ impl Resonance {
 pub fn phase_resonance(
     system: &System,
     acceleration_amplitude: f64,
-    settings: &Settings,
+    settings: &CurveSettings,
     start: Option<&Resonance>,
 ) -> Result<Resonance, HarmonicError> {
     Solver::new(system, settings)?.solve(acceleration_amplitude, start)
@@ -73,7 +73,7 @@ pub fn phase_resonance(
 pub fn backbone(
     system: &System,
     acceleration_amplitudes: &[f64],
-    settings: &Settings,
+    settings: &CurveSettings,
     starts: &[Resonance],
 ) -> Result<Vec<Resonance>, HarmonicError> {
     if !(starts.is_empty() || starts.len() == acceleration_amplitudes.len()) {
@@ -93,73 +93,104 @@ pub fn backbone(
     Ok(results.into_iter().flatten().collect())
 }
 
+/// Responses at phase resonance: the displacement's first harmonic at the excitation is `a/Ω² sin Ωt`, a
+/// quarter period behind the force. Ω and F are free.
 struct Solver {
     balance: Balance,
-    settings: Settings,
+    newton: Newton,
+    settings: CurveSettings,
 }
 
 impl Solver {
-    fn new(system: &System, settings: &Settings) -> Result<Self, HarmonicError> {
+    fn new(system: &System, settings: &CurveSettings) -> Result<Self, HarmonicError> {
         settings.check()?;
         let balance = Balance::new(&Assembly::new(system.clone()), settings.harmonics, settings.method)?;
         if balance.system.driven.iter().all(|phi| *phi == 0.0) {
             return Err(HarmonicError::InvalidInput("the excitation moves no mode"));
         }
-        Ok(Self { balance, settings: *settings })
+        Ok(Self { balance, newton: Newton::default(), settings: *settings })
     }
 
     fn solve(&mut self, acceleration: f64, start: Option<&Resonance>) -> Result<Resonance, HarmonicError> {
         if !(acceleration > 0.0 && acceleration.is_finite()) {
             return Err(HarmonicError::InvalidInput("the acceleration amplitude must be positive"));
         }
-        let balance = &mut self.balance;
-        let start = start.filter(|s| s.coefficients.len() == balance.q.len()).map(|start| {
-            let ratio = acceleration / start.acceleration_amplitude;
-            let scaled: Vec<f64> = start.coefficients.iter().map(|q| ratio * q).collect();
-            let force: Vec<f64> = start.contact_force.iter().map(|force| ratio * force).collect();
-            let x = balance.unknowns_of(&scaled, &force);
-            let at = Operating::forced(start.angular_frequency, ratio * start.force_amplitude);
-            State { x, at }
-        });
-        let (state, effort) = find(&mut PhaseResonance, balance, acceleration, start, &self.settings)?;
+        let Solution { at, .. } = self.find(acceleration, start)?;
+        let balance = &self.balance;
         Ok(Resonance {
-            angular_frequency: state.at.angular_frequency,
-            force_amplitude: state.at.level,
+            angular_frequency: at.angular_frequency,
+            force_amplitude: at.level,
             acceleration_amplitude: acceleration,
             coefficients: balance.modal_coefficients(),
             contact_displacement: balance.displacement().to_vec(),
             contact_force: balance.force().to_vec(),
             dissipated_energy: balance.dissipated_energy(),
-            viscous_energy: balance.viscous_energy(state.at.angular_frequency),
-            iterations: effort.iterations,
-            residual: effort.residual,
+            viscous_energy: balance.viscous_energy(at.angular_frequency),
         })
     }
-}
 
-/// Responses at phase resonance: the displacement's first harmonic at the excitation is `a/Ω² sin Ωt`, a
-/// quarter period behind the force. Ω and F are free.
-struct PhaseResonance;
-
-impl Family for PhaseResonance {
-    fn solve(
-        &mut self,
-        balance: &mut Balance,
-        newton: &mut Newton,
-        amount: f64,
-        state: &mut State,
-        stopping: &Stopping,
-    ) -> Result<Effort, HarmonicError> {
-        let node = balance.nodes() - 1;
-        let mut cosine = InQuadrature { node, part: 0, acceleration: amount };
-        let mut sine = InQuadrature { node, part: 1, acceleration: amount };
-        let free = [Scalar::AngularFrequency, Scalar::Level];
-        newton.solve(balance, &mut state.x, &mut state.at, &free, &mut [&mut cosine, &mut sine], stopping)
+    /// From `start` if that is close enough, else from equivalent linearisation, else followed from a small amplitude.
+    fn find(&mut self, acceleration: f64, start: Option<&Resonance>) -> Result<Solution, HarmonicError> {
+        if let Some(mut solution) = start.and_then(|start| self.scaled(start, acceleration))
+            && self.settle(acceleration, &mut solution).is_ok()
+        {
+            return Ok(solution);
+        }
+        let mut solution = self.guess(acceleration)?;
+        if self.settle(acceleration, &mut solution).is_ok() {
+            return Ok(solution);
+        }
+        let mut reached = WEAK * acceleration;
+        solution = self.guess(reached)?;
+        self.settle(reached, &mut solution)?;
+        let mut step: f64 = 1.5;
+        while reached < acceleration {
+            let next = (reached * step).min(acceleration);
+            let mut trial = solution.clone();
+            trial.x.iter_mut().for_each(|x| *x *= next / reached);
+            trial.at.level *= next / reached;
+            match self.settle(next, &mut trial) {
+                Ok(()) => {
+                    (solution, reached) = (trial, next);
+                    step = step.powf(1.5).min(2.0);
+                }
+                Err(error) if step < SMALLEST_STEP => return Err(error),
+                Err(_) => step = step.sqrt(),
+            }
+        }
+        Ok(solution)
     }
 
-    fn guess(&mut self, balance: &mut Balance, amount: f64) -> Result<State, HarmonicError> {
-        let (frequency, force) = guess::resonance(balance, amount)?;
-        Ok(State { x: balance.start(), at: Operating::forced(frequency, force) })
+    /// A response at another amplitude, as if all were linear; `None` where it has other coefficients.
+    fn scaled(&mut self, start: &Resonance, acceleration: f64) -> Option<Solution> {
+        let balance = &mut self.balance;
+        if start.coefficients.len() != balance.q.len() {
+            return None;
+        }
+        let ratio = acceleration / start.acceleration_amplitude;
+        let scaled: Vec<f64> = start.coefficients.iter().map(|q| ratio * q).collect();
+        let force: Vec<f64> = start.contact_force.iter().map(|force| ratio * force).collect();
+        let x = balance.unknowns_of(&scaled, &force);
+        Some(Solution { x, at: Operating::forced(start.angular_frequency, ratio * start.force_amplitude) })
+    }
+
+    fn guess(&mut self, acceleration: f64) -> Result<Solution, HarmonicError> {
+        self.balance.forget();
+        let (frequency, force) = guess::resonance(&mut self.balance, acceleration)?;
+        Ok(Solution { x: self.balance.start(), at: Operating::forced(frequency, force) })
+    }
+
+    /// Newton's method from `solution`.
+    fn settle(&mut self, acceleration: f64, solution: &mut Solution) -> Result<(), HarmonicError> {
+        let Self { balance, newton, settings } = self;
+        balance.forget();
+        let node = balance.nodes() - 1;
+        let mut cosine = InQuadrature { node, part: 0, acceleration };
+        let mut sine = InQuadrature { node, part: 1, acceleration };
+        let conditions: &mut [&mut dyn Condition] = &mut [&mut cosine, &mut sine];
+        let free = [Scalar::AngularFrequency, Scalar::Level];
+        let Solution { x, at } = solution;
+        newton.solve(balance, x, at, &free, conditions, &settings.stopping()).map(drop)
     }
 }
 

@@ -1,11 +1,11 @@
 //! The first solution of a curve, from nothing.
 
-use crate::harmonic::HarmonicError;
-use crate::harmonic::balance::assembly::{Control, CurveSettings};
+use crate::harmonic::balance::assembly::Control;
 use crate::harmonic::continuation::{Advance, Path, Route, Verdict};
 use crate::harmonic::newton::condition::HeldAmplitude;
 use crate::harmonic::newton::problem::{Condition, Stopping, solve};
 use crate::harmonic::newton::system::{Observation, Operating, PeriodicSystem, Scalar};
+use crate::harmonic::{CurveSettings, HarmonicError};
 
 /// Level from which a response is followed up where Newton's method fails at once, as a fraction of the wanted.
 const WEAK: f64 = 1e-3;
@@ -22,13 +22,6 @@ const HOMOTOPY_STEPS: usize = 60;
 /// Harmonics to begin with where all of them lead nowhere, and neighbouring frequencies, as ratios.
 const FEW: [usize; 4] = [11, 7, 3, 1];
 const NEIGHBOURS: [f64; 8] = [0.9, 1.1, 0.8, 1.3, 0.6, 1.6, 2.5, 0.4];
-
-impl CurveSettings {
-    pub(crate) fn stopping(&self) -> Stopping {
-        let (tolerance, max_iterations) = (self.tolerance, self.max_iterations);
-        Stopping { tolerance, max_iterations, reach: f64::INFINITY }
-    }
-}
 
 /// The condition that `control` puts beside the balance; the level is free then.
 pub(crate) fn condition(control: &Control) -> Option<HeldAmplitude> {

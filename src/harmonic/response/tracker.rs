@@ -1,11 +1,10 @@
 //! Locates resonances of a balance: by phase, or where a node's amplitude is largest over frequency.
 
-use crate::harmonic::HarmonicError;
-use crate::harmonic::balance::assembly::{CurveSettings, UNRESOLVED};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::condition::{ArcLength, Phase, Value};
 use crate::harmonic::newton::problem::{Condition, Newton, Stopping, length};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
+use crate::harmonic::{CurveSettings, HarmonicError, UNRESOLVED};
 use crate::numeric::extremum::{Extremum, value_at};
 use crate::numeric::fourier::dot;
 use crate::numeric::lu::Factors;

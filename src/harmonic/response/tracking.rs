@@ -2,12 +2,12 @@
 
 use super::start::at_level;
 use super::tracker::{Solution, Sought, Tracker, describe, more_harmonics};
-use crate::harmonic::HarmonicError;
-use crate::harmonic::balance::assembly::{Assembly, CurveSettings};
+use crate::harmonic::balance::assembly::Assembly;
 use crate::harmonic::balance::balance_of;
 use crate::harmonic::balance::varied::{AssemblyAt, Varied};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
+use crate::harmonic::{CurveSettings, HarmonicError};
 
 /// Fraction of the way from one value to the next below which it is given up.
 pub(crate) const LEAST_FRACTION: f64 = 1e-5;

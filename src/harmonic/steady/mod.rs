@@ -9,12 +9,11 @@
 pub(crate) mod linearised;
 mod measured;
 
-use super::{Assembly, HarmonicError, Method, Settings};
+use super::{Assembly, CurveSettings, HarmonicError, Method};
 use crate::harmonic::balance::modal::{Balance, Extent, Ports, Workspace};
-use crate::harmonic::newton::problem::{Newton, Stopping, length};
+use crate::harmonic::newton::problem::{Stopping, length, solve};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
-use crate::harmonic::response::follow::{Family, State, find};
-use crate::harmonic::response::forced::Forced;
+use crate::harmonic::response::start::at_level;
 use crate::numeric::fourier::coefficient_count;
 use crate::numeric::lu::Factors;
 use measured::explained;
@@ -32,6 +31,9 @@ const REACH: f64 = 20.0;
 /// Damped steps from a start that is not near enough for the factors, and from nothing.
 const NEAR_ITERATIONS: usize = 12;
 const FAR_ITERATIONS: usize = 25;
+/// Points of a path from a weak excitation or a neighbouring frequency, and the longest step on it as a fraction of the way.
+const MOST_POINTS: usize = 60;
+const LONGEST_STEP: f64 = 0.2;
 
 /// The excitation, and the discretisation of the response to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -118,7 +120,6 @@ impl SteadyProblem {
         let mut balance = self.balance(assembly, &ports, None)?;
         let at = self.operating();
         let steady = |balance, unknowns| Steady::new(balance, unknowns, self);
-        let mut family = Forced { angular_frequency: self.angular_frequency };
         if let Some(start) = start {
             let mut unknowns = start.unknowns(&ports);
             let factors =
@@ -126,21 +127,23 @@ impl SteadyProblem {
             if self.correct(&mut balance, &mut unknowns, &at, factors) {
                 return Ok(steady(balance, unknowns));
             }
-            let mut state = State { x: start.unknowns(&ports), at };
+            let (mut unknowns, mut at) = (start.unknowns(&ports), at);
             let stopping =
                 Stopping { tolerance: self.tolerance, max_iterations: NEAR_ITERATIONS, reach: REACH };
             balance.forget();
-            family.solve(&mut balance, &mut Newton::default(), 1.0, &mut state, &stopping)?;
-            return Ok(steady(balance, state.x));
+            solve(&mut balance, &mut unknowns, &mut at, &[], &mut [], &stopping)?;
+            return Ok(steady(balance, unknowns));
         }
-        let settings = Settings {
+        let settings = CurveSettings {
             harmonics: self.harmonics,
-            method: Method::Exact,
             tolerance: self.tolerance,
             max_iterations: FAR_ITERATIONS,
+            max_step: LONGEST_STEP,
+            max_points: MOST_POINTS,
+            ..CurveSettings::default()
         };
-        let (state, _) = find(&mut family, &mut balance, 1.0, None, &settings)?;
-        Ok(steady(balance, state.x))
+        let (unknowns, _) = at_level(&mut balance, at, &settings)?;
+        Ok(steady(balance, unknowns))
     }
 
     /// Where to look for the response that was measured: the displacement coefficients (m) of every sensor of the beam

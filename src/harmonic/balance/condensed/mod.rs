@@ -18,13 +18,13 @@ mod periodic;
 
 use nalgebra::DMatrix;
 
-use super::assembly::{Assembly, CurveSettings};
+use super::assembly::Assembly;
 use super::attached::Attached;
 use super::transfer::{Of, Transfer, add_product};
 use crate::harmonic::newton::system::{Operating, Scalar};
 use crate::harmonic::period::Cycle;
 use crate::harmonic::period::map::ContactMap;
-use crate::harmonic::{HarmonicError, Method};
+use crate::harmonic::{CurveSettings, HarmonicError, Method};
 use crate::numeric::HarmonicSet;
 use crate::numeric::extremum::Extremum;
 use crate::system::{Element, LinearStructure, Output, Receptance, Rows};
