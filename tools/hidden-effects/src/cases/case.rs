@@ -11,6 +11,19 @@ use crate::rigs::oscillator::Oscillator;
 use crate::rigs::prescribed::Prescribed;
 use crate::rigs::rig::Rig;
 
+/// The effects that a joint can have in every kind of model, but wear of a beam.
+const OF_JOINTS: [&str; 9] = [
+    "micro_slip",
+    "residual_stiffness",
+    "normal_load_variation",
+    "contact_damping",
+    "velocity_weakening",
+    "wear",
+    "backlash",
+    "stiffening",
+    "asymmetry",
+];
+
 /// Kind of model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
@@ -35,34 +48,11 @@ impl Kind {
         }
     }
 
-    /// The catalogue's effects that can be hidden in it.
-    pub fn effects(self) -> &'static [&'static str] {
-        match self {
-            Kind::Contact => &[
-                "micro_slip",
-                "residual_stiffness",
-                "normal_load_variation",
-                "contact_damping",
-                "velocity_weakening",
-                "wear",
-                "backlash",
-                "stiffening",
-                "asymmetry",
-                "normal_hardening",
-                "impact_damping",
-                "sensor_delay",
-                "sensor_offset",
-            ],
+    /// The catalogue's effects that can be hidden in it, in the order from which the cases' seeds follow.
+    pub fn effects(self) -> Vec<&'static str> {
+        let own: &[&str] = match self {
+            Kind::Contact => &["normal_hardening", "impact_damping", "sensor_delay", "sensor_offset"],
             Kind::Oscillator => &[
-                "micro_slip",
-                "residual_stiffness",
-                "normal_load_variation",
-                "contact_damping",
-                "velocity_weakening",
-                "wear",
-                "backlash",
-                "stiffening",
-                "asymmetry",
                 "geometric_stiffening",
                 "quadratic_damping",
                 "added_mass",
@@ -72,14 +62,6 @@ impl Kind {
                 "sensor_offset",
             ],
             Kind::Beam => &[
-                "micro_slip",
-                "residual_stiffness",
-                "normal_load_variation",
-                "contact_damping",
-                "velocity_weakening",
-                "backlash",
-                "stiffening",
-                "asymmetry",
                 "geometric_stiffening",
                 "quadratic_damping",
                 "added_mass",
@@ -89,7 +71,9 @@ impl Kind {
                 "sensor_gain",
                 "sensor_offset",
             ],
-        }
+        };
+        let of_joints = OF_JOINTS.iter().filter(|id| self != Kind::Beam || **id != "wear");
+        of_joints.chain(own).copied().collect()
     }
 
     pub(super) fn pairs(self) -> &'static [[&'static str; 2]] {
