@@ -3,7 +3,9 @@
 
 use super::description::{Causality, VariableType};
 use super::error::Error;
-use super::instance::{Instance, LARGEST_INPUT, Stage, check_value, same_length};
+use super::instance::Instance;
+use super::stage::Stage;
+use super::values::{LARGEST_INPUT, check_value, same_length};
 use crate::time::Ramp;
 
 /// Highest order of the derivatives of inputs and outputs with respect to time.

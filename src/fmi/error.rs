@@ -1,7 +1,7 @@
 //! Why an instance refuses a call, as data.
 
-use super::instance::Stage;
 use super::snapshot::SnapshotError;
+use super::stage::Stage;
 
 /// Why an instance refuses a call. It is then as before the call, except after [`Error::Step`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,9 +1,9 @@
-//! A running model: values, state, and the stages of a simulation.
+//! A running model: values, state, and the way through the stages of a simulation.
 
-use super::description::{Causality, Description, Variable, VariableType};
+use super::description::{Causality, Description};
 use super::error::Error;
 use super::parameter::{parameters, with_values};
-use super::snapshot::{Snapshot, SnapshotError};
+use super::stage::{Setup, Stage};
 use super::{Behaviour, behaviour, describe};
 use crate::model::Model;
 use crate::time::Ramp;
@@ -11,54 +11,6 @@ use uuid::Uuid;
 
 /// Relative tolerance of the integration inside, where the simulation sets none.
 const DEFAULT_TOLERANCE: f64 = 1e-6;
-/// No physical input in SI units is larger; products of a few stay finite.
-pub(super) const LARGEST_INPUT: f64 = 1e30;
-/// Numbers in a snapshot besides values and state: time, tolerance, stop, and whether time is known.
-const CLOCK: usize = 4;
-
-/// Where an instance is in a simulation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Stage {
-    /// New or reset: parameters and inputs may be set.
-    Instantiated = 0,
-    /// Between [`Instance::enter_initialization`] and [`Instance::exit_initialization`].
-    Initialization = 1,
-    /// Ready for the next step.
-    StepComplete = 2,
-    /// The last step failed; the state is that before it.
-    StepFailed = 3,
-    /// The simulation is over.
-    Terminated = 4,
-}
-
-impl Stage {
-    /// Every stage.
-    pub const ALL: [Self; 5] =
-        [Self::Instantiated, Self::Initialization, Self::StepComplete, Self::StepFailed, Self::Terminated];
-
-    pub(super) fn from_number(number: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|stage| *stage as u32 == number)
-    }
-}
-
-/// The frame of a simulation.
-///
-/// ```
-/// use stickslip::fmi::Setup;
-/// let setup = Setup { stop: Some(0.2), ..Setup::default() };
-/// assert_eq!((setup.start, setup.tolerance), (0.0, None));
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Setup {
-    /// Relative tolerance of the integration inside; 1e-6 where absent.
-    pub tolerance: Option<f64>,
-    /// Start (s).
-    pub start: f64,
-    /// Stop (s); no step may go beyond.
-    pub stop: Option<f64>,
-}
-
 /// A model that is being simulated.
 ///
 /// ```
@@ -90,8 +42,8 @@ pub struct Setup {
 pub struct Instance {
     model: Model,
     pub(super) description: Description,
-    guid: Uuid,
-    paths: Vec<String>,
+    pub(super) guid: Uuid,
+    pub(super) paths: Vec<String>,
     pub(super) behaviour: Box<dyn Behaviour>,
     /// Parameter values the behaviour was built from.
     built: Vec<f64>,
@@ -106,10 +58,10 @@ pub struct Instance {
     pub(super) rates: Vec<f64>,
     pub(super) direction: Vec<Ramp>,
     /// Outputs are older than inputs or parameters (only before the first step).
-    stale: bool,
-    time: Option<f64>,
+    pub(super) stale: bool,
+    pub(super) time: Option<f64>,
     pub(super) tolerance: f64,
-    stop: f64,
+    pub(super) stop: f64,
 }
 
 impl Instance {
@@ -191,66 +143,6 @@ impl Instance {
         self.time.unwrap_or(0.0)
     }
 
-    /// Reads Real variables into `values`.
-    ///
-    /// # Errors
-    /// An unknown or Integer variable; before the first step also parameters that make no model.
-    pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Error> {
-        same_length(references.len(), values.len())?;
-        self.check_rows(references, VariableType::Real)?;
-        self.refresh()?;
-        for (reference, value) in references.iter().zip(values) {
-            *value = self.values[*reference as usize];
-        }
-        Ok(())
-    }
-
-    /// Reads Integer variables into `values`.
-    ///
-    /// # Errors
-    /// As [`Instance::get_real`].
-    pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Result<(), Error> {
-        same_length(references.len(), values.len())?;
-        self.check_rows(references, VariableType::Integer)?;
-        self.refresh()?;
-        for (reference, value) in references.iter().zip(values) {
-            *value = self.values[*reference as usize] as i32;
-        }
-        Ok(())
-    }
-
-    /// Sets Real inputs and, until the initialization ends, parameters. Sets all or none.
-    ///
-    /// # Errors
-    /// An unknown, Integer or not settable variable, or a value outside its bounds.
-    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<(), Error> {
-        same_length(references.len(), values.len())?;
-        self.check_rows(references, VariableType::Real)?;
-        for (reference, value) in references.iter().zip(values) {
-            self.check_setting(&self.description.variables[*reference as usize], *value)?;
-        }
-        for (reference, value) in references.iter().zip(values) {
-            self.values[*reference as usize] = *value;
-        }
-        self.stale |= self.stage != Stage::StepComplete;
-        Ok(())
-    }
-
-    /// Sets Integer variables; no model has one that may be set.
-    ///
-    /// # Errors
-    /// Always, unless `references` is empty.
-    pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Result<(), Error> {
-        same_length(references.len(), values.len())?;
-        self.check_rows(references, VariableType::Integer)?;
-        match references.iter().zip(values).next() {
-            Some((reference, value)) => {
-                self.check_setting(&self.description.variables[*reference as usize], f64::from(*value))
-            }
-            None => Ok(()),
-        }
-    }
-
     /// Sets the frame of the simulation.
     ///
     /// # Errors
@@ -307,8 +199,8 @@ impl Instance {
     ///
     /// # Errors
     /// `step` not positive, times not finite, `time` not the end of the last step, an end beyond the
-    /// stop time, an input that its derivative takes beyond its bounds: the instance is unchanged. [`Error::Step`] if the integration fails: values and state
-    /// are those at `time` and the stage is [`Stage::StepFailed`].
+    /// stop time, an input that its derivative takes beyond its bounds: the instance is unchanged. [`Error::Step`] if the
+    /// integration fails: values and state are those at `time` and the stage is [`Stage::StepFailed`].
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<(), Error> {
         self.require(Stage::StepComplete)?;
         self.check_times(time, step)?;
@@ -354,129 +246,8 @@ impl Instance {
         self.tolerance = DEFAULT_TOLERANCE;
     }
 
-    /// Saves everything that [`Instance::restore`] needs.
-    pub fn snapshot(&self) -> Snapshot {
-        let mut snapshot = Snapshot { guid: self.guid, stage: self.stage, numbers: Vec::new() };
-        self.save(&mut snapshot);
-        snapshot
-    }
-
-    /// Saves into an existing snapshot, without allocating if it is of the same model.
-    pub fn save(&self, snapshot: &mut Snapshot) {
-        snapshot.guid = self.guid;
-        snapshot.stage = self.stage;
-        let numbers = &mut snapshot.numbers;
-        numbers.clear();
-        numbers.reserve_exact(self.numbers());
-        numbers.extend_from_slice(&self.values);
-        numbers.extend_from_slice(&self.state);
-        let slopes = self.slopes.iter();
-        numbers.extend(slopes.flat_map(|slope| [f64::from(u8::from(slope.is_some())), slope.unwrap_or(0.0)]));
-        let known = f64::from(u8::from(self.time.is_some()));
-        numbers.extend_from_slice(&[self.time.unwrap_or(0.0), known, self.tolerance, self.stop]);
-    }
-
-    /// Numbers in a snapshot.
-    fn numbers(&self) -> usize {
-        self.values.len() + self.state.len() + 2 * self.slopes.len() + CLOCK
-    }
-
-    /// Makes the instance continue where `snapshot` was saved, bit by bit.
-    ///
-    /// # Errors
-    /// A snapshot of another model, or with numbers that no instance has; the instance is as before.
-    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
-        if snapshot.guid != self.guid {
-            return Err(SnapshotError::OtherModel { found: snapshot.guid, expected: self.guid }.into());
-        }
-        let (values_len, state_len) = (self.values.len(), self.state.len());
-        let expected = self.numbers();
-        if snapshot.numbers.len() != expected {
-            return Err(SnapshotError::Corrupt.into());
-        }
-        let (values, rest) = snapshot.numbers.split_at(values_len);
-        let (state, rest) = rest.split_at(state_len);
-        let (slopes, clock) = rest.split_at(2 * self.slopes.len());
-        // Bytes may come from anywhere. Only the stop time may be infinite.
-        let [_, _, tolerance, stop] = *clock else { return Err(SnapshotError::Corrupt.into()) };
-        let finite = snapshot.numbers[..expected - 1].iter().all(|number| number.is_finite());
-        if !finite || tolerance <= 0.0 || stop.is_nan() {
-            return Err(SnapshotError::Corrupt.into());
-        }
-        // In the first two stages the parameters are still open and need not make a model.
-        let stale = matches!(snapshot.stage, Stage::Instantiated | Stage::Initialization);
-        if !stale {
-            self.build(&values[values_len - self.paths.len()..])?;
-        }
-        self.values.copy_from_slice(values);
-        self.state.copy_from_slice(state);
-        for (slope, saved) in self.slopes.iter_mut().zip(slopes.chunks_exact(2)) {
-            *slope = (saved[0] != 0.0).then_some(saved[1]);
-        }
-        self.sloped = self.slopes.iter().any(Option::is_some);
-        self.stage = snapshot.stage;
-        self.stale = stale;
-        self.time = (clock[1] != 0.0).then_some(clock[0]);
-        self.tolerance = tolerance;
-        self.stop = stop;
-        Ok(())
-    }
-
     fn require(&self, stage: Stage) -> Result<(), Error> {
         if self.stage == stage { Ok(()) } else { Err(Error::Stage(self.stage)) }
-    }
-
-    pub(super) fn check_rows(&self, references: &[u32], asked: VariableType) -> Result<(), Error> {
-        for reference in references {
-            match self.description.variables.get(*reference as usize) {
-                Some(variable) if variable.variable_type == asked => {}
-                Some(variable) => {
-                    return Err(Error::WrongType {
-                        name: variable.name.to_string(),
-                        is: type_name(variable.variable_type),
-                        asked: type_name(asked),
-                    });
-                }
-                None => return Err(self.unknown_reference(*reference)),
-            }
-        }
-        Ok(())
-    }
-
-    /// The error for a value reference asked as a type that no variable of any model has.
-    pub fn no_variable_of_type(&self, reference: u32, asked: &'static str) -> Error {
-        match self.description.variables.get(reference as usize) {
-            Some(variable) => Error::WrongType {
-                name: variable.name.to_string(),
-                is: type_name(variable.variable_type),
-                asked,
-            },
-            None => self.unknown_reference(reference),
-        }
-    }
-
-    fn unknown_reference(&self, reference: u32) -> Error {
-        Error::UnknownReference { reference, largest: self.description.variables.len() - 1 }
-    }
-
-    pub(super) fn check_setting(&self, variable: &Variable, value: f64) -> Result<(), Error> {
-        self.check_settable(variable)?;
-        check_value(variable, value)
-    }
-
-    pub(super) fn check_settable(&self, variable: &Variable) -> Result<(), Error> {
-        let open = matches!(self.stage, Stage::Instantiated | Stage::Initialization);
-        let reason = match variable.causality {
-            Causality::Input if open || self.stage == Stage::StepComplete => None,
-            Causality::Input => Some("the simulation cannot go on from here"),
-            Causality::Parameter if open => None,
-            Causality::Parameter => Some("a fixed parameter is settled when the initialization ends"),
-            Causality::Output => Some("it is an output"),
-        };
-        match reason {
-            Some(reason) => Err(Error::NotSettable { name: variable.name.to_string(), reason }),
-            None => Ok(()),
-        }
     }
 
     #[inline]
@@ -521,7 +292,7 @@ impl Instance {
     }
 
     /// Builds the behaviour from `parameters`, unless it was built from the same.
-    fn build(&mut self, parameters: &[f64]) -> Result<(), Error> {
+    pub(super) fn build(&mut self, parameters: &[f64]) -> Result<(), Error> {
         let same = self.built.iter().zip(parameters).all(|(old, new)| old.to_bits() == new.to_bits());
         if same {
             return Ok(());
@@ -536,29 +307,5 @@ impl Instance {
         self.behaviour = behaviour;
         self.built.copy_from_slice(parameters);
         Ok(())
-    }
-}
-
-/// Whether `variable` may be `value`.
-pub(super) fn check_value(variable: &Variable, value: f64) -> Result<(), Error> {
-    if variable.allows(value) && value.abs() <= LARGEST_INPUT {
-        return Ok(());
-    }
-    let bounds = if value.abs() > LARGEST_INPUT && value.is_finite() {
-        format!("at most {LARGEST_INPUT:e} in magnitude")
-    } else {
-        variable.bounds()
-    };
-    Err(Error::Value { name: variable.name.to_string(), value, bounds })
-}
-
-pub(super) fn same_length(references: usize, values: usize) -> Result<(), Error> {
-    if references == values { Ok(()) } else { Err(Error::Lengths { references, values }) }
-}
-
-fn type_name(variable_type: VariableType) -> &'static str {
-    match variable_type {
-        VariableType::Real => "Real",
-        VariableType::Integer => "Integer",
     }
 }

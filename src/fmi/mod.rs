@@ -68,7 +68,10 @@ mod instance;
 mod lines;
 mod oscillator;
 mod parameter;
+mod saving;
 mod snapshot;
+mod stage;
+mod values;
 
 pub use derivatives::DERIVATIVE_ORDER;
 pub use description::{
@@ -76,8 +79,9 @@ pub use description::{
     VariableType,
 };
 pub use error::Error;
-pub use instance::{Instance, Setup, Stage};
+pub use instance::Instance;
 pub use snapshot::{Snapshot, SnapshotError};
+pub use stage::{Setup, Stage};
 
 use crate::contact::JointChanges;
 use crate::model::{Model, Structure};

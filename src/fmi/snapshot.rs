@@ -1,6 +1,6 @@
 //! The whole state of an instance as numbers, and as bytes that another process may read.
 
-use super::instance::Stage;
+use super::stage::Stage;
 use uuid::Uuid;
 
 const MAGIC: &[u8; 16] = b"stickslip state\0";

@@ -140,14 +140,6 @@ impl Slave for Linear {
         Ok(())
     }
 
-    fn enter_initialization(&mut self) -> Result<(), SlaveError> {
-        Ok(())
-    }
-
-    fn exit_initialization(&mut self) -> Result<(), SlaveError> {
-        Ok(())
-    }
-
     fn set(&mut self, variables: &[usize], values: &[f64]) -> Result<(), SlaveError> {
         for (variable, value) in variables.iter().zip(values) {
             if value.abs() > 1e30 || value.is_nan() {

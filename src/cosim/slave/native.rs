@@ -11,8 +11,6 @@ pub struct NativeSlave {
     name: String,
     instance: Instance,
     table: Vec<Variable>,
-    /// Whether all variables of a call are Real is looked up here.
-    real: Vec<bool>,
     references: Vec<u32>,
     knowns: Vec<u32>,
     lines: Vec<Ramp>,
@@ -55,13 +53,11 @@ impl NativeSlave {
                     .then(|| row.dependencies.iter().map(|other| other.on as usize).collect()),
             })
             .collect();
-        let real = table.iter().map(|row| row.kind == Kind::Real).collect();
         Self {
             name: name.to_owned(),
             instance,
             first_order: vec![DERIVATIVE_ORDER as i32; table.len()],
             table,
-            real,
             references: Vec::new(),
             knowns: Vec::new(),
             lines: Vec::new(),
@@ -76,18 +72,6 @@ impl NativeSlave {
 
     fn error(&self, error: fmi::Error) -> SlaveError {
         failed(&self.name, error)
-    }
-
-    /// Value references are positions; `None` if some variable is not Real.
-    fn real_references(&mut self, variables: &[usize]) -> Option<()> {
-        self.references.clear();
-        for variable in variables {
-            if !self.real.get(*variable).copied().unwrap_or(true) {
-                return None;
-            }
-            self.references.push(*variable as u32);
-        }
-        Some(())
     }
 }
 
@@ -141,40 +125,13 @@ impl Slave for NativeSlave {
     }
 
     fn set(&mut self, variables: &[usize], values: &[f64]) -> Result<(), SlaveError> {
-        if self.real_references(variables).is_some() {
-            let set = self.instance.set_real(&self.references, values);
-            return set.map_err(|error| failed(&self.name, error));
-        }
-        for (variable, value) in variables.iter().zip(values) {
-            let reference = [*variable as u32];
-            let set = if self.real[*variable] {
-                self.instance.set_real(&reference, &[*value])
-            } else {
-                self.instance.set_integer(&reference, &[value.round() as i32])
-            };
-            set.map_err(|error| failed(&self.name, error))?;
-        }
-        Ok(())
+        refer(&mut self.references, variables);
+        self.instance.write(&self.references, values).map_err(|error| failed(&self.name, error))
     }
 
     fn get(&mut self, variables: &[usize], values: &mut [f64]) -> Result<(), SlaveError> {
-        if self.real_references(variables).is_some() {
-            let got = self.instance.get_real(&self.references, values);
-            return got.map_err(|error| failed(&self.name, error));
-        }
-        for (variable, value) in variables.iter().zip(values) {
-            let reference = [*variable as u32];
-            let got = if self.real[*variable] {
-                self.instance.get_real(&reference, std::slice::from_mut(value))
-            } else {
-                let mut whole = [0];
-                let got = self.instance.get_integer(&reference, &mut whole);
-                *value = f64::from(whole[0]);
-                got
-            };
-            got.map_err(|error| failed(&self.name, error))?;
-        }
-        Ok(())
+        refer(&mut self.references, variables);
+        self.instance.read(&self.references, values).map_err(|error| failed(&self.name, error))
     }
 
     fn set_input_derivatives(&mut self, variables: &[usize], derivatives: &[f64]) -> Result<(), SlaveError> {

@@ -79,14 +79,6 @@ impl Slave for Source {
         Ok(())
     }
 
-    fn enter_initialization(&mut self) -> Result<(), SlaveError> {
-        Ok(())
-    }
-
-    fn exit_initialization(&mut self) -> Result<(), SlaveError> {
-        Ok(())
-    }
-
     fn set(&mut self, variables: &[usize], _values: &[f64]) -> Result<(), SlaveError> {
         if variables.is_empty() { Ok(()) } else { self.refuse("it has no variable that can be set") }
     }

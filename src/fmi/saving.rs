@@ -1,0 +1,79 @@
+//! The whole of an instance into a snapshot, and back.
+
+use super::error::Error;
+use super::instance::Instance;
+use super::snapshot::{Snapshot, SnapshotError};
+use super::stage::Stage;
+
+/// Numbers in a snapshot besides values and state: time, tolerance, stop, and whether time is known.
+const CLOCK: usize = 4;
+
+impl Instance {
+    /// Saves everything that [`Instance::restore`] needs.
+    pub fn snapshot(&self) -> Snapshot {
+        let mut snapshot = Snapshot { guid: self.guid, stage: self.stage, numbers: Vec::new() };
+        self.save(&mut snapshot);
+        snapshot
+    }
+
+    /// Saves into an existing snapshot, without allocating if it is of the same model.
+    pub fn save(&self, snapshot: &mut Snapshot) {
+        snapshot.guid = self.guid;
+        snapshot.stage = self.stage;
+        let numbers = &mut snapshot.numbers;
+        numbers.clear();
+        numbers.reserve_exact(self.numbers());
+        numbers.extend_from_slice(&self.values);
+        numbers.extend_from_slice(&self.state);
+        let slopes = self.slopes.iter();
+        numbers.extend(slopes.flat_map(|slope| [f64::from(u8::from(slope.is_some())), slope.unwrap_or(0.0)]));
+        let known = f64::from(u8::from(self.time.is_some()));
+        numbers.extend_from_slice(&[self.time.unwrap_or(0.0), known, self.tolerance, self.stop]);
+    }
+
+    /// Numbers in a snapshot.
+    fn numbers(&self) -> usize {
+        self.values.len() + self.state.len() + 2 * self.slopes.len() + CLOCK
+    }
+
+    /// Makes the instance continue where `snapshot` was saved, bit by bit.
+    ///
+    /// # Errors
+    /// A snapshot of another model, or with numbers that no instance has; the instance is as before.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
+        if snapshot.guid != self.guid {
+            return Err(SnapshotError::OtherModel { found: snapshot.guid, expected: self.guid }.into());
+        }
+        let (values_len, state_len) = (self.values.len(), self.state.len());
+        let expected = self.numbers();
+        if snapshot.numbers.len() != expected {
+            return Err(SnapshotError::Corrupt.into());
+        }
+        let (values, rest) = snapshot.numbers.split_at(values_len);
+        let (state, rest) = rest.split_at(state_len);
+        let (slopes, clock) = rest.split_at(2 * self.slopes.len());
+        // Bytes may come from anywhere. Only the stop time may be infinite.
+        let [_, _, tolerance, stop] = *clock else { return Err(SnapshotError::Corrupt.into()) };
+        let finite = snapshot.numbers[..expected - 1].iter().all(|number| number.is_finite());
+        if !finite || tolerance <= 0.0 || stop.is_nan() {
+            return Err(SnapshotError::Corrupt.into());
+        }
+        // In the first two stages the parameters are still open and need not make a model.
+        let stale = matches!(snapshot.stage, Stage::Instantiated | Stage::Initialization);
+        if !stale {
+            self.build(&values[values_len - self.paths.len()..])?;
+        }
+        self.values.copy_from_slice(values);
+        self.state.copy_from_slice(state);
+        for (slope, saved) in self.slopes.iter_mut().zip(slopes.chunks_exact(2)) {
+            *slope = (saved[0] != 0.0).then_some(saved[1]);
+        }
+        self.sloped = self.slopes.iter().any(Option::is_some);
+        self.stage = snapshot.stage;
+        self.stale = stale;
+        self.time = (clock[1] != 0.0).then_some(clock[0]);
+        self.tolerance = tolerance;
+        self.stop = stop;
+        Ok(())
+    }
+}
