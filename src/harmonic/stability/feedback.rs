@@ -1,37 +1,8 @@
-//! What contacts answer to a disturbance, at every phase of a grid.
+//! What contacts answer to a disturbance at one phase.
 
 use nalgebra::DMatrix;
 
-use super::history::{history, jumps};
-use super::impulse;
-use super::signal::turning_points;
 use super::step::Step;
-use crate::time::exact::system::System;
-use crate::time::{LoadedContact, OscillatorError};
-
-/// A structure in a periodic motion, as a disturbance of it sees it: constant, with forces fed back.
-pub(super) trait Disturbed {
-    /// The structure; its contacts are the channels along which forces are fed back.
-    fn system(&self) -> &System;
-
-    /// Fundamental Ω (rad/s) of the motion.
-    fn angular_frequency(&self) -> f64;
-
-    /// Numbers that the contacts remember.
-    fn memory(&self) -> usize;
-
-    /// Coefficients of the finest signal of the motion.
-    fn coefficients(&self) -> usize;
-
-    /// Phases that a grid must meet: where memory is made or the feedback jumps.
-    fn events(&self) -> Vec<f64>;
-
-    /// Whether the feedback takes differences backwards in time, whose error is of first order.
-    fn first_order(&self) -> bool;
-
-    /// The feedback at every phase of the grid, from 0 to 2π; the first step has no length.
-    fn feedback(&self, grid: &[f64]) -> Result<Vec<Feedback>, OscillatorError>;
-}
 
 /// Forces and memory at the end of a step, linear in the disturbances `[y, ẏ, memory]`: displacements and velocities
 /// of the channels there, memory before it.
@@ -139,68 +110,4 @@ fn sum<const N: usize>(terms: [(f64, &Vec<f64>); N]) -> Vec<f64> {
         out.iter_mut().zip(row).for_each(|(out, value)| *out += factor * value);
     }
     out
-}
-
-/// A linear structure whose contacts move by given coefficients.
-pub(super) struct Linear<'a> {
-    pub system: &'a System,
-    pub contacts: &'a [LoadedContact<'a>],
-    pub displacement: &'a [&'a [f64]],
-    pub angular_frequency: f64,
-}
-
-impl Disturbed for Linear<'_> {
-    fn system(&self) -> &System {
-        self.system
-    }
-
-    fn angular_frequency(&self) -> f64 {
-        self.angular_frequency
-    }
-
-    fn memory(&self) -> usize {
-        self.contacts.iter().map(|contact| contact.law.state_len()).sum()
-    }
-
-    fn coefficients(&self) -> usize {
-        self.displacement.iter().map(|coefficients| coefficients.len()).max().unwrap_or(1)
-    }
-
-    fn events(&self) -> Vec<f64> {
-        let pairs = self.contacts.iter().zip(self.displacement);
-        pairs.flat_map(|(contact, u)| events_of(contact, u, self.angular_frequency)).collect()
-    }
-
-    fn first_order(&self) -> bool {
-        false
-    }
-
-    fn feedback(&self, grid: &[f64]) -> Result<Vec<Feedback>, OscillatorError> {
-        let (channels, memory) = (self.contacts.len(), self.memory());
-        let mut out: Vec<Feedback> = grid.iter().map(|_| Feedback::new(channels, memory)).collect();
-        let still = vec![0.0; channels];
-        let mut first = 0;
-        for (channel, (contact, u)) in self.contacts.iter().zip(self.displacement).enumerate() {
-            let mut arm = still.clone();
-            arm[channel] = 1.0;
-            let attachment = Attachment { arm: &arm, arm_rate: &still, memory: first, series: Series::Rigid };
-            let steps = history(contact, u, self.angular_frequency, grid, true)?;
-            out.iter_mut().zip(&steps).for_each(|(feedback, step)| feedback.attach(step, &attachment));
-            first += contact.law.state_len();
-        }
-        Ok(out)
-    }
-}
-
-/// Phases that a grid must meet for a contact: its turning points, both sides of the jumps of its tangents, and those of
-/// its force.
-pub(super) fn events_of(contact: &LoadedContact, displacement: &[f64], angular_frequency: f64) -> Vec<f64> {
-    /// Half the step over a jump.
-    const BESIDE: f64 = 1e-9;
-    let mut phases = turning_points(displacement);
-    phases.extend(jumps(contact, displacement).into_iter().flat_map(|at| [at - BESIDE, at + BESIDE]));
-    let [of_force, of_tangents] = impulse::phases(contact, displacement, angular_frequency);
-    phases.extend(of_tangents.into_iter().flat_map(|at| [at - BESIDE, at + BESIDE]));
-    phases.extend(of_force.into_iter().flat_map(|at| [at - BESIDE, at, at + BESIDE]));
-    phases
 }

@@ -10,16 +10,18 @@
 //!   a linear system, solved to rounding by the exponential of its matrix. Sliders remember the displacement of their last reversal, so that a
 //!   disturbance of memory has one component per turning point, whatever the number of sliders.
 //! - Any other law (`tangents`): the tangents of its steps on a grid that meets all turning points,
-//!   the structure exactly between two, extrapolated (Romberg) until the map settles.
-//! - A system in modal coordinates (`modal`), whose ports turn with the motion: the same, whatever the laws.
+//!   the structure exactly between two, extrapolated (Romberg) until the map settles. So is a system in modal coordinates,
+//!   whose ports turn with the motion, whatever the laws.
+//!
+//! What a disturbance sees (`disturbed`) is a constant structure and what its contacts answer (`feedback`).
 //!
 //! A slider that never slips keeps any position; that neutral direction is not counted.
 
 mod budget;
+mod disturbed;
 mod feedback;
 mod history;
 mod impulse;
-mod modal;
 mod monotone;
 mod regimes;
 mod signal;
@@ -36,8 +38,7 @@ use crate::time::exact::multipliers;
 use crate::time::exact::system::System as Exact;
 use crate::time::{LoadedContact, OscillatorError};
 use budget::Budget;
-use feedback::Linear;
-use modal::Bent;
+use disturbed::Disturbed;
 
 /// Most degrees of freedom for which multipliers are computed.
 const LARGEST: usize = 60;
@@ -295,7 +296,7 @@ impl Motion<'_> {
             let diverged = OscillatorError::Diverged { time: std::f64::consts::TAU / angular_frequency };
             return multipliers(map).ok_or(diverged);
         }
-        let motion = Linear { system, contacts, displacement, angular_frequency };
+        let motion = Disturbed::linear(system, contacts, displacement, angular_frequency);
         tangents::multipliers_of(&motion, enough, budget)
     }
 }
@@ -306,7 +307,7 @@ fn bent<'a>(
     modes: &'a [f64],
     displacement: &[&'a [f64]],
     angular_frequency: f64,
-) -> Result<Bent<'a>, OscillatorError> {
+) -> Result<Disturbed<'a>, OscillatorError> {
     check_frequency(angular_frequency)?;
     check("modes", modes)?;
     displacement.iter().try_for_each(|coefficients| check("displacement", coefficients))?;
@@ -315,7 +316,7 @@ fn bent<'a>(
         return Err(OscillatorError::Length { name: "modes", expected: 0, found });
     }
     let width = (modes.len() / system.modes()).max(1);
-    Bent::new(system, modes.chunks_exact(width).collect(), displacement, angular_frequency)
+    Disturbed::in_modes(system, modes.chunks_exact(width).collect(), displacement, angular_frequency)
 }
 
 fn check(name: &'static str, coefficients: &[f64]) -> Result<(), OscillatorError> {

@@ -6,7 +6,8 @@ use std::f64::consts::TAU;
 use nalgebra::{Complex, DMatrix};
 
 use super::budget::Budget;
-use super::feedback::{Disturbed, Feedback};
+use super::disturbed::Disturbed;
+use super::feedback::Feedback;
 use crate::numeric::balancing::balance;
 use crate::time::OscillatorError;
 use crate::time::exact::multipliers;
@@ -30,21 +31,21 @@ const LEAST_STEP: usize = 4000;
 /// The multipliers over a period. `enough` sees them all, each better than the last, and says whether they are good
 /// enough, which they can be only on a grid that resolves the structure's own motion.
 pub(super) fn multipliers_of(
-    motion: &dyn Disturbed,
+    motion: &Disturbed,
     enough: &mut dyn FnMut(&[Complex<f64>]) -> bool,
     mut budget: Budget,
 ) -> Result<Vec<Complex<f64>>, OscillatorError> {
-    let system = motion.system();
-    let period = TAU / motion.angular_frequency();
+    let system = motion.system.as_ref();
+    let period = TAU / motion.angular_frequency;
     let mut grid = first_grid(motion);
     // The structure's own motion must be resolved by every step.
-    let longest = system.longest_step(&vec![0.0; system.contacts.len()], 0.0) * motion.angular_frequency();
+    let longest = system.longest_step(&vec![0.0; system.contacts.len()], 0.0) * motion.angular_frequency;
     if TAU / longest >= MOST_STEPS as f64 {
         return Err(OscillatorError::TooManySteps { limit: MOST_STEPS, time: 0.0 });
     }
     // What a step costs at least, and its products.
     let (moving, channels) = (2 * system.size, system.contacts.len());
-    let all = moving + motion.memory();
+    let all = moving + motion.memory;
     let step = (LEAST_STEP + (moving + 2 * channels) * moving * all + 4 * channels * channels * all) as f64;
     // The deepest level asked for is the second on which all is resolved: no use beginning what cannot get there.
     let least = 2.0 * (TAU / longest).max(grid.len() as f64) * step;
@@ -74,7 +75,7 @@ pub(super) fn multipliers_of(
             changes.fold(0.0, f64::max) / last.amax().max(1.0)
         });
         let found =
-            multipliers(last).ok_or(OscillatorError::Diverged { time: TAU / motion.angular_frequency() })?;
+            multipliers(last).ok_or(OscillatorError::Diverged { time: TAU / motion.angular_frequency })?;
         // A map may differ in what the period forgets at once.
         change = of_map.min(distance(&found, &known));
         let enough = enough(&found);
@@ -99,7 +100,7 @@ fn distance(found: &[Complex<f64>], known: &[Complex<f64>]) -> f64 {
     found.iter().filter(|m| m.norm() > VANISHING * largest).map(nearest).fold(0.0, f64::max) / largest
 }
 
-fn first_grid(motion: &dyn Disturbed) -> Vec<f64> {
+fn first_grid(motion: &Disturbed) -> Vec<f64> {
     let base = (2 * motion.coefficients()).max(32);
     let mut grid: Vec<f64> = (0..=base).map(|k| TAU * k as f64 / base as f64).collect();
     grid.extend(motion.events().into_iter().map(|phase| phase.rem_euclid(TAU)));
@@ -187,22 +188,22 @@ impl Propagator {
 }
 
 /// The map over the period on one grid.
-fn on_grid(motion: &dyn Disturbed, grid: &[f64]) -> Result<DMatrix<f64>, OscillatorError> {
+fn on_grid(motion: &Disturbed, grid: &[f64]) -> Result<DMatrix<f64>, OscillatorError> {
     const SAME_STEP: f64 = 1e-11;
-    let (system, angular_frequency) = (motion.system(), motion.angular_frequency());
+    let (system, angular_frequency) = (motion.system.as_ref(), motion.angular_frequency);
     let feedback = motion.feedback(grid)?;
     let (n, m) = (system.size, system.contacts.len());
-    let size = 2 * n + motion.memory();
+    let size = 2 * n + motion.memory;
     let channels = DMatrix::from_fn(m, n, |i, j| system.contacts[i][j]);
     let driven: Vec<System> = (0..m).map(|i| system.driven_by_contact(i)).collect();
     let mut propagators: Vec<Propagator> = Vec::new();
     let mut moving = DMatrix::<f64>::identity(2 * n, size);
     // Displacements and velocities of the channels, then memory.
-    let mut seen = DMatrix::<f64>::zeros(2 * m + motion.memory(), size);
-    (0..motion.memory()).for_each(|k| seen[(2 * m + k, 2 * n + k)] = 1.0);
+    let mut seen = DMatrix::<f64>::zeros(2 * m + motion.memory, size);
+    (0..motion.memory).for_each(|k| seen[(2 * m + k, 2 * n + k)] = 1.0);
     let mut force = DMatrix::<f64>::zeros(m, size);
     let (mut ahead, mut change) = (moving.clone(), force.clone());
-    let mut memory = DMatrix::<f64>::zeros(motion.memory(), size);
+    let mut memory = DMatrix::<f64>::zeros(motion.memory, size);
     for (k, Feedback { force: forces, memory: memories, .. }) in feedback.iter().enumerate() {
         let step = if k == 0 {
             None
