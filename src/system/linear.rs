@@ -5,14 +5,9 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::{Core, Element, StructureError, System};
+use super::StructureError;
+use super::ports::{Core, Element, Entries, Port, Row, System};
 use crate::contact::ContactLaw;
-
-/// A sparse row: `(degree of freedom, factor)`, e.g. a relative displacement `[(1, 1.0), (0, -1.0)]`.
-pub type Row = Vec<(usize, f64)>;
-
-/// Entries `(row, column, value)` of a symmetric matrix, both triangles, each place once, sorted.
-pub type Entries = Vec<(usize, usize, f64)>;
 
 /// Most degrees of freedom for which all natural modes are computed: the effort grows with the cube.
 pub const MOST_DENSE_MODES: usize = 1000;
@@ -94,14 +89,6 @@ impl System {
             outputs: self.sensors.iter().map(output).collect(),
         }
     }
-
-    /// The laws in the order of the elements: where each acts, as a place in [`System::ports`], and its normal load (N).
-    pub fn laws(&self) -> impl Iterator<Item = (usize, &Arc<dyn ContactLaw>, f64)> {
-        self.elements.iter().filter_map(|element| match element {
-            Element::Law { port, law, normal_load } => Some((*port, law, *normal_load)),
-            Element::Springs { .. } | Element::Outside { .. } => None,
-        })
-    }
 }
 
 /// What a spring of `stiffness` (N/m) between the displacements of two rows adds to K.
@@ -110,6 +97,37 @@ fn between(left: &Row, stiffness: f64, right: &Row) -> impl Iterator<Item = (usi
 }
 
 impl LinearStructure {
+    /// The structure as a system. Ports: the outputs by their names, `excitation`, then a port per contact in their order,
+    /// `contact` the first. `contacts` are their laws, each with its normal load (N).
+    pub fn system(&self, contacts: Vec<(Arc<dyn ContactLaw>, f64)>) -> System {
+        let mut ports: Vec<Port> =
+            self.outputs.iter().map(|output| Port::linear(&output.name, output.row.clone())).collect();
+        let excitation = ports.len();
+        ports.push(Port::linear("excitation", self.excitation.clone()));
+        let first = ports.len();
+        for (place, row) in self.contacts.iter().enumerate() {
+            let name = if place == 0 { "contact".to_owned() } else { format!("contact.{}", place + 1) };
+            ports.push(Port::linear(&name, row.clone()));
+        }
+        let elements = contacts.into_iter().enumerate();
+        let elements = elements
+            .map(|(place, (law, normal_load))| Element::Law { port: first + place, law, normal_load })
+            .collect();
+        System {
+            core: Core::Matrices {
+                size: self.size,
+                mass: self.mass.clone(),
+                damping: self.damping.clone(),
+                stiffness: self.stiffness.clone(),
+            },
+            shortening: Vec::new(),
+            ports,
+            elements,
+            driven: vec![excitation],
+            sensors: (0..excitation).collect(),
+        }
+    }
+
     /// All natural frequencies and modes, of the undamped structure without its contacts.
     ///
     /// Frequencies are exact to about 1e-15 of the square of the highest.
@@ -162,9 +180,7 @@ impl LinearStructure {
             .collect();
         Ok(NaturalModes { angular_frequency, shapes })
     }
-}
 
-impl LinearStructure {
     /// Entries of the matrix that one factor for each contact, such as the stiffness (N/m) of a spring along its
     /// displacement, makes of the contacts' rows.
     #[cfg(feature = "analysis")]

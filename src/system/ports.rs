@@ -2,8 +2,13 @@
 
 use std::sync::Arc;
 
-use super::{LinearStructure, ModalBeam, Row, StructureError};
-use crate::contact::{ContactLaw, Drag};
+use crate::contact::ContactLaw;
+
+/// A sparse row: `(degree of freedom, factor)`, e.g. a relative displacement `[(1, 1.0), (0, -1.0)]`.
+pub type Row = Vec<(usize, f64)>;
+
+/// Entries `(row, column, value)` of a symmetric matrix, both triangles, each place once, sorted.
+pub type Entries = Vec<(usize, usize, f64)>;
 
 /// `M q̈ + C q̇ + K q + Σ Jₚ(q)ᵀ Fₚ = Σ bₖ fₖ(t)`.
 ///
@@ -70,11 +75,11 @@ pub enum Core {
         /// Number of degrees of freedom.
         size: usize,
         /// M (kg).
-        mass: super::Entries,
+        mass: Entries,
         /// C (N s/m).
-        damping: super::Entries,
+        damping: Entries,
         /// K (N/m).
-        stiffness: super::Entries,
+        stiffness: Entries,
     },
 }
 
@@ -173,117 +178,16 @@ impl System {
         self.ports.iter().position(|port| port.name == name)
     }
 
+    /// The laws in the order of the elements: where each acts, as a place in [`System::ports`], and its normal load (N).
+    pub fn laws(&self) -> impl Iterator<Item = (usize, &Arc<dyn ContactLaw>, f64)> {
+        self.elements.iter().filter_map(|element| match element {
+            Element::Law { port, law, normal_load } => Some((*port, law, *normal_load)),
+            Element::Springs { .. } | Element::Outside { .. } => None,
+        })
+    }
+
     /// Whether every port with an element is linear in the coordinates.
     pub fn is_linear_at_ports(&self) -> bool {
         self.elements.iter().flat_map(Element::ports).all(|port| self.ports[*port].is_linear())
-    }
-}
-
-impl ModalBeam {
-    /// The beam as a system. Ports: the sensors and the contact points (`x=0.55`), `excitation`, `contact`; where
-    /// anything but the contact pulls along the beam `shortening` and `string`. `contact` is the law at the end with its normal load (N); the
-    /// contact points, and the end without a law, take forces from outside.
-    ///
-    /// Stretching has the potential `κ h²` of the shortening h, a string `− k y h` of its stretch y besides: springs
-    /// between the two ports.
-    ///
-    /// # Errors
-    /// Lists without one entry per mode, numbers that make no law.
-    pub fn system(&self, contact: Option<(Arc<dyn ContactLaw>, f64)>) -> Result<System, StructureError> {
-        self.check_lengths()?;
-        let row = |shape: &[f64]| -> Row { shape.iter().copied().enumerate().collect() };
-        let places = self.sensors.iter().chain(&self.contact_points);
-        let mut ports: Vec<Port> =
-            places.map(|at| Port::linear(&format!("x={}", at.position), row(&at.shape))).collect();
-        let excitation = ports.len();
-        ports.push(Port::linear("excitation", row(&self.excitation_shape)));
-        let end = ports.len();
-        ports.push(Port {
-            name: "contact".into(),
-            row: row(&self.contact_shape),
-            shortening: 1.0,
-            flexibility: self.axial_flexibility,
-        });
-        let mut elements = vec![match contact {
-            Some((law, normal_load)) => Element::Law { port: end, law, normal_load },
-            None => Element::Outside { port: end },
-        }];
-        let first_point = self.sensors.len();
-        elements.extend((first_point..excitation).map(|port| Element::Outside { port }));
-        if self.quadratic_damping != 0.0 {
-            let law = Arc::new(Drag::new(self.quadratic_damping)?);
-            elements.push(Element::Law { port: excitation, law, normal_load: 0.0 });
-        }
-        if self.pulls_along() {
-            let [shortening, string] = [ports.len(), ports.len() + 1];
-            ports.push(Port { shortening: -1.0, ..Port::linear("shortening", Row::new()) });
-            ports.push(Port::linear("string", row(&self.string_stretch)));
-            let (own, coupled) = (2.0 * self.stretching_stiffness, -self.string_stiffness);
-            let stiffness = [[own, coupled], [coupled, 0.0]];
-            elements.push(Element::Springs { ports: [shortening, string], stiffness });
-        }
-        Ok(System {
-            core: Core::Modal {
-                angular_frequency: self.angular_frequency.clone(),
-                damping_ratio: self.damping_ratio.clone(),
-            },
-            shortening: self.shortening.clone(),
-            ports,
-            elements,
-            driven: vec![excitation],
-            sensors: (0..first_point).collect(),
-        })
-    }
-}
-
-impl ModalBeam {
-    fn check_lengths(&self) -> Result<(), StructureError> {
-        let modes = self.angular_frequency.len();
-        let check = |field: &'static str, expected: usize, found: usize| {
-            if expected == found { Ok(()) } else { Err(StructureError::Entries { field, expected, found }) }
-        };
-        check("angular_frequency", modes.max(1), modes)?;
-        check("damping_ratio", modes, self.damping_ratio.len())?;
-        check("contact_shape", modes, self.contact_shape.len())?;
-        check("excitation_shape", modes, self.excitation_shape.len())?;
-        check("shortening", modes * modes, self.shortening.len())?;
-        if self.string_stiffness != 0.0 {
-            check("string_stretch", modes, self.string_stretch.len())?;
-        }
-        self.sensors.iter().try_for_each(|at| check("sensor shape", modes, at.shape.len()))?;
-        self.contact_points.iter().try_for_each(|at| check("contact point's shape", modes, at.shape.len()))
-    }
-}
-
-impl LinearStructure {
-    /// The structure as a system. Ports: the outputs by their names, `excitation`, then a port per contact in their order,
-    /// `contact` the first. `contacts` are their laws, each with its normal load (N).
-    pub fn system(&self, contacts: Vec<(Arc<dyn ContactLaw>, f64)>) -> System {
-        let mut ports: Vec<Port> =
-            self.outputs.iter().map(|output| Port::linear(&output.name, output.row.clone())).collect();
-        let excitation = ports.len();
-        ports.push(Port::linear("excitation", self.excitation.clone()));
-        let first = ports.len();
-        for (place, row) in self.contacts.iter().enumerate() {
-            let name = if place == 0 { "contact".to_owned() } else { format!("contact.{}", place + 1) };
-            ports.push(Port::linear(&name, row.clone()));
-        }
-        let elements = contacts.into_iter().enumerate();
-        let elements = elements
-            .map(|(place, (law, normal_load))| Element::Law { port: first + place, law, normal_load })
-            .collect();
-        System {
-            core: Core::Matrices {
-                size: self.size,
-                mass: self.mass.clone(),
-                damping: self.damping.clone(),
-                stiffness: self.stiffness.clone(),
-            },
-            shortening: Vec::new(),
-            ports,
-            elements,
-            driven: vec![excitation],
-            sensors: (0..excitation).collect(),
-        }
     }
 }

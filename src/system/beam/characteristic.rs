@@ -12,6 +12,7 @@
 
 use std::f64::consts::PI;
 
+use super::checks::{check_mechanics, check_mode_count};
 use super::krylov::{State, krylov_duncan, scale};
 use super::sweep::{Arrival, DividedBeam, Part, Triangle};
 use crate::system::Beam;
@@ -58,8 +59,8 @@ impl BeamModes {
     /// Values out of bounds as in [`ModalBeam::new`](crate::system::ModalBeam::new), or
     /// [`StructureError::Unresolved`] where double precision cannot separate two frequencies.
     pub fn new(beam: &Beam, count: usize) -> Result<Self, StructureError> {
-        super::check_mechanics(beam)?;
-        super::check_mode_count(count)?;
+        check_mechanics(beam)?;
+        check_mode_count(count)?;
         let scales = Scales::of(beam)?;
         let divided = divide(beam, &scales);
         let tip = beam.rotational_stiffness * scales.rotational_flexibility;

@@ -5,8 +5,8 @@
 
 use nalgebra::{Cholesky, DMatrix, SymmetricEigen};
 
-use crate::system::Beam;
-use crate::system::StructureError;
+use super::checks::{check_mechanics, check_mode_count};
+use crate::system::{Beam, StructureError};
 
 /// Most elements: the dense eigenproblem has twice as many unknowns and costs their third power.
 pub const MOST_ELEMENTS: usize = 400;
@@ -39,8 +39,8 @@ impl FiniteElementModes {
     /// [`StructureError::ElementCount`], or [`StructureError::NotComputable`] where rounding makes the
     /// stiffness indefinite.
     pub fn new(beam: &Beam, elements: usize, count: usize) -> Result<Self, StructureError> {
-        super::check_mechanics(beam)?;
-        super::check_mode_count(count)?;
+        check_mechanics(beam)?;
+        check_mode_count(count)?;
         let least = count + 1;
         if !(least..=MOST_ELEMENTS).contains(&elements) {
             return Err(StructureError::ElementCount { elements, least, most: MOST_ELEMENTS });

@@ -2,8 +2,9 @@
 
 use nalgebra::Complex;
 
-use super::{Compliance, Rows, Singular};
-use crate::system::linear::{Entries, LinearStructure, Row};
+use super::compliance::{Compliance, Rows, Singular};
+use crate::system::linear::LinearStructure;
+use crate::system::{Entries, Row};
 
 /// K, C and M on the places that any of them has, sorted by row.
 #[derive(Debug, Clone)]

@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 
-use super::Singular;
+use super::compliance::Singular;
 use super::condensation::Matrices;
 
 /// LU factors with partial pivoting.

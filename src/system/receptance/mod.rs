@@ -11,6 +11,7 @@
 //! Derivatives by the factors come from the same solutions, as `∂Z⁻¹ = −Z⁻¹ ∂Z Z⁻¹` and Z is symmetric.
 //! In [`Receptance::evaluate`] the sparse factors alone allocate: fifteen times, at any size.
 
+mod compliance;
 mod condensation;
 mod lu;
 mod modal;
@@ -20,40 +21,17 @@ mod tests;
 
 use nalgebra::{Complex, DMatrix};
 
+pub use compliance::{Compliance, Rows};
+
 use super::StructureError;
 use super::linear::LinearStructure;
+use compliance::Singular;
 use condensation::{Condensation, Matrices};
 use lu::DenseFactors;
 use modal::Modal;
 
-/// Largest structure whose modes are computed for the modal way: preparing it grows with the cube.
-const MOST_MODAL: usize = 300;
-
 /// Largest structure that is factorised as a dense matrix.
 const MOST_DENSE: usize = 40;
-
-/// Compliances (m/N) of a linear structure at one pair of factors, and their derivatives.
-///
-/// Rows: the contacts, then (where asked for) the outputs. Columns: a unit force along each contact's
-/// displacement, then the unit excitation.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Compliance {
-    /// The compliances.
-    pub value: DMatrix<Complex<f64>>,
-    /// Derivative by the damping factor.
-    pub by_damping: DMatrix<Complex<f64>>,
-    /// Derivative by the inertia factor.
-    pub by_inertia: DMatrix<Complex<f64>>,
-}
-
-/// Rows wanted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Rows {
-    /// The contacts alone.
-    Contacts,
-    /// The contacts, then the outputs.
-    All,
-}
 
 /// How compliances are computed; see the module's documentation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,10 +60,6 @@ enum Solver {
     Dense(Condensation, DenseFactors),
     Sparse(Condensation, Box<sparse::SparseFactors>),
 }
-
-/// The dynamic stiffness cannot be inverted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Singular;
 
 impl Receptance {
     /// Prepares the evaluation, by the cheapest way that holds for the structure.

@@ -2,8 +2,12 @@
 
 use nalgebra::Complex;
 
-use super::{Compliance, MOST_MODAL, Rows, Singular};
-use crate::system::linear::{LinearStructure, Row, dense};
+use super::compliance::{Compliance, Rows, Singular};
+use crate::system::Row;
+use crate::system::linear::{LinearStructure, dense};
+
+/// Largest structure whose modes are computed for the modal way: preparing it grows with the cube.
+const MOST_MODAL: usize = 300;
 
 /// Smallest ratio of two squared natural frequencies: the lower is known to rounding of the higher.
 const WIDEST_SPREAD: f64 = 1e-8;

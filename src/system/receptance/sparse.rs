@@ -3,7 +3,7 @@
 use algebra_linear::sparse::{LuMethod, SparseLu};
 use nalgebra::Complex;
 
-use super::Singular;
+use super::compliance::Singular;
 use super::condensation::Matrices;
 use crate::system::StructureError;
 

@@ -1,0 +1,136 @@
+//! A beam in its modes, and the system that it makes.
+
+use std::sync::Arc;
+
+use crate::contact::{ContactLaw, Drag};
+use crate::system::{Core, Element, Port, Row, StructureError, System};
+
+/// A beam reduced to mass-normalised modes with a contact at its end.
+///
+/// `q̈ᵢ + 2 ζᵢ ωᵢ q̇ᵢ + ωᵢ² qᵢ + T [cᵢ − Σⱼ Gᵢⱼ qⱼ] = f φᵢ(S)` and, at the contact,
+/// `u = Σ cᵢ qᵢ − ½ qᵀ G q − T · axial_flexibility` with `cᵢ = r φᵢ'(L)`.
+///
+/// Effects add to the left-hand side of mode i stretching of the mid-plane, `κ e Σⱼ Gᵢⱼ qⱼ` with `e = qᵀ G q`, what the
+/// shortening does to the string of a hanging mass, `− k (y Σⱼ Gᵢⱼ qⱼ + ½ e sᵢ)` with `y = Σ sᵢ qᵢ`, and
+/// drag at the excitation, `d |ẏ| ẏ φᵢ(S)` with `y = Σ φᵢ(S) qᵢ`; see [`ModalBeam::with_changes`].
+///
+/// Every mode has a positive slope at the contact, so `contact_shape` has the sign of the offset.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModalBeam {
+    /// ωᵢ (rad/s), ascending.
+    pub angular_frequency: Vec<f64>,
+    /// ζᵢ (1).
+    pub damping_ratio: Vec<f64>,
+    /// cᵢ = r φᵢ'(L) (kg^-1/2).
+    pub contact_shape: Vec<f64>,
+    /// φᵢ(S) (kg^-1/2).
+    pub excitation_shape: Vec<f64>,
+    /// Gᵢⱼ = ∫ φᵢ' φⱼ' dx (1/(kg m)), row-major, symmetric.
+    pub shortening: Vec<f64>,
+    /// Flexibility in series with the contact (m/N): L/(E A), with the static correction also
+    /// r² times the rotational compliance that the modes lack.
+    pub axial_flexibility: f64,
+    /// κ (N/m): stretching, the derivative of the potential `κ/4 (qᵀ G q)²`; 0 for none.
+    pub stretching_stiffness: f64,
+    /// k (N/m): of the string, the derivative of the potential `− k y ½ qᵀ G q`; 0 for none.
+    pub string_stiffness: f64,
+    /// sᵢ (kg^-1/2): by how much each mode stretches the string; empty for none.
+    pub string_stretch: Vec<f64>,
+    /// d (N s²/m²): drag at the excitation; 0 for none.
+    pub quadratic_damping: f64,
+    /// Sensors.
+    pub sensors: Vec<Sensor>,
+    /// Where forces from outside push across the beam besides the contact at its end: each adds `Tₖ φᵢ(xₖ)` to the
+    /// left-hand side of mode i.
+    pub contact_points: Vec<Sensor>,
+}
+
+impl ModalBeam {
+    /// Whether anything but a contact pulls along the beam, by its shortening.
+    pub(crate) fn pulls_along(&self) -> bool {
+        self.stretching_stiffness != 0.0 || self.string_stiffness != 0.0
+    }
+}
+
+/// A sensor on a [`ModalBeam`], or another place of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensor {
+    /// Distance from the clamp (m).
+    pub position: f64,
+    /// φᵢ(position) (kg^-1/2).
+    pub shape: Vec<f64>,
+}
+
+impl ModalBeam {
+    /// The beam as a system. Ports: the sensors and the contact points (`x=0.55`), `excitation`, `contact`; where
+    /// anything but the contact pulls along the beam `shortening` and `string`. `contact` is the law at the end with its
+    /// normal load (N); the contact points, and the end without a law, take forces from outside.
+    ///
+    /// Stretching has the potential `κ h²` of the shortening h, a string `− k y h` of its stretch y besides: springs
+    /// between the two ports.
+    ///
+    /// # Errors
+    /// Lists without one entry per mode, numbers that make no law.
+    pub fn system(&self, contact: Option<(Arc<dyn ContactLaw>, f64)>) -> Result<System, StructureError> {
+        self.check_lengths()?;
+        let row = |shape: &[f64]| -> Row { shape.iter().copied().enumerate().collect() };
+        let places = self.sensors.iter().chain(&self.contact_points);
+        let mut ports: Vec<Port> =
+            places.map(|at| Port::linear(&format!("x={}", at.position), row(&at.shape))).collect();
+        let excitation = ports.len();
+        ports.push(Port::linear("excitation", row(&self.excitation_shape)));
+        let end = ports.len();
+        ports.push(Port {
+            name: "contact".into(),
+            row: row(&self.contact_shape),
+            shortening: 1.0,
+            flexibility: self.axial_flexibility,
+        });
+        let mut elements = vec![match contact {
+            Some((law, normal_load)) => Element::Law { port: end, law, normal_load },
+            None => Element::Outside { port: end },
+        }];
+        let first_point = self.sensors.len();
+        elements.extend((first_point..excitation).map(|port| Element::Outside { port }));
+        if self.quadratic_damping != 0.0 {
+            let law = Arc::new(Drag::new(self.quadratic_damping)?);
+            elements.push(Element::Law { port: excitation, law, normal_load: 0.0 });
+        }
+        if self.pulls_along() {
+            let [shortening, string] = [ports.len(), ports.len() + 1];
+            ports.push(Port { shortening: -1.0, ..Port::linear("shortening", Row::new()) });
+            ports.push(Port::linear("string", row(&self.string_stretch)));
+            let (own, coupled) = (2.0 * self.stretching_stiffness, -self.string_stiffness);
+            let stiffness = [[own, coupled], [coupled, 0.0]];
+            elements.push(Element::Springs { ports: [shortening, string], stiffness });
+        }
+        Ok(System {
+            core: Core::Modal {
+                angular_frequency: self.angular_frequency.clone(),
+                damping_ratio: self.damping_ratio.clone(),
+            },
+            shortening: self.shortening.clone(),
+            ports,
+            elements,
+            driven: vec![excitation],
+            sensors: (0..first_point).collect(),
+        })
+    }
+
+    fn check_lengths(&self) -> Result<(), StructureError> {
+        let modes = self.angular_frequency.len();
+        let check = |field: &'static str, expected: usize, found: usize| {
+            if expected == found { Ok(()) } else { Err(StructureError::Entries { field, expected, found }) }
+        };
+        check("angular_frequency", modes.max(1), modes)?;
+        check("damping_ratio", modes, self.damping_ratio.len())?;
+        check("contact_shape", modes, self.contact_shape.len())?;
+        check("excitation_shape", modes, self.excitation_shape.len())?;
+        check("shortening", modes * modes, self.shortening.len())?;
+        if self.string_stiffness != 0.0 {
+            check("string_stretch", modes, self.string_stretch.len())?;
+        }
+        self.sensors.iter().try_for_each(|at| check("sensor shape", modes, at.shape.len()))?;
+        self.contact_points.iter().try_for_each(|at| check("contact point's shape", modes, at.shape.len()))
+    }
+}
