@@ -123,13 +123,13 @@ impl StepSolver {
         for (e, contact) in self.plant.contacts.iter().enumerate() {
             let [middle, end] = match contact.law {
                 Some(_) => {
-                    let (force, rise) = (self.nodes[0][e].force, span.step * self.force_rate(0, e, span));
+                    let (force, rise) = (self.nodes[e][0].force, span.step * self.force_rate(0, e, span));
                     [force + 0.5 * rise, force + rise]
                 }
                 None => [0.5, 1.0].map(|node| self.ramps[contact.input].at(span.fraction(node))),
             };
-            self.nodes[END][e] = self.nodes[0][e];
-            (self.nodes[MIDDLE][e].force, self.nodes[END][e].force) = (middle, end);
+            self.nodes[e][END] = self.nodes[e][0];
+            (self.nodes[e][MIDDLE].force, self.nodes[e][END].force) = (middle, end);
         }
         self.force_ends(span);
         self.place_end();
@@ -150,7 +150,7 @@ impl StepSolver {
         let ([q0, .., q4], [v0, .., v4]) = (&mut self.q, &mut self.v);
         let [p0, _, p2, _, p4] = &mut self.forcing;
         self.equal.end([q0, v0, p0, p2, p4], [q4, v4, &mut self.pushed]);
-        p4.copy_from_slice(&self.pushed);
+        std::mem::swap(p4, &mut self.pushed);
     }
 
     /// Forcing at the middle and at the end of a step: forces that are known there, and those that follow the motion by
@@ -179,7 +179,7 @@ impl StepSolver {
             push(*port, ramp.at(middle), ramp.at(span.to));
         }
         for (e, contact) in self.plant.contacts.iter().enumerate() {
-            push(contact.port, -self.nodes[MIDDLE][e].force, -self.nodes[END][e].force);
+            push(contact.port, -self.nodes[e][MIDDLE].force, -self.nodes[e][END].force);
         }
     }
 
@@ -189,11 +189,11 @@ impl StepSolver {
             self.geometry(END);
             let (mut moved, mut size) = (0.0_f64, 0.0_f64);
             for e in 0..self.plant.contacts.len() {
-                let guess = self.nodes[END][e].force;
+                let guess = self.nodes[e][END].force;
                 if self.ask(e, END, span.to, self.equal.answers[e]).is_none() {
                     return false;
                 }
-                let force = self.nodes[END][e].force;
+                let force = self.nodes[e][END].force;
                 self.shift(e, [0.5 * (force - guess), force - guess]);
                 (moved, size) = (moved.max((force - guess).abs()), size.max(force.abs()));
             }
@@ -216,7 +216,7 @@ impl StepSolver {
 
     /// Rate of a law's force at a node (N/s), what the velocity itself changes left out.
     fn force_rate(&self, node: usize, e: usize, span: &Span) -> f64 {
-        let (contact, at) = (&self.plant.contacts[e], &self.nodes[node][e]);
+        let (contact, at) = (&self.plant.contacts[e], &self.nodes[e][node]);
         let load_rate = span.rate(self.ramps[contact.input]);
         at.tangent * at.velocity(self.plant.ports[contact.port].flexibility, load_rate)
             + at.load_tangent * load_rate
@@ -226,7 +226,6 @@ impl StepSolver {
     fn take_equal(&mut self, span: &Span) -> bool {
         self.q.swap(0, END);
         self.v.swap(0, END);
-        self.nodes.swap(0, END);
         self.forcing.swap(0, END);
         std::mem::swap(&mut self.memory, &mut self.memory_next);
         for value in self.q[0].iter_mut().chain(&mut self.v[0]) {
@@ -237,12 +236,9 @@ impl StepSolver {
                 *value = 0.0;
             }
         }
-        for ((energy, at), contact) in
-            self.dissipated_energy.iter_mut().zip(&self.nodes[0]).zip(&self.plant.contacts)
-        {
-            if contact.law.is_some() {
-                *energy += at.energy;
-            }
+        for (energy, at) in self.dissipated_energy.iter_mut().zip(&mut self.nodes) {
+            at[0] = at[END];
+            *energy += at[0].energy;
         }
         self.geometry(0);
         if self.plant.follows_displacement() {

@@ -155,7 +155,7 @@ impl Integrator {
         for (e, contact) in solver.plant.contacts.iter().enumerate() {
             let Some(law) = contact.law.as_deref() else { continue };
             let normal_load = inputs[contact.input].start;
-            let at = solver.nodes[0][e];
+            let at = solver.nodes[e][0];
             let flexibility = solver.plant.ports[contact.port].flexibility;
             let mut force = forces.get(e).copied().unwrap_or(0.0);
             // The second pass puts a force that the first one cut where the flexibility then holds it.

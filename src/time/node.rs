@@ -107,10 +107,9 @@ pub(crate) struct EqualSteps {
     pub step: f64,
     /// Those of the modes at the middle and at the end.
     pub rows: [Vec<Row>; 2],
-    /// Under damping that couples modes: `q`, `v` and `p` at the end by `q₀`, `v₀`, `p₀` and the forcing at the middle and at
-    /// the end, the modes' entries side by side; row by row. Empty without.
-    pub coupled: Vec<f64>,
-    known: Vec<f64>,
+    /// Under damping that couples modes: `q`, `v` and `p` of each mode at the end by `q₀`, `v₀`, `p₀` and the forcing at the
+    /// middle and at the end, the modes' entries side by side; the fourth number is room. Empty without.
+    coupled: Vec<Vec<[f64; 4]>>,
     /// How the ports of laws answer at the end to a force that grows on a straight line.
     pub answers: Vec<Answer>,
     /// `q`, `v` and `p` of the modes at the end by a port's unit force at the middle, and at the end.
@@ -124,7 +123,6 @@ impl EqualSteps {
             step: f64::NAN,
             rows: Default::default(),
             coupled: Vec::new(),
-            known: Vec::new(),
             answers: vec![Answer::NONE; contacts],
             pushed: vec![Vec::new(); contacts],
         }
@@ -132,7 +130,7 @@ impl EqualSteps {
 
     /// Writes `q`, `v` and `p` of all modes at the end by `by`: `q₀`, `v₀`, `p₀` and the forcing at the middle and at the
     /// end.
-    pub fn end(&mut self, by: [&[f64]; 5], [q, v, p]: [&mut [f64]; 3]) {
+    pub fn end(&self, by: [&[f64]; 5], [q, v, p]: [&mut [f64]; 3]) {
         if self.coupled.is_empty() {
             for (i, row) in self.rows[1].iter().enumerate() {
                 let by = by.map(|list| list[i]);
@@ -141,11 +139,15 @@ impl EqualSteps {
             }
             return;
         }
-        self.known.clear();
-        by.iter().for_each(|list| self.known.extend_from_slice(list));
-        let rows = self.coupled.chunks_exact(self.known.len());
-        for (out, row) in q.iter_mut().chain(v).chain(p).zip(rows) {
-            *out = row.iter().zip(&self.known).map(|(a, b)| a * b).sum();
+        for (((q, v), p), shares) in q.iter_mut().zip(v).zip(p).zip(&self.coupled) {
+            // As a sum begins, for each of the three.
+            let (mut sums, mut shares) = ([-0.0; 4], shares.iter());
+            for list in by {
+                for (by, shares) in list.iter().zip(&mut shares) {
+                    sums.iter_mut().zip(shares).for_each(|(sum, share)| *sum += share * by);
+                }
+            }
+            [*q, *v, *p, _] = sums;
         }
     }
 
@@ -155,9 +157,8 @@ impl EqualSteps {
         let n = plant.size();
         if !plant.damping.is_empty() && !plant.follows_displacement() {
             let columns: Vec<[Vec<f64>; 3]> = (0..5 * n).map(|column| self.damped(plant, column)).collect();
-            for (part, i) in (0..3).flat_map(|part| (0..n).map(move |i| (part, i))) {
-                self.coupled.extend(columns.iter().map(|column| column[part][i]));
-            }
+            let of_mode = |i: usize| columns.iter().map(|[q, v, p]| [q[i], v[i], p[i], 0.0]).collect();
+            self.coupled.extend((0..n).map(of_mode));
         }
         let zero = vec![0.0; n];
         for (e, contact) in plant.contacts.iter().enumerate() {

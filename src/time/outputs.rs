@@ -74,7 +74,7 @@ impl Integrator {
         let solver = &self.solver;
         out.contacts.clear();
         for (e, contact) in solver.plant.contacts.iter().enumerate() {
-            let (at, rate) = (&solver.nodes[0][e], span.rate(inputs[contact.input]));
+            let (at, rate) = (&solver.nodes[e][0], span.rate(inputs[contact.input]));
             let flexibility = solver.plant.ports[contact.port].flexibility;
             let velocity = match contact.law {
                 None => at.geometric_velocity - flexibility * rate,
@@ -167,7 +167,7 @@ impl Integrator {
 /// Rates of displacement, velocity and force; `turning` is G q̇. Of a law `u̇ (1 + a T_u) = u̇_geo − a T_N Ṅ`, its
 /// derivative, and `Ṫ = T_u u̇ + T_v ü + T_N Ṅ`.
 fn contact_rates(solver: &mut StepSolver, span: &Span, e: usize, turning: &[f64]) -> [f64; 3] {
-    let (contact, node) = (&solver.plant.contacts[e], solver.nodes[0][e]);
+    let (contact, node) = (&solver.plant.contacts[e], solver.nodes[e][0]);
     let port = &solver.plant.ports[contact.port];
     let rate = span.rate(solver.ramps[contact.input]);
     let geometric_acceleration =
@@ -221,8 +221,8 @@ fn modal_jerk(solver: &StepSolver, span: &Span, out: &mut OutputRates) {
     for (port, ramp) in plant.driven.iter().zip(&solver.ramps) {
         push(*port, 0.0, -span.rate(*ramp));
     }
-    for ((contact, at), rates) in plant.contacts.iter().zip(&solver.nodes[0]).zip(&out.contacts) {
-        push(contact.port, at.force, rates[2]);
+    for ((contact, at), rates) in plant.contacts.iter().zip(&solver.nodes).zip(&out.contacts) {
+        push(contact.port, at[0].force, rates[2]);
     }
     for springs in &plant.springs {
         let motion = springs.ports.map(|port| plant.ports[port].motion(q, v, &solver.pull));

@@ -45,8 +45,8 @@ pub(crate) struct StepSolver {
     pub q: [Vec<f64>; 5],
     pub v: [Vec<f64>; 5],
     pub forcing: [Vec<f64>; 5],
-    /// Laws and outside forces at the nodes.
-    pub nodes: [Vec<NodeContact>; 5],
+    /// Each law and outside force at the nodes.
+    pub nodes: Vec<[NodeContact; 5]>,
     /// What the laws remember at the start; behind the middle; behind the end.
     pub memory: Vec<f64>,
     pub memory_middle: Vec<f64>,
@@ -88,7 +88,7 @@ impl StepSolver {
             q: per_node(),
             v: per_node(),
             forcing: per_node(),
-            nodes: std::array::from_fn(|_| vec![NodeContact::REST; plant.contacts.len()]),
+            nodes: vec![[NodeContact::REST; 5]; plant.contacts.len()],
             memory: memory(),
             memory_middle: memory(),
             memory_next: memory(),
@@ -127,7 +127,7 @@ impl StepSolver {
         for (e, contact) in self.plant.contacts.iter().enumerate() {
             let input = self.ramps[contact.input].at(span.from);
             let flexibility = self.plant.ports[contact.port].flexibility;
-            let at = &mut self.nodes[0][e];
+            let at = &mut self.nodes[e][0];
             let Some(law) = contact.law.as_deref() else {
                 at.force = input;
                 continue;
@@ -180,8 +180,8 @@ impl StepSolver {
     fn commit_contact(&mut self, e: usize, span: &Span) -> bool {
         let contact = &self.plant.contacts[e];
         let ramp = self.ramps[contact.input];
-        let (middle, end) = (self.nodes[MIDDLE][e], self.nodes[END][e]);
-        let at = &mut self.nodes[0][e];
+        let (middle, end) = (self.nodes[e][MIDDLE], self.nodes[e][END]);
+        let at = &mut self.nodes[e][0];
         let Some(law) = contact.law.as_deref() else {
             at.force = ramp.at(span.to);
             return true;
@@ -231,7 +231,7 @@ impl StepSolver {
         self.q[0].copy_from_slice(motion.modal_displacement());
         self.v[0].copy_from_slice(motion.modal_velocity());
         self.memory.copy_from_slice(motion.memory());
-        for (e, at) in self.nodes[0].iter_mut().enumerate() {
+        for (e, at) in self.nodes.iter_mut().enumerate() {
             let ContactMotion {
                 force,
                 tangent,
@@ -243,7 +243,7 @@ impl StepSolver {
             } = motion.contact(e);
             self.dissipated_energy[e] = dissipated_energy;
             let known = NodeContact { force, tangent, load_tangent, slip_state, ..NodeContact::REST };
-            *at = NodeContact { normal_load, displacement, ..known };
+            at[0] = NodeContact { normal_load, displacement, ..known };
         }
     }
 
@@ -253,7 +253,7 @@ impl StepSolver {
         q.copy_from_slice(&self.q[0]);
         v.copy_from_slice(&self.v[0]);
         motion.memory_mut().copy_from_slice(&self.memory);
-        for (e, at) in self.nodes[0].iter().enumerate() {
+        for (e, [at, ..]) in self.nodes.iter().enumerate() {
             let flexibility = self.plant.ports[self.plant.contacts[e].port].flexibility;
             let contact = ContactMotion {
                 force: at.force,
@@ -274,9 +274,9 @@ impl StepSolver {
         if !self.plant.shortening.is_empty() {
             self.plant.shorten(q, &mut self.pull);
         }
-        for (contact, at) in self.plant.contacts.iter().zip(&mut self.nodes[node]) {
+        for (contact, nodes) in self.plant.contacts.iter().zip(&mut self.nodes) {
             if node == 0 || contact.law.is_some() {
-                let seen = self.plant.ports[contact.port].motion(q, v, &self.pull);
+                let (at, seen) = (&mut nodes[node], self.plant.ports[contact.port].motion(q, v, &self.pull));
                 (at.geometric_displacement, at.geometric_velocity) = seen;
                 at.displacement = seen.0;
             }
@@ -302,8 +302,8 @@ impl StepSolver {
         for (port, ramp) in plant.driven.iter().zip(&self.ramps) {
             push(*port, ramp.at(fraction));
         }
-        for (contact, at) in plant.contacts.iter().zip(&self.nodes[node]) {
-            push(contact.port, -at.force);
+        for (contact, nodes) in plant.contacts.iter().zip(&self.nodes) {
+            push(contact.port, -nodes[node].force);
         }
         for springs in &plant.springs {
             let u = springs.ports.map(|port| plant.ports[port].motion(q, v, &self.pull).0);

@@ -65,10 +65,7 @@ impl StepSolver {
         let (first, rest) = self.forcing.split_at_mut(1);
         rest[MIDDLE - 1].copy_from_slice(&first[0]);
         rest[END - 1].copy_from_slice(&first[0]);
-        let (first, rest) = self.nodes.split_at_mut(1);
-        for node in nodes {
-            rest[node - 1].copy_from_slice(&first[0]);
-        }
+        self.nodes.iter_mut().for_each(|at| *at = [at[0]; 5]);
     }
 
     /// Modal state at a node from the quadratic forcing.
@@ -109,8 +106,7 @@ impl StepSolver {
         for ((end, middle), start) in last[0].iter_mut().zip(&before[MIDDLE]).zip(&before[0]) {
             *end = 2.0 * middle - start;
         }
-        let (before, last) = self.nodes.split_at_mut(END);
-        for ((end, middle), start) in last[0].iter_mut().zip(&before[MIDDLE]).zip(&before[0]) {
+        for [start, _, middle, _, end] in &mut self.nodes {
             *end = NodeContact { force: 2.0 * middle.force - start.force, ..*middle };
         }
     }
@@ -132,7 +128,7 @@ impl StepSolver {
     /// A law or an outside force at a placed node, at `fraction` of the communication step. `None` if a law fails.
     pub fn ask(&mut self, e: usize, node: usize, fraction: f64, answer: Answer) -> Option<()> {
         let contact = &self.plant.contacts[e];
-        let (input, at) = (self.ramps[contact.input].at(fraction), &mut self.nodes[node][e]);
+        let (input, at) = (self.ramps[contact.input].at(fraction), &mut self.nodes[e][node]);
         let Some(law) = contact.law.as_deref() else {
             at.force = input;
             return Some(());
@@ -185,11 +181,11 @@ impl StepSolver {
         let place = contact.memory.clone();
         let before = &self.memory[place.clone()];
         let (middle, next) = (&mut self.memory_middle[place.clone()], &mut self.memory_next[place]);
-        law.step(before, self.nodes[MIDDLE][e].inputs(), middle);
-        let end = &self.nodes[END][e];
+        law.step(before, self.nodes[e][MIDDLE].inputs(), middle);
+        let end = &self.nodes[e][END];
         let direct = law.step(before, end.inputs(), next).force;
         let bent = law.step(middle, end.inputs(), next).force;
-        let limit = law.limit(end.normal_load).max(law.limit(self.nodes[0][e].normal_load));
+        let limit = law.limit(end.normal_load).max(law.limit(self.nodes[e][0].normal_load));
         // About to lift off the limit vanishes; what then counts is what a force does to the beam.
         let scale = limit.max(end.force.abs()).max(0.01 * self.energy_norm / self.compliance_norm[e]);
         if direct == bent { 0.0 } else { (direct - bent).abs() / (tolerance.max(FINEST_PATH) * scale) }
@@ -206,13 +202,12 @@ impl StepSolver {
     fn event_of(&mut self, e: usize, span: &Span, tolerance: f64) -> f64 {
         let contact = &self.plant.contacts[e];
         let Some(law) = contact.law.as_deref() else { return f64::INFINITY };
-        let (normal_load, nodes) =
-            (self.ramps[contact.input], [0, 1, 2, 3, 4].map(|node| self.nodes[node][e]));
+        let (normal_load, nodes) = (self.ramps[contact.input], &self.nodes[e]);
         let flexibility = self.plant.ports[contact.port].flexibility;
         let mut first = f64::INFINITY;
         if contact.remembers {
-            let velocity = nodes.map(|node| node.velocity(flexibility, span.rate(normal_load)));
-            let displacement = nodes.map(|node| node.displacement);
+            let velocity = nodes.each_ref().map(|node| node.velocity(flexibility, span.rate(normal_load)));
+            let displacement = nodes.each_ref().map(|node| node.displacement);
             // Motion this small is invisible at the tolerance; the rest may be rounding.
             let norm = self.row_norm[e] * self.energy_norm;
             let floor = (1e-6 * tolerance).max(1e-13) * norm;
@@ -224,7 +219,7 @@ impl StepSolver {
                 Reversal::Hidden => 0.5,
             };
         }
-        let mut slip = nodes.map(|node| node.slip_state);
+        let mut slip = nodes.each_ref().map(|node| node.slip_state);
         let constant = normal_load.is_held();
         let place = contact.memory.clone();
         let memory = &self.memory[place.clone()];

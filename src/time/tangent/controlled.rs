@@ -28,7 +28,7 @@ impl Tangent {
         self.force_without_laws(solver, 0, by, span.from);
         for e in 0..plant.contacts.len() {
             // A corner that ended the step before lies here, and the forces of this step begin behind it.
-            let corner = solver.nodes[0][e].slip_state != solver.nodes[1][e].slip_state;
+            let corner = solver.nodes[e][0].slip_state != solver.nodes[e][1].slip_state;
             self.nodes[0][e].force = if corner { self.answer(solver, e, 0) } else { self.contacts[e].force };
         }
         self.add_laws(solver, 0);
@@ -49,9 +49,9 @@ impl Tangent {
     /// on the side of this step.
     fn linearise(&mut self, solver: &StepSolver, node: usize, fraction: f64, by: &[Ramp]) {
         for (e, contact) in solver.plant.contacts.iter().enumerate() {
-            let here = &solver.nodes[node][e];
+            let here = &solver.nodes[e][node];
             let mut inputs = inputs(here, solver.plant.ports[contact.port].flexibility, here.normal_load);
-            let beside = &solver.nodes[if node == 0 { 1 } else { node - 1 }][e];
+            let beside = &solver.nodes[e][if node == 0 { 1 } else { node - 1 }];
             if [0, END].contains(&node) && beside.slip_state != here.slip_state {
                 inputs.displacement += INSIDE * (beside.displacement - inputs.displacement);
                 inputs.normal_load += INSIDE * (beside.normal_load - inputs.normal_load);
@@ -138,7 +138,7 @@ impl Tangent {
                 let straight = self.energy_straight(solver, e);
                 self.contacts[e].bent = Some([self.contacts[e].dissipated_energy, straight]);
                 let (displacement, velocity) = self.geometric(solver, e, MIDDLE);
-                let (load, change) = (solver.nodes[MIDDLE][e].normal_load, self.nodes[MIDDLE][e].load);
+                let (load, change) = (solver.nodes[e][MIDDLE].normal_load, self.nodes[MIDDLE][e].load);
                 self.contact_step(solver, e, MIDDLE, load, (displacement, velocity, change));
             }
         }
@@ -158,7 +158,7 @@ impl Tangent {
         let contact = &solver.plant.contacts[e];
         let Some(law) = contact.law.as_deref() else { return 0.0 };
         let (displacement, velocity) = self.geometric(solver, e, END);
-        let (at, change) = (&solver.nodes[END][e], &self.nodes[END][e]);
+        let (at, change) = (&solver.nodes[e][END], &self.nodes[END][e]);
         let flexibility = solver.plant.ports[contact.port].flexibility;
         let displacement = displacement - flexibility * change.force;
         let by = Inputs { displacement, velocity, normal_load: change.load };

@@ -24,7 +24,7 @@ impl Tangent {
         self.now(solver, span.from, by);
         self.start(solver);
         for (e, contact) in plant.contacts.iter().enumerate() {
-            let node = &solver.nodes[END][e];
+            let node = &solver.nodes[e][END];
             let inputs = inputs(node, plant.ports[contact.port].flexibility, node.normal_load);
             self.linearise_at(solver, (e, END), inputs, by[contact.input].at(span.to));
             if contact.law.is_some() {
@@ -51,7 +51,7 @@ impl Tangent {
         self.push(solver, MIDDLE, perturbed);
         for e in 0..plant.contacts.len() {
             let [displacement, velocity] = self.seen[e];
-            let (load, change) = (solver.nodes[END][e].normal_load, self.nodes[END][e].load);
+            let (load, change) = (solver.nodes[e][END].normal_load, self.nodes[END][e].load);
             self.contact_step(solver, e, END, load, (displacement, velocity, change));
         }
         self.place(solver, END, |change| &change.p);
@@ -98,7 +98,7 @@ impl Tangent {
         let ([displacement, velocity], at) = (self.seen[e], self.nodes[END][e]);
         let by =
             Inputs { displacement: displacement - flexibility * at.force, velocity, normal_load: at.load };
-        let node = &solver.nodes[END][e];
+        let node = &solver.nodes[e][END];
         let tangent = self.sensitivity[e].look(law, inputs(node, flexibility, node.normal_load), by).tangent;
         self.rates[e][1] = rate(solver, (e, END), (velocity, tangent), perturbed);
     }
@@ -127,7 +127,7 @@ fn rate(
     (velocity, tangent): (f64, f64),
     perturbed: &PerturbedStep,
 ) -> f64 {
-    let (contact, at) = (&solver.plant.contacts[e], &solver.nodes[node][e]);
+    let (contact, at) = (&solver.plant.contacts[e], &solver.nodes[e][node]);
     let flexibility = solver.plant.ports[contact.port].flexibility;
     tangent * at.velocity(flexibility, perturbed.span.rate(solver.ramps[contact.input]))
         + at.tangent * velocity / (1.0 + flexibility * at.tangent)

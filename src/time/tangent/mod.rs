@@ -109,7 +109,7 @@ impl Tangent {
 
     pub fn before_jump(&mut self, solver: &StepSolver) {
         self.loads.clear();
-        self.loads.extend(solver.nodes[0].iter().map(|at| at.normal_load));
+        self.loads.extend(solver.nodes.iter().map(|[at, ..]| at.normal_load));
     }
 
     /// Jumps of the normal loads, or of their changes, at the start of the communication step; `solver` is prepared.
@@ -118,7 +118,7 @@ impl Tangent {
             let change = by[contact.input].start;
             if contact.law.is_none() {
                 self.contacts[e].force = change;
-            } else if solver.nodes[0][e].normal_load != self.loads[e] || change != 0.0 {
+            } else if solver.nodes[e][0].normal_load != self.loads[e] || change != 0.0 {
                 let load = solver.ramps[contact.input].start;
                 self.contact_step(solver, e, 0, load, (0.0, 0.0, change));
             }
@@ -137,7 +137,7 @@ impl Tangent {
         let contact = &solver.plant.contacts[e];
         let Some(law) = contact.law.as_deref() else { return };
         let flexibility = solver.plant.ports[contact.port].flexibility;
-        let inputs = inputs(&solver.nodes[node][e], flexibility, load);
+        let inputs = inputs(&solver.nodes[e][node], flexibility, load);
         let carried = &mut self.sensitivity[e];
         let t = law.step(&carried.memory, inputs, &mut self.unused[contact.memory.clone()]).tangents;
         let by_memory = carried.force_by_memory(law, inputs);
@@ -246,7 +246,7 @@ impl Tangent {
         }
         for (e, contact) in plant.contacts.iter().enumerate() {
             let change = if contact.law.is_none() { by[contact.input].at(fraction) } else { 0.0 };
-            push(contact.port, change, solver.nodes[node][e].force);
+            push(contact.port, change, solver.nodes[e][node].force);
         }
         for springs in &plant.springs {
             let ports = springs.ports.map(|port| &plant.ports[port]);
@@ -325,7 +325,7 @@ impl Tangent {
             at.velocity = if contact.law.is_none() {
                 velocity - a * rate_change
             } else {
-                let node = &solver.nodes[0][e];
+                let node = &solver.nodes[e][0];
                 let yielded = at.tangent * node.velocity(a, rate) + node.load_tangent * rate_change;
                 (velocity - a * yielded) / (1.0 + a * node.tangent)
             };
