@@ -109,10 +109,7 @@ impl StepSolver {
             return;
         }
         equal.step = step;
-        for (rows, node) in equal.rows.iter_mut().zip([MIDDLE, END]) {
-            propagator.write_rows(node, rows);
-        }
-        equal.fill(&self.plant);
+        equal.fill(&self.plant, propagator);
     }
 
     /// Tries a step. False if a law fails.
@@ -149,7 +146,8 @@ impl StepSolver {
     fn place_end(&mut self) {
         let ([q0, .., q4], [v0, .., v4]) = (&mut self.q, &mut self.v);
         let [p0, _, p2, _, p4] = &mut self.forcing;
-        self.equal.end([q0, v0, p0, p2, p4], [q4, v4, &mut self.pushed]);
+        let rows = self.propagators[self.current].node(END);
+        self.equal.end(rows, [q0, v0, p0, p2, p4], [q4, v4, &mut self.pushed]);
         std::mem::swap(p4, &mut self.pushed);
     }
 

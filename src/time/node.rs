@@ -2,7 +2,7 @@
 
 use super::contact_point::{ContactPoint, EXACT};
 use super::plant::{Plant, add_product};
-use super::propagator::Row;
+use super::propagator::{END, MIDDLE, Propagator, Row, weighed};
 use crate::contact::{Inputs, Response, SlipState};
 
 /// Most sweeps where laws act on each other; each gains two digits or more.
@@ -105,8 +105,6 @@ impl NodeContact {
 pub(crate) struct EqualSteps {
     /// Their length (s).
     pub step: f64,
-    /// Those of the modes at the middle and at the end.
-    pub rows: [Vec<Row>; 2],
     /// Under damping that couples modes: `q`, `v` and `p` of each mode at the end by `q₀`, `v₀`, `p₀` and the forcing at the
     /// middle and at the end, the modes' entries side by side; the fourth number is room. Empty without.
     coupled: Vec<Vec<[f64; 4]>>,
@@ -121,7 +119,6 @@ impl EqualSteps {
     pub fn new(contacts: usize) -> Self {
         Self {
             step: f64::NAN,
-            rows: Default::default(),
             coupled: Vec::new(),
             answers: vec![Answer::NONE; contacts],
             pushed: vec![Vec::new(); contacts],
@@ -129,13 +126,12 @@ impl EqualSteps {
     }
 
     /// Writes `q`, `v` and `p` of all modes at the end by `by`: `q₀`, `v₀`, `p₀` and the forcing at the middle and at the
-    /// end.
-    pub fn end(&self, by: [&[f64]; 5], [q, v, p]: [&mut [f64]; 3]) {
+    /// end; `rows` are the propagator's.
+    pub fn end(&self, rows: &[Row], by: [&[f64]; 5], [q, v, p]: [&mut [f64]; 3]) {
         if self.coupled.is_empty() {
-            for (i, row) in self.rows[1].iter().enumerate() {
+            for (i, row) in rows.iter().enumerate() {
                 let by = by.map(|list| list[i]);
-                let along = |row: &[f64; 5]| row.iter().zip(by).map(|(a, b)| a * b).sum::<f64>();
-                (q[i], v[i], p[i]) = (along(&row.q), along(&row.v), by[4]);
+                ([q[i], v[i]], p[i]) = (weighed(row, by), by[4]);
             }
             return;
         }
@@ -151,12 +147,12 @@ impl EqualSteps {
         }
     }
 
-    /// Fills the rest from the rows.
-    pub fn fill(&mut self, plant: &Plant) {
+    /// Fills the rest from the coefficients of this step.
+    pub fn fill(&mut self, plant: &Plant, propagator: &Propagator) {
         self.coupled.clear();
         let n = plant.size();
         if !plant.damping.is_empty() && !plant.follows_displacement() {
-            let columns: Vec<[Vec<f64>; 3]> = (0..5 * n).map(|column| self.damped(plant, column)).collect();
+            let columns: Vec<[Vec<f64>; 3]> = (0..5 * n).map(|column| damped(plant, propagator, column)).collect();
             let of_mode = |i: usize| columns.iter().map(|[q, v, p]| [q[i], v[i], p[i], 0.0]).collect();
             self.coupled.extend((0..n).map(of_mode));
         }
@@ -165,7 +161,8 @@ impl EqualSteps {
             let row = &plant.ports[contact.port].row;
             let [middle, end] = [[row, &zero], [&zero, row]].map(|[middle, end]| {
                 let [mut q, mut v, mut p] = [zero.clone(), zero.clone(), zero.clone()];
-                self.end([&zero, &zero, &zero, middle, end], [&mut q, &mut v, &mut p]);
+                let by: [&[f64]; 5] = [&zero, &zero, &zero, middle, end];
+                self.end(propagator.node(END), by, [&mut q, &mut v, &mut p]);
                 (0..n).map(|i| [q[i], v[i], p[i]]).collect::<Vec<_>>()
             });
             let both = middle.iter().zip(&end).map(|(a, b)| [0, 1, 2].map(|part| [a[part], b[part]]));
@@ -177,34 +174,30 @@ impl EqualSteps {
             self.answers[e] = Answer { yielding: terms(0), slowing: terms(1), precision: PRECISION };
         }
     }
+}
 
-    /// `q`, `v` and `p` at the end by the unit in `column` of what they depend on, the damping between modes included.
-    fn damped(&self, plant: &Plant, column: usize) -> [Vec<f64>; 3] {
-        let n = plant.size();
-        let mut by: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; n]);
-        by[column / n][column % n] = 1.0;
-        let forcing = [by[3].clone(), by[4].clone()];
-        let mut velocity = [by[1].clone(), by[1].clone()];
-        let mut end = [vec![0.0; n], vec![0.0; n], forcing[1].clone()];
-        for _ in 0..ROUNDS {
-            for (node, velocity) in velocity.iter().enumerate() {
-                let mut lost = vec![0.0; n];
-                add_product(&plant.damping, velocity, &mut lost);
-                let left = forcing[node].iter().zip(lost).map(|(p, lost)| p - lost);
-                by[3 + node] = left.collect();
-            }
-            let along = |row: &[f64; 5], i: usize| row.iter().zip(&by).map(|(a, by)| a * by[i]).sum::<f64>();
-            for (velocity, rows) in velocity.iter_mut().zip(&self.rows) {
-                *velocity = rows.iter().enumerate().map(|(i, row)| along(&row.v, i)).collect();
-            }
-            end = [
-                self.rows[1].iter().enumerate().map(|(i, row)| along(&row.q, i)).collect(),
-                velocity[1].clone(),
-                by[4].clone(),
-            ];
+/// `q`, `v` and `p` at the end by the unit in `column` of what they depend on, the damping between modes included.
+fn damped(plant: &Plant, propagator: &Propagator, column: usize) -> [Vec<f64>; 3] {
+    let n = plant.size();
+    let mut by: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; n]);
+    by[column / n][column % n] = 1.0;
+    let forcing = [by[3].clone(), by[4].clone()];
+    let mut velocity = [by[1].clone(), by[1].clone()];
+    let mut end = [vec![0.0; n], vec![0.0; n], forcing[1].clone()];
+    for _ in 0..ROUNDS {
+        for (node, velocity) in velocity.iter().enumerate() {
+            let mut lost = vec![0.0; n];
+            add_product(&plant.damping, velocity, &mut lost);
+            let left = forcing[node].iter().zip(lost).map(|(p, lost)| p - lost);
+            by[3 + node] = left.collect();
         }
-        end
+        let at = |(i, row): (usize, &Row)| weighed(row, std::array::from_fn::<_, 5, _>(|list| by[list][i]));
+        for (velocity, node) in velocity.iter_mut().zip([MIDDLE, END]) {
+            (end[0], *velocity) = propagator.node(node).iter().enumerate().map(at).map(|[q, v]| (q, v)).unzip();
+        }
+        (end[1], end[2]) = (velocity[1].clone(), by[4].clone());
     }
+    end
 }
 
 /// How far the middle of a parabola lies above the straight line if it rises by so much less at its end than at its start,

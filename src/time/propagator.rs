@@ -11,13 +11,6 @@ pub(crate) const NODES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 pub(crate) const MIDDLE: usize = 2;
 pub(crate) const END: usize = 4;
 
-/// Coefficient rows of one node behind the start: `q` and `v` from the state at the start and from
-/// the forcing at the start (three each), then from the forcing at the middle and at the end.
-const ROWS_PER_NODE: usize = 10;
-/// Rows of the quartic update of the end state: five for `q`, five for `v`.
-const QUARTIC: usize = 4 * ROWS_PER_NODE;
-const ROWS: usize = QUARTIC + 10;
-
 /// Quadratic Lagrange polynomials on {0, ½, 1}: coefficients of σ⁰, σ¹, σ².
 const QUADRATIC_BASIS: [[f64; 3]; 3] = [[1.0, -3.0, 2.0], [0.0, 4.0, -4.0], [0.0, -1.0, 2.0]];
 
@@ -30,37 +23,23 @@ const QUARTIC_BASIS: [[f64; 5]; 5] = [
     [0.0, -1.0, 22.0 / 3.0, -16.0, 32.0 / 3.0],
 ];
 
-/// One node's coefficients, each a slice with one entry per mode.
-pub(crate) struct NodeRows<'a> {
-    /// `q` from `q₀`, `v₀`, `p₀`.
-    pub q_start: [&'a [f64]; 3],
-    /// `v` from `q₀`, `v₀`, `p₀`.
-    pub v_start: [&'a [f64]; 3],
-    /// `q` from the forcing at the middle and at the end.
-    pub q_forcing: [&'a [f64]; 2],
-    /// `v` from the forcing at the middle and at the end.
-    pub v_forcing: [&'a [f64]; 2],
-}
-
-/// The same of one mode alone: `q` and `v` from `q₀`, `v₀`, `p₀` and the forcing at the middle and at the end.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Row {
-    pub q: [f64; 5],
-    pub v: [f64; 5],
-}
+/// Factors of five numbers in `q` and `v` of a mode at a node behind the start.
+pub(crate) type Row = [[f64; 2]; 5];
 
 /// The coefficients of all modes for one step size.
 #[derive(Debug, Clone)]
 pub(crate) struct Propagator {
     step: f64,
-    modes: usize,
-    rows: Vec<f64>,
+    nodes: [Vec<Row>; 4],
+    /// Factors of the forcing at the five nodes in `q` and `v` at the end.
+    pub quartic: Vec<Row>,
 }
 
 impl Propagator {
     /// Room for `modes` modes; valid for no step size yet.
     pub fn new(modes: usize) -> Self {
-        Self { step: f64::NAN, modes, rows: vec![0.0; ROWS * modes] }
+        let rows = || vec![[[0.0; 2]; 5]; modes];
+        Self { step: f64::NAN, nodes: std::array::from_fn(|_| rows()), quartic: rows() }
     }
 
     /// Whether the coefficients are those of `step` (s).
@@ -76,40 +55,9 @@ impl Propagator {
         self.step = step;
     }
 
-    /// Coefficients of node 1 … 4.
-    pub fn node(&self, node: usize) -> NodeRows<'_> {
-        let row = |r: usize| self.row((node - 1) * ROWS_PER_NODE + r);
-        NodeRows {
-            q_start: [row(0), row(1), row(2)],
-            v_start: [row(3), row(4), row(5)],
-            q_forcing: [row(6), row(7)],
-            v_forcing: [row(8), row(9)],
-        }
-    }
-
-    /// Writes the coefficients of node 1 … 4 mode by mode.
-    pub fn write_rows(&self, node: usize, out: &mut Vec<Row>) {
-        let at = |first: usize, mode: usize| self.row((node - 1) * ROWS_PER_NODE + first)[mode];
-        let row = |mode: usize| Row {
-            q: [0, 1, 2, 6, 7].map(|first| at(first, mode)),
-            v: [3, 4, 5, 8, 9].map(|first| at(first, mode)),
-        };
-        out.clear();
-        out.extend((0..self.modes).map(row));
-    }
-
-    /// Coefficients of the forcing at the five nodes in `q` at the end.
-    pub fn quartic_q(&self) -> [&[f64]; 5] {
-        std::array::from_fn(|j| self.row(QUARTIC + j))
-    }
-
-    /// Coefficients of the forcing at the five nodes in `v` at the end.
-    pub fn quartic_v(&self) -> [&[f64]; 5] {
-        std::array::from_fn(|j| self.row(QUARTIC + 5 + j))
-    }
-
-    fn row(&self, row: usize) -> &[f64] {
-        &self.rows[row * self.modes..(row + 1) * self.modes]
+    /// Factors, at node 1 … 4, of `q₀`, `v₀`, `p₀` and the forcing at the middle and at the end, mode by mode.
+    pub fn node(&self, node: usize) -> &[Row] {
+        &self.nodes[node - 1]
     }
 
     fn fill_mode(&mut self, mode: usize, omega: f64, zeta: f64, step: f64) {
@@ -122,31 +70,33 @@ impl Propagator {
             let responses = Responses::new(omega, zeta, NODES[node + 1] * step, at_node);
             let moments = responses.moments(step);
             let k = responses.of(-1);
-            let first = node * ROWS_PER_NODE;
-            let mut set = |row: usize, value: f64| self.rows[(first + row) * self.modes + mode] = value;
-            set(0, responses.of(-2) + 2.0 * zeta * omega * k);
-            set(1, k);
-            set(3, -omega * omega * k);
-            set(4, responses.of(-2));
-            for (basis, [q_row, v_row]) in QUADRATIC_BASIS.iter().zip([[2, 5], [6, 8], [7, 9]]) {
-                let (q, v) = combine(basis, &moments);
-                set(q_row, q);
-                set(v_row, v);
-            }
+            let [start, middle, end] = QUADRATIC_BASIS.map(|basis| combine(&basis, &moments));
+            self.nodes[node][mode] = [
+                [responses.of(-2) + 2.0 * zeta * omega * k, -omega * omega * k],
+                [k, responses.of(-2)],
+                start,
+                middle,
+                end,
+            ];
             if node == 3 {
-                for (j, basis) in QUARTIC_BASIS.iter().enumerate() {
-                    let (q, v) = combine(basis, &moments);
-                    self.rows[(QUARTIC + j) * self.modes + mode] = q;
-                    self.rows[(QUARTIC + 5 + j) * self.modes + mode] = v;
-                }
+                self.quartic[mode] = QUARTIC_BASIS.map(|basis| combine(&basis, &moments));
             }
         }
     }
 }
 
+/// `q` and `v` by these numbers, of which `row` has the factors.
+pub(crate) fn weighed<const N: usize>(row: &[[f64; 2]], by: [f64; N]) -> [f64; 2] {
+    let mut sums = [-0.0; 2];
+    for (factors, by) in row.iter().zip(by) {
+        sums.iter_mut().zip(factors).for_each(|(sum, factor)| *sum += factor * by);
+    }
+    sums
+}
+
 /// Displacement and velocity due to the polynomial with these coefficients.
-fn combine(coefficients: &[f64], moments: &[(f64, f64); 5]) -> (f64, f64) {
-    coefficients.iter().zip(moments).fold((0.0, 0.0), |(q, v), (c, m)| (q + c * m.0, v + c * m.1))
+fn combine(coefficients: &[f64], moments: &[(f64, f64); 5]) -> [f64; 2] {
+    coefficients.iter().zip(moments).fold([0.0; 2], |[q, v], (c, m)| [q + c * m.0, v + c * m.1])
 }
 
 /// Impulse response `k` and its derivative after `a` then `b`.
@@ -273,10 +223,8 @@ mod tests {
                 2.0 - 3.0 * sigma + 5.0 * sigma * sigma
             };
             for (node, &at) in NODES.iter().enumerate().skip(1) {
-                let rows = propagator.node(node);
                 let p = [forcing(0.0), forcing(0.5 * step), forcing(step)];
-                let q = rows.q_start[2][0] * p[0] + rows.q_forcing[0][0] * p[1] + rows.q_forcing[1][0] * p[2];
-                let v = rows.v_start[2][0] * p[0] + rows.v_forcing[0][0] * p[1] + rows.v_forcing[1][0] * p[2];
+                let [q, v] = weighed(&propagator.node(node)[0][2..], p);
                 let (q_exact, v_exact) = convolve(omega, zeta, at * step, forcing);
                 assert!((q - q_exact).abs() < 1e-10 * step * step, "{omega} {zeta} {node}: {q} {q_exact}");
                 assert!((v - v_exact).abs() < 1e-10 * step, "{omega} {zeta} {node}: {v} {v_exact}");
@@ -285,12 +233,10 @@ mod tests {
                 let sigma = s / step;
                 1.0 + sigma - 2.0 * sigma.powi(3) + 4.0 * sigma.powi(4)
             };
-            let sum = |rows: [&[f64]; 5]| -> f64 {
-                rows.iter().zip(NODES).map(|(row, node)| row[0] * quartic(node * step)).sum()
-            };
+            let [q, v] = weighed(&propagator.quartic[0], NODES.map(|node| quartic(node * step)));
             let (q_exact, v_exact) = convolve(omega, zeta, step, quartic);
-            assert!((sum(propagator.quartic_q()) - q_exact).abs() < 1e-10 * step * step);
-            assert!((sum(propagator.quartic_v()) - v_exact).abs() < 1e-10 * step);
+            assert!((q - q_exact).abs() < 1e-10 * step * step);
+            assert!((v - v_exact).abs() < 1e-10 * step);
         }
     }
 
@@ -313,10 +259,10 @@ mod tests {
     fn a_free_rigid_mode_moves_by_newtons_law() {
         let mut propagator = Propagator::new(1);
         propagator.fill(&[0.0], &[0.0], 0.1);
-        let end = propagator.node(4);
-        assert_eq!(end.q_start[0][0], 1.0);
-        assert!((end.q_start[1][0] - 0.1).abs() < 1e-16);
-        let q: f64 = end.q_start[2][0] + end.q_forcing[0][0] + end.q_forcing[1][0];
+        let end = propagator.node(END)[0];
+        assert_eq!(end[0][0], 1.0);
+        assert!((end[1][0] - 0.1).abs() < 1e-16);
+        let [q, _] = weighed(&end[2..], [1.0; 3]);
         assert!((q - 0.005).abs() < 1e-17);
     }
 }

@@ -56,9 +56,8 @@ pub(crate) struct StepSolver {
     pub energy_norm: f64,
     pub row_norm: Vec<f64>,
     pub compliance_norm: Vec<f64>,
-    /// The part of the node states due to the start of the step.
-    pub q_start: [Vec<f64>; 5],
-    pub v_start: [Vec<f64>; 5],
+    /// The part of the node states, `q` and `v` of each mode, due to the start of the step.
+    pub due_to_start: [Vec<[f64; 2]>; 5],
     pub q_end: Vec<f64>,
     pub v_end: Vec<f64>,
     /// G q at the node evaluated last.
@@ -96,8 +95,7 @@ impl StepSolver {
             energy_norm: 0.0,
             row_norm: norms(&|_| 1.0),
             compliance_norm: norms(&slowness),
-            q_start: per_node(),
-            v_start: per_node(),
+            due_to_start: std::array::from_fn(|_| vec![[0.0; 2]; modes]),
             q_end: vec![0.0; modes],
             v_end: vec![0.0; modes],
             pull: vec![0.0; modes],
@@ -334,8 +332,8 @@ impl StepSolver {
     /// How far a law's port at a node yields to its unit force, spread over the step by its `weights` at the middle and at
     /// the end.
     pub fn yielding(&self, e: usize, node: usize, weights: [f64; 2]) -> f64 {
-        let [middle, end] = self.propagators[self.current].node(node).q_forcing;
-        let by = middle.iter().zip(end).map(|(middle, end)| weights[0] * middle + weights[1] * end);
+        let rows = self.propagators[self.current].node(node).iter();
+        let by = rows.map(|[.., [middle, _], [end, _]]| weights[0] * middle + weights[1] * end);
         let row = &self.plant.ports[self.plant.contacts[e].port].row;
         row.iter().zip(by).map(|(b, w)| b * b * w).sum::<f64>().max(0.0)
     }

@@ -3,7 +3,7 @@
 use super::contact_point::{ContactPoint, EXACT};
 use super::events::{self, Reversal};
 use super::node::{Answer, NodeContact};
-use super::propagator::{END, MIDDLE, NODES};
+use super::propagator::{END, MIDDLE, NODES, weighed};
 use super::step::{NEGLIGIBLE, Span, StepSolver};
 
 /// Sweeps before a step counts as not converging; convergence is about a digit a sweep or better.
@@ -56,24 +56,30 @@ impl StepSolver {
 
     /// What the state and the forcing at the start contribute to `nodes`, the last of them the end.
     pub fn begin(&mut self, nodes: &[usize]) {
-        let (q, v, p) = (&self.q[0], &self.v[0], &self.forcing[0]);
         for &node in nodes {
             let rows = self.propagators[self.current].node(node);
-            weigh(&mut self.q_start[node], rows.q_start, [q, v, p]);
-            weigh(&mut self.v_start[node], rows.v_start, [q, v, p]);
+            let start = self.q[0].iter().zip(&self.v[0]).zip(&self.forcing[0]);
+            for ((due, row), ((q, v), p)) in self.due_to_start[node].iter_mut().zip(rows).zip(start) {
+                *due = weighed(&row[..3], [*q, *v, *p]);
+            }
         }
         let (first, rest) = self.forcing.split_at_mut(1);
         rest[MIDDLE - 1].copy_from_slice(&first[0]);
         rest[END - 1].copy_from_slice(&first[0]);
-        self.nodes.iter_mut().for_each(|at| *at = [at[0]; 5]);
+        for [start, behind @ ..] in &mut self.nodes {
+            behind.fill(*start);
+        }
     }
 
     /// Modal state at a node from the quadratic forcing.
     pub fn place(&mut self, node: usize) {
-        let rows = self.propagators[self.current].node(node);
-        let forcing = [&self.forcing[MIDDLE][..], &self.forcing[END][..]];
-        add_weighed(&mut self.q[node], &self.q_start[node], rows.q_forcing, forcing);
-        add_weighed(&mut self.v[node], &self.v_start[node], rows.v_forcing, forcing);
+        let known = self.propagators[self.current].node(node).iter().zip(&self.due_to_start[node]);
+        let forcing = self.forcing[MIDDLE].iter().zip(&self.forcing[END]);
+        let state = self.q[node].iter_mut().zip(&mut self.v[node]);
+        for ((([.., middle, end], due), (p2, p4)), (q, v)) in known.zip(forcing).zip(state) {
+            *q = due[0] + middle[0] * p2 + end[0] * p4;
+            *v = due[1] + middle[1] * p2 + end[1] * p4;
+        }
     }
 
     /// Solves the collocation equations by sweeps; false if they do not converge.
@@ -146,17 +152,14 @@ impl StepSolver {
     /// the tolerance.
     fn correct(&mut self, tolerance: f64) -> f64 {
         let propagator = &self.propagators[self.current];
-        let start = propagator.node(END);
-        let (q_rows, v_rows) = (propagator.quartic_q(), propagator.quartic_v());
+        let rows = propagator.node(END).iter().zip(&propagator.quartic);
         let p: [&[f64]; 5] = std::array::from_fn(|j| &self.forcing[j][..]);
         let (mut error, mut norm) = (0.0, 0.0);
-        for (i, &omega) in self.plant.angular_frequency.iter().enumerate() {
-            let (q0, v0) = (self.q[0][i], self.v[0][i]);
-            let mut q = start.q_start[0][i] * q0 + start.q_start[1][i] * v0;
-            let mut v = start.v_start[0][i] * q0 + start.v_start[1][i] * v0;
-            for j in 0..5 {
-                q += q_rows[j][i] * p[j][i];
-                v += v_rows[j][i] * p[j][i];
+        for (i, (&omega, (start, forced))) in self.plant.angular_frequency.iter().zip(rows).enumerate() {
+            let [mut q, mut v] = weighed(&start[..2], [self.q[0][i], self.v[0][i]]);
+            for (p, [by_q, by_v]) in p.iter().zip(forced) {
+                q += by_q * p[i];
+                v += by_v * p[i];
             }
             self.q_end[i] = q;
             self.v_end[i] = v;
@@ -252,25 +255,6 @@ impl StepSolver {
         }
         let parts = if constant { 1 } else { events::PROBES };
         events::corner(&slip, parts, probe).map_or(first, |fraction| first.min(fraction))
-    }
-}
-
-fn weigh(out: &mut [f64], rows: [&[f64]; 3], by: [&Vec<f64>; 3]) {
-    let n = out.len();
-    let rows = rows.map(|row| &row[..n]);
-    let by = by.map(|values| &values[..n]);
-    for i in 0..n {
-        out[i] = rows[0][i] * by[0][i] + rows[1][i] * by[1][i] + rows[2][i] * by[2][i];
-    }
-}
-
-fn add_weighed(out: &mut [f64], start: &[f64], rows: [&[f64]; 2], by: [&[f64]; 2]) {
-    let n = out.len();
-    let start = &start[..n];
-    let rows = rows.map(|row| &row[..n]);
-    let by = by.map(|values| &values[..n]);
-    for i in 0..n {
-        out[i] = start[i] + rows[0][i] * by[0][i] + rows[1][i] * by[1][i];
     }
 }
 

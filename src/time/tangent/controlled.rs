@@ -1,7 +1,7 @@
 //! A step under control of its error, whose collocation equations are linear in a change.
 
 use super::super::Ramp;
-use super::super::propagator::{END, MIDDLE, NODES};
+use super::super::propagator::{END, MIDDLE, NODES, weighed};
 use super::super::solve::solve;
 use super::super::step::{Span, StepSolver};
 use super::{PAIR, Tangent, inputs};
@@ -102,15 +102,15 @@ impl Tangent {
                 let (port, own) = (&plant.ports[contact.port], self.own_force(solver, e, node));
                 self.right.push(own);
                 for (other_half, other_node) in PAIR.into_iter().enumerate() {
-                    let (by_q, by_v) = (rows.q_forcing[other_half], rows.v_forcing[other_half]);
                     for (other, pusher) in laws() {
                         let pusher = &plant.ports[pusher.port];
                         let (mut moved, mut sped) = (0.0, 0.0);
-                        for i in 0..plant.size() {
+                        for (i, row) in rows.iter().enumerate() {
                             let seen = port.row[i] - port.shortening * self.pull[node][i];
                             let pushed = pusher.row[i] - pusher.shortening * self.pull[other_node][i];
-                            moved += seen * pushed * by_q[i];
-                            sped += seen * pushed * by_v[i];
+                            let [by_q, by_v] = row[3 + other_half];
+                            moved += seen * pushed * by_q;
+                            sped += seen * pushed * by_v;
                         }
                         let itself = half == other_half && e == other;
                         let one = if itself { 1.0 + port.flexibility * t.displacement } else { 0.0 };
@@ -143,13 +143,10 @@ impl Tangent {
             }
         }
         let propagator = &solver.propagators[solver.current];
-        let start = propagator.node(END);
-        let (q_rows, v_rows) = (propagator.quartic_q(), propagator.quartic_v());
-        for i in 0..self.q[0].len() {
-            let (q, v) = (self.q[0][i], self.v[0][i]);
-            let forced = |rows: &[&[f64]; 5]| (0..5).map(|j| rows[j][i] * self.p[j][i]).sum::<f64>();
-            self.q[0][i] = start.q_start[0][i] * q + start.q_start[1][i] * v + forced(&q_rows);
-            self.v[0][i] = start.v_start[0][i] * q + start.v_start[1][i] * v + forced(&v_rows);
+        for (i, (start, quartic)) in propagator.node(END).iter().zip(&propagator.quartic).enumerate() {
+            let due = weighed(&start[..2], [self.q[0][i], self.v[0][i]]);
+            let forced = weighed(quartic, std::array::from_fn::<_, 5, _>(|j| self.p[j][i]));
+            (self.q[0][i], self.v[0][i]) = (due[0] + forced[0], due[1] + forced[1]);
         }
     }
 

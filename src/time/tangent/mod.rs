@@ -6,7 +6,7 @@ mod equal;
 use super::Ramp;
 use super::node::NodeContact;
 use super::plant::{add_product, dot};
-use super::propagator::{END, MIDDLE};
+use super::propagator::{END, MIDDLE, weighed};
 use super::step::{Span, StepSolver, bent_energy};
 use crate::contact::{Inputs, StateSensitivity, Tangents};
 
@@ -22,8 +22,8 @@ pub(crate) struct Tangent {
     /// Of the forcing: all of it, and without the forces of laws.
     p: [Vec<f64>; 5],
     rest: [Vec<f64>; 5],
-    start_q: [Vec<f64>; 5],
-    start_v: [Vec<f64>; 5],
+    /// Of `q` and `v`, due to the start.
+    due_to_start: [Vec<[f64; 2]>; 5],
     /// G q and G q̇ at the nodes.
     pull: [Vec<f64>; 5],
     turning: [Vec<f64>; 5],
@@ -73,13 +73,13 @@ impl Tangent {
     /// No change yet of the motion that `solver` has loaded.
     pub fn begin(&mut self, solver: &StepSolver) {
         let (n, contacts) = (solver.plant.size(), solver.plant.contacts.len());
-        let lists = [&mut self.q, &mut self.v, &mut self.p, &mut self.rest, &mut self.start_q];
-        let more = [&mut self.start_v, &mut self.pull, &mut self.turning];
+        let lists = [&mut self.q, &mut self.v, &mut self.p, &mut self.rest, &mut self.pull, &mut self.turning];
         let single = [&mut self.acceleration, &mut self.product];
-        for list in lists.into_iter().chain(more).flatten().chain(single) {
+        for list in lists.into_iter().flatten().chain(single) {
             list.clear();
             list.resize(n, 0.0);
         }
+        self.due_to_start.iter_mut().for_each(|list| list.resize(n, [0.0; 2]));
         for node in &mut self.nodes {
             node.clear();
             node.resize(contacts, NodeChange::default());
@@ -157,10 +157,8 @@ impl Tangent {
     fn start(&mut self, solver: &StepSolver) {
         for node in 1..=END {
             let rows = solver.propagators[solver.current].node(node);
-            for i in 0..self.q[0].len() {
-                let by = [self.q[0][i], self.v[0][i], self.p[0][i]];
-                self.start_q[node][i] = (0..3).map(|k| rows.q_start[k][i] * by[k]).sum();
-                self.start_v[node][i] = (0..3).map(|k| rows.v_start[k][i] * by[k]).sum();
+            for (i, (due, row)) in self.due_to_start[node].iter_mut().zip(rows).enumerate() {
+                *due = weighed(&row[..3], [self.q[0][i], self.v[0][i], self.p[0][i]]);
             }
         }
         for node in PAIR {
@@ -175,12 +173,10 @@ impl Tangent {
     /// Modal changes at a node from the start and the forcing at the middle and the end.
     fn place(&mut self, solver: &StepSolver, node: usize, forcing: impl Fn(&Self) -> &[Vec<f64>; 5]) {
         let rows = solver.propagators[solver.current].node(node);
-        for i in 0..self.q[0].len() {
-            let (middle, end) = (forcing(self)[MIDDLE][i], forcing(self)[END][i]);
-            self.q[node][i] =
-                self.start_q[node][i] + rows.q_forcing[0][i] * middle + rows.q_forcing[1][i] * end;
-            self.v[node][i] =
-                self.start_v[node][i] + rows.v_forcing[0][i] * middle + rows.v_forcing[1][i] * end;
+        for (i, [.., middle, end]) in rows.iter().enumerate() {
+            let (due, p2, p4) = (self.due_to_start[node][i], forcing(self)[MIDDLE][i], forcing(self)[END][i]);
+            self.q[node][i] = due[0] + middle[0] * p2 + end[0] * p4;
+            self.v[node][i] = due[1] + middle[1] * p2 + end[1] * p4;
         }
     }
 
