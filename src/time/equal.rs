@@ -9,7 +9,7 @@
 use super::integrator::Integrator;
 use super::node::{PRECISION, SWEEPS, bow};
 use super::propagator::{END, MIDDLE, NODES};
-use super::step::{NEGLIGIBLE, Span, StepSolver};
+use super::step::{Span, StepSolver};
 use super::{IntegrationError, Motion, Ramp, Settings};
 
 /// Radians of the fastest motion, laws in stick, that a step may last.
@@ -135,7 +135,7 @@ impl StepSolver {
         }
         for e in 0..self.plant.contacts.len() {
             if self.plant.contacts[e].law.is_some() {
-                let [before, after] = [0, END].map(|node| self.force_rate(node, e, span));
+                let (before, after) = (self.force_rate(0, e, span), self.force_rate(END, e, span));
                 self.shift(e, [bow(span.step * (before - after)), 0.0]);
             }
         }
@@ -226,13 +226,8 @@ impl StepSolver {
         self.v.swap(0, END);
         self.forcing.swap(0, END);
         std::mem::swap(&mut self.memory, &mut self.memory_next);
-        for value in self.q[0].iter_mut().chain(&mut self.v[0]) {
-            if !value.is_finite() {
-                return false;
-            }
-            if value.abs() < NEGLIGIBLE {
-                *value = 0.0;
-            }
+        if !self.drop_negligible() {
+            return false;
         }
         for (energy, at) in self.dissipated_energy.iter_mut().zip(&mut self.nodes) {
             at[0] = at[END];

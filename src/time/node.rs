@@ -105,9 +105,9 @@ impl NodeContact {
 pub(crate) struct EqualSteps {
     /// Their length (s).
     pub step: f64,
-    /// Under damping that couples modes: `q`, `v` and `p` of each mode at the end by `q₀`, `v₀`, `p₀` and the forcing at the
-    /// middle and at the end, the modes' entries side by side; the fourth number is room. Empty without.
-    coupled: Vec<Vec<[f64; 4]>>,
+    /// Under damping that couples modes: `q`, `v` and `p` of each mode at the end by all modes' `q₀`, `v₀`, `p₀` and forcing
+    /// at the middle and at the end. Empty without.
+    coupled: Vec<Vec<[f64; 3]>>,
     /// How the ports of laws answer at the end to a force that grows on a straight line.
     pub answers: Vec<Answer>,
     /// `q`, `v` and `p` of the modes at the end by a port's unit force at the middle, and at the end.
@@ -135,15 +135,14 @@ impl EqualSteps {
             }
             return;
         }
-        for (((q, v), p), shares) in q.iter_mut().zip(v).zip(p).zip(&self.coupled) {
-            // As a sum begins, for each of the three.
-            let (mut sums, mut shares) = ([-0.0; 4], shares.iter());
+        for (((q, v), p), factors) in q.iter_mut().zip(v).zip(p).zip(&self.coupled) {
+            let (mut sums, mut factors) = ([-0.0; 3], factors.iter());
             for list in by {
-                for (by, shares) in list.iter().zip(&mut shares) {
-                    sums.iter_mut().zip(shares).for_each(|(sum, share)| *sum += share * by);
+                for (by, factors) in list.iter().zip(&mut factors) {
+                    sums.iter_mut().zip(factors).for_each(|(sum, factor)| *sum += factor * by);
                 }
             }
-            [*q, *v, *p, _] = sums;
+            [*q, *v, *p] = sums;
         }
     }
 
@@ -152,8 +151,9 @@ impl EqualSteps {
         self.coupled.clear();
         let n = plant.size();
         if !plant.damping.is_empty() && !plant.follows_displacement() {
-            let columns: Vec<[Vec<f64>; 3]> = (0..5 * n).map(|column| damped(plant, propagator, column)).collect();
-            let of_mode = |i: usize| columns.iter().map(|[q, v, p]| [q[i], v[i], p[i], 0.0]).collect();
+            let columns: Vec<[Vec<f64>; 3]> =
+                (0..5 * n).map(|column| damped(plant, propagator, column)).collect();
+            let of_mode = |i: usize| columns.iter().map(|[q, v, p]| [q[i], v[i], p[i]]).collect();
             self.coupled.extend((0..n).map(of_mode));
         }
         let zero = vec![0.0; n];
@@ -193,7 +193,8 @@ fn damped(plant: &Plant, propagator: &Propagator, column: usize) -> [Vec<f64>; 3
         }
         let at = |(i, row): (usize, &Row)| weighed(row, std::array::from_fn::<_, 5, _>(|list| by[list][i]));
         for (velocity, node) in velocity.iter_mut().zip([MIDDLE, END]) {
-            (end[0], *velocity) = propagator.node(node).iter().enumerate().map(at).map(|[q, v]| (q, v)).unzip();
+            (end[0], *velocity) =
+                propagator.node(node).iter().enumerate().map(at).map(|[q, v]| (q, v)).unzip();
         }
         (end[1], end[2]) = (velocity[1].clone(), by[4].clone());
     }

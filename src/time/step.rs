@@ -155,13 +155,8 @@ impl StepSolver {
     pub fn commit(&mut self, span: &Span) -> bool {
         std::mem::swap(&mut self.q[0], &mut self.q_end);
         std::mem::swap(&mut self.v[0], &mut self.v_end);
-        for value in self.q[0].iter_mut().chain(&mut self.v[0]) {
-            if !value.is_finite() {
-                return false;
-            }
-            if value.abs() < NEGLIGIBLE {
-                *value = 0.0;
-            }
+        if !self.drop_negligible() {
+            return false;
         }
         self.geometry(0);
         for e in 0..self.plant.contacts.len() {
@@ -172,6 +167,21 @@ impl StepSolver {
         std::mem::swap(&mut self.memory, &mut self.memory_next);
         self.force_modes(0, span.to);
         self.energy_norm = self.energy(&self.q[0], &self.v[0]);
+        true
+    }
+
+    /// Sets what is negligible in the state to zero. False if the state is not finite.
+    pub fn drop_negligible(&mut self) -> bool {
+        for (q, v) in self.q[0].iter_mut().zip(&mut self.v[0]) {
+            for value in [q, v] {
+                if !value.is_finite() {
+                    return false;
+                }
+                if value.abs() < NEGLIGIBLE {
+                    *value = 0.0;
+                }
+            }
+        }
         true
     }
 

@@ -42,6 +42,7 @@ struct Effect {
 }
 
 impl Chain<'_> {
+    #[inline]
     fn effect(&self, cause: Cause) -> Effect {
         let (look, path) = (self.look, &self.look.path);
         // In the gap the base law's end rests, or moves so that the force stays zero.
@@ -101,9 +102,13 @@ impl Joint {
     pub(super) fn tangents(&self, inputs: Inputs, end: &End, look: &Look) -> Tangents {
         let chain = self.chain(inputs, end, look);
         let (factor, by_velocity) = self.whole(inputs, end, look);
-        let [displacement, velocity, normal_load] =
-            self.causes(inputs, end).map(|cause| factor * chain.effect(cause).force);
-        Tangents { displacement, velocity: velocity + by_velocity, normal_load }
+        let [displacement, velocity, normal_load] = self.causes(inputs, end);
+        let by = |cause| factor * chain.effect(cause).force;
+        Tangents {
+            displacement: by(displacement),
+            velocity: by(velocity) + by_velocity,
+            normal_load: by(normal_load),
+        }
     }
 
     pub(super) fn write_state_tangents(&self, state: &[f64], inputs: Inputs, out: &mut StateTangents) {

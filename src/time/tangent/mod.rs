@@ -73,7 +73,8 @@ impl Tangent {
     /// No change yet of the motion that `solver` has loaded.
     pub fn begin(&mut self, solver: &StepSolver) {
         let (n, contacts) = (solver.plant.size(), solver.plant.contacts.len());
-        let lists = [&mut self.q, &mut self.v, &mut self.p, &mut self.rest, &mut self.pull, &mut self.turning];
+        let lists =
+            [&mut self.q, &mut self.v, &mut self.p, &mut self.rest, &mut self.pull, &mut self.turning];
         let single = [&mut self.acceleration, &mut self.product];
         for list in lists.into_iter().flatten().chain(single) {
             list.clear();
