@@ -34,9 +34,8 @@ pub use modes::{ModePoint, ModeRange, NonlinearMode, nonlinear_mode};
 pub use newton::{Contacting, Point};
 pub use period::CycleSummary;
 pub use period::contact_cycle::{ContactCycle, ContactMapping, contact_cycle};
-pub use response::frequency_response::{frequency_response, level_response, periodic_response};
-pub use response::parameter::{Varied, VariedCurve, parameter_response};
 pub use response::resonance::{Resonance, backbone, phase_resonance};
+pub use response::sweep::{frequency_response, level_response, parameter_response, periodic_response};
 pub use response::tracking::{
     Tracked, TrackedCurve, TrackedQuantity, Tracking, track_levels, track_parameter,
 };

@@ -11,11 +11,11 @@ use crate::harmonic::balance::condensed::Condensed;
 use crate::harmonic::balance::modal::{Balance, Extent, Ports};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::condition::{HeldAmplitude, Phase};
-use crate::harmonic::newton::problem::{Condition, Newton, Stopping};
+use crate::harmonic::newton::problem::{Condition, Newton};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
+use crate::harmonic::response::carried::{Carried, Reached};
 use crate::harmonic::response::linear_resonances::at_rest;
-use crate::harmonic::response::tracker::{Solution, describe_by, more_harmonics};
-use crate::harmonic::response::tracking::{LARGEST_CHANGE, LEAST_FRACTION, between};
+use crate::harmonic::response::tracker::{Solution, describe_by};
 use crate::numeric::fourier::coefficient_count;
 use crate::system::{Element, LinearStructure, Output, Row};
 
@@ -174,20 +174,21 @@ fn follow(
         self_excitation: start.damping_ratio,
         parameter: 0.0,
     };
-    let mut vibration = FreeVibration {
-        system,
-        settings: *settings,
-        newton: Newton::default(),
-        stopping: settings.stopping(),
-        node,
-        reached: Vec::new(),
-    };
     let first = Solution { x, at };
+    let mut vibration = FreeVibration { system, settings: *settings, newton: Newton::default(), node, first };
+    let mut reached = Reached::new();
     let mut mode =
         NonlinearMode { angular_frequency: start.angular_frequency, points: Vec::new(), lost: None };
     for amplitude in amplitudes {
-        match vibration.reach(*amplitude, &first) {
+        match vibration.reach(*amplitude, &mut reached) {
             Ok(point) => {
+                let point = ModePoint {
+                    amplitude: *amplitude,
+                    angular_frequency: point.angular_frequency,
+                    damping_ratio: reached[0].1.at.self_excitation,
+                    dissipated_energy: point.dissipated_energy(),
+                    point,
+                };
                 let goes_on = on_point(&point);
                 mode.points.push(point);
                 if !goes_on {
@@ -285,73 +286,12 @@ struct FreeVibration<'s> {
     system: &'s mut (dyn PeriodicSystem + 's),
     settings: CurveSettings,
     newton: Newton,
-    stopping: Stopping,
     node: usize,
-    /// The last two amplitudes with their vibrations, the later one first.
-    reached: Vec<(f64, Solution)>,
+    /// Where to look at the first amplitude.
+    first: Solution,
 }
 
 impl FreeVibration<'_> {
-    /// The mode at an amplitude, on smaller and smaller steps from the last one.
-    fn reach(&mut self, amplitude: f64, first: &Solution) -> Result<ModePoint, HarmonicError> {
-        let mut fraction = 1.0;
-        loop {
-            let next =
-                self.reached.first().map_or(amplitude, |(from, _)| between(*from, amplitude, fraction));
-            let start = self.predicted(next).unwrap_or_else(|| first.clone());
-            match self.step(next, start) {
-                Ok(point) if next == amplitude => {
-                    return Ok(ModePoint {
-                        amplitude,
-                        angular_frequency: point.angular_frequency,
-                        damping_ratio: self.reached[0].1.at.self_excitation,
-                        dissipated_energy: point.dissipated_energy(),
-                        point,
-                    });
-                }
-                Ok(_) => fraction = f64::min(2.0 * fraction, 1.0),
-                Err(error) => {
-                    fraction *= 0.5;
-                    if self.reached.is_empty() || fraction < LEAST_FRACTION || !error.is_of_the_step() {
-                        return Err(error);
-                    }
-                    self.system.forget();
-                }
-            }
-        }
-    }
-
-    /// The vibration of one amplitude, with as many harmonics as it takes.
-    fn step(&mut self, amplitude: f64, start: Solution) -> Result<Point, HarmonicError> {
-        let mut solution = start;
-        loop {
-            let mut held = HeldAmplitude::new(self.node, 1, 0, amplitude);
-            let mut phase = Phase::behind(self.node, 1, [1.0, 0.0], 0.0);
-            let Solution { x, at } = &mut solution;
-            let conditions: &mut [&mut dyn Condition] = &mut [&mut held, &mut phase];
-            let effort = self.newton.solve(self.system, x, at, &FREE, conditions, &self.stopping)?;
-            let mut point = self.describe(&solution)?;
-            point.iterations = effort.iterations;
-            if let Some(harmonics) = more_harmonics(&point, &self.settings) {
-                let mut vectors: Vec<&mut Vec<f64>> = vec![&mut solution.x];
-                vectors.extend(self.reached.iter_mut().map(|(_, reached)| &mut reached.x));
-                if self.system.set_harmonics(harmonics, &mut vectors)? {
-                    continue;
-                }
-            }
-            if let Some((_, last)) = self.reached.first() {
-                let change = solution.at.angular_frequency / last.at.angular_frequency - 1.0;
-                if change.abs() > LARGEST_CHANGE {
-                    let iterations = effort.iterations;
-                    return Err(HarmonicError::NotConverged { residual: change.abs(), iterations });
-                }
-            }
-            self.reached.insert(0, (amplitude, solution));
-            self.reached.truncate(2);
-            return Ok(point);
-        }
-    }
-
     /// The vibration just found. A free vibration may begin at any phase, so that the balance alone does not tell
     /// how it answers to harmonics left out: frequency, damping, amplitude and phase take part.
     fn describe(&mut self, solution: &Solution) -> Result<Point, HarmonicError> {
@@ -372,12 +312,12 @@ impl FreeVibration<'_> {
     }
 
     /// The vibration at an amplitude: shape, frequency and damping on straight lines over its logarithm.
-    fn predicted(&self, amplitude: f64) -> Option<Solution> {
-        let (last_amplitude, last) = self.reached.first()?;
+    fn predicted(amplitude: f64, reached: &Reached) -> Option<Solution> {
+        let (last_amplitude, last) = reached.first()?;
         let ratio = amplitude / last_amplitude;
         let mut start = last.clone();
         start.x.iter_mut().for_each(|x| *x *= ratio);
-        if let Some((before_amplitude, before)) = self.reached.get(1)
+        if let Some((before_amplitude, before)) = reached.get(1)
             && before_amplitude != last_amplitude
         {
             let ahead = ratio.ln() / (last_amplitude / before_amplitude).ln();
@@ -390,5 +330,26 @@ impl FreeVibration<'_> {
             start.at.self_excitation = line(last.at.self_excitation, before.at.self_excitation);
         }
         Some(start)
+    }
+}
+
+impl Carried for FreeVibration<'_> {
+    fn parts(&mut self) -> (&mut dyn PeriodicSystem, &CurveSettings) {
+        (&mut *self.system, &self.settings)
+    }
+
+    fn start(&mut self, amplitude: f64, reached: &Reached) -> Result<Solution, HarmonicError> {
+        Ok(Self::predicted(amplitude, reached).unwrap_or_else(|| self.first.clone()))
+    }
+
+    fn solve(&mut self, amplitude: f64, solution: &mut Solution) -> Result<Point, HarmonicError> {
+        let mut held = HeldAmplitude::new(self.node, 1, 0, amplitude);
+        let mut phase = Phase::behind(self.node, 1, [1.0, 0.0], 0.0);
+        let conditions: &mut [&mut dyn Condition] = &mut [&mut held, &mut phase];
+        let Solution { x, at } = &mut *solution;
+        let effort = self.newton.solve(self.system, x, at, &FREE, conditions, &self.settings.stopping())?;
+        let mut point = self.describe(solution)?;
+        point.iterations = effort.iterations;
+        Ok(point)
     }
 }

@@ -166,13 +166,13 @@ fn responses_of_the_beam_over_friction_are_those_of_each_friction_alone() {
     let curve = parameter_response(&contacts, omega, 6.0, range, &settings(5), &mut |_| true).unwrap();
     assert_eq!(curve.ending, Ending::Complete);
     for varied in curve.points.iter().step_by(8).chain(curve.points.last()) {
-        let alone = valanis(varied.value).unwrap();
+        let alone = valanis(varied.parameter).unwrap();
         let control = Control::Level(6.0);
         let alone = assembly(&beam, alone, LOAD);
-        let start = Some(&varied.point);
+        let start = Some(varied);
         let expected = periodic_response(&alone, omega, &control, &settings(5), start).unwrap();
-        for (found, expected) in varied.point.amplitude.iter().zip(&expected.amplitude) {
-            assert!((found / expected - 1.0).abs() < 1e-7, "{}: {found} {expected}", varied.value);
+        for (found, expected) in varied.amplitude.iter().zip(&expected.amplitude) {
+            assert!((found / expected - 1.0).abs() < 1e-7, "{}: {found} {expected}", varied.parameter);
         }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use stickslip::contact::{ContactLaw, CubicSpring, Jenkins, Unilateral};
 use stickslip::harmonic::{
-    CurveSettings, Ending, HarmonicError, Tracked, TrackedCurve, TrackedQuantity, Tracking, Varied,
+    CurveSettings, Ending, HarmonicError, Point, Tracked, TrackedCurve, TrackedQuantity, Tracking,
     parameter_response, track_levels, track_parameter,
 };
 
@@ -164,13 +164,13 @@ fn parameter_sweeps_pass_turning_points_of_a_duffing_oscillator() {
     assert_eq!(curve.ending, Ending::Complete);
     let mut turned = 0;
     for pair in curve.points.windows(2) {
-        let (a, cubic) = (pair[1].point.amplitude[0], pair[1].value);
+        let (a, cubic) = (pair[1].amplitude[0], pair[1].parameter);
         let stiff = 1.0 + 0.75 * cubic * a * a - omega * omega;
         let force = a * (stiff * stiff + (damping * omega).powi(2)).sqrt();
         assert!((force / level - 1.0).abs() < 1e-8, "{cubic} {a}: {force}");
-        turned += usize::from(pair[1].value < pair[0].value);
+        turned += usize::from(pair[1].parameter < pair[0].parameter);
     }
-    let most = curve.points.iter().map(|varied| varied.point.amplitude[0]).fold(0.0, f64::max);
+    let most = curve.points.iter().map(|varied| varied.amplitude[0]).fold(0.0, f64::max);
     assert!(turned > 2, "the curve turns back between its two turning points");
     assert!(most <= level / (damping * omega) * (1.0 + 1e-9) && most > 0.9 * level / (damping * omega));
 }
@@ -180,15 +180,15 @@ fn a_parameter_sweep_and_single_values_agree() {
     let structure = two_masses(0.1);
     let over = |friction: f64| Ok(under_load(&structure, Arc::new(Jenkins::new(0.2, friction)?), 1.0));
     let curve = parameter_response(&over, 0.54, 0.4, [0.02, 0.12], &settings(9), &mut |_| true).unwrap();
-    let last = curve.points.last().map(|varied| (varied.value, varied.point.dissipated_energy()));
+    let last = curve.points.last().map(|varied| (varied.parameter, varied.dissipated_energy()));
     assert_eq!(curve.ending, Ending::Complete, "{last:?}");
-    let picked: Vec<&Varied> = curve.points.iter().step_by(7).collect();
-    let values: Vec<f64> = picked.iter().map(|varied| varied.value).collect();
+    let picked: Vec<&Point> = curve.points.iter().step_by(7).collect();
+    let values: Vec<f64> = picked.iter().map(|varied| varied.parameter).collect();
     let frequency = tracking(TrackedQuantity::Frequency, 1, 0.54);
     let points = whole(track_parameter(&over, 0.4, &frequency, &values, &settings(9)));
     for (a, b) in picked.iter().zip(&points) {
-        assert!((a.point.amplitude[1] / b.amplitude - 1.0).abs() < 1e-8, "{}", a.value);
-        assert!((a.point.dissipated_energy() - b.point.dissipated_energy()).abs() < 1e-9);
+        assert!((a.amplitude[1] / b.amplitude - 1.0).abs() < 1e-8, "{}", a.parameter);
+        assert!((a.dissipated_energy() - b.point.dissipated_energy()).abs() < 1e-9);
     }
     assert!(picked.len() > 5);
 }
@@ -260,13 +260,13 @@ fn a_parameter_sweep_passes_the_corner_where_the_contact_sticks_for_good() {
         let ends = [0.02, most];
         let curve = parameter_response(&over, 0.54, 0.4, ends, &settings(harmonics), &mut |_| true).unwrap();
         let last = curve.points.last().unwrap();
-        assert_eq!(curve.ending, Ending::Complete, "{harmonics} {most}: ends at {}", last.value);
+        assert_eq!(curve.ending, Ending::Complete, "{harmonics} {most}: ends at {}", last.parameter);
         // Stuck for good, the contact is a spring; the limit it then needs is where it began to stick.
-        let stuck = last.point.amplitude[1];
-        let away = |varied: &&Varied| (varied.value / (0.2 * stuck) - 1.0).abs() > 1e-7;
+        let stuck = last.amplitude[1];
+        let away = |varied: &&Point| (varied.parameter / (0.2 * stuck) - 1.0).abs() > 1e-7;
         for varied in curve.points.iter().filter(away) {
-            let slips = varied.value < 0.2 * stuck;
-            assert_eq!(varied.point.dissipated_energy() > 0.0, slips, "{} {stuck}", varied.value);
+            let slips = varied.parameter < 0.2 * stuck;
+            assert_eq!(varied.dissipated_energy() > 0.0, slips, "{} {stuck}", varied.parameter);
         }
     }
 }

@@ -2,12 +2,14 @@
 //!
 //! An [`assembly`] says what is balanced: a system under its excitation. Where its ports are linear it is [`condensed`] to
 //! them by receptance ([`transfer`]); where one shortens with the motion, or has a flexibility in series, it keeps its
-//! [`modal`] coordinates. In both a law is [`attached`] to the unknowns of its port. A system may depend on a parameter
+//! [`modal`] coordinates. In both a law is [`attached`] to the unknowns of its port, and [`equivalent`] linearisation
+//! gives a start. A system may depend on a parameter
 //! ([`varied`]).
 
 pub(crate) mod assembly;
 pub(crate) mod attached;
 pub(crate) mod condensed;
+mod equivalent;
 pub(crate) mod modal;
 pub(crate) mod transfer;
 pub(crate) mod varied;

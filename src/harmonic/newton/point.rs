@@ -24,6 +24,8 @@ pub struct Point {
     pub angular_frequency: f64,
     /// Factor of the excitation; for an excitation of unit amplitude its amplitude (N).
     pub level: f64,
+    /// Value of the parameter varied; 0 where there is none.
+    pub parameter: f64,
     /// Largest magnitude of each node's displacement over a period (m).
     pub amplitude: Vec<f64>,
     /// Coefficients `[a0, c1, s1, …]` of each node's displacement (m).

@@ -210,19 +210,7 @@ impl<'s> Recorder<'s> {
         curve: &mut Curve,
         watch: &mut dyn FnMut(&Point) -> bool,
     ) -> bool {
-        if self.before.rate * self.now.rate < 0.0 {
-            let ends = (self.before.rate, self.now.rate);
-            let along = path.along();
-            if let Ok(found) = path.locate(ends, &mut |_, location| location.scalars[along.index()])
-                && let Some(point) = describe(path, &found)
-            {
-                curve.folds.push(Fold {
-                    angular_frequency: point.angular_frequency,
-                    level: point.level,
-                    amplitude: point.amplitude,
-                });
-            }
-        }
+        curve.folds.extend(self.fold(path));
         let first = curve.peaks.len();
         let mut between: Vec<(f64, Point)> = Vec::new();
         for node in 0..self.now.slopes.len() {
@@ -264,6 +252,16 @@ impl<'s> Recorder<'s> {
             }
         }
         true
+    }
+
+    /// Where the scalar continued turns back between the last two points, if it does.
+    fn fold(&self, path: &mut Path) -> Option<Fold> {
+        let ends = (self.before.rate, self.now.rate);
+        (ends.0 * ends.1 < 0.0).then_some(())?;
+        let along = path.along();
+        let found = path.locate(ends, &mut |_, location| location.scalars[along.index()]).ok()?;
+        let Point { angular_frequency, level, amplitude, .. } = describe(path, &found)?;
+        Some(Fold { angular_frequency, level, amplitude })
     }
 
     /// The peak of a node between the last two points, where its amplitude rises and falls by `slopes`, and the way

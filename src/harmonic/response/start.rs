@@ -4,7 +4,7 @@ use crate::harmonic::balance::assembly::Control;
 use crate::harmonic::continuation::{Advance, Path, Route, Verdict};
 use crate::harmonic::newton::condition::HeldAmplitude;
 use crate::harmonic::newton::problem::{Condition, Stopping, solve};
-use crate::harmonic::newton::system::{Observation, Operating, PeriodicSystem, Scalar};
+use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
 use crate::harmonic::{CurveSettings, HarmonicError};
 
 /// Level from which a response is followed up where Newton's method fails at once, as a fraction of the wanted.
@@ -48,18 +48,18 @@ pub(crate) fn check_control(control: &Control, nodes: usize, harmonics: usize) -
     }
 }
 
-/// Solves at `angular_frequency` under `control`: by Newton's method from equivalent linearisation, and where
+/// Solves at the frequency and parameter of `start` under `control`: by Newton's method from equivalent linearisation, and where
 /// that fails along the level from a weak excitation up.
 pub(crate) fn first(
     system: &mut dyn PeriodicSystem,
-    angular_frequency: f64,
+    start: &Operating,
     control: &Control,
     settings: &CurveSettings,
 ) -> Result<(Vec<f64>, Operating), HarmonicError> {
     check_control(control, system.nodes(), system.harmonics())?;
     match control {
-        Control::Level(level) => at_level(system, Operating::forced(angular_frequency, *level), settings),
-        Control::Held { .. } => held(system, angular_frequency, control, settings),
+        Control::Level(level) => at_level(system, Operating { level: *level, ..*start }, settings),
+        Control::Held { .. } => held(system, start.angular_frequency, control, settings),
     }
 }
 
@@ -158,9 +158,7 @@ fn along_frequency<'s>(
     to: f64,
     settings: &CurveSettings,
 ) -> Result<Path<'s>, HarmonicError> {
-    let not_found =
-        HarmonicError::NotConverged { residual: f64::INFINITY, iterations: settings.max_iterations };
-    let x = directly(system, at, settings)?.ok_or(not_found)?;
+    let x = directly(system, at, settings)?.ok_or_else(|| not_found(settings))?;
     let route = Route {
         along: Scalar::AngularFrequency,
         from: at.angular_frequency,
@@ -227,6 +225,10 @@ fn directly(
     Ok(found)
 }
 
+fn not_found(settings: &CurveSettings) -> HarmonicError {
+    HarmonicError::NotConverged { residual: f64::INFINITY, iterations: settings.max_iterations }
+}
+
 /// A path along the level.
 fn up<'s>(
     system: &'s mut dyn PeriodicSystem,
@@ -236,90 +238,120 @@ fn up<'s>(
     settings: &CurveSettings,
 ) -> Result<Path<'s>, HarmonicError> {
     let weak = Operating { level: from, ..at };
-    let x = match directly(system, weak, settings)? {
-        Some(x) => x,
-        None => {
-            return Err(HarmonicError::NotConverged {
-                residual: f64::INFINITY,
-                iterations: settings.max_iterations,
-            });
-        }
-    };
+    let x = directly(system, weak, settings)?.ok_or_else(|| not_found(settings))?;
     let route =
         Route { along: Scalar::Level, from, to, stopping: settings.stopping(), max_step: settings.max_step };
     Path::new(system, route, &[], Vec::new(), x, weak)
 }
 
+/// Solves at `angular_frequency` with the response that `control` holds: from equivalent linearisation, and where that
+/// fails along the level from a weak excitation up to the amplitude held.
 fn held(
     system: &mut dyn PeriodicSystem,
     angular_frequency: f64,
     control: &Control,
     settings: &CurveSettings,
 ) -> Result<(Vec<f64>, Operating), HarmonicError> {
-    const ROUNDS: usize = 30;
     const EXPANSIONS: usize = 6;
-    let Control::Held { node, order, derivative, amplitude } = *control else {
-        return Err(HarmonicError::InvalidInput("nothing is held"));
+    let nothing = HarmonicError::InvalidInput("nothing is held");
+    let (Control::Held { node, order, derivative, amplitude }, Some(mut condition)) =
+        (*control, condition(control))
+    else {
+        return Err(nothing);
     };
-    let wanted = amplitude / (order as f64 * angular_frequency).powi(derivative as i32);
-    let mut x = vec![0.0; system.unknowns()];
-    let mut at = Operating::forced(angular_frequency, 1.0);
-    let mut seen = Observation::default();
-    let mut observed = |system: &mut dyn PeriodicSystem, x: &[f64], at: &Operating| {
-        system.evaluate(x, at, &[Scalar::Level])?;
-        system.observe(node, order, &mut seen);
-        Ok::<f64, HarmonicError>(seen.value[0].hypot(seen.value[1]))
+    let wanted = Wanted {
+        node,
+        order,
+        amplitude: amplitude / (order as f64 * angular_frequency).powi(derivative as i32),
     };
-    for _ in 0..ROUNDS {
-        system.guess(&at, &mut x)?;
-        let found = observed(system, &x, &at)?;
-        if !(found > 0.0 && found.is_finite()) {
-            return Err(HarmonicError::InvalidInput("the excitation does not move what is held"));
-        }
-        // The level follows in proportion, tamed for responses that grow suddenly.
-        let factor = (wanted / found).clamp(1e-6, 1e6);
-        at.level *= if (0.5..2.0).contains(&factor) { factor.sqrt() } else { factor };
-        if (factor - 1.0).abs() < 0.02 {
-            break;
-        }
-    }
-    let mut condition = condition(control).ok_or(HarmonicError::InvalidInput("nothing is held"))?;
+    let (mut x, mut at) = wanted.guess(system, angular_frequency)?;
     let guessed = at.level;
-    {
+    let mut solve_held = |system: &mut dyn PeriodicSystem, x: &mut [f64], at: &mut Operating| {
         let mut all: [&mut dyn Condition; 1] = [&mut condition];
-        system.forget();
-        let solved = solve(system, &mut x, &mut at, &[Scalar::Level], &mut all, &settings.stopping());
-        // A negative level is the excitation half a period later: a solution, but not the one meant.
-        if solved.is_ok() && at.level > 0.0 {
-            return Ok((x, at));
-        }
+        solve(system, x, at, &[Scalar::Level], &mut all, &settings.stopping())
+    };
+    system.forget();
+    // A negative level is the excitation half a period later: a solution, but not the one meant.
+    if solve_held(system, &mut x, &mut at).is_ok() && at.level > 0.0 {
+        return Ok((x, at));
     }
     let mut top = 4.0 * guessed;
     for _ in 0..EXPANSIONS {
         let start = Operating::forced(angular_frequency, guessed);
-        let mut path = up(system, start, WEAK * guessed, top, settings)?;
-        let mut solved = None;
-        for _ in 0..settings.max_points.min(MOST_POINTS) {
-            let advance = path.advance(&mut |_, _, _, _| Ok(Verdict::Keep(0.0)))?;
-            if advance == Advance::Stuck {
-                break;
-            }
-            let present = (path.present.x.clone(), path.present.at);
-            if observed(path.system, &present.0, &present.1)? >= wanted {
-                solved = Some(present);
-                break;
-            }
-            if advance != Advance::Going {
-                break;
-            }
-        }
-        drop(path);
-        if let Some((mut x, mut at)) = solved {
-            let mut all: [&mut dyn Condition; 1] = [&mut condition];
-            solve(system, &mut x, &mut at, &[Scalar::Level], &mut all, &settings.stopping())?;
+        let path = up(system, start, WEAK * guessed, top, settings)?;
+        if let Some((mut x, mut at)) = wanted.reached(path, settings)? {
+            solve_held(system, &mut x, &mut at)?;
             return Ok((x, at));
         }
         top *= 4.0;
     }
     Err(HarmonicError::NotConverged { residual: f64::INFINITY, iterations: settings.max_points })
+}
+
+/// A response to be held: amplitude (m) of a node's harmonic.
+struct Wanted {
+    node: usize,
+    order: usize,
+    amplitude: f64,
+}
+
+impl Wanted {
+    /// The amplitude at `x` and `at`.
+    fn found(
+        &self,
+        system: &mut dyn PeriodicSystem,
+        x: &[f64],
+        at: &Operating,
+    ) -> Result<f64, HarmonicError> {
+        system.evaluate(x, at, &[Scalar::Level])?;
+        let [cosine, sine] = system.output(self.node, self.order);
+        Ok(cosine.hypot(sine))
+    }
+
+    /// Equivalent linearisation at about the level that it takes.
+    fn guess(
+        &self,
+        system: &mut dyn PeriodicSystem,
+        angular_frequency: f64,
+    ) -> Result<(Vec<f64>, Operating), HarmonicError> {
+        const ROUNDS: usize = 30;
+        let mut x = vec![0.0; system.unknowns()];
+        let mut at = Operating::forced(angular_frequency, 1.0);
+        for _ in 0..ROUNDS {
+            system.guess(&at, &mut x)?;
+            let found = self.found(system, &x, &at)?;
+            if !(found > 0.0 && found.is_finite()) {
+                return Err(HarmonicError::InvalidInput("the excitation does not move what is held"));
+            }
+            // The level follows in proportion, tamed for responses that grow suddenly.
+            let factor = (self.amplitude / found).clamp(1e-6, 1e6);
+            at.level *= if (0.5..2.0).contains(&factor) { factor.sqrt() } else { factor };
+            if (factor - 1.0).abs() < 0.02 {
+                break;
+            }
+        }
+        Ok((x, at))
+    }
+
+    /// The first response on a path along the level that has the amplitude.
+    fn reached(
+        &self,
+        mut path: Path,
+        settings: &CurveSettings,
+    ) -> Result<Option<(Vec<f64>, Operating)>, HarmonicError> {
+        for _ in 0..settings.max_points.min(MOST_POINTS) {
+            let advance = path.advance(&mut |_, _, _, _| Ok(Verdict::Keep(0.0)))?;
+            if advance == Advance::Stuck {
+                break;
+            }
+            let (x, at) = (path.present.x.clone(), path.present.at);
+            if self.found(path.system, &x, &at)? >= self.amplitude {
+                return Ok(Some((x, at)));
+            }
+            if advance != Advance::Going {
+                break;
+            }
+        }
+        Ok(None)
+    }
 }

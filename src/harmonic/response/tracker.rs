@@ -60,7 +60,7 @@ pub(crate) struct Tracker {
     last: Option<(Vec<f64>, f64)>,
     /// Size of the unknowns and of the frequency, by which steps are measured.
     sizes: (f64, f64),
-    /// Newton steps since the count was last taken.
+    /// Newton steps since the count began.
     iterations: usize,
 }
 
@@ -77,9 +77,14 @@ impl Tracker {
         }
     }
 
-    /// Newton steps made since it was last asked for.
-    pub fn take_iterations(&mut self) -> usize {
-        std::mem::take(&mut self.iterations)
+    /// Begins to count Newton steps anew.
+    pub fn count_anew(&mut self) {
+        self.iterations = 0;
+    }
+
+    /// Newton steps made since then.
+    pub fn iterations(&self) -> usize {
+        self.iterations
     }
 
     fn solve(

@@ -1,18 +1,14 @@
 //! Resonances followed over the excitation's level or over a parameter of the contacts.
 
+use super::carried::{Carried, Reached};
 use super::start::at_level;
-use super::tracker::{Solution, Sought, Tracker, describe, more_harmonics};
+use super::tracker::{Solution, Sought, Tracker, describe};
 use crate::harmonic::balance::assembly::Assembly;
 use crate::harmonic::balance::balance_of;
 use crate::harmonic::balance::varied::{AssemblyAt, Varied};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 use crate::harmonic::{CurveSettings, HarmonicError};
-
-/// Fraction of the way from one value to the next below which it is given up.
-pub(crate) const LEAST_FRACTION: f64 = 1e-5;
-/// Change of the frequency in a step, relative, beyond which another resonance may have been taken for this.
-pub(crate) const LARGEST_CHANGE: f64 = 0.03;
 
 /// What is followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,8 +94,8 @@ pub fn track_levels(
         return Err(HarmonicError::InvalidInput("a level is zero or not finite"));
     }
     let mut system = balance_of(assembly, settings)?;
-    let mut follower = Follower::new(assembly, tracking, settings, &mut *system)?;
-    follower.over(levels, |at, value| at.level = value)
+    let set = |at: &mut Operating, value| at.level = value;
+    Follower::new(assembly, tracking, settings, &mut *system, &set)?.over(levels)
 }
 
 /// Follows a response at a constant `level` over `values` of a parameter, in the order given. `at` makes the system at a
@@ -143,28 +139,29 @@ pub fn track_parameter(
     let Some(first) = values.first() else { return Ok(TrackedCurve { points: Vec::new(), lost: None }) };
     let mut system = Varied::new(at, *first, 0.0, settings)?;
     let assembly = system.assembly().clone();
-    let mut follower = Follower::new(&assembly, tracking, settings, &mut system)?;
-    follower.over(values, |at, value| (at.level, at.parameter) = (level, value))
+    let set = |at: &mut Operating, value| (at.level, at.parameter) = (level, value);
+    Follower::new(&assembly, tracking, settings, &mut system, &set)?.over(values)
 }
 
-/// Carries the response from value to value.
-struct Follower<'s> {
+/// The response carried from value to value.
+struct Follower<'s, 'v> {
     system: &'s mut (dyn PeriodicSystem + 's),
     settings: CurveSettings,
     tracker: Tracker,
     sought: Sought,
     node: usize,
     angular_frequency: f64,
-    /// The last two values with their responses, the later one first.
-    reached: Vec<(f64, Solution)>,
+    /// Makes a value known to the balance.
+    set: &'v dyn Fn(&mut Operating, f64),
 }
 
-impl<'s> Follower<'s> {
+impl<'s, 'v> Follower<'s, 'v> {
     fn new(
         assembly: &Assembly,
         tracking: &Tracking,
         settings: &CurveSettings,
         system: &'s mut (dyn PeriodicSystem + 's),
+        set: &'v dyn Fn(&mut Operating, f64),
     ) -> Result<Self, HarmonicError> {
         if tracking.node >= system.nodes() {
             return Err(HarmonicError::InvalidInput("the structure has no such node"));
@@ -191,20 +188,20 @@ impl<'s> Follower<'s> {
             sought,
             node: tracking.node,
             angular_frequency: tracking.angular_frequency,
-            reached: Vec::new(),
+            set,
         })
     }
 
-    /// The responses at all values; `set` makes them known to the balance.
-    fn over(
-        &mut self,
-        values: &[f64],
-        set: impl Fn(&mut Operating, f64),
-    ) -> Result<TrackedCurve, HarmonicError> {
-        let mut points = Vec::with_capacity(values.len());
+    /// The responses at all values.
+    fn over(&mut self, values: &[f64]) -> Result<TrackedCurve, HarmonicError> {
+        let (mut points, mut reached) = (Vec::with_capacity(values.len()), Reached::new());
         for value in values {
-            match self.reach(*value, &set) {
-                Ok(point) => points.push(point),
+            match self.reach(*value, &mut reached) {
+                Ok(point) => {
+                    let amplitude = point.amplitude[self.node];
+                    let receptance = amplitude / point.level.abs();
+                    points.push(Tracked { value: *value, amplitude, receptance, point });
+                }
                 Err(error) if !points.is_empty() && error.is_of_the_step() => {
                     return Ok(TrackedCurve { points, lost: Some(error) });
                 }
@@ -214,76 +211,12 @@ impl<'s> Follower<'s> {
         Ok(TrackedCurve { points, lost: None })
     }
 
-    /// The response at a value, on smaller and smaller steps from the last one.
-    fn reach(&mut self, value: f64, set: &impl Fn(&mut Operating, f64)) -> Result<Tracked, HarmonicError> {
-        let mut fraction = 1.0;
-        loop {
-            let next = self.reached.first().map_or(value, |(from, _)| between(*from, value, fraction));
-            match self.step(next, set) {
-                Ok(point) if next == value => {
-                    let amplitude = point.amplitude[self.node];
-                    return Ok(Tracked {
-                        value,
-                        amplitude,
-                        receptance: amplitude / point.level.abs(),
-                        point,
-                    });
-                }
-                Ok(_) => fraction = f64::min(2.0 * fraction, 1.0),
-                Err(error) => {
-                    fraction *= 0.5;
-                    if self.reached.is_empty() || fraction < LEAST_FRACTION || !error.is_of_the_step() {
-                        return Err(error);
-                    }
-                    self.system.forget();
-                }
-            }
-        }
-    }
-
-    /// One step to a value.
-    fn step(&mut self, value: f64, set: &impl Fn(&mut Operating, f64)) -> Result<Point, HarmonicError> {
-        let start = match self.predicted(value, set) {
-            Some(start) => start,
-            None => {
-                let mut at = Operating::forced(self.angular_frequency, 0.0);
-                set(&mut at, value);
-                let (x, at) = at_level(self.system, at, &self.settings)?;
-                Solution { x, at }
-            }
-        };
-        let mut solution = self.tracker.locate(self.system, self.sought, start)?;
-        let mut point = describe(self.system, &solution, &self.settings)?;
-        while let Some(harmonics) = more_harmonics(&point, &self.settings) {
-            let mut vectors: Vec<&mut Vec<f64>> = vec![&mut solution.x];
-            vectors.extend(self.reached.iter_mut().map(|(_, reached)| &mut reached.x));
-            if !self.system.set_harmonics(harmonics, &mut vectors)? {
-                break;
-            }
-            solution = self.tracker.locate(self.system, self.sought, solution)?;
-            point = describe(self.system, &solution, &self.settings)?;
-        }
-        point.iterations = self.tracker.take_iterations();
-        if let Some((_, last)) = self.reached.first() {
-            let change = solution.at.angular_frequency / last.at.angular_frequency - 1.0;
-            if change.abs() > LARGEST_CHANGE {
-                return Err(HarmonicError::NotConverged {
-                    residual: change.abs(),
-                    iterations: point.iterations,
-                });
-            }
-        }
-        self.reached.insert(0, (value, solution));
-        self.reached.truncate(2);
-        Ok(point)
-    }
-
     /// The response at a value, on the straight line through the last two.
-    fn predicted(&self, value: f64, set: &impl Fn(&mut Operating, f64)) -> Option<Solution> {
-        let (last_value, last) = self.reached.first()?;
+    fn predicted(&self, value: f64, reached: &Reached) -> Option<Solution> {
+        let (last_value, last) = reached.first()?;
         let mut start = last.clone();
-        set(&mut start.at, value);
-        match self.reached.get(1) {
+        (self.set)(&mut start.at, value);
+        match reached.get(1) {
             Some((before_value, before)) if before_value != last_value => {
                 let ahead = (value - last_value) / (last_value - before_value);
                 // Far beyond the two a straight line is no better than the last.
@@ -303,13 +236,26 @@ impl<'s> Follower<'s> {
     }
 }
 
-/// A fraction of the way from one value to another, by ratio where both have the same sign.
-pub(crate) fn between(from: f64, to: f64, fraction: f64) -> f64 {
-    if fraction >= 1.0 || from == to {
-        to
-    } else if from * to > 0.0 {
-        from * (to / from).powf(fraction)
-    } else {
-        from + fraction * (to - from)
+impl Carried for Follower<'_, '_> {
+    fn parts(&mut self) -> (&mut dyn PeriodicSystem, &CurveSettings) {
+        (&mut *self.system, &self.settings)
+    }
+
+    fn start(&mut self, value: f64, reached: &Reached) -> Result<Solution, HarmonicError> {
+        self.tracker.count_anew();
+        if let Some(start) = self.predicted(value, reached) {
+            return Ok(start);
+        }
+        let mut at = Operating::forced(self.angular_frequency, 0.0);
+        (self.set)(&mut at, value);
+        let (x, at) = at_level(self.system, at, &self.settings)?;
+        Ok(Solution { x, at })
+    }
+
+    fn solve(&mut self, _: f64, solution: &mut Solution) -> Result<Point, HarmonicError> {
+        *solution = self.tracker.locate(self.system, self.sought, solution.clone())?;
+        let mut point = describe(self.system, solution, &self.settings)?;
+        point.iterations = self.tracker.iterations();
+        Ok(point)
     }
 }

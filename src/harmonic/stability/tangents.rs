@@ -59,12 +59,7 @@ pub(super) fn multipliers_of(
         if let Err(too_long) = budget.spend(grid.len() as f64 * step, period) {
             return if levels > 0 && change <= ACCEPTED { Ok(known) } else { Err(too_long) };
         }
-        let mut row = vec![on_grid(motion, &grid)?];
-        for k in 0..before.len() {
-            let factor = 1.0 / (base.powi(k as i32 + 1) - 1.0);
-            let better = &row[k] + (&row[k] - &before[k]) * factor;
-            row.push(better);
-        }
+        let row = extrapolated(on_grid(motion, &grid)?, &before, base);
         let fine = resolved(&grid);
         let (last, kept) = without_conserved(row.last().unwrap_or(&row[0]), 2 * system.size);
         let (last, scales) = balance(last);
@@ -90,6 +85,18 @@ pub(super) fn multipliers_of(
         grid = halved(&grid);
     }
     Err(OscillatorError::NotPeriodic { iterations: levels, mismatch: change })
+}
+
+/// A map and its extrapolations (Romberg) by those `before`, from a grid of half the phases; halving a step divides the
+/// error of a map by `base`.
+fn extrapolated(map: DMatrix<f64>, before: &[DMatrix<f64>], base: f64) -> Vec<DMatrix<f64>> {
+    let mut row = vec![map];
+    for (k, before) in before.iter().enumerate() {
+        let factor = 1.0 / (base.powi(k as i32 + 1) - 1.0);
+        let better = &row[k] + (&row[k] - before) * factor;
+        row.push(better);
+    }
+    row
 }
 
 /// Largest distance of a multiplier from all those known, of those that matter.

@@ -2,6 +2,7 @@
 //! terminal, and JSON. Everything here is a pure function of its arguments: the same comparison gives
 //! the same bytes, and nothing is read from or written to disk or network.
 
+mod branches;
 mod catalogue;
 mod contact_loop;
 mod decimate;
@@ -12,7 +13,9 @@ mod figure;
 mod floors;
 mod format;
 mod json;
+mod modes;
 mod page;
+mod parameter;
 mod plots;
 pub mod responses;
 pub mod simulation;
@@ -24,7 +27,9 @@ mod tables;
 pub use catalogue::{catalogue_table, effect_table};
 pub use contact_loop::contact_loop;
 pub use json::json;
+pub use modes::{ModeReport, mode_html};
 pub use page::html;
+pub use parameter::{ParameterReport, parameter_html};
 pub use table::{harmonic_text, terminal_table};
 
 /// How a report was made, so that somebody else can make it again.

@@ -1,22 +1,13 @@
-//! Starting points by equivalent linearisation: every contact as the spring and damper that do the same
-//! work at the amplitude at hand (describing function, Krylov & Bogoliubov).
+//! Starting points by equivalent linearisation of every contact.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::{Condensed, span};
 use crate::harmonic::HarmonicError;
+use crate::harmonic::balance::equivalent::{Equivalent, settle};
 use crate::harmonic::balance::transfer::{Of, add_product};
 use crate::harmonic::newton::system::Operating;
 use crate::harmonic::period::Cycle;
-
-const ROUNDS: usize = 20;
-
-/// Spring (N/m) and damper (N s/m) in place of a contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Equivalent {
-    stiffness: f64,
-    damping: f64,
-}
 
 impl Condensed {
     /// Response of the structure with the contacts linearised at the amplitude that results; starts from
@@ -27,28 +18,16 @@ impl Condensed {
         }
         self.at_contacts.evaluate(&mut self.receptance, at)?;
         self.at = *at;
-        let free = vec![Equivalent { stiffness: 0.0, damping: 0.0 }; self.contacts.len()];
-        self.respond(at, &free, x);
+        self.respond(at, &vec![Equivalent::default(); self.contacts.len()], x);
         let size = x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         if size == 0.0 {
             return Ok(());
         }
         let small: Vec<f64> = x.iter().map(|x| 1e-7 * x).collect();
-        let mut equivalent = self.measure(at, &small)?;
-        for _ in 0..ROUNDS {
-            self.respond(at, &equivalent, x);
-            let measured = self.measure(at, x)?;
-            let mut settled = true;
-            for (old, new) in equivalent.iter_mut().zip(measured) {
-                // Halfway between both tames the alternation of stiff-small and soft-large.
-                let stiffness = 0.5 * (old.stiffness + new.stiffness);
-                settled &= (stiffness - old.stiffness).abs() <= 0.01 * old.stiffness.abs();
-                *old = Equivalent { stiffness, damping: 0.5 * (old.damping + new.damping) };
-            }
-            if settled {
-                break;
-            }
-        }
+        settle(self.measure(at, &small)?, |contacts| {
+            self.respond(at, contacts, x);
+            self.measure(at, x)
+        })?;
         self.forget_all();
         Ok(())
     }
@@ -65,19 +44,10 @@ impl Condensed {
         let parts = self.contacts.iter().zip(x.chunks_exact(self.set.len()));
         let equivalents = parts.map(|(contact, u)| {
             let force = contact.cycle.force();
-            let (mut along, mut squares, mut rates, mut power) = (0.0, 0.0, 0.0, 0.0);
-            for (order, place) in orders.iter().filter(|(order, _)| *order > 0) {
-                let (h, c, s) = (*order as f64, *place, place + 1);
-                along += force[c] * u[c] + force[s] * u[s];
-                squares += u[c] * u[c] + u[s] * u[s];
-                rates += h * h * (u[c] * u[c] + u[s] * u[s]);
-                power += h * (force[c] * u[s] - force[s] * u[c]);
-            }
-            if squares == 0.0 {
-                return Equivalent { stiffness: 0.0, damping: 0.0 };
-            }
-            let damping = power / (at.angular_frequency * rates);
-            Equivalent { stiffness: (along / squares).max(0.0), damping: damping.max(0.0) }
+            let coefficients = orders.iter().filter(|(order, _)| *order > 0);
+            let pair = |values: &[f64], place: usize| [values[place], values[place + 1]];
+            let harmonics = coefficients.map(|(order, place)| (*order, pair(force, *place), pair(u, *place)));
+            Equivalent::nearest(at.angular_frequency, harmonics)
         });
         Ok(equivalents.collect())
     }
@@ -95,9 +65,8 @@ impl Condensed {
             let speed = *order as f64 * at.angular_frequency;
             let complex = |[re, im]: [f64; 2]| Complex::new(re, im);
             let matrix = DMatrix::from_fn(p, p, |i, j| {
-                let spring = Complex::new(contacts[j].stiffness, contacts[j].damping * speed);
                 let own = if i == j { 1.0 } else { 0.0 };
-                complex(self.at_contacts.get(k, Of::Value, i, j)) * spring + own
+                complex(self.at_contacts.get(k, Of::Value, i, j)) * contacts[j].dynamic(speed) + own
             });
             let free = DVector::from_fn(p, |i, _| {
                 let mut moved = [0.0; 2];

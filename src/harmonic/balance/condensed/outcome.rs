@@ -101,6 +101,7 @@ impl Condensed {
         Ok(Point {
             angular_frequency: at.angular_frequency,
             level: at.level,
+            parameter: at.parameter,
             amplitude,
             nodes,
             contacts: self.contacts.iter_mut().zip(x.chunks_exact(set.len())).map(contacting).collect(),

@@ -1,21 +1,14 @@
-//! Starting points by equivalent linearisation: the contact as the spring and damper that do the same
-//! first-order work at the amplitude at hand (describing function, Krylov & Bogoliubov).
+//! Starting points by equivalent linearisation of the contact.
 
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
 
 use super::Balance;
 use crate::harmonic::HarmonicError;
+use crate::harmonic::balance::equivalent::{Equivalent, settle};
 use crate::harmonic::newton::system::PeriodicSystem;
-use crate::numeric::fourier::work_per_cycle;
 
+/// Rounds to find the resonance.
 const ROUNDS: usize = 12;
-
-/// Spring (N/m) and damper (N s/m) in place of the contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Equivalent {
-    stiffness: f64,
-    damping: f64,
-}
 
 /// Start for phase resonance, left in the balance's modal coefficients: angular frequency, force amplitude.
 pub(crate) fn resonance(balance: &mut Balance, acceleration: f64) -> Result<(f64, f64), HarmonicError> {
@@ -37,7 +30,7 @@ pub(crate) fn resonance(balance: &mut Balance, acceleration: f64) -> Result<(f64
         if settled {
             break;
         }
-        equivalent = averaged(equivalent, measure(balance, frequency, equivalent)?);
+        equivalent = equivalent.averaged(measure(balance, frequency, equivalent)?);
     }
     let displacement = acceleration / (angular_frequency * angular_frequency);
     balance.weigh();
@@ -51,22 +44,11 @@ pub(crate) fn forced(
     angular_frequency: f64,
     excitation: &[f64],
 ) -> Result<(), HarmonicError> {
-    let mut equivalent = Equivalent { stiffness: stuck_stiffness(balance)?, damping: 0.0 };
-    for _ in 0..ROUNDS {
-        linear_response(balance, angular_frequency, excitation, equivalent);
-        let next = averaged(equivalent, measure(balance, angular_frequency, equivalent)?);
-        let settled = (next.stiffness - equivalent.stiffness).abs() <= 0.01 * equivalent.stiffness.abs();
-        equivalent = next;
-        if settled {
-            break;
-        }
-    }
-    Ok(())
-}
-
-/// Halfway between both, which tames the alternation of stiff-small and soft-large.
-fn averaged(a: Equivalent, b: Equivalent) -> Equivalent {
-    Equivalent { stiffness: 0.5 * (a.stiffness + b.stiffness), damping: 0.5 * (a.damping + b.damping) }
+    let stuck = Equivalent { stiffness: stuck_stiffness(balance)?, damping: 0.0 };
+    settle(vec![stuck], |contacts| {
+        linear_response(balance, angular_frequency, excitation, contacts[0]);
+        Ok(vec![measure(balance, angular_frequency, contacts[0])?])
+    })
 }
 
 /// Stiffness of the contact with its series spring under a motion too small to slip.
@@ -92,7 +74,7 @@ fn measure(
     before: Equivalent,
 ) -> Result<Equivalent, HarmonicError> {
     if !balance.has_contact() {
-        return Ok(Equivalent { stiffness: 0.0, damping: 0.0 });
+        return Ok(Equivalent::default());
     }
     balance.weigh();
     let u = balance.displacement().to_vec();
@@ -100,20 +82,11 @@ fn measure(
     let fraction = (1.0 - balance.ports[0].flexibility * before.stiffness).clamp(0.0, 1.0);
     let kept: Vec<f64> = u.iter().map(|u| fraction * u).collect();
     let force = balance.contact_force(angular_frequency, &kept, 0.0)?;
-    let work = work_per_cycle(force, &u);
-    let (mut along, mut squares, mut rates) = (0.0, 0.0, 0.0);
-    for m in 1..u.len() {
-        let order = m.div_ceil(2) as f64;
-        along += force[m] * u[m];
-        squares += u[m] * u[m];
-        rates += order * order * u[m] * u[m];
-    }
+    let pairs = force[1..].chunks_exact(2).zip(u[1..].chunks_exact(2)).enumerate();
+    let harmonics = pairs.map(|(k, (force, u))| (k + 1, [force[0], force[1]], [u[0], u[1]]));
+    let nearest = Equivalent::nearest(angular_frequency, harmonics);
     balance.forget();
-    if squares == 0.0 {
-        return Ok(Equivalent { stiffness: 0.0, damping: 0.0 });
-    }
-    let damping = work / (std::f64::consts::PI * angular_frequency * rates);
-    Ok(Equivalent { stiffness: (along / squares).max(0.0), damping: damping.max(0.0) })
+    Ok(nearest)
 }
 
 /// Frequency and shape of the lowest mode with a spring at the contact.
@@ -151,7 +124,7 @@ fn linear_response(balance: &mut Balance, angular_frequency: f64, excitation: &[
             free += receptance(i) * shape * driven * force;
             own += receptance(i) * shape.powi(2);
         }
-        let stiffness = Complex::new(contact.stiffness, contact.damping * speed);
+        let stiffness = contact.dynamic(speed);
         let held = stiffness * free / (Complex::new(1.0, 0.0) + stiffness * own);
         for (i, (shape, driven)) in shape.iter().zip(&system.driven).enumerate() {
             let x = receptance(i) * (force * driven - held * shape);

@@ -43,7 +43,7 @@ use crate::numeric::fourier::{coefficient_count, work_per_cycle};
 use crate::system::Port;
 use elements::{Acting, Maps, acting};
 use equations::ModalEquations;
-use ports::{CondensedPort, completed};
+use ports::{CondensedPort, completed, named};
 
 pub(crate) use ports::Ports;
 
@@ -83,6 +83,21 @@ struct Matrices {
     /// a + W A⁻¹ B.
     compliance: DMatrix<f64>,
     jacobian: DMatrix<f64>,
+}
+
+impl Workspace {
+    /// What another has left if that fits, else a new one.
+    fn renewed(left: Option<Self>, extent: &Extent, system: &ModalSystem) -> Self {
+        match left.filter(|left| left.extent == *extent && left.equations.modes() == system.modes()) {
+            Some(left) => Self { equations: left.equations.renewed(system), ..left },
+            None => Self {
+                extent: extent.clone(),
+                maps: Maps::new(),
+                equations: ModalEquations::new(system, extent.harmonics),
+                matrices: Matrices::default(),
+            },
+        }
+    }
 }
 
 /// The equations of one system and set of harmonics.
@@ -164,18 +179,11 @@ impl Balance {
         let size = count * modes;
         let condensed = ports.condensed(&completed, modes, wide, count);
         let unknowns = condensed.last().map_or(wide, |port| port.rows.end);
-        let left = left.filter(|left| left.extent == *extent && left.equations.modes() == modes);
-        let (maps, equations, matrices) = match left {
-            Some(left) => (left.maps, left.equations.renewed(&system), left.matrices),
-            None => (Maps::new(), ModalEquations::new(&system, harmonics), Matrices::default()),
-        };
-        let others =
-            completed.ports.iter().enumerate().filter(|(place, _)| !completed.sensors.contains(place));
-        let all_ports =
-            others.map(|(place, port)| (port.name.clone(), system.ports[place].clone())).collect();
+        let Workspace { maps, equations, matrices, .. } = Workspace::renewed(left, extent, &system);
+        let all_ports = named(&completed, &system);
         let acting = acting(assembly, ports, &condensed, method, maps);
-        let mut mean_squares = vec![0.5; unknowns];
-        condensed.iter().for_each(|port| mean_squares[port.rows.start] = 1.0);
+        let mut mean_squares = vec![mean_square(1); unknowns];
+        condensed.iter().for_each(|port| mean_squares[port.rows.start] = mean_square(0));
         let mut kept = waveform.to_vec();
         kept.resize(count, 0.0);
         let mut balance = Self {

@@ -195,6 +195,7 @@ impl PeriodicSystem for Balance {
         Ok(Point {
             angular_frequency: at.angular_frequency,
             level: at.level,
+            parameter: at.parameter,
             amplitude: nodes.iter().map(|node| self.extremum.of(node).1).collect(),
             nodes,
             contacts,

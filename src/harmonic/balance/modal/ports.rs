@@ -2,7 +2,7 @@
 
 use std::ops::{Deref, Range};
 
-use crate::harmonic::modal_system::ModalPort;
+use crate::harmonic::modal_system::{ModalPort, ModalSystem};
 use crate::system::{Element, Port, Row, System};
 
 /// Names of the ports that a beam may be condensed to though it has no element there: a neighbour may.
@@ -18,6 +18,13 @@ pub(super) fn completed(system: &System) -> System {
         }
     }
     system
+}
+
+/// All ports but those of the sensors, by their names.
+pub(super) fn named(completed: &System, modal: &ModalSystem) -> Vec<(String, ModalPort)> {
+    let places = 0..completed.ports.len();
+    let places = places.filter(|place| !completed.sensors.contains(place));
+    places.map(|place| (completed.ports[place].name.clone(), modal.ports[place].clone())).collect()
 }
 
 /// The port of the contact, which is that of the first element, and the others to whose displacements a balance is

@@ -21,6 +21,20 @@ pub(super) struct Workspace {
     added: Vec<f64>,
 }
 
+/// A jump of the force between two samples.
+#[derive(Debug, Clone, Copy)]
+struct Placed {
+    /// Its place within the step.
+    place: f64,
+    /// Height of the jump (N), and that by the velocity (N s/m).
+    height: f64,
+    damping: f64,
+    /// Slope of the force beside it (N/m).
+    stiffness: f64,
+    /// Displacement over the step (m).
+    travel: f64,
+}
+
 impl SampledCycle {
     /// Samples tell of a jump only that it is between two of them. In the mean over the step it counts from its place θ
     /// on: the samples before and after it are given what the sum over samples is short of, `(½ − θ)` of the jump,
@@ -37,8 +51,6 @@ impl SampledCycle {
     ) {
         let before = (k + self.samples - 1) % self.samples;
         let (from, to) = (self.displacement[before], self.displacement[k]);
-        let (n, wide) = (self.state_len, self.wide);
-        let columns = wide + 1 + n;
         let normal_load = self.load[k];
         let velocity = angular_frequency * self.rate[k];
         let at = |displacement| Inputs { displacement, velocity, normal_load };
@@ -48,10 +60,10 @@ impl SampledCycle {
         if !(0.0..=1.0).contains(&place) {
             return;
         }
-        let Workspace { given, tangents, next, place: by_place, added } = &mut self.jump;
+        let Workspace { given, tangents, next, .. } = &mut self.jump;
         // The side on which the damper holds is closed: there the force tells what the place depends on.
         let closed = BESIDE * (to - from) * jump.damping.signum();
-        next.resize(n, 0.0);
+        next.resize(self.state_len, 0.0);
         let inputs = at(jump.displacement + closed);
         let response = contact.law.force_and_tangents(&self.state, inputs, next, tangents);
         let stiffness = response.tangents.displacement;
@@ -61,9 +73,18 @@ impl SampledCycle {
         let (height, short) = (damping * velocity, 0.5 - place);
         given[before] += (1.0 - place) * height * short;
         given[k] += place * height * short;
-        if !carried {
-            return;
+        if carried {
+            let jump = Placed { place, damping, height, stiffness, travel: to - from };
+            self.differentiate_jump(angular_frequency, [before, k], &jump);
         }
+    }
+
+    /// Adds what the jump gives to the sensitivities of the samples before and after it.
+    fn differentiate_jump(&mut self, angular_frequency: f64, [before, k]: [usize; 2], jump: &Placed) {
+        let Placed { place, damping, height, stiffness, travel } = *jump;
+        let (wide, short) = (self.wide, 0.5 - place);
+        let columns = wide + 1 + self.state_len;
+        let Workspace { tangents, place: by_place, added, .. } = &mut self.jump;
         // θ = (u* − u₀)/(u₁ − u₀), the displacements at the samples by the coefficients alone, u* by the state.
         by_place.clear();
         by_place.resize(columns, 0.0);
@@ -75,7 +96,7 @@ impl SampledCycle {
         {
             add_scaled(by_place, -weight / stiffness, row);
         }
-        by_place.iter_mut().for_each(|by_place| *by_place /= to - from);
+        by_place.iter_mut().for_each(|by_place| *by_place /= travel);
         differentiate_functions(self.basis.functions(k), angular_frequency, &mut self.velocity_row);
         self.velocity_row[wide] = self.rate[k];
         self.velocity_row[wide + 1..].fill(0.0);

@@ -8,17 +8,18 @@ use serde_json::{Value, json};
 use stickslip::document::suggestion;
 use stickslip::harmonic::{Assembly, CurveSettings, HarmonicError, ModeRange, NonlinearMode, nonlinear_mode};
 use stickslip::model::Structure;
+use stickslip_report::{ModeReport, Settings, mode_html};
 
-use super::{list, read_model, settings};
+use super::{check_destinations, list, read_model, settings};
 use crate::output::{Outputs, say};
-use crate::{Failure, progress};
+use crate::{Failure, ResultFiles, progress};
 
 /// Arguments of `stickslip modes`.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   stickslip modes model.toml --from 0.01 --to 1
-  stickslip modes beam.toml --mode 1 --node x=0.55 --from 1e-6 --to 1e-3 --csv mode.csv
+  stickslip modes beam.toml --mode 1 --node x=0.55 --from 1e-6 --to 1e-3 --report mode.html
 
 Free vibrations of one amplitude after the other, whose losses an artificial negative damping makes good: the resonances
 of the forced structure lie on them where damping is small.
@@ -46,9 +47,8 @@ pub struct Modes {
     /// Harmonics of the vibration
     #[arg(long, value_name = "H", default_value_t = 21)]
     harmonics: usize,
-    /// Write the results as JSON
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    files: ResultFiles,
     /// Write the results as a table
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
@@ -57,7 +57,7 @@ pub struct Modes {
 impl Modes {
     /// Follows the mode.
     pub fn run(self) -> Result<(), Failure> {
-        Outputs::check(self.json.iter().chain(&self.csv), &[&self.model])?;
+        check_destinations(&self.files, &self.csv, &[&self.model])?;
         let model = read_model(&self.model)?;
         if model.structure == Structure::Prescribed {
             return Err(Failure::input(
@@ -67,10 +67,10 @@ impl Modes {
         let assembly = Assembly::new(model.system().map_err(|error| Failure::input(error.to_string()))?);
         let nodes = assembly.nodes();
         let range = self.range(&nodes)?;
-        let settings =
-            CurveSettings { harmonics: self.harmonics, stability: false, ..CurveSettings::default() };
+        let defaults = CurveSettings::default();
+        let asked = CurveSettings { harmonics: self.harmonics, stability: false, ..defaults };
         let bar = progress::spinner("modes");
-        let found = nonlinear_mode(&assembly, &range, &settings, &mut |point| {
+        let found = nonlinear_mode(&assembly, &range, &asked, &mut |point| {
             bar.set_message(format!("amplitude {:.3e} m", point.amplitude));
             !progress::interrupted()
         });
@@ -81,8 +81,12 @@ impl Modes {
         })?;
         say(&table(&nodes[range.node], &mode))?;
         let mut outputs = Outputs::default();
-        if let Some(path) = &self.json {
-            outputs.add(path, format!("{:#}\n", self.document(&nodes, range.node, &mode)?));
+        let how = settings(&[Path::new(&self.model)])?;
+        if let Some(path) = &self.files.json {
+            outputs.add(path, format!("{:#}\n", self.document(&nodes, range.node, &mode, &how)));
+        }
+        if let Some(path) = &self.files.report {
+            outputs.add(path, mode_html(&self.report(&nodes, range.node, &mode), &how));
         }
         if let Some(path) = &self.csv {
             outputs.add(path, comma_separated(&mode));
@@ -110,8 +114,12 @@ impl Modes {
         Ok(ModeRange { mode, node, amplitudes: [self.from, self.to], points: self.points })
     }
 
-    fn document(&self, nodes: &[String], node: usize, mode: &NonlinearMode) -> Result<Value, Failure> {
-        let how = settings(&[Path::new(&self.model)])?;
+    fn report<'a>(&self, nodes: &'a [String], node: usize, mode: &'a NonlinearMode) -> ModeReport<'a> {
+        let title = format!("Mode {} of {}", self.mode, self.model.display());
+        ModeReport { title, nodes, node, asked: self.points, harmonics: self.harmonics, mode }
+    }
+
+    fn document(&self, nodes: &[String], node: usize, mode: &NonlinearMode, how: &Settings) -> Value {
         let points: Vec<Value> = mode
             .points
             .iter()
@@ -124,11 +132,11 @@ impl Modes {
                 })
             })
             .collect();
-        Ok(json!({
+        json!({
             "schema": "stickslip.modes/1", "command": how.command, "version": how.version, "mode": self.mode,
             "node": nodes[node], "nodes": nodes, "linear_omega": mode.angular_frequency,
             "complete": mode.points.len() == self.points, "points": points,
-        }))
+        })
     }
 }
 

@@ -3,16 +3,15 @@
 use stickslip::harmonic::{Contacting, Point};
 
 use super::{ResponseCurve, Responses, trust};
+use crate::branches::{most_moving, stable_and_unstable};
 use crate::document::{Axis, Line, Panel, Plot, Scaling, Stroke, palette};
 
-/// Nodes that have figures of their own; the files hold all.
-const NODES: usize = 8;
 /// Loops drawn at most.
 const LOOPS: usize = 12;
 
 /// Amplitude of every node over frequency and, with several forces, over the force.
 pub fn amplitudes(responses: &Responses) -> Vec<Plot> {
-    let nodes = shown_nodes(responses);
+    let nodes = most_moving(responses.nodes().len(), responses.points());
     let mut plots = Vec::new();
     for &node in &nodes {
         let name = &responses.nodes()[node];
@@ -39,21 +38,6 @@ pub fn amplitudes(responses: &Responses) -> Vec<Plot> {
         }
     }
     plots
-}
-
-/// The nodes with the largest amplitudes, in their own order.
-fn shown_nodes(responses: &Responses) -> Vec<usize> {
-    let count = responses.nodes().len();
-    let mut nodes: Vec<usize> = (0..count).collect();
-    if count > NODES {
-        let largest = |node: &usize| {
-            responses.points().filter_map(|point| point.amplitude.get(*node)).fold(0.0_f64, |a, &b| a.max(b))
-        };
-        nodes.sort_by(|a, b| largest(b).total_cmp(&largest(a)));
-        nodes.truncate(NODES);
-        nodes.sort_unstable();
-    }
-    nodes
 }
 
 /// Response over force, and force, of a held response.
@@ -184,59 +168,17 @@ type Value<'a> = &'a dyn Fn(&ResponseCurve, &Point) -> f64;
 fn plot(responses: &Responses, caption: String, half: bool, panels: Vec<(Axis, Value)>) -> Plot {
     let panel = |(y, value): (Axis, Value)| {
         let count = responses.curves.len();
-        let lines = responses
-            .curves
-            .iter()
-            .enumerate()
-            .flat_map(|(index, one)| branches(responses, one, &palette(index, count), value));
+        let lines = responses.curves.iter().enumerate().flat_map(|(index, one)| {
+            let at = |point: &Point| {
+                (responses.unit.of(point.angular_frequency), value(one, point), point.stable == Some(false))
+            };
+            let points: Vec<_> = one.curve.points.iter().map(at).collect();
+            stable_and_unstable(&responses.level(one), &palette(index, count), &points)
+        });
         Panel { y, lines: lines.collect() }
     };
     let x = Axis::new("frequency", responses.unit.name());
     Plot { caption, half, x, panels: panels.into_iter().map(panel).collect() }
-}
-
-/// A curve as a full line where it is stable and a dashed one where it is not.
-fn branches(responses: &Responses, one: &ResponseCurve, colour: &str, value: Value) -> Vec<Line> {
-    let points = &one.curve.points;
-    let at = |index: usize| (responses.unit.of(points[index].angular_frequency), value(one, &points[index]));
-    let mut lines = Vec::new();
-    for unstable in [false, true] {
-        let belongs = |index: usize| {
-            let ends = &points[index..points.len().min(index + 2)];
-            ends.iter().any(|point| point.stable == Some(false)) == unstable
-        };
-        let (mut x, mut y): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
-        let mut open = false;
-        // Pieces between neighbours; both kinds of line share the points where one becomes the other.
-        for index in 0..points.len().saturating_sub(1) {
-            if !belongs(index) {
-                open = false;
-                continue;
-            }
-            if !open {
-                if !x.is_empty() {
-                    x.push(f64::NAN);
-                    y.push(f64::NAN);
-                }
-                let (start, height) = at(index);
-                x.push(start);
-                y.push(height);
-            }
-            open = true;
-            let (end, height) = at(index + 1);
-            x.push(end);
-            y.push(height);
-        }
-        if !x.is_empty() {
-            let stroke = if unstable {
-                Stroke { note: "unstable", ..Stroke::dashed(colour) }
-            } else {
-                Stroke::solid(colour)
-            };
-            lines.push(Line { name: responses.level(one), x, y, stroke });
-        }
-    }
-    lines
 }
 
 fn any_unstable(responses: &Responses) -> bool {
@@ -245,70 +187,4 @@ fn any_unstable(responses: &Responses) -> bool {
 
 fn number(value: Option<f64>) -> f64 {
     value.unwrap_or(f64::NAN)
-}
-
-#[cfg(test)]
-mod tests {
-    use stickslip::harmonic::{Curve, Ending};
-
-    use super::*;
-
-    fn point(angular_frequency: f64, stable: bool) -> Point {
-        Point {
-            angular_frequency,
-            level: 1.0,
-            amplitude: vec![angular_frequency],
-            nodes: vec![vec![0.0, angular_frequency, 0.0]],
-            contacts: Vec::new(),
-            work: 1.0,
-            stable: Some(stable),
-            undecided: None,
-            error_estimate: 0.0,
-            resolved: true,
-            harmonics: 1,
-            iterations: 1,
-        }
-    }
-
-    #[test]
-    fn stable_and_unstable_branches_meet_and_cover_the_curve_once() {
-        let stable = [true, true, false, false, true, true, true, false];
-        let points: Vec<Point> = stable.iter().enumerate().map(|(i, &s)| point(i as f64, s)).collect();
-        let curve = Curve {
-            nodes: vec!["a".into()],
-            points,
-            peaks: Vec::new(),
-            folds: Vec::new(),
-            ending: Ending::Complete,
-        };
-        let one = ResponseCurve {
-            level: 1.0,
-            curve,
-            phase_resonances: Vec::new(),
-            loops: Vec::new(),
-            failure: None,
-            seconds: 0.0,
-        };
-        let responses = Responses {
-            title: String::new(),
-            unit: super::super::FrequencyUnit::RadiansPerSecond,
-            range: (0.0, 7.0),
-            held: None,
-            harmonics: 1,
-            tolerance: None,
-            stability: true,
-            losses: super::super::Losses::default(),
-            curves: vec![one],
-            seconds: 0.0,
-        };
-        let value = |_: &ResponseCurve, point: &Point| point.amplitude[0];
-        let lines = branches(&responses, &responses.curves[0], "#000000", &value);
-        assert_eq!(lines.len(), 2);
-        let length = |line: &Line| -> f64 {
-            line.x.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| step.is_finite()).sum()
-        };
-        assert_eq!((length(&lines[0]), length(&lines[1])), (3.0, 4.0));
-        assert_eq!((lines[0].stroke.dash, lines[1].stroke.dash), ("solid", "dash"));
-        assert_eq!(lines[0].x.iter().filter(|x| x.is_nan()).count(), 1);
-    }
 }

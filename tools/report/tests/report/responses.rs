@@ -15,6 +15,7 @@ fn point(angular_frequency: f64, level: f64) -> Point {
     Point {
         angular_frequency,
         level,
+        parameter: 0.0,
         amplitude: vec![amplitude],
         nodes: vec![vec![0.0, amplitude, 0.0]],
         contacts: vec![Contacting {

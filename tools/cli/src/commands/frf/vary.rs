@@ -3,13 +3,14 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use serde_json::json;
-use stickslip::harmonic::{CurveSettings, Ending, HarmonicError, VariedCurve, parameter_response};
+use serde_json::{Value, json};
+use stickslip::harmonic::{AssemblyAt, Curve, CurveSettings, Ending, HarmonicError, parameter_response};
 use stickslip::model::Model;
+use stickslip_report::{ParameterReport, Settings, parameter_html};
 
 use super::setup::Setup;
 use super::{FrequencyUnit, Frf};
-use crate::commands::{list, settings};
+use crate::commands::{check_destinations, list, settings};
 use crate::output::{Outputs, say};
 use crate::{Failure, progress};
 
@@ -18,7 +19,7 @@ use crate::{Failure, progress};
 pub struct Vary {
     /// Follow the response at one frequency over a parameter of the model instead, as
     /// contact.friction_coefficient=0.05:0.5; turning points are passed
-    #[arg(long, value_name = "PATH=FROM:TO", requires = "at", conflicts_with_all = ["from", "to", "hold", "levels", "report", "excite"])]
+    #[arg(long, value_name = "PATH=FROM:TO", requires = "at", conflicts_with_all = ["from", "to", "hold", "levels", "excite"])]
     vary: Option<String>,
     /// The frequency (in --unit) for --vary
     #[arg(long, value_name = "FREQUENCY", requires = "vary", allow_negative_numbers = true)]
@@ -39,12 +40,12 @@ impl Vary {
 pub fn run(command: &Frf, model: &Model) -> Result<(), Failure> {
     let Vary { vary, at, csv } = &command.vary;
     let (path, range) = parsed(vary.as_deref().unwrap_or_default())?;
-    Outputs::check(command.files.json.iter().chain(csv), &[&command.model])?;
+    check_destinations(&command.files, csv, &[&command.model])?;
     let unit: FrequencyUnit = command.unit.into();
     let frequency = at.filter(|value| value.is_finite() && *value > 0.0);
     let frequency =
         frequency.ok_or_else(|| Failure::input("--at: the frequency must be a positive number"))?;
-    let setup = Setup::new(model, None)?;
+    Setup::new(model, None)?;
     let over = model.assembly_over(path).map_err(|error| {
         Failure::input(format!(
             "--vary {path}: {}{}",
@@ -61,33 +62,29 @@ pub fn run(command: &Frf, model: &Model) -> Result<(), Failure> {
         ..defaults
     };
     let force = command.force.unwrap_or(1.0);
-    let bar = progress::spinner("frf");
-    let found = parameter_response(&over, unit.to_angular(frequency), force, range, &asked, &mut |varied| {
-        bar.set_message(format!("{path} = {}", varied.value));
-        !progress::interrupted()
-    });
-    bar.finish_and_clear();
-    let curve = found.map_err(|error| match error {
-        HarmonicError::InvalidInput(_) | HarmonicError::Model(_) => Failure::input(error.to_string()),
-        _ => Failure::other(error.to_string()),
-    })?;
-    say(&table(path, setup.nodes(), &curve))?;
+    let curve = follow(&over, unit.to_angular(frequency), force, (path, range), &asked)?;
+    say(&table(path, &curve))?;
+    let how = settings(&[Path::new(&command.model)])?;
+    let parameter = model.parameters().into_iter().find(|parameter| parameter.path == path);
+    let report = ParameterReport {
+        title: format!("Response of {} over {path}", command.model.display()),
+        path,
+        parameter_unit: parameter.map_or("1", |parameter| parameter.quantity.unit),
+        range,
+        unit,
+        angular_frequency: unit.to_angular(frequency),
+        force,
+        curve: &curve,
+    };
     let mut outputs = Outputs::default();
     if let Some(file) = &command.files.json {
-        let how = settings(&[Path::new(&command.model)])?;
-        let points: Vec<_> = curve.points.iter().map(|varied| json!({
-            "value": varied.value, "amplitude": varied.point.amplitude, "stable": varied.point.stable,
-            "dissipated_energy": varied.point.dissipated_energy(), "error_estimate": varied.point.error_estimate,
-        })).collect();
-        let text = json!({
-            "schema": "stickslip.parameter/1", "command": how.command, "version": how.version, "path": path,
-            "nodes": setup.nodes(), "frequency": frequency, "unit": unit.name(), "force": force,
-            "complete": curve.ending == Ending::Complete, "points": points,
-        });
-        outputs.add(file, format!("{text:#}\n"));
+        outputs.add(file, format!("{:#}\n", document(&report, frequency, &how)));
+    }
+    if let Some(file) = &command.files.report {
+        outputs.add(file, parameter_html(&report, &how));
     }
     if let Some(file) = csv {
-        outputs.add(file, comma_separated(path, setup.nodes(), &curve));
+        outputs.add(file, comma_separated(path, &curve));
     }
     list(&outputs.write()?)?;
     match curve.ending {
@@ -98,6 +95,39 @@ pub fn run(command: &Frf, model: &Model) -> Result<(), Failure> {
         }
         _ => Err(Failure::other("the curve ended before its end; what was found is shown")),
     }
+}
+
+fn follow(
+    over: &AssemblyAt,
+    angular_frequency: f64,
+    force: f64,
+    (path, range): (&str, [f64; 2]),
+    asked: &CurveSettings,
+) -> Result<Curve, Failure> {
+    let bar = progress::spinner("frf");
+    let found = parameter_response(over, angular_frequency, force, range, asked, &mut |point| {
+        bar.set_message(format!("{path} = {}", point.parameter));
+        !progress::interrupted()
+    });
+    bar.finish_and_clear();
+    found.map_err(|error| match error {
+        HarmonicError::InvalidInput(_) | HarmonicError::Model(_) => Failure::input(error.to_string()),
+        _ => Failure::other(error.to_string()),
+    })
+}
+
+fn document(report: &ParameterReport, frequency: f64, how: &Settings) -> Value {
+    let points = report.curve.points.iter().map(|point| {
+        json!({
+            "value": point.parameter, "amplitude": point.amplitude, "stable": point.stable,
+            "dissipated_energy": point.dissipated_energy(), "error_estimate": point.error_estimate,
+        })
+    });
+    json!({
+        "schema": "stickslip.parameter/1", "command": how.command, "version": how.version, "path": report.path,
+        "nodes": report.curve.nodes, "frequency": frequency, "unit": report.unit.name(), "force": report.force,
+        "complete": report.curve.ending == Ending::Complete, "points": points.collect::<Vec<_>>(),
+    })
 }
 
 /// `contact.friction_coefficient=0.05:0.5`.
@@ -113,41 +143,38 @@ fn parsed(text: &str) -> Result<(&str, [f64; 2]), Failure> {
 /// At most this many rows; the files have all.
 const ROWS: usize = 25;
 
-fn table(path: &str, nodes: &[String], curve: &VariedCurve) -> String {
+fn table(path: &str, curve: &Curve) -> String {
     let mut text = format!("{path:>32}");
-    for node in nodes {
+    for node in &curve.nodes {
         let _ = write!(text, "  {:>14}", format!("{node} (m)"));
     }
     text.push_str("  stable\n");
     let last = curve.points.len().saturating_sub(1);
     let every = curve.points.len().div_ceil(ROWS).max(1);
-    for (index, varied) in curve.points.iter().enumerate() {
+    for (index, point) in curve.points.iter().enumerate() {
         if index % every != 0 && index != last {
             continue;
         }
-        let _ = write!(text, "{:>32.6e}", varied.value);
-        for amplitude in &varied.point.amplitude {
+        let _ = write!(text, "{:>32.6e}", point.parameter);
+        for amplitude in &point.amplitude {
             let _ = write!(text, "  {amplitude:>14.6e}");
         }
-        let _ = writeln!(
-            text,
-            "  {:>6}",
-            varied.point.stable.map_or("-", |stable| if stable { "yes" } else { "no" })
-        );
+        let _ =
+            writeln!(text, "  {:>6}", point.stable.map_or("-", |stable| if stable { "yes" } else { "no" }));
     }
     let _ = writeln!(text, "{} responses", curve.points.len());
     text
 }
 
-fn comma_separated(path: &str, nodes: &[String], curve: &VariedCurve) -> String {
+fn comma_separated(path: &str, curve: &Curve) -> String {
     let mut text = path.to_owned();
-    for node in nodes {
+    for node in &curve.nodes {
         let _ = write!(text, ",amplitude:{node} [m]");
     }
     text.push('\n');
-    for varied in &curve.points {
-        let _ = write!(text, "{}", varied.value);
-        for amplitude in &varied.point.amplitude {
+    for point in &curve.points {
+        let _ = write!(text, "{}", point.parameter);
+        for amplitude in &point.amplitude {
             let _ = write!(text, ",{amplitude}");
         }
         text.push('\n');

@@ -1,4 +1,4 @@
-//! Response curves over frequency and level, and single responses.
+//! Response curves over frequency, level or a parameter, and single responses.
 
 use super::curve::Curve;
 use super::linear_resonances::linear_resonances;
@@ -6,9 +6,8 @@ use super::recorder::Recorder;
 use super::start::{check_control, condition, first};
 use crate::harmonic::balance::assembly::{Assembly, Control};
 use crate::harmonic::balance::balance_of;
-use crate::harmonic::continuation::Ending;
-use crate::harmonic::continuation::LinearResonance;
-use crate::harmonic::continuation::{Advance, Location, Path, Route, Verdict};
+use crate::harmonic::balance::varied::{AssemblyAt, Varied};
+use crate::harmonic::continuation::{Advance, Ending, LinearResonance, Location, Path, Route, Verdict};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::problem::{Condition, Newton, solve};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
@@ -55,7 +54,7 @@ pub fn frequency_response(
     let mut system = balance_of(assembly, settings)?;
     let linear_resonances = linear_resonances(assembly);
     let sweep = Sweep { along: Scalar::AngularFrequency, from, to, control: *control, linear_resonances };
-    sweep.run(system.as_mut(), assembly.nodes(), settings, watch)
+    sweep.run(system.as_mut(), Operating::forced(from, 1.0), assembly.nodes(), settings, watch)
 }
 
 /// Responses at `angular_frequency` (rad/s) under levels `from` … `to`, followed by arc length as
@@ -80,7 +79,63 @@ pub fn level_response(
     let mut system = balance_of(assembly, settings)?;
     let control = Control::Level(from);
     let sweep = Sweep { along: Scalar::Level, from, to, control, linear_resonances: Vec::new() };
-    sweep.run_at(system.as_mut(), angular_frequency, assembly.nodes(), settings, watch)
+    let start = Operating::forced(angular_frequency, from);
+    sweep.run(system.as_mut(), start, assembly.nodes(), settings, watch)
+}
+
+/// Responses at `angular_frequency` (rad/s) and `level` where a parameter runs through `range`, followed by arc length:
+/// turning points are passed. `at` makes the system at a value; it must change smoothly with the parameter, within the
+/// range and a hundred-thousandth beyond, and keep its ports. `watch` sees every point and says whether to go on.
+///
+/// A curve that cannot be followed to its end is returned as far as it came, with [`Ending`] saying so.
+///
+/// ```
+/// use stickslip::harmonic::{CurveSettings, Ending, Point, parameter_response};
+/// use stickslip::model::Model;
+/// let model = Model::parse(
+///     r#"
+///     schema = "stickslip.model/1"
+///     kind = "oscillator"
+///     mass = [{ name = "m1", mass = 1.0 }]
+///     spring = [{ between = ["ground", "m1"], stiffness = 1.0, damping = 0.1 }]
+///     contact = { at = "m1", law = "jenkins", tangential_stiffness = 0.44, friction_coefficient = 0.1, normal_load = 1.0 }
+///     "#,
+/// )?;
+/// let over_friction = model.assembly_over("contact.friction_coefficient")?;
+/// let curve = parameter_response(&over_friction, 1.0, 0.5, [0.01, 0.2], &CurveSettings::default(), &mut |_| true)?;
+/// assert_eq!(curve.ending, Ending::Complete);
+/// let lost: Vec<f64> = curve.points.iter().map(Point::dissipated_energy).collect();
+/// // As long as the contact slips freely, more friction takes more energy.
+/// assert!(lost.last() > lost.first());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`HarmonicError::InvalidInput`] for arguments that do not fit, what `at` fails with at the start; the other kinds when
+/// there is no first response.
+pub fn parameter_response(
+    at: &AssemblyAt,
+    angular_frequency: f64,
+    level: f64,
+    range: [f64; 2],
+    settings: &CurveSettings,
+    watch: &mut dyn FnMut(&Point) -> bool,
+) -> Result<Curve, HarmonicError> {
+    let [from, to] = range;
+    let positive = angular_frequency > 0.0 && angular_frequency.is_finite();
+    if !(positive && level.is_finite() && from.is_finite() && to.is_finite() && from != to) {
+        return Err(HarmonicError::InvalidInput(
+            "the angular frequency must be positive, level and parameter finite, the range not empty",
+        ));
+    }
+    // Across zero the parameter's own size is no measure of what a small change of it is.
+    let least = if from * to > 0.0 { 0.0 } else { 1e-3 * from.abs().max(to.abs()) };
+    let mut system = Varied::new(at, from, least, settings)?;
+    let nodes = system.assembly().nodes();
+    let control = Control::Level(level);
+    let sweep = Sweep { along: Scalar::Parameter, from, to, control, linear_resonances: Vec::new() };
+    let start = Operating { parameter: from, ..Operating::forced(angular_frequency, level) };
+    sweep.run(&mut system, start, nodes, settings, watch)
 }
 
 /// One response at `angular_frequency` (rad/s) under `control`. `start`, a response nearby, saves the search.
@@ -103,7 +158,7 @@ pub fn periodic_response(
     let warm = start.and_then(|point| resume(system, angular_frequency, control, settings, point));
     let (mut x, mut at) = match warm {
         Some(found) => found,
-        None => first(system, angular_frequency, control, settings)?,
+        None => first(system, &Operating::forced(angular_frequency, 1.0), control, settings)?,
     };
     let mut recorder = Recorder::new(settings);
     loop {
@@ -174,22 +229,12 @@ impl Sweep {
     fn run(
         &self,
         system: &mut dyn PeriodicSystem,
+        start: Operating,
         nodes: Vec<String>,
         settings: &CurveSettings,
         watch: &mut dyn FnMut(&Point) -> bool,
     ) -> Result<Curve, HarmonicError> {
-        self.run_at(system, self.from, nodes, settings, watch)
-    }
-
-    fn run_at(
-        &self,
-        system: &mut dyn PeriodicSystem,
-        angular_frequency: f64,
-        nodes: Vec<String>,
-        settings: &CurveSettings,
-        watch: &mut dyn FnMut(&Point) -> bool,
-    ) -> Result<Curve, HarmonicError> {
-        let (x, at) = first(&mut *system, angular_frequency, &self.control, settings)?;
+        let (x, at) = first(&mut *system, &start, &self.control, settings)?;
         let mut recorder = Recorder::new(settings);
         let mut curve = Curve {
             nodes,
@@ -206,7 +251,7 @@ impl Sweep {
             if path.restart(harmonics).is_err() {
                 // What was found with fewer harmonics does not lead there: so many from the beginning.
                 drop(path);
-                let (x, at) = first(&mut *system, angular_frequency, &self.control, settings)?;
+                let (x, at) = first(&mut *system, &start, &self.control, settings)?;
                 path = self.path(&mut *system, x, at, settings)?;
             }
         }
