@@ -2,11 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use super::attached::Attached;
+use super::observed_system::observed_system;
 use super::simulation::{Direction, Simulation};
 use crate::data::{Channel, Record};
 use crate::harmonic::{self, CurveSettings, HarmonicError, Resonance};
 use crate::model::Model;
+use crate::system::{Core, System};
 
 /// Harmonics at phase resonance: the frequencies of the frictional support are then within 0.1 mHz of those
 /// with 15.
@@ -29,19 +30,18 @@ impl<'r> Backbone<'r> {
     }
 
     fn solve(&self, model: &Model) -> Result<Vec<Resonance>, String> {
-        let attached = Attached::new(model, &[], None)?;
-        let system = attached.system().map_err(|error| error.to_string())?;
+        let system = observed_system(model, &[])?;
         let settings =
             CurveSettings { harmonics: HARMONICS, tolerance: TOLERANCE, ..CurveSettings::default() };
         harmonic::backbone(&system, self.amplitudes, &settings, &self.starts)
-            .map_err(|error| self.advice(&error, &attached))
+            .map_err(|error| self.advice(&error, &system))
     }
 
     /// `error` with the frequencies to compare, and the parameters to check.
-    fn advice(&self, error: &HarmonicError, attached: &Attached) -> String {
+    fn advice(&self, error: &HarmonicError, system: &System) -> String {
         let measured = self.channels.iter().find(|channel| channel.quantity() == "frequency");
-        let (HarmonicError::NotConverged { .. }, Some(measured), Some(first)) =
-            (error, measured, attached.beam.angular_frequency.first())
+        let (HarmonicError::NotConverged { .. }, Some(measured), Core::Modal { angular_frequency, .. }) =
+            (error, measured, &system.core)
         else {
             return error.to_string();
         };
@@ -52,7 +52,7 @@ impl<'r> Backbone<'r> {
         format!(
             "{error}; the model's first natural frequency without contact is {:.1} Hz, measured are {low:.1} to {high:.1} Hz: \
              check `beam.youngs_modulus`, the dimensions and the masses",
-            first / TAU
+            angular_frequency.first().map_or(f64::NAN, |first| first / TAU)
         )
     }
 }

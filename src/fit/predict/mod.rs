@@ -7,12 +7,12 @@
 //! [`from rest`](crate::data::Regime::FromRest) (`from_rest`), `steady`, `unknown_start`, `backbone`. What is stepped in
 //! time is a `stepper`. Unknowns of one record, such as its start, are its nuisances; `settle` fits them.
 
-mod attached;
 mod backbone;
 mod channels;
 mod from_rest;
 mod motion;
 mod observed;
+mod observed_system;
 mod period;
 mod regimes;
 mod sensors;

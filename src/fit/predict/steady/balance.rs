@@ -7,7 +7,6 @@ use realfft::{ComplexToReal, RealFftPlanner};
 
 use super::spectrum::{displacement, input};
 use crate::data::{Channel, Record};
-use crate::fit::predict::attached::Attached;
 use crate::fit::predict::channels::derivative_order;
 use crate::harmonic::steady::{Start, Steady, SteadyProblem};
 use crate::harmonic::{Assembly, HarmonicError};
@@ -29,11 +28,11 @@ const WRONG_BRANCH: f64 = 0.2;
 /// Residual as a fraction of the largest displacement: far below the noise of any sensor.
 const TOLERANCE: f64 = 1e-8;
 
-/// A model with its nuisances, and its beam.
+/// A model with its nuisances, and its system under the measured load.
 pub(super) struct At<'a> {
     pub model: &'a Model,
     pub nuisances: &'a [f64],
-    pub attached: &'a Attached,
+    pub assembly: &'a Assembly,
 }
 
 /// What a prediction was made of, to know it again.
@@ -135,11 +134,10 @@ impl SteadyRecord {
     /// Predictions of all channels, one after the other: of the response near the last one of this simulation where
     /// there is one, as the many steps that a fit tries need no search.
     pub fn predict(&mut self, at: &At, out: &mut Vec<f64>) -> Result<(), String> {
-        let assembly = at.attached.assembly().map_err(|error| error.to_string())?;
         let Some(start) = self.start.as_ref().filter(|_| self.settled) else {
             return self.nearest(at, &[], out).map(drop).map_err(text);
         };
-        let mut steady = self.forcing.solve(&assembly, &[], Some(start)).map_err(text)?;
+        let mut steady = self.forcing.solve(at.assembly, &[], Some(start)).map_err(text)?;
         self.observe(&steady.sensors(&self.forcing), out);
         self.last = Some((at.known(), steady.here()));
         Ok(())
@@ -178,12 +176,11 @@ impl SteadyRecord {
         others: &[Assembly],
         predictions: &mut Vec<f64>,
     ) -> Result<Steady, HarmonicError> {
-        let assembly = at.attached.assembly()?;
         let mut best: Option<(f64, Steady)> = None;
         let mut failure = None;
         let mut near = Vec::new();
         for origin in [Origin::LastSolution, Origin::MeasuredMotion, Origin::Nothing] {
-            let Some(found) = self.solve_from(origin, at, &assembly, others, best.is_some()) else {
+            let Some(found) = self.solve_from(origin, at, others, best.is_some()) else {
                 continue;
             };
             match found {
@@ -213,10 +210,10 @@ impl SteadyRecord {
         &self,
         origin: Origin,
         at: &At,
-        assembly: &Assembly,
         others: &[Assembly],
         found: bool,
     ) -> Option<Result<Steady, HarmonicError>> {
+        let assembly = at.assembly;
         match origin {
             Origin::LastSolution => {
                 let last = self.last.as_ref().filter(|(known, _)| self.settled && known.is(at));

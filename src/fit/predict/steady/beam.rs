@@ -4,12 +4,13 @@ use super::balance::{At, SteadyRecord};
 use super::linearised::LinearisedAtMeasurement;
 use crate::data::{Channel, Record};
 use crate::fit::least_squares::{Parameter, Scale};
-use crate::fit::predict::attached::Attached;
 use crate::fit::predict::channels::position;
+use crate::fit::predict::observed_system::{observed_assembly, observed_system};
 use crate::fit::predict::simulation::{Direction, Seed, Simulation};
 use crate::harmonic::Assembly;
 use crate::harmonic::steady::Start;
 use crate::model::Model;
+use crate::system::Core;
 
 /// Farthest static offset of a contact, in elastic displacements at the limit (m): from there on it slips wherever it
 /// was.
@@ -42,8 +43,11 @@ impl<'r> SteadyBeam<'r> {
     ) -> Result<Self, String> {
         let positions: Vec<f64> =
             channels.iter().map(|channel| position(channel)).collect::<Result<_, _>>()?;
-        let highest = Attached::new(model, &positions, None)?.beam.angular_frequency.last().copied();
-        let mut steady = SteadyRecord::new(record, &channels, highest.unwrap_or(0.0))?;
+        let highest = match &observed_system(model, &positions)?.core {
+            Core::Modal { angular_frequency, .. } => angular_frequency.last().copied().unwrap_or(0.0),
+            Core::Matrices { .. } => 0.0,
+        };
+        let mut steady = SteadyRecord::new(record, &channels, highest)?;
         let solver = match seed {
             Some(Seed::LinearisedAtMeasurement) => {
                 Solver::Linearised(Box::new(LinearisedAtMeasurement::new(steady)))
@@ -52,9 +56,9 @@ impl<'r> SteadyBeam<'r> {
                 if let Some(Seed::Near(start)) = seed {
                     steady.start_from(start);
                 }
-                let attached = Attached::new(model, &positions, steady.load())?;
+                let assembly = observed_assembly(model, &positions, steady.load(), 0.0)?;
                 // Without a start later predictions search on their own.
-                let at = At { model, nuisances: &[], attached: &attached };
+                let at = At { model, nuisances: &[], assembly: &assembly };
                 let _ = steady.linearise(&at, &[], &mut Vec::new(), &mut []);
                 Solver::Balance(Box::new(steady))
             }
@@ -62,13 +66,13 @@ impl<'r> SteadyBeam<'r> {
         Ok(Self { channels, positions, solver })
     }
 
-    fn attached(&self, model: &Model, nuisances: &[f64]) -> Result<Attached, String> {
+    fn assembly(&self, model: &Model, nuisances: &[f64]) -> Result<Assembly, String> {
         let load = match &self.solver {
             Solver::Balance(steady) => steady.load(),
             Solver::Linearised(about) => about.load(),
         };
         let offset = nuisances.first().copied().unwrap_or(0.0);
-        Ok(Attached::new(model, &self.positions, load)?.with_offset(offset))
+        observed_assembly(model, &self.positions, load, offset)
     }
 }
 
@@ -94,8 +98,8 @@ impl Simulation for SteadyBeam<'_> {
     }
 
     fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
-        let attached = self.attached(model, nuisances)?;
-        let at = At { model, nuisances, attached: &attached };
+        let assembly = self.assembly(model, nuisances)?;
+        let at = At { model, nuisances, assembly: &assembly };
         match &mut self.solver {
             Solver::Balance(steady) => steady.predict(&at, out),
             Solver::Linearised(about) => about.predict(&at, out),
@@ -110,12 +114,11 @@ impl Simulation for SteadyBeam<'_> {
         predictions: &mut Vec<f64>,
         derivatives: &mut Vec<Vec<f64>>,
     ) -> Result<(), String> {
-        let attached = self.attached(model, nuisances)?;
-        let neighbours = directions.iter().map(|there| self.attached(&there.model, &there.nuisances));
-        let neighbours = neighbours.map(|there| there?.assembly().map_err(|error| error.to_string()));
+        let assembly = self.assembly(model, nuisances)?;
+        let neighbours = directions.iter().map(|there| self.assembly(&there.model, &there.nuisances));
         let neighbours: Vec<Assembly> = neighbours.collect::<Result<_, _>>()?;
         derivatives.resize_with(directions.len(), Vec::new);
-        let at = At { model, nuisances, attached: &attached };
+        let at = At { model, nuisances, assembly: &assembly };
         match &mut self.solver {
             Solver::Balance(steady) => steady.linearise(&at, &neighbours, predictions, derivatives)?,
             Solver::Linearised(about) => about.linearise(&at, &neighbours, predictions, derivatives)?,

@@ -55,19 +55,19 @@ impl LinearisedAtMeasurement {
 
     /// What was made of the model last time, if it serves; else made now.
     fn at(&mut self, at: &At, others: &[Assembly]) -> Result<Last, HarmonicError> {
-        let assembly = at.attached.assembly()?;
+        let assembly = at.assembly;
         let mut left = None;
         if let Some(last) = self.last.take() {
-            if last.about.covers(&assembly, others) && last.known.is(at) {
+            if last.about.covers(assembly, others) && last.known.is(at) {
                 return Ok(last);
             }
             left = last.about.into_workspace();
         }
         let forcing = &self.record.forcing;
-        let start = forcing.start_at(&assembly, &self.record.motion, &mut left)?;
-        let mut about = Linearised::new(forcing, &assembly, others, &start, left)?;
+        let start = forcing.start_at(assembly, &self.record.motion, &mut left)?;
+        let mut about = Linearised::new(forcing, assembly, others, &start, left)?;
         let mut predictions = Vec::new();
-        self.record.observe(&about.first_order(forcing, &assembly)?, &mut predictions);
+        self.record.observe(&about.first_order(forcing, assembly)?, &mut predictions);
         Ok(Last { known: at.known(), about, predictions })
     }
 }

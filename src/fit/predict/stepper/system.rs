@@ -4,8 +4,8 @@ use super::Stepper;
 use super::excitation::{Excitation, mass_of};
 use crate::contact::JointChanges;
 use crate::data::{Channel, Record};
-use crate::fit::predict::attached::Attached;
 use crate::fit::predict::channels::{derivative_order, position};
+use crate::fit::predict::observed_system::observed_system;
 use crate::model::{Model, Structure};
 use crate::system::System;
 use crate::time::{Integrator, Motion, Ramp, Settings, Steps};
@@ -76,11 +76,10 @@ impl ExcitedSystem {
     }
 
     fn system(&self, model: &Model) -> Result<System, String> {
-        if !matches!(model.structure, Structure::Oscillator(_)) {
-            return Attached::new(model, &self.positions, None)?.system().map_err(|error| error.to_string());
+        let mut system = observed_system(model, &self.positions)?;
+        if matches!(model.structure, Structure::Oscillator(_)) {
+            system.driven = self.excitation.forces.iter().map(|force| system.sensors[force.at]).collect();
         }
-        let mut system = model.system().map_err(|error| error.to_string())?;
-        system.driven = self.excitation.forces.iter().map(|force| system.sensors[force.at]).collect();
         Ok(system)
     }
 
