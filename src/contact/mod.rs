@@ -26,6 +26,7 @@ mod kind;
 mod parallel;
 mod periodic;
 mod saturation;
+mod singular_values;
 mod slider;
 mod state_sensitivity;
 mod unilateral;

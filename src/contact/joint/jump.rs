@@ -1,6 +1,7 @@
 //! Where the force of a joint jumps.
 
-use super::{BASE, Joint, SIDE, root};
+use super::play::root;
+use super::{BASE, Joint, SIDE};
 use crate::contact::{Inputs, Jump};
 
 impl Joint {

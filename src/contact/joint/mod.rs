@@ -3,6 +3,7 @@
 mod base;
 mod jump;
 mod look;
+mod play;
 mod sliders;
 mod tangents;
 
@@ -15,6 +16,7 @@ use super::{
 use crate::vocabulary::{self as v, Quantity};
 use base::Base;
 use look::Look;
+use play::End;
 use sliders::Sliders;
 use std::ops::Bound;
 
@@ -102,26 +104,6 @@ const BASE: usize = 3;
 /// What wear leaves of the limit at the least (1).
 const WORN_OUT: f64 = 1e-6;
 
-/// More rounds than any motion needs; the bound only stops a NaN.
-const ROUNDS: usize = 60;
-
-/// Where a step ends behind the play.
-#[derive(Clone, Copy)]
-struct End {
-    /// w (m).
-    displacement: f64,
-    /// m N (N).
-    load: f64,
-    /// s (m).
-    slip: f64,
-    /// Which end of the play carries force; zero without play as well.
-    side: f64,
-    /// Whether w follows u.
-    follows: bool,
-    /// Whether w rests where it was.
-    rests: bool,
-}
-
 impl Joint {
     /// `base` with `changes`.
     ///
@@ -202,72 +184,6 @@ impl Joint {
     fn wear_factor(&self, slip: f64) -> (f64, f64) {
         let factor = 1.0 + self.changes.wear * slip;
         if factor < WORN_OUT { (WORN_OUT, 0.0) } else { (factor, self.changes.wear) }
-    }
-
-    /// Where the step from `state` to `inputs` ends.
-    #[inline]
-    fn end(&self, state: &[f64], inputs: Inputs) -> End {
-        let unworn = inputs.normal_load * self.speed_factor(inputs.velocity).0;
-        if self.changes.half_gap == 0.0 && self.changes.wear == 0.0 {
-            let (displacement, slip) = (inputs.displacement, state[SLIP]);
-            return End { displacement, load: unworn, slip, side: 0.0, follows: true, rests: false };
-        }
-        let load = unworn * self.wear_factor(state[SLIP]).0;
-        let mut end = self.behind_play(state, inputs.displacement, load);
-        if self.changes.wear != 0.0 && inputs.normal_load > 0.0 {
-            // The limit at the end of the step follows from the distance slipped in it, and the other way.
-            for _ in 0..ROUNDS {
-                let before = end.slip;
-                let path = self.base.path(&state[BASE..], end.displacement, end.load);
-                let (factor, by_slip) = self.wear_factor(end.slip);
-                let error = end.slip - state[SLIP] - path.length;
-                let slip = end.slip - error / (1.0 - path.by_load * unworn * by_slip);
-                let load = if slip == before { unworn * factor } else { unworn * self.wear_factor(slip).0 };
-                end = End { slip, ..self.behind_play(state, inputs.displacement, load) };
-                if (slip - before).abs() <= 1e-14 * slip.abs() {
-                    break;
-                }
-            }
-        }
-        end
-    }
-
-    /// Where the end of the law behind the play goes under the load `load` (N).
-    fn behind_play(&self, state: &[f64], displacement: f64, load: f64) -> End {
-        let (gap, slip) = (self.changes.half_gap, state[SLIP]);
-        let end =
-            |displacement, side| End { displacement, load, slip, side, follows: side != 0.0, rests: false };
-        if gap == 0.0 {
-            return End { follows: true, ..end(displacement, 0.0) };
-        }
-        let (w, load_before) = self.base.before(&state[BASE..]);
-        let (low, high) = (displacement - gap, displacement + gap);
-        let alone = !self.has_spring();
-        if alone && load <= 0.0 {
-            // Apart: the play lies evenly on both sides.
-            return End { follows: true, ..end(displacement, 0.0) };
-        }
-        if state[SIDE] == 0.0 && low <= w && w <= high && load_before > 0.0 && (alone || load == load_before)
-        {
-            return End { rests: true, ..end(w, 0.0) };
-        }
-        // Force and slope behind the play.
-        let force = |w: f64| {
-            let ((base, base_slope), (spring, slope)) =
-                (self.base.force(&state[BASE..], w, load), self.spring(w));
-            (base + spring, base_slope + slope)
-        };
-        let upper_first = state[SIDE] > 0.0 || (state[SIDE] == 0.0 && w < low);
-        if upper_first && force(low).0 >= 0.0 {
-            return end(low, 1.0);
-        }
-        if force(high).0 <= 0.0 {
-            return end(high, -1.0);
-        }
-        if !upper_first && force(low).0 >= 0.0 {
-            return end(low, 1.0);
-        }
-        end(root(force, w, (low, high)), 0.0)
     }
 
     /// Damper force (N) at an end at which springs and friction carry `force` (N), and whether it is the damper
@@ -456,30 +372,6 @@ fn spread_out(one: &Element, spread: f64, count: usize) -> Result<ParallelSlider
         (one.stiffness * fraction, one.friction * fraction * (1.0 + spread * place))
     };
     ParallelSliders::new(&(0..count).map(slider).collect::<Vec<_>>())
-}
-
-/// The zero of an increasing `force`, which is below zero at the lower end and above at the upper: Newton's
-/// steps from `start`, halving where they leave the bracket.
-fn root(force: impl Fn(f64) -> (f64, f64), start: f64, (mut low, mut high): (f64, f64)) -> f64 {
-    let mut at = start.max(low).min(high);
-    for _ in 0..ROUNDS {
-        let (value, slope) = force(at);
-        if value == 0.0 {
-            break;
-        }
-        if value < 0.0 {
-            low = at
-        } else {
-            high = at
-        }
-        let newton = at - value / slope;
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if next == at || high - low <= f64::EPSILON * at.abs() {
-            break;
-        }
-        at = next;
-    }
-    at
 }
 
 fn check(changes: &JointChanges) -> Result<(), LawError> {
