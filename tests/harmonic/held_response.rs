@@ -43,7 +43,8 @@ fn held_response(beam: &ModalBeam, acceleration: f64, harmonics: usize, around: 
     (frequency, acceleration / between(before.level, after.level), acceleration / least)
 }
 
-/// Acceleration held (m/s²), frequency (Hz), peak of acceleration over force (1/kg).
+/// Acceleration held (m/s²), frequency (Hz), peak of acceleration over force (1/kg) of another program's harmonic balance,
+/// whose contact is integrated by Runge–Kutta.
 const FOUR_MODES_FIVE_HARMONICS: [(f64, f64, f64); 8] = [
     (0.5, 54.04412, 24.84903),
     (10.0, 53.28555, 4.06899),
@@ -79,7 +80,7 @@ fn phase_resonance_at_held_acceleration_has_the_reference_frequencies_and_peaks(
             let hertz = found.angular_frequency / TAU;
             assert!((hertz - frequency).abs() < 5e-4, "{modes} modes, {level} m/s²: {hertz} Hz");
             let peak = level / found.force_amplitude;
-            assert!((peak / ratio - 1.0).abs() < 1e-3, "{modes} modes, {level} m/s²: {peak} /kg");
+            assert!((peak / ratio - 1.0).abs() < 5e-4, "{modes} modes, {level} m/s²: {peak} /kg");
         }
     }
 }
