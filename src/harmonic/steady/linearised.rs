@@ -1,14 +1,15 @@
-//! Beams to first order about a motion that need not be a response of theirs: one step of Newton's method, which is no
-//! search and finds no other response.
+//! Beams to first order about a motion, a response of theirs or not: one step of Newton's method, which is no search and
+//! finds no other response.
 
 use super::{Assembly, Start, SteadyProblem, factored, sensed};
 use crate::harmonic::HarmonicError;
-use crate::harmonic::balance::modal::{Ports, Workspace};
+use crate::harmonic::balance::modal::{Balance, Ports, Workspace};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 use crate::numeric::lu::Factors;
 
-/// Fraction of a step over which the change along it is measured.
+/// Fraction of a step over which the change along it is measured: where it may be long, and at a solution.
 const PROBE: f64 = 1e-4;
+const WHOLE: f64 = 1.0;
 
 /// A beam's equations as they stand at a motion.
 #[derive(Debug)]
@@ -17,6 +18,8 @@ pub(crate) struct Linearised {
     at: Operating,
     factors: Factors,
     ports: Ports,
+    /// Fraction of a step over which the change along it is measured.
+    probe: f64,
     /// What the last beam worked in.
     left: Option<Workspace>,
 }
@@ -37,9 +40,14 @@ impl Linearised {
         let ports = Ports::of_all(assembly, neighbours);
         let (unknowns, at) = (start.unknowns(&ports), problem.operating());
         let mut balance = problem.balance(assembly, &ports, left)?;
-        let mut factors = Factors::default();
-        factored(&mut balance, &unknowns, &at, &mut factors)?;
-        Ok(Self { unknowns, at, factors, ports, left: Some(balance.into_workspace()) })
+        let factors = factored(&mut balance, &unknowns, &at)?;
+        Ok(Self { unknowns, at, factors, ports, probe: PROBE, left: Some(balance.into_workspace()) })
+    }
+
+    /// As `balance` stands at its response `unknowns`.
+    pub(super) fn at_solution(balance: Balance, unknowns: Vec<f64>, at: Operating, factors: Factors) -> Self {
+        let ports = balance.ports().clone();
+        Self { unknowns, at, factors, ports, probe: WHOLE, left: Some(balance.into_workspace()) }
     }
 
     /// Whether its unknowns are those that `assembly` and its `neighbours` have.
@@ -62,14 +70,18 @@ impl Linearised {
     ) -> Result<Vec<f64>, HarmonicError> {
         let mut there = problem.balance(assembly, &self.ports, self.left.take())?;
         there.balance_alone(&self.unknowns, &self.at)?;
-        let mut moved: Vec<f64> = there.residual().iter().map(|r| -PROBE * r).collect();
+        let probe = self.probe;
+        let mut moved: Vec<f64> = there.residual().iter().map(|r| -probe * r).collect();
         self.factors.solve(&mut moved);
         moved.iter_mut().zip(&self.unknowns).for_each(|(step, x)| *step += x);
-        let mut found = sensed(&mut there, &self.at, problem);
+        let mut found = if probe < WHOLE { sensed(&mut there, &self.at, problem) } else { Vec::new() };
         there.balance_alone(&moved, &self.at)?;
         let probed = sensed(&mut there, &self.at, problem);
         self.left = Some(there.into_workspace());
-        found.iter_mut().zip(probed).for_each(|(here, probed)| *here += (probed - *here) / PROBE);
+        if found.is_empty() {
+            return Ok(probed);
+        }
+        found.iter_mut().zip(probed).for_each(|(here, probed)| *here += (probed - *here) / probe);
         Ok(found)
     }
 }

@@ -4,7 +4,7 @@
 //! The unknowns are displacements at the contact (and the excitation), not modal coordinates: they mean the same
 //! whatever the modes, so that beams with other masses or another clamp are neighbours too. At a solution
 //! `r(x; p) = 0` the change with a parameter is `dx = −J⁻¹ ∂r/∂p dp`: one residual of the neighbour at the same x
-//! and the factors there are, no search.
+//! and the factors there are, no search ([`linearised`]).
 
 pub(crate) mod linearised;
 mod measured;
@@ -16,6 +16,7 @@ use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 use crate::harmonic::response::start::at_level;
 use crate::numeric::fourier::coefficient_count;
 use crate::numeric::lu::Factors;
+use linearised::Linearised;
 use measured::explained;
 
 /// Steps with factors found elsewhere, before the search starts anew.
@@ -64,19 +65,12 @@ pub(crate) struct Start {
     factors: Option<(Ports, Factors)>,
 }
 
-/// A periodic response with its equations as they stand there.
+/// A periodic response.
 #[derive(Debug)]
 pub(crate) struct Steady {
     balance: Balance,
     unknowns: Vec<f64>,
     at: Operating,
-    factors: Factors,
-    /// Whether derivatives and factors are those at the solution.
-    current: bool,
-    /// Coefficients of the sensors there.
-    sensors: Vec<f64>,
-    /// What the last neighbour worked in.
-    left: Option<Workspace>,
 }
 
 impl Ports {
@@ -119,20 +113,19 @@ impl SteadyProblem {
         let ports = Ports::of_all(assembly, neighbours);
         let mut balance = self.balance(assembly, &ports, None)?;
         let at = self.operating();
-        let steady = |balance, unknowns| Steady::new(balance, unknowns, self);
         if let Some(start) = start {
             let mut unknowns = start.unknowns(&ports);
             let factors =
                 start.factors.as_ref().filter(|(of, _)| *of == ports).map(|(_, factors)| factors.clone());
             if self.correct(&mut balance, &mut unknowns, &at, factors) {
-                return Ok(steady(balance, unknowns));
+                return Ok(Steady { balance, unknowns, at });
             }
             let (mut unknowns, mut at) = (start.unknowns(&ports), at);
             let stopping =
                 Stopping { tolerance: self.tolerance, max_iterations: NEAR_ITERATIONS, reach: REACH };
             balance.forget();
             solve(&mut balance, &mut unknowns, &mut at, &[], &mut [], &stopping)?;
-            return Ok(steady(balance, unknowns));
+            return Ok(Steady { balance, unknowns, at });
         }
         let settings = CurveSettings {
             harmonics: self.harmonics,
@@ -143,7 +136,7 @@ impl SteadyProblem {
             ..CurveSettings::default()
         };
         let (unknowns, _) = at_level(&mut balance, at, &settings)?;
-        Ok(steady(balance, unknowns))
+        Ok(Steady { balance, unknowns, at })
     }
 
     /// Where to look for the response that was measured: the displacement coefficients (m) of every sensor of the beam
@@ -242,11 +235,6 @@ impl Start {
 }
 
 impl Steady {
-    fn new(balance: Balance, unknowns: Vec<f64>, problem: &SteadyProblem) -> Self {
-        let (at, factors) = (problem.operating(), Factors::default());
-        Self { balance, unknowns, at, factors, current: false, sensors: Vec::new(), left: None }
-    }
-
     /// Displacement coefficients (m) of every sensor, one after the other.
     pub fn sensors(&mut self, problem: &SteadyProblem) -> Vec<f64> {
         sensed(&mut self.balance, &self.at, problem)
@@ -257,58 +245,30 @@ impl Steady {
         Start::exactly(&self.balance, &self.unknowns)
     }
 
-    /// The solution as a start for others.
-    pub fn start(mut self) -> Result<Start, HarmonicError> {
-        self.linearise()?;
-        let factors = (self.balance.ports().clone(), self.factors);
-        Ok(Start::of(&self.balance, &self.unknowns, Some(factors)))
-    }
-
-    /// Change of [`Steady::sensors`] to first order when the beam and its contact become `neighbour`, one of those
-    /// the response was solved for and very near to it.
-    pub fn change(
-        &mut self,
-        problem: &SteadyProblem,
-        neighbour: &Assembly,
-    ) -> Result<Vec<f64>, HarmonicError> {
-        self.linearise()?;
-        if self.sensors.is_empty() {
-            self.sensors = self.sensors(problem);
-        }
-        let mut other = problem.balance(neighbour, self.balance.ports(), self.left.take())?;
-        other.balance_alone(&self.unknowns, &self.at)?;
-        let residuals = other.residual().iter().zip(self.balance.residual());
-        let mut moved: Vec<f64> = residuals.map(|(there, here)| here - there).collect();
-        self.factors.solve(&mut moved);
-        moved.iter_mut().zip(&self.unknowns).for_each(|(step, x)| *step += x);
-        other.balance_alone(&moved, &self.at)?;
-        let after = sensed(&mut other, &self.at, problem);
-        self.left = Some(other.into_workspace());
-        Ok(after.iter().zip(&self.sensors).map(|(after, before)| after - before).collect())
-    }
-
-    /// Makes derivatives and factors those at the solution.
-    fn linearise(&mut self) -> Result<(), HarmonicError> {
-        if self.current {
-            return Ok(());
-        }
-        factored(&mut self.balance, &self.unknowns, &self.at, &mut self.factors)?;
-        self.current = true;
-        Ok(())
+    /// The equations as they stand there, and the solution as a start for others.
+    ///
+    /// # Errors
+    /// [`HarmonicError`] where the equations are singular.
+    pub fn linearised(self) -> Result<(Linearised, Start), HarmonicError> {
+        let Self { mut balance, unknowns, at } = self;
+        let factors = factored(&mut balance, &unknowns, &at)?;
+        let known = (balance.ports().clone(), factors.clone());
+        let start = Start::of(&balance, &unknowns, Some(known));
+        Ok((Linearised::at_solution(balance, unknowns, at, factors), start))
     }
 }
 
-/// Evaluates the balance and factors its derivatives.
+/// Evaluates the balance; the factors of its derivatives.
 pub(super) fn factored(
     balance: &mut Balance,
     unknowns: &[f64],
     at: &Operating,
-    factors: &mut Factors,
-) -> Result<(), HarmonicError> {
+) -> Result<Factors, HarmonicError> {
     balance.evaluate(unknowns, at, &[])?;
+    let mut factors = Factors::default();
     factors.reset(unknowns.len()).copy_from_slice(balance.jacobian().as_slice());
     let singular = HarmonicError::InvalidInput("the balance is singular at the solution");
-    if factors.factor() { Ok(()) } else { Err(singular) }
+    if factors.factor() { Ok(factors) } else { Err(singular) }
 }
 
 /// Displacement coefficients (m) of every sensor at the last evaluation.

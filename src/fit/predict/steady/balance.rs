@@ -8,6 +8,7 @@ use realfft::{ComplexToReal, RealFftPlanner};
 use super::spectrum::{displacement, input};
 use crate::data::{Channel, Record};
 use crate::fit::predict::channels::derivative_order;
+use crate::harmonic::steady::linearised::Linearised;
 use crate::harmonic::steady::{Start, Steady, SteadyProblem};
 use crate::harmonic::{Assembly, HarmonicError};
 use crate::model::Model;
@@ -152,14 +153,33 @@ impl SteadyRecord {
         predictions: &mut Vec<f64>,
         differences: &mut [Vec<f64>],
     ) -> Result<(), String> {
-        let mut solved = self.nearest(at, neighbours, predictions).map_err(text)?;
-        for (neighbour, difference) in neighbours.iter().zip(differences) {
-            let change = solved.change(&self.forcing, neighbour).map_err(text)?;
-            self.observe(&change, difference);
-        }
-        self.start = Some(solved.start().map_err(text)?);
+        let solved = self.nearest(at, neighbours, predictions).map_err(text)?;
+        let (mut about, start) = solved.linearised().map_err(text)?;
+        self.differences(&mut about, at.assembly, neighbours, differences).map_err(text)?;
+        self.start = Some(start);
         self.settled = true;
         self.last = None;
+        Ok(())
+    }
+
+    /// What the channels show to first order of `neighbours` less what they show of `assembly`, at whose motion the
+    /// equations stand.
+    pub fn differences(
+        &self,
+        about: &mut Linearised,
+        assembly: &Assembly,
+        neighbours: &[Assembly],
+        differences: &mut [Vec<f64>],
+    ) -> Result<(), HarmonicError> {
+        if neighbours.is_empty() {
+            return Ok(());
+        }
+        let here = about.first_order(&self.forcing, assembly)?;
+        for (neighbour, difference) in neighbours.iter().zip(differences) {
+            let mut change = about.first_order(&self.forcing, neighbour)?;
+            change.iter_mut().zip(&here).for_each(|(there, here)| *there -= here);
+            self.observe(&change, difference);
+        }
         Ok(())
     }
 

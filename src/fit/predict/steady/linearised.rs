@@ -44,13 +44,9 @@ impl LinearisedAtMeasurement {
     ) -> Result<(), String> {
         let mut last = self.at(at, neighbours).map_err(|error| error.to_string())?;
         predictions.clone_from(&last.predictions);
-        for (neighbour, difference) in neighbours.iter().zip(differences) {
-            let there = last.about.first_order(&self.record.forcing, neighbour);
-            self.record.observe(&there.map_err(|error| error.to_string())?, difference);
-            difference.iter_mut().zip(&*predictions).for_each(|(there, here)| *there -= here);
-        }
+        let done = self.record.differences(&mut last.about, at.assembly, neighbours, differences);
         self.last = Some(last);
-        Ok(())
+        done.map_err(|error| error.to_string())
     }
 
     /// What was made of the model last time, if it serves; else made now.
