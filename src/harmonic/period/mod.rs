@@ -105,7 +105,9 @@ pub(crate) trait Cycle: std::fmt::Debug + Send + Sync {
         contact: &PeriodicContact,
         angular_frequency: f64,
         u: &[f64],
-    ) -> Result<(), HarmonicError>;
+    ) -> Result<(), HarmonicError> {
+        self.evaluate_force(contact, angular_frequency, u)
+    }
 
     /// Coefficients of the force on another set of harmonics, for the displacement last evaluated or followed.
     fn force_on(&mut self, set: HarmonicSet, out: &mut [f64]);

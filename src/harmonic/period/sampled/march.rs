@@ -43,6 +43,7 @@ impl SampledCycle {
             let scale = self.force_scale.max(response.force.abs());
             let gradient = 1.0 + contact.compliance * response.tangents.displacement;
             if implicit.accept(response.force, gradient, contact.compliance, STEP_TOLERANCE * scale) {
+                self.passed[k] = (inputs.displacement, response.slip_state);
                 return (inputs, response);
             }
         }

@@ -23,7 +23,7 @@ use nalgebra::{DMatrix, DMatrixView, Dyn};
 
 use super::PeriodicContact;
 use super::closure::{Closure, Marched, add_scaled};
-use crate::contact::StateTangents;
+use crate::contact::{SlipState, StateTangents};
 use crate::harmonic::HarmonicError;
 use crate::numeric::fourier::{Basis, coefficient_count, differentiate, dot};
 
@@ -54,6 +54,8 @@ pub(crate) struct SampledCycle {
     /// Normal load (N) at the samples.
     load: Vec<f64>,
     force_samples: Vec<f64>,
+    /// Displacement of the contact itself (m) at the samples, and whether it slips there.
+    passed: Vec<(f64, SlipState)>,
     /// Column `k`: derivatives of the force at sample `k` by coefficients, frequency, start state.
     sensitivity: DMatrix<f64>,
     state_len: usize,
@@ -105,6 +107,7 @@ impl SampledCycle {
             slope: vec![0.0; wide],
             load: vec![0.0; samples],
             force_samples: vec![0.0; samples],
+            passed: vec![(0.0, SlipState::Stick); samples],
             sensitivity: DMatrix::zeros(0, 0),
             state_len: usize::MAX,
             origin: 0,
@@ -133,14 +136,14 @@ impl SampledCycle {
         (self.warm, self.settled) = (false, false);
     }
 
-    /// Displacement (m), its slope over the phase (m), and force (N) at sample `k` of the last evaluation.
-    pub fn sample(&self, k: usize) -> (f64, f64, f64) {
-        (self.displacement[k], self.rate[k], self.force_samples[k])
+    /// Force (N) at the samples of the last evaluation.
+    pub fn forces(&self) -> &[f64] {
+        &self.force_samples
     }
 
-    /// Normal load (N) at sample `k` of the last evaluation.
-    pub fn load(&self, k: usize) -> f64 {
-        self.load[k]
+    /// Displacement of the contact itself (m), whether it slips, and force (N) at every sample of the last evaluation.
+    pub fn passed(&self) -> impl Iterator<Item = (f64, SlipState, f64)> + Clone {
+        self.passed.iter().zip(&self.force_samples).map(|((u, state), force)| (*u, *state, *force))
     }
 
     /// Writes the load at the samples.
