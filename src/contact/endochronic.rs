@@ -26,6 +26,7 @@ pub(super) fn advance(gap: f64, delta: f64, b: f64) -> Stretch {
 
 /// The `fraction` of the reach `delta` into `stretch`, which starts from `gap`: `g` there, and the
 /// ratio of the gap at the end to it.
+#[inline]
 pub(super) fn within(gap: f64, delta: f64, b: f64, stretch: &Stretch, fraction: f64) -> (f64, f64) {
     // Interpolation is good to twelve digits then.
     if delta < 0.2 && gap > 0.0 {

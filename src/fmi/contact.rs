@@ -66,14 +66,22 @@ impl ContactBehaviour {
         Ok(Self { law, load: LoadRule::new(model), next, sensitivity: StateSensitivity::default(), lines })
     }
 
-    /// What acts at the start of the lines, and at their end.
-    fn acting(&self) -> [Inputs; 2] {
-        let starts: fn(&Ramp) -> f64 = |line| line.start;
-        [starts, |line: &Ramp| line.end].map(|of| Inputs {
+    /// What acts at the start of the lines.
+    fn starts(&self) -> Inputs {
+        self.acting(|line| line.start)
+    }
+
+    /// What acts at their end.
+    fn ends(&self) -> Inputs {
+        self.acting(|line| line.end)
+    }
+
+    fn acting(&self, of: impl Fn(&Ramp) -> f64) -> Inputs {
+        Inputs {
             displacement: of(&self.lines.all[DISPLACEMENT]),
             velocity: of(&self.lines.all[VELOCITY]),
             normal_load: self.load.acting(of(&self.lines.all[NORMAL_LOAD])),
-        })
+        }
     }
 
     /// One step of the law in place.
@@ -110,7 +118,7 @@ impl Behaviour for ContactBehaviour {
 
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
         self.lines.hold(&values[..INPUTS]);
-        let [_, at] = self.acting();
+        let at = self.ends();
         let (memory, before, lines) = self.parts(state);
         self.law.set_state(0.0, at.normal_load, 0.0, memory);
         before.copy_from_slice(memory);
@@ -134,11 +142,10 @@ impl Behaviour for ContactBehaviour {
         self.lines.read(lines);
         self.lines.go_on(&values[..INPUTS], slopes, step);
         self.lines.write(lines);
-        let [starts, ends] = self.acting();
         if self.lines.jumped {
-            values[DISSIPATED_ENERGY] += self.advance(memory, starts).dissipated_energy;
+            values[DISSIPATED_ENERGY] += self.advance(memory, self.starts()).dissipated_energy;
         }
-        let response = self.advance(memory, ends);
+        let response = self.advance(memory, self.ends());
         values[DISSIPATED_ENERGY] += response.dissipated_energy;
         values.iter_mut().zip(&self.lines.all).for_each(|(value, line)| *value = line.end);
         write_outputs(&response, values);
@@ -153,7 +160,7 @@ impl Behaviour for ContactBehaviour {
             return Ok(());
         }
         let rate = |input: usize| (self.lines.all[input].end - self.lines.all[input].start) / step;
-        let [starts, ends] = self.acting();
+        let (starts, ends) = (self.starts(), self.ends());
         let memory = &mut self.sensitivity.memory;
         if self.lines.jumped {
             self.law.advance(memory, starts);
@@ -184,7 +191,7 @@ impl Behaviour for ContactBehaviour {
             }
         };
         let (at_start, at_end) = (by(|line| line.start), by(|line| line.end));
-        let [starts, ends] = self.acting();
+        let (starts, ends) = (self.starts(), self.ends());
         let (law, carried) = (&*self.law, &mut self.sensitivity);
         let mut dissipated = 0.0;
         if self.lines.step == 0.0 {

@@ -21,19 +21,22 @@ pub(super) struct End {
     pub follows: bool,
     /// Whether w rests where it was.
     pub rests: bool,
+    /// Factor of the limit by the velocity, and its derivative (s/m).
+    pub speed: (f64, f64),
 }
 
 impl Joint {
     /// Where the step from `state` to `inputs` ends.
     #[inline]
     pub(super) fn end(&self, state: &[f64], inputs: Inputs) -> End {
-        let unworn = inputs.normal_load * self.speed_factor(inputs.velocity).0;
+        let speed = self.speed_factor(inputs.velocity);
+        let unworn = inputs.normal_load * speed.0;
         if self.changes.half_gap == 0.0 && self.changes.wear == 0.0 {
             let (displacement, slip) = (inputs.displacement, state[SLIP]);
-            return End { displacement, load: unworn, slip, side: 0.0, follows: true, rests: false };
+            return End { displacement, load: unworn, slip, side: 0.0, follows: true, rests: false, speed };
         }
         let load = unworn * self.wear_factor(state[SLIP]).0;
-        let mut end = self.behind_play(state, inputs.displacement, load);
+        let mut end = self.behind_play(state, inputs.displacement, load, speed);
         if self.changes.wear != 0.0 && inputs.normal_load > 0.0 {
             // The limit at the end of the step follows from the distance slipped in it, and the other way.
             for _ in 0..ROUNDS {
@@ -43,7 +46,7 @@ impl Joint {
                 let error = end.slip - state[SLIP] - path.length;
                 let slip = end.slip - error / (1.0 - path.by_load * unworn * by_slip);
                 let load = if slip == before { unworn * factor } else { unworn * self.wear_factor(slip).0 };
-                end = End { slip, ..self.behind_play(state, inputs.displacement, load) };
+                end = End { slip, ..self.behind_play(state, inputs.displacement, load, speed) };
                 if (slip - before).abs() <= 1e-14 * slip.abs() {
                     break;
                 }
@@ -53,10 +56,12 @@ impl Joint {
     }
 
     /// Where the end of the law behind the play goes under the load `load` (N).
-    fn behind_play(&self, state: &[f64], displacement: f64, load: f64) -> End {
+    fn behind_play(&self, state: &[f64], displacement: f64, load: f64, speed: (f64, f64)) -> End {
         let (gap, slip) = (self.changes.half_gap, state[SLIP]);
-        let end =
-            |displacement, side| End { displacement, load, slip, side, follows: side != 0.0, rests: false };
+        let end = |displacement, side| {
+            let follows = side != 0.0;
+            End { displacement, load, slip, side, follows, rests: false, speed }
+        };
         if gap == 0.0 {
             return End { follows: true, ..end(displacement, 0.0) };
         }

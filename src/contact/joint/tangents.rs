@@ -45,6 +45,12 @@ impl Chain<'_> {
     #[inline]
     fn effect(&self, cause: Cause) -> Effect {
         let (look, path) = (self.look, &self.look.path);
+        // The usual case: nothing in between, and no slip that wears.
+        if self.end.follows && !self.counts && self.load_by_slip == 0.0 {
+            let Cause { displacement, load, slip, .. } = cause;
+            let force = self.slope * displacement + look.by_load * load + cause.force;
+            return Effect { displacement, load, slip, force };
+        }
         // In the gap the base law's end rests, or moves so that the force stays zero.
         let (by_force, given) = match self.end {
             End { follows: true, .. } => (0.0, cause.displacement),
@@ -73,13 +79,13 @@ impl Joint {
     fn chain<'a>(&self, inputs: Inputs, end: &'a End, look: &'a Look) -> Chain<'a> {
         let slope = look.by_displacement + self.spring(end.displacement).1;
         let by_slip = self.wear_factor(end.slip).1;
-        let load_by_slip = inputs.normal_load * self.speed_factor(inputs.velocity).0 * by_slip;
+        let load_by_slip = inputs.normal_load * end.speed.0 * by_slip;
         Chain { end, look, slope, load_by_slip, counts: self.changes.wear != 0.0 && inputs.normal_load > 0.0 }
     }
 
     /// Changes by displacement, velocity and normal load.
     fn causes(&self, inputs: Inputs, end: &End) -> [Cause; 3] {
-        let (factor, by_velocity) = self.speed_factor(inputs.velocity);
+        let (factor, by_velocity) = end.speed;
         let worn = self.wear_factor(end.slip).0;
         [
             Cause { displacement: 1.0, ..Cause::default() },
