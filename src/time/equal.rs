@@ -46,7 +46,7 @@ impl Integrator {
     ) -> Result<(), IntegrationError> {
         self.check_duration(duration)?;
         self.take_up(motion, inputs)?;
-        self.stride(duration, inputs, steps, |_, _| ())?;
+        self.stride(duration, steps, |_, _| ())?;
         self.solver.unload(motion);
         Ok(())
     }
@@ -66,15 +66,19 @@ impl Integrator {
         self.solver.unload(motion);
     }
 
-    /// Marches on under inputs that go on from where they ended; `tried` sees each step before it is taken.
+    /// The inputs, to go on from where they ended.
+    #[cfg(feature = "analysis")]
+    pub(crate) fn inputs_mut(&mut self) -> &mut [Ramp] {
+        &mut self.solver.ramps
+    }
+
+    /// Marches on under the inputs there are; `tried` sees each step before it is taken.
     pub(crate) fn stride(
         &mut self,
         duration: f64,
-        inputs: &[Ramp],
         steps: usize,
         mut tried: impl FnMut(&StepSolver, &Span),
     ) -> Result<(), IntegrationError> {
-        self.solver.ramps.copy_from_slice(inputs);
         let step = rounded(duration / steps as f64);
         let mut span = Span { step, from: 0.0, to: 0.0, duration };
         self.solver.prepare_equal_steps(step);

@@ -61,7 +61,7 @@ impl Integrator {
                 tangent.before_jump(&self.solver);
                 self.take_up(motion, inputs)?;
                 tangent.jump(&self.solver, by);
-                self.stride(duration, inputs, count, |solver, span| tangent.through_equal(solver, span, by))?;
+                self.stride(duration, count, |solver, span| tangent.through_equal(solver, span, by))?;
                 tangent.now(&self.solver, 1.0, by);
             }
         }

@@ -68,6 +68,7 @@ pub(crate) struct Springs {
 
 impl ModalPort {
     /// Displacement and velocity at modal displacements `q` and velocities `v`; `pull` is G q.
+    #[inline]
     pub fn motion(&self, q: &[f64], v: &[f64], pull: &[f64]) -> (f64, f64) {
         let (mut displacement, mut velocity) = (0.0, 0.0);
         if self.shortening == 0.0 {

@@ -197,8 +197,8 @@ impl Stepper for SystemStepper<'_> {
             }
             Steps::Equal(count) => {
                 self.take_up(index)?;
-                self.excited.act(self.load, index, to, &mut self.inputs);
-                self.integrator.stride(step, &self.inputs, count, |_, _| ()).map_err(|_| {
+                self.excited.act(self.load, index, to, self.integrator.inputs_mut());
+                self.integrator.stride(step, count, |_, _| ()).map_err(|_| {
                     let time = index as f64 * step;
                     format!("the simulation stops at {time} s: the motion grows without bound")
                 })
