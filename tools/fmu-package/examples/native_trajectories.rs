@@ -59,6 +59,22 @@ mod native {
         (names.map(String::from).to_vec(), rows)
     }
 
+    /// What is written of a beam, but the time.
+    fn columns_of_beam(beam: &Beam, has_contact: bool, places: &[(usize, f64)]) -> Vec<String> {
+        let own: &[&str] = match has_contact {
+            true => &["excitation", "normal_load", "force", "dissipated_energy", "slip_state"],
+            false => &["excitation", "contact_force"],
+        };
+        let mut names: Vec<String> = own.iter().copied().map(String::from).collect();
+        names.extend(beam.contact_points.iter().map(|place| format!("contact_force:x={place}")));
+        names.extend(["displacement", "velocity"].map(String::from));
+        for (_, place) in places {
+            names
+                .extend(["displacement", "velocity", "acceleration"].map(|name| format!("{name}:x={place}")));
+        }
+        names
+    }
+
     /// A beam shaken near its first resonance, the inputs held over each step of 0.1 ms.
     fn beam(beam: &Beam, contact: Option<&Contact>) -> Table {
         let modal = ModalBeam::new(beam).expect("a standard model");
@@ -69,16 +85,6 @@ mod native {
         };
         let mut motion = integrator.rest(&integrator.held_inputs()).expect("legal inputs");
         let mut outputs = Outputs::default();
-        let mut names = vec!["excitation".to_owned()];
-        match contact {
-            Some(_) => {
-                let own = ["normal_load", "force", "dissipated_energy", "slip_state"];
-                names.extend(own.map(String::from));
-            }
-            None => names.push("contact_force".to_owned()),
-        }
-        names.extend(beam.contact_points.iter().map(|place| format!("contact_force:x={place}")));
-        names.extend(["displacement", "velocity"].map(String::from));
         // The force transducer and an accelerometer may share a place: one sensor there is enough.
         let mut places: Vec<(usize, f64)> = Vec::new();
         for (index, sensor) in modal.sensors.iter().enumerate() {
@@ -86,10 +92,7 @@ mod native {
                 places.push((index, sensor.position));
             }
         }
-        for (_, place) in &places {
-            names
-                .extend(["displacement", "velocity", "acceleration"].map(|name| format!("{name}:x={place}")));
-        }
+        let names = columns_of_beam(beam, contact.is_some(), &places);
         let mut rows = Vec::new();
         let (count, step) = (2000, 1e-4);
         for index in 0..=count {
