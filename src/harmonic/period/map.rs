@@ -1,11 +1,9 @@
 //! The choice of the way a contact is carried over a period, and the damper beside it.
 
-use nalgebra::DMatrix;
-
 use super::piecewise::PiecewiseCycle;
 use super::reference::ReferenceCycle;
 use super::smooth::SmoothCycle;
-use super::{Cycle, CycleSummary, PeriodicContact};
+use super::{Cycle, CycleSummary, ForceMap, PeriodicContact};
 use crate::contact::Slider;
 use crate::harmonic::{HarmonicError, Method};
 use crate::numeric::HarmonicSet;
@@ -31,9 +29,7 @@ pub(crate) struct ContactMap {
     shift: f64,
     displacement: Vec<f64>,
     angular_frequency: f64,
-    force: Vec<f64>,
-    jacobian: DMatrix<f64>,
-    by_frequency: Vec<f64>,
+    result: ForceMap,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,9 +66,7 @@ impl ContactMap {
             shift,
             displacement: Vec::new(),
             angular_frequency: 0.0,
-            force: Vec::new(),
-            jacobian: DMatrix::zeros(0, 0),
-            by_frequency: Vec::new(),
+            result: ForceMap::new(0),
         }
     }
 
@@ -151,21 +145,17 @@ impl Cycle for ContactMap {
         }
         self.take_motion(angular_frequency, u);
         let damping = self.own_damping - self.shift;
-        let mut force = std::mem::take(&mut self.force);
-        force.clear();
-        force.extend_from_slice(self.cycle.force());
+        self.result.copy(self.cycle.result());
+        let mut force = std::mem::take(&mut self.result.force);
         self.add_damper(damping, self.set, &mut force);
-        self.force = force;
-        self.by_frequency.clear();
-        self.by_frequency.extend_from_slice(self.cycle.by_frequency());
-        self.jacobian.clone_from(self.cycle.jacobian());
+        self.result.force = force;
         for (order, place) in self.set.orders().filter(|(order, _)| *order > 0) {
             // (c cos hθ + s sin hθ)' = h s cos hθ − h c sin hθ.
             let rate = damping * order as f64;
-            self.jacobian[(place, place + 1)] += rate * angular_frequency;
-            self.jacobian[(place + 1, place)] -= rate * angular_frequency;
-            self.by_frequency[place] += rate * u[place + 1];
-            self.by_frequency[place + 1] -= rate * u[place];
+            self.result.jacobian[(place, place + 1)] += rate * angular_frequency;
+            self.result.jacobian[(place + 1, place)] -= rate * angular_frequency;
+            self.result.by_frequency[place] += rate * u[place + 1];
+            self.result.by_frequency[place + 1] -= rate * u[place];
         }
         Ok(())
     }
@@ -203,16 +193,8 @@ impl Cycle for ContactMap {
         self.cycle.follow(contact, angular_frequency, u)
     }
 
-    fn force(&self) -> &[f64] {
-        if self.is_plain() { self.cycle.force() } else { &self.force }
-    }
-
-    fn jacobian(&self) -> &DMatrix<f64> {
-        if self.is_plain() { self.cycle.jacobian() } else { &self.jacobian }
-    }
-
-    fn by_frequency(&self) -> &[f64] {
-        if self.is_plain() { self.cycle.by_frequency() } else { &self.by_frequency }
+    fn result(&self) -> &ForceMap {
+        if self.is_plain() { self.cycle.result() } else { &self.result }
     }
 
     fn forget(&mut self) {

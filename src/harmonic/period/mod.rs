@@ -51,6 +51,28 @@ pub struct CycleSummary {
     pub stick_fraction: Option<f64>,
 }
 
+/// What an evaluation gives.
+#[derive(Debug)]
+pub(crate) struct ForceMap {
+    force: Vec<f64>,
+    jacobian: DMatrix<f64>,
+    by_frequency: Vec<f64>,
+}
+
+impl ForceMap {
+    /// Zeros, on so many coefficients.
+    fn new(size: usize) -> Self {
+        Self { force: vec![0.0; size], jacobian: DMatrix::zeros(size, size), by_frequency: vec![0.0; size] }
+    }
+
+    /// Takes another's numbers, into the buffers there are.
+    fn copy(&mut self, other: &Self) {
+        self.force.clone_from(&other.force);
+        self.jacobian.clone_from(&other.jacobian);
+        self.by_frequency.clone_from(&other.by_frequency);
+    }
+}
+
 /// One way to carry a contact over a period.
 pub(crate) trait Cycle: std::fmt::Debug + Send + Sync {
     /// Evaluates the contact for the displacement coefficients `u` (m, on the set of harmonics the cycle
@@ -87,14 +109,23 @@ pub(crate) trait Cycle: std::fmt::Debug + Send + Sync {
         Ok(())
     }
 
+    /// The force and its derivatives of the last evaluation.
+    fn result(&self) -> &ForceMap;
+
     /// Coefficients of the force (N) of the last evaluation.
-    fn force(&self) -> &[f64];
+    fn force(&self) -> &[f64] {
+        &self.result().force
+    }
 
     /// ∂force/∂displacement coefficients (N/m) of the last evaluation.
-    fn jacobian(&self) -> &DMatrix<f64>;
+    fn jacobian(&self) -> &DMatrix<f64> {
+        &self.result().jacobian
+    }
 
     /// ∂force coefficients/∂angular frequency (N s) of the last evaluation; zeros for rate-independent laws.
-    fn by_frequency(&self) -> &[f64];
+    fn by_frequency(&self) -> &[f64] {
+        &self.result().by_frequency
+    }
 
     /// Forgets the last solution, so that the next evaluation depends on its arguments alone.
     fn forget(&mut self) {}

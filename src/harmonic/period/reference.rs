@@ -1,9 +1,7 @@
 //! The sampled contact on any set of harmonics: slow, simple, and independent of the exact ways.
 
-use nalgebra::DMatrix;
-
 use super::sampled::SampledCycle;
-use super::{Cycle, CycleSummary, PeriodicContact};
+use super::{Cycle, CycleSummary, ForceMap, PeriodicContact};
 use crate::contact::SlipState;
 use crate::harmonic::HarmonicError;
 use crate::numeric::HarmonicSet;
@@ -16,9 +14,7 @@ pub(crate) struct ReferenceCycle {
     wide: HarmonicSet,
     inner: SampledCycle,
     displacement: Vec<f64>,
-    force: Vec<f64>,
-    jacobian: DMatrix<f64>,
-    by_frequency: Vec<f64>,
+    result: ForceMap,
     has_stick: bool,
     /// Whether the derivatives are those of the last evaluation.
     complete: bool,
@@ -32,9 +28,7 @@ impl ReferenceCycle {
             wide,
             inner: SampledCycle::new(set.highest(), samples),
             displacement: vec![0.0; wide.len()],
-            force: vec![0.0; set.len()],
-            jacobian: DMatrix::zeros(set.len(), set.len()),
-            by_frequency: vec![0.0; set.len()],
+            result: ForceMap::new(set.len()),
             has_stick: true,
             complete: false,
         }
@@ -50,13 +44,13 @@ impl Cycle for ReferenceCycle {
     ) -> Result<(), HarmonicError> {
         self.set.convert(u, self.wide, &mut self.displacement);
         self.inner.evaluate(contact, angular_frequency, &self.displacement)?;
-        self.wide.convert(&self.inner.force, self.set, &mut self.force);
-        self.wide.convert(&self.inner.by_frequency, self.set, &mut self.by_frequency);
+        self.wide.convert(&self.inner.force, self.set, &mut self.result.force);
+        self.wide.convert(&self.inner.by_frequency, self.set, &mut self.result.by_frequency);
         let places: Vec<usize> =
             (0..self.wide.len()).filter(|place| self.set.place(place.div_ceil(2)).is_some()).collect();
         for (column, j) in places.iter().enumerate() {
             for (row, i) in places.iter().enumerate() {
-                self.jacobian[(row, column)] = self.inner.jacobian[(*i, *j)];
+                self.result.jacobian[(row, column)] = self.inner.jacobian[(*i, *j)];
             }
         }
         self.has_stick = contact.law.has_stick();
@@ -74,7 +68,7 @@ impl Cycle for ReferenceCycle {
         if !self.inner.force_alone(contact, angular_frequency, &self.displacement) {
             return self.evaluate(contact, angular_frequency, u);
         }
-        self.wide.convert(&self.inner.force, self.set, &mut self.force);
+        self.wide.convert(&self.inner.force, self.set, &mut self.result.force);
         self.has_stick = contact.law.has_stick();
         self.complete = false;
         Ok(())
@@ -89,16 +83,8 @@ impl Cycle for ReferenceCycle {
         if self.complete { Ok(()) } else { self.evaluate(contact, angular_frequency, u) }
     }
 
-    fn force(&self) -> &[f64] {
-        &self.force
-    }
-
-    fn jacobian(&self) -> &DMatrix<f64> {
-        &self.jacobian
-    }
-
-    fn by_frequency(&self) -> &[f64] {
-        &self.by_frequency
+    fn result(&self) -> &ForceMap {
+        &self.result
     }
 
     fn forget(&mut self) {

@@ -8,11 +8,9 @@ mod bundle;
 mod integrals;
 mod path;
 
-use nalgebra::DMatrix;
-
 use super::motion::{Motion, Turning};
 use super::turning::turning_points;
-use super::{Cycle, CycleSummary, PeriodicContact};
+use super::{Cycle, CycleSummary, ForceMap, PeriodicContact};
 use crate::contact::Slider;
 use crate::harmonic::HarmonicError;
 use crate::numeric::HarmonicSet;
@@ -31,9 +29,7 @@ const BISECTIONS: usize = 100;
 #[derive(Debug)]
 pub(crate) struct PiecewiseCycle {
     set: HarmonicSet,
-    force: Vec<f64>,
-    jacobian: DMatrix<f64>,
-    by_frequency: Vec<f64>,
+    result: ForceMap,
     displacement: Vec<f64>,
     sliders: Vec<Slider>,
     motion: Motion,
@@ -60,9 +56,7 @@ impl PiecewiseCycle {
     pub fn new(set: HarmonicSet) -> Self {
         Self {
             set,
-            force: vec![0.0; set.len()],
-            jacobian: DMatrix::zeros(set.len(), set.len()),
-            by_frequency: vec![0.0; set.len()],
+            result: ForceMap::new(set.len()),
             displacement: vec![0.0; set.len()],
             sliders: Vec::new(),
             motion: Motion::default(),
@@ -189,12 +183,12 @@ impl PiecewiseCycle {
                 bias_stiffness += if position == 0.0 { slider.stiffness } else { 0.0 };
             }
         }
-        self.force.fill(0.0);
-        self.jacobian.fill(0.0);
-        self.jacobian.fill_diagonal(stiffness / (1.0 + compliance * stiffness));
+        self.result.force.fill(0.0);
+        self.result.jacobian.fill(0.0);
+        self.result.jacobian.fill_diagonal(stiffness / (1.0 + compliance * stiffness));
         if !self.set.is_odd() {
-            self.force[0] = force;
-            self.jacobian[(0, 0)] = bias_stiffness / (1.0 + compliance * bias_stiffness);
+            self.result.force[0] = force;
+            self.result.jacobian[(0, 0)] = bias_stiffness / (1.0 + compliance * bias_stiffness);
         }
     }
 }
@@ -234,7 +228,7 @@ impl Cycle for PiecewiseCycle {
             Passage::Together => true,
         };
         let contact_by_points = together.then_some(self.bundle.by_points.as_slice());
-        let (force, jacobian) = (&mut self.force, &mut self.jacobian);
+        let (force, jacobian) = (&mut self.result.force, &mut self.result.jacobian);
         self.integrals.integrate(self.set, self.path.fraction(), u, contact_by_points, force, jacobian);
         Ok(())
     }
@@ -248,21 +242,13 @@ impl Cycle for PiecewiseCycle {
         self.run_through(contact, u).map(drop)
     }
 
-    fn force(&self) -> &[f64] {
-        &self.force
-    }
-
-    fn jacobian(&self) -> &DMatrix<f64> {
-        &self.jacobian
-    }
-
-    fn by_frequency(&self) -> &[f64] {
-        &self.by_frequency
+    fn result(&self) -> &ForceMap {
+        &self.result
     }
 
     fn force_on(&mut self, set: HarmonicSet, out: &mut [f64]) {
         if self.path.points.is_empty() {
-            self.set.convert(&self.force, set, out);
+            self.set.convert(&self.result.force, set, out);
         } else {
             self.integrals.force_on(set, self.set, self.path.fraction(), &self.displacement, out);
         }

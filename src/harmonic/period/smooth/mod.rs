@@ -16,7 +16,7 @@ use super::motion::{Motion, Turning};
 use super::piecewise::{Path, tip_stiffness};
 use super::turning::turning_points;
 use super::waves::{Waves, multiplication};
-use super::{Cycle, CycleSummary, PeriodicContact};
+use super::{Cycle, CycleSummary, ForceMap, PeriodicContact};
 use crate::contact::{Inputs, SlipState, StateTangents};
 use crate::harmonic::HarmonicError;
 use crate::numeric::HarmonicSet;
@@ -29,9 +29,7 @@ use rule::{NODES, Node, Rule};
 #[derive(Debug)]
 pub(crate) struct SmoothCycle {
     set: HarmonicSet,
-    force: Vec<f64>,
-    jacobian: DMatrix<f64>,
-    by_frequency: Vec<f64>,
+    result: ForceMap,
     displacement: Vec<f64>,
     motion: Motion,
     turnings: Vec<Turning>,
@@ -90,9 +88,7 @@ impl SmoothCycle {
         let size = set.len();
         Self {
             set,
-            force: vec![0.0; size],
-            jacobian: DMatrix::zeros(size, size),
-            by_frequency: vec![0.0; size],
+            result: ForceMap::new(size),
             displacement: vec![0.0; size],
             motion: Motion::default(),
             turnings: Vec::new(),
@@ -137,12 +133,12 @@ impl SmoothCycle {
     /// Coefficients and derivatives from the sums.
     fn finish(&mut self) {
         let (set, fraction) = (self.set, self.fraction);
-        self.sums.force.coefficients(set, fraction, &mut self.force);
-        multiplication(&self.sums.stiffness, set, set, fraction, &mut self.jacobian);
-        self.sums.by_frequency.coefficients(set, fraction, &mut self.by_frequency);
+        self.sums.force.coefficients(set, fraction, &mut self.result.force);
+        multiplication(&self.sums.stiffness, set, set, fraction, &mut self.result.jacobian);
+        self.sums.by_frequency.coefficients(set, fraction, &mut self.result.by_frequency);
         if self.rated {
             multiplication(&self.sums.damping, set, set, fraction, &mut self.matrix);
-            add_by_slope(set, &self.matrix, &mut self.jacobian);
+            add_by_slope(set, &self.matrix, &mut self.result.jacobian);
         }
         let sources = (self.path.points.len() - 1) / if fraction < 1.0 { 2 } else { 1 };
         for source in 0..sources {
@@ -150,7 +146,7 @@ impl SmoothCycle {
             self.sums.waves.fill(self.path.points[source].phase);
             self.sums.waves.basis(set, &mut self.basis);
             let size = self.pull.len();
-            for (column, b) in self.jacobian.as_mut_slice().chunks_exact_mut(size).zip(&self.basis) {
+            for (column, b) in self.result.jacobian.as_mut_slice().chunks_exact_mut(size).zip(&self.basis) {
                 column.iter_mut().zip(&self.pull).for_each(|(m, p)| *m += p * b);
             }
         }
@@ -227,19 +223,19 @@ impl SmoothCycle {
         let unloading = contact.law.step(&loaded, inputs, &mut self.next);
         let soft = |stiffness: f64| 1.0 / (1.0 + contact.compliance * stiffness);
         let (stiffness, damping) = (unloading.tangents.displacement, unloading.tangents.velocity);
-        self.force.fill(0.0);
-        self.by_frequency.fill(0.0);
-        self.jacobian.fill(0.0);
-        self.jacobian.fill_diagonal(stiffness * soft(stiffness));
+        self.result.force.fill(0.0);
+        self.result.by_frequency.fill(0.0);
+        self.result.jacobian.fill(0.0);
+        self.result.jacobian.fill_diagonal(stiffness * soft(stiffness));
         if damping != 0.0 {
             self.matrix.fill(0.0);
             self.matrix.fill_diagonal(angular_frequency * damping * soft(stiffness));
-            add_by_slope(self.set, &self.matrix, &mut self.jacobian);
+            add_by_slope(self.set, &self.matrix, &mut self.result.jacobian);
         }
         if !self.set.is_odd() {
-            self.force[0] = loading.force;
+            self.result.force[0] = loading.force;
             let stiffness = loading.tangents.displacement;
-            self.jacobian[(0, 0)] = stiffness * soft(stiffness);
+            self.result.jacobian[(0, 0)] = stiffness * soft(stiffness);
         }
         self.chain.dissipated_energy = 0.0;
         self.history.push((0.0, 0.0, if loading.slip_state == SlipState::Stick { -1.0 } else { 1.0 }));
@@ -277,23 +273,15 @@ impl Cycle for SmoothCycle {
         self.run_through(contact, angular_frequency, u, true)
     }
 
-    fn force(&self) -> &[f64] {
-        &self.force
-    }
-
-    fn jacobian(&self) -> &DMatrix<f64> {
-        &self.jacobian
-    }
-
-    fn by_frequency(&self) -> &[f64] {
-        &self.by_frequency
+    fn result(&self) -> &ForceMap {
+        &self.result
     }
 
     /// The nodes resolve harmonics up to about twice the highest of the cycle's own set.
     fn force_on(&mut self, set: HarmonicSet, out: &mut [f64]) {
         let half = self.fraction < 1.0;
         if self.path.points.is_empty() {
-            self.set.convert(&self.force, set, out);
+            self.set.convert(&self.result.force, set, out);
             return;
         }
         if half && set.highest() == 0 {
@@ -321,7 +309,7 @@ impl Cycle for SmoothCycle {
         let dissipated_energy = if self.rated {
             let full = HarmonicSet::full(self.set.highest());
             let (mut force, mut displacement) = (vec![0.0; full.len()], vec![0.0; full.len()]);
-            self.set.convert(&self.force, full, &mut force);
+            self.set.convert(&self.result.force, full, &mut force);
             self.set.convert(&self.displacement, full, &mut displacement);
             work_per_cycle(&force, &displacement)
         } else {
