@@ -1,6 +1,7 @@
 //! A contact with the physical effects that act in it.
 
 mod base;
+mod end;
 mod jump;
 mod look;
 mod play;
@@ -15,8 +16,8 @@ use super::{
 };
 use crate::vocabulary::{self as v, Quantity};
 use base::Base;
+use end::End;
 use look::Look;
-use play::End;
 use sliders::Sliders;
 use std::ops::Bound;
 

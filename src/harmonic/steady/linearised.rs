@@ -1,9 +1,9 @@
 //! Beams to first order about a motion, a response of theirs or not: one step of Newton's method, which is no search and
 //! finds no other response.
 
-use super::{Assembly, Start, SteadyProblem, factored, sensed};
+use super::{Assembly, Start, Steady, SteadyProblem, factored, sensed};
 use crate::harmonic::HarmonicError;
-use crate::harmonic::balance::modal::{Balance, Ports, Workspace};
+use crate::harmonic::balance::modal::{Ports, Workspace};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 use crate::numeric::lu::Factors;
 
@@ -44,12 +44,6 @@ impl Linearised {
         Ok(Self { unknowns, at, factors, ports, probe: PROBE, left: Some(balance.into_workspace()) })
     }
 
-    /// As `balance` stands at its response `unknowns`.
-    pub(super) fn at_solution(balance: Balance, unknowns: Vec<f64>, at: Operating, factors: Factors) -> Self {
-        let ports = balance.ports().clone();
-        Self { unknowns, at, factors, ports, probe: WHOLE, left: Some(balance.into_workspace()) }
-    }
-
     /// Whether its unknowns are those that `assembly` and its `neighbours` have.
     pub fn covers(&self, assembly: &Assembly, neighbours: &[Assembly]) -> bool {
         self.ports == Ports::of_all(assembly, neighbours)
@@ -83,5 +77,20 @@ impl Linearised {
         }
         found.iter_mut().zip(probed).for_each(|(here, probed)| *here += (probed - *here) / probe);
         Ok(found)
+    }
+}
+
+impl Steady {
+    /// The equations as they stand there, and the solution as a start for others.
+    ///
+    /// # Errors
+    /// [`HarmonicError`] where the equations are singular.
+    pub fn linearised(self) -> Result<(Linearised, Start), HarmonicError> {
+        let Self { mut balance, unknowns, at } = self;
+        let factors = factored(&mut balance, &unknowns, &at)?;
+        let ports = balance.ports().clone();
+        let start = Start::of(&balance, &unknowns, Some((ports.clone(), factors.clone())));
+        let left = Some(balance.into_workspace());
+        Ok((Linearised { unknowns, at, factors, ports, probe: WHOLE, left }, start))
     }
 }

@@ -16,7 +16,6 @@ use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 use crate::harmonic::response::start::at_level;
 use crate::numeric::fourier::coefficient_count;
 use crate::numeric::lu::Factors;
-use linearised::Linearised;
 use measured::explained;
 
 /// Steps with factors found elsewhere, before the search starts anew.
@@ -243,18 +242,6 @@ impl Steady {
     /// The solution, to be found again without a step.
     pub fn here(&self) -> Start {
         Start::exactly(&self.balance, &self.unknowns)
-    }
-
-    /// The equations as they stand there, and the solution as a start for others.
-    ///
-    /// # Errors
-    /// [`HarmonicError`] where the equations are singular.
-    pub fn linearised(self) -> Result<(Linearised, Start), HarmonicError> {
-        let Self { mut balance, unknowns, at } = self;
-        let factors = factored(&mut balance, &unknowns, &at)?;
-        let known = (balance.ports().clone(), factors.clone());
-        let start = Start::of(&balance, &unknowns, Some(known));
-        Ok((Linearised::at_solution(balance, unknowns, at, factors), start))
     }
 }
 
