@@ -4,6 +4,25 @@ use crate::harmonic::{CurveSettings, HarmonicError};
 use crate::system::{Element, System};
 
 /// A system under a periodic excitation.
+///
+/// ```
+/// use stickslip::prelude::*;
+/// # let model = Model::parse(
+/// #     r#"
+/// #     schema = "stickslip.model/1"
+/// #     kind = "oscillator"
+/// #     mass = [{ name = "m1", mass = 1.0 }]
+/// #     spring = [{ between = ["ground", "m1"], stiffness = 9.0, damping = 0.1 }]
+/// #     contact = { at = "m1", law = "jenkins", tangential_stiffness = 7.0, friction_coefficient = 0.5, normal_load = 2.0 }
+/// #     "#,
+/// # )?;
+/// let mut assembly = Assembly::new(model.system()?);
+/// // A constant force of 0.2 beside the cosine; the normal load swings by 1 N in phase with it.
+/// assembly.waveform = vec![0.2, 1.0, 0.0];
+/// assembly.load_swings = vec![(0, vec![1.0, 0.0])];
+/// assert_eq!(assembly.nodes(), ["m1"]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Assembly {
     /// The system.
@@ -87,6 +106,25 @@ impl Assembly {
 }
 
 /// What holds the response at a point of a curve.
+///
+/// ```
+/// use stickslip::prelude::*;
+/// # let model = Model::parse(
+/// #     r#"
+/// #     schema = "stickslip.model/1"
+/// #     kind = "oscillator"
+/// #     mass = [{ name = "m1", mass = 1.0 }]
+/// #     spring = [{ between = ["ground", "m1"], stiffness = 9.0, damping = 0.1 }]
+/// #     contact = { at = "m1", law = "jenkins", tangential_stiffness = 7.0, friction_coefficient = 0.5, normal_load = 2.0 }
+/// #     "#,
+/// # )?;
+/// // The first harmonic of the acceleration of the mass is held at 5 m/s²: the level of the force follows.
+/// let held = Control::Held { node: 0, order: 1, derivative: 2, amplitude: 5.0 };
+/// let settings = CurveSettings::default();
+/// let curve = frequency_response(&Assembly::new(model.system()?), 2.0, 5.0, &held, &settings, &mut |_| true)?;
+/// assert!(curve.points.iter().all(|point| point.level > 0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Control {
     /// The excitation's level.

@@ -28,6 +28,27 @@ pub struct Fold {
 }
 
 /// Periodic responses along a curve, in the order they were followed.
+///
+/// ```
+/// use stickslip::prelude::*;
+/// # let model = Model::parse(
+/// #     r#"
+/// #     schema = "stickslip.model/1"
+/// #     kind = "oscillator"
+/// #     mass = [{ name = "m1", mass = 1.0 }]
+/// #     spring = [{ between = ["ground", "m1"], stiffness = 9.0, damping = 0.1 }]
+/// #     contact = { at = "m1", law = "jenkins", tangential_stiffness = 7.0, friction_coefficient = 0.5, normal_load = 2.0 }
+/// #     "#,
+/// # )?;
+/// let system = Assembly::new(model.system()?);
+/// let curve =
+///     frequency_response(&system, 2.0, 5.0, &Control::Level(2.0), &CurveSettings::default(), &mut |_| true)?;
+/// let m1 = curve.nodes.iter().position(|name| name == "m1").expect("the mass is a node");
+/// let peak = curve.peaks.iter().find(|peak| peak.node == m1).expect("it has a resonance");
+/// let largest = curve.points.iter().map(|point| point.amplitude[m1]).fold(0.0, f64::max);
+/// assert!(peak.amplitude >= largest * (1.0 - 1e-9)); // located between the points
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     /// Names of the nodes.
