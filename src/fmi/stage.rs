@@ -6,7 +6,8 @@
 pub enum Stage {
     /// New or reset: parameters and inputs may be set.
     Instantiated = 0,
-    /// Between [`Instance::enter_initialization`] and [`Instance::exit_initialization`].
+    /// Between [`enter_initialization`](super::Instance::enter_initialization) and
+    /// [`exit_initialization`](super::Instance::exit_initialization).
     Initialization = 1,
     /// Ready for the next step.
     StepComplete = 2,

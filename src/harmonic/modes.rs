@@ -13,8 +13,8 @@ use crate::harmonic::newton::Point;
 use crate::harmonic::newton::condition::{HeldAmplitude, Phase};
 use crate::harmonic::newton::problem::{Condition, Newton};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
-use crate::harmonic::response::carried::{Carried, Reached};
 use crate::harmonic::response::linear_resonances::at_rest;
+use crate::harmonic::response::stepwise::{LastSolutions, StepwiseContinuation};
 use crate::harmonic::response::tracker::{Solution, describe_by};
 use crate::numeric::fourier::coefficient_count;
 use crate::system::{Element, LinearStructure, Output, Row};
@@ -176,7 +176,7 @@ fn follow(
     };
     let first = Solution { x, at };
     let mut vibration = FreeVibration { system, settings: *settings, newton: Newton::default(), node, first };
-    let mut reached = Reached::new();
+    let mut reached = LastSolutions::new();
     let mut mode =
         NonlinearMode { angular_frequency: start.angular_frequency, points: Vec::new(), lost: None };
     for amplitude in amplitudes {
@@ -312,7 +312,7 @@ impl FreeVibration<'_> {
     }
 
     /// The vibration at an amplitude: shape, frequency and damping on straight lines over its logarithm.
-    fn predicted(amplitude: f64, reached: &Reached) -> Option<Solution> {
+    fn predicted(amplitude: f64, reached: &LastSolutions) -> Option<Solution> {
         let (last_amplitude, last) = reached.first()?;
         let ratio = amplitude / last_amplitude;
         let mut start = last.clone();
@@ -333,12 +333,12 @@ impl FreeVibration<'_> {
     }
 }
 
-impl Carried for FreeVibration<'_> {
+impl StepwiseContinuation for FreeVibration<'_> {
     fn parts(&mut self) -> (&mut dyn PeriodicSystem, &CurveSettings) {
         (&mut *self.system, &self.settings)
     }
 
-    fn start(&mut self, amplitude: f64, reached: &Reached) -> Result<Solution, HarmonicError> {
+    fn start(&mut self, amplitude: f64, reached: &LastSolutions) -> Result<Solution, HarmonicError> {
         Ok(Self::predicted(amplitude, reached).unwrap_or_else(|| self.first.clone()))
     }
 

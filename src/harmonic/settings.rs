@@ -12,7 +12,8 @@ pub enum Method {
     Exact,
     /// At equally spaced samples of a period, of second order in their distance: an independent check.
     Sampled {
-        /// Samples of a period, at least eight times the highest harmonic.
+        /// Samples of a period, at least eight times the highest harmonic of the contact's displacement, which of a system in
+        /// modal coordinates is twice that of the modes.
         samples: usize,
     },
 }

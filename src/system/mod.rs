@@ -1,8 +1,8 @@
 //! One mechanical system, and the structures that make one.
 //!
-//! [`ports`]: a linear core, named ports, elements at ports. Builders: [`beam`] ([`ModalBeam::new`] reduces a [`Beam`] to its
+//! `ports`: a linear core, named ports, elements at ports. Builders: [`beam`] ([`ModalBeam::new`] reduces a [`Beam`] to its
 //! exact modes; [`rotational_stiffness_from_frequency`] reads the support's stiffness off a measured frequency),
-//! [`oscillator`], [`linear`] (matrices). [`changes`]: what effects change. [`receptance`]: a linear structure condensed to
+//! `oscillator`, `linear` (matrices). `changes`: what effects change. `receptance`: a linear structure condensed to
 //! its points.
 
 pub mod beam;

@@ -172,6 +172,14 @@ fn parameter_sweeps_pass_turning_points_of_a_duffing_oscillator() {
     }
     let most = curve.points.iter().map(|varied| varied.amplitude[0]).fold(0.0, f64::max);
     assert!(turned > 2, "the curve turns back between its two turning points");
+    // The parameter stands still there while the amplitude goes on.
+    assert_eq!(curve.folds.len(), 2);
+    for fold in &curve.folds {
+        let (square, cubic) = (fold.amplitude[0].powi(2), fold.parameter);
+        let stiff = 1.0 + 0.75 * cubic * square - omega * omega;
+        let turning = stiff * stiff + (damping * omega).powi(2) + 1.5 * cubic * square * stiff;
+        assert!(turning.abs() < 1e-6 * (damping * omega).powi(2), "{fold:?}: {turning}");
+    }
     assert!(most <= level / (damping * omega) * (1.0 + 1e-9) && most > 0.9 * level / (damping * omega));
 }
 

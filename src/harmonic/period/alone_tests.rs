@@ -1,4 +1,4 @@
-//! The force alone is the force of a whole evaluation, whatever the way a contact is carried over a period.
+//! The force alone is the force of a whole evaluation, whatever the scheme by which a contact is carried over a period.
 
 use super::map::ContactMap;
 use super::reference::ReferenceCycle;
@@ -19,7 +19,7 @@ fn joint(changes: JointChanges) -> Box<dyn ContactLaw> {
     Box::new(Joint::new(Jenkins::new(1.0, 0.4).unwrap(), changes).unwrap())
 }
 
-/// Laws for each of the ways, of states of different lengths.
+/// Laws for each of the schemes, of states of different lengths.
 fn laws() -> Vec<Box<dyn ContactLaw>> {
     let none = JointChanges::default();
     vec![

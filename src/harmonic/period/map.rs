@@ -1,4 +1,4 @@
-//! The choice of the way a contact is carried over a period, and the damper beside it.
+//! The choice of the scheme by which a contact is carried over a period, and the damper beside it.
 
 use super::piecewise::PiecewiseCycle;
 use super::reference::ReferenceCycle;

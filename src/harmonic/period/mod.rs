@@ -1,6 +1,6 @@
 //! The periodic contact: Fourier coefficients of the displacement in, of the force out.
 //!
-//! This is the seam between the balance equations and the way a contact is carried over a period.
+//! This is the seam between the balance equations and the scheme by which a contact is carried over a period.
 
 #[cfg(test)]
 mod alone_tests;
@@ -73,7 +73,7 @@ impl ForceMap {
     }
 }
 
-/// One way to carry a contact over a period.
+/// One scheme to carry a contact over a period.
 pub(crate) trait Cycle: std::fmt::Debug + Send + Sync {
     /// Evaluates the contact for the displacement coefficients `u` (m, on the set of harmonics the cycle
     /// was made for) at the fundamental `angular_frequency` (rad/s). Force and derivatives are on the

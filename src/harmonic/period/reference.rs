@@ -1,4 +1,4 @@
-//! The sampled contact on any set of harmonics: slow, simple, and independent of the exact ways.
+//! The sampled contact on any set of harmonics: slow, simple, and independent of the exact schemes.
 
 use super::sampled::SampledCycle;
 use super::{Cycle, CycleSummary, ForceMap, PeriodicContact};

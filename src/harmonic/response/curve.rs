@@ -14,15 +14,19 @@ pub struct Peak {
     pub amplitude: f64,
     /// Level there.
     pub level: f64,
+    /// Value of the parameter there, of a curve over one.
+    pub parameter: f64,
 }
 
-/// A turning point of a curve: what is followed (frequency, level) goes back there.
+/// A turning point of a curve: what is followed (frequency, level, parameter) goes back there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fold {
     /// Ω (rad/s).
     pub angular_frequency: f64,
     /// Level there.
     pub level: f64,
+    /// Value of the parameter there, of a curve over one.
+    pub parameter: f64,
     /// Each node's amplitude there (m): largest magnitude over a period.
     pub amplitude: Vec<f64>,
 }

@@ -2,15 +2,15 @@
 //!
 //! [`start`] finds the first solution from nothing. [`sweep`] follows a curve over frequency, level or a parameter
 //! and has the [`recorder`] locate peaks and folds, pausing at the [`linear_resonances`].
-//! [`tracking`] has a resonance [`carried`] from value to value, located by [`tracker`]. [`resonance`]: phase resonance
+//! [`tracking`] carries a resonance from value to value by [`stepwise`], located by [`tracker`]. [`resonance`]: phase resonance
 //! of a beam at held accelerations.
 
-pub(crate) mod carried;
 mod curve;
 pub(crate) mod linear_resonances;
 mod recorder;
 pub(crate) mod resonance;
 pub(crate) mod start;
+pub(crate) mod stepwise;
 pub(crate) mod sweep;
 pub(crate) mod tracker;
 pub(crate) mod tracking;

@@ -234,6 +234,7 @@ impl<'s> Recorder<'s> {
                     angular_frequency: point.angular_frequency,
                     amplitude: point.amplitude[node],
                     level: point.level,
+                    parameter: point.parameter,
                 });
                 between.push((way, point));
             }
@@ -260,8 +261,8 @@ impl<'s> Recorder<'s> {
         (ends.0 * ends.1 < 0.0).then_some(())?;
         let along = path.along();
         let found = path.locate(ends, &mut |_, location| location.scalars[along.index()]).ok()?;
-        let Point { angular_frequency, level, amplitude, .. } = describe(path, &found)?;
-        Some(Fold { angular_frequency, level, amplitude })
+        let Point { angular_frequency, level, parameter, amplitude, .. } = describe(path, &found)?;
+        Some(Fold { angular_frequency, level, parameter, amplitude })
     }
 
     /// The peak of a node between the last two points, where its amplitude rises and falls by `slopes`, and the way

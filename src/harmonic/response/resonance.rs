@@ -49,6 +49,7 @@ impl Resonance {
 /// Phase resonance of the first mode of a system in modal coordinates with the first-harmonic acceleration at the excitation held
 /// at `acceleration_amplitude` (m/s²): harmonics of the modes, frequency and force are the unknowns.
 /// Without a contact, or with one that never slips, this is the resonance of the linear system.
+/// Of `settings` it takes `harmonics`, `method`, `tolerance` and `max_iterations`.
 ///
 /// `start`, a solution nearby (another level, or other parameters), saves Newton steps; the result does
 /// not depend on it where the response is unique.

@@ -1,7 +1,7 @@
 //! Resonances followed over the excitation's level or over a parameter of the contacts.
 
-use super::carried::{Carried, Reached};
 use super::start::at_level;
+use super::stepwise::{LastSolutions, StepwiseContinuation};
 use super::tracker::{Solution, Sought, Tracker, describe};
 use crate::harmonic::balance::assembly::Assembly;
 use crate::harmonic::balance::balance_of;
@@ -194,7 +194,7 @@ impl<'s, 'v> Follower<'s, 'v> {
 
     /// The responses at all values.
     fn over(&mut self, values: &[f64]) -> Result<TrackedCurve, HarmonicError> {
-        let (mut points, mut reached) = (Vec::with_capacity(values.len()), Reached::new());
+        let (mut points, mut reached) = (Vec::with_capacity(values.len()), LastSolutions::new());
         for value in values {
             match self.reach(*value, &mut reached) {
                 Ok(point) => {
@@ -212,7 +212,7 @@ impl<'s, 'v> Follower<'s, 'v> {
     }
 
     /// The response at a value, on the straight line through the last two.
-    fn predicted(&self, value: f64, reached: &Reached) -> Option<Solution> {
+    fn predicted(&self, value: f64, reached: &LastSolutions) -> Option<Solution> {
         let (last_value, last) = reached.first()?;
         let mut start = last.clone();
         (self.set)(&mut start.at, value);
@@ -236,12 +236,12 @@ impl<'s, 'v> Follower<'s, 'v> {
     }
 }
 
-impl Carried for Follower<'_, '_> {
+impl StepwiseContinuation for Follower<'_, '_> {
     fn parts(&mut self) -> (&mut dyn PeriodicSystem, &CurveSettings) {
         (&mut *self.system, &self.settings)
     }
 
-    fn start(&mut self, value: f64, reached: &Reached) -> Result<Solution, HarmonicError> {
+    fn start(&mut self, value: f64, reached: &LastSolutions) -> Result<Solution, HarmonicError> {
         self.tracker.count_anew();
         if let Some(start) = self.predicted(value, reached) {
             return Ok(start);

@@ -76,7 +76,7 @@ pub fn spinner(what: &str) -> ProgressBar {
 }
 
 /// How far long work has come: a bar on a terminal, elsewhere a line now and then.
-pub struct Meter {
+pub struct Progress {
     bar: ProgressBar,
     /// When the last line was printed where there is no terminal.
     line: Option<Mutex<Instant>>,
@@ -86,7 +86,7 @@ pub struct Meter {
 /// Between two lines where there is no terminal.
 const LINES: Duration = Duration::from_secs(10);
 
-impl Meter {
+impl Progress {
     /// Nothing done yet.
     pub fn new() -> Self {
         let bar = ProgressBar::new(0);

@@ -19,7 +19,7 @@ const ROUNDING: f64 = 1e-15;
 pub struct ParameterReport<'a> {
     /// What responds.
     pub title: String,
-    /// The parameter's path, and its unit.
+    /// The parameter's path.
     pub path: &'a str,
     /// Its SI unit.
     pub parameter_unit: &'static str,

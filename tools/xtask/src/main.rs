@@ -1,5 +1,5 @@
-//! Development tasks: `cargo xtask check`, `cargo xtask test`, `cargo xtask golden`, `cargo xtask hidden-effects`,
-//! `cargo xtask cosimulation`.
+//! Development tasks: `cargo xtask check`, `cargo xtask test`, `cargo xtask golden`, `cargo xtask figures`,
+//! `cargo xtask hidden-effects`, `cargo xtask cosimulation`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};

@@ -69,7 +69,7 @@ pub(super) struct Bundle {
 }
 
 /// Where a recorded period goes to.
-pub(super) struct Books<'a> {
+pub(super) struct PeriodTotals<'a> {
     pub integrals: &'a mut PiecewiseForceIntegrals,
     pub record: &'a mut Record,
     pub motion: &'a Motion,
@@ -102,7 +102,13 @@ impl Bundle {
     /// Runs through the periodic state of `sliders` behind a spring of `compliance` (m/N); false where the rounds do
     /// not lead to one.
     #[must_use]
-    pub fn run(&mut self, sliders: &[Slider], compliance: f64, path: &Path, books: &mut Books) -> bool {
+    pub fn run(
+        &mut self,
+        sliders: &[Slider],
+        compliance: f64,
+        path: &Path,
+        totals: &mut PeriodTotals,
+    ) -> bool {
         self.compliance = compliance;
         let sources = path.points.len() - 1;
         self.total.pulls.clear();
@@ -133,18 +139,18 @@ impl Bundle {
         for leg in 0..sources {
             self.start_leg(path, leg);
             let after = self.total.piece(compliance);
-            books.record.force[leg] += after.force(path.points[leg].value);
-            books.integrals.turn(leg, (before, Source::NONE), (after, Source::NONE));
-            self.book_pulls(books.integrals, Some(leg));
-            self.leg(path, leg, Some(books));
+            totals.record.force[leg] += after.force(path.points[leg].value);
+            totals.integrals.turn(leg, (before, Source::NONE), (after, Source::NONE));
+            self.book_pulls(totals.integrals, Some(leg));
+            self.leg(path, leg, Some(totals));
             before = self.total.piece(compliance);
             self.remember_pulls();
             self.arrive(path, leg + 1);
         }
-        books.integrals.turn(sources, (before, Source::NONE), (Piece::NONE, Source::NONE));
+        totals.integrals.turn(sources, (before, Source::NONE), (Piece::NONE, Source::NONE));
         self.total.pulls.fill(0.0);
         self.total.stiffness = 0.0;
-        self.book_pulls(books.integrals, Some(sources));
+        self.book_pulls(totals.integrals, Some(sources));
         self.solve_contact(sources);
         true
     }
@@ -270,12 +276,12 @@ impl Bundle {
         self.open(path.points[leg + 1].value > path.points[leg].value);
     }
 
-    /// Runs through a leg; with books, after its start.
-    fn leg(&mut self, path: &Path, leg: usize, books: Option<&mut Books>) {
+    /// Runs through a leg; with totals, after its start.
+    fn leg(&mut self, path: &Path, leg: usize, totals: Option<&mut PeriodTotals>) {
         let (from, to) = (path.points[leg], path.points[leg + 1]);
         let rising = to.value > from.value;
         let source = path.source(leg + 1);
-        let Some(books) = books else {
+        let Some(totals) = totals else {
             return self.travel(rising, to.value, source);
         };
         let play = |member: &Member| member.region == Region::Play && member.slip.is_none();
@@ -286,24 +292,24 @@ impl Bundle {
             if (target >= to.value) == rising {
                 break;
             }
-            let phase = books.motion.phase_of(target, &from, &to);
+            let phase = totals.motion.phase_of(target, &from, &to);
             let before = self.total.piece(self.compliance);
             self.remember_pulls();
             let apart = play(&self.members[end.member]);
             self.pass(&end, rising);
             let member = &mut self.members[end.member];
             if apart {
-                books.record.loose.push((member.loose_since, phase));
+                totals.record.loose.push((member.loose_since, phase));
             }
             member.loose_since = phase;
-            books.integrals.change(phase, before, self.total.piece(self.compliance));
-            self.book_pulls(books.integrals, None);
+            totals.integrals.change(phase, before, self.total.piece(self.compliance));
+            self.book_pulls(totals.integrals, None);
             passed += 1;
         }
         for member in self.members.iter().filter(|member| play(member) || member.slip.is_some()) {
-            books.record.loose.push((member.loose_since, to.phase));
+            totals.record.loose.push((member.loose_since, to.phase));
         }
-        books.record.dissipated_energy += self.settle(to.value, source);
+        totals.record.dissipated_energy += self.settle(to.value, source);
     }
 
     /// The pulls that remain of a change, reduced by the spring.

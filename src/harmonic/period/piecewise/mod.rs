@@ -14,7 +14,7 @@ use super::{Cycle, CycleSummary, ForceMap, PeriodicContact};
 use crate::contact::Slider;
 use crate::harmonic::HarmonicError;
 use crate::numeric::HarmonicSet;
-use bundle::{Books, Bundle, MOST_ROUNDS};
+use bundle::{Bundle, MOST_ROUNDS, PeriodTotals};
 use integrals::{Piece, PiecewiseForceIntegrals, Source};
 pub(super) use path::{Path, tip_stiffness};
 use path::{Reach, Record, Region};
@@ -124,7 +124,7 @@ impl PiecewiseCycle {
         self.integrals.turn(self.path.points.len() - 1, before, (Piece::NONE, Source::NONE));
     }
 
-    /// Follows the contact through the period and keeps the books; at rest they are complete.
+    /// Follows the contact through the period and sums the integrals; at rest they are complete.
     fn run_through(&mut self, contact: &PeriodicContact, u: &[f64]) -> Result<Passage, HarmonicError> {
         if contact.law.sliders_and_damper(contact.normal_load, &mut self.sliders).is_none() {
             return Err(HarmonicError::InvalidInput("the contact law is not piecewise linear"));
@@ -145,7 +145,8 @@ impl PiecewiseCycle {
         self.integrals.start(&self.path.points);
         if contact.compliance != 0.0 && self.sliders.len() > 1 {
             let Self { bundle, sliders, path, integrals, record, motion, .. } = self;
-            if !bundle.run(sliders, contact.compliance, path, &mut Books { integrals, record, motion }) {
+            if !bundle.run(sliders, contact.compliance, path, &mut PeriodTotals { integrals, record, motion })
+            {
                 return Err(HarmonicError::ContactNotPeriodic { cycles: MOST_ROUNDS });
             }
             return Ok(Passage::Together);

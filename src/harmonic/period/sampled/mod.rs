@@ -1,6 +1,6 @@
 //! The periodic contact: Fourier coefficients of the displacement in, of the force out.
 //!
-//! This is the seam between the balance equations and the way a contact is integrated over a period:
+//! This is the seam between the balance equations and the scheme by which a contact is integrated over a period:
 //! [`SampledCycle::evaluate`] answers with the force's coefficients and their exact derivatives for
 //! the discretisation it uses. Here the period is sampled (alternating frequency/time, Cameron &
 //! Griffin 1989); within a step the displacement runs linearly, so that the turning points are met
@@ -199,7 +199,7 @@ impl SampledCycle {
         if self.warm {
             self.predict(u);
         } else if !settled {
-            self.start_virgin(contact, angular_frequency);
+            self.start_without_history(contact, angular_frequency);
         }
         self.previous.copy_from_slice(u);
         self.warm = false;
@@ -209,7 +209,7 @@ impl SampledCycle {
             let closure = self.close();
             if from_hint && !(closure.unique && closure.force_change.is_finite()) {
                 from_hint = false;
-                self.start_virgin(contact, angular_frequency);
+                self.start_without_history(contact, angular_frequency);
                 continue;
             }
             // Where the force follows the limit it does not show a change of the state that puts an end to that.
@@ -267,7 +267,7 @@ impl SampledCycle {
     }
 
     /// The state after loading a contact without history to the largest displacement, and its derivative.
-    fn start_virgin(&mut self, contact: &PeriodicContact, angular_frequency: f64) {
+    fn start_without_history(&mut self, contact: &PeriodicContact, angular_frequency: f64) {
         self.origin = self.farthest_sample();
         self.state.copy_from_slice(&self.without_history);
         self.state_sensitivity.fill(0.0);
@@ -302,7 +302,7 @@ impl SampledCycle {
     /// Moves the start towards the periodic state: by Newton's step, or to where the period ended.
     fn improve_start(&mut self, plain: bool, contact: &PeriodicContact, angular_frequency: f64) {
         if plain && self.state.iter().any(|x| !x.is_finite()) {
-            self.start_virgin(contact, angular_frequency);
+            self.start_without_history(contact, angular_frequency);
         } else if plain {
             self.start.copy_from_slice(&self.state);
             self.start_sensitivity.copy_from_slice(&self.state_sensitivity);

@@ -115,7 +115,7 @@ pub fn effect(id: &str) -> Result<&'static Effect, Failure> {
 
 /// Runs `work` with its progress on the terminal.
 pub fn watched<T>(work: impl FnOnce(DiagnoseWatch) -> T) -> T {
-    let meter = progress::Meter::new();
+    let meter = progress::Progress::new();
     let show = |what: &str, done: usize, of: usize| meter.show(what, done, of);
     let done = work(DiagnoseWatch { progress: Some(&show), interrupt: Some(&progress::interrupted) });
     meter.finish();

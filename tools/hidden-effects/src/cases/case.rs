@@ -173,7 +173,7 @@ impl Strength {
 /// Noise of a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
-    /// Share of a channel's root mean square.
+    /// Fraction of a channel's root mean square.
     pub share: f64,
     /// AR(1) with a correlation between 0.9 and 0.95 from sample to sample, instead of white.
     pub coloured: bool,

@@ -41,9 +41,9 @@ pub enum Path {
         frequency: f64,
         /// At the start (rad).
         phase: f64,
-        /// Share of the level at the start.
+        /// Fraction of the level at the start.
         from: f64,
-        /// Share of the level at the end.
+        /// Fraction of the level at the end.
         to: f64,
         /// Time between them (s).
         duration: f64,
@@ -65,7 +65,7 @@ pub enum Path {
         frequencies: [f64; 2],
         /// Of the two at the start (rad).
         phases: [f64; 2],
-        /// Share of the cycles in the level.
+        /// Fraction of the cycles in the level.
         small: f64,
     },
 }

@@ -35,7 +35,7 @@ pub struct Joint {
 pub enum Unknown {
     /// limit · (1 + share · sin(u/length)): a surface that is not alike everywhere.
     PositionDependentFriction {
-        /// Share of the limit (1).
+        /// Fraction of the limit (1).
         share: f64,
         /// Length over which the phase grows by one (m).
         length: f64,
@@ -43,7 +43,7 @@ pub enum Unknown {
     /// limit · (1 + share · ln(1 + θ/dwell)), θ̇ = 1 − |ż| θ/length: contacts that grow in rest and are
     /// renewed by slip (rate and state).
     DwellStrengthening {
-        /// Share of the limit per e-fold (1).
+        /// Fraction of the limit per e-fold (1).
         share: f64,
         /// Time from which growth is logarithmic (s).
         dwell: f64,
@@ -52,7 +52,7 @@ pub enum Unknown {
     },
     /// A second, higher limit once the motion since its reversal exceeds a distance: a ratchet.
     SecondLimit {
-        /// Share of the limit that is added (1).
+        /// Fraction of the limit that is added (1).
         share: f64,
         /// Distance since the reversal (m).
         distance: f64,
@@ -66,7 +66,7 @@ pub enum Unknown {
     },
     /// limit · (1 + share · (1 − exp(−t/time))): a drift with time, whether it slips or not.
     TimeDrift {
-        /// Share of the limit (1).
+        /// Fraction of the limit (1).
         share: f64,
         /// Time constant (s).
         time: f64,
@@ -98,7 +98,7 @@ const SLIDERS: usize = 40;
 /// A contact in motion.
 pub struct Contact<'a> {
     joint: &'a Joint,
-    /// Stiffness, share of the limit and position of each slider.
+    /// Stiffness, fraction of the limit and position of each slider.
     sliders: Vec<Slider>,
     /// Compliance in series (m/N): of the beam against stretching.
     compliance: f64,

@@ -19,7 +19,7 @@ const MODES: usize = 6;
 const SAMPLES: usize = 128;
 const PERIODS: usize = 4;
 const STEPS: usize = 32;
-/// The steady state is reached when a period repeats the one before within this share of its size ...
+/// The steady state is reached when a period repeats the one before within this fraction of its size ...
 const STEADY: f64 = 3e-6;
 /// ... or given up after so many periods.
 const MOST_PERIODS: usize = 1500;
@@ -54,7 +54,7 @@ pub struct Beam {
     /// Mass (kg) and frequency (Hz) of a resonator hung at the contact.
     hanging: Option<(f64, f64)>,
     fault: Option<Fault>,
-    /// Share of the excitation that comes as its third harmonic and is not measured.
+    /// Fraction of the excitation that comes as its third harmonic and is not measured.
     disturbance: f64,
     records: Vec<Excitation>,
     hidden: Vec<Hidden>,

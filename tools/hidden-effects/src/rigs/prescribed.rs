@@ -29,7 +29,7 @@ pub struct Prescribed {
 /// What the normal direction does.
 #[derive(Clone)]
 enum Normal {
-    /// The load swings by a share of its mean, at a multiple of the motion's frequency.
+    /// The load swings by a fraction of its mean, at a multiple of the motion's frequency.
     Swing { share: f64, multiple: f64 },
     /// The approach swings, and the load follows it: stiffness (N/m), cubic stiffness (N/m³), Hunt and
     /// Crossley's factor (s/m).

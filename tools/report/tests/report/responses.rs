@@ -37,8 +37,9 @@ fn point(angular_frequency: f64, level: f64) -> Point {
 
 fn curve(level: f64, ending: Ending) -> ResponseCurve {
     let points = (1..=100).map(|k| point(f64::from(k) * 0.02, level)).collect();
-    let peaks = vec![Peak { node: 0, angular_frequency: 1.0, amplitude: 10.0 * level, level }];
-    let folds = vec![Fold { angular_frequency: 1.2, level, amplitude: vec![2.0] }];
+    let peaks =
+        vec![Peak { node: 0, angular_frequency: 1.0, amplitude: 10.0 * level, level, parameter: 1.0 }];
+    let folds = vec![Fold { angular_frequency: 1.2, level, parameter: 1.0, amplitude: vec![2.0] }];
     let loops =
         vec![ContactLoop { name: "at 1".into(), displacement: vec![-1.0, 1.0], force: vec![-1.0, 1.0] }];
     let curve = Curve { nodes: vec![HOSTILE.into()], points, peaks, folds, ending };

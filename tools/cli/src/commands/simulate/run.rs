@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use stickslip::cosim::{Master, Settings};
 use stickslip_report::simulation::{Column, Simulation};
 
-use crate::progress::{self, Meter};
+use crate::progress::{self, Progress};
 
 /// Parts in which progress is shown.
 const PARTS: usize = 1000;
@@ -26,7 +26,7 @@ pub(super) fn simulate(master: Master, settings: &Settings, every: u64) -> Simul
             .collect(),
         ..Simulation::default()
     };
-    let meter = Meter::new();
+    let meter = Progress::new();
     let span = settings.stop - settings.start;
     let (mut points, mut shown) = (0_u64, usize::MAX);
     let ended = master.run(|point| {

@@ -11,21 +11,21 @@ const LEAST_FRACTION: f64 = 1e-5;
 const LARGEST_CHANGE: f64 = 0.03;
 
 /// The last two values with their solutions, the later one first.
-pub(crate) type Reached = Vec<(f64, Solution)>;
+pub(crate) type LastSolutions = Vec<(f64, Solution)>;
 
 /// What is carried.
-pub(crate) trait Carried {
+pub(crate) trait StepwiseContinuation {
     /// The equations, and how they are solved.
     fn parts(&mut self) -> (&mut dyn PeriodicSystem, &CurveSettings);
 
     /// Where to look for the solution at `value`.
-    fn start(&mut self, value: f64, reached: &Reached) -> Result<Solution, HarmonicError>;
+    fn start(&mut self, value: f64, reached: &LastSolutions) -> Result<Solution, HarmonicError>;
 
     /// Solves at `value` from what `solution` holds.
     fn solve(&mut self, value: f64, solution: &mut Solution) -> Result<Point, HarmonicError>;
 
     /// The solution at `value`, on smaller and smaller steps from the last one.
-    fn reach(&mut self, value: f64, reached: &mut Reached) -> Result<Point, HarmonicError> {
+    fn reach(&mut self, value: f64, reached: &mut LastSolutions) -> Result<Point, HarmonicError> {
         let mut fraction = 1.0;
         loop {
             let next = reached.first().map_or(value, |(from, _)| between(*from, value, fraction));
@@ -44,7 +44,7 @@ pub(crate) trait Carried {
     }
 
     /// One step to a value, with as many harmonics as it takes.
-    fn step(&mut self, value: f64, reached: &mut Reached) -> Result<Point, HarmonicError> {
+    fn step(&mut self, value: f64, reached: &mut LastSolutions) -> Result<Point, HarmonicError> {
         let mut solution = self.start(value, reached)?;
         let mut point = self.solve(value, &mut solution)?;
         loop {
