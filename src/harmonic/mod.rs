@@ -3,12 +3,12 @@
 //! Displacements are sums of harmonics, bias and even harmonics included where symmetry does not exclude
 //! them (the end of a bending beam moves inwards twice per cycle). The rooms, from below:
 //!
-//! - [`period`]: a contact over a period, coefficients of its displacement in, of its force out;
-//! - [`stability`]: whether a small disturbance of a response dies out;
-//! - [`newton`]: Newton's method on balance equations with conditions on top;
-//! - [`continuation`]: a branch of solutions followed by its arc length;
-//! - [`balance`]: the equations of a structure with its contacts;
-//! - [`response`]: responses, curves, resonances; [`modes`]: free vibrations; [`steady`]: records of a beam.
+//! - `period`: a contact over a period, coefficients of its displacement in, of its force out;
+//! - `stability`: whether a small disturbance of a response dies out;
+//! - `newton`: Newton's method on balance equations with conditions on top;
+//! - `continuation`: a branch of solutions followed by its arc length;
+//! - `balance`: the equations of a structure with its contacts;
+//! - `response`: responses, curves, resonances; `modes`: free vibrations; `steady`: records of a beam.
 //!
 //! Coefficients are laid out `[a0, c1, s1, …, cH, sH]` per mode, mode after mode; see [`fourier`].
 
