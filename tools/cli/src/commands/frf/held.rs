@@ -28,6 +28,7 @@ pub fn resonances(
             angular_frequency: at.angular_frequency,
             amplitude: at.amplitude[hold.node],
             level: at.level,
+            parameter: at.parameter,
         }
     };
     let mut peaks: Vec<Peak> = Vec::new();
