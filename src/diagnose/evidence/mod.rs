@@ -33,7 +33,7 @@ use super::candidates::Candidate;
 use super::measurements::weighted_dataset::WeightedDataset;
 use crate::data::Dataset;
 use crate::effects::Scales;
-use crate::model::Model;
+use crate::model::{Model, Structure};
 
 /// All sets of effects that were weighed.
 pub(super) struct Weighed {
@@ -118,9 +118,13 @@ pub(super) fn added(
     search.alone(base).ok_or_else(|| "the effect changes nothing in these records".to_owned())
 }
 
-/// Log evidence of a discrepancy beside a hypothesis over that of none; positive where something is missing.
+/// Log evidence of a discrepancy beside a hypothesis over that of none; positive where something relevant is missing.
 pub(super) fn doubt(data: &Measured, of: &Posterior) -> Result<f64, String> {
-    Ok(discrepancy::about(data, of)?.log_evidence - of.log_evidence)
+    let doubt = discrepancy::about(data, of)?;
+    // On a structure the discrepancy is a residual, whose smallest size is a relevant one.
+    let prescribed = of.model.structure == Structure::Prescribed;
+    let small = prescribed && data.distance(&doubt.predictions, &of.predictions) < RELEVANT;
+    Ok(if small { f64::NEG_INFINITY } else { doubt.log_evidence - of.log_evidence })
 }
 
 /// `model` with those of its parameters that `free` names fitted to one record.
