@@ -1,6 +1,7 @@
 //! A contact with the physical effects that act in it.
 
 mod base;
+mod changes;
 mod end;
 mod jump;
 mod look;
@@ -11,11 +12,10 @@ mod tangents;
 use super::element::Element;
 use super::error::{Bounds, LawError, checked};
 use super::kind::{BaseLaw, JointBase};
-use super::{
-    ContactLaw, Inputs, JointChanges, Jump, ParallelSliders, Response, Slider, SlipState, StateTangents,
-};
+use super::{ContactLaw, Inputs, Jump, ParallelSliders, Response, Slider, SlipState, StateTangents};
 use crate::vocabulary::{self as v, Quantity};
 use base::Base;
+pub use changes::JointChanges;
 use end::End;
 use look::Look;
 use sliders::Sliders;

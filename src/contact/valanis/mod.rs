@@ -1,10 +1,10 @@
 //! Valanis' endochronic law in the form used for frictional joints; motion.rs: the motions of one step.
 
+mod endochronic;
 mod motion;
 
 use motion::{BEHIND, Curve};
 
-use crate::contact::endochronic::advance;
 use crate::contact::error::{Bounds, LawError, checked};
 use crate::contact::gradual::{Gradual, GradualLaw, STATE};
 use crate::contact::kind::{self, LawKind, LawParameter, LawRule, LawValues};
@@ -12,6 +12,7 @@ use crate::contact::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tan
 use crate::vocabulary::{
     FRICTION_COEFFICIENT, NORMAL_LOAD, RESIDUAL_STIFFNESS, SMOOTHNESS, Scale, TANGENTIAL_STIFFNESS,
 };
+use endochronic::advance;
 
 /// Valanis' law: slip sets in gradually, without a switch, and may keep a residual stiffness.
 ///

@@ -1,6 +1,6 @@
 //! The motions of which a step of Valanis' law is made, each in closed form under one load.
 
-use crate::contact::endochronic::{Stretch, advance, dissipation, within};
+use super::endochronic::{Stretch, advance, dissipation, within};
 use crate::contact::gradual::Gradual;
 use crate::contact::{Inputs, cut_to};
 

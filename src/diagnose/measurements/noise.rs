@@ -18,14 +18,7 @@ pub(in crate::diagnose) fn driver(record: &Record) -> Option<&Channel> {
 /// repeated periods or records show it.
 pub fn noise_of(model: &Model, dataset: &Dataset) -> Vec<Noise> {
     let lane = |record| {
-        let mut lane = RecordResiduals {
-            record,
-            measured: Vec::new(),
-            weights: Vec::new(),
-            scales: Vec::new(),
-            channels: Vec::new(),
-            seed: None,
-        };
+        let mut lane = RecordResiduals::empty(record, None);
         for channel in compared(model, record) {
             let start = lane.measured.len();
             lane.measured.extend_from_slice(&channel.values);

@@ -195,14 +195,7 @@ fn square(scored: &Scored) -> f64 {
 fn lane<'d>(model: &Model, record: &'d Record) -> Result<RecordResiduals<'d>, String> {
     // Building a simulation says what the record lacks.
     let seed = ObservedSimulation::new(model, record)?.solution().cloned().map(Seed::Near);
-    let mut lane = RecordResiduals {
-        record,
-        measured: Vec::new(),
-        weights: Vec::new(),
-        scales: Vec::new(),
-        channels: Vec::new(),
-        seed,
-    };
+    let mut lane = RecordResiduals::empty(record, seed);
     for channel in compared(model, record) {
         let start = lane.measured.len();
         lane.measured.extend_from_slice(&channel.values);
@@ -215,6 +208,12 @@ fn lane<'d>(model: &Model, record: &'d Record) -> Result<RecordResiduals<'d>, St
 }
 
 impl<'d> RecordResiduals<'d> {
+    /// Without a channel yet.
+    pub fn empty(record: &'d Record, seed: Option<Seed>) -> Self {
+        let (measured, weights, scales, channels) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { record, measured, weights, scales, channels, seed }
+    }
+
     /// A simulation of the record.
     pub fn shown(&self, model: &Model) -> Result<ObservedSimulation<'d>, String> {
         ObservedSimulation::near(model, self.record, self.seed.as_ref())

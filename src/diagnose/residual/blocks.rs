@@ -34,18 +34,21 @@ impl Gain {
 pub(in crate::diagnose) fn length<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> usize {
     let series: Vec<&[f64]> = residuals.collect();
     let longest = (typical(&series) / FEWEST).max(1);
-    let product = |lag: usize| -> f64 {
-        series
-            .iter()
-            .map(|one| one.iter().zip(one.get(lag..).unwrap_or(&[])).map(|(a, b)| a * b).sum::<f64>())
-            .sum()
-    };
+    let product = |lag: usize| product_at_lag(&series, lag);
     let power = product(0);
     let mut lag = 1;
     while lag < longest && product(lag) > INDEPENDENT * power {
         lag += 1 + lag / 8;
     }
     (2 * lag).max(SHORTEST).min(longest.max(SHORTEST))
+}
+
+/// Sum over all series of the products of values `lag` samples apart.
+fn product_at_lag(series: &[&[f64]], lag: usize) -> f64 {
+    series
+        .iter()
+        .map(|one| one.iter().zip(one.get(lag..).unwrap_or(&[])).map(|(a, b)| a * b).sum::<f64>())
+        .sum()
 }
 
 /// Middle one of the lengths: a single short record does not set the measure of all.
@@ -59,12 +62,7 @@ fn typical(series: &[&[f64]]) -> usize {
 pub(in crate::diagnose) fn correlation<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> f64 {
     let series: Vec<&[f64]> = residuals.collect();
     let longest = typical(&series) / FEWEST;
-    let product = |lag: usize| -> f64 {
-        series
-            .iter()
-            .map(|one| one.iter().zip(one.get(lag..).unwrap_or(&[])).map(|(a, b)| a * b).sum::<f64>())
-            .sum()
-    };
+    let product = |lag: usize| product_at_lag(&series, lag);
     let power = product(0);
     let mut sum = 1.0;
     for lag in 1..longest {

@@ -1,13 +1,15 @@
 //! Bouc's and Wen's law with the friction limit of a contact.
 
+mod saturation;
+
 use std::ops::Bound;
 
-use super::error::{Bounds, LawError, checked, checked_pair};
-use super::gradual::{Gradual, GradualLaw, STATE};
-use super::kind::{self, LawKind, LawParameter, LawValues};
-use super::saturation::{Reached, Saturation};
-use super::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tangents};
+use crate::contact::error::{Bounds, LawError, checked, checked_pair};
+use crate::contact::gradual::{Gradual, GradualLaw, STATE};
+use crate::contact::kind::{self, LawKind, LawParameter, LawValues};
+use crate::contact::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tangents};
 use crate::vocabulary::{self as v, Scale};
+use saturation::{Reached, Saturation};
 
 /// Bouc and Wen's law: slip sets in as gradually as the exponent n says, and unloading may be stiffer than stick.
 ///

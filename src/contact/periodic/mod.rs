@@ -4,8 +4,10 @@
 //! a factor `exp(−4 (1 − κ) λ X)` a period), so it is solved for: Newton on the map of one period,
 //! whose derivative, the monodromy, is the product of the steps' state tangents.
 
-use super::singular_values::{multiply, orthogonalize_columns, set_identity};
-use super::{ContactLaw, Inputs, StateTangents};
+mod singular_values;
+
+use crate::contact::{ContactLaw, Inputs, StateTangents};
+use singular_values::{multiply, orthogonalize_columns, set_identity};
 
 /// One period of inputs, `n` samples; sample 0 follows the last.
 #[derive(Debug, Clone, Copy)]
