@@ -14,7 +14,7 @@ use stickslip_hidden_effects::cases::sealed::sealed;
 use stickslip_hidden_effects::scoring::run::{self, Plan, Task};
 use stickslip_hidden_effects::scoring::truth::Truth;
 use stickslip_hidden_effects::scoring::visibility::visibility;
-use stickslip_hidden_effects::scoring::{agreement, table};
+use stickslip_hidden_effects::scoring::{agreement, machine, table};
 
 /// Simulated measurements with a hidden effect, and the score of a diagnosis of them
 #[derive(Parser)]
@@ -177,7 +177,7 @@ fn score(arguments: &Arguments, tasks: &[Task], set: &str) -> Result<(), String>
     println!("{page}");
     let mut targets = vec![
         (arguments.out.join(format!("{set}.md")), page.clone()),
-        (arguments.out.join(format!("{set}.json")), format!("{:#}\n", table::machine_readable(&outcomes))),
+        (arguments.out.join(format!("{set}.json")), format!("{:#}\n", machine::readable(&outcomes))),
     ];
     targets.extend(arguments.table.iter().map(|path| (path.clone(), page.clone())));
     for (path, text) in targets {

@@ -18,8 +18,9 @@ const USAGE: &str = "usage: cargo xtask TASK
   golden          regenerate the golden files under modelDescription/ (review the diff)
   figures         lines and files per folder, long functions, public items without an example; with a number, the
                   seconds of the last timed build
-  hidden-effects  find hidden effects in simulated measurements and write benches/hidden-effects.md;
-                  with arguments (--help lists them) only what they say, and the table under target/
+  hidden-effects  find hidden effects in simulated measurements and write benches/hidden-effects.md, with --set 2
+                  those of another set and benches/hidden-effects-set-2.md; with a selection of cases (--help lists
+                  the arguments) only what it says, and the table under target/
   cosimulation    errors of coupled slaves over the communication step; write benches/cosimulation.md and .svg
 ";
 
@@ -98,11 +99,27 @@ fn hidden_effects(arguments: Vec<String>) -> Result<(), String> {
     if runs {
         cargo(&["build", "--release", "--package", "stickslip-cli"], &[])?;
     }
-    let whole = arguments.iter().all(|word| ["--fresh", "--resume"].contains(&word.as_str()));
-    let table: &[&str] = if whole { &["--table", "benches/hidden-effects.md"] } else { &[] };
+    let page = hidden_effects_page(&arguments);
+    let table: Vec<&str> = page.iter().flat_map(|page| ["--table", page]).collect();
     let benchmark = ["run", "--quiet", "--release", "--package", "stickslip-hidden-effects", "--"];
     let given: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    cargo(&[&benchmark[..], &given, table].concat(), &[])
+    cargo(&[&benchmark[..], &given, &table].concat(), &[])
+}
+
+/// The committed page that a run of all cases of a set writes; `None` for a selection of them, or where the page is said.
+fn hidden_effects_page(arguments: &[String]) -> Option<String> {
+    let mut set = "0";
+    let mut words = arguments.iter();
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--fresh" | "--resume" => {}
+            "--jobs" | "--longest" => drop(words.next()),
+            "--set" => set = words.next()?,
+            _ => return None,
+        }
+    }
+    let other = if set == "0" { String::new() } else { format!("-set-{set}") };
+    Some(format!("benches/hidden-effects{other}.md"))
 }
 
 /// A virtual environment under `target/` with exactly the pinned packages; made anew when the pins change.
@@ -166,4 +183,24 @@ fn root() -> PathBuf {
 /// Where cargo builds.
 fn target() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_all_cases_of_a_set_write_a_committed_page() {
+        let page = |words: &str| {
+            hidden_effects_page(&words.split_whitespace().map(str::to_owned).collect::<Vec<_>>())
+        };
+        assert_eq!(page("").unwrap(), "benches/hidden-effects.md");
+        assert_eq!(page("--resume --jobs 1 --longest 250").unwrap(), "benches/hidden-effects.md");
+        assert_eq!(page("--set 2 --fresh").unwrap(), "benches/hidden-effects-set-2.md");
+        for selection in
+            ["--kind beam", "--set 2 --filter backlash", "--cases 3", "--list", "--table x.md", "--data d"]
+        {
+            assert_eq!(page(selection), None);
+        }
+    }
 }

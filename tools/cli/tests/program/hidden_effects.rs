@@ -14,6 +14,7 @@ use stickslip_fmu_package::{library_extension, platform};
 use stickslip_hidden_effects::cases::case::{Case, Kind, Noise, Strength};
 use stickslip_hidden_effects::cases::files;
 use stickslip_hidden_effects::motion::drive::Drive;
+use stickslip_hidden_effects::rigs::setting::Setting;
 use tempfile::TempDir;
 
 use crate::support::{error, read_json, stickslip};
@@ -37,6 +38,7 @@ fn hidden_in(kind: Kind, effects: &[&'static str], fraction: f64) -> TempDir {
         strength: Strength::Full,
         noise: Noise { share: fraction, coloured: false },
         drive: Drive::Stationary,
+        setting: Setting::Usual,
         replica: 1,
     };
     let folder = tempfile::tempdir().unwrap();

@@ -5,11 +5,13 @@ use std::fmt;
 use crate::motion::drive::Drive;
 use crate::records::random::Random;
 use crate::records::record::Record;
+use crate::records::spoilt::Spoilt;
 use crate::rigs::beam::Beam;
-use crate::rigs::effect::{Hidden, UNKNOWN};
+use crate::rigs::effect::{Hidden, MICRO_SLIP_OF, UNKNOWN};
 use crate::rigs::oscillator::Oscillator;
 use crate::rigs::prescribed::Prescribed;
 use crate::rigs::rig::Rig;
+use crate::rigs::setting::Setting;
 
 /// The effects that a joint can have in every kind of model, but wear of a beam.
 const OF_JOINTS: [&str; 9] = [
@@ -22,6 +24,17 @@ const OF_JOINTS: [&str; 9] = [
     "backlash",
     "stiffening",
     "asymmetry",
+];
+
+/// Physics and faults outside the catalogue that came later than those of [`Kind::outside`].
+pub(super) const LATER_OUTSIDE: [&str; 7] = [
+    "unknown:stick_ageing",
+    "unknown:power_law_damping",
+    "unknown:lugre",
+    "unknown:stiffness_drift",
+    "unknown:hum",
+    "unknown:clipping",
+    "unknown:drop_outs",
 ];
 
 /// Kind of model.
@@ -74,6 +87,17 @@ impl Kind {
         };
         let of_joints = OF_JOINTS.iter().filter(|id| self != Kind::Beam || **id != "wear");
         of_joints.chain(own).copied().collect()
+    }
+
+    /// Whether its experiments know such a setting.
+    fn has(self, setting: Setting) -> bool {
+        match setting {
+            Setting::Usual => true,
+            Setting::Records32 => self != Kind::Beam,
+            Setting::Further | Setting::Records128 | Setting::LongDelay => self == Kind::Contact,
+            Setting::NoiseUntold | Setting::MassOff | Setting::Coarse => self == Kind::Oscillator,
+            Setting::HeldLevels => self == Kind::Beam,
+        }
     }
 
     pub(super) fn pairs(self) -> &'static [[&'static str; 2]] {
@@ -192,6 +216,8 @@ pub struct Case {
     pub noise: Noise,
     /// How its records move.
     pub drive: Drive,
+    /// What else is unlike the usual.
+    pub setting: Setting,
     /// Distinguishes cases that are otherwise alike.
     pub replica: usize,
 }
@@ -204,6 +230,8 @@ pub struct Drawn {
     pub off: Vec<f64>,
     noise: Noise,
     noise_seed: u64,
+    spoilt: Option<Spoilt>,
+    hidden: Vec<Hidden>,
 }
 
 impl Case {
@@ -211,8 +239,12 @@ impl Case {
     pub fn name(&self) -> String {
         let effects = if self.effects.is_empty() { "none".to_owned() } else { self.effects.join("+") };
         let colour = if self.noise.coloured { "coloured" } else { "white" };
+        let setting = match self.setting.word() {
+            "" => String::new(),
+            word => format!("-{word}"),
+        };
         format!(
-            "{}-{}-{}-{}%-{colour}-{}{}",
+            "{}-{}-{}-{}%-{colour}-{}{}{setting}",
             self.kind,
             effects.replace(':', "-"),
             self.strength.word(),
@@ -233,14 +265,37 @@ impl Case {
         if self.kind != Kind::Contact && self.drive.is_moving() {
             return Err(format!("a case of kind {} has stationary records only", self.kind));
         }
+        if !self.kind.has(self.setting) {
+            return Err(format!("no case of kind {} is {}", self.kind, self.setting.word()));
+        }
+        let (spoiling, effects): (Vec<&str>, Vec<&str>) =
+            self.effects.iter().partition(|id| Spoilt::IDS.contains(id));
         let rig: Box<dyn Rig> = match self.kind {
-            Kind::Contact => Box::new(Prescribed::draw(self.drive, &self.effects, strength, &mut system)?),
-            Kind::Oscillator => Box::new(Oscillator::draw(&self.effects, strength, &mut system)?),
-            Kind::Beam => Box::new(Beam::draw(&self.effects, strength, &mut system)?),
+            Kind::Contact => {
+                Box::new(Prescribed::draw(self.drive, self.setting, &effects, strength, &mut system)?)
+            }
+            Kind::Oscillator => Box::new(Oscillator::draw(self.setting, &effects, strength, &mut system)?),
+            Kind::Beam => Box::new(Beam::draw(self.setting, &effects, strength, &mut system)?),
         };
         let mut ignorance = random.fork();
         let off = rig.ignorance().iter().map(|half_width| ignorance.about_one(*half_width)).collect();
-        Ok(Drawn { rig, off, noise: self.noise, noise_seed: random.bits() })
+        let noise_seed = random.bits();
+        let spoilt = spoiling.first().and_then(|id| Spoilt::draw(id, strength, &mut random.fork()));
+        let mut hidden = rig.hidden().to_vec();
+        hidden.extend(spoiling.iter().map(|id| Hidden::new(id, &[])));
+        Ok(Drawn { rig, off, noise: self.noise, noise_seed, spoilt, hidden })
+    }
+
+    /// What the case asks that the first cases did not, in a word; `None` for these.
+    pub fn question(&self) -> Option<&str> {
+        let later = |id: &&&str| id.starts_with(MICRO_SLIP_OF) || LATER_OUTSIDE.contains(id);
+        match (self.setting, self.drive) {
+            (Setting::Usual, Drive::Ramped) => Some("ramped"),
+            (Setting::Usual, _) => {
+                self.effects.iter().find(later).map(|id| id.rsplit(':').next().unwrap_or(id))
+            }
+            (setting, _) => Some(setting.word()),
+        }
     }
 
     /// Whether what is hidden is in no catalogue.
@@ -259,14 +314,27 @@ impl Drawn {
             let tell = self.rig.tells_noise(record.regime);
             record.measure(self.noise.share, correlation, tell, &mut random.fork());
         }
+        if let Some(spoilt) = &self.spoilt {
+            spoilt.spoil(&mut records, &mut random);
+        }
         records
     }
 
     /// The true model with all that is hidden in it; `None` when the catalogue has no words for it.
     pub fn true_model(&self) -> Option<String> {
         let exact = vec![1.0; self.off.len()];
-        let entries: Option<Vec<String>> = self.rig.hidden().iter().map(Hidden::entry).collect();
+        let entries: Option<Vec<String>> = self.hidden.iter().map(Hidden::entry).collect();
         Some(self.rig.model(&exact) + &entries?.concat())
+    }
+
+    /// What is hidden, in the experiment and in what was written down of it.
+    pub fn hidden(&self) -> &[Hidden] {
+        &self.hidden
+    }
+
+    /// The names by which a program may tell what spoilt the measurement.
+    pub fn faults(&self) -> &'static [&'static str] {
+        self.spoilt.as_ref().map_or(&[], Spoilt::names)
     }
 
     /// The engineer's model.

@@ -95,20 +95,25 @@ fn rounded(value: f64, digits: usize) -> String {
 /// A case that cannot be drawn.
 pub fn truth(case: &Case) -> Result<Value, String> {
     let drawn = case.draw()?;
-    let effect = if case.effects.is_empty() { "none".to_owned() } else { case.effects.join("+") };
+    let effects: Vec<&str> = drawn.hidden().iter().map(|hidden| hidden.id.as_str()).collect();
+    let effect = if effects.is_empty() { "none".to_owned() } else { effects.join("+") };
     let mut parameters = Map::new();
     let mut places = Map::new();
-    for hidden in drawn.rig.hidden() {
+    let mut law = None;
+    for hidden in drawn.hidden() {
         let values = hidden.parameters.iter().map(|(name, value)| ((*name).to_owned(), json!(value)));
         parameters.insert(hidden.id.clone(), Value::Object(values.collect()));
         if !hidden.place.is_empty() {
             places.insert(hidden.id.clone(), json!(hidden.place));
         }
+        if !hidden.law.is_empty() {
+            law = Some(hidden.law.clone());
+        }
     }
     let mut truth = json!({
         "family": case.kind.word(),
         "effect": effect,
-        "effects": case.effects,
+        "effects": effects,
         "noise": case.noise.share,
         "coloured": case.noise.coloured,
         "strength": case.strength.word(),
@@ -118,6 +123,15 @@ pub fn truth(case: &Case) -> Result<Value, String> {
     // Told only where it is so, as in names.
     if case.drive.is_moving() {
         truth["moving"] = json!(true);
+    }
+    if let Some(question) = case.question() {
+        truth["question"] = json!(question);
+    }
+    if let Some(law) = law {
+        truth["law"] = json!(law);
+    }
+    if !drawn.faults().is_empty() {
+        truth["faults"] = json!(drawn.faults());
     }
     Ok(truth)
 }

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::motion::moving;
 use crate::motion::path::Path;
+use crate::motion::{moving, ramped};
 use crate::records::random::Random;
 use crate::records::record::Regime;
 
@@ -17,6 +17,8 @@ pub enum Drive {
     Moving,
     /// The same, and nobody has looked at the noise: neither repeats nor the dataset tell it.
     MovingUntold,
+    /// Sines that grow from rest in ramps and are held after each: cycles repeat while a level is held.
+    Ramped,
 }
 
 /// Samples of a stationary record over three periods, the last instant included.
@@ -57,7 +59,7 @@ pub struct Motion {
 impl Drive {
     /// Whether its records are not stationary.
     pub fn is_moving(self) -> bool {
-        self != Drive::Stationary
+        matches!(self, Drive::Moving | Drive::MovingUntold)
     }
 
     /// What a case's name ends with. Stationary records are not told: most names are older than the word.
@@ -66,6 +68,7 @@ impl Drive {
             Drive::Stationary => "",
             Drive::Moving => "-moving",
             Drive::MovingUntold => "-moving-untold",
+            Drive::Ramped => "-ramped",
         }
     }
 
@@ -78,6 +81,9 @@ impl Drive {
             Drive::Moving | Drive::MovingUntold => {
                 moving::PLAN.map(|plan| in_motion(plan, yield_displacement, &mut random.fork())).to_vec()
             }
+            Drive::Ramped => {
+                ramped::PLAN.map(|plan| in_ramps(plan, yield_displacement, &mut random.fork())).to_vec()
+            }
         }
     }
 
@@ -86,6 +92,7 @@ impl Drive {
         match self {
             Drive::Stationary => 55.0,
             Drive::Moving | Drive::MovingUntold => moving::TRAVEL,
+            Drive::Ramped => ramped::TRAVEL,
         }
     }
 }
@@ -129,6 +136,21 @@ fn in_motion(
         samples: (course.duration * course.rate).floor() as usize + 1,
         period: 1.0 / course.rate,
         path: course.path,
+    }
+}
+
+fn in_ramps((level, frequency): (f64, f64), yield_displacement: f64, random: &mut Random) -> Motion {
+    let amplitude = level * random.about_one(0.1) * yield_displacement;
+    let (stretch, phases) = beginning(Regime::FromRest, random);
+    Motion {
+        amplitude,
+        pace: frequency,
+        regime: Regime::FromRest,
+        stretch,
+        phases,
+        samples: ramped::PERIODS as usize * ramped::SAMPLES + 1,
+        period: 1.0 / frequency / ramped::SAMPLES as f64,
+        path: ramped::path(frequency, random),
     }
 }
 
@@ -179,7 +201,7 @@ mod tests {
 
     #[test]
     fn a_record_from_rest_begins_without_displacement_and_without_speed() {
-        for motion in every_motion(Drive::Moving).chain(every_motion(Drive::Stationary)) {
+        for motion in [Drive::Moving, Drive::Stationary, Drive::Ramped].into_iter().flat_map(every_motion) {
             if motion.regime == Regime::FromRest {
                 assert_eq!([-1.0, -motion.period, 0.0].map(|time| motion.displacement(time)), [0.0; 3]);
                 // Of the displacement that a constant speed would give, next to nothing.
@@ -190,7 +212,7 @@ mod tests {
 
     #[test]
     fn motions_reach_their_level_and_turn_without_a_jump() {
-        for motion in every_motion(Drive::Moving) {
+        for motion in [Drive::Moving, Drive::Ramped].into_iter().flat_map(every_motion) {
             let places: Vec<f64> = motion.times().iter().map(|time| motion.displacement(*time)).collect();
             let largest = places.iter().fold(0.0_f64, |largest, place| largest.max(place.abs()));
             // Two waves need not be at their largest together, nor a sine when its amplitude is.
@@ -204,7 +226,7 @@ mod tests {
 
     #[test]
     fn records_hold_stick_partial_and_gross_slip_and_travel_as_far_as_said() {
-        for drive in [Drive::Stationary, Drive::Moving] {
+        for drive in [Drive::Stationary, Drive::Moving, Drive::Ramped] {
             let mut furthest: f64 = 0.0;
             for seed in 1..20 {
                 let slips: Vec<f64> = drive.motions(1.0, &mut Random::new(seed)).iter().map(slip).collect();

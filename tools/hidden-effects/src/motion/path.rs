@@ -59,6 +59,15 @@ pub enum Path {
         /// When nothing is left of it (s).
         duration: f64,
     },
+    /// A sine whose amplitude grows from nothing in steps.
+    Treads {
+        /// Hz.
+        frequency: f64,
+        /// At the start (rad).
+        phase: f64,
+        /// The steps.
+        treads: Vec<Tread>,
+    },
     /// Small cycles on a slow motion.
     Ride {
         /// Of the slow motion and of the cycles (Hz).
@@ -68,6 +77,17 @@ pub enum Path {
         /// Fraction of the cycles in the level.
         small: f64,
     },
+}
+
+/// A step of an amplitude.
+#[derive(Debug, Clone)]
+pub struct Tread {
+    /// When (s).
+    pub begins: f64,
+    /// How long it takes (s).
+    pub lasts: f64,
+    /// By how much.
+    pub rises: f64,
 }
 
 /// Where the speed of a ramp changes.
@@ -108,6 +128,13 @@ impl Path {
                 let part = part.clamp(0.0, 1.0);
                 part * part * (3.0 - 2.0 * part) * (TAU * frequency * time + phase).sin()
             }
+            Path::Treads { frequency, phase, treads } => {
+                let level = treads.iter().map(|tread| {
+                    let part = ((time - tread.begins) / tread.lasts).clamp(0.0, 1.0);
+                    tread.rises * part * part * (3.0 - 2.0 * part)
+                });
+                level.sum::<f64>() * (TAU * frequency * time + phase).sin()
+            }
             Path::Ride { frequencies, phases, small } => {
                 let wave = |index: usize| (TAU * frequencies[index] * time + phases[index]).sin();
                 (1.0 - small) * wave(0) + small * wave(1)
@@ -117,7 +144,7 @@ impl Path {
 
     /// Whether it begins with no displacement and no speed by itself.
     pub fn begins_at_rest(&self) -> bool {
-        matches!(self, Path::Ramps { .. } | Path::Swell { .. })
+        matches!(self, Path::Ramps { .. } | Path::Swell { .. } | Path::Treads { .. })
     }
 }
 

@@ -11,6 +11,8 @@ pub struct Hidden {
     pub place: String,
     /// Its parameters by the catalogue's names, SI.
     pub parameters: Vec<(&'static str, f64)>,
+    /// The contact law that the data were made with and that describes it best; empty for none in particular.
+    pub law: String,
 }
 
 impl Hidden {
@@ -21,14 +23,19 @@ impl Hidden {
 
     /// Something hidden at a place.
     pub fn at(id: &str, place: String, parameters: &[(&'static str, f64)]) -> Self {
-        Self { id: id.to_owned(), place, parameters: parameters.to_vec() }
+        Self { id: id.to_owned(), place, parameters: parameters.to_vec(), law: String::new() }
+    }
+
+    /// Something hidden that another contact law shows.
+    pub fn of_law(id: &str, law: &str) -> Self {
+        Self { law: law.to_owned(), ..Self::new(id, &[]) }
     }
 }
 
 impl Hidden {
-    /// As an `[[effect]]` of a model file; `None` outside the catalogue.
+    /// As an `[[effect]]` of a model file; `None` outside the catalogue, and where it is another law.
     pub fn entry(&self) -> Option<String> {
-        if self.id.starts_with(UNKNOWN) {
+        if self.id.starts_with(UNKNOWN) || !self.law.is_empty() {
             return None;
         }
         let mut text = format!("\n[[effect]]\nid = \"{}\"\n", self.id);
@@ -45,3 +52,6 @@ impl Hidden {
 
 /// What begins the name of an effect that no catalogue has.
 pub const UNKNOWN: &str = "unknown:";
+
+/// What begins the name of micro-slip that is another contact law; the law follows.
+pub const MICRO_SLIP_OF: &str = "micro_slip:";

@@ -1,8 +1,12 @@
 //! Drawing effects of the contact in the measures of a motion.
 
-use crate::physics::friction::{Joint, Unknown};
+use std::f64::consts::TAU;
+
+use crate::physics::gradual::Gradual;
+use crate::physics::joint::Joint;
+use crate::physics::unknown::Unknown;
 use crate::records::random::Random;
-use crate::rigs::effect::{Hidden, UNKNOWN};
+use crate::rigs::effect::{Hidden, MICRO_SLIP_OF, UNKNOWN};
 
 /// The measures of a motion, by which the sizes of effects are drawn.
 #[derive(Debug, Clone, Copy)]
@@ -33,6 +37,10 @@ pub fn hide(
     joint: &mut Joint,
     random: &mut Random,
 ) -> Option<Hidden> {
+    if let Some(law) = id.strip_prefix(MICRO_SLIP_OF) {
+        joint.gradual = Some(gradual(law, random)?);
+        return Some(Hidden::of_law("micro_slip", law));
+    }
     let at_reach = measures.reach * measures.yield_displacement;
     let parameters: Vec<(&'static str, f64)> = match id {
         "micro_slip" => {
@@ -72,12 +80,33 @@ pub fn hide(
             joint.asymmetry = strength * random.sign() * random.between(0.15, 0.3);
             vec![("asymmetry", joint.asymmetry)]
         }
+        "unknown:lugre" => {
+            joint.gradual = Some(Gradual::LuGre {
+                rise: strength * random.between(0.4, 0.7),
+                speed: random.between(3.0, 6.0) * measures.slow_speed,
+                damping: random.between(0.1, 0.2) * measures.limit / measures.high_speed,
+            });
+            Vec::new()
+        }
         _ => {
             joint.unknown = Some(unknown(id.strip_prefix(UNKNOWN)?, strength, measures, joint, random)?);
             Vec::new()
         }
     };
     Some(Hidden::new(id, &parameters))
+}
+
+/// A contact law whose slip is gradual.
+fn gradual(law: &str, random: &mut Random) -> Option<Gradual> {
+    Some(match law {
+        "dahl" => Gradual::Dahl,
+        "bouc_wen" => Gradual::BoucWen {
+            sharpness: random.between(1.0, 2.5),
+            unloading_ratio: random.between(1.0, 1.6),
+        },
+        "valanis" => Gradual::Valanis { smoothness: random.between(0.2, 0.6) },
+        _ => return None,
+    })
 }
 
 fn unknown(
@@ -112,6 +141,19 @@ fn unknown(
                 times: (0..4).map(|decade| slowest * 10_f64.powi(-decade)).collect(),
             }
         }
+        "stick_ageing" => Unknown::StickAgeing {
+            share: strength * random.between(0.3, 0.5),
+            time: random.between(0.7, 1.5) * 0.1 * TAU * length / measures.slow_speed,
+        },
+        "power_law_damping" => {
+            let exponent = 0.3;
+            let force = strength * random.between(0.15, 0.3) * measures.limit;
+            Unknown::PowerLawDamping { coefficient: force / measures.high_speed.powf(exponent), exponent }
+        }
+        "stiffness_drift" => Unknown::StiffnessDrift {
+            share: strength * random.sign() * random.between(0.25, 0.4),
+            time: random.between(0.2, 0.4) * measures.duration,
+        },
         "time_drift" => Unknown::TimeDrift {
             share: strength * random.sign() * random.between(0.25, 0.4),
             time: random.between(0.2, 0.4) * measures.duration,

@@ -4,12 +4,14 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 use crate::motion::drive::{Drive, Motion};
-use crate::physics::friction::{Contact, Joint};
+use crate::physics::contact::Contact;
+use crate::physics::joint::Joint;
 use crate::records::random::Random;
 use crate::records::record::{Column, Fault, Fine, Record, Regime, Role};
 use crate::rigs::effect::Hidden;
 use crate::rigs::joint_effects::{self, Measures};
 use crate::rigs::rig::Rig;
+use crate::rigs::setting::Setting;
 
 /// Steps of the simulation between samples.
 const STEPS: usize = 32;
@@ -23,6 +25,8 @@ pub struct Prescribed {
     motions: Vec<Motion>,
     fault: Option<Fault>,
     disturbance: Option<(f64, f64)>,
+    /// Multiple of a sensor's usual delay.
+    lateness: f64,
     hidden: Vec<Hidden>,
 }
 
@@ -41,14 +45,20 @@ impl Prescribed {
     ///
     /// # Errors
     /// An effect that cannot be hidden in a bare contact.
-    pub fn draw(drive: Drive, effects: &[&str], strength: f64, random: &mut Random) -> Result<Self, String> {
+    pub fn draw(
+        drive: Drive,
+        setting: Setting,
+        effects: &[&str],
+        strength: f64,
+        random: &mut Random,
+    ) -> Result<Self, String> {
         let mut numbers = random.fork();
         let stiffness = numbers.magnitude(3e6, 9e6);
         let joint = Joint::jenkins(stiffness, numbers.between(0.35, 0.7));
         let normal_load = numbers.between(50.0, 180.0);
         let limit = joint.friction_coefficient * normal_load;
         let yield_displacement = limit / stiffness;
-        let motions = drive.motions(yield_displacement, random);
+        let motions = (0..setting.rounds()).flat_map(|_| drive.motions(yield_displacement, random)).collect();
         let mut rig = Self {
             drive,
             joint,
@@ -57,6 +67,7 @@ impl Prescribed {
             motions,
             fault: None,
             disturbance: None,
+            lateness: if setting == Setting::LongDelay { 2.7 } else { 1.0 },
             hidden: Vec::new(),
         };
         let measures = Measures {
@@ -97,7 +108,7 @@ impl Prescribed {
             }
             "normal_hardening" | "impact_damping" => self.press(id, strength, random),
             "sensor_delay" => {
-                let delay = strength * random.between(0.004, 0.007);
+                let delay = self.lateness * strength * random.between(0.004, 0.007);
                 self.fault = Some(Fault { delay, ..Fault::none(force()) });
                 Hidden::at(id, force(), &[("delay", delay)])
             }
@@ -286,7 +297,9 @@ mod tests {
     #[test]
     fn at_its_first_sample_a_record_is_in_motion_already() {
         for drive in [Drive::Stationary, Drive::Moving] {
-            let damped = Prescribed::draw(drive, &["contact_damping"], 1.0, &mut Random::new(3)).unwrap();
+            let damped =
+                Prescribed::draw(drive, Setting::Usual, &["contact_damping"], 1.0, &mut Random::new(3))
+                    .unwrap();
             let mut plain = damped.clone();
             plain.joint.damping = 0.0;
             for (motion, (with, without)) in

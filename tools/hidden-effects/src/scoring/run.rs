@@ -31,6 +31,8 @@ pub struct Outcome {
     pub name: String,
     /// What it hides.
     pub truth: Truth,
+    /// The program's exit code, where there was one.
+    pub exit: Option<i32>,
     /// What the program said.
     pub diagnosis: Diagnosis,
     /// How right that is.
@@ -68,14 +70,15 @@ pub fn run(plan: &Plan, tasks: &[Task]) -> Result<Vec<Outcome>, String> {
     let work = || -> Result<(), String> {
         while let Some(task) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) {
             let kept = if plan.fresh { None } else { kept(plan, task, &build) };
-            let diagnosis = match kept {
-                Some(diagnosis) => diagnosis,
+            let (exit, diagnosis) = match kept {
+                Some(answer) => answer,
                 None => diagnose(plan, task, &build)?,
             };
             let outcome = Outcome {
                 name: task.name.clone(),
                 truth: task.truth.clone(),
                 score: score(&task.truth, &diagnosis),
+                exit,
                 diagnosis,
             };
             bar.println(format!("{} {:<60} {}", mark(&outcome), outcome.name, outcome.diagnosis.label()));
@@ -119,17 +122,18 @@ fn build_of(program: &Path) -> Result<String, String> {
     Ok(format!("{hash:016x}"))
 }
 
-fn kept(plan: &Plan, task: &Task, build: &str) -> Option<Diagnosis> {
+fn kept(plan: &Plan, task: &Task, build: &str) -> Option<(Option<i32>, Diagnosis)> {
     let text = fs::read_to_string(plan.results.join(format!("{}.json", task.name))).ok()?;
     let kept: Value = serde_json::from_str(&text).ok()?;
     let same_build = kept.get("build").and_then(Value::as_str) == Some(build);
     if !same_build && !plan.resume {
         return None;
     }
-    Diagnosis::read(kept.get("diagnosis")?).ok()
+    let exit = kept.get("exit").and_then(Value::as_i64).and_then(|code| i32::try_from(code).ok());
+    Some((exit, Diagnosis::read(kept.get("diagnosis")?).ok()?))
 }
 
-fn diagnose(plan: &Plan, task: &Task, build: &str) -> Result<Diagnosis, String> {
+fn diagnose(plan: &Plan, task: &Task, build: &str) -> Result<(Option<i32>, Diagnosis), String> {
     let folder = (task.folder)()?;
     let answer = plan.results.join(format!(".{}.answer.json", task.name));
     let noise = plan.results.join(format!(".{}.errors.txt", task.name));
@@ -146,7 +150,8 @@ fn diagnose(plan: &Plan, task: &Task, build: &str) -> Result<Diagnosis, String> 
     let code = wait(&mut command, plan.longest).map_err(|error| fail(&plan.program, error))?;
     let seconds = started.elapsed().as_secs_f64();
     let said = match code {
-        Some(0 | 10..=13) => fs::read_to_string(&answer).ok(),
+        // A verdict has a code of its own from ten on.
+        Some(0 | 10..=29) => fs::read_to_string(&answer).ok(),
         _ => None,
     };
     let json: Option<Value> = said.and_then(|text| serde_json::from_str(&text).ok());
@@ -168,7 +173,7 @@ fn diagnose(plan: &Plan, task: &Task, build: &str) -> Result<Diagnosis, String> 
     if !diagnosis.seconds.is_finite() {
         diagnosis.seconds = seconds;
     }
-    Ok(diagnosis)
+    Ok((code, diagnosis))
 }
 
 /// The exit code; `None` when it took too long or was killed.

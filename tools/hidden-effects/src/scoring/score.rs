@@ -9,8 +9,8 @@ use crate::scoring::truth::{Class, Truth};
 /// What `stickslip diagnose --json` says, as far as it is scored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diagnosis {
-    /// `nothing-missing`, `effect-found`, `not-distinguishable`, `unexplained`, `insufficient-data`; or
-    /// `failed` when there was none.
+    /// `nothing-missing`, `effect-found`, `not-distinguishable`, `unexplained`, `insufficient-data`, or a weaker word for
+    /// one of these; `failed` when there was none.
     pub verdict: String,
     /// Effects named as found, sorted.
     pub effects: Vec<String>,
@@ -18,10 +18,14 @@ pub struct Diagnosis {
     pub places: BTreeMap<String, String>,
     /// Groups of effects that the data cannot tell apart.
     pub groups: Vec<Vec<String>>,
+    /// Its probability, where it is told.
+    pub probability: Option<f64>,
+    /// The contact law that describes what was found, where one is told.
+    pub law: Option<String>,
     /// Error on the test records.
-    pub untouched: Option<f64>,
+    pub test_error: Option<f64>,
     /// What the noise alone leaves there, as the program sees it.
-    pub floor: Option<f64>,
+    pub test_floor: Option<f64>,
     /// Intervals of the candidates' parameters.
     pub intervals: Vec<Interval>,
     /// Duration (s).
@@ -63,8 +67,10 @@ impl Diagnosis {
             effects,
             places: places.filter_map(|(id, place)| Some((id.clone(), place.as_str()?.to_owned()))).collect(),
             groups: groups.map(names).collect(),
-            untouched: error("untouched"),
-            floor: error("untouched_noise_floor"),
+            probability: json.get("probability").and_then(Value::as_f64),
+            law: law(json),
+            test_error: error("untouched"),
+            test_floor: error("untouched_noise_floor"),
             intervals: intervals(json),
             seconds: json.get("seconds").and_then(Value::as_f64).unwrap_or(f64::NAN),
         })
@@ -77,8 +83,10 @@ impl Diagnosis {
             effects: Vec::new(),
             places: BTreeMap::new(),
             groups: Vec::new(),
-            untouched: None,
-            floor: None,
+            probability: None,
+            law: None,
+            test_error: None,
+            test_floor: None,
             intervals: Vec::new(),
             seconds,
         }
@@ -86,17 +94,58 @@ impl Diagnosis {
 
     /// How it stands in the confusion matrix.
     pub fn label(&self) -> String {
-        match self.verdict.as_str() {
-            "effect-found" => self.effects.join(" + "),
-            "not-distinguishable" => {
+        match self.claim() {
+            Claim::Effects => self.effects.join(" + "),
+            Claim::Group => {
                 let groups: Vec<String> = self.groups.iter().map(|group| group.join(" | ")).collect();
                 let named =
                     self.effects.iter().filter(|name| !self.groups.iter().flatten().any(|n| n == *name));
                 named.cloned().chain(groups).collect::<Vec<_>>().join(" + ")
             }
-            verdict => format!("({verdict})"),
+            _ => format!("({})", self.verdict),
         }
     }
+
+    /// What is claimed, whatever word is used for how sure it is.
+    pub fn claim(&self) -> Claim {
+        match self.verdict.as_str() {
+            "nothing-missing" => Claim::Nothing,
+            "effect-found" => Claim::Effects,
+            "not-distinguishable" => Claim::Group,
+            "unexplained" => Claim::Unexplained,
+            "insufficient-data" | "failed" => Claim::None,
+            _ if !self.groups.is_empty() => Claim::Group,
+            _ if !self.effects.is_empty() => Claim::Effects,
+            weaker if weaker.contains("nothing") => Claim::Nothing,
+            weaker if weaker.contains("unexplained") => Claim::Unexplained,
+            _ => Claim::None,
+        }
+    }
+}
+
+/// What a diagnosis claims.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Claim {
+    /// Nothing is missing.
+    Nothing,
+    /// These effects are missing.
+    Effects,
+    /// One of each group is.
+    Group,
+    /// Something is missing that no effect describes.
+    Unexplained,
+    /// Nothing is claimed.
+    None,
+}
+
+/// The contact law that is told: for all, or of a candidate that was found.
+fn law(json: &Value) -> Option<String> {
+    let named = json.get("effects").map(names).unwrap_or_default();
+    let candidates = json.get("candidates").and_then(Value::as_array).into_iter().flatten();
+    let found = |one: &&Value| one.get("effect").is_some_and(|id| named.iter().any(|name| id == name));
+    std::iter::once(json)
+        .chain(candidates.filter(found))
+        .find_map(|one| Some(one.get("law")?.as_str()?.to_owned()))
 }
 
 /// A list of names: of texts, or of objects with `effect` or a list `effects`.
@@ -130,34 +179,55 @@ fn intervals(json: &Value) -> Vec<Interval> {
 }
 
 /// How right a diagnosis is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Score {
     /// 1 right, 1/2 the truth is in a group that was named, 0 wrong.
     pub right: f64,
     /// Something of the catalogue was named although nothing of it is there.
     pub named_falsely: bool,
-    /// Parameters of truly hidden effects whose interval holds the true value, and how many were told.
-    pub covered: (usize, usize),
+    /// Parameters of truly hidden effects for which an interval was told, as `effect.parameter`, and whether it holds the
+    /// true value.
+    pub covered: Vec<(String, bool)>,
     /// Error on test records over the noise that was added, when the verdict is right.
-    pub untouched: Option<f64>,
+    pub test_error_over_noise: Option<f64>,
     /// The same over the noise floor that the program tells.
-    pub untouched_told: Option<f64>,
+    pub test_error_over_floor: Option<f64>,
 }
 
 /// Scores a diagnosis.
 pub fn score(truth: &Truth, diagnosis: &Diagnosis) -> Score {
-    let found = diagnosis.verdict == "effect-found";
-    let grouped = diagnosis.verdict == "not-distinguishable";
-    let right = match truth.class() {
-        Class::Null => f64::from(diagnosis.verdict == "nothing-missing"),
-        Class::Outside => f64::from(diagnosis.verdict == "unexplained"),
-        Class::Single | Class::Pair if found => {
+    let claim = diagnosis.claim();
+    let names_fault = claim == Claim::Effects
+        && !diagnosis.effects.is_empty()
+        && diagnosis.effects.iter().all(|name| truth.faults.contains(name));
+    let right = match (truth.class(), claim) {
+        (Class::Null, Claim::Nothing) | (Class::Outside, Claim::Unexplained) => 1.0,
+        (Class::Outside, Claim::Effects) => f64::from(names_fault),
+        (Class::Single | Class::Pair, Claim::Effects) => {
             f64::from(diagnosis.effects == truth.effects && in_place(truth, diagnosis))
         }
-        Class::Single | Class::Pair if grouped && in_groups(truth, diagnosis) => 0.5,
-        Class::Single | Class::Pair => 0.0,
+        (Class::Single | Class::Pair, Claim::Group) if in_groups(truth, diagnosis) => 0.5,
+        _ => 0.0,
     };
-    let (mut covered, mut told) = (0, 0);
+    let nothing_to_name = matches!(truth.class(), Class::Null | Class::Outside);
+    let explained = right == 1.0 && truth.class() != Class::Outside;
+    let over = |noise: f64| {
+        let ratio = diagnosis.test_error.map(|error| error / noise);
+        ratio.filter(|ratio| explained && ratio.is_finite())
+    };
+    Score {
+        right,
+        named_falsely: nothing_to_name && matches!(claim, Claim::Effects | Claim::Group) && !names_fault,
+        covered: covered(truth, diagnosis),
+        // The noise as it was made, and as the program sees it.
+        test_error_over_noise: over(truth.noise),
+        test_error_over_floor: diagnosis.test_floor.and_then(over),
+    }
+}
+
+fn covered(truth: &Truth, diagnosis: &Diagnosis) -> Vec<(String, bool)> {
+    let found = diagnosis.claim() == Claim::Effects;
+    let mut covered = Vec::new();
     for Interval { effect, place, name, ends: [low, high] } in &diagnosis.intervals {
         let value = truth.parameters.get(effect).and_then(|parameters| parameters.get(name));
         let named = found && diagnosis.effects.contains(effect) && truth.effects.contains(effect);
@@ -165,23 +235,10 @@ pub fn score(truth: &Truth, diagnosis: &Diagnosis) -> Score {
         let elsewhere = |at: &String| place.as_ref().is_some_and(|place| place != at);
         let there = !truth.places.get(effect).is_some_and(elsewhere);
         if let Some(value) = value.filter(|_| named && there) {
-            told += 1;
-            covered += usize::from((low..=high).contains(&value));
+            covered.push((format!("{effect}.{name}"), (low..=high).contains(&value)));
         }
     }
-    let explained = right == 1.0 && truth.class() != Class::Outside;
-    let over = |noise: f64| {
-        let ratio = diagnosis.untouched.map(|error| error / noise);
-        ratio.filter(|ratio| explained && ratio.is_finite())
-    };
-    Score {
-        right,
-        named_falsely: matches!(truth.class(), Class::Null | Class::Outside) && (found || grouped),
-        covered: (covered, told),
-        // The noise as it was made, and as the program sees it.
-        untouched: over(truth.noise),
-        untouched_told: diagnosis.floor.and_then(over),
-    }
+    covered
 }
 
 /// Whether what was found sits where it was hidden, as far as the answer says where.

@@ -23,6 +23,12 @@ pub struct Truth {
     pub moving: bool,
     /// Where effects sit that sit somewhere.
     pub places: BTreeMap<String, String>,
+    /// What it asks that the first cases did not, in a word.
+    pub question: Option<String>,
+    /// The contact law that describes what is hidden, where it is one.
+    pub law: Option<String>,
+    /// Names that a fault of the measurement outside the catalogue may be told by.
+    pub faults: Vec<String>,
     /// Parameters of each effect, SI.
     pub parameters: BTreeMap<String, BTreeMap<String, f64>>,
 }
@@ -51,6 +57,7 @@ impl Truth {
         effects.retain(|name| name != "none" && !name.is_empty());
         effects.sort();
         let places = entry.get("places").and_then(Value::as_object).into_iter().flatten();
+        let faults = entry.get("faults").and_then(Value::as_array).into_iter().flatten();
         let parameters = entry.get("parameters").and_then(Value::as_object).into_iter().flatten();
         Ok(Truth {
             kind,
@@ -59,6 +66,9 @@ impl Truth {
             coloured: entry.get("coloured").and_then(Value::as_bool).unwrap_or(false),
             moving: entry.get("moving").and_then(Value::as_bool).unwrap_or(false),
             strength: word("strength").unwrap_or_else(|| "full".to_owned()),
+            question: word("question"),
+            law: word("law"),
+            faults: faults.filter_map(|name| name.as_str().map(str::to_owned)).collect(),
             places: places
                 .filter_map(|(effect, place)| Some((effect.clone(), place.as_str()?.to_owned())))
                 .collect(),

@@ -60,9 +60,10 @@ fn an_interval_counts_for_what_is_hidden_where_it_sits() {
         }));
         score(&truth.unwrap(), &Diagnosis::read(&said).unwrap()).covered
     };
-    assert_eq!(covered(json!({"added_mass": "m1"})), (1, 1));
-    assert_eq!(covered(json!({"added_mass": "m2"})), (0, 1));
-    assert_eq!(covered(json!({})), (1, 2));
+    let mass = |holds: bool| ("added_mass.mass".to_owned(), holds);
+    assert_eq!(covered(json!({"added_mass": "m1"})), [mass(true)]);
+    assert_eq!(covered(json!({"added_mass": "m2"})), [mass(false)]);
+    assert_eq!(covered(json!({})), [mass(true), mass(false)]);
 }
 
 #[test]
@@ -114,15 +115,58 @@ fn naming_anything_where_nothing_of_the_catalogue_is_hidden_is_a_false_alarm() {
 }
 
 #[test]
+fn a_weaker_word_counts_as_what_it_claims() {
+    let group = json!([["backlash", "wear"]]);
+    assert_eq!(points("backlash", "effect-likely", &["backlash"], json!([])), 1.0);
+    assert_eq!(points("backlash", "effect-likely", &["wear"], json!([])), 0.0);
+    assert_eq!(points("backlash", "perhaps-one-of-these", &[], group), 0.5);
+    assert_eq!(points("none", "probably-nothing-missing", &[], json!([])), 1.0);
+    assert_eq!(points("unknown:x", "probably-unexplained", &[], json!([])), 1.0);
+    assert_eq!(points("none", "no-idea", &[], json!([])), 0.0);
+    let named = score(&truth("none"), &answer("effect-likely", &["backlash"], json!([])));
+    assert!(named.named_falsely);
+}
+
+#[test]
+fn a_fault_of_the_measurement_may_be_named() {
+    let entry = json!({"family": "contact", "effect": "unknown:hum", "faults": ["mains_hum", "hum"]});
+    let judge = |verdict, effects: &[&str]| {
+        let score = score(&Truth::read(&entry).unwrap(), &answer(verdict, effects, json!([])));
+        (score.right, score.named_falsely)
+    };
+    assert_eq!(judge("unexplained", &[]), (1.0, false));
+    assert_eq!(judge("effect-found", &["hum"]), (1.0, false));
+    assert_eq!(judge("effect-found", &["hum", "wear"]), (0.0, true));
+    assert_eq!(judge("effect-found", &["wear"]), (0.0, true));
+    assert_eq!(judge("nothing-missing", &[]), (0.0, false));
+}
+
+#[test]
+fn the_law_is_that_of_what_was_found() {
+    let law = |effects: Value| {
+        let said = json!({
+            "schema": "stickslip.diagnosis/1", "verdict": "effect-found", "effects": effects, "groups": [],
+            "candidates": [{"effect": "wear"}, {"effect": "micro_slip", "law": "dahl"}],
+        });
+        Diagnosis::read(&said).unwrap().law
+    };
+    assert_eq!(law(json!(["micro_slip"])).as_deref(), Some("dahl"));
+    assert_eq!(law(json!(["wear"])), None);
+    let said = json!({"schema": "stickslip.diagnosis/1", "verdict": "effect-found", "law": "valanis"});
+    assert_eq!(Diagnosis::read(&said).unwrap().law.as_deref(), Some("valanis"));
+}
+
+#[test]
 fn intervals_and_errors_are_judged_where_the_verdict_is_right() {
     let right = score(&truth("backlash"), &answer("effect-found", &["backlash"], json!([])));
-    assert_eq!(right.covered, (1, 1));
-    assert!((right.untouched.unwrap() - 2.3).abs() < 1e-12);
+    let gap = |holds: bool| ("backlash.half_gap".to_owned(), holds);
+    assert_eq!(right.covered, [gap(true)]);
+    assert!((right.test_error_over_noise.unwrap() - 2.3).abs() < 1e-12);
     let mut elsewhere = truth("backlash");
     elsewhere.parameters.get_mut("backlash").unwrap().insert("half_gap".to_owned(), 2.5e-3);
-    assert_eq!(score(&elsewhere, &answer("effect-found", &["backlash"], json!([]))).covered, (0, 1));
+    assert_eq!(score(&elsewhere, &answer("effect-found", &["backlash"], json!([]))).covered, [gap(false)]);
     let wrong = score(&truth("wear"), &answer("effect-found", &["backlash"], json!([])));
-    assert_eq!((wrong.covered, wrong.untouched), ((0, 0), None));
+    assert_eq!((wrong.covered, wrong.test_error_over_noise), (Vec::new(), None));
 }
 
 #[test]
@@ -161,7 +205,10 @@ mod runs {
         let script = r#"#!/bin/sh
 echo run >> "$(dirname "$0")/runs"
 case "$2" in bad/*) exit 2;; esac
-echo '{"schema": "stickslip.diagnosis/1", "verdict": "effect-found", "effects": ["backlash"], "seconds": 0.5}' > "$5"
+cat > "$5" <<'END'
+{"schema": "stickslip.diagnosis/1", "verdict": "effect-found", "effects": ["backlash"], "seconds": 0.5, "probability": 0.97,
+ "candidates": [{"effect": "backlash", "parameters": {"half_gap": {"low": 2.2e-3, "high": 2.4e-3}}}]}
+END
 exit 10
 "#;
         fs::write(&path, script).unwrap();
@@ -206,6 +253,42 @@ exit 10
         let changed = fs::read_to_string(folder.path().join("program")).unwrap() + "# another build\n";
         fs::write(folder.path().join("program"), changed).unwrap();
         assert_eq!(go(folder.path(), false).1, 13);
+    }
+
+    #[test]
+    fn the_page_counts_probabilities_intervals_and_exit_codes() {
+        let folder = tempfile::tempdir().unwrap();
+        program(folder.path());
+        let first = go(folder.path(), false).0;
+        for outcomes in [first, go(folder.path(), false).0] {
+            let page = table::markdown(&outcomes, "command", "machine");
+            for part in [
+                "probability of at least 0.95: 33.3 % (1 of 3; 6.1 … 79.2 %) true",
+                "| 0.95 … 0.99 | 0.9700 | 33.3 % (1 of 3; 6.1 … 79.2 %) |",
+                "| backlash.half_gap | 100.0 % (1 of 1; 20.7 … 100.0 %) |",
+                "| 1 % | 100.0 % (1 of 1; 20.7 … 100.0 %) |",
+                "| 2 | failed | 1 |\n| 10 | effect-found | 3 |",
+            ] {
+                assert!(page.contains(part), "{part}\n{page}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_later_cases_ask_has_a_section() {
+        let folder = tempfile::tempdir().unwrap();
+        program(folder.path());
+        let mut outcomes = go(folder.path(), false).0;
+        assert!(!table::markdown(&outcomes, "command", "machine").contains("## Later kinds"));
+        for outcome in &mut outcomes[..2] {
+            outcome.truth.question = Some("ramped".to_owned());
+        }
+        let page = table::markdown(&outcomes, "command", "machine");
+        let row = "| noise visible in cycles inside ramped records alone | 50.0 % (1 of 2; 9.5 … 90.5 %) | 100.0 % (1 of 1; ";
+        assert!(page.contains(row), "{page}");
+        // The first cases are told apart from them.
+        let row = "| single effects named correctly | 0.0 % (0 of 2; 0.0 … 65.8 %) | 33.3 % (1 of 3; ";
+        assert!(page.contains(row), "{page}");
     }
 
     #[test]

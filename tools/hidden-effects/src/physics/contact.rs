@@ -1,96 +1,12 @@
-//! The contact of the generator: many sliders in parallel, sampled in small steps, with whatever is hidden in it.
+//! The contact of the generator in motion: many sliders in parallel, or a force that grows gradually, marched in small
+//! steps with whatever is hidden in it.
 //!
 //! Nothing here locates an event or uses a closed form: each step clamps every slider to its limit. A force is
 //! restoring: positive when it resists positive displacement.
 
-/// What the contact is made of. SI units; zero changes nothing.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Joint {
-    /// Stiffness of all sliders in stick (N/m).
-    pub stiffness: f64,
-    /// μ: limit over normal load (1).
-    pub friction_coefficient: f64,
-    /// Half-width of the sliders' yield displacements over their mean, in [0, 1).
-    pub spread: f64,
-    /// Spring beside the sliders (N/m).
-    pub residual_stiffness: f64,
-    /// Damper beside the sliders (N s/m).
-    pub damping: f64,
-    /// Cubic spring beside the sliders (N/m³).
-    pub cubic_stiffness: f64,
-    /// δ (1) and v_s (m/s) of the limit's factor 1 + δ exp(−|v|/v_s).
-    pub weakening: Option<(f64, f64)>,
-    /// Change of the limit with the distance slipped (1/m).
-    pub wear: f64,
-    /// a: limit · (1 + a) against positive force, (1 − a) against negative.
-    pub asymmetry: f64,
-    /// Half of the play in series (m).
-    pub half_gap: f64,
-    /// What no catalogue knows.
-    pub unknown: Option<Unknown>,
-}
-
-/// Physics outside the catalogue.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Unknown {
-    /// limit · (1 + share · sin(u/length)): a surface that is not alike everywhere.
-    PositionDependentFriction {
-        /// Fraction of the limit (1).
-        share: f64,
-        /// Length over which the phase grows by one (m).
-        length: f64,
-    },
-    /// limit · (1 + share · ln(1 + θ/dwell)), θ̇ = 1 − |ż| θ/length: contacts that grow in rest and are
-    /// renewed by slip (rate and state).
-    DwellStrengthening {
-        /// Fraction of the limit per e-fold (1).
-        share: f64,
-        /// Time from which growth is logarithmic (s).
-        dwell: f64,
-        /// Slip that renews the contacts (m).
-        length: f64,
-    },
-    /// A second, higher limit once the motion since its reversal exceeds a distance: a ratchet.
-    SecondLimit {
-        /// Fraction of the limit that is added (1).
-        share: f64,
-        /// Distance since the reversal (m).
-        distance: f64,
-    },
-    /// A damper that remembers, like a derivative of order one half: relaxing springs, one per decade.
-    MemoryDamping {
-        /// Stiffness of each relaxing spring (N/m).
-        stiffness: f64,
-        /// Their relaxation times (s).
-        times: Vec<f64>,
-    },
-    /// limit · (1 + share · (1 − exp(−t/time))): a drift with time, whether it slips or not.
-    TimeDrift {
-        /// Fraction of the limit (1).
-        share: f64,
-        /// Time constant (s).
-        time: f64,
-    },
-}
-
-impl Joint {
-    /// Jenkins' element: one slider.
-    pub fn jenkins(stiffness: f64, friction_coefficient: f64) -> Self {
-        Self {
-            stiffness,
-            friction_coefficient,
-            spread: 0.0,
-            residual_stiffness: 0.0,
-            damping: 0.0,
-            cubic_stiffness: 0.0,
-            weakening: None,
-            wear: 0.0,
-            asymmetry: 0.0,
-            half_gap: 0.0,
-            unknown: None,
-        }
-    }
-}
+use crate::physics::gradual::Reach;
+use crate::physics::joint::Joint;
+use crate::physics::unknown::{Memory, Moved, Unknown};
 
 /// Sliders of a distribution.
 const SLIDERS: usize = 40;
@@ -108,10 +24,9 @@ pub struct Contact<'a> {
     /// Displacement in front of play and compliance.
     given: f64,
     slip: f64,
-    dwell: f64,
-    reversal: f64,
-    relaxing: Vec<f64>,
-    force: f64,
+    /// Force of what grows gradually, of its bristles alone (N).
+    held: f64,
+    memory: Memory,
 }
 
 #[derive(Clone)]
@@ -121,18 +36,23 @@ struct Slider {
     position: f64,
 }
 
-/// The two limits of a step, against positive and negative force (N), and its duration (s).
+/// The two limits of a step, against positive and negative force (N), the factor of the stiffness, and the duration (s).
 #[derive(Clone, Copy)]
 struct Step {
     upper: f64,
     lower: f64,
+    stiffening: f64,
     duration: f64,
 }
 
 impl<'a> Contact<'a> {
     /// At rest at zero, nothing remembered. `compliance` (m/N) is a spring in series, 0 for none.
     pub fn at_rest(joint: &'a Joint, compliance: f64) -> Self {
-        let count = if joint.spread > 0.0 { SLIDERS } else { 1 };
+        let count = match joint.gradual {
+            Some(_) => 0,
+            None if joint.spread > 0.0 => SLIDERS,
+            None => 1,
+        };
         let sliders = (0..count)
             .map(|index| {
                 let place = (2 * index + 1) as f64 / count as f64 - 1.0;
@@ -143,10 +63,6 @@ impl<'a> Contact<'a> {
                 }
             })
             .collect();
-        let relaxing = match &joint.unknown {
-            Some(Unknown::MemoryDamping { times, .. }) => vec![0.0; times.len()],
-            _ => Vec::new(),
-        };
         Self {
             joint,
             sliders,
@@ -155,10 +71,8 @@ impl<'a> Contact<'a> {
             velocity: 0.0,
             given: 0.0,
             slip: 0.0,
-            dwell: 0.0,
-            reversal: 0.0,
-            relaxing,
-            force: 0.0,
+            held: 0.0,
+            memory: joint.unknown.as_ref().map(Unknown::memory).unwrap_or_default(),
         }
     }
 
@@ -168,7 +82,8 @@ impl<'a> Contact<'a> {
         let behind = displacement - elongation.signum() * joint.half_gap;
         contact.given = displacement;
         contact.displacement = behind;
-        contact.reversal = behind;
+        contact.memory.reversal = behind;
+        contact.held = joint.stiffness * elongation;
         for slider in &mut contact.sliders {
             slider.position = behind - elongation;
         }
@@ -189,6 +104,7 @@ impl<'a> Contact<'a> {
         let step = Step {
             upper: limit * (1.0 + self.joint.asymmetry),
             lower: limit * (1.0 - self.joint.asymmetry),
+            stiffening: self.joint.unknown.as_ref().map_or(1.0, |unknown| unknown.on_stiffness(time)),
             duration,
         };
         let displacement = self.behind_the_play(given, &step);
@@ -201,22 +117,9 @@ impl<'a> Contact<'a> {
         if let Some((share, speed)) = joint.weakening {
             factor *= 1.0 + share * (-velocity.abs() / speed).exp();
         }
-        factor *= match &joint.unknown {
-            Some(Unknown::PositionDependentFriction { share, length }) => {
-                1.0 + share * (self.displacement / length).sin()
-            }
-            Some(Unknown::DwellStrengthening { share, dwell, .. }) => {
-                1.0 + share * (1.0 + self.dwell / dwell).ln()
-            }
-            Some(Unknown::SecondLimit { share, distance }) => {
-                let travelled = (self.displacement - self.reversal).abs();
-                1.0 + share * (0.5 + 0.5 * (20.0 * (travelled / distance - 1.0)).tanh())
-            }
-            Some(Unknown::TimeDrift { share, time: constant }) => {
-                1.0 + share * (1.0 - (-time.max(0.0) / constant).exp())
-            }
-            Some(Unknown::MemoryDamping { .. }) | None => 1.0,
-        };
+        if let Some(unknown) = &joint.unknown {
+            factor *= unknown.on_limit(&self.memory, self.displacement, time);
+        }
         factor.max(0.0)
     }
 
@@ -267,58 +170,75 @@ impl<'a> Contact<'a> {
             + 3.0 * joint.cubic_stiffness * displacement * displacement
             + joint.damping / step.duration;
         for slider in &self.sliders {
-            let free = slider.stiffness * (displacement - slider.position);
+            let stiffness = slider.stiffness * step.stiffening;
+            let free = stiffness * (displacement - slider.position);
             let held = free.min(slider.share * step.upper).max(-slider.share * step.lower);
             force += held;
             if free == held {
-                slope += slider.stiffness;
+                slope += stiffness;
             }
         }
-        if let Some(Unknown::MemoryDamping { stiffness, times }) = &joint.unknown {
-            for (relaxing, time) in self.relaxing.iter().zip(times) {
-                let kept = (-step.duration / time).exp();
-                force += kept * relaxing + stiffness * change * kept.sqrt();
-                slope += stiffness * kept.sqrt();
-            }
+        if let Some(law) = &joint.gradual {
+            let grown = law.advance(self.reach(step), change);
+            force += grown.force;
+            slope += grown.slope;
+        }
+        if let Some(unknown) = &joint.unknown {
+            unknown.add_force(&self.memory, change, step.duration, (&mut force, &mut slope));
         }
         (force, slope)
     }
 
-    fn commit(&mut self, given: f64, displacement: f64, step: &Step) -> f64 {
-        self.force = self.trial(displacement, step).0;
-        let change = displacement - self.displacement;
-        let mut slipped = 0.0;
-        for slider in &mut self.sliders {
-            let stretch = displacement - slider.position;
-            let held = stretch
-                .min(slider.share * step.upper / slider.stiffness)
-                .max(-slider.share * step.lower / slider.stiffness);
-            slipped += (stretch - held).abs();
-            slider.position = displacement - held;
+    /// What a gradual law starts from.
+    fn reach(&self, step: &Step) -> Reach {
+        Reach {
+            held: self.held,
+            stiffness: self.joint.stiffness * step.stiffening,
+            limits: [step.upper, step.lower],
+            duration: step.duration,
         }
-        slipped /= self.sliders.len() as f64;
+    }
+
+    fn commit(&mut self, given: f64, displacement: f64, step: &Step) -> f64 {
+        let force = self.trial(displacement, step).0;
+        let change = displacement - self.displacement;
+        let slipped = self.slip_to(displacement, change, step);
         self.slip += slipped;
-        match &self.joint.unknown {
-            Some(Unknown::DwellStrengthening { length, .. }) => {
-                self.dwell = (self.dwell + step.duration) / (1.0 + slipped / length);
-            }
-            Some(Unknown::MemoryDamping { stiffness, times }) => {
-                for (relaxing, time) in self.relaxing.iter_mut().zip(times) {
-                    let kept = (-step.duration / time).exp();
-                    *relaxing = kept * *relaxing + stiffness * change * kept.sqrt();
-                }
-            }
-            _ => {}
+        if let Some(unknown) = &self.joint.unknown {
+            let moved = Moved { change, slipped, duration: step.duration };
+            unknown.remember(&mut self.memory, moved);
         }
         if change * self.velocity < 0.0 {
-            self.reversal = self.displacement;
+            self.memory.reversal = self.displacement;
         }
         if change != 0.0 {
             self.velocity = change / step.duration;
         }
         self.displacement = displacement;
         self.given = given;
-        self.force
+        force
+    }
+
+    /// Moves sliders or bristles; the distance slipped (m).
+    fn slip_to(&mut self, displacement: f64, change: f64, step: &Step) -> f64 {
+        if let Some(law) = &self.joint.gradual {
+            let from = self.reach(step);
+            let grown = law.advance(from, change).held;
+            let slipped = (change - (grown - self.held) / from.stiffness).abs();
+            self.held = grown;
+            return slipped;
+        }
+        let mut slipped = 0.0;
+        for slider in &mut self.sliders {
+            let stiffness = slider.stiffness * step.stiffening;
+            let stretch = displacement - slider.position;
+            let held = stretch
+                .min(slider.share * step.upper / stiffness)
+                .max(-slider.share * step.lower / stiffness);
+            slipped += (stretch - held).abs();
+            slider.position = displacement - held;
+        }
+        slipped / self.sliders.len() as f64
     }
 }
 
@@ -336,15 +256,15 @@ fn bisect(mut high: f64, mut low: f64, function: impl Fn(f64) -> f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
 
-    const LOAD: f64 = 100.0;
+    pub const LOAD: f64 = 100.0;
 
     /// ∮ T du over the third period of a sine, and the largest force in it.
-    fn cycle(joint: &Joint, amplitude: f64) -> (f64, f64) {
+    pub fn cycle(joint: &Joint, amplitude: f64) -> (f64, f64) {
         let mut contact = Contact::at_rest(joint, 0.0);
         let (mut area, mut largest, mut before) = (0.0, 0.0_f64, (0.0, 0.0));
         let count = 40_000;
@@ -360,17 +280,17 @@ mod tests {
         (area, largest)
     }
 
-    fn jenkins() -> Joint {
+    /// μN = 50 N, yield at 10 µm.
+    pub fn jenkins() -> Joint {
         Joint::jenkins(5e6, 0.5)
     }
 
-    fn assert_close(found: f64, expected: f64, share: f64) {
+    pub fn assert_close(found: f64, expected: f64, share: f64) {
         assert!((found / expected - 1.0).abs() < share, "{found} instead of {expected}");
     }
 
     #[test]
     fn jenkins_loop_area_equals_4_limit_times_slip() {
-        // μN = 50 N, yield at 10 µm.
         let (area, largest) = cycle(&jenkins(), 4e-5);
         assert_close(area, 4.0 * 50.0 * (4e-5 - 1e-5), 1e-6);
         assert_close(largest, 50.0, 1e-12);

@@ -1,15 +1,16 @@
 //! Kind `oscillator`: two masses between ground and ground's friction, excited from rest around both resonances.
 //!
-//! Integrated by the leapfrog scheme with many short steps: no modes, no events.
+//! Integrated by the leapfrog scheme with many short steps: no modes, no events. draw.rs: its numbers and what is hidden.
+
+mod draw;
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-use crate::physics::friction::{Contact, Joint};
-use crate::records::random::Random;
+use crate::physics::contact::Contact;
+use crate::physics::joint::Joint;
 use crate::records::record::{Column, Fault, Fine, Record, Regime, Role};
 use crate::rigs::effect::Hidden;
-use crate::rigs::joint_effects::{self, Measures};
 use crate::rigs::prescribed::contact_table;
 use crate::rigs::rig::Rig;
 
@@ -20,9 +21,6 @@ const PERIOD: f64 = 0.0005;
 const STEPS: usize = 100;
 /// The excitation grows to its level within this time (s).
 const RAMP: f64 = 0.05;
-/// A multisine has these multiples of its lowest frequency (Hz).
-const LINES: std::ops::RangeInclusive<usize> = 3..=35;
-const LINE_SPACING: f64 = 1.0 / 0.6;
 
 /// Two masses on springs with a contact at the second.
 #[derive(Clone)]
@@ -49,6 +47,8 @@ pub struct Oscillator {
     /// Size (N) and frequency (Hz) of a force on the first mass that nobody measures.
     disturbance: Option<(f64, f64)>,
     records: Vec<Excitation>,
+    /// Whether the dataset tells the noise.
+    tells_noise: bool,
     hidden: Vec<Hidden>,
 }
 
@@ -93,42 +93,9 @@ impl Oscillator {
             fault: None,
             disturbance: None,
             records: Vec::new(),
+            tells_noise: true,
             hidden: Vec::new(),
         }
-    }
-
-    /// Draws an experiment in which `effects` are hidden at `strength`.
-    pub fn draw(effects: &[&str], strength: f64, random: &mut Random) -> Result<Self, String> {
-        let mut numbers = random.fork();
-        let mut pair = |ranges: [(f64, f64); 2]| ranges.map(|(low, high)| numbers.between(low, high));
-        let masses = pair([(1.0, 1.5), (1.0, 1.5)]);
-        let stiffness = pair([(3.0e4, 4.0e4), (1.3e4, 2.0e4)]);
-        let damping = pair([(2.5, 5.5), (2.0, 4.0)]);
-        let [contact_stiffness, friction] = pair([(5e3, 9e3), (0.3, 0.6)]);
-        let normal_load = numbers.between(20.0, 40.0);
-        let joint = Joint::jenkins(contact_stiffness, friction);
-        let mut rig = Self::new(masses, stiffness, damping, joint, normal_load);
-        rig.load_cell = numbers.unit() < 0.5;
-        let limit = friction * normal_load;
-        let [free, second] = rig.frequencies(0.0);
-        let [stuck, _] = rig.frequencies(contact_stiffness);
-        let mut plan = random.fork();
-        rig.records = excitations(limit, free, stuck, second, &mut plan);
-        let yield_displacement = limit / contact_stiffness;
-        let measures = Measures {
-            yield_displacement,
-            limit,
-            reach: 4.0,
-            slow_speed: 0.3 * TAU * free * yield_displacement,
-            high_speed: 3.0 * TAU * free * yield_displacement,
-            travel: 200.0 * yield_displacement,
-            duration: 1.2,
-            residual: 0.25,
-        };
-        for id in effects {
-            rig.hide(id, strength, &measures, &mut random.fork())?;
-        }
-        Ok(rig)
     }
 
     /// The two natural frequencies (Hz), the lower first, with a spring at the second mass.
@@ -139,88 +106,6 @@ impl Oscillator {
         let coupling = self.stiffness[1].powi(2) / (first * second);
         let (mean, half) = (0.5 * (a + b), (0.25 * (a - b).powi(2) + coupling).sqrt());
         [(mean - half).sqrt() / TAU, (mean + half).sqrt() / TAU]
-    }
-
-    fn hide(
-        &mut self,
-        id: &str,
-        strength: f64,
-        measures: &Measures,
-        random: &mut Random,
-    ) -> Result<(), String> {
-        let hidden = match joint_effects::hide(id, strength, measures, &mut self.joint, random) {
-            Some(hidden) => hidden,
-            None => self
-                .hide_in_structure(id, strength, measures, random)
-                .ok_or_else(|| format!("`{id}` cannot be hidden in an oscillator"))?,
-        };
-        self.hidden.push(hidden);
-        Ok(())
-    }
-
-    fn hide_in_structure(
-        &mut self,
-        id: &str,
-        strength: f64,
-        measures: &Measures,
-        random: &mut Random,
-    ) -> Option<Hidden> {
-        let mass = random.pick(&[0, 1]);
-        let channel = format!("displacement:m{}", mass + 1);
-        let fault = Fault::none(channel.clone());
-        Some(match id {
-            "normal_load_variation" => {
-                let share = if random.unit() < 0.2 { 1.25 } else { random.between(0.4, 0.8) };
-                self.swing = Some((strength * share, random.between(2.0, 12.0)));
-                Hidden::new(id, &[("load_gain", 1.0)])
-            }
-            "geometric_stiffening" => {
-                let amplitude = 9e-3_f64;
-                self.cubic_stiffness =
-                    strength * random.between(0.07, 0.13) * self.stiffness[0] / amplitude.powi(2);
-                Hidden::new(id, &[("cubic_stiffness", self.cubic_stiffness)])
-            }
-            "quadratic_damping" => {
-                self.quadratic_damping = strength * random.between(3.0, 6.0);
-                Hidden::new(id, &[("quadratic_damping", self.quadratic_damping)])
-            }
-            "added_mass" => {
-                self.added[mass] = strength * random.between(0.06, 0.12) * self.masses[mass];
-                Hidden::at(id, format!("m{}", mass + 1), &[("mass", self.added[mass])])
-            }
-            "hanging_mass" => {
-                let hung = strength * random.between(0.05, 0.12) * self.masses[1];
-                let frequency = random.between(8.0, 28.0);
-                self.hanging = Some((hung, frequency));
-                Hidden::new(id, &[("mass", hung), ("hanging_frequency", frequency)])
-            }
-            "sensor_delay" => {
-                let delay = strength * random.between(6e-4, 1.2e-3);
-                self.fault = Some(Fault { delay, ..fault });
-                Hidden::at(id, channel, &[("delay", delay)])
-            }
-            "sensor_gain" => {
-                let gain = 1.0 + strength * random.sign() * random.between(0.08, 0.2);
-                self.fault = Some(Fault { gain, ..fault });
-                Hidden::at(id, channel, &[("gain", gain)])
-            }
-            "sensor_offset" => {
-                let bias = strength * random.sign() * random.between(0.3, 0.6) * measures.yield_displacement;
-                self.fault = Some(Fault { bias, ..fault });
-                Hidden::at(id, channel, &[("bias", bias)])
-            }
-            "sensor_clock_drift" => {
-                let clock_error = strength * random.sign() * random.between(0.002, 0.004);
-                self.fault = Some(Fault { clock_error, ..fault });
-                Hidden::at(id, channel, &[("clock_error", clock_error)])
-            }
-            "unknown:periodic_disturbance" => {
-                let size = strength * random.between(0.3, 0.6) * measures.limit;
-                self.disturbance = Some((size, random.between(9.0, 30.0)));
-                Hidden::new(id, &[])
-            }
-            _ => return None,
-        })
     }
 
     fn load(&self, excitation: &Excitation, time: f64) -> f64 {
@@ -303,26 +188,6 @@ impl Oscillator {
     }
 }
 
-/// Sines around both resonances at several levels, and two multisines.
-fn excitations(limit: f64, free: f64, stuck: f64, second: f64, random: &mut Random) -> Vec<Excitation> {
-    let mut sine = |level: f64, place: f64| {
-        let size = level * random.about_one(0.2) * limit;
-        let frequency = free + (stuck - free) * (place + random.between(-0.12, 0.12));
-        vec![[size, frequency, 0.0]]
-    };
-    let mut lines = vec![sine(0.5, 0.5), sine(1.85, 0.38), sine(2.7, 0.35), sine(7.0, 0.8)];
-    let last = sine(3.6, 0.5);
-    let mut multisine = |level: f64| {
-        let size = level * random.about_one(0.15) * limit / (LINES.count() as f64 / 2.0).sqrt();
-        LINES.map(|line| [size, line as f64 * LINE_SPACING, random.phase()]).collect::<Vec<_>>()
-    };
-    lines.push(multisine(2.2));
-    lines.push(multisine(5.6));
-    lines.push(vec![[2.5 * random.about_one(0.2) * limit, second * random.about_one(0.02), 0.0]]);
-    lines.push(last);
-    lines.into_iter().map(|lines| Excitation { lines, phases: [random.phase(), random.phase()] }).collect()
-}
-
 impl Rig for Oscillator {
     fn respond(&self) -> Vec<Record> {
         self.records.iter().map(|excitation| self.record(excitation)).collect()
@@ -376,7 +241,7 @@ impl Rig for Oscillator {
     }
 
     fn tells_noise(&self, _: Regime) -> bool {
-        true
+        self.tells_noise
     }
 }
 
