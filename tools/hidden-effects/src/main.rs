@@ -26,7 +26,9 @@ struct Arguments {
     /// Only this kind: contact, oscillator, beam
     #[arg(long)]
     kind: Option<String>,
-    /// Only cases whose name holds this text; several: each must be in it
+    /// Only cases whose name holds this text; several: each must be in it. Later kinds: further, 32-records, 128-records,
+    /// ramped, noise-untold, long-delay, mass-off, coarse, held-levels, dahl, bouc_wen, valanis, and the names of what is
+    /// outside the catalogue
     #[arg(long)]
     filter: Vec<String>,
     /// Another set of the same cases, all numbers and all noise drawn anew

@@ -1,4 +1,5 @@
 //! Cases, and the score of a diagnosis of them.
 
 mod generation;
+mod later;
 mod scoring;
