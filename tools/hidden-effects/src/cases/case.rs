@@ -324,7 +324,12 @@ impl Drawn {
     pub fn true_model(&self) -> Option<String> {
         let exact = vec![1.0; self.off.len()];
         let entries: Option<Vec<String>> = self.hidden.iter().map(Hidden::entry).collect();
-        Some(self.rig.model(&exact) + &entries?.concat())
+        let model = self.rig.model(&exact);
+        let model = match self.hidden.iter().find_map(Hidden::law_lines) {
+            Some(law) => model.replacen("law = \"jenkins\"", &law, 1),
+            None => model,
+        };
+        Some(model + &entries?.concat())
     }
 
     /// What is hidden, in the experiment and in what was written down of it.

@@ -106,9 +106,7 @@ pub fn truth(case: &Case) -> Result<Value, String> {
         if !hidden.place.is_empty() {
             places.insert(hidden.id.clone(), json!(hidden.place));
         }
-        if !hidden.law.is_empty() {
-            law = Some(hidden.law.clone());
-        }
+        law = law.or(hidden.law);
     }
     let mut truth = json!({
         "family": case.kind.word(),
@@ -128,7 +126,8 @@ pub fn truth(case: &Case) -> Result<Value, String> {
         truth["question"] = json!(question);
     }
     if let Some(law) = law {
-        truth["law"] = json!(law);
+        truth["law"] = json!(law.name);
+        truth["described_by"] = json!(law.described_by);
     }
     if !drawn.faults().is_empty() {
         truth["faults"] = json!(drawn.faults());

@@ -183,9 +183,9 @@ mod tests {
     fn every_case_can_be_drawn_and_hides_what_it_says() {
         for case in sealed() {
             let drawn = case.draw().unwrap();
-            let told = |hidden: &Hidden| match hidden.law.as_str() {
-                "" => hidden.id.clone(),
-                law => format!("{}:{law}", hidden.id),
+            let told = |hidden: &Hidden| match hidden.law {
+                None => hidden.id.clone(),
+                Some(law) => format!("{}:{}", hidden.id, law.name),
             };
             let hidden: Vec<String> = drawn.hidden().iter().map(told).collect();
             assert_eq!(hidden, case.effects, "{}", case.name());

@@ -11,8 +11,17 @@ pub struct Hidden {
     pub place: String,
     /// Its parameters by the catalogue's names, SI.
     pub parameters: Vec<(&'static str, f64)>,
-    /// The contact law that the data were made with and that describes it best; empty for none in particular.
-    pub law: String,
+    /// The contact law that shows it, if it is one: then the parameters are the law's own.
+    pub law: Option<Law>,
+}
+
+/// A contact law in the place of the given model's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Law {
+    /// Its name.
+    pub name: &'static str,
+    /// Laws of the catalogue that describe it exactly, the first with the parameters that are told.
+    pub described_by: &'static [&'static str],
 }
 
 impl Hidden {
@@ -23,20 +32,23 @@ impl Hidden {
 
     /// Something hidden at a place.
     pub fn at(id: &str, place: String, parameters: &[(&'static str, f64)]) -> Self {
-        Self { id: id.to_owned(), place, parameters: parameters.to_vec(), law: String::new() }
+        Self { id: id.to_owned(), place, parameters: parameters.to_vec(), law: None }
     }
 
     /// Something hidden that another contact law shows.
-    pub fn of_law(id: &str, law: &str) -> Self {
-        Self { law: law.to_owned(), ..Self::new(id, &[]) }
+    pub fn of_law(id: &str, law: Law, parameters: &[(&'static str, f64)]) -> Self {
+        Self { law: Some(law), ..Self::new(id, parameters) }
     }
 }
 
 impl Hidden {
-    /// As an `[[effect]]` of a model file; `None` outside the catalogue, and where it is another law.
+    /// As an `[[effect]]` of a model file, nothing where it is another law; `None` outside the catalogue.
     pub fn entry(&self) -> Option<String> {
-        if self.id.starts_with(UNKNOWN) || !self.law.is_empty() {
+        if self.id.starts_with(UNKNOWN) {
             return None;
+        }
+        if self.law.is_some() {
+            return Some(String::new());
         }
         let mut text = format!("\n[[effect]]\nid = \"{}\"\n", self.id);
         if !self.place.is_empty() {
@@ -45,6 +57,15 @@ impl Hidden {
         }
         for (name, value) in &self.parameters {
             let _ = writeln!(text, "{name} = {value:e}");
+        }
+        Some(text)
+    }
+
+    /// As lines of `[contact]`; `None` where it is no law.
+    pub fn law_lines(&self) -> Option<String> {
+        let mut text = format!("law = \"{}\"", self.law?.described_by.first()?);
+        for (name, value) in &self.parameters {
+            let _ = write!(text, "\n{name} = {value}");
         }
         Some(text)
     }

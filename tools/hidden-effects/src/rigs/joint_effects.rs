@@ -6,7 +6,7 @@ use crate::physics::gradual::Gradual;
 use crate::physics::joint::Joint;
 use crate::physics::unknown::Unknown;
 use crate::records::random::Random;
-use crate::rigs::effect::{Hidden, MICRO_SLIP_OF, UNKNOWN};
+use crate::rigs::effect::{Hidden, Law, MICRO_SLIP_OF, UNKNOWN};
 
 /// The measures of a motion, by which the sizes of effects are drawn.
 #[derive(Debug, Clone, Copy)]
@@ -38,8 +38,7 @@ pub fn hide(
     random: &mut Random,
 ) -> Option<Hidden> {
     if let Some(law) = id.strip_prefix(MICRO_SLIP_OF) {
-        joint.gradual = Some(gradual(law, random)?);
-        return Some(Hidden::of_law("micro_slip", law));
+        return replace_sliders(gradual(law, random)?, joint);
     }
     let at_reach = measures.reach * measures.yield_displacement;
     let parameters: Vec<(&'static str, f64)> = match id {
@@ -94,6 +93,22 @@ pub fn hide(
         }
     };
     Some(Hidden::new(id, &parameters))
+}
+
+/// Puts a law of gradual slip in the place of the slider; `None` for one that the catalogue does not describe.
+pub fn replace_sliders(law: Gradual, joint: &mut Joint) -> Option<Hidden> {
+    let (name, described_by, parameters): (_, &'static [&'static str], _) = match law {
+        Gradual::Dahl => {
+            ("dahl", &["bouc_wen", "valanis"], vec![("sharpness", 1.0), ("unloading_ratio", 2.0)])
+        }
+        Gradual::BoucWen { sharpness, unloading_ratio } => {
+            ("bouc_wen", &["bouc_wen"], vec![("sharpness", sharpness), ("unloading_ratio", unloading_ratio)])
+        }
+        Gradual::Valanis { smoothness } => ("valanis", &["valanis"], vec![("smoothness", smoothness)]),
+        Gradual::LuGre { .. } => return None,
+    };
+    joint.gradual = Some(law);
+    Some(Hidden::of_law("micro_slip", Law { name, described_by }, &parameters))
 }
 
 /// A contact law whose slip is gradual.

@@ -68,8 +68,9 @@ pub fn section(text: &mut String, outcomes: &[Outcome]) {
 /// How often the law that describes what was found is told, and right.
 fn laws(figures: &Figures<'_>) -> String {
     let laws = figures.outcomes.iter().filter_map(|outcome| {
-        let law = outcome.truth.law.as_ref()?;
-        (outcome.score.right == 1.0).then(|| outcome.diagnosis.law.as_ref() == Some(law))
+        let laws = Some(&outcome.truth.laws).filter(|laws| !laws.is_empty())?;
+        let told = outcome.diagnosis.law.as_ref();
+        (outcome.score.right == 1.0).then(|| told.is_some_and(|law| laws.contains(law)))
     });
     let (right, count) = laws.fold((0, 0), |(right, count), one| (right + usize::from(one), count + 1));
     if count == 0 { "–".to_owned() } else { format!("{right} of {count}") }

@@ -25,8 +25,8 @@ pub struct Truth {
     pub places: BTreeMap<String, String>,
     /// What it asks that the first cases did not, in a word.
     pub question: Option<String>,
-    /// The contact law that describes what is hidden, where it is one.
-    pub law: Option<String>,
+    /// The contact laws that describe what is hidden exactly, its own name the first, where it is one.
+    pub laws: Vec<String>,
     /// Names that a fault of the measurement outside the catalogue may be told by.
     pub faults: Vec<String>,
     /// Parameters of each effect, SI.
@@ -57,7 +57,10 @@ impl Truth {
         effects.retain(|name| name != "none" && !name.is_empty());
         effects.sort();
         let places = entry.get("places").and_then(Value::as_object).into_iter().flatten();
-        let faults = entry.get("faults").and_then(Value::as_array).into_iter().flatten();
+        let words = |key: &str| -> Vec<String> {
+            let list = entry.get(key).and_then(Value::as_array).into_iter().flatten();
+            list.filter_map(|word| word.as_str().map(str::to_owned)).collect()
+        };
         let parameters = entry.get("parameters").and_then(Value::as_object).into_iter().flatten();
         Ok(Truth {
             kind,
@@ -67,8 +70,8 @@ impl Truth {
             moving: entry.get("moving").and_then(Value::as_bool).unwrap_or(false),
             strength: word("strength").unwrap_or_else(|| "full".to_owned()),
             question: word("question"),
-            law: word("law"),
-            faults: faults.filter_map(|name| name.as_str().map(str::to_owned)).collect(),
+            laws: word("law").into_iter().chain(words("described_by")).collect(),
+            faults: words("faults"),
             places: places
                 .filter_map(|(effect, place)| Some((effect.clone(), place.as_str()?.to_owned())))
                 .collect(),

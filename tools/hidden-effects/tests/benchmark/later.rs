@@ -93,6 +93,7 @@ fn the_truth_tells_law_question_and_names_of_faults() {
     let truth = |name: &str| files::truth(&named(name)).unwrap();
     let dahl = truth("contact-micro_slip-dahl-full-1%-white-1");
     assert_eq!([&dahl["effect"], &dahl["law"], &dahl["question"]], ["micro_slip", "dahl", "dahl"]);
+    assert_eq!(dahl["described_by"], Value::from(vec!["bouc_wen", "valanis"]));
     let hum = truth("contact-unknown-hum-full-1%-white-1");
     assert!(hum["faults"].as_array().unwrap().contains(&Value::from("mains_hum")));
     assert_eq!([&hum["effect"], &hum["question"]], ["unknown:hum", "hum"]);

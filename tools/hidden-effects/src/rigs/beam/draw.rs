@@ -42,10 +42,10 @@ impl Beam {
             residual: 0.15,
         };
         for id in effects {
-            rig.hide(id, strength, &measures, &mut random.fork())?;
-        }
-        if setting == Setting::HeldLevels {
-            rig.joint.gradual = rig.joint.gradual.map(|_| Gradual::Valanis { smoothness: 0.3 });
+            match (setting, *id) {
+                (Setting::HeldLevels, "micro_slip:valanis") => rig.hide_the_papers_law(),
+                _ => rig.hide(id, strength, &measures, &mut random.fork())?,
+            }
         }
         Ok(rig)
     }
@@ -85,6 +85,11 @@ impl Beam {
         let normal_load = 147.15;
         let joint = Joint::jenkins(7.9e6, 7.9e6 / 8.7e4 / normal_load);
         Self::new(geometry, 0.003, joint, normal_load, excitation::held_levels(random))
+    }
+
+    fn hide_the_papers_law(&mut self) {
+        let law = Gradual::Valanis { smoothness: 0.3 };
+        self.hidden.extend(joint_effects::replace_sliders(law, &mut self.joint));
     }
 
     fn new(
