@@ -38,10 +38,29 @@ pub fn hide(
     random: &mut Random,
 ) -> Option<Hidden> {
     if let Some(law) = id.strip_prefix(MICRO_SLIP_OF) {
-        return replace_sliders(gradual(law, random)?, joint);
+        return replace_sliders(gradual(law, strength, measures, random)?, joint);
     }
+    if let Some(own) = id.strip_prefix(UNKNOWN) {
+        match gradual(own, strength, measures, random) {
+            Some(law) => joint.gradual = Some(law),
+            None => joint.unknown = Some(unknown(own, strength, measures, joint, random)?),
+        }
+        return Some(Hidden::new(id, &[]));
+    }
+    let parameters = in_catalogue(id, strength, measures, joint, random)?;
+    Some(Hidden::new(id, &parameters))
+}
+
+/// Hides an effect of the catalogue; its parameters.
+fn in_catalogue(
+    id: &str,
+    strength: f64,
+    measures: &Measures,
+    joint: &mut Joint,
+    random: &mut Random,
+) -> Option<Vec<(&'static str, f64)>> {
     let at_reach = measures.reach * measures.yield_displacement;
-    let parameters: Vec<(&'static str, f64)> = match id {
+    Some(match id {
         "micro_slip" => {
             joint.spread = strength * random.between(0.7, 0.98);
             vec![("spread", joint.spread)]
@@ -79,20 +98,8 @@ pub fn hide(
             joint.asymmetry = strength * random.sign() * random.between(0.15, 0.3);
             vec![("asymmetry", joint.asymmetry)]
         }
-        "unknown:lugre" => {
-            joint.gradual = Some(Gradual::LuGre {
-                rise: strength * random.between(0.4, 0.7),
-                speed: random.between(3.0, 6.0) * measures.slow_speed,
-                damping: random.between(0.1, 0.2) * measures.limit / measures.high_speed,
-            });
-            Vec::new()
-        }
-        _ => {
-            joint.unknown = Some(unknown(id.strip_prefix(UNKNOWN)?, strength, measures, joint, random)?);
-            Vec::new()
-        }
-    };
-    Some(Hidden::new(id, &parameters))
+        _ => return None,
+    })
 }
 
 /// Puts a law of gradual slip in the place of the slider; `None` for one that the catalogue does not describe.
@@ -112,7 +119,7 @@ pub fn replace_sliders(law: Gradual, joint: &mut Joint) -> Option<Hidden> {
 }
 
 /// A contact law whose slip is gradual.
-fn gradual(law: &str, random: &mut Random) -> Option<Gradual> {
+fn gradual(law: &str, strength: f64, measures: &Measures, random: &mut Random) -> Option<Gradual> {
     Some(match law {
         "dahl" => Gradual::Dahl,
         "bouc_wen" => Gradual::BoucWen {
@@ -120,6 +127,11 @@ fn gradual(law: &str, random: &mut Random) -> Option<Gradual> {
             unloading_ratio: random.between(1.0, 1.6),
         },
         "valanis" => Gradual::Valanis { smoothness: random.between(0.2, 0.6) },
+        "lugre" => Gradual::LuGre {
+            rise: strength * random.between(0.4, 0.7),
+            speed: random.between(3.0, 6.0) * measures.slow_speed,
+            damping: random.between(0.1, 0.2) * measures.limit / measures.high_speed,
+        },
         _ => return None,
     })
 }

@@ -103,8 +103,6 @@ impl Oscillator {
         random: &mut Random,
     ) -> Option<Hidden> {
         let mass = random.pick(&[0, 1]);
-        let channel = format!("displacement:m{}", mass + 1);
-        let fault = Fault::none(channel.clone());
         Some(match id {
             "normal_load_variation" => {
                 let share = if random.unit() < 0.2 { 1.25 } else { random.between(0.4, 0.8) };
@@ -131,6 +129,26 @@ impl Oscillator {
                 self.hanging = Some((hung, frequency));
                 Hidden::new(id, &[("mass", hung), ("hanging_frequency", frequency)])
             }
+            "unknown:periodic_disturbance" => {
+                let size = strength * random.between(0.3, 0.6) * measures.limit;
+                self.disturbance = Some((size, random.between(9.0, 30.0)));
+                Hidden::new(id, &[])
+            }
+            _ => return self.hide_in_sensor(id, strength, measures, mass, random),
+        })
+    }
+
+    fn hide_in_sensor(
+        &mut self,
+        id: &str,
+        strength: f64,
+        measures: &Measures,
+        mass: usize,
+        random: &mut Random,
+    ) -> Option<Hidden> {
+        let channel = format!("displacement:m{}", mass + 1);
+        let fault = Fault::none(channel.clone());
+        Some(match id {
             "sensor_delay" => {
                 let delay = strength * random.between(6e-4, 1.2e-3);
                 self.fault = Some(Fault { delay, ..fault });
@@ -150,11 +168,6 @@ impl Oscillator {
                 let clock_error = strength * random.sign() * random.between(0.002, 0.004);
                 self.fault = Some(Fault { clock_error, ..fault });
                 Hidden::at(id, channel, &[("clock_error", clock_error)])
-            }
-            "unknown:periodic_disturbance" => {
-                let size = strength * random.between(0.3, 0.6) * measures.limit;
-                self.disturbance = Some((size, random.between(9.0, 30.0)));
-                Hidden::new(id, &[])
             }
             _ => return None,
         })
