@@ -83,6 +83,10 @@ fn breakdown(text: &mut String, outcomes: &[Outcome]) {
     for outcome in outcomes {
         add("all".to_owned(), outcome);
     }
+    let first = |outcome: &&Outcome| outcome.truth.question.is_none();
+    if !outcomes.iter().all(|outcome| first(&outcome)) {
+        outcomes.iter().filter(first).for_each(|outcome| add("first cases".to_owned(), outcome));
+    }
     for outcome in outcomes {
         add(outcome.truth.kind.clone(), outcome);
     }

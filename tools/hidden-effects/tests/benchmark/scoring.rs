@@ -287,6 +287,7 @@ exit 10
         let row = "| noise visible in cycles inside ramped records alone | 50.0 % (1 of 2; 9.5 … 90.5 %) | 100.0 % (1 of 1; ";
         assert!(page.contains(row), "{page}");
         // The first cases are told apart from them.
+        assert!(page.contains("| first cases | 0 % of 2 |"), "{page}");
         let row = "| single effects named correctly | 0.0 % (0 of 2; 0.0 … 65.8 %) | 33.3 % (1 of 3; ";
         assert!(page.contains(row), "{page}");
     }
