@@ -36,8 +36,6 @@ pub use period::CycleSummary;
 pub use period::contact_cycle::{ContactCycle, ContactMapping, contact_cycle};
 pub use response::resonance::{Resonance, backbone, phase_resonance};
 pub use response::sweep::{frequency_response, level_response, parameter_response, periodic_response};
-pub use response::tracking::{
-    Tracked, TrackedCurve, TrackedQuantity, Tracking, track_levels, track_parameter,
-};
+pub use response::tracking::{TrackedQuantity, Tracking, track_levels, track_parameter};
 pub use response::{Curve, Fold, Peak};
 pub use settings::{CurveSettings, Method, UNRESOLVED};

@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 
 use stickslip::contact::{ContactLaw, CubicSpring, LawError, Valanis};
 use stickslip::harmonic::{
-    Assembly, Control, CurveSettings, Ending, ModeRange, NonlinearMode, TrackedQuantity, Tracking,
-    nonlinear_mode, parameter_response, periodic_response, phase_resonance, track_levels, track_parameter,
+    Assembly, AssemblyAt, Control, CurveSettings, Ending, ModeRange, NonlinearMode, TrackedQuantity,
+    Tracking, nonlinear_mode, parameter_response, periodic_response, phase_resonance, track_levels,
+    track_parameter,
 };
 use stickslip::system::ModalBeam;
 
@@ -133,28 +134,32 @@ fn with_one_mode_and_one_harmonic_the_backbone_is_phase_resonance() {
 fn resonances_of_the_beam_are_followed_over_friction_and_load() {
     let beam = published(4);
     let node = beam.sensors.len();
-    let tracking = Tracking { followed: TrackedQuantity::Phase, node, angular_frequency: TAU * 51.0 };
+    let tracking = Tracking { quantity: TrackedQuantity::Phase, node, angular_frequency: TAU * 51.0 };
     let friction = [FRICTION, 0.8 * FRICTION, 0.5 * FRICTION];
     let over_friction = |friction: f64| Ok(assembly(&beam, valanis(friction)?, LOAD));
     let over_load = |load: f64| Ok(assembly(&beam, valanis(FRICTION)?, load));
     let loads: Vec<f64> = friction.iter().map(|mu| LOAD * mu / FRICTION).collect();
-    let by_friction = track_parameter(&over_friction, 8.0, &tracking, &friction, &settings(5)).unwrap();
-    let by_load = track_parameter(&over_load, 8.0, &tracking, &loads, &settings(5)).unwrap();
-    assert_eq!((by_friction.points.len(), by_load.points.len()), (3, 3));
+    let track = |over: &AssemblyAt, values: &[f64]| {
+        track_parameter(over, 8.0, &tracking, values, &settings(5), &mut |_| true).unwrap().points
+    };
+    let (by_friction, by_load) = (track(&over_friction, &friction), track(&over_load, &loads));
+    assert_eq!((by_friction.len(), by_load.len()), (3, 3));
     let mut last = f64::INFINITY;
-    for ((by_friction, by_load), friction) in by_friction.points.iter().zip(&by_load.points).zip(friction) {
+    for ((by_friction, by_load), friction) in by_friction.iter().zip(&by_load).zip(friction) {
         let alone = valanis(friction).unwrap();
         let alone = assembly(&beam, alone, LOAD);
-        let start = Tracking { angular_frequency: by_friction.point.angular_frequency * 1.002, ..tracking };
-        let expected = track_levels(&alone, &start, &[8.0], &settings(5)).unwrap().points.remove(0);
+        let start = Tracking { angular_frequency: by_friction.angular_frequency * 1.002, ..tracking };
+        let expected = track_levels(&alone, &start, &[8.0], &settings(5), &mut |_| true).unwrap();
+        let expected = &expected.points[0];
         for found in [by_friction, by_load] {
-            let ratio = found.point.angular_frequency / expected.point.angular_frequency;
+            let ratio = found.angular_frequency / expected.angular_frequency;
             assert!((ratio - 1.0).abs() < 1e-8, "{ratio}");
-            assert!((found.receptance / expected.receptance - 1.0).abs() < 1e-7);
+            let ratio = found.amplitude[node] / expected.amplitude[node];
+            assert!((ratio - 1.0).abs() < 1e-7);
         }
         // Less friction is less stiffness.
-        assert!(expected.point.angular_frequency < last);
-        last = expected.point.angular_frequency;
+        assert!(expected.angular_frequency < last);
+        last = expected.angular_frequency;
     }
 }
 

@@ -34,9 +34,9 @@ fn a_curve_passes_the_corners_at_which_slip_begins_and_ends() {
         let highest = peaks.iter().copied().fold(0.0, f64::max);
         assert!(highest > limit / stiffness, "{peaks:?}");
         for start in [0.95, 1.3] {
-            let tracking = Tracking { followed: TrackedQuantity::Peak, node: 0, angular_frequency: start };
-            let found = track_levels(&assembly, &tracking, &[level], &settings).unwrap();
-            let amplitude = found.points[0].amplitude;
+            let tracking = Tracking { quantity: TrackedQuantity::Peak, node: 0, angular_frequency: start };
+            let found = track_levels(&assembly, &tracking, &[level], &settings, &mut |_| true).unwrap();
+            let amplitude = found.points[0].amplitude[0];
             let nearest = peaks.iter().map(|peak| (amplitude / peak - 1.0).abs()).fold(f64::MAX, f64::min);
             assert!(nearest < 1e-6, "{damping} {stiffness} {limit} {level}: {amplitude} not in {peaks:?}");
         }

@@ -157,15 +157,15 @@ fn lightly_damped_resonances_lie_on_the_mode() {
     let law = Jenkins::new(0.02, 0.02).unwrap();
     let assembly = in_contact(&structure, law);
     let settings = settings(9);
-    let tracking = Tracking { followed: TrackedQuantity::Phase, node: 0, angular_frequency: 0.5554 };
+    let tracking = Tracking { quantity: TrackedQuantity::Phase, node: 0, angular_frequency: 0.5554 };
     let levels: Vec<f64> = (0..12).map(|k| 1e-3 * 1.6_f64.powi(k)).collect();
-    let resonances = track_levels(&assembly, &tracking, &levels, &settings).unwrap().points;
+    let resonances = track_levels(&assembly, &tracking, &levels, &settings, &mut |_| true).unwrap().points;
     let mut frequencies = Vec::new();
     for resonance in &resonances {
-        let amplitude = resonance.point.first_harmonic()[0];
+        let amplitude = resonance.first_harmonic()[0];
         let range = ModeRange { mode: 0, node: 0, amplitudes: [1e-2 * amplitude, amplitude], points: 2 };
         let point = nonlinear_mode(&assembly, &range, &settings, &mut |_| true).unwrap().points.remove(1);
-        let difference = point.angular_frequency / resonance.point.angular_frequency - 1.0;
+        let difference = point.angular_frequency / resonance.angular_frequency - 1.0;
         assert!(difference.abs() < 1e-3, "{amplitude}: {difference:.1e}");
         frequencies.push(point.angular_frequency);
     }

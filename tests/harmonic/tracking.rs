@@ -1,25 +1,43 @@
-//! Resonances followed over level and contact parameters, against closed forms, scaling laws and the exact
+//! Resonances tracked over level and contact parameters, against closed forms, scaling laws and the exact
 //! event-driven solution of the two-mass system with friction.
 
 use std::sync::Arc;
 
 use stickslip::contact::{ContactLaw, CubicSpring, Jenkins, Unilateral};
 use stickslip::harmonic::{
-    CurveSettings, Ending, HarmonicError, Point, Tracked, TrackedCurve, TrackedQuantity, Tracking,
-    parameter_response, track_levels, track_parameter,
+    Assembly, AssemblyAt, Control, Curve, CurveSettings, Ending, HarmonicError, Point, TrackedQuantity,
+    Tracking, parameter_response, periodic_response, track_levels, track_parameter,
 };
 
 use crate::common::oscillator::{in_contact, settings, single, two_masses, under_load};
 
-/// The whole curve.
-fn whole(curve: Result<TrackedCurve, HarmonicError>) -> Vec<Tracked> {
+/// All points of a curve that comes to its end.
+fn whole(curve: Result<Curve, HarmonicError>) -> Vec<Point> {
     let curve = curve.unwrap();
-    assert_eq!(curve.lost, None);
+    assert_eq!(curve.ending, Ending::Complete);
     curve.points
 }
 
-const fn tracking(followed: TrackedQuantity, node: usize, angular_frequency: f64) -> Tracking {
-    Tracking { followed, node, angular_frequency }
+fn over_levels(
+    assembly: &Assembly,
+    tracking: &Tracking,
+    levels: &[f64],
+    settings: &CurveSettings,
+) -> Result<Curve, HarmonicError> {
+    track_levels(assembly, tracking, levels, settings, &mut |_| true)
+}
+
+fn over_values(at: &AssemblyAt, tracking: &Tracking, values: &[f64], harmonics: usize) -> Vec<Point> {
+    whole(track_parameter(at, 0.4, tracking, values, &settings(harmonics), &mut |_| true))
+}
+
+/// The node's largest displacement over a period by the level.
+fn receptance(point: &Point, node: usize) -> f64 {
+    point.amplitude[node] / point.level
+}
+
+const fn tracking(quantity: TrackedQuantity, node: usize, angular_frequency: f64) -> Tracking {
+    Tracking { quantity, node, angular_frequency }
 }
 
 /// Values evenly spaced by ratio.
@@ -35,18 +53,17 @@ fn a_linear_oscillator_peaks_below_and_is_in_phase_resonance_at_its_natural_freq
     let assembly = in_contact(&structure, law);
     let levels = [0.01, 1.0, 50.0];
     let square: f64 = stiffness + contact;
-    let follow =
-        |followed| whole(track_levels(&assembly, &tracking(followed, 0, 0.8), &levels, &settings(3)));
-    for phase in follow(TrackedQuantity::Phase) {
-        assert!((phase.point.angular_frequency / square.sqrt() - 1.0).abs() < 1e-9);
-        assert!((phase.receptance * damping * square.sqrt() - 1.0).abs() < 1e-9);
-        assert!((phase.point.level - phase.value).abs() < 1e-12 * phase.value);
+    let follow = |quantity| whole(over_levels(&assembly, &tracking(quantity, 0, 0.8), &levels, &settings(3)));
+    for (phase, level) in follow(TrackedQuantity::Phase).iter().zip(levels) {
+        assert!((phase.angular_frequency / square.sqrt() - 1.0).abs() < 1e-9);
+        assert!((receptance(phase, 0) * damping * square.sqrt() - 1.0).abs() < 1e-9);
+        assert!((phase.level - level).abs() < 1e-12 * level);
     }
     for peak in follow(TrackedQuantity::Peak) {
         let at = (square - 0.5 * damping * damping).sqrt();
-        assert!((peak.point.angular_frequency / at - 1.0).abs() < 1e-7, "{}", peak.point.angular_frequency);
+        assert!((peak.angular_frequency / at - 1.0).abs() < 1e-7, "{}", peak.angular_frequency);
         let height = 1.0 / (damping * (square - 0.25 * damping * damping).sqrt());
-        assert!((peak.receptance / height - 1.0).abs() < 1e-9);
+        assert!((receptance(&peak, 0) / height - 1.0).abs() < 1e-9);
     }
 }
 
@@ -64,10 +81,9 @@ fn two_mass_peaks_are_those_of_the_exact_solution() {
     ];
     for (node, start, omega, x, y, dissipated) in peaks {
         let tracking = tracking(TrackedQuantity::Peak, node, start);
-        let peak = whole(track_levels(&assembly, &tracking, &[0.4], &settings(41))).remove(0);
-        let point = &peak.point;
+        let point = whole(over_levels(&assembly, &tracking, &[0.4], &settings(41))).remove(0);
         assert!((point.angular_frequency - omega).abs() < 2e-6, "{} {omega}", point.angular_frequency);
-        assert!((peak.amplitude / [x, y][node] - 1.0).abs() < 1e-6);
+        assert!((point.amplitude[node] / [x, y][node] - 1.0).abs() < 1e-6);
         for (value, exact) in
             [(point.amplitude[0], x), (point.amplitude[1], y), (point.dissipated_energy(), dissipated)]
         {
@@ -83,18 +99,14 @@ fn receptance_at_the_peak_is_least_at_a_medium_level() {
     let assembly = in_contact(&structure, law);
     let least = |node| {
         let levels = spaced(0.01, 2.0, 60);
-        let peaks = whole(track_levels(
-            &assembly,
-            &tracking(TrackedQuantity::Peak, node, 0.67),
-            &levels,
-            &settings(9),
-        ));
+        let tracking = tracking(TrackedQuantity::Peak, node, 0.67);
+        let peaks = whole(over_levels(&assembly, &tracking, &levels, &settings(9)));
         // Stuck, nothing depends on the level.
-        assert!((peaks[1].receptance / peaks[0].receptance - 1.0).abs() < 1e-9);
-        let by_receptance = |a: &&Tracked, b: &&Tracked| a.receptance.total_cmp(&b.receptance);
-        let least = peaks.iter().min_by(by_receptance).unwrap();
-        assert!(least.receptance < 0.8 * peaks[59].receptance, "{}", least.receptance);
-        least.value
+        let receptance: Vec<f64> = peaks.iter().map(|peak| receptance(peak, node)).collect();
+        assert!((receptance[1] / receptance[0] - 1.0).abs() < 1e-9);
+        let least = (0..60).min_by(|a, b| receptance[*a].total_cmp(&receptance[*b])).unwrap();
+        assert!(receptance[least] < 0.8 * receptance[59], "{receptance:?}");
+        levels[least]
     };
     let (x, y) = (least(0), least(1));
     assert!((0.070..0.085).contains(&x), "{x}");
@@ -104,13 +116,10 @@ fn receptance_at_the_peak_is_least_at_a_medium_level() {
 #[test]
 fn dissipation_at_a_fixed_frequency_is_largest_at_a_medium_friction() {
     let structure = two_masses(0.1);
-    let over = |friction: f64| Ok(under_load(&structure, Arc::new(Jenkins::new(0.2, friction)?), 1.0));
-    let frequency = tracking(TrackedQuantity::Frequency, 1, 0.54);
-    let friction = [0.05, 0.06, 0.07];
-    let points = whole(track_parameter(&over, 0.4, &frequency, &friction, &settings(21)));
-    for (point, lost) in points.iter().zip([0.2910, 0.2994, 0.2939]) {
-        assert_eq!(point.point.angular_frequency, 0.54);
-        assert!((point.point.dissipated_energy() - lost).abs() < 5.1e-5, "{}", point.value);
+    for (friction, lost) in [(0.05, 0.2910), (0.06, 0.2994), (0.07, 0.2939)] {
+        let assembly = in_contact(&structure, Jenkins::new(0.2, friction).unwrap());
+        let point = periodic_response(&assembly, 0.54, &Control::Level(0.4), &settings(21), None).unwrap();
+        assert!((point.dissipated_energy() - lost).abs() < 5.1e-5, "{friction}");
     }
 }
 
@@ -121,17 +130,18 @@ fn load_and_level_together_only_scale_the_response() {
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let assembly = in_contact(&structure, law);
     let loads = [1.0, 0.5, 0.25, 2.0, 8.0];
-    for followed in [TrackedQuantity::Peak, TrackedQuantity::Phase] {
-        let node = if followed == TrackedQuantity::Peak { 0 } else { 1 };
-        let tracking = tracking(followed, node, 0.53);
+    for quantity in [TrackedQuantity::Peak, TrackedQuantity::Phase] {
+        let node = if quantity == TrackedQuantity::Peak { 0 } else { 1 };
+        let tracking = tracking(quantity, node, 0.53);
         let over = |load: f64| Ok(under_load(&structure, Arc::new(Jenkins::new(0.2, 0.02)?), load));
-        let by_load = whole(track_parameter(&over, 0.4, &tracking, &loads, &settings(9)));
+        let by_load = over_values(&over, &tracking, &loads, 9);
         let levels: Vec<f64> = loads.iter().map(|load| 0.4 / load).collect();
-        let by_level = whole(track_levels(&assembly, &tracking, &levels, &settings(9)));
+        let by_level = whole(over_levels(&assembly, &tracking, &levels, &settings(9)));
         for (a, b) in by_load.iter().zip(&by_level) {
-            let (left, right) = (a.point.angular_frequency, b.point.angular_frequency);
-            assert!((left / right - 1.0).abs() < 1e-6, "{followed:?} {}: {left} {right}", a.value);
-            assert!((a.receptance / b.receptance - 1.0).abs() < 1e-8, "{} {}", a.receptance, b.receptance);
+            let (left, right) = (a.angular_frequency, b.angular_frequency);
+            assert!((left / right - 1.0).abs() < 1e-6, "{quantity:?} {}: {left} {right}", a.parameter);
+            let (left, right) = (receptance(a, node), receptance(b, node));
+            assert!((left / right - 1.0).abs() < 1e-8, "{left} {right}");
         }
     }
 }
@@ -144,12 +154,12 @@ fn duffing_peaks_are_followed_past_the_fold() {
     let law = CubicSpring::new(0.0, cubic).unwrap();
     let levels = spaced(1e-3, 0.3, 9);
     let peak = tracking(TrackedQuantity::Peak, 0, 0.98);
-    for peak in whole(track_levels(&in_contact(&structure, law), &peak, &levels, &settings(1))) {
-        let (a, omega) = (peak.amplitude, peak.point.angular_frequency);
+    for peak in whole(over_levels(&in_contact(&structure, law), &peak, &levels, &settings(1))) {
+        let (a, omega) = (peak.amplitude[0], peak.angular_frequency);
         let bent = 1.0 + 0.75 * cubic * a * a;
         assert!((omega * omega / (bent - 0.5 * damping * damping) - 1.0).abs() < 1e-6, "{omega} {a}");
         let force = a * (0.25 * damping.powi(4) + (damping * omega).powi(2)).sqrt();
-        assert!((force / peak.value - 1.0).abs() < 1e-8, "{force} {}", peak.value);
+        assert!((force / peak.level - 1.0).abs() < 1e-8, "{force} {}", peak.level);
     }
 }
 
@@ -191,12 +201,11 @@ fn a_parameter_sweep_and_single_values_agree() {
     let last = curve.points.last().map(|varied| (varied.parameter, varied.dissipated_energy()));
     assert_eq!(curve.ending, Ending::Complete, "{last:?}");
     let picked: Vec<&Point> = curve.points.iter().step_by(7).collect();
-    let values: Vec<f64> = picked.iter().map(|varied| varied.parameter).collect();
-    let frequency = tracking(TrackedQuantity::Frequency, 1, 0.54);
-    let points = whole(track_parameter(&over, 0.4, &frequency, &values, &settings(9)));
-    for (a, b) in picked.iter().zip(&points) {
-        assert!((a.amplitude[1] / b.amplitude - 1.0).abs() < 1e-8, "{}", a.parameter);
-        assert!((a.dissipated_energy() - b.point.dissipated_energy()).abs() < 1e-9);
+    for swept in &picked {
+        let assembly = over(swept.parameter).unwrap();
+        let alone = periodic_response(&assembly, 0.54, &Control::Level(0.4), &settings(9), None).unwrap();
+        assert!((swept.amplitude[1] / alone.amplitude[1] - 1.0).abs() < 1e-8, "{}", swept.parameter);
+        assert!((swept.dissipated_energy() - alone.dissipated_energy()).abs() < 1e-9);
     }
     assert!(picked.len() > 5);
 }
@@ -213,23 +222,23 @@ fn harmonics_grow_until_a_tracked_peak_is_resolved() {
         ..CurveSettings::default()
     };
     let tracking = tracking(TrackedQuantity::Peak, 0, 0.5);
-    let peaks = whole(track_levels(&assembly, &tracking, &[0.4, 0.3], &adaptive));
-    assert!(peaks.iter().all(|peak| peak.point.resolved && peak.point.error_estimate <= 1e-5));
-    assert!((peaks[0].amplitude / 1.008048920 - 1.0).abs() < 1e-5, "{}", peaks[0].amplitude);
-    assert!(peaks[0].point.harmonics > 5);
+    let peaks = whole(over_levels(&assembly, &tracking, &[0.4, 0.3], &adaptive));
+    assert!(peaks.iter().all(|peak| peak.resolved && peak.error_estimate <= 1e-5));
+    assert!((peaks[0].amplitude[0] / 1.008048920 - 1.0).abs() < 1e-5, "{}", peaks[0].amplitude[0]);
+    assert!(peaks[0].harmonics > 5);
 }
 
 #[test]
-fn a_resonance_that_ends_is_reported_as_lost() {
+fn a_resonance_that_ends_ends_its_curve() {
     // Friction damps the first mass so much that its phase stops passing a quarter period near the first mode.
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let levels = spaced(0.8, 0.02, 20);
     let tracking = tracking(TrackedQuantity::Phase, 0, 0.55);
-    let curve = track_levels(&in_contact(&structure, law), &tracking, &levels, &settings(9)).unwrap();
-    assert!(curve.lost.is_some() && curve.points.len() > 5 && curve.points.len() < 20);
+    let curve = over_levels(&in_contact(&structure, law), &tracking, &levels, &settings(9)).unwrap();
+    assert!(curve.ending == Ending::Stuck && curve.points.len() > 5 && curve.points.len() < 20);
     for pair in curve.points.windows(2) {
-        let change = pair[1].point.angular_frequency / pair[0].point.angular_frequency - 1.0;
+        let change = pair[1].angular_frequency / pair[0].angular_frequency - 1.0;
         assert!(change.abs() < 0.15, "{change}");
     }
 }
@@ -239,25 +248,35 @@ fn what_cannot_be_followed_is_refused() {
     let structure = two_masses(0.1);
     let law = Jenkins::new(0.2, 0.02).unwrap();
     let assembly = in_contact(&structure, law);
-    let follow =
-        |tracking: Tracking, levels: &[f64]| track_levels(&assembly, &tracking, levels, &settings(5));
+    let follow = |tracking: Tracking, levels: &[f64]| over_levels(&assembly, &tracking, levels, &settings(5));
     let refused = [
         follow(tracking(TrackedQuantity::Peak, 2, 0.5), &[0.4]),
         follow(tracking(TrackedQuantity::Peak, 0, 0.0), &[0.4]),
         follow(tracking(TrackedQuantity::Peak, 0, f64::NAN), &[0.4]),
         follow(tracking(TrackedQuantity::Peak, 0, 0.5), &[0.0]),
+        follow(tracking(TrackedQuantity::Peak, 0, 0.5), &[]),
     ];
     for result in refused {
         assert!(matches!(result, Err(HarmonicError::InvalidInput(_))), "{result:?}");
     }
     let over = |friction: f64| Ok(under_load(&structure, Arc::new(Jenkins::new(0.2, friction)?), 1.0));
-    let frequency = tracking(TrackedQuantity::Frequency, 0, 0.5);
-    let result = track_parameter(&over, 0.4, &frequency, &[0.02, -1.0], &settings(5));
+    let peak = tracking(TrackedQuantity::Peak, 0, 0.5);
+    let result = track_parameter(&over, 0.4, &peak, &[0.02, -1.0], &settings(5), &mut |_| true);
     assert!(matches!(result, Err(HarmonicError::Law(_))), "{result:?}");
-    assert_eq!(
-        follow(tracking(TrackedQuantity::Peak, 0, 0.5), &[]),
-        Ok(TrackedCurve { points: Vec::new(), lost: None })
-    );
+}
+
+#[test]
+fn a_tracked_resonance_can_be_interrupted() {
+    let structure = two_masses(0.1);
+    let assembly = in_contact(&structure, Jenkins::new(0.2, 0.02).unwrap());
+    let peak = tracking(TrackedQuantity::Peak, 0, 0.5);
+    let mut left = 2;
+    let mut watch = |_: &Point| {
+        left -= 1;
+        left > 0
+    };
+    let curve = track_levels(&assembly, &peak, &[0.4, 0.41, 0.42], &settings(5), &mut watch).unwrap();
+    assert_eq!((curve.ending, curve.points.len()), (Ending::Interrupted, 2));
 }
 
 #[test]

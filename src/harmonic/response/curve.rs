@@ -66,3 +66,10 @@ pub struct Curve {
     /// How it ended.
     pub ending: Ending,
 }
+
+impl Curve {
+    /// Nothing yet: points come in, and the ending changes where it is another.
+    pub(crate) fn empty(nodes: Vec<String>) -> Self {
+        Self { nodes, points: Vec::new(), peaks: Vec::new(), folds: Vec::new(), ending: Ending::Complete }
+    }
+}

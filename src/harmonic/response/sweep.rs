@@ -236,13 +236,7 @@ impl Sweep {
     ) -> Result<Curve, HarmonicError> {
         let (x, at) = first(&mut *system, &start, &self.control, settings)?;
         let mut recorder = Recorder::new(settings);
-        let mut curve = Curve {
-            nodes,
-            points: Vec::new(),
-            peaks: Vec::new(),
-            folds: Vec::new(),
-            ending: Ending::Complete,
-        };
+        let mut curve = Curve::empty(nodes);
         // The first point fixes the harmonics to start with.
         let mut path = self.path(&mut *system, x, at, settings)?;
         while let Verdict::Harmonics(harmonics) =

@@ -35,8 +35,6 @@ pub(crate) enum Sought {
     Peak(usize),
     /// First harmonic of a node a quarter period from that of the excitation, `[cosine, sine]`.
     Phase(usize, [f64; 2]),
-    /// The response at the frequency it starts from.
-    Frequency,
 }
 
 /// A response on the frequency response curve, and the way on from there.
@@ -107,16 +105,15 @@ impl Tracker {
         sought: Sought,
         start: Solution,
     ) -> Result<Solution, HarmonicError> {
-        let mut solution = start;
         match sought {
-            Sought::Peak(node) => return self.peak(system, node, solution),
+            Sought::Peak(node) => self.peak(system, node, start),
             Sought::Phase(node, excitation) => {
+                let mut solution = start;
                 let mut phase = Phase::quarter(node, 1, excitation);
                 self.solve(system, &mut solution, &FREQUENCY, &mut [&mut phase])?;
+                Ok(solution)
             }
-            Sought::Frequency => self.solve(system, &mut solution, &[], &mut [])?,
         }
-        Ok(solution)
     }
 
     fn peak(

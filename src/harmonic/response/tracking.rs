@@ -1,16 +1,18 @@
-//! Resonances followed over the excitation's level or over a parameter of the contacts.
+//! Resonances tracked over the excitation's level or over a parameter.
 
+use super::curve::Curve;
 use super::start::at_level;
 use super::stepwise::{LastSolutions, StepwiseContinuation};
 use super::tracker::{Solution, Sought, Tracker, describe};
 use crate::harmonic::balance::assembly::Assembly;
 use crate::harmonic::balance::balance_of;
 use crate::harmonic::balance::varied::{AssemblyAt, Varied};
+use crate::harmonic::continuation::Ending;
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 use crate::harmonic::{CurveSettings, HarmonicError};
 
-/// What is followed.
+/// What is tracked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TrackedQuantity {
     /// The frequency at which the node's amplitude, its largest displacement over a period, is largest.
@@ -18,46 +20,22 @@ pub enum TrackedQuantity {
     /// The frequency at which the first harmonic of the node's displacement is a quarter period behind that
     /// of the excitation, or ahead of it (as it may be away from the excitation).
     Phase,
-    /// A constant frequency.
-    Frequency,
 }
 
-/// What is followed, of which node, and from where.
+/// What is tracked, of which node, and from where.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tracking {
-    /// What is followed.
-    pub followed: TrackedQuantity,
+    /// What is tracked.
+    pub quantity: TrackedQuantity,
     /// Which node of the structure.
     pub node: usize,
     /// Ω (rad/s) near which it is at the first value: the peak is the next one uphill from there.
     pub angular_frequency: f64,
 }
 
-/// The response followed at one value of what is varied.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Tracked {
-    /// The value: a level, or of the parameter.
-    pub value: f64,
-    /// Amplitude of the node: its largest displacement over a period (m).
-    pub amplitude: f64,
-    /// Amplitude over level; for an excitation of unit amplitude the receptance (m/N).
-    pub receptance: f64,
-    /// The response with frequency, level and energies.
-    pub point: Point,
-}
-
-/// A response followed over values of a level or a parameter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TrackedCurve {
-    /// The responses at the values in their order, as far as they were reached.
-    pub points: Vec<Tracked>,
-    /// Why the rest is missing, if it is: no response was found, however small the step from the last one. A
-    /// resonance may end there (the phase of a node may cease to pass a quarter period, and a peak may
-    /// merge with its neighbour).
-    pub lost: Option<HarmonicError>,
-}
-
-/// Follows a response over the excitation's levels, in the order given.
+/// The resonance at each of the excitation's `levels`, in the order given. `watch` sees every point and says whether to go
+/// on. A curve that ends early is returned as far as it came: a resonance may end (the phase of a node may cease to pass a
+/// quarter period, and a peak may merge with its neighbour).
 ///
 /// ```
 /// use stickslip::harmonic::{Assembly, CurveSettings, TrackedQuantity, Tracking, track_levels};
@@ -72,12 +50,12 @@ pub struct TrackedCurve {
 ///     "#,
 /// )?;
 /// let assembly = Assembly::new(model.system()?);
-/// let tracking = Tracking { followed: TrackedQuantity::Peak, node: 0, angular_frequency: 1.1 };
+/// let tracking = Tracking { quantity: TrackedQuantity::Peak, node: 0, angular_frequency: 1.1 };
 /// let levels = [0.001, 1.0, 100.0];
-/// let peaks = track_levels(&assembly, &tracking, &levels, &CurveSettings::default())?.points;
+/// let peaks = track_levels(&assembly, &tracking, &levels, &CurveSettings::default(), &mut |_| true)?.points;
 /// // From stuck, √1.44, to free.
-/// assert!((peaks[0].point.angular_frequency - 1.2).abs() < 0.01);
-/// assert!((peaks[2].point.angular_frequency - 1.0).abs() < 0.01);
+/// assert!((peaks[0].angular_frequency - 1.2).abs() < 0.01);
+/// assert!((peaks[2].angular_frequency - 1.0).abs() < 0.01);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -89,17 +67,18 @@ pub fn track_levels(
     tracking: &Tracking,
     levels: &[f64],
     settings: &CurveSettings,
-) -> Result<TrackedCurve, HarmonicError> {
-    if levels.iter().any(|level| !(level.is_finite() && *level != 0.0)) {
-        return Err(HarmonicError::InvalidInput("a level is zero or not finite"));
+    watch: &mut dyn FnMut(&Point) -> bool,
+) -> Result<Curve, HarmonicError> {
+    if levels.is_empty() || levels.iter().any(|level| !(level.is_finite() && *level != 0.0)) {
+        return Err(HarmonicError::InvalidInput("there is no level, or one is zero or not finite"));
     }
     let mut system = balance_of(assembly, settings)?;
     let set = |at: &mut Operating, value| at.level = value;
-    Follower::new(assembly, tracking, settings, &mut *system, &set)?.over(levels)
+    Follower::new(assembly, tracking, settings, &mut *system, &set)?.over(assembly, levels, watch)
 }
 
-/// Follows a response at a constant `level` over `values` of a parameter, in the order given. `at` makes the system at a
-/// value.
+/// The resonance at a constant `level` at each of the `values` of a parameter, as [`track_levels`] has it over the level. `at`
+/// makes the system at a value.
 ///
 /// ```
 /// use stickslip::harmonic::{Assembly, CurveSettings, TrackedQuantity, Tracking, track_parameter};
@@ -114,10 +93,10 @@ pub fn track_levels(
 ///     "#,
 /// )?;
 /// let over_friction = model.assembly_over("contact.friction_coefficient")?;
-/// let tracking = Tracking { followed: TrackedQuantity::Phase, node: 0, angular_frequency: 1.1 };
+/// let tracking = Tracking { quantity: TrackedQuantity::Phase, node: 0, angular_frequency: 1.1 };
 /// let settings = CurveSettings::default();
-/// let resonances = track_parameter(&over_friction, 0.5, &tracking, &[0.1, 0.2, 0.3], &settings)?.points;
-/// assert!(resonances[2].point.angular_frequency > resonances[0].point.angular_frequency);
+/// let curve = track_parameter(&over_friction, 0.5, &tracking, &[0.1, 0.2, 0.3], &settings, &mut |_| true)?;
+/// assert!(curve.points[2].angular_frequency > curve.points[0].angular_frequency);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -129,18 +108,19 @@ pub fn track_parameter(
     tracking: &Tracking,
     values: &[f64],
     settings: &CurveSettings,
-) -> Result<TrackedCurve, HarmonicError> {
+    watch: &mut dyn FnMut(&Point) -> bool,
+) -> Result<Curve, HarmonicError> {
     if !(level.is_finite() && level != 0.0) {
         return Err(HarmonicError::InvalidInput("the level is zero or not finite"));
     }
     if values.iter().any(|value| !value.is_finite()) {
         return Err(HarmonicError::InvalidInput("a value of the parameter is not finite"));
     }
-    let Some(first) = values.first() else { return Ok(TrackedCurve { points: Vec::new(), lost: None }) };
+    let first = values.first().ok_or(HarmonicError::InvalidInput("there is no value of the parameter"))?;
     let mut system = Varied::new(at, *first, 0.0, settings)?;
     let assembly = system.assembly().clone();
     let set = |at: &mut Operating, value| (at.level, at.parameter) = (level, value);
-    Follower::new(&assembly, tracking, settings, &mut system, &set)?.over(values)
+    Follower::new(&assembly, tracking, settings, &mut system, &set)?.over(&assembly, values, watch)
 }
 
 /// The response carried from value to value.
@@ -149,7 +129,6 @@ struct Follower<'s, 'v> {
     settings: CurveSettings,
     tracker: Tracker,
     sought: Sought,
-    node: usize,
     angular_frequency: f64,
     /// Makes a value known to the balance.
     set: &'v dyn Fn(&mut Operating, f64),
@@ -169,8 +148,7 @@ impl<'s, 'v> Follower<'s, 'v> {
         if !(tracking.angular_frequency > 0.0 && tracking.angular_frequency.is_finite()) {
             return Err(HarmonicError::InvalidInput("the frequency to start from must be positive"));
         }
-        let sought = match tracking.followed {
-            TrackedQuantity::Frequency => Sought::Frequency,
+        let sought = match tracking.quantity {
             TrackedQuantity::Peak => Sought::Peak(tracking.node),
             TrackedQuantity::Phase => {
                 let part = |place: usize| assembly.waveform.get(place).copied().unwrap_or(0.0);
@@ -186,29 +164,35 @@ impl<'s, 'v> Follower<'s, 'v> {
             settings: *settings,
             tracker: Tracker::new(settings.stopping()),
             sought,
-            node: tracking.node,
             angular_frequency: tracking.angular_frequency,
             set,
         })
     }
 
     /// The responses at all values.
-    fn over(&mut self, values: &[f64]) -> Result<TrackedCurve, HarmonicError> {
-        let (mut points, mut reached) = (Vec::with_capacity(values.len()), LastSolutions::new());
+    fn over(
+        &mut self,
+        assembly: &Assembly,
+        values: &[f64],
+        watch: &mut dyn FnMut(&Point) -> bool,
+    ) -> Result<Curve, HarmonicError> {
+        let mut curve = Curve::empty(assembly.nodes());
+        let mut reached = LastSolutions::new();
         for value in values {
             match self.reach(*value, &mut reached) {
-                Ok(point) => {
-                    let amplitude = point.amplitude[self.node];
-                    let receptance = amplitude / point.level.abs();
-                    points.push(Tracked { value: *value, amplitude, receptance, point });
-                }
-                Err(error) if !points.is_empty() && error.is_of_the_step() => {
-                    return Ok(TrackedCurve { points, lost: Some(error) });
+                Ok(point) => curve.points.push(point),
+                Err(error) if !curve.points.is_empty() && error.is_of_the_step() => {
+                    curve.ending = Ending::Stuck;
+                    break;
                 }
                 Err(error) => return Err(error),
             }
+            if !curve.points.last().is_none_or(&mut *watch) {
+                curve.ending = Ending::Interrupted;
+                break;
+            }
         }
-        Ok(TrackedCurve { points, lost: None })
+        Ok(curve)
     }
 
     /// The response at a value, on the straight line through the last two.

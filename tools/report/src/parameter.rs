@@ -1,4 +1,4 @@
-//! The page of responses at one frequency over a parameter of the model.
+//! The page of responses at one frequency, or of a resonance, over a parameter of the model or the force.
 
 use stickslip::harmonic::{Curve, Ending, Point};
 
@@ -27,10 +27,12 @@ pub struct ParameterReport<'a> {
     pub range: [f64; 2],
     /// The unit that people read frequencies in.
     pub unit: FrequencyUnit,
-    /// Frequency of the excitation (rad/s).
+    /// Frequency of the excitation (rad/s); of a resonance where its search began.
     pub angular_frequency: f64,
-    /// Amplitude of the excitation (N).
-    pub force: f64,
+    /// Amplitude of the excitation (N), unless it is what varies.
+    pub force: Option<f64>,
+    /// The resonance that is followed, as `peak:m1`; else the frequency stays.
+    pub tracked: Option<&'a str>,
     /// What was found.
     pub curve: &'a Curve,
 }
@@ -57,15 +59,24 @@ impl ParameterReport<'_> {
             lead: self.lead(),
             warnings: self.warnings(),
             scope: format!(
-                "{} from {} to {}, at {} under {}: {}.",
+                "{} from {} to {}, {}{}: {}.",
                 self.path,
                 self.value(self.range[0]),
                 self.value(self.range[1]),
-                self.unit.shown(self.angular_frequency),
-                format::engineering(self.force, "N"),
+                self.where_followed(),
+                self.force
+                    .map_or(String::new(), |force| format!(" under {}", format::engineering(force, "N"))),
                 format::count(points.len(), "response"),
             ),
             sections,
+        }
+    }
+
+    fn where_followed(&self) -> String {
+        match self.tracked.and_then(|tracked| tracked.split_once(':')) {
+            Some(("phase", node)) => format!("at the phase resonance of {node}"),
+            Some((_, node)) => format!("at the peak of {node}"),
+            None => format!("at {}", self.unit.shown(self.angular_frequency)),
         }
     }
 
@@ -112,14 +123,21 @@ impl ParameterReport<'_> {
         let y = Axis::new("displacement", "m").scaled(Scaling::Either);
         let unstable = self.curve.points.iter().any(|point| point.stable == Some(false));
         let note = if unstable { " Dashed: unstable." } else { "" };
-        let caption = format!("Largest displacement of each node over a period.{note}");
-        self.plot(caption, false, Panel { y, lines: lines.collect() })
+        let mut caption = format!("Largest displacement of each node over a period.{note}");
+        let mut panels = vec![Panel { y, lines: lines.collect() }];
+        if self.tracked.is_some() {
+            caption.push_str(" Below, the frequency of the resonance.");
+            let y = Axis::new("frequency", self.unit.name());
+            let frequency = |point: &Point| self.unit.of(point.angular_frequency);
+            panels.push(Panel { y, lines: self.lines("resonance", &palette(0, 1), frequency) });
+        }
+        self.plot(caption, false, panels)
     }
 
     fn dissipation(&self) -> Plot {
         let y = Axis::new("loss per cycle", "J").scaled(Scaling::Either);
         let lines = self.lines("contacts", &palette(0, 1), Point::dissipated_energy);
-        self.plot("Energy that the contacts take per cycle.".to_owned(), true, Panel { y, lines })
+        self.plot("Energy that the contacts take per cycle.".to_owned(), true, vec![Panel { y, lines }])
     }
 
     fn errors(&self) -> Plot {
@@ -129,7 +147,7 @@ impl ParameterReport<'_> {
             |point: &Point| Some(point.error_estimate).filter(|e| *e > ROUNDING).unwrap_or(f64::NAN);
         let lines = self.lines("estimate", &palette(0, 1), estimate);
         let caption = "Estimated truncation error of the displacements, as fraction of the amplitude.";
-        self.plot(caption.to_owned(), true, Panel { y, lines })
+        self.plot(caption.to_owned(), true, vec![Panel { y, lines }])
     }
 
     fn lines(&self, name: &str, colour: &str, value: impl Fn(&Point) -> f64) -> Vec<Line> {
@@ -137,16 +155,19 @@ impl ParameterReport<'_> {
         stable_and_unstable(name, colour, &self.curve.points.iter().map(point).collect::<Vec<_>>())
     }
 
-    fn plot(&self, caption: String, half: bool, panel: Panel) -> Plot {
-        Plot { caption, half, x: Axis::new(self.path, self.parameter_unit), panels: vec![panel] }
+    fn plot(&self, caption: String, half: bool, panels: Vec<Panel>) -> Plot {
+        Plot { caption, half, x: Axis::new(self.path, self.parameter_unit), panels }
     }
 
     fn table(&self) -> Block {
         let mut heading = vec![self.path.to_owned()];
+        heading.extend(self.tracked.map(|_| format!("Frequency ({})", self.unit.name())));
         heading.extend(self.curve.nodes.iter().map(|node| format!("Amplitude of {node}")));
         heading.extend(["Stable".to_owned(), "Error estimate".to_owned()]);
         let rows = rows(&self.curve.points, ROWS).map(|point| {
             let mut row = vec![Cell::text(self.value(point.parameter))];
+            let frequency = self.unit.of(point.angular_frequency);
+            row.extend(self.tracked.map(|_| Cell::text(format::significant(frequency, 6))));
             row.extend(point.amplitude.iter().map(|a| Cell::text(format::engineering(*a, "m"))));
             row.push(match point.stable {
                 Some(true) => Cell::text("yes"),

@@ -5,11 +5,11 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use stickslip::document::suggestion;
 use stickslip::harmonic::{Assembly, CurveSettings, HarmonicError, ModeRange, NonlinearMode, nonlinear_mode};
 use stickslip::model::Structure;
 use stickslip_report::{ModeReport, Settings, mode_html};
 
+use super::frf::node;
 use super::{check_destinations, list, read_model, settings};
 use crate::output::{Outputs, say};
 use crate::{Failure, ResultFiles, progress};
@@ -103,11 +103,7 @@ impl Modes {
     fn range(&self, nodes: &[String]) -> Result<ModeRange, Failure> {
         let node = match &self.node {
             None => 0,
-            Some(name) => nodes.iter().position(|node| node == name).ok_or_else(|| {
-                let known: Vec<&str> = nodes.iter().map(String::as_str).collect();
-                let help = suggestion(name, &known, "nodes");
-                Failure::input(format!("--node: the model has no node `{name}`; {help}"))
-            })?,
+            Some(name) => node(name, nodes).map_err(|error| Failure::input(format!("--node: {error}")))?,
         };
         let mode =
             self.mode.checked_sub(1).ok_or_else(|| Failure::input("--mode: modes are counted from 1"))?;

@@ -104,6 +104,68 @@ fn a_response_over_a_parameter_is_the_same_from_either_end() {
 }
 
 #[test]
+fn a_resonance_tracked_over_the_force_is_that_of_a_sweep_and_of_the_exact_flow() {
+    let folder = example();
+    let arguments = ["frf", "model.toml", "--unit", "rad/s", "--harmonics", "41"];
+    let track = ["--vary", "force=0.05:0.4", "--at", "0.6", "--track", "peak:m1"];
+    let files = ["--json", "t.json", "--csv", "t.csv", "--report", "t.html"];
+    let output = stickslip(folder.path(), &[&arguments[..], &track, &files].concat());
+    assert!(output.status.success(), "{}", error(&output));
+    let json = read_json(&folder, "t.json");
+    assert_eq!((&json["complete"], &json["tracked"]), (&true.into(), &"peak:m1".into()));
+    let points = &json["points"];
+    let [force, omega] = ["value", "frequency"].map(|key| numbers(points, key));
+    let [first, last] = [0, 50].map(|index| points[index]["amplitude"][0].as_f64().unwrap());
+    assert_eq!((force.len(), force[0], force[50]), (51, 0.05, 0.4));
+    // ω and amplitude of the event-driven exact solution.
+    assert!((omega[50] - 0.527394).abs() < 2e-6, "{}", omega[50]);
+    assert!((last / 1.008048920 - 1.0).abs() < 1e-6, "{last}");
+    let sweep = ["--force", "0.05", "--from", "0.45", "--to", "0.9", "--json", "f.json"];
+    let output = stickslip(folder.path(), &[&arguments[..], &sweep].concat());
+    assert!(output.status.success(), "{}", error(&output));
+    let swept = read_json(&folder, "f.json");
+    let peaks = swept["peaks"].as_array().unwrap().iter();
+    let peak = peaks.filter(|peak| peak["node"] == "m1").map(|peak| peak["amplitude"].as_f64().unwrap());
+    let nearest = peak.map(|peak| (first / peak - 1.0).abs()).fold(f64::INFINITY, f64::min);
+    assert!(nearest < 1e-7, "{nearest}");
+    let table = fs::read_to_string(folder.path().join("t.csv")).unwrap();
+    assert!(table.starts_with("force,frequency [rad/s],amplitude:m1 [m]"), "{table}");
+    assert!(table.lines().last().unwrap().starts_with(&format!("0.4,{}", omega[50])), "{table}");
+    assert!(stdout(&output).contains("m1") && table.lines().count() == 52);
+    let page = fs::read_to_string(folder.path().join("t.html")).unwrap();
+    for expected in ["at the peak of m1", "frequency of the resonance", "Frequency (rad/s)"] {
+        assert!(page.contains(expected), "{expected}");
+    }
+}
+
+#[test]
+fn a_response_over_the_force_grows_in_proportion_until_the_contact_slips() {
+    let folder = example();
+    let arguments = [
+        "frf",
+        "model.toml",
+        "--unit",
+        "rad/s",
+        "--at",
+        "0.677",
+        "--vary",
+        "force=0:0.4",
+        "--json",
+        "f.json",
+    ];
+    let output = stickslip(folder.path(), &arguments);
+    assert!(output.status.success(), "{}", error(&output));
+    let json = read_json(&folder, "f.json");
+    assert!(json["force"].is_null() && json["complete"] == true);
+    let [force, loss] = ["value", "dissipated_energy"].map(|key| numbers(&json["points"], key));
+    assert_eq!((force[0], force[force.len() - 1]), (0.0, 0.4));
+    // In closed form it slips from 0.01739 N on.
+    for (force, loss) in force.iter().zip(loss) {
+        assert!((force - 0.01739).abs() < 2e-5 || (loss > 0.0) == (*force > 0.01739), "{force}: {loss}");
+    }
+}
+
+#[test]
 fn a_parameter_that_is_not_there_is_named() {
     let folder = example();
     let said = |vary: &str, more: &[&str]| {
@@ -115,6 +177,12 @@ fn a_parameter_that_is_not_there_is_named() {
     assert!(said("contact.friction_coefficient", &["--at", "0.8"]).contains("write it as"));
     assert!(said("contact.friction_coefficient=0.1:0.2", &[]).contains("--at"));
     assert!(said("contact.friction_coefficient=0.1:0.2", &["--at", "-1"]).contains("--at"));
+    assert!(said("force=0.1:0.2", &["--at", "0.8", "--force", "1"]).contains("either varied or given"));
+    let tracked = |what| said("force=0.1:0.2", &["--at", "0.8", "--track", what]);
+    assert!(tracked("peek:m1").contains("did you mean `peak`"));
+    assert!(tracked("peak").contains("write it as"));
+    assert!(tracked("phase:m3").contains("no node `m3`"));
+    assert!(said("force=0:0.2", &["--at", "0.8", "--track", "peak:m1"]).contains("zero"));
 }
 
 #[cfg(target_os = "linux")]

@@ -16,6 +16,7 @@ use stickslip_report::responses::{
 };
 
 use self::request::Request;
+pub use self::request::node;
 use self::setup::Setup;
 use self::vary::Vary;
 use super::{check_destinations, list, read_model, settings};
@@ -31,6 +32,7 @@ Examples:
   stickslip frf beam.toml --from 45 --to 60 --hold acceleration:x=0.55=70
   stickslip frf beam.toml --from 45 --to 60 --hold acceleration:x=0.55 --levels 10,30,70
   stickslip frf model.toml --vary contact.friction_coefficient=0.05:0.5 --at 0.6 --unit rad/s --force 0.4
+  stickslip frf model.toml --vary force=0.01:2 --at 0.6 --unit rad/s --track peak:m1
 
 Exit codes: 0 done; 1 a curve ended before its end (what was found is written); 2 bad input (nothing is
 written); 130 interrupted by Ctrl-C (what was found is written).")]

@@ -140,11 +140,7 @@ fn hold(text: &str, nodes: &[String]) -> Result<(Hold, Option<f64>), Failure> {
         }
         _ => (rest, None),
     };
-    let Some(node) = place(name, nodes) else {
-        let known: Vec<&str> = nodes.iter().map(String::as_str).collect();
-        let help = suggestion(name, &known, "nodes");
-        return Err(Failure::input(format!("--hold {text}: the model has no node `{name}`; {help}")));
-    };
+    let node = node(name, nodes).map_err(|error| Failure::input(format!("--hold {text}: {error}")))?;
     let amplitude = amplitude
         .map(|text_of| {
             text_of.parse::<f64>().map_err(|_| {
@@ -153,6 +149,14 @@ fn hold(text: &str, nodes: &[String]) -> Result<(Hold, Option<f64>), Failure> {
         })
         .transpose()?;
     Ok((Hold { node, derivative }, amplitude))
+}
+
+/// The node of that name; the error names the nearest.
+pub fn node(name: &str, nodes: &[String]) -> Result<usize, String> {
+    place(name, nodes).ok_or_else(|| {
+        let known: Vec<&str> = nodes.iter().map(String::as_str).collect();
+        format!("the model has no node `{name}`; {}", suggestion(name, &known, "nodes"))
+    })
 }
 
 /// The node of that name; positions are compared as numbers, so that `x=0.550` is found too.
