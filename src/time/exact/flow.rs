@@ -1,6 +1,7 @@
 //! The exact motion of a lumped oscillator with piecewise-linear contacts, from event to event.
 
 use super::elements::{Element, Memory, elements};
+use super::events::{Event, edges, first_event};
 use super::passage::{Passage, RULE, widen};
 use super::polynomial::{self, DEGREE, Series};
 use super::system::{System, dot};
@@ -71,14 +72,6 @@ impl OscillatorMotion {
     pub fn time(&self) -> f64 {
         self.time
     }
-}
-
-/// What ends a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Event {
-    Rise,
-    Fall,
-    Turn,
 }
 
 /// Derivatives of a motion by its start: columns of displacement, velocity and slider positions.
@@ -299,7 +292,8 @@ impl OscillatorFlow {
         let (mut fraction, mut first) = (1.0, None);
         for (contact, row) in self.system.contacts.iter().enumerate() {
             let u = self.system.project(&self.series, row);
-            if let Some((at, event)) = first_event(&u, contact, motion, &self.elements)
+            if let Some((at, event)) =
+                first_event(&u, contact, motion.turning[contact], (&motion.memory, &self.elements))
                 && (at < fraction || first.is_none())
             {
                 (fraction, first) = (at, Some((contact, event)));
@@ -391,7 +385,7 @@ impl OscillatorFlow {
             motion.turning[contact] = true;
         }
         let of_contact = |element: &Element| element.contact == contact;
-        let edge = edges(contact, motion, &self.elements);
+        let edge = edges(contact, &motion.memory, &self.elements);
         for (element, memory) in self.elements.iter().zip(&mut motion.memory).filter(|(e, _)| of_contact(e)) {
             match event {
                 Event::Rise if memory.upper_edge <= edge.1.max(u) => element.rise(memory, u),
@@ -401,48 +395,4 @@ impl OscillatorFlow {
             }
         }
     }
-}
-
-/// Displacements of the contact between which no element changes its branch.
-fn edges(contact: usize, motion: &OscillatorMotion, elements: &[Element]) -> (f64, f64) {
-    let mut edges = (f64::NEG_INFINITY, f64::INFINITY);
-    for (memory, _) in motion.memory.iter().zip(elements).filter(|(_, element)| element.contact == contact) {
-        edges = (edges.0.max(memory.lower_edge), edges.1.min(memory.upper_edge));
-    }
-    edges
-}
-
-/// First event of a contact whose displacement is `u` over the step.
-fn first_event(
-    u: &Series,
-    contact: usize,
-    motion: &OscillatorMotion,
-    elements: &[Element],
-) -> Option<(f64, Event)> {
-    let (lower, upper) = edges(contact, motion, elements);
-    let mut path = *u;
-    if motion.turning[contact] {
-        path[1] = 0.0;
-    }
-    let mut first: Option<(f64, Event)> = None;
-    let mut consider = |root: Option<f64>, event| {
-        if let Some(root) = root
-            && first.is_none_or(|(earlier, _)| root < earlier)
-        {
-            first = Some((root, event));
-        }
-    };
-    let mut guard = path;
-    guard[0] -= upper;
-    consider(polynomial::first_rise(&mut guard), Event::Rise);
-    guard = path.map(|c| -c);
-    guard[0] += lower;
-    consider(polynomial::first_rise(&mut guard), Event::Fall);
-    let slip =
-        |(memory, element): (&Memory, &Element)| if element.contact == contact { memory.slip() } else { 0.0 };
-    if let Some(sign) = motion.memory.iter().zip(elements).map(slip).find(|sign| *sign != 0.0) {
-        guard = polynomial::derivative(u).map(|c| -sign * c);
-        consider(polynomial::first_rise(&mut guard), Event::Turn);
-    }
-    first
 }

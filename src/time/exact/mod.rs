@@ -4,14 +4,15 @@
 //! with contact laws whose forces are restoring. It shares no code with the integrator or the harmonic balance:
 //!
 //! - [`OscillatorFlow`] (`flow`) goes from event to event. In between, the system is linear and its motion a Taylor
-//!   series (`system`, `polynomial`); `elements` are the sliders and the branch each is on, `excitation` the force,
-//!   `passage` what is summed on the way.
+//!   series (`system`, `polynomial`); `elements` are the sliders and the branch each is on, `events` what changes it,
+//!   `excitation` the force, `passage` what is summed on the way.
 //! - [`shoot`] (`shooting`) finds periodic motions of that flow by Newton's method on the period map, with Floquet
 //!   multipliers.
 //! - [`RungeKutta`] is the classical scheme on the rate form of sliders, with fixed steps.
 
 pub(crate) mod elements;
 mod error;
+mod events;
 mod excitation;
 mod flow;
 mod passage;

@@ -7,7 +7,7 @@ use stickslip_readers::Signal;
 use stickslip_readers::ssp::{End, SystemStructure};
 use stickslip_readers::units::{Linear, Unit};
 
-use super::assemble::{Part, check_free, converted, defined, find};
+use super::parts::{Part, converted, defined, find};
 use super::refused;
 use crate::Failure;
 
@@ -111,6 +111,28 @@ fn slope(time: &[f64], values: &[f64], at: f64) -> f64 {
     let (before, after) = around(time, at);
     let span = time[after] - time[before];
     if at < time[before] || span <= 0.0 { 0.0 } else { (values[after] - values[before]) / span }
+}
+
+/// Refuses a value for an input that a connection or a column gives its values.
+pub(super) fn check_free(
+    parts: &[Part],
+    structure: &SystemStructure,
+    sources: &[Driven],
+    end: &End,
+) -> Result<(), Failure> {
+    let name = |end: &End| format!("`{}.{}`", parts[end.component].name, end.variable);
+    let connection = structure.connections.iter().find(|connection| connection.to == *end);
+    let driver = match connection {
+        Some(connection) => format!("{} ({})", name(&connection.from), connection.place),
+        None => match sources.iter().find(|source| source.drives(end)) {
+            Some(source) => format!("the column `{}` of --input", source.name()),
+            None => return Ok(()),
+        },
+    };
+    Err(Failure::input(format!(
+        "{} takes its values from {driver}: another value for it would be overwritten",
+        name(end)
+    )))
 }
 
 #[cfg(test)]

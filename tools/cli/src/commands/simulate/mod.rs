@@ -4,7 +4,9 @@ mod assemble;
 mod files;
 mod inputs;
 mod parquet;
+mod parts;
 mod run;
+mod starts;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -1,78 +1,22 @@
 //! The functions of an FMU, as they are.
+//!
+//! A `library` is loaded once; a [`Slave`] is a component that it made, whose functions are called here. `state` saves
+//! one and goes back to it.
 
-use crate::binding::{
-    CO_SIMULATION, Callbacks, Functions, LAST_SUCCESSFUL_TIME, StateHandle, Status, TERMINATED,
-};
+mod error;
+mod library;
+
+use crate::binding::{CO_SIMULATION, Callbacks, LAST_SUCCESSFUL_TIME, Status, TERMINATED};
 use crate::log::Log;
-use std::ffi::{CStr, CString, NulError, c_void};
+use std::ffi::{CStr, CString, c_void};
 use std::path::Path;
 use std::ptr::{self, NonNull};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Why an FMU's library does not do what it should.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// It cannot be loaded, or a function is missing.
-    #[error("the library cannot be used: {0}")]
-    Load(#[from] libloading::Error),
-    /// It is damaged, or for another kind of computer.
-    #[error("{0}")]
-    Damaged(String),
-    /// A name with a zero byte.
-    #[error("{0}")]
-    Name(#[from] NulError),
-    /// `fmi2Instantiate` returned NULL.
-    #[error("the FMU refuses to be instantiated")]
-    Instantiate,
-    /// A function returned a status other than OK or warning.
-    #[error("{function} returned {status:?}")]
-    Call {
-        /// The function.
-        function: &'static str,
-        /// What it returned.
-        status: Status,
-    },
-    /// As many values as value references are needed.
-    #[error("{references} value references, but {values} values")]
-    Lengths {
-        /// Number of value references.
-        references: usize,
-        /// Number of values.
-        values: usize,
-    },
-    /// The library lacks a function, which is allowed where the model description does not promise it.
-    #[error("the library has no function {0}")]
-    Missing(&'static str),
-    /// A saved state of another slave: its library would take it for one of its own.
-    #[error("the saved state belongs to another slave")]
-    ForeignState,
-}
-
-/// A loaded library with its functions.
-#[derive(Debug)]
-pub struct Library {
-    functions: Functions,
-    /// Keeps the functions callable.
-    _library: libloading::Library,
-}
-
-impl Library {
-    /// Loads the library at `path` (absolute, or the system searches its own folders).
-    ///
-    /// # Errors
-    /// A file that is no library of this platform, or lacks a function of FMI 2.0 co-simulation.
-    pub fn load(path: &Path) -> Result<Arc<Self>, Error> {
-        #[cfg(all(target_os = "linux", target_endian = "little"))]
-        crate::elf::check(path).map_err(|problem| Error::Damaged(problem.to_string()))?;
-        // SAFETY: loading runs the library's constructors. The user chose to run this FMU.
-        let library = unsafe { open(path)? };
-        // SAFETY: the names have the signatures of the FMI 2.0 headers.
-        let functions = unsafe { Functions::bind(&library)? };
-        Ok(Arc::new(Self { functions, _library: library }))
-    }
-}
+pub use error::Error;
+pub use library::Library;
+pub use state::State;
 
 /// One component.
 #[derive(Debug)]
@@ -92,17 +36,6 @@ pub struct Slave {
 // SAFETY: FMI allows any thread to call a component, one at a time; `&mut self` sees to that.
 unsafe impl Send for Slave {}
 
-/// A saved state. It belongs to the slave that saved it, which frees it; dropped, it leaks.
-#[derive(Debug)]
-#[must_use = "give it back to Slave::free"]
-pub struct State {
-    handle: StateHandle,
-    owner: u64,
-}
-
-// SAFETY: only its slave does anything with it, and that can be sent.
-unsafe impl Send for State {}
-
 macro_rules! call {
     ($self:ident.$function:ident($($argument:expr),*)) => {{
         let function = $self.library.functions.$function;
@@ -114,7 +47,7 @@ macro_rules! call {
     }};
     ($self:ident, $callable:ident, $function:ident, $($argument:expr),*) => {{
         if $self.dead {
-            return Err(Error::Call { function: stringify!($function), status: Status::Fatal });
+            return Err(Error::Call { function: stringify!($function), status: $crate::binding::Status::Fatal });
         }
         // SAFETY: the handle is alive, saved states are its own, and pointers and lengths come from the
         // same slices.
@@ -122,6 +55,9 @@ macro_rules! call {
         $self.checked(stringify!($function), status)
     }};
 }
+
+// Below the macro that it uses.
+mod state;
 
 impl Slave {
     /// A new component called `name`. `guid` is that of the model description, `resources` the folder
@@ -408,75 +344,10 @@ impl Slave {
     pub fn reset(&mut self) -> Result<(), Error> {
         call!(self?.fmi2Reset())
     }
-
-    /// `fmi2GetFMUstate` into a state saved before, whose memory the FMU can use again.
-    ///
-    /// # Errors
-    /// A state of another slave; the FMU's status.
-    pub fn save_again(&mut self, state: &mut State) -> Result<(), Error> {
-        let mut handle = self.own(state)?;
-        let saved = call!(self?.fmi2GetFMUstate(&mut handle));
-        state.handle = handle;
-        saved
-    }
-
-    /// `fmi2GetFMUstate`. Give it back to [`Slave::free`].
-    ///
-    /// # Errors
-    /// The FMU's status.
-    pub fn save(&mut self) -> Result<State, Error> {
-        let mut state = ptr::null_mut();
-        call!(self?.fmi2GetFMUstate(&mut state))?;
-        Ok(State { handle: state, owner: self.number })
-    }
-
-    /// The C pointer of a state of this slave.
-    fn own(&self, state: &State) -> Result<StateHandle, Error> {
-        if state.owner == self.number { Ok(state.handle) } else { Err(Error::ForeignState) }
-    }
-
-    /// `fmi2SetFMUstate`.
-    ///
-    /// # Errors
-    /// A state of another slave; the FMU's status.
-    pub fn restore(&mut self, state: &State) -> Result<(), Error> {
-        let state = self.own(state)?;
-        call!(self?.fmi2SetFMUstate(state))
-    }
-
-    /// `fmi2FreeFMUstate`.
-    ///
-    /// # Errors
-    /// A state of another slave; the FMU's status.
-    pub fn free(&mut self, state: State) -> Result<(), Error> {
-        let mut state = self.own(&state)?;
-        call!(self?.fmi2FreeFMUstate(&mut state))
-    }
-
-    /// `fmi2SerializeFMUstate`.
-    ///
-    /// # Errors
-    /// A state of another slave; the FMU's status.
-    pub fn serialize(&mut self, state: &State) -> Result<Vec<u8>, Error> {
-        let (state, mut size) = (self.own(state)?, 0);
-        call!(self?.fmi2SerializedFMUstateSize(state, &mut size))?;
-        let mut bytes = vec![0_u8; size];
-        call!(self?.fmi2SerializeFMUstate(state, bytes.as_mut_ptr().cast(), size))?;
-        Ok(bytes)
-    }
-
-    /// `fmi2DeSerializeFMUstate`.
-    ///
-    /// # Errors
-    /// The FMU's status, e.g. for changed bytes.
-    pub fn deserialize(&mut self, bytes: &[u8]) -> Result<State, Error> {
-        let mut state = ptr::null_mut();
-        call!(self?.fmi2DeSerializeFMUstate(bytes.as_ptr().cast(), bytes.len(), &mut state))?;
-        Ok(State { handle: state, owner: self.number })
-    }
 }
 
 impl Slave {
+    /// The status of `function` as a result.
     #[inline]
     fn checked(&mut self, function: &'static str, status: i32) -> Result<(), Error> {
         match Status::from_number(status) {
@@ -518,21 +389,4 @@ fn file_uri(path: &Path) -> String {
         }
     }
     uri
-}
-
-/// # Safety
-/// Runs the library's constructors.
-unsafe fn open(path: &Path) -> Result<libloading::Library, libloading::Error> {
-    #[cfg(windows)]
-    {
-        // The libraries it needs are in its own folder.
-        use libloading::os::windows::{LOAD_WITH_ALTERED_SEARCH_PATH, Library};
-        // SAFETY: the caller's promise.
-        unsafe { Library::load_with_flags(path, LOAD_WITH_ALTERED_SEARCH_PATH).map(Into::into) }
-    }
-    #[cfg(not(windows))]
-    // SAFETY: the caller's promise.
-    unsafe {
-        libloading::Library::new(path)
-    }
 }
