@@ -23,6 +23,7 @@ mod joint;
 mod kind;
 mod parallel;
 mod periodic;
+pub(crate) mod quadrature;
 mod slider;
 mod state_sensitivity;
 mod unilateral;

@@ -1,5 +1,7 @@
 //! The approach of a hysteretic force to its limit: `dx/dw = 1 − a xⁿ`, x over the limit, integrated to rounding.
 
+use crate::contact::quadrature::GAUSS_LEGENDRE_16;
+
 /// Both integrals of the curve of the power `n ≥ 1` and the factor a: 1 towards the limit, `−1 ≤ a ≤ 0` away from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Saturation {
@@ -26,22 +28,10 @@ const NEARLY: f64 = 1e-8;
 /// More rounds than any step needs; the bound only stops a NaN.
 const ROUNDS: usize = 60;
 
-/// Nodes above the middle and weights of Gauss and Legendre's quadrature with 16 points on `[−1, 1]`.
-const QUADRATURE: [(f64, f64); 8] = [
-    (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
-    (0.281_603_550_779_258_9, 0.182_603_415_044_923_58),
-    (0.458_016_777_657_227_4, 0.169_156_519_395_002_54),
-    (0.617_876_244_402_643_7, 0.149_595_988_816_576_73),
-    (0.755_404_408_355_003, 0.124_628_971_255_533_87),
-    (0.865_631_202_387_831_7, 0.095_158_511_682_492_78),
-    (0.944_575_023_073_232_6, 0.062_253_523_938_647_89),
-    (0.989_400_934_991_649_9, 0.027_152_459_411_754_095),
-];
-
 fn integral(from: f64, to: f64, of: impl Fn(f64) -> f64) -> f64 {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     let pair = |&(node, weight): &(f64, f64)| weight * (of(middle - half * node) + of(middle + half * node));
-    half * QUADRATURE.iter().map(pair).sum::<f64>()
+    half * GAUSS_LEGENDRE_16.iter().map(pair).sum::<f64>()
 }
 
 impl Saturation {

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use csv::{ReaderBuilder, StringRecord, Trim};
+use csv::StringRecord;
 
 use crate::error::{InputError, Problem};
 use crate::source::Source;
-use crate::table::{field_span, next_row, row_span};
+use crate::table::{field_span, first_row, next_row, row_span};
 
 /// A signal.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,15 +25,7 @@ pub struct Signal {
 /// A file that cannot be read or is no such table; fields that are not finite numbers.
 pub fn read_signals(path: impl AsRef<Path>) -> Result<(Vec<f64>, Vec<Signal>), InputError> {
     let source = Source::read(path.as_ref())?;
-    let mut reader = ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .trim(Trim::All)
-        .from_reader(source.text().as_bytes());
-    let mut row = StringRecord::new();
-    if !next_row(&mut reader, &mut row, &source)? {
-        return Err(source.error_at_start(Problem::Empty));
-    }
+    let (mut reader, mut row) = first_row(&source)?;
     let header_span = row_span(source.text(), &row);
     let mut columns = header(&source, &row)?;
     while next_row(&mut reader, &mut row, &source)? {

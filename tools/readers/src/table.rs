@@ -31,15 +31,7 @@ impl Column {
 
 /// Reads all columns of `source`, all of the same length, at least one row.
 pub(crate) fn read_table(source: &Source) -> Result<Vec<Column>, InputError> {
-    let mut reader = ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .trim(Trim::All)
-        .from_reader(source.text().as_bytes());
-    let mut row = StringRecord::new();
-    if !next_row(&mut reader, &mut row, source)? {
-        return Err(source.error_at_start(Problem::Empty));
-    }
+    let (mut reader, mut row) = first_row(source)?;
     let header_span = row_span(source.text(), &row);
     let mut columns = read_header(source, &row)?;
     let mut rows = 0usize;
@@ -50,6 +42,21 @@ pub(crate) fn read_table(source: &Source) -> Result<Vec<Column>, InputError> {
     match rows {
         0 => Err(source.error(header_span, Problem::NoRows)),
         _ => Ok(columns),
+    }
+}
+
+/// The reader of the rows, after the first one, which names the columns.
+pub(crate) fn first_row(source: &Source) -> Result<(csv::Reader<&[u8]>, StringRecord), InputError> {
+    let mut reader = ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(Trim::All)
+        .from_reader(source.text().as_bytes());
+    let mut row = StringRecord::new();
+    if next_row(&mut reader, &mut row, source)? {
+        Ok((reader, row))
+    } else {
+        Err(source.error_at_start(Problem::Empty))
     }
 }
 

@@ -1,18 +1,9 @@
 //! Quadrature on a panel, and the test whether the panel is resolved.
 
+use crate::contact::quadrature::GAUSS_LEGENDRE_16;
+
 /// Nodes of a panel.
-pub(super) const NODES: usize = 16;
-/// Positive nodes and their weights of Gauss–Legendre quadrature with 16 nodes on [−1, 1].
-const RULE: [(f64, f64); NODES / 2] = [
-    (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
-    (0.281_603_550_779_258_9, 0.182_603_415_044_923_6),
-    (0.458_016_777_657_227_4, 0.169_156_519_395_002_54),
-    (0.617_876_244_402_643_7, 0.149_595_988_816_576_73),
-    (0.755_404_408_355_003, 0.124_628_971_255_533_87),
-    (0.865_631_202_387_831_7, 0.095_158_511_682_492_78),
-    (0.944_575_023_073_232_6, 0.062_253_523_938_647_89),
-    (0.989_400_934_991_649_9, 0.027_152_459_411_754_095),
-];
+pub(super) const NODES: usize = 2 * GAUSS_LEGENDRE_16.len();
 /// Fraction of the largest force that the highest Legendre coefficients on a panel may have.
 const RESOLVED: f64 = 1e-6;
 /// Fraction of it that the coefficients as far beyond them may have, where the rule ceases to be exact. Those of a smooth
@@ -48,7 +39,7 @@ impl Rule {
             tail: [[0.0; NODES]; 3],
             middle: [[0.0; NODES]; 3],
         };
-        for (i, (node, weight)) in RULE.iter().enumerate() {
+        for (i, (node, weight)) in GAUSS_LEGENDRE_16.iter().enumerate() {
             let (left, right) = (NODES / 2 - 1 - i, NODES / 2 + i);
             (rule.nodes[left], rule.nodes[right]) = (-node, *node);
             (rule.weights[left], rule.weights[right]) = (*weight, *weight);

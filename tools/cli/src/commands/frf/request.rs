@@ -57,23 +57,8 @@ impl Request {
         if levels.len() > LEVELS {
             return Err(Failure::input(format!("{} levels are too many; {LEVELS} at most", levels.len())));
         }
-        if !(1..=HARMONICS).contains(&command.harmonics) {
-            let given = command.harmonics;
-            return Err(Failure::input(format!("--harmonics {given} must lie between 1 and {HARMONICS}")));
-        }
-        if let Some(tolerance) = command.tolerance.filter(|value| !(*value > 0.0 && *value < 1.0)) {
-            return Err(Failure::input(format!("--tolerance {tolerance} must lie between 0 and 1")));
-        }
-        let defaults = CurveSettings::default();
-        let settings = CurveSettings {
-            harmonics: command.harmonics,
-            truncation: command.tolerance,
-            max_harmonics: defaults.max_harmonics.max(command.harmonics),
-            stability: !command.no_stability,
-            ..defaults
-        };
         let range = (unit.to_angular(from), unit.to_angular(to));
-        Ok(Self { unit, range, hold, levels, nodes: nodes.to_vec(), settings })
+        Ok(Self { unit, range, hold, levels, nodes: nodes.to_vec(), settings: command.settings()? })
     }
 
     /// The settings for a single point, without stability.
@@ -87,6 +72,27 @@ impl Request {
             None => Control::Level(level),
             Some(Hold { node, derivative }) => Control::Held { node, order: 1, derivative, amplitude: level },
         }
+    }
+}
+
+impl Frf {
+    /// How responses are computed, as the options say.
+    pub fn settings(&self) -> Result<CurveSettings, Failure> {
+        if !(1..=HARMONICS).contains(&self.harmonics) {
+            let given = self.harmonics;
+            return Err(Failure::input(format!("--harmonics {given} must lie between 1 and {HARMONICS}")));
+        }
+        if let Some(tolerance) = self.tolerance.filter(|value| !(*value > 0.0 && *value < 1.0)) {
+            return Err(Failure::input(format!("--tolerance {tolerance} must lie between 0 and 1")));
+        }
+        let defaults = CurveSettings::default();
+        Ok(CurveSettings {
+            harmonics: self.harmonics,
+            truncation: self.tolerance,
+            max_harmonics: defaults.max_harmonics.max(self.harmonics),
+            stability: !self.no_stability,
+            ..defaults
+        })
     }
 }
 

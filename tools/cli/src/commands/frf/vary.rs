@@ -124,15 +124,7 @@ fn request<'a>(command: &'a Frf, nodes: &[String]) -> Result<Request<'a>, Failur
         (_, force) => Some(force.unwrap_or(1.0)),
     };
     let tracking = track.as_deref().map(|text| tracking(text, nodes, angular_frequency)).transpose()?;
-    let defaults = CurveSettings::default();
-    let settings = CurveSettings {
-        harmonics: command.harmonics,
-        truncation: command.tolerance,
-        max_harmonics: defaults.max_harmonics.max(command.harmonics),
-        stability: !command.no_stability,
-        ..defaults
-    };
-    Ok(Request { path, range, angular_frequency, force, tracking, settings })
+    Ok(Request { path, range, angular_frequency, force, tracking, settings: command.settings()? })
 }
 
 /// `peak:m1` or `phase:x=0.55`.
