@@ -240,13 +240,14 @@ pub struct Description {
 }
 
 impl Description {
-    /// Identity of the model: the version 5 UUID of [`Description::canonical`].
+    /// Identity of the model: the version 5 UUID of all that can be told of it as text, the same for the same
+    /// model on any machine.
     pub fn guid(&self) -> Uuid {
         Uuid::new_v5(&NAMESPACE, self.canonical().as_bytes())
     }
 
     /// Everything about the model as text, the same for the same model on any machine.
-    pub fn canonical(&self) -> String {
+    fn canonical(&self) -> String {
         let mut text = format!("stickslip slave/1\n{}\n{}\n", self.name, self.model);
         for (reference, variable) in self.variables.iter().enumerate() {
             let Variable { name, description, quantity, variable_type, causality, .. } = variable;

@@ -17,7 +17,7 @@ impl Contact {
     ///
     /// # Errors
     /// A parameter outside its bounds, or a change that this law does not take.
-    pub fn changed_law(&self, changes: &JointChanges) -> Result<Box<dyn ContactLaw>, LawError> {
+    fn changed_law(&self, changes: &JointChanges) -> Result<Box<dyn ContactLaw>, LawError> {
         if changes.is_none() { self.law() } else { Ok(Box::new(Joint::new(self.base()?, *changes)?)) }
     }
 
@@ -30,7 +30,7 @@ impl Model {
     /// The law of the model's contact with all that its effects change, if it has a contact.
     ///
     /// # Errors
-    /// As [`Contact::changed_law`].
+    /// A parameter outside its bounds, or a change that this law does not take.
     ///
     /// ```
     /// use stickslip::model::Model;

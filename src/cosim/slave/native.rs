@@ -25,11 +25,7 @@ impl NativeSlave {
     /// # Errors
     /// Parameters that make no model.
     pub fn new(name: &str, model: &Model) -> Result<Self, fmi::Error> {
-        Ok(Self::from_instance(name, Instance::from_model(model)?))
-    }
-
-    /// A slave called `name` of a new or reset `instance`.
-    pub fn from_instance(name: &str, instance: Instance) -> Self {
+        let instance = Instance::from_model(model)?;
         let table: Vec<Variable> = instance
             .description()
             .variables
@@ -53,7 +49,7 @@ impl NativeSlave {
                     .then(|| row.dependencies.iter().map(|other| other.on as usize).collect()),
             })
             .collect();
-        Self {
+        Ok(Self {
             name: name.to_owned(),
             instance,
             first_order: vec![DERIVATIVE_ORDER as i32; table.len()],
@@ -62,7 +58,7 @@ impl NativeSlave {
             knowns: Vec::new(),
             lines: Vec::new(),
             slots: Vec::new(),
-        }
+        })
     }
 
     /// The instance.

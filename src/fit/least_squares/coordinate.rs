@@ -56,7 +56,7 @@ impl Coordinate {
         value.clamp(self.value_lower, self.value_upper)
     }
 
-    pub fn coordinate_of(self, value: f64) -> f64 {
+    fn coordinate_of(self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => (value - self.start) / self.unit,
             Scale::Logarithmic => (value / self.start).ln(),

@@ -61,12 +61,6 @@ impl Multipliers {
     pub fn stable(&self) -> bool {
         self.values.iter().all(|multiplier| multiplier.norm() <= 1.0 + ON_THE_CIRCLE)
     }
-
-    /// `Π (μᵢ − 1)` over all multipliers: zero where a periodic solution turns round or branches, of the sign
-    /// `(−1)^n` of n multipliers where all are stable. Smooth along a curve, where single multipliers are not.
-    pub fn fold_function(&self) -> f64 {
-        self.values.iter().map(|multiplier| multiplier - 1.0).product::<Complex<f64>>().re
-    }
 }
 
 /// Multipliers of the periodic motion of `structure` at `angular_frequency` (rad/s) whose contacts move by
@@ -204,17 +198,6 @@ fn poles_are_stable(
 ///
 /// # Errors
 /// Why it cannot be determined.
-pub fn decide_in_modes(
-    system: &System,
-    modes: &[f64],
-    displacement: &[&[f64]],
-    angular_frequency: f64,
-) -> Result<bool, Undecided> {
-    let modal = ModalSystem::new(system).map_err(|_| Undecided::NotSettled)?;
-    decide_modal(&modal, modes, displacement, angular_frequency)
-}
-
-/// As [`decide_in_modes`].
 pub(crate) fn decide_modal(
     system: &ModalSystem,
     modes: &[f64],

@@ -9,7 +9,7 @@ use super::checks::{check_mechanics, check_mode_count};
 use crate::system::{Beam, StructureError};
 
 /// Most elements: the dense eigenproblem has twice as many unknowns and costs their third power.
-pub const MOST_ELEMENTS: usize = 400;
+const MOST_ELEMENTS: usize = 400;
 
 /// A mass nearer to its neighbour (or an end) than this part of an element gets no node of its own, since
 /// very short elements spoil the stiffness matrix; its shape functions carry it.
