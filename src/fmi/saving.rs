@@ -40,6 +40,26 @@ impl Instance {
     ///
     /// # Errors
     /// A snapshot of another model, or with numbers that no instance has; the instance is as before.
+    ///
+    /// ```
+    /// use stickslip::fmi::{Instance, Setup};
+    /// # let text = r#"
+    /// #     schema = "stickslip.model/1"
+    /// #     kind = "contact"
+    /// #     contact = { law = "jenkins", tangential_stiffness = 2e6, friction_coefficient = 0.5, normal_load = 100.0 }
+    /// # "#;
+    /// let mut contact = Instance::new(text)?;
+    /// let displacement = contact.description().reference("displacement").unwrap();
+    /// contact.set_up(Setup::default())?;
+    /// contact.enter_initialization()?;
+    /// contact.exit_initialization()?;
+    /// let saved = contact.snapshot();
+    /// contact.set_real(&[displacement], &[40e-6])?;
+    /// contact.do_step(0.0, 1e-3)?;
+    /// contact.restore(&saved)?;
+    /// assert_eq!((contact.time(), contact.snapshot()), (0.0, saved));
+    /// # Ok::<(), stickslip::fmi::Error>(())
+    /// ```
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         if snapshot.guid != self.guid {
             return Err(SnapshotError::OtherModel { found: snapshot.guid, expected: self.guid }.into());

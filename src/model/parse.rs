@@ -31,6 +31,19 @@ impl Model {
     /// The first thing wrong, with its bytes: text that is not TOML, another schema, a kind or law this
     /// version does not know, an unknown key, a missing one, a value of the wrong type, and everything
     /// [`Model::check`] refuses.
+    ///
+    /// ```
+    /// use stickslip::model::Model;
+    /// let text = r#"
+    ///     schema = "stickslip.model/1"
+    ///     kind = "contact"
+    ///     contact = { law = "jenkins", tangential_stiffness = 2e3, friction_coefficient = 0.1, normal_load = 10.0 }
+    /// "#;
+    /// assert_eq!(Model::parse(text)?.get("contact.normal_load"), Some(10.0));
+    /// let misspelt = text.replace("jenkins", "jenkyns");
+    /// assert!(Model::parse(&misspelt).unwrap_err().to_string().contains("jenkyns"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn parse(text: &str) -> Result<Model, ModelError> {
         let document = Document::parse(text)?;
         let root = document.root();

@@ -7,6 +7,20 @@ use crate::vocabulary as v;
 impl Model {
     /// The text of the model's file. [`Model::parse`] reads the same model from it, to the last bit of
     /// every number.
+    ///
+    /// ```
+    /// use stickslip::model::Model;
+    /// let mut model = Model::parse(
+    ///     r#"
+    ///     schema = "stickslip.model/1"
+    ///     kind = "contact"
+    ///     contact = { law = "jenkins", tangential_stiffness = 2e3, friction_coefficient = 0.1, normal_load = 10.0 }
+    ///     "#,
+    /// )?;
+    /// model.set("contact.friction_coefficient", 1.0 / 3.0)?;
+    /// assert_eq!(Model::parse(&model.to_toml())?, model);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn to_toml(&self) -> String {
         let mut text = String::new();
         line(&mut text, format_args!("schema = \"{SCHEMA}\""));

@@ -22,6 +22,28 @@ pub struct Output {
 }
 
 /// `M q̈ + C q̇ + K q + Σ Bᵢᵀ Tᵢ = f(t) e`, contact `i` displaced by `uᵢ = Bᵢ q`.
+///
+/// ```
+/// use std::sync::Arc;
+/// use stickslip::contact::{ContactLaw, Jenkins};
+/// use stickslip::system::{LinearStructure, Output};
+/// let row = vec![(0, 1.0)];
+/// let structure = LinearStructure {
+///     size: 1,
+///     mass: vec![(0, 0, 2.0)],
+///     damping: vec![(0, 0, 0.1)],
+///     stiffness: vec![(0, 0, 18.0)],
+///     contacts: vec![row.clone()],
+///     excitation: row.clone(),
+///     outputs: vec![Output { name: "m1".into(), row }],
+/// };
+/// assert!((structure.natural_modes()?.angular_frequency[0] - 3.0).abs() < 1e-14);
+/// let law: Arc<dyn ContactLaw> = Arc::new(Jenkins::new(7.0, 0.5)?);
+/// let system = structure.system(vec![(law, 2.0)]);
+/// let ports: Vec<&str> = system.ports.iter().map(|port| port.name.as_str()).collect();
+/// assert_eq!(ports, ["m1", "excitation", "contact"]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearStructure {
     /// Number of degrees of freedom.

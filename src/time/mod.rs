@@ -70,6 +70,12 @@ pub use outputs::{ContactReading, Outputs, SensorReading};
 pub(crate) use tangent::Tangent;
 
 /// An input over one communication step: held, running linearly, or along a parabola.
+///
+/// ```
+/// use stickslip::time::Ramp;
+/// assert_eq!(Ramp::held(3.0), Ramp::line(3.0, 3.0));
+/// assert_eq!(Ramp::with_slope(1.0, -2.0, 0.25), Ramp::line(1.0, 0.5));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ramp {
     /// Value at the start of the step.

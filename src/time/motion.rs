@@ -7,6 +7,29 @@ use crate::contact::SlipState;
 /// Layout, `n` modes, laws that remember `m` numbers together: `[q (n), q̇ (n), memory (m)]`, then for every law and
 /// outside force `[T, ∂T/∂u, ∂T/∂N, u, N, slip state, dissipated energy]`, then the suggested step. Copying the list
 /// and writing it back restores the state bit for bit.
+///
+/// ```
+/// use stickslip::system::{Core, Element, Port, System};
+/// use stickslip::time::{Integrator, Ramp, Settings};
+/// let system = System {
+///     core: Core::Modal { angular_frequency: vec![5.0], damping_ratio: vec![0.01] },
+///     shortening: vec![],
+///     ports: vec![Port::linear("mass", vec![(0, 0.7)])],
+///     elements: vec![],
+///     driven: vec![0],
+///     sensors: vec![0],
+/// };
+/// let (mut integrator, inputs) = (Integrator::new(&system)?, [Ramp::held(5.0)]);
+/// let mut motion = integrator.rest(&inputs)?;
+/// let start = motion.state().to_vec();
+/// integrator.advance(&mut motion, 0.1, &inputs, &Settings::default())?;
+/// let once = motion.clone();
+/// // Back, and the same step again.
+/// assert!(motion.read_state(&start));
+/// integrator.advance(&mut motion, 0.1, &inputs, &Settings::default())?;
+/// assert_eq!(motion, once);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     modes: usize,

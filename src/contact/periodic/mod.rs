@@ -121,6 +121,23 @@ pub enum PeriodicError {
 
 /// Buffers of the search, for callers that solve many periods: nothing is allocated once they have
 /// grown to a law's state.
+///
+/// ```
+/// use stickslip::contact::{ContactLaw, Jenkins, Period, PeriodicSolver};
+/// let law = Jenkins::new(1e6, 0.5)?;
+/// let (amplitude, load, limit) = (1e-4, 100.0, 50.0);
+/// let phases = (0..100).map(|sample| std::f64::consts::TAU * f64::from(sample) / 100.0);
+/// let displacement: Vec<f64> = phases.map(|phase| amplitude * phase.cos()).collect();
+/// let period = Period { displacement: &displacement, velocity: &[], normal_load: &[load] };
+/// let (mut state, mut force) = ([0.0; 3], [0.0; 100]);
+/// law.set_state(0.0, load, 0.0, &mut state);
+/// let mut solver = PeriodicSolver::new();
+/// solver.solve(&law, &period, &mut state)?;
+/// let dissipated = solver.trace(&law, &period, &mut state, &mut force)?;
+/// let area = 4.0 * limit * (amplitude - limit / law.tangential_stiffness());
+/// assert!((dissipated / area - 1.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct PeriodicSolver {
     current: Vec<f64>,

@@ -57,6 +57,22 @@ impl Resonance {
 /// # Errors
 /// [`HarmonicError::InvalidInput`] for arguments that do not fit; the other kinds when no solution was
 /// found even by following it from small amplitudes.
+///
+/// ```
+/// use stickslip::harmonic::{CurveSettings, phase_resonance};
+/// use stickslip::system::{Beam, Damping, ModalBeam};
+/// # let beam = Beam {
+/// #     length: 0.6, width: 0.04, thickness: 0.005, density: 7850.0, youngs_modulus: 2e11,
+/// #     modes: 4, static_correction: false, damping: Damping::Uniform(0.003), point_masses: vec![],
+/// #     offset: 0.006, rotational_stiffness: 0.0, clamp_stiffness: None,
+/// #     excitation_position: 0.55, sensors: vec![0.3], contact_points: vec![],
+/// # };
+/// let beam = ModalBeam::new(&beam)?;
+/// let resonance = phase_resonance(&beam.system(None)?, 1.0, &CurveSettings::default(), None)?;
+/// assert!((resonance.angular_frequency / beam.angular_frequency[0] - 1.0).abs() < 1e-3);
+/// assert!((resonance.damping_ratio() / 0.003 - 1.0).abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn phase_resonance(
     system: &System,
     acceleration_amplitude: f64,
@@ -71,6 +87,26 @@ pub fn phase_resonance(
 ///
 /// # Errors
 /// Those of the first level, from below, that fails.
+///
+/// ```
+/// use std::sync::Arc;
+/// use stickslip::contact::{ContactLaw, Jenkins};
+/// use stickslip::harmonic::{CurveSettings, backbone};
+/// use stickslip::system::{Beam, Damping, ModalBeam};
+/// # let beam = Beam {
+/// #     length: 0.6, width: 0.04, thickness: 0.005, density: 7850.0, youngs_modulus: 2e11,
+/// #     modes: 4, static_correction: false, damping: Damping::Uniform(0.003), point_masses: vec![],
+/// #     offset: 0.006, rotational_stiffness: 0.0, clamp_stiffness: None,
+/// #     excitation_position: 0.55, sensors: vec![0.3], contact_points: vec![],
+/// # };
+/// let law: Arc<dyn ContactLaw> = Arc::new(Jenkins::new(7.9e6, 0.3)?);
+/// let system = ModalBeam::new(&beam)?.system(Some((law, 150.0)))?;
+/// let points = backbone(&system, &[1.0, 100.0], &CurveSettings::default(), &[])?;
+/// // It sticks, then slips: slip lowers the frequency and damps.
+/// assert!(points[1].angular_frequency < points[0].angular_frequency);
+/// assert!(points[1].damping_ratio() > points[0].damping_ratio());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn backbone(
     system: &System,
     acceleration_amplitudes: &[f64],

@@ -62,6 +62,26 @@ pub fn frequency_response(
 ///
 /// # Errors
 /// As [`frequency_response`].
+///
+/// ```
+/// use stickslip::harmonic::level_response;
+/// use stickslip::prelude::*;
+/// let model = Model::parse(
+///     r#"
+///     schema = "stickslip.model/1"
+///     kind = "oscillator"
+///     mass = [{ name = "m1", mass = 1.0 }]
+///     spring = [{ between = ["ground", "m1"], stiffness = 9.0, damping = 0.1 }]
+///     contact = { at = "m1", law = "jenkins", tangential_stiffness = 7.0, friction_coefficient = 0.5, normal_load = 2.0 }
+///     "#,
+/// )?;
+/// let system = Assembly::new(model.system()?);
+/// let curve = level_response(&system, 2.0, 0.0, 4.0, &CurveSettings::default(), &mut |_| true)?;
+/// let slips = curve.points.iter().find(|point| point.dissipated_energy() > 0.0).expect("it slips");
+/// // Stuck, the mass moves by the force over |16 − 2² + 0.1·2 i| N/m; it slips beyond 1/7 m.
+/// assert!(slips.level >= 12.0_f64.hypot(0.2) / 7.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn level_response(
     assembly: &Assembly,
     angular_frequency: f64,
@@ -142,6 +162,24 @@ pub fn parameter_response(
 ///
 /// # Errors
 /// As [`frequency_response`].
+///
+/// ```
+/// use stickslip::harmonic::periodic_response;
+/// use stickslip::prelude::*;
+/// let model = Model::parse(
+///     r#"
+///     schema = "stickslip.model/1"
+///     kind = "oscillator"
+///     mass = [{ name = "m1", mass = 1.0 }]
+///     spring = [{ between = ["ground", "m1"], stiffness = 9.0, damping = 0.1 }]
+///     "#,
+/// )?;
+/// let system = Assembly::new(model.system()?);
+/// let point = periodic_response(&system, 2.0, &Control::Level(3.0), &CurveSettings::default(), None)?;
+/// // 3 N over |9 − 2² + 0.1·2 i| N/m.
+/// assert!((point.amplitude[0] - 3.0 / 5.0_f64.hypot(0.2)).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn periodic_response(
     assembly: &Assembly,
     angular_frequency: f64,

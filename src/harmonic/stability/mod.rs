@@ -68,6 +68,25 @@ impl Multipliers {
 ///
 /// # Errors
 /// Lists that do not fit the structure, numbers that are not finite, a map that does not settle.
+///
+/// ```
+/// use stickslip::harmonic::stability::floquet;
+/// use stickslip::system::{LinearStructure, Output};
+/// let structure = LinearStructure {
+///     size: 1,
+///     mass: vec![(0, 0, 1.0)],
+///     damping: vec![(0, 0, 0.1)],
+///     stiffness: vec![(0, 0, 9.0)],
+///     contacts: vec![],
+///     excitation: vec![(0, 1.0)],
+///     outputs: vec![Output { name: "m1".into(), row: vec![(0, 1.0)] }],
+/// };
+/// let found = floquet(&structure, &[], &[], 2.0)?;
+/// // A disturbance decays as exp(−0.1 t / 2).
+/// let period = std::f64::consts::TAU / 2.0;
+/// assert!(found.stable() && (found.values[0].norm() - (-0.05 * period).exp()).abs() < 1e-9);
+/// # Ok::<(), stickslip::time::OscillatorError>(())
+/// ```
 pub fn floquet(
     structure: &LinearStructure,
     contacts: &[LoadedContact],

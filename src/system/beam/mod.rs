@@ -120,6 +120,20 @@ impl ModalBeam {
 /// # Errors
 /// [`StructureError::FrequencyOutOfReach`] below the frequency with a free pin and from the one with a
 /// clamped end upwards; values out of bounds as in [`ModalBeam::new`].
+///
+/// ```
+/// use stickslip::system::{Beam, Damping, ModalBeam, rotational_stiffness_from_frequency};
+/// # let beam = Beam {
+/// #     length: 0.6, width: 0.04, thickness: 0.005, density: 7850.0, youngs_modulus: 2e11,
+/// #     modes: 4, static_correction: false, damping: Damping::Uniform(0.003), point_masses: vec![],
+/// #     offset: 0.006, rotational_stiffness: 4e3, clamp_stiffness: None,
+/// #     excitation_position: 0.55, sensors: vec![0.3], contact_points: vec![],
+/// # };
+/// let measured = ModalBeam::new(&beam)?.angular_frequency[0] / std::f64::consts::TAU;
+/// let stiffness = rotational_stiffness_from_frequency(&beam, measured)?;
+/// assert!((stiffness / beam.rotational_stiffness - 1.0).abs() < 1e-9);
+/// # Ok::<(), stickslip::system::StructureError>(())
+/// ```
 pub fn rotational_stiffness_from_frequency(beam: &Beam, frequency: f64) -> Result<f64, StructureError> {
     check_mechanics(beam)?;
     check("frequency".into(), frequency, &vocabulary::FREQUENCY)?;

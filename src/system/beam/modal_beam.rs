@@ -71,6 +71,23 @@ impl ModalBeam {
     ///
     /// # Errors
     /// Lists without one entry per mode, numbers that make no law.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use stickslip::contact::{ContactLaw, Jenkins};
+    /// use stickslip::system::{Beam, Damping, ModalBeam};
+    /// # let beam = Beam {
+    /// #     length: 0.6, width: 0.04, thickness: 0.005, density: 7850.0, youngs_modulus: 2e11,
+    /// #     modes: 4, static_correction: false, damping: Damping::Uniform(0.003), point_masses: vec![],
+    /// #     offset: 0.006, rotational_stiffness: 0.0, clamp_stiffness: None,
+    /// #     excitation_position: 0.55, sensors: vec![0.3], contact_points: vec![],
+    /// # };
+    /// let law: Arc<dyn ContactLaw> = Arc::new(Jenkins::new(7.9e6, 0.3)?);
+    /// let system = ModalBeam::new(&beam)?.system(Some((law, 150.0)))?;
+    /// let ports: Vec<&str> = system.ports.iter().map(|port| port.name.as_str()).collect();
+    /// assert_eq!(ports, ["x=0.3", "excitation", "contact"]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn system(&self, contact: Option<(Arc<dyn ContactLaw>, f64)>) -> Result<System, StructureError> {
         self.check_lengths()?;
         let row = |shape: &[f64]| -> Row { shape.iter().copied().enumerate().collect() };

@@ -56,6 +56,30 @@ pub struct PeriodicMotion {
 ///
 /// # Errors
 /// An excitation without period, illegal numbers, no periodic motion within the periods allowed.
+///
+/// ```
+/// use stickslip::contact::Jenkins;
+/// use stickslip::system::{LinearStructure, Output};
+/// use stickslip::time::{Excitation, LoadedContact, OscillatorFlow, ShootingSettings, shoot};
+/// let row = vec![(0, 1.0)];
+/// let structure = LinearStructure {
+///     size: 1,
+///     mass: vec![(0, 0, 1.0)],
+///     damping: vec![(0, 0, 0.02)],
+///     stiffness: vec![(0, 0, 1.0)],
+///     contacts: vec![row.clone()],
+///     excitation: row.clone(),
+///     outputs: vec![Output { name: "mass".into(), row }],
+/// };
+/// let law = Jenkins::new(2.0, 0.3)?;
+/// let mut flow = OscillatorFlow::new(&structure, &[LoadedContact { law: &law, normal_load: 1.0 }])?;
+/// let excitation = Excitation::cosine(0.9, 1.0);
+/// let found = shoot(&mut flow, &excitation, None, &ShootingSettings::default())?;
+/// // What comes in over a period is lost in it.
+/// let lost = found.passage.total_dissipated_energy() + found.passage.viscous_energy;
+/// assert!(found.stable && (lost / found.passage.work - 1.0).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn shoot(
     flow: &mut OscillatorFlow,
     excitation: &Excitation,

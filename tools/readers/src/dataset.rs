@@ -27,6 +27,13 @@ const USES: &[(&str, Use)] = &[("fit", Use::Fit), ("select", Use::Select), ("con
 /// UTF-8, an unknown key, column, regime or use, a unit that does not suit its column, a field that is no
 /// finite number, a row that is too short or too long, time that does not increase, a column that is there
 /// twice or that the regime needs and is not there, noise of a column that is not there.
+///
+/// ```
+/// let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/frictional-support");
+/// let dataset = stickslip_readers::read_dataset(path)?;
+/// assert_eq!(dataset.records[0].name, "backbone.csv");
+/// # Ok::<(), stickslip_readers::InputError>(())
+/// ```
 pub fn read_dataset(path: impl AsRef<Path>) -> Result<Dataset, InputError> {
     let path = path.as_ref();
     let file = if path.is_dir() { path.join("dataset.toml") } else { path.to_owned() };

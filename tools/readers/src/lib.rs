@@ -31,6 +31,13 @@ pub use signals::{Signal, read_signals};
 ///
 /// # Errors
 /// A file that cannot be read or is not UTF-8, and everything [`Model::parse`] refuses.
+///
+/// ```
+/// let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/friction-vibration/model.toml");
+/// let model = stickslip_readers::read_model(path)?;
+/// assert_eq!(model.get("contact.normal_load"), Some(1.0));
+/// # Ok::<(), stickslip_readers::InputError>(())
+/// ```
 pub fn read_model(path: impl AsRef<Path>) -> Result<Model, InputError> {
     let source = source::Source::read(path.as_ref())?;
     Model::parse(source.text()).map_err(|error| source.document_error(error))

@@ -23,6 +23,16 @@ pub struct Signal {
 ///
 /// # Errors
 /// A file that cannot be read or is no such table; fields that are not finite numbers.
+///
+/// ```
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("load.csv");
+/// std::fs::write(&path, "time [s],load [N]\n0,100\n1,120\n")?;
+/// let (time, signals) = stickslip_readers::read_signals(&path)?;
+/// assert_eq!((time, &signals[0].values), (vec![0.0, 1.0], &vec![100.0, 120.0]));
+/// assert_eq!((signals[0].name.as_str(), signals[0].unit.as_deref()), ("load", Some("N")));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read_signals(path: impl AsRef<Path>) -> Result<(Vec<f64>, Vec<Signal>), InputError> {
     let source = Source::read(path.as_ref())?;
     let (mut reader, mut row) = first_row(&source)?;

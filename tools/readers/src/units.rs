@@ -80,6 +80,14 @@ impl Unit {
     }
 
     /// The unit that engineers call so (`mm`, `kN`, `N/mm`, `Hz`), if there is one.
+    ///
+    /// ```
+    /// use stickslip_readers::units::Unit;
+    /// let (stiffness, si) = (Unit::common("N/mm").unwrap(), Unit::common("N/m").unwrap());
+    /// assert_eq!(stiffness.conversion(&si)?.apply(2.0), 2000.0);
+    /// assert!(Unit::common("furlong").is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn common(name: &str) -> Option<Self> {
         let ([length, mass, time, mut angle], mut factor) = unit_size(name)?;
         // FMI counts a frequency in hertz as 1/s, without the angle.
