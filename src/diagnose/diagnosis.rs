@@ -9,6 +9,8 @@ use crate::model::Model;
 pub struct Diagnosis {
     /// The answer.
     pub verdict: Verdict,
+    /// Its probability, given that one of the hypotheses weighed is true; NaN where none were.
+    pub probability: f64,
     /// Why, in sentences for an engineer, the most important first.
     pub reasons: Vec<String>,
     /// Ids of the effects found, in the order they were added. Empty unless the verdict is
@@ -133,9 +135,9 @@ pub struct Errors {
 pub struct Step {
     /// Ids of what was added: one effect, or a pair at once.
     pub added: Vec<&'static str>,
-    /// Error after it on the validation records (1).
+    /// Error after it on the training records (1).
     pub error: f64,
-    /// The mean gain of the blocks of the validation records over its standard error (1).
+    /// Its gain in standard deviations: √(2 × the gain of log evidence), below zero where that falls (1).
     pub gain_z: f64,
     /// Fraction of the squared error removed (1).
     pub gain_fraction: f64,
@@ -150,9 +152,9 @@ pub struct Candidate {
     pub effects: Vec<&'static str>,
     /// Its place, if it has one.
     pub location: Option<String>,
-    /// Error on the validation records (1); NaN when it could not be fitted.
+    /// Error on the training records (1); NaN when it could not be fitted.
     pub error: f64,
-    /// The mean gain of the blocks over its standard error (1).
+    /// Its gain in standard deviations: √(2 × the gain of log evidence), below zero where that falls (1).
     pub gain_z: f64,
     /// Fraction of the squared error removed (1).
     pub gain_fraction: f64,

@@ -1,26 +1,21 @@
-//! The diagnosis from beginning to end: split, noise, rounds of refits, one look at the test records.
+//! The diagnosis from beginning to end: split, noise, the evidence of sets of effects, one look at the test records.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::diagnosis::{Cost, Diagnosis, Errors, Noise, Verdict};
-use super::measurements::noise;
-use super::measurements::split::{self, Parts};
-use super::measurements::weighted_dataset::{Scored, WeightedDataset, mean_square};
-use super::measurements::{beginnings, inputs, magnitudes, thinned};
-use super::refit::trial::{self, Effort, Fitted, Unknown};
-use super::residual::{blocks, maps, remainder};
-use super::search::candidates::{self, Candidate};
-use super::search::select::{Search, State};
-use super::search::selection_path::{ADEQUATE, Outcome, ResidualSummary, SelectionPath, UNEXPLAINED};
-use super::{evaluate, few_points, verdict};
+use super::candidates::{self, Candidate};
+use super::diagnosis::{Diagnosis, Noise, Verdict};
+use super::evaluate;
+use super::evidence::{self, Measured, Posterior, Question};
+use super::measurements::noise::{self, noise_of};
+use super::measurements::split;
+use super::measurements::weighted_dataset::WeightedDataset;
+use super::measurements::{inputs, magnitudes, thinned};
+use super::verdict::{self, Context, Decision};
 use crate::data::Dataset;
 use crate::effects::{Effect, Location};
 use crate::fit::InterruptHook;
-use crate::fit::compare::{Comparison, RefitError, Stage, evaluate_from};
+use crate::fit::compare::{RefitError, Stage, evaluate_from};
 use crate::model::Model;
-
-/// Mean square of the weighted residuals below which the noise must be smaller than it is said to be.
-const INCREDIBLE: f64 = 0.5;
 
 /// What a diagnosis tries.
 ///
@@ -85,10 +80,10 @@ pub struct Added {
 
 /// Finds which physical effect `model` lacks to predict `dataset`.
 ///
-/// The records are split into training, validation and test records. Every effect of the catalogue is added to the full
-/// simulator and refitted with the whole model on the training records; effects are selected by their error on the
-/// validation records. The test records are read once, at the end: they may remove effects again, and decide whether the
-/// model explains the data.
+/// Sets of effects of the catalogue, and a discrepancy that stands for what the catalogue lacks, are fitted to the training
+/// records by the full simulator, jointly with the whole model; the evidence of each, that of a likelihood with coloured
+/// noise, gives its probability, and the probabilities give the verdict. The test records are read once, after the
+/// decision: they may take a verdict back, and never choose one.
 ///
 /// # Errors
 /// [`DiagnoseError`]: an unknown effect, a model without a free parameter, records that cannot be predicted.
@@ -109,7 +104,7 @@ pub struct Added {
 /// let record = Record { name: "pull".into(), regime: Regime::FromRest, use_for: None, channels };
 /// let dataset = Dataset { title: None, records: vec![record] };
 /// let found = diagnose(&model, &dataset, &DiagnoseOptions::default(), DiagnoseWatch::default())?;
-/// // One record cannot be split into training, validation and test records.
+/// // One record cannot be split into training and test records.
 /// assert_eq!(found.verdict, Verdict::InsufficientData);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -123,116 +118,73 @@ pub fn diagnose(
         crate::effects::find(id).ok_or_else(|| DiagnoseError::UnknownEffect(id.clone()))?;
     }
     let baseline = evaluate("as given", model, dataset);
-    let (mut whole, scales) = prepared(model, dataset, watch.interrupt)?;
-    // The search makes hundreds of refits; the last few are made on all samples.
+    // The search makes hundreds of fits.
     let thinned = thinned::of(model, dataset);
-    let mut bench = match &thinned {
-        Some(thinned) => prepared(model, thinned, watch.interrupt)?.0,
-        None => prepared(model, dataset, watch.interrupt)?.0,
+    let (mut bench, scales) = prepared(model, thinned.as_ref().unwrap_or(dataset), watch.interrupt)?;
+    let table = split::is_table(dataset);
+    let parts = match table {
+        true => split::whole(dataset),
+        false => split::split(dataset, |record| {
+            noise::driver(record).map(|c| c.values.clone()).unwrap_or_default()
+        }),
     };
-    let parts =
-        split::split(dataset, |record| noise::driver(record).map(|c| c.values.clone()).unwrap_or_default());
-    let measured = noise::measure(&whole.lanes);
-    let meter = Progress { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(1) };
-    meter.tell("refitting the model as it is");
-    if few_points::applies(dataset) {
-        return table(model, dataset, options, watch, (bench, scales), (baseline, measured, &meter));
-    }
-    if let Some(reason) = split::too_little(dataset, &parts) {
+    let measured = noise_of(model, dataset);
+    let progress = Progress { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(1) };
+    progress.tell("refitting the model as it is");
+    if let Some(reason) = split::too_little(dataset, &parts).filter(|_| !table) {
         return Ok(verdict::insufficient(model, dataset, baseline, measured, &parts, reason));
     }
-    let given = model.effects.len();
-    let report = |what: &str| meter.tell(what);
-    let first = refitted_at_first(&bench, model, &parts, |model| {
-        candidates::unknowns(model, given, &scales, dataset)
-    })
-    .map_err(|reason| unpredictable(&bench, model, reason))?;
-    bench.reseed(&first.model);
-    let through = inputs::through(&first.model, &bench);
-    let stated = noise::weigh(&mut bench.lanes, &measured, &through);
-    noise::weigh(&mut whole.lanes, &measured, &through);
-    let linearised_at_measurement = bench.linearised_at_measurement();
-    let beginnings = beginnings::of(model, dataset);
-    let mut beginnings =
-        beginnings.as_ref().and_then(|cut| WeightedDataset::new(model, cut, watch.interrupt).ok());
-    if let Some(beginnings) = &mut beginnings {
-        beginnings.reseed(&first.model);
-        noise::weigh(&mut beginnings.lanes, &measured, &through);
-    }
-    let search = Search {
-        beginnings: beginnings.as_ref(),
-        linearised_at_measurement: linearised_at_measurement.as_ref(),
-        ..Search::new(&bench, &parts, &scales, model, &report)
-    };
-    let base = search.state(&first.model).map_err(|reason| unpredictable(&bench, &first.model, reason))?;
-    let smallest = base.chi_square().min(search.fitted_chi_square(&base));
-    let known = stated && smallest > INCREDIBLE;
-    let (mut tried, untried) = candidates::of(model, &bench);
-    if let Some(only) = &options.effects {
-        tried.retain(|candidate| only.iter().any(|id| id == candidate.effect.id));
-    }
-    meter.expect(1 + tried.len());
-    let findings = SelectionPath::search(&search, base, &tried, options.max_effects, known, &meter);
-    let outcome = conclude(&search, &whole, model, findings, known)?;
-    let mut diagnosis = verdict::of(
-        &search,
-        &whole,
-        verdict::Material { model, dataset, baseline, measured, known, tried, untried, outcome },
-    );
+    let (tried, untried) = candidates::tried(model, &bench, options.effects.as_deref(), table);
+    progress.expect(1 + tried.len());
+    let (base, through) = base(&mut bench, model, &parts.seen(), &measured)?;
+    let data = Measured::new(&bench, &parts.seen(), &measured, &through);
+    let given = (model.effects.len(), options.max_effects);
+    let about = bench.linearised_at_measurement();
+    let looks = about.as_ref().map(|about| Measured::new(about, &parts.seen(), &measured, &through));
+    let question = Question { data: &data, looks: looks.as_ref(), dataset: bench.dataset, scales: &scales };
+    let weighed = evidence::weigh(&question, base, &tried, given, &|what| progress.tell(what))
+        .map_err(|reason| unpredictable(&bench, model, reason))?;
+    let context = Context { model, dataset, bench: &bench, data: &data, parts: &parts, table };
+    let test = Measured::new(&bench, &parts.test, &measured, &through);
+    let all = Measured::new(&bench, &parts.all(), &measured, &through);
+    let decision = Decision::of(&context, &weighed).confirmed(&context, &weighed, &test, &all);
+    let mut diagnosis = verdict::of(&context, &weighed, &decision, &test, (baseline, measured, untried));
     let reasons = &mut diagnosis.reasons;
-    if stated && !known {
-        reasons.push(format!(
-            "the reduced χ² of the refitted model is {smallest:.2}: the noise that is stated, or that repeats show, is \
-             too large for these data, so it counts as unknown"
-        ));
-    }
     reasons.extend(split::copies(dataset));
+    if thinned.is_some() {
+        reasons.push(
+            "long records were thinned for the fits, to samples between which the motion is straight; the errors are \
+             those of all samples"
+                .to_owned(),
+        );
+    }
     if let Some(only) = &options.effects {
         let only = only.join(", ");
         reasons.push(format!("only {only} was tried: the result says nothing of the other effects"));
     }
     if options.max_effects == 0 {
-        reasons.push("no effect may be added (--max-effects 0): the candidates are listed only".to_owned());
+        reasons.push("no effect may be added (--max-effects 0)".to_owned());
     }
     Ok(diagnosis)
 }
 
-/// The model refitted from where it is or, where motions are solved for, from what fits best about those that were
-/// measured: the better of the two.
-fn refitted_at_first(
-    bench: &WeightedDataset,
+/// The model refitted as it is to `records`, and what the noise of the inputs makes of every record's channels.
+fn base(
+    bench: &mut WeightedDataset,
     model: &Model,
-    parts: &Parts,
-    unknowns: impl Fn(&Model) -> Vec<Unknown>,
-) -> Result<Fitted, String> {
-    let fit = |bench: &WeightedDataset, model: &Model| {
-        trial::fit(bench, model, &unknowns(model), &parts.fit, Effort::Full)
+    records: &[usize],
+    measured: &[Noise],
+) -> Result<(Posterior, Vec<Vec<f64>>), DiagnoseError> {
+    let first = {
+        let about = bench.linearised_at_measurement();
+        let about = about.as_ref().map(|bench| Measured::new(bench, records, measured, &[]));
+        evidence::first(&Measured::new(bench, records, measured, &[]), about.as_ref(), model)
     };
-    let direct = fit(bench, model);
-    let about = bench.linearised_at_measurement().and_then(|about| fit(&about, model).ok());
-    match (direct, about.and_then(|about| fit(bench, &about.model).ok())) {
-        (Ok(direct), Some(led)) if direct.cost <= led.cost => Ok(direct),
-        (_, Some(led)) => Ok(led),
-        (direct, None) => direct,
-    }
-}
-
-/// The diagnosis of a table of few points.
-fn table(
-    model: &Model,
-    dataset: &Dataset,
-    options: &DiagnoseOptions,
-    watch: DiagnoseWatch,
-    (mut bench, scales): (WeightedDataset, crate::effects::Scales),
-    (baseline, measured, meter): (Stage, Vec<Noise>, &Progress),
-) -> Result<Diagnosis, DiagnoseError> {
-    noise::weigh(&mut bench.lanes, &measured, &vec![Vec::new(); dataset.records.len()]);
-    let parts = few_points::whole(dataset);
-    let report = |what: &str| meter.tell(what);
-    let search = Search::new(&bench, &parts, &scales, model, &report);
-    let material =
-        few_points::Material { model, dataset, baseline, measured, options, interrupt: watch.interrupt };
-    few_points::diagnose(&search, material).map_err(|reason| unpredictable(&bench, model, reason))
+    let first = first.map_err(|reason| unpredictable(bench, model, reason))?;
+    bench.reseed(&first.model);
+    let through = inputs::through(&first.model, bench);
+    let base = evidence::again(&Measured::new(bench, records, measured, &through), &first);
+    Ok((base.map_err(|reason| unpredictable(bench, model, reason))?, through))
 }
 
 /// The bench and the magnitudes, or why the model cannot be refitted to the dataset.
@@ -255,147 +207,6 @@ fn unpredictable(bench: &WeightedDataset, model: &Model, reason: String) -> Diag
     let failing = (0..records.len()).find(|record| bench.score(model, &[*record]).is_err());
     let record = records.get(failing.unwrap_or(0)).map(|record| record.name.clone()).unwrap_or_default();
     RefitError::Unpredictable { record, reason }.into()
-}
-
-/// Standard errors by which the first effect must worsen the test records to be taken back.
-const HARMFUL_Z: f64 = 1.0;
-
-/// How many effects of a chain the test records confirm, from their `scores` and `errors` with the first effect to
-/// those with all, and `before` any: those up to the first that does not lower the error. A first effect that changes
-/// nothing there may still be small; one that does harm is none. But an effect may do good only beside one that was
-/// found after it: where more of the chain gains significantly, that much of it is kept.
-fn validated_prefix(
-    whole: &WeightedDataset,
-    before: &[Scored],
-    scores: &[Vec<Scored>],
-    errors: &[f64],
-) -> usize {
-    let Some(first) = scores.first() else { return 0 };
-    let lost = first.is_empty() && !before.is_empty();
-    let harmful = lost || blocks::gain(whole, before, first).z < -HARMFUL_Z;
-    let rising = (1..errors.len()).find(|k| errors[*k] >= errors[k - 1]);
-    let kept = if harmful { 0 } else { rising.unwrap_or(errors.len()) };
-    let stop = if kept == 0 { before } else { &scores[kept - 1] };
-    let best = (kept..errors.len()).min_by(|a, b| errors[*a].total_cmp(&errors[*b]));
-    match best {
-        Some(best) if blocks::gain(whole, stop, &scores[best]).passes() => best + 1,
-        _ => kept,
-    }
-}
-
-/// The last fits, to all samples of all records that were seen, and the one look at those that were not. It may
-/// take back effects that do not hold there.
-fn conclude(
-    search: &Search,
-    whole: &WeightedDataset,
-    given: &Model,
-    mut findings: SelectionPath,
-    known: bool,
-) -> Result<Outcome, DiagnoseError> {
-    let seen = search.parts.seen();
-    let refit = |model: &Model| -> Result<Fitted, DiagnoseError> {
-        trial::fit(whole, model, &search.unknowns(model), &seen, Effort::Full)
-            .map_err(|reason| unpredictable(whole, model, reason))
-    };
-    let mut fits = vec![refit(&findings.base.fitted.model)?];
-    for step in &findings.steps {
-        fits.push(refit(&step.state.fitted.model)?);
-    }
-    if findings.dropped() {
-        fits.push(refit(&findings.last().fitted.model)?);
-    }
-    let chain = chain(search, &findings, &fits, refit)?;
-    let test = &search.parts.test;
-    let score = |fitted: &Fitted| whole.score_anew(fitted, test).unwrap_or_default();
-    let before = score(&fits[0]);
-    let mut scores: Vec<Vec<Scored>> = chain.iter().map(|(_, fitted)| score(fitted)).collect();
-    // What the noise is not known of is judged by the error that is reported.
-    let error = |scored: &Vec<Scored>| match known {
-        _ if scored.is_empty() => f64::INFINITY,
-        true => mean_square(scored),
-        false => whole.normalised_error(scored),
-    };
-    let errors: Vec<f64> = scores.iter().map(error).collect();
-    let kept = validated_prefix(whole, &before, &scores, &errors);
-    if kept < scores.len() {
-        let without = (0, fits[0].clone());
-        let (count, fitted) = if kept == 0 { &without } else { &chain[kept - 1] };
-        // What the backward drop left is no longer the end.
-        if findings.dropped() {
-            fits.pop();
-        }
-        findings.veto(search, *count, &fitted.model);
-        fits.push(fitted.clone());
-        scores.truncate(kept);
-    }
-    let after = scores.pop().unwrap_or_else(|| before.clone());
-    let chi_square = (known && !after.is_empty()).then(|| mean_square(&after));
-    let given = whole.normalised_error(&whole.score(given, test).unwrap_or_default());
-    let follows = if known { remainder::follows(whole, &after) } else { Vec::new() };
-    let last = fits.last().map(|last| whole.score_anew(last, &seen));
-    let last = last.and_then(Result::ok).unwrap_or_default();
-    let repeated = maps::repeated(whole, &last, &after);
-    let selecting = search.least_chi_square(findings.last(), UNEXPLAINED);
-    let left = known.then(|| {
-        let least = blocks::least_mean_square;
-        let selecting = selecting.min(least(search.bench, &findings.last().scored));
-        let certain = selecting.max(least(whole, &last)).max(least(whole, &after));
-        ResidualSummary::of(&last, &after, certain)
-    });
-    let within_covariance = chi_square.is_some_and(|chi_square| {
-        let model = fits.last().map(|fitted| &fitted.model);
-        let made = |model| search.prediction_variance(whole, model, &seen, test);
-        chi_square > UNEXPLAINED
-            && mean_square(&last) < ADEQUATE
-            && model.is_some_and(|model| chi_square - made(model) < ADEQUATE)
-    });
-    Ok(Outcome {
-        findings,
-        fits,
-        given,
-        before,
-        after,
-        chi_square,
-        selecting,
-        left,
-        within_covariance,
-        follows,
-        repeated,
-    })
-}
-
-/// The models from the first effect that was kept to all of them, each one more than the one before, fitted to
-/// all records seen; with the number of their effects. `fits` holds those of the steps and the last.
-fn chain(
-    search: &Search,
-    findings: &SelectionPath,
-    fits: &[Fitted],
-    refit: impl Fn(&Model) -> Result<Fitted, DiagnoseError>,
-) -> Result<Vec<(usize, Fitted)>, DiagnoseError> {
-    if !findings.dropped() {
-        let mut count = 0;
-        let counted = findings.steps.iter().zip(&fits[1..]).map(|(step, fitted)| {
-            count += step.candidates.len();
-            (count, fitted.clone())
-        });
-        return Ok(counted.collect());
-    }
-    let last = &fits[fits.len() - 1];
-    let kept = findings.effects();
-    let mut chain = Vec::new();
-    for count in 1..kept.len() {
-        let step = findings.steps.iter().take(count).flat_map(|step| &step.candidates);
-        let fitted = if step.eq(&kept[..count]) {
-            fits[count].clone()
-        } else {
-            let mut model = last.model.clone();
-            model.effects.truncate(search.given + count);
-            refit(&model)?
-        };
-        chain.push((count, fitted));
-    }
-    chain.push((kept.len(), last.clone()));
-    Ok(chain)
 }
 
 /// Adds `effect` at `location` to `model` from all its starts, refits all together to the records that a fit
@@ -422,38 +233,44 @@ pub fn add(
     if fit.is_empty() {
         return Err(RefitError::NothingToFit.into());
     }
-    let meter = Progress { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(2) };
-    let report = |what: &str| meter.tell(what);
-    let parts = Parts { fit, ..Parts::default() };
-    let search = Search::new(&bench, &parts, &scales, model, &report);
-    let failed = |reason| unpredictable(&bench, model, reason);
-    let base: State = search.state(model).map_err(failed)?;
-    meter.tell("refitted");
+    let progress = Progress { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(2) };
+    let measured = noise_of(model, dataset);
+    let mut bench = bench;
+    let (base, through) = base(&mut bench, model, &fit, &measured)?;
+    progress.tell("refitted");
+    let data = Measured::new(&bench, &fit, &measured, &through);
     let candidate = Candidate { effect, location };
-    let with = search.added(&base.fitted.model, &[candidate]).map_err(failed)?;
-    meter.tell(effect.id);
+    let about = bench.linearised_at_measurement();
+    let looks = about.as_ref().map(|about| Measured::new(about, &fit, &measured, &through));
+    let question = Question { data: &data, looks: looks.as_ref(), dataset, scales: &scales };
+    let with = evidence::added(&question, &base, candidate, model.effects.len())
+        .map_err(|reason| unpredictable(&bench, model, reason))?;
+    progress.tell(effect.id);
     let mut stages = vec![before];
-    for (name, fitted, start) in
-        [("refitted", &base.fitted, model), (effect.id, &with.fitted, &base.fitted.model)]
-    {
-        stages.push(stage(name, fitted, start, dataset));
-    }
-    Ok(Added { model: with.fitted.model.with_effects_free(model.effects.len()), stages })
+    stages.push(stage("refitted", &base, model, dataset, &bench));
+    stages.push(stage(effect.id, &with, &base.model, dataset, &bench));
+    Ok(Added { model: with.model.with_effects_free(model.effects.len()), stages })
 }
 
 /// The evaluation of a fitted model, its parameters marked with where they started.
-pub(super) fn stage(name: &str, fitted: &Fitted, start: &Model, dataset: &Dataset) -> Stage {
-    let mut stage = evaluate_from(name, &fitted.model, dataset, |record| fitted.seed(record));
+pub(super) fn stage(
+    name: &str,
+    fitted: &Posterior,
+    start: &Model,
+    dataset: &Dataset,
+    bench: &WeightedDataset,
+) -> Stage {
+    let mut stage = evaluate_from(name, &fitted.model, dataset, |record| bench.lanes[record].seed.clone());
     stage.evaluations = fitted.simulations;
     for parameter in &mut stage.parameters {
-        let changed = fitted.estimates.iter().any(|estimate| estimate.name == parameter.path);
+        let changed = fitted.unknowns.iter().any(|unknown| unknown.path == parameter.path);
         parameter.fitted_from = if changed { start.get(&parameter.path) } else { None };
     }
     stage
 }
 
 /// Counts what is done of what is expected.
-pub(super) struct Progress<'a> {
+struct Progress<'a> {
     watch: DiagnoseWatch<'a>,
     done: AtomicUsize,
     of: AtomicUsize,
@@ -468,50 +285,9 @@ impl Progress<'_> {
     }
 
     /// Raises what is expected.
-    pub fn expect(&self, more: usize) {
+    fn expect(&self, more: usize) {
         self.of.fetch_add(more, Ordering::Relaxed);
     }
-}
-
-/// The comparison of all stages.
-pub(super) fn comparison(dataset: &Dataset, stages: Vec<Stage>) -> Comparison {
-    Comparison { title: dataset.title.clone().unwrap_or_default(), records: dataset.records.clone(), stages }
-}
-
-/// Errors of the last models and of those before, by the parts.
-pub(super) fn errors(
-    search: &Search,
-    bench: &WeightedDataset,
-    outcome: &Outcome,
-    stages: &[Stage],
-    known: bool,
-) -> Errors {
-    let floor = |records: &[usize]| {
-        let channels = records.iter().flat_map(|record| {
-            let lane = &bench.lanes[*record];
-            lane.channels.iter().map(|(_, range)| lane.scales[range.start] / lane.weights[range.start])
-        });
-        let (sum, count) =
-            channels.fold((0.0, 0), |(sum, count), fraction| (sum + fraction * fraction, count + 1));
-        (known && count > 0).then(|| (sum / f64::from(count)).sqrt())
-    };
-    let error = |index: usize| stages.get(index).map_or(f64::NAN, |stage| stage.error);
-    Errors {
-        baseline: error(0),
-        refitted: error(1),
-        last: stages.last().map_or(f64::NAN, |stage| stage.error),
-        test: bench.normalised_error(&outcome.after),
-        test_refitted: bench.normalised_error(&outcome.before),
-        noise_floor: floor(&search.parts.all()),
-        test_noise_floor: floor(&search.parts.test),
-    }
-}
-
-/// What was spent.
-pub(super) fn cost(benches: &[Option<&WeightedDataset>]) -> Cost {
-    let total =
-        |of: fn((usize, usize)) -> usize| benches.iter().flatten().map(|bench| of(bench.spent())).sum();
-    Cost { refits: total(|spent| spent.0), simulations: total(|spent| spent.1) }
 }
 
 impl Verdict {

@@ -1,18 +1,15 @@
 //! Which effect is missing: a model and measurements come in, a [`Diagnosis`] goes out.
 //!
-//! `engine` goes through it from beginning to end: `measurements` lays the records out with their weights and splits
-//! them, `refit` fits models jointly to them, `search` adds effects and drops them again by what `residual` says of two
-//! models' residuals, `verdict` judges and explains with the help of `features`. Tables of few points go their own way in
-//! `few_points`.
+//! `engine` goes through it from beginning to end: `measurements` lays the records out and splits them, `candidates` lists
+//! what may be missing, `evidence` weighs sets of that, `verdict` makes the answer of the probabilities and explains it with
+//! the help of `features`.
 
+mod candidates;
 mod diagnosis;
 mod engine;
+mod evidence;
 mod features;
-mod few_points;
 mod measurements;
-mod refit;
-mod residual;
-mod search;
 mod verdict;
 
 pub use diagnosis::{

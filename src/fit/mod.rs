@@ -8,8 +8,8 @@ pub mod compare;
 pub mod least_squares;
 pub mod predict;
 
-pub(crate) use least_squares::{Coordinate, Limits, SumOfSquares, Sums, minimise};
 pub use least_squares::{
     Difference, Ending, Fit, FitError, InterruptHook, Interval, Options, Parameter, Progress, ProgressHook,
     Scale, Uncertainty, fit, student_quantile,
 };
+pub(crate) use least_squares::{Limits, SumOfSquares, Sums, minimise};

@@ -147,14 +147,14 @@ fn judged_far_away(small: f64, large: f64) -> Vec<Record> {
 }
 
 #[test]
-fn a_residual_that_the_uncertainty_of_the_parameters_can_cause_is_reported_as_such() {
+fn records_that_tell_too_little_decide_nothing_and_what_they_cannot_explain_is_seen() {
     let of_doubt = |found: &Diagnosis| {
-        found.reasons.iter().any(|reason| reason.contains("uncertainty of the parameters alone"))
+        found.reasons.iter().any(|reason| reason.contains("no explanation reaches a probability"))
     };
     // A stiffness from forces as small as their noise, judged where they are a hundred times as large.
     let found = diagnosed(judged_far_away(8e-8, 8e-6));
     assert!(
-        found.verdict == Verdict::Unexplained && of_doubt(&found),
+        found.verdict == Verdict::InsufficientData && of_doubt(&found),
         "{:?} {:?}",
         found.verdict,
         found.reasons

@@ -6,22 +6,21 @@ mod loops;
 mod resonance;
 
 use crate::data::Record;
-use crate::diagnose::search::select::{Search, State};
+use crate::diagnose::measurements::weighted_dataset::{Scored, WeightedDataset};
 use crate::effects::Features;
 use crate::model::{Model, Structure};
 use loops::Measured;
 
-/// Of the measurements, and of the residual of the model refitted without effects on the validation records.
-/// `given` is the model as given.
-pub(in crate::diagnose) fn of(search: &Search, given: &Model, base: &State) -> Features {
-    let bench = search.bench;
+/// Of the training records `seen`, and of the residuals `scored` that the model `base`, refitted without effects, leaves
+/// there; `given` is the model as given.
+pub(super) fn of(bench: &WeightedDataset, scored: &[Scored], given: &Model, base: &Model) -> Features {
     let mut found = Features::default();
     let (mut by_velocity, mut by_cube, mut by_rate, mut by_value) =
         (Correlation::default(), Correlation::default(), Correlation::default(), Correlation::default());
     let (mut normal_by_velocity, mut normal_by_cube) = (Correlation::default(), Correlation::default());
     let (mut even, mut odd) = (0.0, 0.0);
     let (mut sum, mut square, mut count) = (0.0, 0.0, 0.0);
-    for scored in &base.scored {
+    for scored in scored {
         let lane = &bench.lanes[scored.record];
         for (name, range) in &lane.channels {
             let measured = &lane.measured[range.clone()];
@@ -68,13 +67,13 @@ pub(in crate::diagnose) fn of(search: &Search, given: &Model, base: &State) -> F
     found.residual_by_value = by_value.value();
     found.normal_residual_by_velocity = normal_by_velocity.value();
     found.normal_residual_by_cube = normal_by_cube.value();
-    if matches!(base.fitted.model.structure, Structure::Prescribed) {
-        let seen = search.parts.seen();
+    let seen: Vec<usize> = scored.iter().map(|one| one.record).collect();
+    if matches!(base.structure, Structure::Prescribed) {
         let record = |index: &usize| -> &Record { bench.lanes[*index].record };
         let measured: Vec<Measured> = seen.iter().filter_map(|index| Measured::of(record(index))).collect();
         loops::fill(&measured, &mut found);
     } else {
-        resonance::fill(search, given, base, &mut found);
+        resonance::fill(bench, &seen, given, base, &mut found);
     }
     found
 }

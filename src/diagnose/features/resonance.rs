@@ -6,12 +6,10 @@
 use rayon::prelude::*;
 
 use crate::data::Regime;
+use crate::diagnose::evidence::alone;
 use crate::diagnose::measurements::magnitudes::drive_rate;
 use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
-use crate::diagnose::refit::trial::{self, Effort, Unknown};
-use crate::diagnose::search::select::{Search, State};
 use crate::effects::Features;
-use crate::fit::Parameter;
 use crate::fit::predict::derivative_order;
 use crate::model::Model;
 
@@ -35,41 +33,30 @@ struct Seen {
 }
 
 /// Fills what the records seen show beside the model refitted without effects; `given` is the model as given.
-pub(in crate::diagnose) fn fill(search: &Search, given: &Model, base: &State, found: &mut Features) {
-    let seen = search.parts.seen();
-    let points: Vec<Seen> =
-        seen.par_iter().filter_map(|record| alone(search.bench, &base.fitted.model, *record)).collect();
+pub(super) fn fill(
+    bench: &WeightedDataset,
+    seen: &[usize],
+    given: &Model,
+    base: &Model,
+    found: &mut Features,
+) {
+    let points: Vec<Seen> = seen.par_iter().filter_map(|record| of_record(bench, base, *record)).collect();
     let Some((given, _)) = lowest_mode(given) else { return };
     summarise(&points, given, found);
 }
 
 /// The structure that `record` alone asks for.
-fn alone(bench: &WeightedDataset, model: &Model, record: usize) -> Option<Seen> {
-    let unknowns: Vec<Unknown> = model
-        .parameters()
-        .into_iter()
-        .filter(|parameter| {
-            let path = parameter.path.as_str();
-            let spring = path.starts_with("spring.") && parameter.value > 0.0;
-            spring || path == "beam.youngs_modulus" || path.starts_with("beam.damping_ratio")
-        })
-        .map(|parameter| Unknown {
-            path: parameter.path,
-            parameter: Parameter {
-                start: parameter.value,
-                lower: parameter.lower,
-                upper: parameter.upper,
-                scale: parameter.scale,
-            },
-            unit: parameter.quantity.unit,
-        })
-        .collect();
+fn of_record(bench: &WeightedDataset, model: &Model, record: usize) -> Option<Seen> {
+    let of_structure = |path: &str, value: f64| {
+        let spring = path.starts_with("spring.") && value > 0.0;
+        spring || path == "beam.youngs_modulus" || path.starts_with("beam.damping_ratio")
+    };
     // A table says itself where the resonance lies, and has no level of its own.
     if bench.lanes[record].record.regime == Regime::Backbone {
         return None;
     }
-    let fitted = trial::fit(bench, model, &unknowns, &[record], Effort::Screen).ok()?;
-    let (angular_frequency, damping_ratio) = lowest_mode(&fitted.model)?;
+    let fitted = alone(bench, model, record, of_structure).ok()?;
+    let (angular_frequency, damping_ratio) = lowest_mode(&fitted)?;
     let lane = &bench.lanes[record];
     let (name, range) = lane.channels.first()?;
     let order = derivative_order(lane.record.channel(name)?) as i32;

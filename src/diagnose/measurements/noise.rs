@@ -308,30 +308,6 @@ fn carry_over(lanes: &[RecordResiduals], found: &mut [Noise], errors_of_log: &[f
     }
 }
 
-/// Puts the noise into the weights of `lanes`, with the fraction that the noise of the inputs makes of the
-/// predictions (`through`, per record and channel, in the channel's unit), if all of it is known. Returns
-/// whether it is.
-pub(in crate::diagnose) fn weigh(
-    lanes: &mut [RecordResiduals],
-    found: &[Noise],
-    through: &[Vec<f64>],
-) -> bool {
-    let known = found.iter().all(|noise| noise.deviation.is_some());
-    if !known {
-        return false;
-    }
-    let mut noises = found.iter();
-    for (lane, through) in lanes.iter_mut().zip(through) {
-        for (k, (_, range)) in lane.channels.iter().enumerate() {
-            let own = noises.next().and_then(|noise| noise.deviation).unwrap_or(1.0);
-            let carried = through.get(k).copied().unwrap_or(0.0);
-            let weight = 1.0 / own.hypot(carried);
-            lane.weights[range.clone()].fill(weight);
-        }
-    }
-    true
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,9 +1,9 @@
 //! Training, validation and test records.
 
-use crate::data::{Dataset, Record, Use};
+use crate::data::{Dataset, Record, Regime, Use};
 
 /// Fewest records that can be split by record.
-pub(in crate::diagnose) const FEWEST_RECORDS: usize = 3;
+const FEWEST_RECORDS: usize = 3;
 
 /// The records by use.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -65,6 +65,18 @@ pub(in crate::diagnose) fn too_little(dataset: &Dataset, parts: &Parts) -> Optio
         }
     }
     None
+}
+
+/// Whether `dataset` is tables of resonances alone, and too few of them to be split by record.
+pub(in crate::diagnose) fn is_table(dataset: &Dataset) -> bool {
+    let records = &dataset.records;
+    (1..FEWEST_RECORDS).contains(&records.len())
+        && records.iter().all(|record| record.regime == Regime::Backbone && record.use_for.is_none())
+}
+
+/// The whole table, of which no point can be spared for a test.
+pub(in crate::diagnose) fn whole(dataset: &Dataset) -> Parts {
+    Parts { fit: (0..dataset.records.len()).collect(), ..Parts::default() }
 }
 
 /// Where a record stands among the others: each coordinate about one across the dataset.
@@ -197,7 +209,7 @@ fn spread(places: &[Place], among: &[usize], mut taken: Vec<usize>, count: usize
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::{Channel, Regime};
+    use crate::data::Channel;
 
     fn record(level: f64, regime: Regime, step: f64) -> Record {
         let channel =

@@ -5,13 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use crate::data::{Dataset, Record};
-use crate::diagnose::refit::trial::Fitted;
 use crate::fit::InterruptHook;
 use crate::fit::predict::{ObservedSimulation, Seed, compared, deviation};
 use crate::model::Model;
-
-/// Normalised error above which a prediction may be another of several responses than the measured.
-const ON_THE_WRONG_BRANCH: f64 = 0.2;
 
 /// A dataset with weights, and counters of what is spent on it.
 pub(in crate::diagnose) struct WeightedDataset<'d> {
@@ -29,10 +25,7 @@ pub(in crate::diagnose) struct RecordResiduals<'d> {
     pub record: &'d Record,
     /// Measured values.
     pub measured: Vec<f64>,
-    /// One over the standard deviation that residuals are measured by: the noise where it is known, the channel's own where not;
-    /// zero where a sample is not to be seen.
-    pub weights: Vec<f64>,
-    /// One over the channel's standard deviation, per sample.
+    /// One over the channel's standard deviation, per sample: what residuals are measured by.
     pub scales: Vec<f64>,
     /// Samples of each channel, by name.
     pub channels: Vec<(&'d str, std::ops::Range<usize>)>,
@@ -47,7 +40,7 @@ pub(in crate::diagnose) struct Scored {
     pub record: usize,
     /// All channels, one after the other.
     pub predictions: Vec<f64>,
-    /// (prediction − measurement) · weight.
+    /// (prediction − measurement) over the channel's standard deviation.
     pub residuals: Vec<f64>,
 }
 
@@ -130,22 +123,6 @@ impl<'d> WeightedDataset<'d> {
         records.par_iter().map(scored).collect()
     }
 
-    /// As [`WeightedDataset::score`], of the model of a fit. Where that is far from what was measured, also from the solution that
-    /// the fit ended at, or from none: simulations may start from what leads to another of several responses.
-    pub fn score_anew(&self, fitted: &Fitted, records: &[usize]) -> Result<Vec<Scored>, String> {
-        let model = &fitted.model;
-        let mut scored = self.score(model, records)?;
-        scored.par_iter_mut().filter(|one| self.lanes[one.record].seed.is_some()).for_each(|one| {
-            if self.normalised_error(std::slice::from_ref(one)) > ON_THE_WRONG_BRANCH
-                && let Ok(anew) = self.score_one(model, one.record, fitted.seed(one.record).as_ref())
-                && square(&anew) < square(one)
-            {
-                *one = anew;
-            }
-        });
-        Ok(scored)
-    }
-
     fn score_one(&self, model: &Model, record: usize, seed: Option<&Seed>) -> Result<Scored, String> {
         let lane = &self.lanes[record];
         let mut shown = ObservedSimulation::near(model, lane.record, seed)?;
@@ -154,7 +131,7 @@ impl<'d> WeightedDataset<'d> {
             // A rough look needs no settled start.
             Some(Seed::LinearisedAtMeasurement) => nuisances.iter().map(|nuisance| nuisance.start).collect(),
             _ if nuisances.is_empty() => Vec::new(),
-            _ => shown.settle_from(model, &nuisances, &lane.measured, &lane.weights),
+            _ => shown.settle_from(model, &nuisances, &lane.measured, &lane.scales),
         };
         let mut predictions = Vec::new();
         shown.predict(model, &settled, &mut predictions)?;
@@ -182,16 +159,6 @@ impl<'d> WeightedDataset<'d> {
     }
 }
 
-/// Mean square of the weighted residuals: chi-square per sample where the weights are those of the noise.
-pub(in crate::diagnose) fn mean_square(scored: &[Scored]) -> f64 {
-    let count: usize = scored.iter().map(|one| one.residuals.len()).sum();
-    scored.iter().flat_map(|one| &one.residuals).map(|r| r * r).sum::<f64>() / count.max(1) as f64
-}
-
-fn square(scored: &Scored) -> f64 {
-    scored.residuals.iter().map(|r| r * r).sum()
-}
-
 fn lane<'d>(model: &Model, record: &'d Record) -> Result<RecordResiduals<'d>, String> {
     // Building a simulation says what the record lacks.
     let seed = ObservedSimulation::new(model, record)?.solution().cloned().map(Seed::Near);
@@ -203,15 +170,13 @@ fn lane<'d>(model: &Model, record: &'d Record) -> Result<RecordResiduals<'d>, St
         lane.scales.resize(lane.measured.len(), scale);
         lane.channels.push((&channel.name, start..lane.measured.len()));
     }
-    lane.weights.clone_from(&lane.scales);
     Ok(lane)
 }
 
 impl<'d> RecordResiduals<'d> {
     /// Without a channel yet.
     pub fn empty(record: &'d Record, seed: Option<Seed>) -> Self {
-        let (measured, weights, scales, channels) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { record, measured, weights, scales, channels, seed }
+        Self { record, measured: Vec::new(), scales: Vec::new(), channels: Vec::new(), seed }
     }
 
     /// A simulation of the record.
@@ -219,13 +184,13 @@ impl<'d> RecordResiduals<'d> {
         ObservedSimulation::near(model, self.record, self.seed.as_ref())
     }
 
-    /// (prediction − measurement) · weight.
+    /// (prediction − measurement) over the channel's standard deviation.
     pub fn residuals(&self, predictions: &[f64]) -> Vec<f64> {
         predictions
             .iter()
             .zip(&self.measured)
-            .zip(&self.weights)
-            .map(|((value, measured), weight)| (value - measured) * weight)
+            .zip(&self.scales)
+            .map(|((value, measured), scale)| (value - measured) * scale)
             .collect()
     }
 }

@@ -1,291 +1,298 @@
-//! The verdict that the results of the search support, and the report of it.
+//! The answer: probabilities of sets of effects come in, a [`Diagnosis`] with its reasons goes out.
 //!
-//! What the search found comes in, one of five verdicts goes out; `explain` gives its reasons in sentences.
+//! `decision` holds the one rule and the look at the test records, `explain` gives reasons in sentences, `confound` the
+//! experiments that separate effects.
 
+mod confound;
+mod decision;
 mod explain;
 
-use crate::data::Dataset;
-use crate::diagnose::diagnosis::{
-    Candidate, Cost, Diagnosis, Errors, Estimate, Group, Noise, Step, Untried, Verdict,
-};
-use crate::diagnose::engine::{comparison, cost, errors, stage};
-use crate::diagnose::measurements::split::Parts;
-use crate::diagnose::measurements::weighted_dataset::{WeightedDataset, mean_square};
-use crate::diagnose::search::candidates::{Candidate as Tried, effect_of};
-use crate::diagnose::search::confound;
-use crate::diagnose::search::select::{PASSING_FRACTION, PASSING_Z, Search, Trial};
-use crate::diagnose::search::selection_path::{Added, Outcome, UNEXPLAINED};
-use crate::diagnose::search::sensitivity::{self, Sensitivities};
-use crate::fit::compare::Stage;
-use crate::model::Model;
-use explain::VerdictContext;
+pub(super) use decision::Decision;
 
-/// Fraction of the squared residual above which a part of it that repeats from record to record says that something
-/// is missing, though the whole is of the noise's size.
-const STRUCTURED: f64 = 0.1;
+use super::diagnosis::{Candidate, Cost, Diagnosis, Errors, Estimate, Noise, Step, Untried, Verdict};
+use super::engine::stage;
+use super::evidence::{self, Measured, Sensitivities, Set, Weighed, own};
+use super::measurements::split::Parts;
+use super::measurements::weighted_dataset::{Scored, WeightedDataset};
+use crate::data::Dataset;
+use crate::fit::compare::{Comparison, Stage};
+use crate::model::Model;
+
+/// What the answer is about.
+pub(super) struct Context<'a, 'd> {
+    /// As given.
+    pub model: &'a Model,
+    pub dataset: &'a Dataset,
+    pub bench: &'a WeightedDataset<'d>,
+    /// The training records.
+    pub data: &'a Measured<'a, 'd>,
+    pub parts: &'a Parts,
+    /// Whether the records are a table of few points, none of which could be spared for a test.
+    pub table: bool,
+}
 
 /// Error over the channels' variation below which there is nothing to explain, whatever the noise.
 const NOTHING_LEFT: f64 = 1e-3;
-/// The same above which, the noise unknown, what was added explains too little to be named.
-const MOST_LEFT: f64 = 0.6;
-/// And fraction of the refitted model's squared error: whoever removes less may stand in for something else.
-const MOST_FRACTION_LEFT: f64 = 0.6;
 
-/// What a verdict is made of.
-pub(in crate::diagnose) struct Material<'a> {
-    pub model: &'a Model,
-    pub dataset: &'a Dataset,
-    pub baseline: Stage,
-    pub measured: Vec<Noise>,
-    /// Whether all noise is known.
-    pub known: bool,
-    pub tried: Vec<Tried>,
-    pub untried: Vec<Untried>,
-    pub outcome: Outcome,
+impl Context<'_, '_> {
+    /// The predictions of a set on the training records as the report measures them.
+    fn scored(&self, set: &Set) -> Vec<Scored> {
+        let one = |(k, predictions): (usize, &Vec<f64>)| Scored {
+            record: self.data.records[k],
+            predictions: predictions.clone(),
+            residuals: self.data.lane(k).residuals(predictions),
+        };
+        set.posterior.predictions.iter().enumerate().map(one).collect()
+    }
+
+    fn error(&self, set: &Set) -> f64 {
+        self.bench.normalised_error(&self.scored(set))
+    }
+
+    /// Whether the model as it is leaves nothing to explain.
+    fn is_exact(&self, weighed: &Weighed) -> bool {
+        self.error(&weighed.sets[0]) < NOTHING_LEFT
+    }
+}
+
+impl Weighed {
+    /// Ids of the effects of a set, sorted.
+    fn ids(&self, set: usize) -> Vec<&'static str> {
+        let mut ids: Vec<&'static str> = self.sets[set]
+            .members
+            .iter()
+            .map(|member| self.candidates[*member].candidate.effect.id)
+            .collect();
+        ids.sort_unstable();
+        ids
+    }
+
+    /// The same in the order in which they were added.
+    fn ordered(&self, set: usize) -> Vec<&'static str> {
+        self.sets[set].members.iter().map(|member| self.candidates[*member].candidate.effect.id).collect()
+    }
+
+    /// The empty set and the sets on the way to `best` that were fitted.
+    fn chain(&self, best: usize) -> Vec<usize> {
+        let members = &self.sets[best].members;
+        let prefix = |count: usize| self.sets.iter().position(|set| set.has_just(&members[..count]));
+        let mut chain: Vec<usize> = (0..members.len()).filter_map(prefix).collect();
+        chain.push(best);
+        chain
+    }
 }
 
 /// The whole diagnosis.
-pub(in crate::diagnose) fn of(search: &Search, whole: &WeightedDataset, material: Material) -> Diagnosis {
-    let Material { model, dataset, baseline, measured, known, tried, mut untried, outcome } = material;
-    let found = outcome.findings.effects();
-    let stages = stages(model, dataset, baseline, &outcome);
-    let last = &outcome.fits[outcome.fits.len() - 1];
-    let error = errors(search, whole, &outcome, &stages, known);
-    let sensitivities = sensitivities(search, &outcome, &tried);
-    for id in &sensitivities.invisible {
-        untried.push(Untried {
-            effect: id,
-            reason: "not identifiable in these data: the model's own parameters or the unknown initial states have the \
-                     same effect"
-                .to_owned(),
-        });
-    }
-    let groups = groups(&outcome);
-    let verdict = judge(&outcome, known, &groups, &error);
-    let ids: Vec<&'static str> = found.iter().map(|candidate| candidate.effect.id).collect();
-    let context = VerdictContext {
-        search,
-        outcome: &outcome,
-        given: model,
-        error: &error,
-        known,
-        groups: &groups,
-        verdict,
-    };
-    let (effects, surrogates) = match verdict {
-        Verdict::EffectFound => (ids.clone(), Vec::new()),
-        Verdict::Unexplained => (Vec::new(), surrogates(&outcome)),
-        // The significant effects, besides those that cannot be distinguished.
-        Verdict::NotDistinguishable => {
-            let doubtful = |id: &&&str| groups.iter().any(|group| group.effects.contains(*id));
-            (ids.iter().filter(|id| !doubtful(id)).copied().collect(), Vec::new())
+pub(super) fn of(
+    context: &Context,
+    weighed: &Weighed,
+    decision: &Decision,
+    test: &Measured,
+    (baseline, measured, mut untried): (Stage, Vec<Noise>, Vec<Untried>),
+) -> Diagnosis {
+    let chain = weighed.chain(decision.best);
+    let best = &weighed.sets[decision.best];
+    let sensitivities = evidence::around(context.data, &best.posterior, &weighed.candidates, &best.members)
+        .unwrap_or_default();
+    let silent = weighed.silent.iter().map(|candidate| candidate.effect.id);
+    for id in sensitivities.invisible.iter().copied().chain(silent) {
+        if untried.iter().all(|known| known.effect != id) {
+            untried.push(Untried {
+                effect: id,
+                reason: "not identifiable in these data: it changes nothing that the model's own parameters or the \
+                         unknown initial states could not change"
+                    .to_owned(),
+            });
         }
-        _ => (Vec::new(), Vec::new()),
-    };
-    Diagnosis {
-        verdict,
-        reasons: explain::reasons(&context),
-        evidence: explain::evidence(&context, &ids, &sensitivities),
-        next_experiment: explain::next_experiment(&context, &sensitivities),
-        effects,
-        surrogates,
-        groups: if verdict == Verdict::NotDistinguishable { groups } else { Vec::new() },
-        error,
-        chi_square: outcome.chi_square,
-        steps: outcome.findings.steps.iter().map(step).collect(),
-        candidates: outcome.findings.rounds.first().map_or_else(Vec::new, |round| {
-            settled(reported(search.bench, round, search.given), search, &outcome)
-        }),
-        parameters: last.estimates.clone(),
-        rounds: outcome
-            .findings
-            .rounds
-            .iter()
-            .skip(1)
-            .map(|round| reported(search.bench, round, search.given))
-            .collect(),
-        untried,
-        confounding: sensitivities.confounding.clone(),
-        detectable: sensitivities.detectable,
-        split: search.parts.uses(dataset.records.len()),
-        noise: measured,
-        comparison: comparison(dataset, stages),
-        model: last.model.clone().with_effects_free(search.given),
-        cost: cost(&[Some(search.bench), search.beginnings, search.linearised_at_measurement, Some(whole)]),
     }
-}
-
-/// As given, refitted, and one per step that was kept.
-fn stages(model: &Model, dataset: &Dataset, baseline: Stage, outcome: &Outcome) -> Vec<Stage> {
     let mut stages = vec![baseline];
-    let mut before = model;
-    let findings = &outcome.findings;
-    let names = std::iter::once("refitted".to_owned())
-        .chain(findings.steps.iter().map(|step| format!("+ {}", names(step))))
-        .chain(findings.dropped().then(|| "without the effects that are not needed".to_owned()));
-    for (name, fitted) in names.zip(&outcome.fits) {
-        stages.push(stage(&name, fitted, before, dataset));
+    let mut before = context.model;
+    let steps = steps(context, weighed, &chain);
+    for (place, &set) in chain.iter().enumerate() {
+        let name = if place == 0 { "refitted".to_owned() } else { name(&steps[place - 1]) };
+        let fitted = &weighed.sets[set].posterior;
+        stages.push(stage(&name, fitted, before, context.dataset, context.bench));
         before = &fitted.model;
     }
-    stages
-}
-
-fn names(step: &Added) -> String {
-    let names: Vec<&str> = step.candidates.iter().map(|candidate| candidate.effect.title).collect();
-    names.join(" + ")
-}
-
-fn step(added: &Added) -> Step {
-    Step {
-        added: added.candidates.iter().map(|candidate| candidate.effect.id).collect(),
-        error: added.error,
-        gain_z: added.gain.z,
-        gain_fraction: added.gain.fraction,
-        dropped: added.dropped(),
-    }
-}
-
-/// Effects that lower the error without explaining it: those added, else the best with a significant gain.
-fn surrogates(outcome: &Outcome) -> Vec<&'static str> {
-    let mut ids: Vec<&'static str> =
-        outcome.findings.effects().iter().map(|candidate| candidate.effect.id).collect();
-    let passing = outcome.findings.rounds.first().into_iter().flatten().filter(|trial| trial.passes());
-    for trial in passing.take(3) {
-        for id in trial.ids() {
-            if !ids.contains(&id) {
-                ids.push(id);
-            }
-        }
-    }
-    ids
-}
-
-/// Ties among the effects that were kept.
-fn groups(outcome: &Outcome) -> Vec<Group> {
-    let mut groups = Vec::new();
-    for step in outcome.findings.steps.iter().filter(|step| !step.dropped()) {
-        let mut ids: Vec<&'static str> =
-            step.candidates.iter().map(|candidate| candidate.effect.id).collect();
-        let own = ids.len();
-        for other in &step.tied {
-            if !ids.contains(&other.effect.id) {
-                ids.push(other.effect.id);
-            }
-        }
-        if ids.len() > own {
-            groups.push(confound::group(ids));
-        }
-    }
-    groups
-}
-
-/// The verdict.
-fn judge(outcome: &Outcome, known: bool, groups: &[Group], errors: &Errors) -> Verdict {
-    let error = errors.test;
-    let none = outcome.findings.effects().is_empty();
-    let test = outcome.chi_square.unwrap_or(f64::NAN);
-    let selecting = if known { outcome.selecting } else { f64::NAN };
-    let elsewhere = outcome.left.is_some_and(|left| left.is_too_much());
-    // A part that comes again at the same places of the motion is no noise, however small.
-    let structured = outcome.repeated.is_some_and(|repeated| repeated.gain.fraction > STRUCTURED);
-    // What was named must explain the data; the model as it was is doubted for more than chance.
-    let too_much = if none {
-        outcome.left.is_some_and(|left| left.is_significant())
-    } else {
-        test > UNEXPLAINED || selecting > UNEXPLAINED || elsewhere
+    let ids = weighed.ordered(decision.best);
+    let (effects, surrogates) = match decision.verdict {
+        Verdict::EffectFound => (ids.clone(), Vec::new()),
+        Verdict::Unexplained => (Vec::new(), ids.clone()),
+        Verdict::NotDistinguishable => (decision.certain.clone(), Vec::new()),
+        _ => (Vec::new(), Vec::new()),
     };
-    if known && too_much {
-        return Verdict::Unexplained;
+    let tested = Tested::of(context, weighed, decision, test);
+    let errors = errors(context, &stages, &tested, test);
+    let explained = explain::Explained { context, weighed, decision, tested: &tested, errors: &errors };
+    Diagnosis {
+        verdict: decision.verdict,
+        probability: decision.probability,
+        reasons: explain::reasons(&explained),
+        evidence: explain::evidence(&explained, &sensitivities),
+        next_experiment: explain::next_experiment(&explained),
+        effects,
+        surrogates,
+        groups: decision.groups.clone(),
+        error: errors,
+        chi_square: tested.chi_square,
+        steps,
+        candidates: round(context, weighed, 1, Some(decision.best)),
+        rounds: (2..)
+            .map(|size| round(context, weighed, size, None))
+            .take_while(|round| !round.is_empty())
+            .collect(),
+        parameters: best.posterior.estimates(),
+        untried,
+        confounding: sensitivities.confounding,
+        detectable: sensitivities.detectable,
+        split: context.parts.uses(context.dataset.records.len()),
+        noise: measured,
+        comparison: Comparison {
+            title: context.dataset.title.clone().unwrap_or_default(),
+            records: context.dataset.records.clone(),
+            stages,
+        },
+        model: best.posterior.model.clone().with_effects_free(context.model.effects.len()),
+        cost: Cost { refits: context.bench.spent().0, simulations: context.bench.spent().1 },
     }
-    if none && known && structured {
-        return Verdict::Unexplained;
-    }
-    if none {
-        // A model whose error nothing lowers is not thereby right: without the noise nobody knows.
-        return if known || error < NOTHING_LEFT { Verdict::NothingMissing } else { Verdict::Unexplained };
-    }
-    let fraction = (error / errors.test_refitted).powi(2);
-    if !known && (error > MOST_LEFT || fraction > MOST_FRACTION_LEFT) {
-        return Verdict::Unexplained;
-    }
-    if !groups.is_empty() {
-        return Verdict::NotDistinguishable;
-    }
-    Verdict::EffectFound
 }
 
-/// The sensitivities around the model that the search ended with.
-fn sensitivities(search: &Search, outcome: &Outcome, tried: &[Tried]) -> Sensitivities {
-    let last = outcome.findings.last();
-    let present = outcome.findings.effects();
-    let left: Vec<Tried> = tried.iter().filter(|candidate| !present.contains(candidate)).cloned().collect();
-    sensitivity::around(search, &last.fitted.model, &left, mean_square(&last.scored)).unwrap_or_default()
+/// What the test records say.
+struct Tested {
+    /// Errors with the effects and without, and of the model as given.
+    with: f64,
+    without: f64,
+    given: f64,
+    chi_square: Option<f64>,
 }
 
-/// A round for the report.
-fn reported(bench: &WeightedDataset, round: &[Trial], given: usize) -> Vec<Candidate> {
-    round.iter().map(|trial| reported_one(bench, trial, given)).collect()
+impl Tested {
+    fn of(context: &Context, weighed: &Weighed, decision: &Decision, test: &Measured) -> Self {
+        let score = |model: &Model| context.bench.score(model, &test.records).unwrap_or_default();
+        let error = |scored: &[Scored]| context.bench.normalised_error(scored);
+        let with = score(&weighed.sets[decision.best].posterior.model);
+        let predictions: Vec<Vec<f64>> = with.iter().map(|one| one.predictions.clone()).collect();
+        let values: Vec<f64> = with.iter().map(|one| one.predictions.len() as f64).collect();
+        let sum: f64 = test.chi_squares(&predictions).iter().zip(&values).map(|(chi, n)| chi * n).sum();
+        let known = test.noise_is_known() && !with.is_empty();
+        Self {
+            with: error(&with),
+            without: error(&score(&weighed.sets[0].posterior.model)),
+            given: error(&score(context.model)),
+            chi_square: known.then(|| sum / values.iter().sum::<f64>()),
+        }
+    }
 }
 
-/// A trial for the report.
-pub(in crate::diagnose) fn reported_one(bench: &WeightedDataset, trial: &Trial, given: usize) -> Candidate {
-    let (error, parameters, evaluations) = match &trial.state {
-        Ok(state) => (
-            bench.normalised_error(&state.scored),
-            own_parameters(trial, &state.fitted.estimates, &state.fitted.model, given),
-            state.fitted.simulations,
-        ),
-        Err(_) => (f64::NAN, Vec::new(), 0),
+fn errors(context: &Context, stages: &[Stage], tested: &Tested, test: &Measured) -> Errors {
+    let error = |index: usize| stages.get(index).map_or(f64::NAN, |stage| stage.error);
+    Errors {
+        baseline: error(0),
+        refitted: error(1),
+        last: stages.last().map_or(f64::NAN, |stage| stage.error),
+        test: tested.with,
+        test_refitted: tested.without,
+        noise_floor: context.data.floor(),
+        test_noise_floor: test.floor(),
+    }
+}
+
+fn name(step: &Step) -> String {
+    let title = |id: &&str| crate::effects::find(id).map_or("", |effect| effect.title);
+    format!("+ {}", step.added.iter().map(title).collect::<Vec<_>>().join(" + "))
+}
+
+/// The steps along a chain of sets.
+fn steps(context: &Context, weighed: &Weighed, chain: &[usize]) -> Vec<Step> {
+    let step = |pair: &[usize]| {
+        let (before, after) = (&weighed.sets[pair[0]], &weighed.sets[pair[1]]);
+        let added = after.members.iter().filter(|member| !before.members.contains(member));
+        let (gain_z, gain_fraction) = gain(context, before, after);
+        Step {
+            added: added.map(|member| weighed.candidates[*member].candidate.effect.id).collect(),
+            error: context.error(after),
+            gain_z,
+            gain_fraction,
+            dropped: false,
+        }
     };
-    Candidate {
-        effects: trial.ids(),
-        location: trial.candidates.iter().find_map(|c| c.location.as_ref().map(ToString::to_string)),
-        error,
-        gain_z: trial.gain.z,
-        gain_fraction: trial.gain.fraction,
-        parameters,
-        evaluations,
-        failure: trial.state.as_ref().err().cloned(),
-    }
+    chain.windows(2).map(step).collect()
 }
 
-/// The first round with what was found put right: a candidate that was alone in its refit has taken over part of
-/// what was found later, and its interval knows nothing of that.
-fn settled(mut round: Vec<Candidate>, search: &Search, outcome: &Outcome) -> Vec<Candidate> {
-    let last = &outcome.fits[outcome.fits.len() - 1];
-    for (index, found) in outcome.findings.effects().iter().enumerate() {
-        let place = found.location.as_ref().map(ToString::to_string);
-        let of_it = |one: &&mut Candidate| one.effects == [found.effect.id] && one.location == place;
-        if let Some(candidate) = round.iter_mut().find(of_it) {
-            let index = search.given + index;
-            candidate.parameters = parameters_of(&last.estimates, &last.model, index..index + 1);
+/// Gain in standard deviations, and as a fraction of the squared error.
+fn gain(context: &Context, before: &Set, after: &Set) -> (f64, f64) {
+    let gain = after.posterior.log_evidence - before.posterior.log_evidence;
+    let fraction = 1.0 - (context.error(after) / context.error(before)).powi(2);
+    (gain.signum() * (2.0 * gain.abs()).sqrt(), fraction)
+}
+
+/// The sets of a size for the report, best first; candidates that were not worth a fit gained nothing. The parameters of
+/// those in the `best` set are those of that.
+fn round(context: &Context, weighed: &Weighed, size: usize, best: Option<usize>) -> Vec<Candidate> {
+    let mut sets: Vec<&Set> =
+        weighed.sets.iter().filter(|set| set.discrepancy.is_none() && set.members.len() == size).collect();
+    sets.sort_by(|a, b| b.posterior.log_evidence.total_cmp(&a.posterior.log_evidence));
+    let given = context.model.effects.len();
+    let mut round: Vec<Candidate> = sets.iter().map(|set| fitted(context, weighed, set)).collect();
+    if size > 1 {
+        return round;
+    }
+    for (index, prepared) in weighed.candidates.iter().enumerate() {
+        if !sets.iter().any(|set| set.members == [index]) {
+            round.push(Candidate {
+                effects: vec![prepared.candidate.effect.id],
+                location: prepared.candidate.location.as_ref().map(ToString::to_string),
+                error: context.error(&weighed.sets[0]),
+                gain_z: 0.0,
+                gain_fraction: 0.0,
+                parameters: Vec::new(),
+                evaluations: 0,
+                failure: None,
+            });
+        }
+    }
+    let best = &weighed.sets[best.unwrap_or(0)];
+    for (place, member) in best.members.iter().enumerate() {
+        let candidate = &weighed.candidates[*member].candidate;
+        let location = candidate.location.as_ref().map(ToString::to_string);
+        let of_it = |one: &&mut Candidate| one.effects == [candidate.effect.id] && one.location == location;
+        if let Some(told) = round.iter_mut().find(of_it) {
+            told.parameters = parameters_of(&best.posterior.estimates(), given + place + 1);
         }
     }
     round
 }
 
-/// The parameters of a trial's own effects, by their names alone.
-fn own_parameters(trial: &Trial, estimates: &[Estimate], model: &Model, given: usize) -> Vec<Estimate> {
-    let first = model.effects.len().saturating_sub(trial.candidates.len()).max(given);
-    parameters_of(estimates, model, first..usize::MAX)
+fn fitted(context: &Context, weighed: &Weighed, set: &Set) -> Candidate {
+    let (gain_z, gain_fraction) = gain(context, &weighed.sets[0], set);
+    let members = || set.members.iter().map(|member| &weighed.candidates[*member].candidate);
+    let estimates = set.posterior.estimates();
+    let given = context.model.effects.len();
+    let own = estimates.iter().filter(|estimate| own(&estimate.name, given)).map(short);
+    Candidate {
+        effects: members().map(|candidate| candidate.effect.id).collect(),
+        location: members().find_map(|candidate| candidate.location.as_ref().map(ToString::to_string)),
+        error: context.error(set),
+        gain_z,
+        gain_fraction,
+        parameters: own.collect(),
+        evaluations: set.posterior.simulations,
+        failure: None,
+    }
 }
 
-/// The parameters of the effects of `model` with these numbers, by their names alone.
-fn parameters_of(estimates: &[Estimate], model: &Model, effects: std::ops::Range<usize>) -> Vec<Estimate> {
-    estimates
-        .iter()
-        .filter(|estimate| {
-            effect_of(&estimate.name, model).is_some_and(|(index, _)| effects.contains(&index))
-        })
-        .map(|estimate| {
-            let name = estimate.name.rsplit('.').next().unwrap_or_default().to_owned();
-            Estimate { name, ..estimate.clone() }
-        })
-        .collect()
+/// The parameters of effect number `number` of a model, by their names alone.
+fn parameters_of(estimates: &[Estimate], number: usize) -> Vec<Estimate> {
+    let prefix = format!("effect.{number}.");
+    estimates.iter().filter(|estimate| estimate.name.starts_with(&prefix)).map(short).collect()
+}
+
+fn short(estimate: &Estimate) -> Estimate {
+    Estimate { name: estimate.name.rsplit('.').next().unwrap_or_default().to_owned(), ..estimate.clone() }
 }
 
 /// A diagnosis that could not be made.
-pub(in crate::diagnose) fn insufficient(
+pub(super) fn insufficient(
     model: &Model,
     dataset: &Dataset,
     baseline: Stage,
@@ -294,8 +301,13 @@ pub(in crate::diagnose) fn insufficient(
     reason: String,
 ) -> Diagnosis {
     let error = baseline.error;
+    let untried = |effect: &&'static crate::effects::Effect| Untried {
+        effect: effect.id,
+        reason: "the dataset has too few records to try it".to_owned(),
+    };
     Diagnosis {
         verdict: Verdict::InsufficientData,
+        probability: f64::NAN,
         reasons: vec![reason],
         effects: Vec::new(),
         surrogates: Vec::new(),
@@ -314,15 +326,9 @@ pub(in crate::diagnose) fn insufficient(
         candidates: Vec::new(),
         parameters: Vec::new(),
         rounds: Vec::new(),
-        untried: crate::effects::CATALOGUE
-            .iter()
-            .map(|effect| Untried {
-                effect: effect.id,
-                reason: "the dataset has too few records to try it".to_owned(),
-            })
-            .collect(),
+        untried: crate::effects::CATALOGUE.iter().map(untried).collect(),
         confounding: Vec::new(),
-        detectable: Vec::new(),
+        detectable: Sensitivities::default().detectable,
         evidence: Vec::new(),
         next_experiment: Some(
             "Measure at least three levels, each twice, some of them from rest and over two periods or more"
@@ -330,13 +336,12 @@ pub(in crate::diagnose) fn insufficient(
         ),
         split: parts.uses(dataset.records.len()),
         noise: measured,
-        comparison: comparison(dataset, vec![baseline]),
+        comparison: Comparison {
+            title: dataset.title.clone().unwrap_or_default(),
+            records: dataset.records.clone(),
+            stages: vec![baseline],
+        },
         model: model.clone(),
         cost: Cost::default(),
     }
-}
-
-/// The thresholds in words, for the reasons.
-pub(in crate::diagnose) fn thresholds() -> String {
-    format!("z > {PASSING_Z} and more than {:.0} % of the squared error", 100.0 * PASSING_FRACTION)
 }

@@ -46,7 +46,6 @@ mod refit;
 mod score;
 
 pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Stage, StepGain};
-pub(crate) use nested::Nested;
 pub use refit::{Refit, RefitError, Watch, refit};
 
 use crate::data::Dataset;

@@ -27,7 +27,6 @@ pub(crate) use channels::{compared, derivative_order, deviation};
 pub(crate) use motion::{Motion, white_noise};
 pub(crate) use observed::ObservedSimulation;
 pub(crate) use period::period;
-pub(crate) use settle::{NUISANCE_STEP, inward};
 pub(crate) use simulation::{Direction, Seed};
 
 use crate::data::Record;

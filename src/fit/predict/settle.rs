@@ -7,7 +7,7 @@ use crate::fit::least_squares::{Coordinate, Limits, Parameter, SumOfSquares, Sum
 use crate::model::Model;
 
 /// Step of differences in a nuisance, in its coordinate of size one.
-pub(crate) const NUISANCE_STEP: f64 = 1e-5;
+const NUISANCE_STEP: f64 = 1e-5;
 
 impl ObservedSimulation<'_> {
     /// The nuisances that fit the whole record best under `model`.
@@ -123,6 +123,6 @@ impl SumOfSquares for OfStart<'_, '_> {
 }
 
 /// A step of this size that does not leave through the upper bound.
-pub(crate) fn inward(y: f64, upper: f64, step: f64) -> f64 {
+fn inward(y: f64, upper: f64, step: f64) -> f64 {
     if y + step <= upper { step } else { -step }
 }

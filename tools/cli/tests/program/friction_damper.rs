@@ -18,8 +18,10 @@ fn measured_friction_damper_is_compared_where_its_data_are_present() {
     assert_eq!(json["stages"][1]["records"].as_array().unwrap().len(), 10);
 }
 
+/// Backlash takes most of the error, and what its records show beside it no effect of the catalogue describes: the maker of
+/// the data names a second effect in the device.
 #[test]
-fn the_measured_friction_damper_lacks_backlash() {
+fn the_measured_friction_damper_lacks_backlash_and_something_unknown() {
     let Some(folder) = external::data("friction-damper") else { return };
     let out = tempfile::tempdir().unwrap();
     let (model, dataset) = (folder.join("model.toml"), folder.join("dataset.toml"));
@@ -27,9 +29,10 @@ fn the_measured_friction_damper_lacks_backlash() {
     let tried = ["--effects", "backlash,residual_stiffness"];
     let output =
         stickslip(out.path(), &[&["diagnose", model, dataset, "--json", "d.json"], &tried[..]].concat());
-    assert_eq!(output.status.code(), Some(10), "{}", error(&output));
+    assert_eq!(output.status.code(), Some(12), "{}", error(&output));
     let json = read_json(&out, "d.json");
-    assert_eq!(json["effects"], serde_json::json!(["backlash"]));
+    assert_eq!(json["surrogates"], serde_json::json!(["backlash"]));
+    assert!(json["reasons"].to_string().contains("backlash with something unknown"), "{}", json["reasons"]);
     let error = |name: &str| json["error"][name].as_f64().unwrap();
     assert!(
         error("untouched") < 0.75 * error("untouched_refitted")

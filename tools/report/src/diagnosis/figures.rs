@@ -60,9 +60,9 @@ pub fn ranking(figures: &mut Figures, candidates: &[Candidate]) -> Option<(Capti
     layout["yaxis"]["nticks"] = json!(0);
     layout["xaxis"]["zerolinecolor"] = json!("#000000");
     layout["xaxis"]["range"] = json!([low - 5.0, 105.0]);
-    let caption = "Fraction of the squared error on the validation records that each candidate removes when the whole model is \
-                   refitted with it, ±1 standard error over blocks. A point right of the line lowers the error; where the bar \
-                   reaches the line the gain is not significant. Candidates that raise the error by more than a third are \
+    let caption = "Fraction of the squared error of the training records that each candidate removes when the whole model is \
+                   refitted with it. A point right of the line lowers the error; where the bar reaches the line the gain is \
+                   not significant. Candidates that raise the error by more than a third are \
                    only in the table."
         .to_owned();
     let height = 96 + 26 * fitted.len();

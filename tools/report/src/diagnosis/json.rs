@@ -29,6 +29,7 @@ pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
     json!({
         "schema": "stickslip.diagnosis/1",
         "verdict": diagnosis.verdict.id(),
+        "probability": diagnosis.probability,
         "effects": if named { &diagnosis.effects[..] } else { &[] },
         "places": places(diagnosis),
         "groups": groups,

@@ -98,7 +98,7 @@ fn steps(diagnosis: &Diagnosis) -> Markup {
             div.scroll tabindex="0" role="region" aria-label="Steps of the selection" {
                 table {
                     thead { tr {
-                        th { "Step" } th.number { "Error, validation records" } th.number { "Squared error removed" }
+                        th { "Step" } th.number { "Error, training records" } th.number { "Squared error removed" }
                         th.number { "z" } th {}
                     } }
                     tbody { @for step in &diagnosis.steps { tr {
@@ -110,7 +110,7 @@ fn steps(diagnosis: &Diagnosis) -> Markup {
                     } } }
                 }
             }
-            p.note { "z is the gain over its standard error, from blocks of the validation records; a gain with z below 3 is not significant." }
+            p.note { "z is √(2 × the gain of log evidence): the gain in standard deviations, the volume of the added parameters' priors taken off." }
         }
     }
 }
@@ -174,7 +174,7 @@ pub fn candidates(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if !diagnosis.candidates.is_empty() {
             (candidate_table("First round: each effect alone added to the model", &diagnosis.candidates))
-            p.note { "Errors are on the validation records. Brackets hold 95 % confidence intervals; they assume that the model is \
+            p.note { "Errors are on the training records. A candidate without parameters promised too little to be fitted. Brackets hold 95 % confidence intervals; they assume that the model is \
                       right." }
         }
         @for (round, candidates) in diagnosis.rounds.iter().enumerate() {
@@ -256,8 +256,11 @@ pub fn split(diagnosis: &Diagnosis) -> Markup {
         let all = records.iter().zip(&diagnosis.split).filter(|(_, one)| **one == used);
         all.map(|(record, _)| name(&record.name)).collect()
     };
-    let uses =
-        [(Use::Fit, "Training"), (Use::Select, "Validation"), (Use::Confirm, "Test, read once at the end")];
+    let uses = [
+        (Use::Fit, "Training"),
+        (Use::Select, "Training, marked `select`"),
+        (Use::Confirm, "Test, read once at the end"),
+    ];
     html! {
         @if diagnosis.split.len() == records.len() && !records.is_empty() {
             ul.text { @for (used, words) in uses {
@@ -310,8 +313,9 @@ pub fn method(diagnosis: &Diagnosis, run: &Run) -> Markup {
             h2 { "How this was found" }
             p.text {
                 "Each candidate is added to the simulator, and the whole model is refitted with it: otherwise other "
-                "parameters could absorb the effect. Candidates are compared on validation records, which they are not "
-                "fitted to. The fall of the error is confirmed on test records, which are read only at the end."
+                "parameters could absorb the effect. Sets of candidates, and one that stands for what the catalogue lacks, are "
+                "compared by their evidence on the training records. Test records are read once, after that: they may "
+                "take a verdict back."
             }
             ul.text {
                 li { "Tried: " (name(&tried)) "; at most " (format::count(run.max_effects, "effect")) " added." }

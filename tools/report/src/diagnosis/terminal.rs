@@ -104,7 +104,7 @@ fn candidates(out: &mut Text, candidates: &[Candidate]) {
     if candidates.is_empty() {
         return;
     }
-    heading(out, "Candidates, each refitted with the whole model; error on the validation records");
+    heading(out, "Candidates, each refitted with the whole model; error on the training records");
     let mut left = vec!["effect".to_owned()];
     let mut cells = vec![["error", "gain", "z", "parameter"].map(str::to_owned).to_vec()];
     for one in candidates.iter().take(CANDIDATES) {

@@ -141,6 +141,7 @@ fn of(comparison: Comparison) -> Diagnosis {
     let sources = [NoiseSource::Stated, NoiseSource::Periods, NoiseSource::Repeats, NoiseSource::Carried];
     Diagnosis {
         verdict: Verdict::EffectFound,
+        probability: 0.998,
         reasons: vec![
             "With residual stiffness the error on the selecting records falls to the noise; every other single effect \
              leaves at least six times as much."
@@ -275,6 +276,7 @@ pub fn insufficient() -> Diagnosis {
     comparison.stages[0].records.truncate(1);
     Diagnosis {
         verdict: Verdict::InsufficientData,
+        probability: f64::NAN,
         reasons: vec!["There is one record, and nothing is left to choose by.".into()],
         effects: vec![],
         steps: vec![],

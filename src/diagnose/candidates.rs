@@ -1,18 +1,18 @@
 //! Which effects of the catalogue can be tried on a model and its data, where, and why others cannot.
 
+use super::diagnosis::Untried;
+use super::measurements::magnitudes;
+use super::measurements::weighted_dataset::WeightedDataset;
 use crate::data::{ChannelName, Dataset, Regime};
-use crate::diagnose::diagnosis::Untried;
-use crate::diagnose::measurements::magnitudes;
-use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
-use crate::diagnose::refit::trial::Unknown;
-use crate::effects::{AppliedEffect, CATALOGUE, Effect, Kind, Location, Needs, PlaceKind, Range, Scales};
-use crate::fit::Parameter;
+use crate::effects::{
+    AppliedEffect, CATALOGUE, Effect, InResonances, Kind, Location, Needs, PlaceKind, Range, Scales,
+};
 use crate::fit::predict::white_noise;
 use crate::model::{Model, Structure};
 
 /// An effect at a place.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::diagnose) struct Candidate {
+pub(super) struct Candidate {
     pub effect: &'static Effect,
     pub location: Option<Location>,
 }
@@ -31,33 +31,31 @@ impl Candidate {
     }
 }
 
-/// Values of a parameter that are looked at on each side of none before a fit is made.
-const SCANNED: i32 = 10;
-
-impl Candidate {
-    /// The effect at sizes from a tenth of its first start up to its bounds, on both sides where there are two; the
-    /// other parameters where they start.
-    pub fn scan(&self, ranges: &[Range]) -> Vec<AppliedEffect> {
-        let Some(first) = ranges.first() else { return Vec::new() };
-        let least = 0.1 * first.starts[0].abs();
-        let sides = [(1.0, first.upper), (-1.0, -first.lower)].into_iter().filter(|(_, most)| *most > least);
-        sides
-            .flat_map(|(sign, most)| {
-                let growth = (most / least).powf(1.0 / f64::from(SCANNED));
-                (0..=SCANNED).map(move |k| sign * least * growth.powi(k))
-            })
-            .filter(|value| (first.lower..=first.upper).contains(value))
-            .map(|value| {
-                let mut applied = self.applied(ranges, 0);
-                applied.values[0] = value;
-                applied
-            })
-            .collect()
+/// The candidates to try: of the catalogue those that `only` names, if it is there; and the effects left out.
+pub(super) fn tried(
+    model: &Model,
+    bench: &WeightedDataset,
+    only: Option<&[String]>,
+    table: bool,
+) -> (Vec<Candidate>, Vec<Untried>) {
+    let (mut tried, mut untried) = of(model, bench);
+    if let Some(only) = only {
+        tried.retain(|candidate| only.iter().any(|id| id == candidate.effect.id));
     }
+    tried.retain(|candidate| {
+        let reason = unseen_in_table(bench.dataset, candidate).filter(|_| table);
+        if let Some(reason) = &reason
+            && untried.iter().all(|known| known.effect != candidate.effect.id)
+        {
+            untried.push(Untried { effect: candidate.effect.id, reason: reason.clone() });
+        }
+        reason.is_none()
+    });
+    (tried, untried)
 }
 
 /// The candidates beside what `model` has, and the effects left out.
-pub(in crate::diagnose) fn of(model: &Model, bench: &WeightedDataset) -> (Vec<Candidate>, Vec<Untried>) {
+fn of(model: &Model, bench: &WeightedDataset) -> (Vec<Candidate>, Vec<Untried>) {
     let (mut candidates, mut untried) = (Vec::new(), Vec::new());
     for effect in CATALOGUE {
         let reason = refusal(effect, model, bench.dataset);
@@ -174,42 +172,19 @@ fn places(effect: &Effect, model: &Model, bench: &WeightedDataset) -> Vec<Option
     }
 }
 
-/// The unknowns of a refit of `model`: what its file leaves free, and the parameters of effects from number
-/// `added` on.
-pub(in crate::diagnose) fn unknowns(
-    model: &Model,
-    added: usize,
-    scales: &Scales,
-    dataset: &Dataset,
-) -> Vec<Unknown> {
-    let mut found = Vec::new();
-    for parameter in model.parameters() {
-        let of_effect = effect_of(&parameter.path, model);
-        let new = of_effect.as_ref().is_some_and(|(index, _)| *index >= added);
-        if !(parameter.free || new) {
-            continue;
+/// Why a table of resonances cannot show `candidate`.
+fn unseen_in_table(dataset: &Dataset, candidate: &Candidate) -> Option<String> {
+    let damping = dataset.records.iter().any(|record| record.channel("damping_ratio").is_some());
+    let counted = candidate.location == Some(Location::Channel("frequency".to_owned()));
+    let reason = match candidate.effect.in_resonances {
+        InResonances::AllButFrequency if counted => {
+            "the frequency is measured by counting against a clock, which has no gain and no offset"
         }
-        let (mut lower, mut upper, mut scale) = (parameter.lower, parameter.upper, parameter.scale);
-        if let Some((index, place)) = of_effect {
-            let applied = &model.effects[index];
-            let candidate = Candidate { effect: applied.effect, location: applied.location.clone() };
-            let range = &candidate.ranges(scales, dataset)[place];
-            (lower, upper, scale) =
-                (range.lower.min(parameter.value), range.upper.max(parameter.value), range.scale);
+        InResonances::Nothing => "a table of resonances has no time in which a sensor could be late",
+        InResonances::DampingAlone if !damping => {
+            "damping does not shift a frequency measured at phase resonance; it needs the column `damping_ratio`"
         }
-        found.push(Unknown {
-            path: parameter.path,
-            parameter: Parameter { start: parameter.value, lower, upper, scale },
-            unit: parameter.quantity.unit,
-        });
-    }
-    found
-}
-
-/// Of `effect.2.half_gap` the effect's index from 0 and that of its parameter.
-pub(in crate::diagnose) fn effect_of(path: &str, model: &Model) -> Option<(usize, usize)> {
-    let (number, name) = path.strip_prefix("effect.")?.split_once('.')?;
-    let index = number.parse::<usize>().ok()?.checked_sub(1)?;
-    let place = model.effects.get(index)?.effect.parameters.iter().position(|p| p.quantity.name == name)?;
-    Some((index, place))
+        InResonances::Shown | InResonances::DampingAlone | InResonances::AllButFrequency => return None,
+    };
+    Some(reason.to_owned())
 }

@@ -1,22 +1,10 @@
 //! Effects that look similar in the data, and the experiment that distinguishes them.
 
-use crate::diagnose::diagnosis::{Confounding, Group};
+use crate::diagnose::diagnosis::Group;
 use crate::effects;
 
 /// Correlation from which a pair is worth a line in the report.
-pub(in crate::diagnose) const ALIKE: f64 = 0.9;
-
-/// Notes a correlation; of several places of the same pair the strongest.
-pub(in crate::diagnose) fn note(found: &mut Vec<Confounding>, effects: [&'static str; 2], correlation: f64) {
-    if effects[0] == effects[1] {
-        return;
-    }
-    match found.iter_mut().find(|known| known.effects == effects) {
-        Some(known) if known.correlation.abs() < correlation.abs() => known.correlation = correlation,
-        Some(_) => {}
-        None => found.push(Confounding { effects, correlation }),
-    }
-}
+pub(super) const ALIKE: f64 = 0.9;
 
 /// What separates two effects: the experiment made for the pair, or the one that shows `second` apart from others.
 fn separates(first: &str, second: &str) -> &'static str {
@@ -25,7 +13,7 @@ fn separates(first: &str, second: &str) -> &'static str {
 }
 
 /// The experiment that separates `effects`.
-pub(in crate::diagnose) fn experiment(effects: &[&str]) -> String {
+fn experiment(effects: &[&str]) -> String {
     let mut sentences: Vec<&str> = Vec::new();
     for (index, first) in effects.iter().enumerate() {
         for second in &effects[..index] {
@@ -43,11 +31,12 @@ pub(in crate::diagnose) fn experiment(effects: &[&str]) -> String {
     text
 }
 
-/// A group of tied effects, best first.
-pub(in crate::diagnose) fn group(effects: Vec<&'static str>) -> Group {
+/// A group of effects that share the probability, best first.
+pub(super) fn group(effects: Vec<&'static str>, probability: f64) -> Group {
     let experiment = experiment(&effects);
     let reason = format!(
-        "with each of them the validation records are predicted equally well, to within one standard error ({})",
+        "one of these is missing with a probability of {probability:.2}, and none of them alone reaches that of a \
+         finding: {}",
         effects.join(", ")
     );
     Group { effects, reason, experiment }

@@ -1,0 +1,401 @@
+//! A model's unknowns, those of the records' starts and of a discrepancy, as one sum of squares over whitened residuals.
+
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use super::measured::{Measured, NoiseModel, NoisePrior};
+use super::unknown::{Coordinate, Unknown};
+use crate::fit::predict::{Direction, ObservedSimulation};
+use crate::fit::{Limits, SumOfSquares, Sums, minimise};
+use crate::model::Model;
+
+/// A flexible additional signal: constant columns, each belonging to one of `count` shared weights of deviation one; and
+/// the noise, which may be larger than known.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Latent {
+    pub count: usize,
+    /// Per record: which weight, and its column over all samples.
+    pub columns: Vec<Vec<(usize, Vec<f64>)>>,
+}
+
+pub(super) struct Slot<'d> {
+    pub shown: ObservedSimulation<'d>,
+    pub own: Vec<Coordinate>,
+    own_start: Vec<f64>,
+    offset: usize,
+    /// At the last point that was tried.
+    predictions: Vec<f64>,
+    /// At the last point that was linearised.
+    linearised: Vec<f64>,
+    derivatives: Vec<Vec<f64>>,
+}
+
+pub(super) struct Joint<'a, 'd> {
+    pub data: &'a Measured<'a, 'd>,
+    base: &'a Model,
+    unknowns: &'a [Unknown],
+    pub slots: Vec<Slot<'d>>,
+    steps: Vec<f64>,
+    pub noise: NoiseModel,
+    pub priors: Vec<Vec<NoisePrior>>,
+    latent: &'a Latent,
+    pub simulations: usize,
+    pub failure: Option<String>,
+}
+
+/// Bounds of the steps of secants, in prior deviations.
+const LONGEST_STEP: f64 = 0.3;
+const SHORTEST_STEP: f64 = 1e-6;
+/// Step of differences in a record's own unknown, in its coordinate of size one.
+const OWN_STEP: f64 = 1e-5;
+/// Bounds of the weights of a discrepancy, in prior deviations.
+const LARGEST_WEIGHT: f64 = 50.0;
+
+impl<'a, 'd> Joint<'a, 'd> {
+    pub fn new(
+        data: &'a Measured<'a, 'd>,
+        base: &'a Model,
+        unknowns: &'a [Unknown],
+        latent: &'a Latent,
+    ) -> Result<Self, String> {
+        let slot = |index: &usize| {
+            Ok(Slot {
+                shown: data.bench.lanes[*index].shown(base)?,
+                own: Vec::new(),
+                own_start: Vec::new(),
+                offset: 0,
+                predictions: Vec::new(),
+                linearised: Vec::new(),
+                derivatives: Vec::new(),
+            })
+        };
+        let slots = data.records.par_iter().map(slot).collect::<Result<Vec<_>, String>>()?;
+        Ok(Self {
+            data,
+            base,
+            unknowns,
+            slots,
+            steps: vec![1e-3; unknowns.len()],
+            noise: NoiseModel::white(data),
+            priors: data.channels.iter().map(|c| c.iter().map(|c| c.prior).collect()).collect(),
+            latent,
+            simulations: 0,
+            failure: None,
+        })
+    }
+
+    /// Unknowns that all records share: parameters, then weights.
+    pub fn shared(&self) -> usize {
+        self.unknowns.len() + self.latent.count
+    }
+
+    pub fn model(&self, y: &[f64]) -> Result<Model, String> {
+        let mut model = self.base.clone();
+        let pairs: Vec<(&str, f64)> =
+            self.unknowns.iter().zip(y).map(|(u, y)| (u.path.as_str(), u.coordinate.value(*y))).collect();
+        model.set_all(&pairs).map_err(|error| error.to_string())?;
+        Ok(model)
+    }
+
+    /// Finds the records' own starts by their scans at the `shared` unknowns; gives the whole point.
+    pub fn settle(&mut self, shared: &[f64]) -> Result<Vec<f64>, String> {
+        let model = self.model(shared)?;
+        let (data, noise) = (self.data, &self.noise);
+        self.slots.par_iter_mut().enumerate().try_for_each(|(k, slot)| {
+            let parameters = slot.shown.nuisances(&model)?;
+            if parameters.is_empty() {
+                return Ok::<(), String>(());
+            }
+            let lane = data.lane(k);
+            let mut weights = vec![0.0; lane.measured.len()];
+            for (channel, size) in data.channels[k].iter().zip(&noise.sizes[k]) {
+                weights[channel.range.clone()].fill(1.0 / size);
+            }
+            let settled = slot.shown.settle_from(&model, &parameters, &lane.measured, &weights);
+            slot.own = parameters.iter().map(|p| Coordinate::between(p.lower, p.upper)).collect();
+            slot.own_start = slot.own.iter().zip(&settled).map(|(c, v)| c.of(*v)).collect();
+            Ok(())
+        })?;
+        let mut offset = self.shared();
+        let mut y = shared.to_vec();
+        for slot in &mut self.slots {
+            slot.offset = offset;
+            offset += slot.own.len();
+            y.extend_from_slice(&slot.own_start);
+        }
+        Ok(y)
+    }
+
+    fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
+        let shared = self.unknowns.iter().map(|u| u.coordinate.bounds());
+        let latent = std::iter::repeat_n((-LARGEST_WEIGHT, LARGEST_WEIGHT), self.latent.count);
+        shared
+            .chain(latent)
+            .chain(self.slots.iter().flat_map(|slot| slot.own.iter().map(Coordinate::bounds)))
+            .unzip()
+    }
+
+    /// The models a secant away along each parameter, with the steps.
+    fn moved(&self, y: &[f64]) -> Result<Vec<(Model, f64)>, String> {
+        (0..self.unknowns.len())
+            .map(|j| {
+                let (lower, upper) = self.unknowns[j].coordinate.bounds();
+                // Away from the nearer bound.
+                let sign = if upper - y[j] >= y[j] - lower { 1.0 } else { -1.0 };
+                let step = sign * self.steps[j];
+                let mut moved = y[..self.unknowns.len()].to_vec();
+                moved[j] = y[j] + step;
+                match self.model(&moved) {
+                    Ok(model) => Ok((model, step)),
+                    // Rules that join parameters may refuse one side.
+                    Err(_) => {
+                        moved[j] = y[j] - step;
+                        Ok((self.model(&moved)?, -step))
+                    }
+                }
+            })
+            .collect()
+    }
+
+    fn linearise(&mut self, y: &[f64]) -> Result<(), String> {
+        let model = self.model(y)?;
+        let moved = self.moved(y)?;
+        let (latent, weights) = (self.latent, &y[self.unknowns.len()..]);
+        self.slots.par_iter_mut().enumerate().try_for_each(|(k, slot)| {
+            slot.linearise(&model, &moved, y)?;
+            latent.add(k, weights, &mut slot.linearised);
+            Ok::<(), String>(())
+        })?;
+        self.simulations += self.slots.iter().map(|slot| 1 + moved.len() + slot.own.len()).sum::<usize>();
+        Ok(())
+    }
+
+    /// Predictions minus measurements at the last point that was linearised.
+    pub fn residuals(&self) -> Vec<Vec<f64>> {
+        let of = |(k, slot): (usize, &Slot)| difference(&slot.linearised, &self.data.lane(k).measured);
+        self.slots.iter().enumerate().map(of).collect()
+    }
+
+    /// The residuals a `step` of all unknowns away from the last linearised point, to first order.
+    pub fn residuals_after(&self, step: &DVector<f64>) -> Vec<Vec<f64>> {
+        let mut residuals = self.residuals();
+        for (k, residuals) in residuals.iter_mut().enumerate() {
+            let slot = &self.slots[k];
+            for (i, column) in
+                self.latent.columns_with(k, &slot.derivatives, self.unknowns.len(), slot.offset)
+            {
+                residuals.iter_mut().zip(column).for_each(|(r, c)| *r += step[i] * c);
+            }
+        }
+        residuals
+    }
+
+    pub fn predictions(&self) -> Vec<Vec<f64>> {
+        self.slots.iter().map(|slot| slot.linearised.clone()).collect()
+    }
+
+    /// Minimises from `y`; the last linearised point is the end.
+    pub fn minimise(&mut self, y: &mut Vec<f64>, iterations: usize, tolerance: f64) -> Result<(), String> {
+        let (lower, upper) = self.bounds();
+        let limits = Limits { iterations, tolerance, ..Limits::default() };
+        let end = minimise(self, y.clone(), &lower, &upper, limits);
+        let end =
+            end.ok_or_else(|| self.failure.clone().unwrap_or_else(|| "the fit cannot start".to_owned()))?;
+        if !end.sums.cost.is_finite() {
+            return Err("the fit has no finite end".to_owned());
+        }
+        *y = end.y;
+        Ok(())
+    }
+
+    /// The last linearised point of every record, whitened.
+    pub fn whitened(&self) -> Vec<Whitened> {
+        let (data, noise, latent) = (self.data, &self.noise, self.latent);
+        let parameters = self.unknowns.len();
+        // A simulation stays on its thread; what it left can be read from any.
+        let left = self.slots.iter().map(Left::of).collect::<Vec<_>>();
+        left.into_par_iter()
+            .enumerate()
+            .map(|(k, Left { linearised, derivatives, offset })| {
+                let raw = latent.columns_with(k, derivatives, parameters, offset);
+                let columns = raw.map(|(i, column)| (i, noise.whiten(data, k, column))).collect();
+                let residuals = noise.whiten(data, k, &difference(linearised, &data.lane(k).measured));
+                Whitened { residuals, columns }
+            })
+            .collect()
+    }
+
+    /// The sums at the last linearised point, which is `y`, under the present noise.
+    pub fn sums_here(&self, y: &[f64]) -> Sums {
+        let n = y.len();
+        let parts = self.whitened();
+        let mut sums = Sums { cost: 0.0, gradient: y.to_vec(), curvature: vec![0.0; n * n] };
+        sums.cost = 0.5 * dot(y, y);
+        (0..n).for_each(|i| sums.curvature[i * n + i] = 1.0);
+        for Whitened { residuals: e, columns } in &parts {
+            sums.cost += 0.5 * dot(e, e);
+            for (a, (i, column)) in columns.iter().enumerate() {
+                sums.gradient[*i] += dot(column, e);
+                for (j, other) in &columns[..=a] {
+                    let product = dot(column, other);
+                    sums.curvature[i * n + j] += product;
+                    if i != j {
+                        sums.curvature[j * n + i] += product;
+                    }
+                }
+            }
+        }
+        sums
+    }
+
+    /// The changes of all predictions along `probes`, at the point `y` that was linearised; `None` for those that
+    /// cannot be predicted.
+    pub fn changes(&mut self, y: &[f64], probes: &[Model]) -> Vec<Option<Vec<Vec<f64>>>> {
+        let Ok(model) = self.model(y) else { return vec![None; probes.len()] };
+        self.simulations += self.slots.len() * probes.len();
+        let per_record: Vec<Vec<Option<Vec<f64>>>> =
+            self.slots.par_iter_mut().map(|slot| slot.changes(&model, probes, y)).collect();
+        (0..probes.len())
+            .map(|p| per_record.iter().map(|changes| changes[p].clone()).collect::<Option<Vec<_>>>())
+            .collect()
+    }
+}
+
+/// What the last linearisation left of a record.
+struct Left<'s> {
+    linearised: &'s [f64],
+    derivatives: &'s [Vec<f64>],
+    offset: usize,
+}
+
+impl<'s> Left<'s> {
+    fn of(slot: &'s Slot) -> Self {
+        Self { linearised: &slot.linearised, derivatives: &slot.derivatives, offset: slot.offset }
+    }
+}
+
+/// A record's residuals and what every unknown changes of them, in standard deviations of the noise.
+pub(super) struct Whitened {
+    pub residuals: Vec<f64>,
+    /// Each with its unknown.
+    pub columns: Vec<(usize, Vec<f64>)>,
+}
+
+impl Latent {
+    /// What every unknown changes of record `k`, each with its place: `parameters` shared ones, the weights, and from `offset`
+    /// the record's own.
+    fn columns_with<'c>(
+        &'c self,
+        k: usize,
+        derivatives: &'c [Vec<f64>],
+        parameters: usize,
+        offset: usize,
+    ) -> impl Iterator<Item = (usize, &'c Vec<f64>)> {
+        let place = move |a: usize| if a < parameters { a } else { offset + a - parameters };
+        let own = derivatives.iter().enumerate().map(move |(a, column)| (place(a), column));
+        let more = self.columns.get(k).into_iter().flatten();
+        own.chain(more.map(move |(w, column)| (parameters + w, column)))
+    }
+
+    fn add(&self, k: usize, weights: &[f64], predictions: &mut [f64]) {
+        for (w, column) in self.columns.get(k).into_iter().flatten() {
+            predictions.iter_mut().zip(column).for_each(|(p, c)| *p += weights[*w] * c);
+        }
+    }
+}
+
+impl Slot<'_> {
+    fn own_values(&self, y: &[f64]) -> Vec<f64> {
+        self.own.iter().zip(&y[self.offset..]).map(|(c, y)| c.value(*y)).collect()
+    }
+
+    fn linearise(&mut self, model: &Model, moved: &[(Model, f64)], y: &[f64]) -> Result<(), String> {
+        let nuisances = self.own_values(y);
+        let direction = |(model, step): &(Model, f64)| Direction {
+            model: model.clone(),
+            nuisances: nuisances.clone(),
+            step: *step,
+        };
+        let mut directions: Vec<Direction> = moved.iter().map(direction).collect();
+        for (k, coordinate) in self.own.iter().enumerate() {
+            let here = y[self.offset + k];
+            let step = if here + OWN_STEP <= coordinate.bounds().1 { OWN_STEP } else { -OWN_STEP };
+            let mut nuisances = nuisances.clone();
+            nuisances[k] = coordinate.value(here + step);
+            directions.push(Direction { model: model.clone(), nuisances, step });
+        }
+        self.shown.linearise(model, &nuisances, &directions, &mut self.linearised, &mut self.derivatives)
+    }
+
+    fn changes(&mut self, model: &Model, probes: &[Model], y: &[f64]) -> Vec<Option<Vec<f64>>> {
+        let nuisances = self.own_values(y);
+        let direction =
+            |model: &Model| Direction { model: model.clone(), nuisances: nuisances.clone(), step: 1.0 };
+        let (mut here, mut changes) = (Vec::new(), Vec::new());
+        let finite = |change: &Vec<f64>| change.iter().all(|x| x.is_finite());
+        let all: Vec<Direction> = probes.iter().map(direction).collect();
+        if self.shown.linearise(model, &nuisances, &all, &mut here, &mut changes).is_ok() {
+            return changes.into_iter().map(|change| Some(change).filter(finite)).collect();
+        }
+        let one = |probe: &Direction| {
+            let alone = std::slice::from_ref(probe);
+            self.shown.linearise(model, &nuisances, alone, &mut here, &mut changes).ok()?;
+            changes.first().cloned().filter(finite)
+        };
+        all.iter().map(one).collect()
+    }
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+impl SumOfSquares for Joint<'_, '_> {
+    fn cost(&mut self, y: &[f64]) -> Option<f64> {
+        let model = self.model(y).ok()?;
+        self.simulations += self.slots.len();
+        let (latent, weights) = (self.latent, &y[self.unknowns.len()..]);
+        let (data, noise) = (self.data, &self.noise);
+        let parts: Result<Vec<f64>, String> = self
+            .slots
+            .par_iter_mut()
+            .enumerate()
+            .map(|(k, slot)| {
+                let nuisances = slot.own_values(y);
+                slot.shown.predict(&model, &nuisances, &mut slot.predictions)?;
+                latent.add(k, weights, &mut slot.predictions);
+                let e = noise.whiten(data, k, &difference(&slot.predictions, &data.lane(k).measured));
+                Ok(dot(&e, &e))
+            })
+            .collect();
+        match parts {
+            Ok(parts) => Some(0.5 * (parts.iter().sum::<f64>() + dot(y, y))).filter(|cost| cost.is_finite()),
+            Err(failure) => {
+                self.failure.get_or_insert(failure);
+                None
+            }
+        }
+    }
+
+    fn sums(&mut self, y: &[f64]) -> Option<Sums> {
+        if let Err(failure) = self.linearise(y) {
+            self.failure.get_or_insert(failure);
+            return None;
+        }
+        let sums = self.sums_here(y);
+        let n = y.len();
+        for (j, step) in self.steps.iter_mut().enumerate() {
+            *step = (1.0 / sums.curvature[j * n + j].sqrt()).clamp(SHORTEST_STEP, LONGEST_STEP);
+        }
+        let finite = sums.cost.is_finite() && sums.gradient.iter().all(|g| g.is_finite());
+        finite.then_some(sums)
+    }
+
+    fn interrupted(&self) -> bool {
+        self.data.bench.interrupted()
+    }
+}

@@ -1,0 +1,169 @@
+//! What could not have been seen, and what looks alike: changes by small amounts of effects that the model's own parameters
+//! cannot produce.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::constants::{CERTAIN, ODDS, RELEVANT};
+use super::joint::{Joint, Latent, dot};
+use super::measured::Measured;
+use super::posterior::{Posterior, white_round};
+use super::probe::{Prepared, with};
+use crate::diagnose::diagnosis::{Confounding, Detectable};
+use crate::model::Model;
+
+/// Fraction of a change that must be left when the base parameters have taken theirs; below, these data cannot show
+/// the effect, whatever its size.
+const VISIBLE: f64 = 1e-6;
+/// Size of the probes in prior deviations.
+const SMALL: f64 = 0.1;
+
+/// What the sensitivities say.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(in crate::diagnose) struct Sensitivities {
+    /// Correlations of candidates' changes.
+    pub confounding: Vec<Confounding>,
+    /// The smallest sizes that would have been found.
+    pub detectable: Vec<Detectable>,
+    /// Ids of effects that the base parameters or the starts can imitate.
+    pub invisible: Vec<&'static str>,
+}
+
+/// A candidate's change beyond what the hypothesis can make itself.
+struct Change<'c> {
+    prepared: &'c Prepared,
+    /// Whitened, one record after the other, with what the hypothesis can make taken off.
+    apart: Vec<f64>,
+    /// Squares with and without that, and the distance of the predictions.
+    square: f64,
+    left: f64,
+    distance: f64,
+}
+
+/// Around `posterior`, of the `candidates` that are not in it, under the noise that it leaves.
+pub(in crate::diagnose) fn around(
+    data: &Measured,
+    posterior: &Posterior,
+    candidates: &[Prepared],
+    present: &[usize],
+) -> Result<Sensitivities, String> {
+    let latent = Latent::default();
+    let unknowns = &posterior.unknowns;
+    let mut joint = Joint::new(data, &posterior.model, unknowns, &latent)?;
+    let y = white_round(&mut joint, &posterior.y[..unknowns.len()], (0, 1e-3))?;
+    joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
+    let (mut probes, mut models): (Vec<&Prepared>, Vec<Model>) = (Vec::new(), Vec::new());
+    for (_, prepared) in candidates.iter().enumerate().filter(|(index, _)| !present.contains(index)) {
+        let mut place = vec![0.0; prepared.coordinates.len()];
+        place[0] = SMALL;
+        if let Some(model) = with(&posterior.model, prepared.applied(&place)) {
+            probes.push(prepared);
+            models.push(model);
+        }
+    }
+    let changes = joint.changes(&y, &models);
+    data.bench.count(joint.simulations);
+    let seen = probes.into_iter().zip(changes).filter_map(|(probe, change)| Some((probe, change?)));
+    let changes = projected(data, &joint, &y, seen)?;
+    Ok(told(&changes, candidates.len()))
+}
+
+fn projected<'c>(
+    data: &Measured,
+    joint: &Joint,
+    y: &[f64],
+    seen: impl Iterator<Item = (&'c Prepared, Vec<Vec<f64>>)>,
+) -> Result<Vec<Change<'c>>, String> {
+    let sums = joint.sums_here(y);
+    let n = y.len();
+    let factor = DMatrix::from_row_slice(n, n, &sums.curvature).cholesky().ok_or("no curvature")?;
+    let whitened = joint.whitened();
+    let project = |(prepared, change): (&'c Prepared, Vec<Vec<f64>>)| {
+        let distance = data.size(&change);
+        let white: Vec<Vec<f64>> =
+            change.iter().enumerate().map(|(k, change)| joint.noise.whiten(data, k, change)).collect();
+        let mut cross = DVector::zeros(n);
+        for (white, record) in white.iter().zip(&whitened) {
+            record.columns.iter().for_each(|(i, column)| cross[*i] += dot(column, white));
+        }
+        let made = factor.solve(&cross);
+        let square = white.iter().map(|white| dot(white, white)).sum();
+        let mut apart = Vec::new();
+        for (white, record) in white.into_iter().zip(&whitened) {
+            let mut rest = white;
+            for (i, column) in &record.columns {
+                rest.iter_mut().zip(column).for_each(|(r, c)| *r -= made[*i] * c);
+            }
+            apart.extend(rest);
+        }
+        let left = dot(&apart, &apart);
+        Change { prepared, apart, square, left, distance }
+    };
+    Ok(seen.map(project).collect())
+}
+
+/// Detection limits and correlations.
+fn told(changes: &[Change], candidates: usize) -> Sensitivities {
+    let mut found = Sensitivities::default();
+    let visible = |change: &Change| change.square > 0.0 && change.left > VISIBLE * change.square;
+    for change in changes {
+        let effect = change.prepared.candidate.effect;
+        if !visible(change) && !found.invisible.contains(&effect.id) {
+            found.invisible.push(effect.id);
+        }
+        let size = visible(change).then(|| limit(change, candidates));
+        smaller(&mut found.detectable, change, size);
+    }
+    for (index, a) in changes.iter().enumerate() {
+        for b in changes[..index].iter().filter(|b| visible(a) && visible(b)) {
+            let ids = [b.prepared.candidate.effect.id, a.prepared.candidate.effect.id];
+            let correlation = dot(&a.apart, &b.apart) / (a.left * b.left).sqrt();
+            note(&mut found.confounding, ids, correlation.clamp(-1.0, 1.0));
+        }
+    }
+    found
+}
+
+/// The distance from neutral (or the value, where that is infinite) whose evidence would reach certainty against none, and
+/// which would be relevant.
+fn limit(change: &Change, candidates: usize) -> f64 {
+    let volume = 0.5 * (1.0 + change.left / (SMALL * SMALL)).ln();
+    let prior = (candidates as f64 + 1.0).ln() - ODDS.ln();
+    let needed = (CERTAIN / (1.0 - CERTAIN)).ln() + volume + prior;
+    let seen = (2.0 * needed / change.left).sqrt();
+    let relevant = RELEVANT / (change.distance * (change.left / change.square).sqrt());
+    let y = SMALL * seen.max(relevant);
+    let coordinate = &change.prepared.coordinates[0];
+    coordinate.distance(y)
+}
+
+/// Notes the size for the effect, the smallest where it can be at several places.
+fn smaller(found: &mut Vec<Detectable>, change: &Change, size: Option<f64>) {
+    let effect = change.prepared.candidate.effect;
+    let parameter = effect.parameters[0].quantity;
+    match found.iter_mut().find(|known| known.effect == effect.id) {
+        Some(known) => {
+            known.value = match (known.value, size) {
+                (Some(a), Some(b)) => Some(a.min(b)),
+                (a, b) => a.or(b),
+            }
+        }
+        None => found.push(Detectable {
+            effect: effect.id,
+            parameter: parameter.name,
+            value: size,
+            unit: parameter.unit,
+        }),
+    }
+}
+
+/// Notes a correlation; of several places of the same pair the strongest.
+fn note(found: &mut Vec<Confounding>, effects: [&'static str; 2], correlation: f64) {
+    if effects[0] == effects[1] {
+        return;
+    }
+    match found.iter_mut().find(|known| known.effects == effects) {
+        Some(known) if known.correlation.abs() < correlation.abs() => known.correlation = correlation,
+        Some(_) => {}
+        None => found.push(Confounding { effects, correlation }),
+    }
+}

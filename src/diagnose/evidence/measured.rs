@@ -1,0 +1,312 @@
+//! The measurements that hypotheses are fitted to, and what is known of their noise.
+
+use super::autoregression::Autoregression;
+use super::constants::{NOISE, RELEASED, UNKNOWN_NOISE};
+use crate::diagnose::diagnosis::{Noise, NoiseSource};
+use crate::diagnose::measurements::weighted_dataset::{RecordResiduals, WeightedDataset};
+
+/// What is known of a channel's noise beforehand: its logarithm is evenly distributed up to a `largest` deviation, and normal
+/// below and above.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::diagnose) struct NoisePrior {
+    pub deviation: f64,
+    pub largest: f64,
+    /// Standard deviations of the logarithm below and above.
+    pub spreads: [f64; 2],
+}
+
+impl NoisePrior {
+    fn new(deviation: f64, spread: f64) -> Self {
+        // What is told may be a bound: a smaller noise speaks against nobody.
+        Self { deviation, largest: deviation, spreads: [NOISE[3], spread] }
+    }
+
+    /// With something of `more` that is not noise beside it, and little known of how much.
+    pub fn released(self, more: f64) -> Self {
+        let [below, above] = self.spreads;
+        Self { largest: self.deviation.hypot(more), spreads: [below, above.max(RELEASED)], ..self }
+    }
+
+    /// The deviation that a sum of squares of `count` innovations makes most probable, where they are `fraction` of the
+    /// noise; and the log evidence of it beside the likelihood's.
+    fn most_probable(&self, square: f64, count: usize, fraction: f64) -> (f64, f64) {
+        let n = count as f64;
+        let [low, high] = [self.deviation, self.largest].map(|x| (x * fraction.sqrt()).ln());
+        let alone = (0.5 * (square / n).max(1e-300).ln()).max(low - 20.0);
+        let (x, off, precision) = if alone < low {
+            let x = beside(square, n, low, self.spreads[0]);
+            (x, (x - low) / self.spreads[0], self.spreads[0].powi(-2))
+        } else if alone > high {
+            let x = beside(square, n, high, self.spreads[1]);
+            (x, (x - high) / self.spreads[1], self.spreads[1].powi(-2))
+        } else {
+            (alone, 0.0, 0.0)
+        };
+        let width = 0.5 * (self.spreads[0] + self.spreads[1]) + (high - low) / std::f64::consts::TAU.sqrt();
+        (x.exp(), -0.5 * off * off - width.ln() - 0.5 * (2.0 * n + precision).ln())
+    }
+}
+
+/// The logarithm of a deviation that a sum of squares and a normal prior of it make most probable.
+fn beside(square: f64, n: f64, centre: f64, spread: f64) -> f64 {
+    // Newton: n x + S/2 e^{−2x} + (x − c)²/(2 s²).
+    let mut x = 0.5 * (square / n).max(1e-300).ln().max(2.0 * centre - 40.0);
+    for _ in 0..50 {
+        let exponential = square * (-2.0 * x).exp();
+        let slope = n - exponential + (x - centre) / (spread * spread);
+        let curvature = 2.0 * exponential + 1.0 / (spread * spread);
+        let step = (slope / curvature).clamp(-1.0, 1.0);
+        x -= step;
+        if step.abs() < 1e-12 {
+            break;
+        }
+    }
+    x
+}
+
+/// Some records of a dataset.
+pub(in crate::diagnose) struct Measured<'a, 'd> {
+    pub bench: &'a WeightedDataset<'d>,
+    /// Indices of the records.
+    pub records: Vec<usize>,
+    /// Number of different compared channels; one noise process each.
+    pub processes: usize,
+    /// Per record of these and channel: its process, its samples, its standard deviation, its noise.
+    pub channels: Vec<Vec<MeasuredChannel>>,
+}
+
+/// A compared channel of a record.
+#[derive(Debug, Clone)]
+pub(in crate::diagnose) struct MeasuredChannel {
+    pub process: usize,
+    pub range: std::ops::Range<usize>,
+    pub size: f64,
+    pub prior: NoisePrior,
+}
+
+impl<'a, 'd> Measured<'a, 'd> {
+    /// Of `records`, with noise as `found` (in the order of all records and channels) and what the noise of the inputs
+    /// makes of the predictions.
+    pub fn new(
+        bench: &'a WeightedDataset<'d>,
+        records: &[usize],
+        found: &[Noise],
+        through: &[Vec<f64>],
+    ) -> Self {
+        let mut names: Vec<&str> =
+            bench.lanes.iter().flat_map(|lane| lane.channels.iter().map(|(name, _)| *name)).collect();
+        names.sort_unstable();
+        names.dedup();
+        let channels = records
+            .iter()
+            .map(|&record| {
+                let lane = &bench.lanes[record];
+                let channel = |(k, (name, range)): (usize, &(&str, std::ops::Range<usize>))| {
+                    let size = 1.0 / lane.scales[range.start];
+                    let own = found.iter().find(|noise| noise.record == record && noise.channel == *name);
+                    let more = through.get(record).and_then(|of| of.get(k)).copied().unwrap_or(0.0);
+                    let process = names.iter().position(|known| known == name).unwrap_or(0);
+                    MeasuredChannel { process, range: range.clone(), size, prior: prior(own, size, more) }
+                };
+                lane.channels.iter().enumerate().map(channel).collect()
+            })
+            .collect();
+        Self { bench, records: records.to_vec(), processes: names.len(), channels }
+    }
+
+    /// The record in place `k`.
+    pub fn lane(&self, k: usize) -> &RecordResiduals<'d> {
+        &self.bench.lanes[self.records[k]]
+    }
+
+    /// Root mean square over all channels of the difference of two predictions, as a fraction of the channel.
+    pub fn distance(&self, a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+        let pairs = a.iter().zip(b);
+        self.size(&pairs.map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect()).collect::<Vec<_>>())
+    }
+
+    /// The same of a change of predictions.
+    pub fn size(&self, change: &[Vec<f64>]) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (change, channels) in change.iter().zip(&self.channels) {
+            for channel in channels {
+                let square: f64 = change[channel.range.clone()].iter().map(|x| x * x).sum();
+                sum += square / (channel.range.len() as f64 * channel.size * channel.size);
+                count += 1.0;
+            }
+        }
+        (sum / f64::max(count, 1.0)).sqrt()
+    }
+
+    /// Whether something is known of the noise of every channel.
+    pub fn noise_is_known(&self) -> bool {
+        self.channels.iter().flatten().all(|channel| channel.prior.spreads[1] < NOISE[3])
+    }
+
+    /// Mean square of `predictions` minus measurements over that of the noise expected, of each record.
+    pub fn chi_squares(&self, predictions: &[Vec<f64>]) -> Vec<f64> {
+        let of_record = |(k, predicted): (usize, &Vec<f64>)| {
+            let measured = &self.lane(k).measured;
+            let square = |channel: &MeasuredChannel| {
+                let of = |i: usize| ((predicted[i] - measured[i]) / channel.prior.deviation).powi(2);
+                channel.range.clone().map(of).sum::<f64>()
+            };
+            self.channels[k].iter().map(square).sum::<f64>() / measured.len().max(1) as f64
+        };
+        predictions.iter().enumerate().map(of_record).collect()
+    }
+
+    /// Log likelihood of `predictions`, the noise fitted to what they leave.
+    pub fn log_score(&self, predictions: &[Vec<f64>]) -> f64 {
+        let residual =
+            |(k, p): (usize, &Vec<f64>)| p.iter().zip(&self.lane(k).measured).map(|(p, m)| p - m).collect();
+        let residuals: Vec<Vec<f64>> = predictions.iter().enumerate().map(residual).collect();
+        let priors: Vec<Vec<NoisePrior>> =
+            self.channels.iter().map(|channels| channels.iter().map(|c| c.prior).collect()).collect();
+        let mut noise = NoiseModel::white(self);
+        noise.renew(self, &priors, &residuals, true);
+        let square = |(k, r): (usize, &Vec<f64>)| noise.whiten(self, k, r).iter().map(|x| x * x).sum::<f64>();
+        let squares: f64 = residuals.iter().enumerate().map(square).sum();
+        noise.log_constant(self) - 0.5 * squares
+    }
+
+    /// Expected noise as a fraction of the channels, root mean square; `None` where it is unknown.
+    pub fn floor(&self) -> Option<f64> {
+        let fractions = self.channels.iter().flatten().map(|channel| channel.prior.deviation / channel.size);
+        let (sum, count) = fractions.fold((0.0, 0), |(sum, count), x| (sum + x * x, count + 1));
+        (count > 0 && self.noise_is_known()).then(|| (sum / f64::from(count)).sqrt())
+    }
+}
+
+fn prior(own: Option<&Noise>, size: f64, more: f64) -> NoisePrior {
+    match own.and_then(|noise| Some((noise.deviation?, noise.source))) {
+        Some((deviation, source)) => {
+            let spread = match source {
+                NoiseSource::Stated => NOISE[0],
+                NoiseSource::Carried => NOISE[2],
+                _ => NOISE[1],
+            };
+            NoisePrior::new(deviation.hypot(more), spread)
+        }
+        None => NoisePrior::new(UNKNOWN_NOISE * size, NOISE[3]),
+    }
+}
+
+/// The noise of all compared channels: a process per channel's name, a size per record.
+#[derive(Debug, Clone)]
+pub(super) struct NoiseModel {
+    pub processes: Vec<Autoregression>,
+    /// Innovation deviations, per record and channel.
+    pub sizes: Vec<Vec<f64>>,
+    /// Log evidence of each.
+    evidence: Vec<Vec<f64>>,
+}
+
+impl NoiseModel {
+    /// White, of the sizes expected.
+    pub fn white(data: &Measured) -> Self {
+        let sizes: Vec<Vec<f64>> =
+            data.channels.iter().map(|of| of.iter().map(|c| c.prior.deviation).collect()).collect();
+        let evidence = sizes.iter().map(|of| vec![0.0; of.len()]).collect();
+        Self { processes: vec![Autoregression::white(); data.processes], sizes, evidence }
+    }
+
+    /// Fits sizes, and processes if `coloured`, to `residuals` per record.
+    pub fn renew(
+        &mut self,
+        data: &Measured,
+        priors: &[Vec<NoisePrior>],
+        residuals: &[Vec<f64>],
+        coloured: bool,
+    ) {
+        for index in 0..if coloured { data.processes } else { 0 } {
+            let series = data.channels.iter().zip(residuals).flat_map(|(channels, residuals)| {
+                let own = channels.iter().filter(move |channel| channel.process == index);
+                own.map(|channel| &residuals[channel.range.clone()])
+            });
+            self.processes[index] = Autoregression::fit(series);
+        }
+        let mut e = Vec::new();
+        for (k, residuals) in residuals.iter().enumerate() {
+            for (c, channel) in data.channels[k].iter().enumerate() {
+                let process = &self.processes[channel.process];
+                e.resize(channel.range.len(), 0.0);
+                process.whiten(&residuals[channel.range.clone()], &mut e);
+                let square: f64 = e.iter().map(|x| x * x).sum();
+                let (size, evidence) = priors[k][c].most_probable(square, e.len(), process.fraction);
+                (self.sizes[k][c], self.evidence[k][c]) = (size, evidence);
+            }
+        }
+    }
+
+    /// Innovations of `values` of record `k`, in their standard deviations.
+    pub fn whiten(&self, data: &Measured, k: usize, values: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; values.len()];
+        for (c, channel) in data.channels[k].iter().enumerate() {
+            let part = &mut out[channel.range.clone()];
+            self.processes[channel.process].whiten(&values[channel.range.clone()], part);
+            let factor = 1.0 / self.sizes[k][c];
+            part.iter_mut().for_each(|x| *x *= factor);
+        }
+        out
+    }
+
+    /// Log evidence of the noise's own numbers, and the likelihood's constant; without the squares of the innovations.
+    pub fn log_constant(&self, data: &Measured) -> f64 {
+        let mut sum = 0.0;
+        let mut counts = vec![0usize; data.processes];
+        for (k, channels) in data.channels.iter().enumerate() {
+            for (c, channel) in channels.iter().enumerate() {
+                let process = &self.processes[channel.process];
+                let n = channel.range.len() as f64;
+                counts[channel.process] += channel.range.len();
+                sum -= n * self.sizes[k][c].ln() + process.log_determinant();
+                sum += self.evidence[k][c];
+            }
+        }
+        for (process, count) in self.processes.iter().zip(counts) {
+            sum -= 0.5 * process.order() as f64 * (count.max(1) as f64).ln();
+        }
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COUNT: usize = 1000;
+
+    /// The deviation that residuals of a root mean square make most probable, and its log evidence with that of the
+    /// likelihood.
+    fn at(prior: NoisePrior, size: f64) -> (f64, f64) {
+        let square = COUNT as f64 * size * size;
+        let (deviation, evidence) = prior.most_probable(square, COUNT, 1.0);
+        (deviation, evidence - COUNT as f64 * deviation.ln() - 0.5 * square / (deviation * deviation))
+    }
+
+    #[test]
+    fn residuals_of_the_size_told_confirm_it_and_many_outweigh_it() {
+        let prior = NoisePrior::new(2.0, NOISE[0]);
+        assert!((at(prior, 2.0).0 - 2.0).abs() < 1e-9);
+        assert!((at(prior, 3.0).0 / 3.0 - 1.0).abs() < 0.03 && at(prior, 3.0).0 < 3.0);
+    }
+
+    #[test]
+    fn a_discrepancy_wins_where_the_residual_is_larger_than_the_noise_and_loses_where_it_is_not() {
+        let told = NoisePrior::new(0.01, NOISE[0]);
+        let gain = |size: f64| at(told.released(0.01), size).1 - at(told, size).1;
+        assert!(gain(0.02) > 10.0, "{}", gain(0.02));
+        for size in [1e-4, 0.005, 0.01, 0.0105] {
+            assert!(gain(size) < 0.0, "{size}: {}", gain(size));
+        }
+    }
+
+    #[test]
+    fn a_smaller_noise_than_told_costs_little() {
+        let told = NoisePrior::new(0.01, NOISE[0]);
+        let exact = NoisePrior::new(1e-4, NOISE[0]);
+        let cost = at(exact, 1e-4).1 - at(told, 1e-4).1;
+        assert!(cost < 5.0, "{cost}");
+    }
+}

@@ -1,0 +1,142 @@
+//! One score: the evidence of sets of effects. Records and candidates come in, sets with their probabilities go out.
+//!
+//! A hypothesis is a model with a set of effects, and possibly a `discrepancy` that stands for what the catalogue lacks. Its
+//! `unknown`s have priors in units of the problem (`constants` holds all that decides), the noise is `autoregression` with a
+//! size per record (`measured`). `joint` is the sum of squares of all that is unknown, `posterior` its minimum with the
+//! volume around it, `probe` what amounts of each candidate would change to first order. `search` grows sets from none,
+//! `weights` makes probabilities of their evidence, `limits` tells what could not have been seen.
+
+mod autoregression;
+mod constants;
+mod discrepancy;
+mod joint;
+mod limits;
+mod measured;
+mod posterior;
+mod probe;
+mod search;
+mod unknown;
+mod weights;
+
+pub(super) use constants::{CERTAIN, RELEVANT};
+pub(super) use limits::{Sensitivities, around};
+pub(super) use measured::Measured;
+pub(super) use posterior::Posterior;
+pub(super) use probe::Prepared;
+pub(super) use search::{Search, Set, own};
+
+use joint::Latent;
+use posterior::{Start, fit, screen};
+use unknown::Unknown;
+
+use super::candidates::Candidate;
+use super::measurements::weighted_dataset::WeightedDataset;
+use crate::data::Dataset;
+use crate::effects::Scales;
+use crate::model::{Model, Structure};
+
+/// All sets of effects that were weighed.
+pub(super) struct Weighed {
+    /// The empty one first.
+    pub sets: Vec<Set>,
+    /// Their probabilities.
+    pub weights: Vec<f64>,
+    /// Their probabilities if nothing outside the catalogue is missing.
+    pub within: Vec<f64>,
+    /// What could be a member.
+    pub candidates: Vec<Prepared>,
+    /// What changes nothing in these data, whatever its size.
+    pub silent: Vec<Candidate>,
+}
+
+/// `model` refitted as it is: from where it is or, where motions are solved for, from what fits best about those that
+/// were measured.
+pub(super) fn first(
+    data: &Measured,
+    about_measured: Option<&Measured>,
+    model: &Model,
+) -> Result<Posterior, String> {
+    let unknowns = unknown::of_model(model);
+    let zeros = vec![0.0; unknowns.len()];
+    let from = |y: &[f64]| screen(data, &Start { model, unknowns: &unknowns, y }, true);
+    let direct = from(&zeros);
+    let start = Start { model, unknowns: &unknowns, y: &zeros };
+    let about = about_measured.and_then(|about| screen(about, &start, true).ok());
+    match (direct, about.and_then(|about| from(&about.y).ok())) {
+        (Ok(direct), Some(led)) if direct.log_evidence >= led.log_evidence => Ok(direct),
+        (_, Some(led)) => Ok(led),
+        (direct, None) => direct,
+    }
+}
+
+/// A hypothesis fitted to `data` from where it was.
+pub(super) fn again(data: &Measured, from: &Posterior) -> Result<Posterior, String> {
+    let Posterior { model, unknowns, y, .. } = from;
+    fit(data, &Start { model, unknowns, y: &y[..unknowns.len()] }, &Latent::default(), None)
+}
+
+/// What hypotheses are fitted to.
+pub(super) struct Question<'q, 'a, 'd> {
+    pub data: &'q Measured<'a, 'd>,
+    /// The same with predictions about the measured motions, where motions are solved for.
+    pub looks: Option<&'q Measured<'a, 'd>>,
+    pub dataset: &'d Dataset,
+    pub scales: &'q Scales,
+}
+
+/// Weighs the sets of `tried` beside `base`.
+pub(super) fn weigh(
+    question: &Question,
+    base: Posterior,
+    tried: &[Candidate],
+    (given, most): (usize, usize),
+    report: &(dyn Fn(&str) + Sync),
+) -> Result<Weighed, String> {
+    let Question { data, looks, dataset, scales } = *question;
+    let (candidates, silent) = probe::prepare(data, &base, tried, scales, dataset)?;
+    let search = Search { data, looks, candidates: &candidates, given, most, report };
+    let sets = search.run(base);
+    let weights = weights::of(data, &sets, candidates.len());
+    let sane: Vec<usize> = (0..sets.len()).filter(|k| sets[*k].discrepancy.is_none()).collect();
+    let named: Vec<Set> = sane.iter().map(|k| sets[*k].clone()).collect();
+    let mut within = vec![0.0; sets.len()];
+    sane.iter().zip(weights::of(data, &named, candidates.len())).for_each(|(k, weight)| within[*k] = weight);
+    Ok(Weighed { sets, weights, within, candidates, silent })
+}
+
+/// The best fit with `candidate` beside `base`, from every start that promises something.
+pub(super) fn added(
+    question: &Question,
+    base: &Posterior,
+    candidate: Candidate,
+    given: usize,
+) -> Result<Posterior, String> {
+    let Question { data, looks, dataset, scales } = *question;
+    let (candidates, _) = probe::prepare(data, base, &[candidate], scales, dataset)?;
+    let report = |_: &str| {};
+    let search = Search { data, looks, candidates: &candidates, given, most: 1, report: &report };
+    search.alone(base).ok_or_else(|| "the effect changes nothing in these records".to_owned())
+}
+
+/// Log evidence of a discrepancy beside a hypothesis over that of none; positive where something relevant is missing.
+pub(super) fn doubt(data: &Measured, of: &Posterior) -> Result<f64, String> {
+    let doubt = discrepancy::about(data, of)?;
+    // On a structure the discrepancy is a residual, whose smallest size is a relevant one.
+    let prescribed = of.model.structure == Structure::Prescribed;
+    let small = prescribed && data.distance(&doubt.predictions, &of.predictions) < RELEVANT;
+    Ok(if small { f64::NEG_INFINITY } else { doubt.log_evidence - of.log_evidence })
+}
+
+/// `model` with those of its parameters that `free` names fitted to one record.
+pub(super) fn alone(
+    bench: &WeightedDataset,
+    model: &Model,
+    record: usize,
+    free: impl Fn(&str, f64) -> bool,
+) -> Result<Model, String> {
+    let data = Measured::new(bench, &[record], &[], &[]);
+    let parameters = model.parameters().into_iter().filter(|p| free(&p.path, p.value));
+    let unknowns: Vec<Unknown> = parameters.map(|p| Unknown::of(&p)).collect();
+    let zeros = vec![0.0; unknowns.len()];
+    Ok(screen(&data, &Start { model, unknowns: &unknowns, y: &zeros }, true)?.model)
+}

@@ -1,0 +1,161 @@
+//! The most probable parameters of a hypothesis, and its evidence by Laplace's method.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::joint::{Joint, Latent};
+use super::measured::{Measured, NoisePrior};
+use super::unknown::Unknown;
+use crate::diagnose::diagnosis::Estimate;
+use crate::model::Model;
+
+/// A hypothesis at its most probable parameters.
+#[derive(Debug, Clone)]
+pub(in crate::diagnose) struct Posterior {
+    pub model: Model,
+    pub unknowns: Vec<Unknown>,
+    /// The coordinates of the unknowns, then the weights of a discrepancy.
+    pub y: Vec<f64>,
+    pub log_evidence: f64,
+    /// Standard deviations of the unknowns' coordinates.
+    pub deviations: Vec<f64>,
+    /// Per record.
+    pub predictions: Vec<Vec<f64>>,
+    pub simulations: usize,
+}
+
+/// Standard deviations to the ends of an interval that holds 95 % of a normal variable.
+const INTERVAL: f64 = 1.96;
+/// Posterior over prior deviation above which the data say nothing of a number.
+const UNDETERMINED: f64 = 0.95;
+
+impl Posterior {
+    /// Every unknown with its 95 % interval.
+    pub fn estimates(&self) -> Vec<Estimate> {
+        let one = |((unknown, y), deviation): ((&Unknown, &f64), &f64)| {
+            let end = |sign: f64| unknown.coordinate.value(y + sign * INTERVAL * deviation);
+            let ends =
+                (*deviation < UNDETERMINED).then(|| (end(-1.0).min(end(1.0)), end(-1.0).max(end(1.0))));
+            Estimate {
+                name: unknown.path.clone(),
+                value: unknown.coordinate.value(*y),
+                low: ends.map(|ends| ends.0),
+                high: ends.map(|ends| ends.1),
+                unit: unknown.unit,
+            }
+        };
+        self.unknowns.iter().zip(&self.y).zip(&self.deviations).map(one).collect()
+    }
+}
+
+/// Steps of a first look, and the relative fall of the sum of squares that ends it.
+const SCREEN: (usize, f64) = (6, 1e-3);
+/// The same of a glance.
+const GLANCE: (usize, f64) = (2, 1e-3);
+/// The same of a round of a whole fit.
+const ROUND: (usize, f64) = (12, 1e-5);
+/// Rounds with coloured noise at most; a change of the log evidence that is none.
+const ROUNDS: (usize, f64) = (5, 0.1);
+
+/// A hypothesis to be fitted: a model whose unknowns start at `y`.
+pub(super) struct Start<'a> {
+    pub model: &'a Model,
+    pub unknowns: &'a [Unknown],
+    pub y: &'a [f64],
+}
+
+/// A first look: white noise, few steps; the evidence is what the last linearisation promises under the noise that is
+/// left.
+pub(super) fn screen(data: &Measured, start: &Start, thoroughly: bool) -> Result<Posterior, String> {
+    let latent = Latent::default();
+    let mut joint = Joint::new(data, start.model, start.unknowns, &latent)?;
+    let mut y = white_round(&mut joint, start.y, if thoroughly { SCREEN } else { GLANCE })?;
+    joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
+    let found = posterior(&joint, start.unknowns, &mut y, true)?;
+    data.bench.count_refit();
+    data.bench.count(joint.simulations);
+    Ok(found)
+}
+
+/// A whole fit: white noise first, so that noise with a memory does not absorb what a better start would explain.
+pub(super) fn fit(
+    data: &Measured,
+    start: &Start,
+    latent: &Latent,
+    priors: Option<&[Vec<NoisePrior>]>,
+) -> Result<Posterior, String> {
+    let mut joint = Joint::new(data, start.model, start.unknowns, latent)?;
+    if let Some(priors) = priors {
+        joint.priors = priors.to_vec();
+    }
+    let mut shared = start.y.to_vec();
+    shared.resize(joint.shared(), 0.0);
+    let mut y = white_round(&mut joint, &shared, ROUND)?;
+    let mut best: Option<Posterior> = None;
+    for _ in 0..ROUNDS.0 {
+        joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
+        joint.minimise(&mut y, ROUND.0, ROUND.1)?;
+        joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
+        let found = posterior(&joint, start.unknowns, &mut y, false)?;
+        let last = best.as_ref().map_or(f64::NEG_INFINITY, |best| best.log_evidence);
+        let change = found.log_evidence - last;
+        if change > 0.0 {
+            best = Some(found);
+        }
+        if change.abs() < ROUNDS.1 {
+            break;
+        }
+    }
+    data.bench.count_refit();
+    data.bench.count(joint.simulations);
+    best.ok_or_else(|| "the evidence is not finite".to_owned())
+}
+
+/// From the `shared` unknowns with starts of the records scanned anew, under white noise of the size of the residuals.
+pub(super) fn white_round(
+    joint: &mut Joint,
+    shared: &[f64],
+    (iterations, tolerance): (usize, f64),
+) -> Result<Vec<f64>, String> {
+    let data = joint.data;
+    let mut y = joint.settle(shared)?;
+    joint.minimise(&mut y, 0, tolerance)?;
+    joint.noise.renew(data, &joint.priors, &joint.residuals(), false);
+    if iterations > 0 {
+        joint.minimise(&mut y, iterations, tolerance)?;
+        joint.noise.renew(data, &joint.priors, &joint.residuals(), false);
+    }
+    Ok(y)
+}
+
+/// At the last linearised point `y` under the present noise; `promised` with what one more step would gain.
+fn posterior(
+    joint: &Joint,
+    unknowns: &[Unknown],
+    y: &mut [f64],
+    promised: bool,
+) -> Result<Posterior, String> {
+    let sums = joint.sums_here(y);
+    let n = y.len();
+    let curvature = DMatrix::from_row_slice(n, n, &sums.curvature);
+    let factor = curvature.cholesky().ok_or("the curvature is not positive")?;
+    let half_log_det: f64 = (0..n).map(|i| factor.l_dirty()[(i, i)].ln()).sum();
+    let mut log_peak = joint.noise.log_constant(joint.data) - sums.cost;
+    if promised {
+        let gradient = DVector::from_column_slice(&sums.gradient);
+        log_peak += 0.5 * gradient.dot(&factor.solve(&gradient));
+    }
+    let log_evidence = log_peak - half_log_det;
+    if !log_evidence.is_finite() {
+        return Err("the evidence is not finite".to_owned());
+    }
+    let inverse = factor.inverse();
+    Ok(Posterior {
+        model: joint.model(y)?,
+        unknowns: unknowns.to_vec(),
+        y: y[..joint.shared()].to_vec(),
+        log_evidence,
+        deviations: (0..unknowns.len()).map(|i| inverse[(i, i)].sqrt()).collect(),
+        predictions: joint.predictions(),
+        simulations: joint.simulations,
+    })
+}

@@ -1,0 +1,232 @@
+//! What small and large amounts of each candidate would change about a fitted hypothesis, to first order: which candidates
+//! are worth a fit, and from where.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::constants::EFFECT;
+use super::joint::{Joint, Latent, dot};
+use super::measured::Measured;
+use super::posterior::{Posterior, white_round};
+use super::unknown::{Coordinate, Unknown};
+use crate::data::Dataset;
+use crate::diagnose::candidates::Candidate;
+use crate::effects::{AppliedEffect, Range, Scales};
+use crate::model::Model;
+
+/// A candidate with the priors of its parameters.
+#[derive(Debug, Clone)]
+pub(in crate::diagnose) struct Prepared {
+    pub candidate: Candidate,
+    pub coordinates: Vec<Coordinate>,
+}
+
+impl Prepared {
+    /// The effect at these coordinates.
+    pub fn applied(&self, y: &[f64]) -> AppliedEffect {
+        let values = self.coordinates.iter().zip(y).map(|(c, y)| c.value(*y)).collect();
+        AppliedEffect { effect: self.candidate.effect, location: self.candidate.location.clone(), values }
+    }
+
+    /// The unknowns of the effect as number `number` of a model, from 1.
+    pub fn unknowns(&self, number: usize) -> impl Iterator<Item = Unknown> {
+        self.candidate.effect.parameters.iter().zip(&self.coordinates).map(move |(parameter, coordinate)| {
+            Unknown {
+                path: format!("effect.{number}.{}", parameter.quantity.name),
+                unit: parameter.quantity.unit,
+                coordinate: coordinate.clone(),
+            }
+        })
+    }
+}
+
+/// Sizes of the first parameter that are looked at, in prior deviations.
+const SIZES: [f64; 2] = [0.3, 1.0];
+/// Of the others.
+const OTHERS: [f64; 3] = [0.0, 1.2, -1.2];
+/// Rounds in which the size of a prior is sought, and the change that is none.
+const ROUNDS: usize = 5;
+const NOTHING: f64 = 1e-9;
+
+/// The candidates that change the predictions about `base` at all, with their priors; and those that do not.
+pub(super) fn prepare(
+    data: &Measured,
+    base: &Posterior,
+    candidates: &[Candidate],
+    scales: &Scales,
+    dataset: &Dataset,
+) -> Result<(Vec<Prepared>, Vec<Candidate>), String> {
+    let latent = Latent::default();
+    let mut joint = Joint::new(data, &base.model, &base.unknowns, &latent)?;
+    let y = white_round(&mut joint, &base.y, (0, 1e-3))?;
+    let ranges: Vec<Vec<Range>> = candidates.iter().map(|c| c.ranges(scales, dataset)).collect();
+    let mut sizes: Vec<f64> = candidates.iter().zip(&ranges).map(|(c, r)| first_size(c, &r[0])).collect();
+    let mut found: Vec<Option<f64>> = vec![None; candidates.len()];
+    let mut open: Vec<usize> = (0..candidates.len()).collect();
+    for _ in 0..ROUNDS {
+        let probes: Vec<Option<Model>> = open
+            .iter()
+            .map(|&c| with(&base.model, applied_at(&candidates[c], &ranges[c], sizes[c])))
+            .collect();
+        let models: Vec<Model> = probes.iter().flatten().cloned().collect();
+        let mut changes = joint.changes(&y, &models).into_iter();
+        let mut left = Vec::new();
+        for (&c, probe) in open.iter().zip(&probes) {
+            let change = probe.as_ref().and_then(|_| changes.next().flatten()).map(|by| data.size(&by));
+            let Some(change) = change.filter(|change| change.is_finite()) else {
+                sizes[c] *= 0.3;
+                left.push(c);
+                continue;
+            };
+            if change < NOTHING {
+                continue;
+            }
+            found[c] = Some(sizes[c]);
+            let factor = (EFFECT / change).clamp(0.02, 50.0);
+            if (factor - 1.0).abs() > 0.2 {
+                let bounded = within(&candidates[c], sizes[c] * factor.powf(0.8));
+                if (bounded / sizes[c] - 1.0).abs() > 1e-3 {
+                    sizes[c] = bounded;
+                    left.push(c);
+                }
+            }
+        }
+        open = left;
+        if open.is_empty() {
+            break;
+        }
+    }
+    data.bench.count(joint.simulations);
+    let (mut prepared, mut without) = (Vec::new(), Vec::new());
+    for ((candidate, ranges), size) in candidates.iter().zip(&ranges).zip(found) {
+        match size {
+            Some(size) => prepared.push(of(candidate, ranges, size)),
+            None => without.push(candidate.clone()),
+        }
+    }
+    Ok((prepared, without))
+}
+
+fn of(candidate: &Candidate, ranges: &[Range], size: f64) -> Prepared {
+    let parameters = candidate.effect.parameters;
+    let others = parameters.iter().zip(ranges).skip(1).map(|(p, range)| Coordinate::of_second(p, range));
+    let coordinates = std::iter::once(Coordinate::of_first(&parameters[0], size)).chain(others).collect();
+    Prepared { candidate: candidate.clone(), coordinates }
+}
+
+/// The distance from neutral, or its inverse, of a first parameter's first start.
+fn first_size(candidate: &Candidate, range: &Range) -> f64 {
+    let neutral = candidate.effect.neutral();
+    if neutral.is_infinite() { 1.0 / range.starts[0] } else { (range.starts[0] - neutral).abs() }
+}
+
+fn within(candidate: &Candidate, size: f64) -> f64 {
+    let neutral = candidate.effect.neutral();
+    match candidate.effect.parameters[0].quantity.max {
+        Some(most) if neutral.is_finite() => size.min((most - neutral).abs()),
+        _ => size,
+    }
+}
+
+fn applied_at(candidate: &Candidate, ranges: &[Range], size: f64) -> AppliedEffect {
+    let mut applied = candidate.applied(ranges, 0);
+    applied.values[0] = Coordinate::of_first(&candidate.effect.parameters[0], size).value(1.0);
+    applied
+}
+
+pub(super) fn with(model: &Model, applied: AppliedEffect) -> Option<Model> {
+    let mut model = model.clone();
+    model.effects.push(applied);
+    model.check().is_ok().then_some(model)
+}
+
+/// One amount of a candidate beside a hypothesis.
+#[derive(Debug, Clone)]
+pub(super) struct Probe {
+    /// Index of the candidate.
+    pub candidate: usize,
+    /// Its coordinates.
+    pub y: Vec<f64>,
+    /// Gain of log likelihood that a line through it promises, under white noise of the size of the residuals.
+    pub gain: f64,
+    /// Gain of log evidence on that line.
+    pub evidence: f64,
+    /// How far the best point on that line moves the predictions beyond what the hypothesis can, as a fraction of the
+    /// channels.
+    pub distance: f64,
+    /// The best multiple of it on that line.
+    pub multiple: f64,
+}
+
+/// Probes of the candidates in `which` about `parent`, best first.
+pub(super) fn around(
+    data: &Measured,
+    parent: &Posterior,
+    candidates: &[Prepared],
+    which: &[usize],
+) -> Result<Vec<Probe>, String> {
+    let latent = Latent::default();
+    let mut joint = Joint::new(data, &parent.model, &parent.unknowns, &latent)?;
+    let y = white_round(&mut joint, &parent.y, (0, 1e-3))?;
+    let sums = joint.sums_here(&y);
+    let n = y.len();
+    let factor = DMatrix::from_row_slice(n, n, &sums.curvature).cholesky().ok_or("no curvature")?;
+    let gradient = factor.solve(&DVector::from_column_slice(&sums.gradient));
+    let whitened = joint.whitened();
+    let mut probes: Vec<(Probe, Model)> = Vec::new();
+    for &candidate in which {
+        let prepared = &candidates[candidate];
+        for y in places(prepared) {
+            if let Some(model) = with(&parent.model, prepared.applied(&y)) {
+                probes.push((
+                    Probe { candidate, y, gain: 0.0, evidence: 0.0, distance: 0.0, multiple: 1.0 },
+                    model,
+                ));
+            }
+        }
+    }
+    let models: Vec<Model> = probes.iter().map(|(_, model)| model.clone()).collect();
+    let changes = joint.changes(&y, &models);
+    data.bench.count(joint.simulations);
+    let mut found = Vec::new();
+    for ((mut probe, _), change) in probes.into_iter().zip(changes) {
+        let Some(change) = change else { continue };
+        let distance = data.size(&change);
+        let (mut square, mut along) = (0.0, 0.0);
+        let mut cross = DVector::zeros(n);
+        for (k, change) in change.iter().enumerate() {
+            let change = joint.noise.whiten(data, k, change);
+            square += dot(&change, &change);
+            along += dot(&change, &whitened[k].residuals);
+            whitened[k].columns.iter().for_each(|(i, column)| cross[*i] += dot(column, &change));
+        }
+        let apart = (square - cross.dot(&factor.solve(&cross))).max(0.0);
+        let left = apart + probe.y[0].powi(2);
+        let pull = along - cross.dot(&gradient);
+        probe.multiple = -pull / left;
+        probe.gain = if probe.multiple > 0.0 { 0.5 * pull * pull / left } else { 0.0 };
+        probe.evidence = probe.gain - 0.5 * (left / probe.y[0].powi(2)).ln();
+        probe.distance = distance * probe.multiple.max(0.0) * (apart / square).sqrt();
+        found.push(probe);
+    }
+    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    Ok(found)
+}
+
+/// The coordinates that a candidate is looked at.
+fn places(prepared: &Prepared) -> Vec<Vec<f64>> {
+    let (low, high) = prepared.coordinates[0].bounds();
+    let signs = [1.0, -1.0].into_iter().flat_map(|sign| SIZES.map(|size| sign * size));
+    let firsts: Vec<f64> = signs.filter(|y| (low..=high).contains(y)).collect();
+    let others: &[f64] = if prepared.coordinates.len() > 1 { &OTHERS } else { &OTHERS[..1] };
+    let place = |first: f64, other: f64| {
+        let rest = prepared.coordinates[1..].iter().map(|c| {
+            let (low, high) = c.bounds();
+            other.clamp(low, high)
+        });
+        std::iter::once(first).chain(rest).collect()
+    };
+    firsts
+        .iter()
+        .flat_map(|first| others.iter().map(|other| place(*first, *other)).collect::<Vec<_>>())
+        .collect()
+}

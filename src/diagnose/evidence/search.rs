@@ -1,0 +1,307 @@
+//! Sets of effects, from none upwards: each fitted from those below it, the best in full.
+
+use rayon::prelude::*;
+
+use super::constants::RELEVANT;
+use super::discrepancy;
+use super::joint::Latent;
+use super::measured::Measured;
+use super::posterior::{Posterior, Start, fit, screen};
+use super::probe::{self, Prepared, Probe};
+use super::unknown;
+use super::weights;
+use crate::model::Model;
+
+/// A hypothesis.
+#[derive(Debug, Clone)]
+pub(in crate::diagnose) struct Set {
+    /// Indices of the candidates, in the order of the model's effects.
+    pub members: Vec<usize>,
+    /// Size of the discrepancy.
+    pub discrepancy: Option<f64>,
+    pub posterior: Posterior,
+    /// Whether it was only looked at.
+    pub screened: bool,
+}
+
+impl Set {
+    /// Members, the discrepancy one of them.
+    pub fn size(&self) -> usize {
+        self.members.len() + usize::from(self.discrepancy.is_some())
+    }
+
+    /// Whether it has these members, in any order, and no discrepancy.
+    pub fn has_just(&self, members: &[usize]) -> bool {
+        self.discrepancy.is_none()
+            && self.members.len() == members.len()
+            && members.iter().all(|m| self.members.contains(m))
+    }
+}
+
+/// What a line must promise (in nats) to be worth a fit where something is missing; where nothing is, the log evidence
+/// behind the best, and the fraction of a relevant change.
+const WORTH: f64 = 2.0;
+const UNLIKELY: f64 = -5.0;
+const IRRELEVANT: f64 = 0.3;
+/// Behind the best by how much (in nats) a set is not worth a whole fit.
+const BEHIND: f64 = 20.0;
+/// Sets of a size that are looked at twice, that are fitted in full, and that larger ones are made from, at most.
+const TWICE: usize = 8;
+const FULL: usize = 5;
+const PARENTS: usize = 2;
+/// Sets that are fitted in full at least where first looks are about the measured motions.
+const LED: usize = 3;
+/// Probability from which a set is made sure of.
+const LIKELY: f64 = 0.01;
+
+/// What is searched.
+pub(in crate::diagnose) struct Search<'s, 'a, 'd> {
+    pub data: &'s Measured<'a, 'd>,
+    /// The same for first looks: where motions are solved for, with predictions to first order about the measured ones.
+    pub looks: Option<&'s Measured<'a, 'd>>,
+    pub candidates: &'s [Prepared],
+    /// Effects that the model had.
+    pub given: usize,
+    pub most: usize,
+    pub report: &'s (dyn Fn(&str) + Sync),
+}
+
+impl Search<'_, '_, '_> {
+    /// All sets that were fitted, the empty one `base` first.
+    pub fn run(&self, base: Posterior) -> Vec<Set> {
+        let mut sets = vec![Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false }];
+        let mut doubts: Vec<Set> = Vec::new();
+        for size in 0..self.most {
+            let mut parents: Vec<usize> =
+                (0..sets.len()).filter(|k| sets[*k].members.len() == size).collect();
+            parents.sort_by(|a, b| evidence(&sets[*b]).total_cmp(&evidence(&sets[*a])));
+            let Some(best) = parents.first().copied() else { break };
+            let doubt = self.doubted(&sets[best]);
+            let adequate = doubt.as_ref().is_some_and(|doubt| evidence(doubt) < evidence(&sets[best]));
+            doubts.extend(doubt);
+            parents.truncate(if adequate || size + 1 == self.most { 1 } else { PARENTS });
+            let before = sets.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
+            let found = self.grown(&sets, &parents, adequate);
+            let best = found.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
+            sets.extend(found);
+            if best < before || self.data.bench.interrupted() {
+                break;
+            }
+        }
+        self.repair(&mut sets);
+        self.doubt(&mut sets, doubts);
+        sets
+    }
+
+    /// The sets of one more member, from `parents`; of those that lack nothing only what could be likelier.
+    fn grown(&self, sets: &[Set], parents: &[usize], adequate: bool) -> Vec<Set> {
+        let mut wanted: Vec<(usize, Probe)> = Vec::new();
+        let worthy = |probe: &Probe| {
+            let likely = probe.evidence > UNLIKELY && probe.distance > IRRELEVANT * RELEVANT;
+            probe.gain > WORTH && (!adequate || likely)
+        };
+        for &parent in parents {
+            let members = &sets[parent].members;
+            let which: Vec<usize> = (0..self.candidates.len()).filter(|m| !members.contains(m)).collect();
+            let probes = probe::around(self.data, &sets[parent].posterior, self.candidates, &which);
+            let mut starts: Vec<Probe> = Vec::new();
+            for probe in probes.unwrap_or_default().into_iter().filter(worthy) {
+                // Another start of the same where it promises nearly as much.
+                let same: Vec<&Probe> = starts.iter().filter(|s| s.candidate == probe.candidate).collect();
+                let near = same.first().is_none_or(|best| probe.gain > 0.5 * best.gain);
+                if same.len() < 2 && near {
+                    starts.push(probe);
+                }
+            }
+            wanted.extend(starts.into_iter().map(|probe| (parent, probe)));
+        }
+        let seen: Vec<Option<Set>> =
+            wanted.par_iter().map(|(parent, probe)| self.glanced(&sets[*parent], probe)).collect();
+        let mut found: Vec<Set> = Vec::new();
+        for set in seen.into_iter().flatten() {
+            match found.iter_mut().find(|known| known.has_just(&set.members)) {
+                Some(known) if evidence(known) < evidence(&set) => *known = set,
+                Some(_) => {}
+                None => found.push(set),
+            }
+        }
+        let ranked = |found: &mut Vec<Set>| found.sort_by(|a, b| evidence(b).total_cmp(&evidence(a)));
+        ranked(&mut found);
+        let twice = found.len().min(TWICE);
+        found[..twice].par_iter_mut().for_each(|set| self.screened(set));
+        ranked(&mut found);
+        // First looks of another kind are to be compared with each other alone, and more than one is worth a fit.
+        let (others, least) = if self.looks.is_some() { (&sets[..0], LED) } else { (sets, 0) };
+        let best = found.iter().chain(others).map(evidence).fold(f64::NEG_INFINITY, f64::max);
+        let near = found.iter().take(FULL).take_while(|set| evidence(set) > best - BEHIND).count();
+        let near = near.max(least.min(found.len()));
+        found[..near].par_iter_mut().for_each(|set| self.finish(set));
+        if self.looks.is_some() {
+            found.retain(|set| !set.screened);
+        }
+        found
+    }
+
+    /// The best fit with the only candidate, from every start that promises something.
+    pub fn alone(&self, base: &Posterior) -> Option<Posterior> {
+        let parent = Set { members: Vec::new(), discrepancy: None, posterior: base.clone(), screened: false };
+        let probes = probe::around(self.data, base, self.candidates, &[0]).ok()?;
+        let mut tried: Vec<Set> =
+            probes.par_iter().filter_map(|probe| self.glanced(&parent, probe)).collect();
+        tried.par_iter_mut().for_each(|set| self.screened(set));
+        tried.sort_by(|a, b| evidence(b).total_cmp(&evidence(a)));
+        let mut best = tried.into_iter().next()?;
+        self.finish(&mut best);
+        Some(best.posterior)
+    }
+
+    /// A set that was glanced at, looked at.
+    fn screened(&self, set: &mut Set) {
+        let Posterior { model, unknowns, y, .. } = &set.posterior;
+        let start = Start { model, unknowns, y };
+        if let Ok(better) = screen(self.looks.unwrap_or(self.data), &start, true)
+            && better.log_evidence > evidence(set)
+        {
+            set.posterior = better;
+        }
+    }
+
+    fn glanced(&self, parent: &Set, probe: &Probe) -> Option<Set> {
+        let prepared = &self.candidates[probe.candidate];
+        let mut y = probe.y.clone();
+        let (low, high) = prepared.coordinates[0].bounds();
+        y[0] = (y[0] * probe.multiple.clamp(0.3, 3.0)).clamp(low, high);
+        let (model, unknowns, start) = self.extended(&parent.posterior, prepared, &y);
+        let start = Start { model: &model, unknowns: &unknowns, y: &start };
+        let posterior = screen(self.looks.unwrap_or(self.data), &start, false).ok()?;
+        (self.report)(prepared.candidate.effect.id);
+        let members = parent.members.iter().copied().chain([probe.candidate]).collect();
+        Some(Set { members, discrepancy: None, posterior, screened: true })
+    }
+
+    fn extended(
+        &self,
+        parent: &Posterior,
+        prepared: &Prepared,
+        y: &[f64],
+    ) -> (Model, Vec<unknown::Unknown>, Vec<f64>) {
+        let mut model = parent.model.clone();
+        model.effects.push(prepared.applied(y));
+        let mut unknowns = parent.unknowns.clone();
+        unknowns.extend(prepared.unknowns(model.effects.len()));
+        let start = [&parent.y, y].concat();
+        (model, unknowns, start)
+    }
+
+    /// Fits a set that was looked at.
+    fn finish(&self, set: &mut Set) {
+        let Posterior { model, unknowns, y, .. } = &set.posterior;
+        let start = Start { model, unknowns, y };
+        if let Ok(whole) = fit(self.data, &start, &Latent::default(), None) {
+            set.posterior = whole;
+            set.screened = false;
+        }
+    }
+
+    /// Every subset of one less of the likely sets, fitted from the larger one's parameters: a smaller set that stuck
+    /// would make the larger one look better than it is.
+    fn repair(&self, sets: &mut Vec<Set>) {
+        for size in (1..=self.most).rev() {
+            let weights = weights::of(self.data, sets, self.candidates.len());
+            let likely = (0..sets.len()).filter(|k| sets[*k].size() == size && weights[*k] > LIKELY);
+            let wanted: Vec<(usize, usize)> =
+                likely.flat_map(|k| (0..size).map(move |place| (k, place))).collect();
+            let found: Vec<Set> =
+                wanted.par_iter().filter_map(|(k, place)| self.without(&sets[*k], *place)).collect();
+            for set in found {
+                match sets.iter_mut().find(|known| known.has_just(&set.members)) {
+                    Some(known) if evidence(known) < evidence(&set) => *known = set,
+                    Some(_) => {}
+                    None => sets.push(set),
+                }
+            }
+        }
+    }
+
+    /// `set` without the member in a place, fitted from where it is.
+    fn without(&self, set: &Set, place: usize) -> Option<Set> {
+        let number = self.given + place;
+        let mut members = set.members.clone();
+        members.remove(place);
+        let mut model = set.posterior.model.clone();
+        model.effects.remove(number);
+        let base = set.posterior.unknowns.iter().take_while(|u| !own(&u.path, self.given)).count();
+        let mut unknowns = set.posterior.unknowns[..base].to_vec();
+        let mut y = set.posterior.y[..base].to_vec();
+        let mut from = base;
+        for (k, member) in set.members.iter().enumerate() {
+            let prepared = &self.candidates[*member];
+            let count = prepared.coordinates.len();
+            if k != place {
+                let before = members.iter().position(|m| m == member)?;
+                unknowns.extend(prepared.unknowns(self.given + before + 1));
+                y.extend_from_slice(&set.posterior.y[from..from + count]);
+            }
+            from += count;
+        }
+        let start = Start { model: &model, unknowns: &unknowns, y: &y };
+        let posterior = fit(self.data, &start, &Latent::default(), None).ok()?;
+        Some(Set { members, discrepancy: None, posterior, screened: false })
+    }
+
+    /// Adds the likely sets with a discrepancy, those of `known` as they are where their sets did not change; in full
+    /// where to first order they are neither far behind nor far before the best.
+    fn doubt(&self, sets: &mut Vec<Set>, known: Vec<Set>) {
+        let mut order: Vec<usize> = (0..sets.len()).filter(|k| !sets[*k].screened).collect();
+        order.sort_by(|a, b| evidence(&sets[*b]).total_cmp(&evidence(&sets[*a])));
+        order.truncate(PARENTS);
+        if !order.contains(&0) {
+            order.push(0);
+        }
+        let best = order.iter().map(|k| evidence(&sets[*k])).fold(f64::NEG_INFINITY, f64::max);
+        let doubted = |k: &usize| {
+            let set = &sets[*k];
+            let mut with = known
+                .iter()
+                .find(|with| with.members == set.members && with.posterior.y == set.posterior.y)
+                .cloned()
+                .or_else(|| self.doubted(set))?;
+            if (evidence(&with) - best).abs() < BEHIND {
+                self.doubt_in_full(&mut with);
+            }
+            Some(with)
+        };
+        let with: Vec<Set> = order.par_iter().filter_map(doubted).collect();
+        sets.extend(with);
+    }
+
+    /// `set` with a discrepancy, to first order.
+    fn doubted(&self, set: &Set) -> Option<Set> {
+        let doubt = discrepancy::about(self.data, &set.posterior).ok()?;
+        let mut with = set.clone();
+        with.discrepancy = Some(doubt.alpha);
+        with.posterior.log_evidence = doubt.log_evidence;
+        with.posterior.predictions = doubt.predictions;
+        Some(with)
+    }
+
+    fn doubt_in_full(&self, set: &mut Set) {
+        let Ok(doubt) = discrepancy::about(self.data, &set.posterior) else { return };
+        let Posterior { model, unknowns, .. } = &set.posterior;
+        let start = Start { model, unknowns, y: &doubt.y };
+        match fit(self.data, &start, &doubt.latent, Some(&doubt.priors)) {
+            Ok(whole) if whole.log_evidence > doubt.log_evidence => set.posterior = whole,
+            _ => {}
+        }
+    }
+}
+
+pub(in crate::diagnose) fn evidence(set: &Set) -> f64 {
+    set.posterior.log_evidence
+}
+
+/// Whether a path belongs to an effect that was added to the `given` ones.
+pub(in crate::diagnose) fn own(path: &str, given: usize) -> bool {
+    let number = path.strip_prefix("effect.").and_then(|rest| rest.split('.').next()?.parse::<usize>().ok());
+    number.is_some_and(|number| number > given)
+}

@@ -1,0 +1,56 @@
+//! Probabilities of sets, and the one rule that makes a verdict of them.
+
+use super::constants::{ODDS, RELEVANT};
+use super::measured::Measured;
+use super::search::{Set, evidence};
+use crate::model::Structure;
+
+/// Below this a weight decides nothing.
+const NEGLIGIBLE: f64 = 1e-4;
+
+/// The probability of each of `sets` among them, of `candidates` that could be members: of two sets of which the larger
+/// predicts the same, the smaller has both.
+pub(super) fn of(data: &Measured, sets: &[Set], candidates: usize) -> Vec<f64> {
+    let scores: Vec<f64> = sets.iter().map(|set| score(set, candidates + 1)).collect();
+    let top = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mut weights: Vec<f64> = scores.iter().map(|score| (score - top).exp()).collect();
+    let sum: f64 = weights.iter().sum();
+    weights.iter_mut().for_each(|w| *w /= sum);
+    let deepest = sets.iter().map(Set::size).max().unwrap_or(0);
+    for size in (1..=deepest).rev() {
+        for k in 0..sets.len() {
+            if sets[k].size() != size || weights[k] < NEGLIGIBLE || is_residual(&sets[k]) {
+                continue;
+            }
+            let below = (0..sets.len()).filter(|j| is_one_less(&sets[*j], &sets[k]));
+            let near = below
+                .map(|j| (j, data.distance(&sets[k].posterior.predictions, &sets[j].posterior.predictions)))
+                .min_by(|a, b| a.1.total_cmp(&b.1));
+            if let Some((j, distance)) = near
+                && distance < RELEVANT
+            {
+                weights[j] += weights[k];
+                weights[k] = 0.0;
+            }
+        }
+    }
+    weights
+}
+
+/// Log evidence with the prior of the set: each further member at the same odds, any of them alike.
+pub(super) fn score(set: &Set, candidates: usize) -> f64 {
+    let (m, size) = (candidates as f64, set.size());
+    let choices: f64 = (0..size).map(|i| ((m - i as f64) / (i as f64 + 1.0)).ln()).sum();
+    evidence(set) + size as f64 * ODDS.ln() - choices
+}
+
+/// Whether a set differs from that without its discrepancy by its residual alone, which has its smallest size itself.
+fn is_residual(set: &Set) -> bool {
+    set.discrepancy.is_some() && set.posterior.model.structure != Structure::Prescribed
+}
+
+fn is_one_less(smaller: &Set, larger: &Set) -> bool {
+    smaller.size() + 1 == larger.size()
+        && (smaller.discrepancy.is_none() || larger.discrepancy.is_some())
+        && smaller.members.iter().all(|member| larger.members.contains(member))
+}

@@ -1,0 +1,134 @@
+//! The one rule that makes a verdict of probabilities, and what the test records say of it.
+
+use super::Context;
+use super::confound;
+use crate::diagnose::diagnosis::{Group, Verdict};
+use crate::diagnose::evidence::{self, CERTAIN, Measured, Weighed};
+
+/// A verdict with what it rests on.
+pub(in crate::diagnose) struct Decision {
+    pub verdict: Verdict,
+    pub probability: f64,
+    /// The likeliest set without a discrepancy.
+    pub best: usize,
+    /// Probability that something outside the catalogue is missing.
+    pub doubt: f64,
+    /// Ids of what is certain in a verdict that leaves something open.
+    pub certain: Vec<&'static str>,
+    pub groups: Vec<Group>,
+    /// Why the test records take a verdict back.
+    pub taken_back: Option<TakenBack>,
+}
+
+/// What the test records say against a verdict.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::diagnose) enum TakenBack {
+    /// The effects make their prediction worse.
+    Worse,
+    /// Together with them the records show a discrepancy.
+    Unexplained,
+}
+
+impl Decision {
+    /// Of the probabilities alone.
+    pub fn of(context: &Context, weighed: &Weighed) -> Self {
+        let sets = &weighed.sets;
+        let order = |a: &usize, b: &usize| weighed.within[*a].total_cmp(&weighed.within[*b]);
+        let best = (0..sets.len()).filter(|k| sets[*k].discrepancy.is_none()).max_by(order).unwrap_or(0);
+        let sum = |of: &dyn Fn(usize) -> bool| {
+            (0..sets.len()).filter(|k| of(*k)).map(|k| weighed.weights[k]).sum::<f64>()
+        };
+        let doubt = sum(&|k| sets[k].discrepancy.is_some());
+        let ids = |k: usize| weighed.ids(k);
+        let mut decision = Self {
+            verdict: Verdict::InsufficientData,
+            probability: sum(&|k| sets[k].discrepancy.is_none() && ids(k) == ids(best)),
+            best,
+            doubt,
+            certain: Vec::new(),
+            groups: Vec::new(),
+            taken_back: None,
+        };
+        let some = sum(&|k| sets[k].discrepancy.is_none() && !sets[k].members.is_empty());
+        if doubt >= CERTAIN {
+            (decision.verdict, decision.probability) = (Verdict::Unexplained, doubt);
+        } else if decision.probability >= CERTAIN {
+            decision.verdict = certain(context, weighed, best);
+        } else if some >= CERTAIN {
+            decision.share(weighed, some);
+        } else {
+            decision.probability = 1.0 - doubt.max(decision.probability);
+        }
+        decision
+    }
+
+    /// What several sets say together that have a probability of `some`: what is in each of them is found; what is in some of
+    /// them is a group, or one effect that is left open beside those found.
+    fn share(&mut self, weighed: &Weighed, some: f64) {
+        let likely =
+            |k: &usize| weighed.sets[*k].discrepancy.is_none() && weighed.weights[*k] > 1.0 - CERTAIN;
+        let mut likely: Vec<usize> = (0..weighed.sets.len()).filter(likely).collect();
+        likely.sort_by(|a, b| weighed.weights[*b].total_cmp(&weighed.weights[*a]));
+        let mut open: Vec<&'static str> = Vec::new();
+        for id in likely.iter().flat_map(|k| weighed.ids(*k)) {
+            let everywhere = likely.iter().all(|k| weighed.ids(*k).contains(&id));
+            let list = if everywhere { &mut self.certain } else { &mut open };
+            if !list.contains(&id) {
+                list.push(id);
+            }
+        }
+        let just = likely.iter().find(|k| weighed.ids(**k) == self.certain && !self.certain.is_empty());
+        self.probability = some;
+        if let (Some(just), true) = (just, open.len() == 1) {
+            (self.verdict, self.best) = (Verdict::EffectFound, *just);
+        } else if open.len() > 1 {
+            self.verdict = Verdict::NotDistinguishable;
+            self.groups = vec![confound::group(open, some)];
+        }
+    }
+
+    /// After one look at the test records, which may take a verdict back and never choose one.
+    pub fn confirmed(
+        mut self,
+        context: &Context,
+        weighed: &Weighed,
+        test: &Measured,
+        all: &Measured,
+    ) -> Self {
+        if !self.verdict.stands() || test.records.is_empty() {
+            return self;
+        }
+        let against = (CERTAIN / (1.0 - CERTAIN)).ln();
+        let score = |k: usize| {
+            let scored = context.bench.score(&weighed.sets[k].posterior.model, &test.records).ok()?;
+            Some(test.log_score(&scored.into_iter().map(|one| one.predictions).collect::<Vec<_>>()))
+        };
+        if self.best != 0
+            && let (Some(with), Some(without)) = (score(self.best), score(0))
+            && with < without - against
+        {
+            (self.verdict, self.best) = (Verdict::InsufficientData, 0);
+            self.taken_back = Some(TakenBack::Worse);
+            return self;
+        }
+        let again = evidence::again(all, &weighed.sets[self.best].posterior);
+        if again.and_then(|again| evidence::doubt(all, &again)).is_ok_and(|doubt| doubt > against) {
+            self.verdict = Verdict::Unexplained;
+            self.taken_back = Some(TakenBack::Unexplained);
+        }
+        self
+    }
+}
+
+/// What a set says that is certain.
+fn certain(context: &Context, weighed: &Weighed, set: usize) -> Verdict {
+    let known = context.data.noise_is_known() || context.is_exact(weighed);
+    if weighed.sets[set].members.is_empty() {
+        // Without a known noise, a residual that nothing explains may be noise or not; few points never show that all
+        // is there.
+        return if known && !context.table { Verdict::NothingMissing } else { Verdict::InsufficientData };
+    }
+    // What softens a structure without a contact stands for the slip that its model lacks.
+    let slips = !context.table || context.model.contact.is_some();
+    if slips { Verdict::EffectFound } else { Verdict::Unexplained }
+}
