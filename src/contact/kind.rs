@@ -30,6 +30,9 @@ pub struct LawParameter {
     pub default: Option<f64>,
     /// Whether its smallest value is legal although its bounds are open.
     pub includes_min: bool,
+    /// The value towards which the law becomes that of one slider, infinite if it does towards large ones; `None` if no
+    /// value of this parameter makes it so.
+    pub one_slider_at: Option<f64>,
     /// Smallest and largest value that a fit may try, for a tangential stiffness (N/m).
     pub range: fn(f64) -> (f64, f64, Scale),
 }
@@ -60,6 +63,11 @@ pub struct LawRule {
 pub const MOST_PARAMETERS: usize = 4;
 
 impl LawKind {
+    /// Its parameter that makes it the law of one slider at a value, with this; only laws that slip gradually have one.
+    pub fn shape(&self) -> Option<(&'static LawParameter, f64)> {
+        self.parameters.iter().find_map(|parameter| Some((parameter, parameter.one_slider_at?)))
+    }
+
     /// Its own parameter called `name`, if it has one.
     pub fn parameter(&self, name: &str) -> Option<&'static LawParameter> {
         self.parameters.iter().find(|parameter| parameter.quantity.name == name)
@@ -103,6 +111,7 @@ pub(super) const RESIDUAL_STIFFNESS: LawParameter = LawParameter {
     quantity: &v::RESIDUAL_STIFFNESS,
     default: Some(0.0),
     includes_min: false,
+    one_slider_at: None,
     range: |tangential| (0.0, 0.9 * tangential, Scale::Linear),
 };
 

@@ -3,32 +3,103 @@
 use super::diagnosis::Untried;
 use super::measurements::magnitudes;
 use super::measurements::weighted_dataset::WeightedDataset;
+use crate::contact::{LAWS, Law, LawKind, LawParameter};
 use crate::data::{ChannelName, Dataset, Regime};
 use crate::effects::{
-    AppliedEffect, CATALOGUE, Effect, InResonances, Kind, Location, Needs, PlaceKind, Range, Scales,
+    AppliedEffect, CATALOGUE, Effect, EffectParameter, InResonances, Kind, Location, Needs, PlaceKind, Range,
+    Scales,
 };
 use crate::fit::predict::white_noise;
 use crate::model::{Model, Structure};
+use crate::vocabulary::{Quantity, Scale};
 
-/// An effect at a place.
+/// An effect at a place, or a contact law that describes it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Candidate {
     pub effect: &'static Effect,
     pub location: Option<Location>,
+    /// The law of the catalogue that shows the effect, in the place of the model's; `None` for the effect's own.
+    pub law: Option<&'static LawKind>,
+}
+
+/// A number that a candidate brings into a model.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Brought {
+    pub quantity: &'static Quantity,
+    /// Where it changes nothing, infinite if for large values.
+    pub neutral: Option<f64>,
+    pub range: Range,
 }
 
 impl Candidate {
-    /// Ranges of its parameters.
-    pub fn ranges(&self, scales: &Scales, dataset: &Dataset) -> Vec<Range> {
-        let scales = magnitudes::at(scales, dataset, self.location.as_ref());
-        self.effect.parameters.iter().map(|parameter| (parameter.range)(&scales)).collect()
+    /// `effect` at `location` in every form that it has in `model`: its own, and the laws that show it.
+    pub fn forms(effect: &'static Effect, location: Option<&Location>, model: &Model) -> Vec<Self> {
+        let one_slider = model.contact.is_some_and(|contact| contact.law.kind.one_slider);
+        let laws =
+            LAWS.into_iter().filter(|law| one_slider && effect.splits_slider() && law.shape().is_some());
+        let form = |law| Self { effect, location: location.cloned(), law };
+        std::iter::once(None).chain(laws.map(Some)).map(form).collect()
     }
 
-    /// The effect with the values of one of its starts.
-    pub fn applied(&self, ranges: &[Range], start: usize) -> AppliedEffect {
-        let values = ranges.iter().map(|range| range.starts[start]).collect();
-        AppliedEffect { effect: self.effect, location: self.location.clone(), values }
+    /// Whether `other` is the same effect at the same place, in any form.
+    pub fn is_form_of(&self, other: &Self) -> bool {
+        self.effect == other.effect && self.location == other.location
     }
+
+    /// Its numbers, the first with a neutral value.
+    pub fn brings(&self, scales: &Scales, dataset: &Dataset) -> Vec<Brought> {
+        let scales = magnitudes::at(scales, dataset, self.location.as_ref());
+        let Some(law) = self.law else {
+            let brought = |parameter: &EffectParameter| Brought {
+                quantity: parameter.quantity,
+                neutral: parameter.neutral,
+                range: (parameter.range)(&scales),
+            };
+            return self.effect.parameters.iter().map(brought).collect();
+        };
+        let brought = |parameter: &&LawParameter| {
+            let (lower, upper, scale) = (parameter.range)(scales.stiffness);
+            let middle =
+                if scale == Scale::Logarithmic { (lower * upper).sqrt() } else { 0.5 * (lower + upper) };
+            let range = Range { lower, upper, scale, starts: vec![middle] };
+            Brought { quantity: parameter.quantity, neutral: parameter.one_slider_at, range }
+        };
+        varied(law).iter().map(brought).collect()
+    }
+
+    /// `model` with it at `values`, one for each number that it brings.
+    pub fn added_to(&self, model: &Model, values: &[f64]) -> Model {
+        let mut model = model.clone();
+        match (self.law, &mut model.contact) {
+            (Some(law), Some(contact)) => {
+                let own = law.parameters.iter().map(|parameter| {
+                    let place = varied(law).iter().position(|one| one.quantity == parameter.quantity);
+                    place.map_or(parameter.default.unwrap_or_default(), |place| values[place])
+                });
+                if let Some(law) = Law::new(law, &own.collect::<Vec<_>>()) {
+                    contact.law = law;
+                }
+            }
+            _ => model.effects.push(AppliedEffect {
+                effect: self.effect,
+                location: self.location.clone(),
+                values: values.to_vec(),
+            }),
+        }
+        model
+    }
+
+    /// What the paths of its numbers begin with, in the model that it was added to last.
+    pub fn path(&self, model: &Model) -> String {
+        if self.law.is_some() { "contact.".to_owned() } else { format!("effect.{}.", model.effects.len()) }
+    }
+}
+
+/// What a fit varies of a law's own parameters, its shape first: all that a file must give.
+fn varied(law: &LawKind) -> Vec<&'static LawParameter> {
+    let shape = law.shape().map(|(parameter, _)| parameter);
+    let others = law.parameters.iter().filter(|one| one.default.is_none() && one.one_slider_at.is_none());
+    shape.into_iter().chain(others).collect()
 }
 
 /// The candidates to try: of the catalogue those that `only` names, if it is there; and the effects left out.
@@ -71,7 +142,8 @@ fn of(model: &Model, bench: &WeightedDataset) -> (Vec<Candidate>, Vec<Untried>) 
         if left.is_empty() {
             untried.push(Untried { effect: effect.id, reason: "the model has it already".to_owned() });
         }
-        candidates.extend(left.into_iter().map(|location| Candidate { effect, location }));
+        candidates
+            .extend(left.iter().flat_map(|location| Candidate::forms(effect, location.as_ref(), model)));
     }
     (candidates, untried)
 }

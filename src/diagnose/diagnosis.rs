@@ -16,6 +16,8 @@ pub struct Diagnosis {
     /// Ids of the effects found, in the order they were added. Empty unless the verdict is
     /// [`Verdict::EffectFound`]; the members of a group are in [`Diagnosis::groups`] instead.
     pub effects: Vec<&'static str>,
+    /// The contact law that shows what was found in the place of the model's: `valanis`; `None` where effects do.
+    pub law: Option<&'static str>,
     /// Ids of effects that lower the error without explaining the data: they only absorb error and are no physics.
     pub surrogates: Vec<&'static str>,
     /// Sets of effects that these data cannot distinguish.
@@ -152,6 +154,8 @@ pub struct Candidate {
     pub effects: Vec<&'static str>,
     /// Its place, if it has one.
     pub location: Option<String>,
+    /// The contact law that shows it in the place of the model's; `None` for the effect's own.
+    pub law: Option<&'static str>,
     /// Error on the training records (1); NaN when it could not be fitted.
     pub error: f64,
     /// Its gain in standard deviations: √(2 × the gain of log evidence), below zero where that falls (1).

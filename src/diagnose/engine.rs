@@ -138,11 +138,10 @@ pub fn diagnose(
     progress.expect(1 + tried.len());
     let (base, through) = base(&mut bench, model, &parts.seen(), &measured)?;
     let data = Measured::new(&bench, &parts.seen(), &measured, &through);
-    let given = (model.effects.len(), options.max_effects);
     let about = bench.linearised_at_measurement();
     let looks = about.as_ref().map(|about| Measured::new(about, &parts.seen(), &measured, &through));
     let question = Question { data: &data, looks: looks.as_ref(), dataset: bench.dataset, scales: &scales };
-    let weighed = evidence::weigh(&question, base, &tried, given, &|what| progress.tell(what))
+    let weighed = evidence::weigh(&question, base, &tried, options.max_effects, &|what| progress.tell(what))
         .map_err(|reason| unpredictable(&bench, model, reason))?;
     let context = Context { model, dataset, bench: &bench, data: &data, parts: &parts, table };
     let test = Measured::new(&bench, &parts.test, &measured, &through);
@@ -239,17 +238,22 @@ pub fn add(
     let (base, through) = base(&mut bench, model, &fit, &measured)?;
     progress.tell("refitted");
     let data = Measured::new(&bench, &fit, &measured, &through);
-    let candidate = Candidate { effect, location };
+    let forms = Candidate::forms(effect, location.as_ref(), model);
     let about = bench.linearised_at_measurement();
     let looks = about.as_ref().map(|about| Measured::new(about, &fit, &measured, &through));
     let question = Question { data: &data, looks: looks.as_ref(), dataset, scales: &scales };
-    let with = evidence::added(&question, &base, candidate, model.effects.len())
-        .map_err(|reason| unpredictable(&bench, model, reason))?;
+    let with =
+        evidence::added(&question, &base, &forms).map_err(|reason| unpredictable(&bench, model, reason))?;
     progress.tell(effect.id);
     let mut stages = vec![before];
     stages.push(stage("refitted", &base, model, dataset, &bench));
-    stages.push(stage(effect.id, &with, &base.model, dataset, &bench));
-    Ok(Added { model: with.model.with_effects_free(model.effects.len()), stages })
+    let law = |model: &Model| model.contact.map(|contact| contact.law.kind);
+    let name = match law(&with.model) {
+        Some(other) if law(model) != Some(other) => format!("{} (law {})", effect.id, other.name),
+        _ => effect.id.to_owned(),
+    };
+    stages.push(stage(&name, &with, &base.model, dataset, &bench));
+    Ok(Added { model: with.model.with_new_free(model), stages })
 }
 
 /// The evaluation of a fitted model, its parameters marked with where they started.

@@ -49,20 +49,26 @@ fn matches(pattern: &str, text: &str) -> bool {
 }
 
 impl Model {
-    /// The model with the parameters of its effects from number `first` (from 0) on free, where `[fit] free` lists
-    /// what is: what was added is part of every later fit.
-    pub fn with_effects_free(mut self, first: usize) -> Self {
-        let added = (first + 1..=self.effects.len()).map(|number| format!("effect.{number}.*"));
-        let paths: Vec<String> = self.values().into_iter().map(|parameter| parameter.path).collect();
+    /// The model with all parameters free that `before` does not have, those of an effect or of another law, where
+    /// `[fit] free` lists what is: what was added is part of every later fit.
+    pub fn with_new_free(mut self, before: &Self) -> Self {
+        let paths = |model: &Self| model.values().into_iter().map(|one| one.path).collect::<Vec<String>>();
+        let (known, all) = (paths(before), paths(&self));
         if let Some(free) = &mut self.free {
-            let fixed = |path: &String| !free.iter().any(|pattern| frees(pattern, path));
-            let missing: Vec<String> = added
-                .filter(|pattern| paths.iter().any(|path| matches(pattern, path) && fixed(path)))
-                .collect();
-            free.extend(missing);
+            for path in all.iter().filter(|path| !known.contains(path)) {
+                if !free.iter().any(|pattern| frees(pattern, path)) {
+                    free.push(all_of_effect(path).unwrap_or_else(|| path.clone()));
+                }
+            }
         }
         self
     }
+}
+
+/// `effect.2.*` for a parameter of the second effect.
+fn all_of_effect(path: &str) -> Option<String> {
+    let number = path.strip_prefix("effect.")?.split('.').next()?;
+    Some(format!("effect.{number}.*"))
 }
 
 /// Refuses patterns that free nothing.

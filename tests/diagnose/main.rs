@@ -6,5 +6,6 @@ mod common;
 mod compare_columns;
 mod compare_records;
 mod few_points;
+mod laws;
 mod noise;
 mod oscillator;

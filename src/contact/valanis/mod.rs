@@ -105,6 +105,7 @@ pub(in crate::contact) static KIND: LawKind = LawKind {
             quantity: &SMOOTHNESS,
             default: None,
             includes_min: true,
+            one_slider_at: Some(1.0),
             range: |_| (0.0, 0.98, Scale::Linear),
         },
         kind::RESIDUAL_STIFFNESS,

@@ -7,7 +7,7 @@ use super::constants::{CERTAIN, ODDS, RELEVANT};
 use super::joint::{Joint, Latent, dot};
 use super::measured::Measured;
 use super::posterior::{Posterior, white_round};
-use super::probe::{Prepared, with};
+use super::probe::Prepared;
 use crate::diagnose::diagnosis::{Confounding, Detectable};
 use crate::model::Model;
 
@@ -51,11 +51,15 @@ pub(in crate::diagnose) fn around(
     let mut joint = Joint::new(data, &posterior.model, unknowns, &latent)?;
     let y = white_round(&mut joint, &posterior.y[..unknowns.len()], (0, 1e-3))?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
+    let absent = |prepared: &&Prepared| {
+        let own = prepared.candidate.law.is_none();
+        own && !present.iter().any(|k| candidates[*k].candidate.is_form_of(&prepared.candidate))
+    };
     let (mut probes, mut models): (Vec<&Prepared>, Vec<Model>) = (Vec::new(), Vec::new());
-    for (_, prepared) in candidates.iter().enumerate().filter(|(index, _)| !present.contains(index)) {
+    for prepared in candidates.iter().filter(absent) {
         let mut place = vec![0.0; prepared.coordinates.len()];
         place[0] = SMALL;
-        if let Some(model) = with(&posterior.model, prepared.applied(&place)) {
+        if let Some(model) = prepared.beside(&posterior.model, &place) {
             probes.push(prepared);
             models.push(model);
         }
@@ -139,7 +143,7 @@ fn limit(change: &Change, candidates: usize) -> f64 {
 /// Notes the size for the effect, the smallest where it can be at several places.
 fn smaller(found: &mut Vec<Detectable>, change: &Change, size: Option<f64>) {
     let effect = change.prepared.candidate.effect;
-    let parameter = effect.parameters[0].quantity;
+    let parameter = change.prepared.quantities[0];
     match found.iter_mut().find(|known| known.effect == effect.id) {
         Some(known) => {
             known.value = match (known.value, size) {

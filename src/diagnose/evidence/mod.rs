@@ -23,7 +23,7 @@ pub(super) use limits::{Sensitivities, around};
 pub(super) use measured::Measured;
 pub(super) use posterior::Posterior;
 pub(super) use probe::Prepared;
-pub(super) use search::{Search, Set, own};
+pub(super) use search::{Search, Set};
 
 use joint::Latent;
 use posterior::{Start, fit, screen};
@@ -89,32 +89,31 @@ pub(super) fn weigh(
     question: &Question,
     base: Posterior,
     tried: &[Candidate],
-    (given, most): (usize, usize),
+    most: usize,
     report: &(dyn Fn(&str) + Sync),
 ) -> Result<Weighed, String> {
     let Question { data, looks, dataset, scales } = *question;
     let (candidates, silent) = probe::prepare(data, &base, tried, scales, dataset)?;
-    let search = Search { data, looks, candidates: &candidates, given, most, report };
+    let search = Search { data, looks, candidates: &candidates, most, report };
     let sets = search.run(base);
-    let weights = weights::of(data, &sets, candidates.len());
+    let weights = weights::of(data, &sets, &candidates);
     let sane: Vec<usize> = (0..sets.len()).filter(|k| sets[*k].discrepancy.is_none()).collect();
     let named: Vec<Set> = sane.iter().map(|k| sets[*k].clone()).collect();
     let mut within = vec![0.0; sets.len()];
-    sane.iter().zip(weights::of(data, &named, candidates.len())).for_each(|(k, weight)| within[*k] = weight);
+    sane.iter().zip(weights::of(data, &named, &candidates)).for_each(|(k, weight)| within[*k] = weight);
     Ok(Weighed { sets, weights, within, candidates, silent })
 }
 
-/// The best fit with `candidate` beside `base`, from every start that promises something.
+/// The best fit with one of `candidates` beside `base`, from every start that promises something.
 pub(super) fn added(
     question: &Question,
     base: &Posterior,
-    candidate: Candidate,
-    given: usize,
+    candidates: &[Candidate],
 ) -> Result<Posterior, String> {
     let Question { data, looks, dataset, scales } = *question;
-    let (candidates, _) = probe::prepare(data, base, &[candidate], scales, dataset)?;
+    let (candidates, _) = probe::prepare(data, base, candidates, scales, dataset)?;
     let report = |_: &str| {};
-    let search = Search { data, looks, candidates: &candidates, given, most: 1, report: &report };
+    let search = Search { data, looks, candidates: &candidates, most: 1, report: &report };
     search.alone(base).ok_or_else(|| "the effect changes nothing in these records".to_owned())
 }
 

@@ -29,6 +29,17 @@ const INTERVAL: f64 = 1.96;
 const UNDETERMINED: f64 = 0.95;
 
 impl Posterior {
+    /// What candidates brought, or one of them, by their names alone.
+    pub fn brought(&self, by: Option<usize>) -> Vec<Estimate> {
+        let mine = |owner: Option<usize>| owner.is_some() && (by.is_none() || owner == by);
+        let pairs = self.unknowns.iter().zip(self.estimates()).filter(|(unknown, _)| mine(unknown.owner));
+        let short = |estimate: Estimate| {
+            let name = estimate.name.rsplit('.').next().unwrap_or_default().to_owned();
+            Estimate { name, ..estimate }
+        };
+        pairs.map(|(_, estimate)| short(estimate)).collect()
+    }
+
     /// Every unknown with its 95 % interval.
     pub fn estimates(&self) -> Vec<Estimate> {
         let one = |((unknown, y), deviation): ((&Unknown, &f64), &f64)| {

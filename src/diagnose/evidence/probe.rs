@@ -9,32 +9,39 @@ use super::measured::Measured;
 use super::posterior::{Posterior, white_round};
 use super::unknown::{Coordinate, Unknown};
 use crate::data::Dataset;
-use crate::diagnose::candidates::Candidate;
-use crate::effects::{AppliedEffect, Range, Scales};
+use crate::diagnose::candidates::{Brought, Candidate};
+use crate::effects::Scales;
 use crate::model::Model;
+use crate::vocabulary::Quantity;
 
 /// A candidate with the priors of its parameters.
 #[derive(Debug, Clone)]
 pub(in crate::diagnose) struct Prepared {
     pub candidate: Candidate,
+    pub quantities: Vec<&'static Quantity>,
     pub coordinates: Vec<Coordinate>,
 }
 
 impl Prepared {
-    /// The effect at these coordinates.
-    pub fn applied(&self, y: &[f64]) -> AppliedEffect {
-        let values = self.coordinates.iter().zip(y).map(|(c, y)| c.value(*y)).collect();
-        AppliedEffect { effect: self.candidate.effect, location: self.candidate.location.clone(), values }
+    /// `model` with it at these coordinates.
+    pub fn added_to(&self, model: &Model, y: &[f64]) -> Model {
+        let values: Vec<f64> = self.coordinates.iter().zip(y).map(|(c, y)| c.value(*y)).collect();
+        self.candidate.added_to(model, &values)
     }
 
-    /// The unknowns of the effect as number `number` of a model, from 1.
-    pub fn unknowns(&self, number: usize) -> impl Iterator<Item = Unknown> {
-        self.candidate.effect.parameters.iter().zip(&self.coordinates).map(move |(parameter, coordinate)| {
-            Unknown {
-                path: format!("effect.{number}.{}", parameter.quantity.name),
-                unit: parameter.quantity.unit,
-                coordinate: coordinate.clone(),
-            }
+    /// The same where that is a legal model.
+    pub fn beside(&self, model: &Model, y: &[f64]) -> Option<Model> {
+        Some(self.added_to(model, y)).filter(|model| model.check().is_ok())
+    }
+
+    /// The unknowns that it brings as candidate number `owner` to `model`, to which it was added last.
+    pub fn unknowns(&self, model: &Model, owner: usize) -> impl Iterator<Item = Unknown> {
+        let path = self.candidate.path(model);
+        self.quantities.iter().zip(&self.coordinates).map(move |(quantity, coordinate)| Unknown {
+            path: format!("{path}{}", quantity.name),
+            unit: quantity.unit,
+            coordinate: coordinate.clone(),
+            owner: Some(owner),
         })
     }
 }
@@ -58,14 +65,14 @@ pub(super) fn prepare(
     let latent = Latent::default();
     let mut joint = Joint::new(data, &base.model, &base.unknowns, &latent)?;
     let y = white_round(&mut joint, &base.y, (0, 1e-3))?;
-    let ranges: Vec<Vec<Range>> = candidates.iter().map(|c| c.ranges(scales, dataset)).collect();
-    let mut sizes: Vec<f64> = candidates.iter().zip(&ranges).map(|(c, r)| first_size(c, &r[0])).collect();
+    let brought: Vec<Vec<Brought>> = candidates.iter().map(|c| c.brings(scales, dataset)).collect();
+    let mut sizes: Vec<f64> = brought.iter().map(|brought| first_size(&brought[0])).collect();
     let mut found: Vec<Option<f64>> = vec![None; candidates.len()];
     let mut open: Vec<usize> = (0..candidates.len()).collect();
     for _ in 0..ROUNDS {
         let probes: Vec<Option<Model>> = open
             .iter()
-            .map(|&c| with(&base.model, applied_at(&candidates[c], &ranges[c], sizes[c])))
+            .map(|&c| of(&candidates[c], &brought[c], sizes[c]).beside(&base.model, &one(&brought[c])))
             .collect();
         let models: Vec<Model> = probes.iter().flatten().cloned().collect();
         let mut changes = joint.changes(&y, &models).into_iter();
@@ -83,7 +90,7 @@ pub(super) fn prepare(
             found[c] = Some(sizes[c]);
             let factor = (EFFECT / change).clamp(0.02, 50.0);
             if (factor - 1.0).abs() > 0.2 {
-                let bounded = within(&candidates[c], sizes[c] * factor.powf(0.8));
+                let bounded = within(&brought[c][0], sizes[c] * factor.powf(0.8));
                 if (bounded / sizes[c] - 1.0).abs() > 1e-3 {
                     sizes[c] = bounded;
                     left.push(c);
@@ -97,46 +104,43 @@ pub(super) fn prepare(
     }
     data.bench.count(joint.simulations);
     let (mut prepared, mut without) = (Vec::new(), Vec::new());
-    for ((candidate, ranges), size) in candidates.iter().zip(&ranges).zip(found) {
+    for ((candidate, brought), size) in candidates.iter().zip(&brought).zip(found) {
         match size {
-            Some(size) => prepared.push(of(candidate, ranges, size)),
+            Some(size) => prepared.push(of(candidate, brought, size)),
             None => without.push(candidate.clone()),
         }
     }
     Ok((prepared, without))
 }
 
-fn of(candidate: &Candidate, ranges: &[Range], size: f64) -> Prepared {
-    let parameters = candidate.effect.parameters;
-    let others = parameters.iter().zip(ranges).skip(1).map(|(p, range)| Coordinate::of_second(p, range));
-    let coordinates = std::iter::once(Coordinate::of_first(&parameters[0], size)).chain(others).collect();
-    Prepared { candidate: candidate.clone(), coordinates }
+fn of(candidate: &Candidate, brought: &[Brought], size: f64) -> Prepared {
+    let others = brought.iter().skip(1).map(Coordinate::of_second);
+    let coordinates = std::iter::once(Coordinate::of_first(&brought[0], size)).chain(others).collect();
+    let quantities = brought.iter().map(|one| one.quantity).collect();
+    Prepared { candidate: candidate.clone(), quantities, coordinates }
 }
 
-/// The distance from neutral, or its inverse, of a first parameter's first start.
-fn first_size(candidate: &Candidate, range: &Range) -> f64 {
-    let neutral = candidate.effect.neutral();
-    if neutral.is_infinite() { 1.0 / range.starts[0] } else { (range.starts[0] - neutral).abs() }
+/// Coordinates of one prior deviation of the first number, the others where they are thought to be.
+fn one(brought: &[Brought]) -> Vec<f64> {
+    (0..brought.len()).map(|k| if k == 0 { 1.0 } else { 0.0 }).collect()
 }
 
-fn within(candidate: &Candidate, size: f64) -> f64 {
-    let neutral = candidate.effect.neutral();
-    match candidate.effect.parameters[0].quantity.max {
-        Some(most) if neutral.is_finite() => size.min((most - neutral).abs()),
-        _ => size,
-    }
+/// The distance from neutral, or its inverse, of a first number's first start.
+fn first_size(brought: &Brought) -> f64 {
+    let (start, neutral) = (brought.range.starts[0], brought.neutral.unwrap_or(0.0));
+    if neutral.is_infinite() { 1.0 / start } else { (start - neutral).abs() }
 }
 
-fn applied_at(candidate: &Candidate, ranges: &[Range], size: f64) -> AppliedEffect {
-    let mut applied = candidate.applied(ranges, 0);
-    applied.values[0] = Coordinate::of_first(&candidate.effect.parameters[0], size).value(1.0);
-    applied
-}
-
-pub(super) fn with(model: &Model, applied: AppliedEffect) -> Option<Model> {
-    let mut model = model.clone();
-    model.effects.push(applied);
-    model.check().is_ok().then_some(model)
+/// `size`, or the largest that the number's bounds leave.
+fn within(brought: &Brought, size: f64) -> f64 {
+    let (neutral, quantity) = (brought.neutral.unwrap_or(0.0), brought.quantity);
+    let bound = if neutral.is_infinite() {
+        quantity.min.filter(|least| *least > 0.0).map(|least| 1.0 / least)
+    } else {
+        let ends = quantity.max.into_iter().chain(quantity.min.filter(|_| quantity.max == Some(neutral)));
+        ends.map(|end| (end - neutral).abs()).find(|room| *room > 0.0)
+    };
+    bound.map_or(size, |bound| size.min(bound))
 }
 
 /// One amount of a candidate beside a hypothesis.
@@ -176,7 +180,7 @@ pub(super) fn around(
     for &candidate in which {
         let prepared = &candidates[candidate];
         for y in places(prepared) {
-            if let Some(model) = with(&parent.model, prepared.applied(&y)) {
+            if let Some(model) = prepared.beside(&parent.model, &y) {
                 probes.push((
                     Probe { candidate, y, gain: 0.0, evidence: 0.0, distance: 0.0, multiple: 1.0 },
                     model,

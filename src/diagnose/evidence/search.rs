@@ -8,7 +8,7 @@ use super::joint::Latent;
 use super::measured::Measured;
 use super::posterior::{Posterior, Start, fit, screen};
 use super::probe::{self, Prepared, Probe};
-use super::unknown;
+use super::unknown::Unknown;
 use super::weights;
 use crate::model::Model;
 
@@ -60,8 +60,6 @@ pub(in crate::diagnose) struct Search<'s, 'a, 'd> {
     /// The same for first looks: where motions are solved for, with predictions to first order about the measured ones.
     pub looks: Option<&'s Measured<'a, 'd>>,
     pub candidates: &'s [Prepared],
-    /// Effects that the model had.
-    pub given: usize,
     pub most: usize,
     pub report: &'s (dyn Fn(&str) + Sync),
 }
@@ -79,6 +77,7 @@ impl Search<'_, '_, '_> {
             let doubt = self.doubted(&sets[best]);
             let adequate = doubt.as_ref().is_some_and(|doubt| evidence(doubt) < evidence(&sets[best]));
             doubts.extend(doubt);
+            self.different(&sets, &mut parents);
             parents.truncate(if adequate || size + 1 == self.most { 1 } else { PARENTS });
             let before = sets.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
             let found = self.grown(&sets, &parents, adequate);
@@ -93,6 +92,20 @@ impl Search<'_, '_, '_> {
         sets
     }
 
+    /// Leaves of those of `parents` that have the same effects in several forms the first.
+    fn different(&self, sets: &[Set], parents: &mut Vec<usize>) {
+        let form =
+            |a: &usize, b: &usize| self.candidates[*a].candidate.is_form_of(&self.candidates[*b].candidate);
+        let same =
+            |a: usize, b: usize| sets[a].members.iter().all(|a| sets[b].members.iter().any(|b| form(a, b)));
+        let mut kept: Vec<usize> = Vec::new();
+        parents.retain(|parent| {
+            let new = !kept.iter().any(|kept| same(*kept, *parent));
+            kept.extend(new.then_some(*parent));
+            new
+        });
+    }
+
     /// The sets of one more member, from `parents`; of those that lack nothing only what could be likelier.
     fn grown(&self, sets: &[Set], parents: &[usize], adequate: bool) -> Vec<Set> {
         let mut wanted: Vec<(usize, Probe)> = Vec::new();
@@ -102,7 +115,10 @@ impl Search<'_, '_, '_> {
         };
         for &parent in parents {
             let members = &sets[parent].members;
-            let which: Vec<usize> = (0..self.candidates.len()).filter(|m| !members.contains(m)).collect();
+            let form =
+                |m: usize, of: usize| self.candidates[m].candidate.is_form_of(&self.candidates[of].candidate);
+            let absent = |m: &usize| !members.iter().any(|member| form(*m, *member));
+            let which: Vec<usize> = (0..self.candidates.len()).filter(absent).collect();
             let probes = probe::around(self.data, &sets[parent].posterior, self.candidates, &which);
             let mut starts: Vec<Probe> = Vec::new();
             for probe in probes.unwrap_or_default().into_iter().filter(worthy) {
@@ -142,17 +158,20 @@ impl Search<'_, '_, '_> {
         found
     }
 
-    /// The best fit with the only candidate, from every start that promises something.
+    /// The best fit with one of the candidates, from every start that promises something.
     pub fn alone(&self, base: &Posterior) -> Option<Posterior> {
+        let every: Vec<usize> = (0..self.candidates.len()).collect();
         let parent = Set { members: Vec::new(), discrepancy: None, posterior: base.clone(), screened: false };
-        let probes = probe::around(self.data, base, self.candidates, &[0]).ok()?;
+        let probes = probe::around(self.data, base, self.candidates, &every).ok()?;
         let mut tried: Vec<Set> =
             probes.par_iter().filter_map(|probe| self.glanced(&parent, probe)).collect();
         tried.par_iter_mut().for_each(|set| self.screened(set));
         tried.sort_by(|a, b| evidence(b).total_cmp(&evidence(a)));
-        let mut best = tried.into_iter().next()?;
-        self.finish(&mut best);
-        Some(best.posterior)
+        let near = tried.first().map(evidence)? - BEHIND;
+        tried.retain(|set| evidence(set) > near);
+        tried.truncate(FULL);
+        tried.par_iter_mut().for_each(|set| self.finish(set));
+        tried.into_iter().map(|set| set.posterior).max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
     }
 
     /// A set that was glanced at, looked at.
@@ -171,7 +190,7 @@ impl Search<'_, '_, '_> {
         let mut y = probe.y.clone();
         let (low, high) = prepared.coordinates[0].bounds();
         y[0] = (y[0] * probe.multiple.clamp(0.3, 3.0)).clamp(low, high);
-        let (model, unknowns, start) = self.extended(&parent.posterior, prepared, &y);
+        let (model, unknowns, start) = self.extended(&parent.posterior, probe.candidate, &y);
         let start = Start { model: &model, unknowns: &unknowns, y: &start };
         let posterior = screen(self.looks.unwrap_or(self.data), &start, false).ok()?;
         (self.report)(prepared.candidate.effect.id);
@@ -179,16 +198,11 @@ impl Search<'_, '_, '_> {
         Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
-    fn extended(
-        &self,
-        parent: &Posterior,
-        prepared: &Prepared,
-        y: &[f64],
-    ) -> (Model, Vec<unknown::Unknown>, Vec<f64>) {
-        let mut model = parent.model.clone();
-        model.effects.push(prepared.applied(y));
+    fn extended(&self, parent: &Posterior, candidate: usize, y: &[f64]) -> (Model, Vec<Unknown>, Vec<f64>) {
+        let prepared = &self.candidates[candidate];
+        let model = prepared.added_to(&parent.model, y);
         let mut unknowns = parent.unknowns.clone();
-        unknowns.extend(prepared.unknowns(model.effects.len()));
+        unknowns.extend(prepared.unknowns(&model, candidate));
         let start = [&parent.y, y].concat();
         (model, unknowns, start)
     }
@@ -207,12 +221,14 @@ impl Search<'_, '_, '_> {
     /// would make the larger one look better than it is.
     fn repair(&self, sets: &mut Vec<Set>) {
         for size in (1..=self.most).rev() {
-            let weights = weights::of(self.data, sets, self.candidates.len());
+            let weights = weights::of(self.data, sets, self.candidates);
             let likely = (0..sets.len()).filter(|k| sets[*k].size() == size && weights[*k] > LIKELY);
             let wanted: Vec<(usize, usize)> =
                 likely.flat_map(|k| (0..size).map(move |place| (k, place))).collect();
-            let found: Vec<Set> =
-                wanted.par_iter().filter_map(|(k, place)| self.without(&sets[*k], *place)).collect();
+            let found: Vec<Set> = wanted
+                .par_iter()
+                .filter_map(|(k, place)| self.without(&sets[0], &sets[*k], *place))
+                .collect();
             for set in found {
                 match sets.iter_mut().find(|known| known.has_just(&set.members)) {
                     Some(known) if evidence(known) < evidence(&set) => *known = set,
@@ -223,26 +239,24 @@ impl Search<'_, '_, '_> {
         }
     }
 
-    /// `set` without the member in a place, fitted from where it is.
-    fn without(&self, set: &Set, place: usize) -> Option<Set> {
-        let number = self.given + place;
+    /// `set` without the member in a place, fitted from where it is; `empty` has no member.
+    fn without(&self, empty: &Set, set: &Set, place: usize) -> Option<Set> {
         let mut members = set.members.clone();
         members.remove(place);
-        let mut model = set.posterior.model.clone();
-        model.effects.remove(number);
-        let base = set.posterior.unknowns.iter().take_while(|u| !own(&u.path, self.given)).count();
-        let mut unknowns = set.posterior.unknowns[..base].to_vec();
-        let mut y = set.posterior.y[..base].to_vec();
-        let mut from = base;
-        for (k, member) in set.members.iter().enumerate() {
-            let prepared = &self.candidates[*member];
-            let count = prepared.coordinates.len();
-            if k != place {
-                let before = members.iter().position(|m| m == member)?;
-                unknowns.extend(prepared.unknowns(self.given + before + 1));
-                y.extend_from_slice(&set.posterior.y[from..from + count]);
-            }
-            from += count;
+        let of = |owner: Option<usize>| {
+            let pairs = set.posterior.unknowns.iter().zip(&set.posterior.y);
+            pairs.filter(move |(unknown, _)| unknown.owner == owner)
+        };
+        let (mut model, mut unknowns, mut y) = (empty.posterior.model.clone(), Vec::new(), Vec::new());
+        for (unknown, at) in of(None) {
+            unknowns.push(unknown.clone());
+            y.push(*at);
+        }
+        for &member in &members {
+            let at: Vec<f64> = of(Some(member)).map(|(_, y)| *y).collect();
+            model = self.candidates[member].added_to(&model, &at);
+            unknowns.extend(self.candidates[member].unknowns(&model, member));
+            y.extend(at);
         }
         let start = Start { model: &model, unknowns: &unknowns, y: &y };
         let posterior = fit(self.data, &start, &Latent::default(), None).ok()?;
@@ -298,10 +312,4 @@ impl Search<'_, '_, '_> {
 
 pub(in crate::diagnose) fn evidence(set: &Set) -> f64 {
     set.posterior.log_evidence
-}
-
-/// Whether a path belongs to an effect that was added to the `given` ones.
-pub(in crate::diagnose) fn own(path: &str, given: usize) -> bool {
-    let number = path.strip_prefix("effect.").and_then(|rest| rest.split('.').next()?.parse::<usize>().ok());
-    number.is_some_and(|number| number > given)
 }

@@ -1,7 +1,7 @@
 //! What a fit may change, each with what is thought of it before the data are seen.
 
 use super::constants::{BASE, SECOND, STRUCTURE};
-use crate::effects::{EffectParameter, Range};
+use crate::diagnose::candidates::Brought;
 use crate::model::{Model, ModelParameter};
 use crate::vocabulary::Scale;
 
@@ -67,11 +67,14 @@ impl Coordinate {
         }
     }
 
-    /// Of an effect's first parameter, neutral at 0, where `size` above neutral is one prior deviation.
-    pub fn of_first(parameter: &EffectParameter, size: f64) -> Self {
-        let neutral = parameter.neutral.unwrap_or(0.0);
-        let lower = parameter.quantity.min.unwrap_or(f64::NEG_INFINITY);
-        let upper = parameter.quantity.max.unwrap_or(f64::INFINITY);
+    /// Of the first number that a candidate brings, where `size` from neutral is one prior deviation.
+    pub fn of_first(brought: &Brought, size: f64) -> Self {
+        let neutral = brought.neutral.unwrap_or(0.0);
+        let lower = brought.quantity.min.unwrap_or(f64::NEG_INFINITY);
+        let mut upper = brought.quantity.max.unwrap_or(f64::INFINITY);
+        if brought.quantity.open && upper == neutral {
+            upper = brought.range.upper;
+        }
         if neutral.is_infinite() {
             // Beyond, it is as good as rigid.
             let upper = upper.min(1e4 / size);
@@ -81,11 +84,15 @@ impl Coordinate {
         }
     }
 
-    /// Of an effect's other parameter.
-    pub fn of_second(parameter: &EffectParameter, range: &Range) -> Self {
+    /// Of another number that a candidate brings.
+    pub fn of_second(brought: &Brought) -> Self {
+        let Brought { quantity, range, .. } = brought;
         let centre = range.starts[0];
-        let lower = parameter.quantity.min.unwrap_or(0.0).max(1e-2 * range.lower);
-        let upper = parameter.quantity.max.unwrap_or(f64::INFINITY);
+        if centre <= 0.0 {
+            return Self::between(range.lower, range.upper);
+        }
+        let lower = quantity.min.unwrap_or(0.0).max(1e-2 * range.lower);
+        let upper = quantity.max.unwrap_or(f64::INFINITY);
         Self { measure: Measure::Logarithmic, centre, spread: SECOND, lower, upper }
     }
 
@@ -134,13 +141,15 @@ pub(in crate::diagnose) struct Unknown {
     pub path: String,
     pub unit: &'static str,
     pub coordinate: Coordinate,
+    /// The candidate that brought it.
+    pub owner: Option<usize>,
 }
 
 impl Unknown {
     /// A parameter that the model has already.
     pub fn of(parameter: &ModelParameter) -> Self {
         let coordinate = Coordinate::of_base(parameter);
-        Self { coordinate, path: parameter.path.clone(), unit: parameter.quantity.unit }
+        Self { coordinate, path: parameter.path.clone(), unit: parameter.quantity.unit, owner: None }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::constants::{ODDS, RELEVANT};
 use super::measured::Measured;
+use super::probe::Prepared;
 use super::search::{Set, evidence};
 use crate::model::Structure;
 
@@ -10,8 +11,8 @@ const NEGLIGIBLE: f64 = 1e-4;
 
 /// The probability of each of `sets` among them, of `candidates` that could be members: of two sets of which the larger
 /// predicts the same, the smaller has both.
-pub(super) fn of(data: &Measured, sets: &[Set], candidates: usize) -> Vec<f64> {
-    let scores: Vec<f64> = sets.iter().map(|set| score(set, candidates + 1)).collect();
+pub(super) fn of(data: &Measured, sets: &[Set], candidates: &[Prepared]) -> Vec<f64> {
+    let scores: Vec<f64> = sets.iter().map(|set| score(set, candidates)).collect();
     let top = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let mut weights: Vec<f64> = scores.iter().map(|score| (score - top).exp()).collect();
     let sum: f64 = weights.iter().sum();
@@ -37,11 +38,18 @@ pub(super) fn of(data: &Measured, sets: &[Set], candidates: usize) -> Vec<f64> {
     weights
 }
 
-/// Log evidence with the prior of the set: each further member at the same odds, any of them alike.
-pub(super) fn score(set: &Set, candidates: usize) -> f64 {
-    let (m, size) = (candidates as f64, set.size());
+/// Log evidence with the prior of the set: each further member at the same odds, any of them alike, and so are the forms of
+/// one; the discrepancy is a member like any other.
+fn score(set: &Set, candidates: &[Prepared]) -> f64 {
+    let own = candidates.iter().filter(|one| one.candidate.law.is_none()).count();
+    let forms = |member: usize| {
+        let of = &candidates[member].candidate;
+        candidates.iter().filter(|one| one.candidate.is_form_of(of)).count() as f64
+    };
+    let (m, size) = (own as f64 + 1.0, set.size());
+    let forms: f64 = set.members.iter().map(|member| forms(*member).ln()).sum();
     let choices: f64 = (0..size).map(|i| ((m - i as f64) / (i as f64 + 1.0)).ln()).sum();
-    evidence(set) + size as f64 * ODDS.ln() - choices
+    evidence(set) + size as f64 * ODDS.ln() - choices - forms
 }
 
 /// Whether a set differs from that without its discrepancy by its residual alone, which has its smallest size itself.

@@ -9,11 +9,13 @@ mod explain;
 
 pub(super) use decision::Decision;
 
-use super::diagnosis::{Candidate, Cost, Diagnosis, Errors, Estimate, Noise, Step, Untried, Verdict};
+use super::candidates::Candidate as Form;
+use super::diagnosis::{Candidate, Cost, Diagnosis, Errors, Noise, Step, Untried, Verdict};
 use super::engine::stage;
-use super::evidence::{self, Measured, Sensitivities, Set, Weighed, own};
+use super::evidence::{self, Measured, Sensitivities, Set, Weighed};
 use super::measurements::split::Parts;
 use super::measurements::weighted_dataset::{Scored, WeightedDataset};
+use crate::contact::LawKind;
 use crate::data::Dataset;
 use crate::fit::compare::{Comparison, Stage};
 use crate::model::Model;
@@ -58,18 +60,23 @@ impl Context<'_, '_> {
 impl Weighed {
     /// Ids of the effects of a set, sorted.
     fn ids(&self, set: usize) -> Vec<&'static str> {
-        let mut ids: Vec<&'static str> = self.sets[set]
-            .members
-            .iter()
-            .map(|member| self.candidates[*member].candidate.effect.id)
-            .collect();
+        let mut ids = self.ordered(set);
         ids.sort_unstable();
         ids
     }
 
+    fn form(&self, member: usize) -> &Form {
+        &self.candidates[member].candidate
+    }
+
+    /// The law that shows an effect of a set, where it is not the model's.
+    fn law(&self, set: usize) -> Option<&'static LawKind> {
+        self.sets[set].members.iter().find_map(|member| self.form(*member).law)
+    }
+
     /// The same in the order in which they were added.
     fn ordered(&self, set: usize) -> Vec<&'static str> {
-        self.sets[set].members.iter().map(|member| self.candidates[*member].candidate.effect.id).collect()
+        self.sets[set].members.iter().map(|member| self.form(*member).effect.id).collect()
     }
 
     /// The empty set and the sets on the way to `best` that were fitted.
@@ -131,6 +138,10 @@ pub(super) fn of(
         evidence: explain::evidence(&explained, &sensitivities),
         next_experiment: explain::next_experiment(&explained),
         effects,
+        law: weighed
+            .law(decision.best)
+            .filter(|_| decision.verdict == Verdict::EffectFound)
+            .map(|law| law.name),
         surrogates,
         groups: decision.groups.clone(),
         error: errors,
@@ -152,7 +163,7 @@ pub(super) fn of(
             records: context.dataset.records.clone(),
             stages,
         },
-        model: best.posterior.model.clone().with_effects_free(context.model.effects.len()),
+        model: best.posterior.model.clone().with_new_free(context.model),
         cost: Cost { refits: context.bench.spent().0, simulations: context.bench.spent().1 },
     }
 }
@@ -232,16 +243,17 @@ fn round(context: &Context, weighed: &Weighed, size: usize, best: Option<usize>)
     let mut sets: Vec<&Set> =
         weighed.sets.iter().filter(|set| set.discrepancy.is_none() && set.members.len() == size).collect();
     sets.sort_by(|a, b| b.posterior.log_evidence.total_cmp(&a.posterior.log_evidence));
-    let given = context.model.effects.len();
     let mut round: Vec<Candidate> = sets.iter().map(|set| fitted(context, weighed, set)).collect();
     if size > 1 {
         return round;
     }
-    for (index, prepared) in weighed.candidates.iter().enumerate() {
-        if !sets.iter().any(|set| set.members == [index]) {
+    let fitted = |one: &Form| sets.iter().any(|set| weighed.form(set.members[0]).is_form_of(one));
+    for one in weighed.candidates.iter().map(|one| &one.candidate) {
+        if one.law.is_none() && !fitted(one) {
             round.push(Candidate {
-                effects: vec![prepared.candidate.effect.id],
-                location: prepared.candidate.location.as_ref().map(ToString::to_string),
+                effects: vec![one.effect.id],
+                location: one.location.as_ref().map(ToString::to_string),
+                law: None,
                 error: context.error(&weighed.sets[0]),
                 gain_z: 0.0,
                 gain_fraction: 0.0,
@@ -252,12 +264,15 @@ fn round(context: &Context, weighed: &Weighed, size: usize, best: Option<usize>)
         }
     }
     let best = &weighed.sets[best.unwrap_or(0)];
-    for (place, member) in best.members.iter().enumerate() {
-        let candidate = &weighed.candidates[*member].candidate;
-        let location = candidate.location.as_ref().map(ToString::to_string);
-        let of_it = |one: &&mut Candidate| one.effects == [candidate.effect.id] && one.location == location;
+    for &member in &best.members {
+        let one = weighed.form(member);
+        let location = one.location.as_ref().map(ToString::to_string);
+        let law = one.law.map(|law| law.name);
+        let of_it = |told: &&mut Candidate| {
+            told.effects == [one.effect.id] && told.location == location && told.law == law
+        };
         if let Some(told) = round.iter_mut().find(of_it) {
-            told.parameters = parameters_of(&best.posterior.estimates(), given + place + 1);
+            told.parameters = best.posterior.brought(Some(member));
         }
     }
     round
@@ -265,30 +280,18 @@ fn round(context: &Context, weighed: &Weighed, size: usize, best: Option<usize>)
 
 fn fitted(context: &Context, weighed: &Weighed, set: &Set) -> Candidate {
     let (gain_z, gain_fraction) = gain(context, &weighed.sets[0], set);
-    let members = || set.members.iter().map(|member| &weighed.candidates[*member].candidate);
-    let estimates = set.posterior.estimates();
-    let given = context.model.effects.len();
-    let own = estimates.iter().filter(|estimate| own(&estimate.name, given)).map(short);
+    let members = || set.members.iter().map(|member| weighed.form(*member));
     Candidate {
-        effects: members().map(|candidate| candidate.effect.id).collect(),
-        location: members().find_map(|candidate| candidate.location.as_ref().map(ToString::to_string)),
+        effects: members().map(|one| one.effect.id).collect(),
+        location: members().find_map(|one| one.location.as_ref().map(ToString::to_string)),
+        law: members().find_map(|one| one.law).map(|law| law.name),
         error: context.error(set),
         gain_z,
         gain_fraction,
-        parameters: own.collect(),
+        parameters: set.posterior.brought(None),
         evaluations: set.posterior.simulations,
         failure: None,
     }
-}
-
-/// The parameters of effect number `number` of a model, by their names alone.
-fn parameters_of(estimates: &[Estimate], number: usize) -> Vec<Estimate> {
-    let prefix = format!("effect.{number}.");
-    estimates.iter().filter(|estimate| estimate.name.starts_with(&prefix)).map(short).collect()
-}
-
-fn short(estimate: &Estimate) -> Estimate {
-    Estimate { name: estimate.name.rsplit('.').next().unwrap_or_default().to_owned(), ..estimate.clone() }
 }
 
 /// A diagnosis that could not be made.
@@ -310,6 +313,7 @@ pub(super) fn insufficient(
         probability: f64::NAN,
         reasons: vec![reason],
         effects: Vec::new(),
+        law: None,
         surrogates: Vec::new(),
         groups: Vec::new(),
         error: Errors {

@@ -18,7 +18,8 @@ use super::Run;
 /// ```
 ///
 /// and more keys, which give the details. `effects` are the significant ones, where the verdict
-/// is `effect-found` or `not-distinguishable`; `places` says where they sit; `groups` are lists of ids. Units are SI. Numbers that are unknown or not finite are `null`.
+/// is `effect-found` or `not-distinguishable`; `places` says where they sit, `law`
+/// which contact law shows them in the place of the model's (`null` for effects of their own); `groups` are lists of ids. Units are SI. Numbers that are unknown or not finite are `null`.
 pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
     let named = matches!(diagnosis.verdict, Verdict::EffectFound | Verdict::NotDistinguishable);
     let groups: Vec<&[&str]> = diagnosis.groups.iter().map(|group| &group.effects[..]).collect();
@@ -31,6 +32,7 @@ pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
         "verdict": diagnosis.verdict.id(),
         "probability": diagnosis.probability,
         "effects": if named { &diagnosis.effects[..] } else { &[] },
+        "law": diagnosis.law,
         "places": places(diagnosis),
         "groups": groups,
         "error": errors(diagnosis),
@@ -94,6 +96,7 @@ fn errors(diagnosis: &Diagnosis) -> Value {
 fn candidate(candidate: &Candidate) -> Value {
     json!({
         "effect": candidate.effects.join("+"), "effects": candidate.effects, "location": candidate.location,
+        "law": candidate.law,
         "error": candidate.error, "gain_z": candidate.gain_z, "gain_share": candidate.gain_fraction,
         "parameters": estimates(&candidate.parameters), "evaluations": candidate.evaluations,
         "failure": candidate.failure,

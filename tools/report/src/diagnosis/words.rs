@@ -32,13 +32,12 @@ pub fn badge(verdict: Verdict) -> &'static str {
     }
 }
 
-/// The candidate as a name: its effects and where it sits.
+/// The candidate as a name: its effects, where it sits, and the law that shows it.
 pub fn candidate(candidate: &Candidate) -> String {
     let names = titles(&candidate.effects, "and");
-    match &candidate.location {
-        Some(location) => format!("{names} at {location}"),
-        None => names,
-    }
+    let place = candidate.location.as_ref().map(|location| format!(" at {location}")).unwrap_or_default();
+    let law = candidate.law.map(|law| format!(" (law {law})")).unwrap_or_default();
+    format!("{names}{place}{law}")
 }
 
 /// The verdict in one sentence or two, with the numbers that it rests on.
@@ -52,7 +51,8 @@ pub fn verdict(diagnosis: &Diagnosis) -> String {
             floor(diagnosis)
         ),
         Verdict::EffectFound => {
-            format!("{found} {be} missing from the model. {}{}", fall(diagnosis), floor(diagnosis))
+            let law = diagnosis.law.map(|law| format!(", described by law = \"{law}\"")).unwrap_or_default();
+            format!("{found} {be} missing from the model{law}. {}{}", fall(diagnosis), floor(diagnosis))
         }
         Verdict::NotDistinguishable => format!(
             "An effect is missing, but these data cannot distinguish between the candidates: {}.{}",

@@ -61,6 +61,7 @@ fn candidate(
 ) -> Candidate {
     Candidate {
         effects: effects.to_vec(),
+        law: None,
         location: None,
         error,
         gain_z,
@@ -101,6 +102,7 @@ fn candidates() -> Vec<Candidate> {
         candidate(&["asymmetry"], 0.381, -1.2, -0.02, vec![estimate("asymmetry", 0.01, 0.02, "1")]),
         candidate(&["backlash"], 0.39, -2.4, -0.05, vec![estimate("half_gap", 1.2e-7, 9e-8, "m")]),
         Candidate {
+            law: None,
             location: Some("force".into()),
             ..candidate(&["sensor_offset"], 0.38, -0.4, -0.001, vec![estimate("bias", 0.02, 0.05, "N")])
         },
