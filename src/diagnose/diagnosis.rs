@@ -11,6 +11,9 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// Its probability, given that one of the hypotheses weighed is true; NaN where none were.
     pub probability: f64,
+    /// Whether the size of the noise is known: stated, or seen in repeats. Where it is not, an effect that is found is likely
+    /// and no more.
+    pub noise_is_known: bool,
     /// Why, in sentences for an engineer, the most important first.
     pub reasons: Vec<String>,
     /// Ids of the effects found, in the order they were added. Empty unless the verdict is
@@ -61,7 +64,7 @@ pub struct Diagnosis {
 ///
 /// ```
 /// use stickslip::diagnose::Verdict;
-/// assert_eq!((Verdict::EffectFound.id(), Verdict::EffectFound.exit_code()), ("effect-found", 10));
+/// assert_eq!(Verdict::EffectFound.id(), "effect-found");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
@@ -88,15 +91,18 @@ impl Verdict {
             Self::InsufficientData => "insufficient-data",
         }
     }
+}
 
+impl Diagnosis {
     /// The exit code of `stickslip diagnose`.
-    pub fn exit_code(self) -> u8 {
-        match self {
-            Self::NothingMissing => 0,
-            Self::EffectFound => 10,
-            Self::NotDistinguishable => 11,
-            Self::Unexplained => 12,
-            Self::InsufficientData => 13,
+    pub fn exit_code(&self) -> u8 {
+        match self.verdict {
+            Verdict::NothingMissing => 0,
+            Verdict::EffectFound if self.noise_is_known => 10,
+            Verdict::NotDistinguishable => 11,
+            Verdict::Unexplained => 12,
+            Verdict::InsufficientData => 13,
+            Verdict::EffectFound => 14,
         }
     }
 }

@@ -86,7 +86,8 @@ fn decided(explained: &Explained) -> String {
             percent(RELEVANT)
         ),
         Verdict::EffectFound => format!(
-            "with a probability of {p} {} missing, and nothing else that moves a channel by more than {} of its variation",
+            "with a probability of {p}{} {} missing, and nothing else that moves a channel by more than {} of its variation",
+            if context.data.noise_is_known() { "" } else { ", if the noise is like what is left," },
             named(&weighed.ordered(decision.best)),
             percent(RELEVANT)
         ),

@@ -134,6 +134,7 @@ pub(super) fn of(
     Diagnosis {
         verdict: decision.verdict,
         probability: decision.probability,
+        noise_is_known: context.data.noise_is_known(),
         reasons: explain::reasons(&explained),
         evidence: explain::evidence(&explained, &sensitivities),
         next_experiment: explain::next_experiment(&explained),
@@ -311,6 +312,7 @@ pub(super) fn insufficient(
     Diagnosis {
         verdict: Verdict::InsufficientData,
         probability: f64::NAN,
+        noise_is_known: measured.iter().all(|noise| noise.deviation.is_some()),
         reasons: vec![reason],
         effects: Vec::new(),
         law: None,

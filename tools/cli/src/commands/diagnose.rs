@@ -27,7 +27,7 @@ Examples:
   stickslip diagnose model.toml data/ --effects backlash,wear,sensor_offset -o improved.toml
 
 Exit codes: 0 nothing missing; 10 effect found; 11 not distinguishable; 12 unexplained; 13 insufficient
-data; 2 bad input (nothing is written); 1 failed; 130 interrupted by Ctrl-C (what was known is written).")]
+data; 14 effect likely, its noise unknown; 2 bad input (nothing is written); 1 failed; 130 interrupted by Ctrl-C (what was known is written).")]
 pub struct Diagnose {
     /// The model file, or an FMU that carries one
     model: PathBuf,
@@ -81,7 +81,7 @@ impl Diagnose {
             outputs.add(path, diagnosis_html(&diagnosis, &run, &settings));
         }
         list(&outputs.write()?)?;
-        Ok(diagnosis.verdict.exit_code())
+        Ok(diagnosis.exit_code())
     }
 
     fn diagnosed(&self, model: &Model, dataset: &Dataset) -> Result<Diagnosis, Failure> {

@@ -31,6 +31,7 @@ pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
         "schema": "stickslip.diagnosis/1",
         "verdict": diagnosis.verdict.id(),
         "probability": diagnosis.probability,
+        "noise_known": diagnosis.noise_is_known,
         "effects": if named { &diagnosis.effects[..] } else { &[] },
         "law": diagnosis.law,
         "places": places(diagnosis),

@@ -37,7 +37,7 @@ pub fn diagnosis_html(diagnosis: &Diagnosis, run: &Run, settings: &Settings) -> 
     };
     Shell {
         title: &title,
-        badge: Some((words::badge(diagnosis.verdict), diagnosis.verdict.id())),
+        badge: Some((words::badge(diagnosis), diagnosis.verdict.id())),
         verdict: &words::verdict(diagnosis),
         warnings: &words::warnings(diagnosis, run),
         scope: &scope(diagnosis, run),

@@ -13,7 +13,7 @@ const CANDIDATES: usize = 8;
 /// columns (at least 40 are used). With `color`, ANSI sequences are added.
 pub fn diagnosis_table(diagnosis: &Diagnosis, run: &Run, width: usize, color: bool) -> String {
     let mut out = Text::new(width, color);
-    out.paragraph(words::badge(diagnosis.verdict), BOLD);
+    out.paragraph(words::badge(diagnosis), BOLD);
     out.paragraph(&words::verdict(diagnosis), "");
     for warning in words::warnings(diagnosis, run) {
         out.paragraph(&warning, RED);

@@ -22,9 +22,10 @@ pub fn titles(ids: &[&str], last: &str) -> String {
 }
 
 /// The verdict in a word or two.
-pub fn badge(verdict: Verdict) -> &'static str {
-    match verdict {
+pub fn badge(diagnosis: &Diagnosis) -> &'static str {
+    match diagnosis.verdict {
         Verdict::NothingMissing => "Nothing is missing",
+        Verdict::EffectFound if !diagnosis.noise_is_known => "Effect likely",
         Verdict::EffectFound => "Effect found",
         Verdict::NotDistinguishable => "Not distinguishable",
         Verdict::Unexplained => "Unexplained",
@@ -52,7 +53,8 @@ pub fn verdict(diagnosis: &Diagnosis) -> String {
         ),
         Verdict::EffectFound => {
             let law = diagnosis.law.map(|law| format!(", described by law = \"{law}\"")).unwrap_or_default();
-            format!("{found} {be} missing from the model{law}. {}{}", fall(diagnosis), floor(diagnosis))
+            let likely = if diagnosis.noise_is_known { "" } else { "probably " };
+            format!("{found} {be} {likely}missing from the model{law}. {}{}", fall(diagnosis), floor(diagnosis))
         }
         Verdict::NotDistinguishable => format!(
             "An effect is missing, but these data cannot distinguish between the candidates: {}.{}",

@@ -144,6 +144,8 @@ fn of(comparison: Comparison) -> Diagnosis {
     Diagnosis {
         verdict: Verdict::EffectFound,
         probability: 0.998,
+        noise_is_known: true,
+        law: None,
         reasons: vec![
             "With residual stiffness the error on the selecting records falls to the noise; every other single effect \
              leaves at least six times as much."
@@ -279,6 +281,8 @@ pub fn insufficient() -> Diagnosis {
     Diagnosis {
         verdict: Verdict::InsufficientData,
         probability: f64::NAN,
+        noise_is_known: false,
+        law: None,
         reasons: vec!["There is one record, and nothing is left to choose by.".into()],
         effects: vec![],
         steps: vec![],
