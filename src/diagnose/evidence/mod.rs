@@ -3,7 +3,8 @@
 //! A hypothesis is a model with a set of effects, and possibly a `discrepancy` that stands for what the catalogue lacks. Its
 //! `unknown`s have priors in units of the problem (`constants` holds all that decides), the noise is `autoregression` with a
 //! size per record (`measured`). `joint` is the sum of squares of all that is unknown, `posterior` its minimum with the
-//! volume around it, `probe` what amounts of each candidate would change to first order. `search` grows sets from none,
+//! volume around it, `probe` what amounts of each candidate would change to first order. `search` grows sets from none, and
+//! `neighbours` makes sure of the likely ones;
 //! `weights` makes probabilities of their evidence, `limits` tells what could not have been seen.
 
 mod autoregression;
@@ -12,6 +13,7 @@ mod discrepancy;
 mod joint;
 mod limits;
 mod measured;
+mod neighbours;
 mod posterior;
 mod probe;
 mod search;

@@ -217,7 +217,7 @@ pub(super) fn around(
 }
 
 /// The coordinates that a candidate is looked at.
-fn places(prepared: &Prepared) -> Vec<Vec<f64>> {
+pub(super) fn places(prepared: &Prepared) -> Vec<Vec<f64>> {
     let (low, high) = prepared.coordinates[0].bounds();
     let signs = [1.0, -1.0].into_iter().flat_map(|sign| SIZES.map(|size| sign * size));
     let firsts: Vec<f64> = signs.filter(|y| (low..=high).contains(y)).collect();

@@ -9,7 +9,6 @@ use super::measured::Measured;
 use super::posterior::{Posterior, Start, fit, screen};
 use super::probe::{self, Prepared, Probe};
 use super::unknown::Unknown;
-use super::weights;
 use crate::model::Model;
 
 /// A hypothesis.
@@ -48,11 +47,9 @@ const BEHIND: f64 = 20.0;
 /// Sets of a size that are looked at twice, that are fitted in full, and that larger ones are made from, at most.
 const TWICE: usize = 8;
 const FULL: usize = 5;
-const PARENTS: usize = 2;
+pub(super) const PARENTS: usize = 2;
 /// Sets that are fitted in full at least where first looks are about the measured motions.
 const LED: usize = 3;
-/// Probability from which a set is made sure of.
-const LIKELY: f64 = 0.01;
 
 /// What is searched.
 pub(in crate::diagnose) struct Search<'s, 'a, 'd> {
@@ -81,8 +78,10 @@ impl Search<'_, '_, '_> {
             parents.truncate(if adequate || size + 1 == self.most { 1 } else { PARENTS });
             let before = sets.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
             let found = self.grown(&sets, &parents, adequate);
-            let best = found.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
             sets.extend(found);
+            self.in_other_forms(&mut sets, size + 1);
+            let grown = sets.iter().filter(|set| set.members.len() == size + 1);
+            let best = grown.map(evidence).fold(f64::NEG_INFINITY, f64::max);
             if best < before || self.data.bench.interrupted() {
                 break;
             }
@@ -92,12 +91,15 @@ impl Search<'_, '_, '_> {
         sets
     }
 
+    /// Whether two candidates are forms of one.
+    pub(super) fn are_forms(&self, a: usize, b: usize) -> bool {
+        self.candidates[a].candidate.is_form_of(&self.candidates[b].candidate)
+    }
+
     /// Leaves of those of `parents` that have the same effects in several forms the first.
     fn different(&self, sets: &[Set], parents: &mut Vec<usize>) {
-        let form =
-            |a: &usize, b: &usize| self.candidates[*a].candidate.is_form_of(&self.candidates[*b].candidate);
-        let same =
-            |a: usize, b: usize| sets[a].members.iter().all(|a| sets[b].members.iter().any(|b| form(a, b)));
+        let among = |a: usize, members: &[usize]| members.iter().any(|b| self.are_forms(a, *b));
+        let same = |a: usize, b: usize| sets[a].members.iter().all(|a| among(*a, &sets[b].members));
         let mut kept: Vec<usize> = Vec::new();
         parents.retain(|parent| {
             let new = !kept.iter().any(|kept| same(*kept, *parent));
@@ -115,10 +117,9 @@ impl Search<'_, '_, '_> {
         };
         for &parent in parents {
             let members = &sets[parent].members;
-            let form =
-                |m: usize, of: usize| self.candidates[m].candidate.is_form_of(&self.candidates[of].candidate);
-            let absent = |m: &usize| !members.iter().any(|member| form(*m, *member));
-            let which: Vec<usize> = (0..self.candidates.len()).filter(absent).collect();
+            let own = |m: &usize| self.candidates[*m].candidate.law.is_none();
+            let absent = |m: &usize| !members.iter().any(|member| self.are_forms(*m, *member));
+            let which: Vec<usize> = (0..self.candidates.len()).filter(own).filter(absent).collect();
             let probes = probe::around(self.data, &sets[parent].posterior, self.candidates, &which);
             let mut starts: Vec<Probe> = Vec::new();
             for probe in probes.unwrap_or_default().into_iter().filter(worthy) {
@@ -134,13 +135,7 @@ impl Search<'_, '_, '_> {
         let seen: Vec<Option<Set>> =
             wanted.par_iter().map(|(parent, probe)| self.glanced(&sets[*parent], probe)).collect();
         let mut found: Vec<Set> = Vec::new();
-        for set in seen.into_iter().flatten() {
-            match found.iter_mut().find(|known| known.has_just(&set.members)) {
-                Some(known) if evidence(known) < evidence(&set) => *known = set,
-                Some(_) => {}
-                None => found.push(set),
-            }
-        }
+        seen.into_iter().flatten().for_each(|set| keep(&mut found, set));
         let ranked = |found: &mut Vec<Set>| found.sort_by(|a, b| evidence(b).total_cmp(&evidence(a)));
         ranked(&mut found);
         let twice = found.len().min(TWICE);
@@ -208,59 +203,13 @@ impl Search<'_, '_, '_> {
     }
 
     /// Fits a set that was looked at.
-    fn finish(&self, set: &mut Set) {
+    pub(super) fn finish(&self, set: &mut Set) {
         let Posterior { model, unknowns, y, .. } = &set.posterior;
         let start = Start { model, unknowns, y };
         if let Ok(whole) = fit(self.data, &start, &Latent::default(), None) {
             set.posterior = whole;
             set.screened = false;
         }
-    }
-
-    /// Every subset of one less of the likely sets, fitted from the larger one's parameters: a smaller set that stuck
-    /// would make the larger one look better than it is.
-    fn repair(&self, sets: &mut Vec<Set>) {
-        for size in (1..=self.most).rev() {
-            let weights = weights::of(self.data, sets, self.candidates);
-            let likely = (0..sets.len()).filter(|k| sets[*k].size() == size && weights[*k] > LIKELY);
-            let wanted: Vec<(usize, usize)> =
-                likely.flat_map(|k| (0..size).map(move |place| (k, place))).collect();
-            let found: Vec<Set> = wanted
-                .par_iter()
-                .filter_map(|(k, place)| self.without(&sets[0], &sets[*k], *place))
-                .collect();
-            for set in found {
-                match sets.iter_mut().find(|known| known.has_just(&set.members)) {
-                    Some(known) if evidence(known) < evidence(&set) => *known = set,
-                    Some(_) => {}
-                    None => sets.push(set),
-                }
-            }
-        }
-    }
-
-    /// `set` without the member in a place, fitted from where it is; `empty` has no member.
-    fn without(&self, empty: &Set, set: &Set, place: usize) -> Option<Set> {
-        let mut members = set.members.clone();
-        members.remove(place);
-        let of = |owner: Option<usize>| {
-            let pairs = set.posterior.unknowns.iter().zip(&set.posterior.y);
-            pairs.filter(move |(unknown, _)| unknown.owner == owner)
-        };
-        let (mut model, mut unknowns, mut y) = (empty.posterior.model.clone(), Vec::new(), Vec::new());
-        for (unknown, at) in of(None) {
-            unknowns.push(unknown.clone());
-            y.push(*at);
-        }
-        for &member in &members {
-            let at: Vec<f64> = of(Some(member)).map(|(_, y)| *y).collect();
-            model = self.candidates[member].added_to(&model, &at);
-            unknowns.extend(self.candidates[member].unknowns(&model, member));
-            y.extend(at);
-        }
-        let start = Start { model: &model, unknowns: &unknowns, y: &y };
-        let posterior = fit(self.data, &start, &Latent::default(), None).ok()?;
-        Some(Set { members, discrepancy: None, posterior, screened: false })
     }
 
     /// Adds the likely sets with a discrepancy, those of `known` as they are where their sets did not change; in full
@@ -307,6 +256,15 @@ impl Search<'_, '_, '_> {
             Ok(whole) if whole.log_evidence > doubt.log_evidence => set.posterior = whole,
             _ => {}
         }
+    }
+}
+
+/// Adds `set`, or puts it in the place of a less likely one of the same members.
+pub(super) fn keep(sets: &mut Vec<Set>, set: Set) {
+    match sets.iter_mut().find(|known| known.has_just(&set.members)) {
+        Some(known) if evidence(known) < evidence(&set) => *known = set,
+        Some(_) => {}
+        None => sets.push(set),
     }
 }
 

@@ -54,7 +54,11 @@ pub fn verdict(diagnosis: &Diagnosis) -> String {
         Verdict::EffectFound => {
             let law = diagnosis.law.map(|law| format!(", described by law = \"{law}\"")).unwrap_or_default();
             let likely = if diagnosis.noise_is_known { "" } else { "probably " };
-            format!("{found} {be} {likely}missing from the model{law}. {}{}", fall(diagnosis), floor(diagnosis))
+            format!(
+                "{found} {be} {likely}missing from the model{law}. {}{}",
+                fall(diagnosis),
+                floor(diagnosis)
+            )
         }
         Verdict::NotDistinguishable => format!(
             "An effect is missing, but these data cannot distinguish between the candidates: {}.{}",
