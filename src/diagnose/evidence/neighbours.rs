@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::joint::Latent;
 use super::posterior::{Start, fit, screen};
 use super::probe;
-use super::search::{PARENTS, Search, Set, evidence, keep};
+use super::search::{BEHIND, Search, Set, evidence, keep};
 use super::unknown::Unknown;
 use super::weights;
 use crate::model::Model;
@@ -38,24 +38,19 @@ impl Search<'_, '_, '_> {
         Some(Set { members, discrepancy: None, posterior, screened: false })
     }
 
-    /// Adds the best sets of a size with a member that has several forms in all of these.
+    /// Adds the best set of a size in all forms that its members have.
     pub(super) fn in_other_forms(&self, sets: &mut Vec<Set>, size: usize) {
-        let mut order: Vec<usize> =
-            (0..sets.len()).filter(|k| sets[*k].members.len() == size && !sets[*k].screened).collect();
-        order.sort_by(|a, b| evidence(&sets[*b]).total_cmp(&evidence(&sets[*a])));
-        order.truncate(PARENTS);
-        let mut wanted: Vec<(usize, usize, usize)> = Vec::new();
-        for &k in &order {
-            for (place, &member) in sets[k].members.iter().enumerate() {
-                let others =
-                    (0..self.candidates.len()).filter(|m| *m != member && self.are_forms(*m, member));
-                wanted.extend(others.map(|other| (k, place, other)));
-            }
-        }
-        let found: Vec<Set> = wanted
-            .par_iter()
-            .filter_map(|(k, place, other)| self.in_another_form(&sets[0], &sets[*k], *place, *other))
-            .collect();
+        let fitted = sets.iter().filter(|set| set.members.len() == size && !set.screened);
+        let Some(best) = fitted.max_by(|a, b| evidence(a).total_cmp(&evidence(b))) else { return };
+        let forms = |(place, member): (usize, &usize)| {
+            let member = *member;
+            let others =
+                (0..self.candidates.len()).filter(move |m| *m != member && self.are_forms(*m, member));
+            others.map(move |other| (place, other))
+        };
+        let wanted: Vec<(usize, usize)> = best.members.iter().enumerate().flat_map(forms).collect();
+        let other = |(place, other): &(usize, usize)| self.in_another_form(&sets[0], best, *place, *other);
+        let found: Vec<Set> = wanted.par_iter().filter_map(other).collect();
         found.into_iter().for_each(|set| keep(sets, set));
     }
 
@@ -71,7 +66,11 @@ impl Search<'_, '_, '_> {
         let starts = probe::places(&self.candidates[other]);
         let seen = starts.iter().filter_map(looked);
         let mut best = seen.max_by(|a, b| evidence(a).total_cmp(&evidence(b)))?;
-        self.finish(&mut best);
+        self.screened(&mut best);
+        // First looks of another kind are not to be compared with a fit.
+        if self.looks.is_some() || evidence(&best) > evidence(set) - BEHIND {
+            self.finish(&mut best);
+        }
         Some(best).filter(|set| !set.screened)
     }
 

@@ -43,11 +43,11 @@ const WORTH: f64 = 2.0;
 const UNLIKELY: f64 = -5.0;
 const IRRELEVANT: f64 = 0.3;
 /// Behind the best by how much (in nats) a set is not worth a whole fit.
-const BEHIND: f64 = 20.0;
+pub(super) const BEHIND: f64 = 20.0;
 /// Sets of a size that are looked at twice, that are fitted in full, and that larger ones are made from, at most.
 const TWICE: usize = 8;
 const FULL: usize = 5;
-pub(super) const PARENTS: usize = 2;
+const PARENTS: usize = 2;
 /// Sets that are fitted in full at least where first looks are about the measured motions.
 const LED: usize = 3;
 
@@ -170,7 +170,7 @@ impl Search<'_, '_, '_> {
     }
 
     /// A set that was glanced at, looked at.
-    fn screened(&self, set: &mut Set) {
+    pub(super) fn screened(&self, set: &mut Set) {
         let Posterior { model, unknowns, y, .. } = &set.posterior;
         let start = Start { model, unknowns, y };
         if let Ok(better) = screen(self.looks.unwrap_or(self.data), &start, true)
