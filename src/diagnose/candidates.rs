@@ -61,7 +61,8 @@ impl Candidate {
             let (lower, upper, scale) = (parameter.range)(scales.stiffness);
             let middle =
                 if scale == Scale::Logarithmic { (lower * upper).sqrt() } else { 0.5 * (lower + upper) };
-            let range = Range { lower, upper, scale, starts: vec![middle] };
+            let starts = [1.0, 3.3, 1.0 / 3.3].map(|factor| (factor * middle).clamp(lower, upper)).to_vec();
+            let range = Range { lower, upper, scale, starts };
             Brought { quantity: parameter.quantity, neutral: parameter.one_slider_at, range }
         };
         varied(law).iter().map(brought).collect()

@@ -9,7 +9,7 @@ use super::evidence::{self, Measured, Posterior, Question};
 use super::measurements::noise::{self, noise_of};
 use super::measurements::split;
 use super::measurements::weighted_dataset::WeightedDataset;
-use super::measurements::{inputs, magnitudes, thinned};
+use super::measurements::{beginnings, inputs, magnitudes, thinned};
 use super::verdict::{self, Context, Decision};
 use crate::data::Dataset;
 use crate::effects::{Effect, Location};
@@ -140,7 +140,17 @@ pub fn diagnose(
     let data = Measured::new(&bench, &parts.seen(), &measured, &through);
     let about = bench.linearised_at_measurement();
     let looks = about.as_ref().map(|about| Measured::new(about, &parts.seen(), &measured, &through));
-    let question = Question { data: &data, looks: looks.as_ref(), dataset: bench.dataset, scales: &scales };
+    let cut = beginnings::of(model, bench.dataset);
+    let cut = benches(model, &cut, watch.interrupt);
+    let beginnings: Vec<Measured> =
+        cut.iter().map(|cut| Measured::new(cut, &parts.seen(), &measured, &through)).collect();
+    let question = Question {
+        data: &data,
+        looks: looks.as_ref(),
+        beginnings: &beginnings,
+        dataset: bench.dataset,
+        scales: &scales,
+    };
     let weighed = evidence::weigh(&question, base, &tried, options.max_effects, &|what| progress.tell(what))
         .map_err(|reason| unpredictable(&bench, model, reason))?;
     let context = Context { model, dataset, bench: &bench, data: &data, parts: &parts, table };
@@ -200,6 +210,15 @@ fn prepared<'d>(
     Ok((bench, magnitudes::of(model, dataset)))
 }
 
+/// Of those of `datasets` that can be predicted.
+fn benches<'d>(
+    model: &Model,
+    datasets: &'d [Dataset],
+    interrupt: Option<InterruptHook<'d>>,
+) -> Vec<WeightedDataset<'d>> {
+    datasets.iter().filter_map(|dataset| WeightedDataset::new(model, dataset, interrupt).ok()).collect()
+}
+
 /// Why `model` could not be refitted, with the first record that it does not predict as it stands.
 fn unpredictable(bench: &WeightedDataset, model: &Model, reason: String) -> DiagnoseError {
     let records = &bench.dataset.records;
@@ -241,7 +260,12 @@ pub fn add(
     let forms = Candidate::forms(effect, location.as_ref(), model);
     let about = bench.linearised_at_measurement();
     let looks = about.as_ref().map(|about| Measured::new(about, &fit, &measured, &through));
-    let question = Question { data: &data, looks: looks.as_ref(), dataset, scales: &scales };
+    let cut = beginnings::of(model, dataset);
+    let cut = benches(model, &cut, watch.interrupt);
+    let beginnings: Vec<Measured> =
+        cut.iter().map(|cut| Measured::new(cut, &fit, &measured, &through)).collect();
+    let question =
+        Question { data: &data, looks: looks.as_ref(), beginnings: &beginnings, dataset, scales: &scales };
     let with =
         evidence::added(&question, &base, &forms).map_err(|reason| unpredictable(&bench, model, reason))?;
     progress.tell(effect.id);

@@ -4,24 +4,15 @@ use super::{Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind,
 use crate::system::HangingMass;
 use crate::vocabulary as v;
 
-/// Fractions of the structure's mass to start from, each with every frequency.
-const FRACTIONS: [f64; 4] = [0.01, 0.03, 0.08, 1.0];
-/// Frequencies to start from, each `STEP` times the one before. What a resonator does is narrow: a fit finds its
-/// frequency only from nearby.
-const FREQUENCIES: usize = 25;
+/// Frequencies to start from on either side of the drive's, each `STEP` times the one before. What a resonator does is
+/// narrow: a fit finds its frequency only from nearby.
+const FREQUENCIES: i32 = 12;
 const STEP: f64 = 1.1;
 
-fn fraction(start: usize) -> f64 {
-    FRACTIONS[start / FREQUENCIES]
-}
-
-/// Over that of the drive.
-fn frequency(start: usize) -> f64 {
-    STEP.powi((start % FREQUENCIES) as i32 - FREQUENCIES as i32 / 2)
-}
-
-fn starts(of: impl Fn(usize) -> f64) -> Vec<f64> {
-    (0..FRACTIONS.len() * FREQUENCIES).map(of).collect()
+/// Over that of the drive, the nearest first.
+fn frequencies() -> impl Iterator<Item = f64> {
+    let both = |k: i32| [STEP.powi(k), STEP.powi(-k)];
+    std::iter::once(1.0).chain((1..=FREQUENCIES).flat_map(both))
 }
 
 pub(super) static EFFECT: Effect = Effect {
@@ -39,18 +30,15 @@ pub(super) static EFFECT: Effect = Effect {
             quantity: &v::MASS,
             neutral: Some(0.0),
             range: |scales| {
-                magnitudes(
-                    1e-4 * scales.structure_mass,
-                    10.0 * scales.structure_mass,
-                    &starts(|start| fraction(start) * scales.structure_mass),
-                )
+                let mass = scales.structure_mass;
+                magnitudes(1e-4 * mass, 10.0 * mass, &frequencies().map(|_| 0.01 * mass).collect::<Vec<_>>())
             },
         },
         EffectParameter {
             quantity: &v::HANGING_FREQUENCY,
             neutral: None,
             range: |scales| {
-                let starts = starts(|start| frequency(start) * scales.frequency);
+                let starts: Vec<f64> = frequencies().map(|ratio| ratio * scales.frequency).collect();
                 magnitudes(0.05 * scales.frequency, 20.0 * scales.frequency, &starts)
             },
         },

@@ -29,7 +29,7 @@ pub(super) static EFFECT: Effect = Effect {
                 magnitudes(
                     1e-4 * scales.velocity,
                     3.0 * scales.velocity,
-                    &[0.3 * scales.velocity, 0.03 * scales.velocity, 0.1 * scales.velocity],
+                    &[0.3 * scales.velocity, 1.0 * scales.velocity, 0.09 * scales.velocity],
                 )
             },
         },

@@ -82,6 +82,8 @@ pub(super) struct Question<'q, 'a, 'd> {
     pub data: &'q Measured<'a, 'd>,
     /// The same with predictions about the measured motions, where motions are solved for.
     pub looks: Option<&'q Measured<'a, 'd>>,
+    /// Beginnings of the same records, the shortest first, where those are long.
+    pub beginnings: &'q [Measured<'a, 'd>],
     pub dataset: &'d Dataset,
     pub scales: &'q Scales,
 }
@@ -94,9 +96,9 @@ pub(super) fn weigh(
     most: usize,
     report: &(dyn Fn(&str) + Sync),
 ) -> Result<Weighed, String> {
-    let Question { data, looks, dataset, scales } = *question;
+    let Question { data, looks, beginnings, dataset, scales } = *question;
     let (candidates, silent) = probe::prepare(data, &base, tried, scales, dataset)?;
-    let search = Search { data, looks, candidates: &candidates, most, report };
+    let search = Search { data, looks, beginnings, candidates: &candidates, most, report };
     let sets = search.run(base);
     let weights = weights::of(data, &sets, &candidates);
     let sane: Vec<usize> = (0..sets.len()).filter(|k| sets[*k].discrepancy.is_none()).collect();
@@ -112,10 +114,10 @@ pub(super) fn added(
     base: &Posterior,
     candidates: &[Candidate],
 ) -> Result<Posterior, String> {
-    let Question { data, looks, dataset, scales } = *question;
+    let Question { data, looks, beginnings, dataset, scales } = *question;
     let (candidates, _) = probe::prepare(data, base, candidates, scales, dataset)?;
     let report = |_: &str| {};
-    let search = Search { data, looks, candidates: &candidates, most: 1, report: &report };
+    let search = Search { data, looks, beginnings, candidates: &candidates, most: 1, report: &report };
     search.alone(base).ok_or_else(|| "the effect changes nothing in these records".to_owned())
 }
 

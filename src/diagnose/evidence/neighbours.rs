@@ -66,7 +66,7 @@ impl Search<'_, '_, '_> {
         let starts = probe::places(&self.candidates[other]);
         let seen = starts.iter().filter_map(looked);
         let mut best = seen.max_by(|a, b| evidence(a).total_cmp(&evidence(b)))?;
-        self.screened(&mut best);
+        Self::screened(self.looks.unwrap_or(self.data), &mut best);
         // First looks of another kind are not to be compared with a fit.
         if self.looks.is_some() || evidence(&best) > evidence(set) - BEHIND {
             self.finish(&mut best);

@@ -20,6 +20,8 @@ pub(in crate::diagnose) struct Prepared {
     pub candidate: Candidate,
     pub quantities: Vec<&'static Quantity>,
     pub coordinates: Vec<Coordinate>,
+    /// Where the coordinates behind the first are looked at.
+    others: Vec<Vec<f64>>,
 }
 
 impl Prepared {
@@ -48,8 +50,6 @@ impl Prepared {
 
 /// Sizes of the first parameter that are looked at, in prior deviations.
 const SIZES: [f64; 2] = [0.3, 1.0];
-/// Of the others.
-const OTHERS: [f64; 3] = [0.0, 1.2, -1.2];
 /// Rounds in which the size of a prior is sought, and the change that is none.
 const ROUNDS: usize = 5;
 const NOTHING: f64 = 1e-9;
@@ -70,16 +70,13 @@ pub(super) fn prepare(
     let mut found: Vec<Option<f64>> = vec![None; candidates.len()];
     let mut open: Vec<usize> = (0..candidates.len()).collect();
     for _ in 0..ROUNDS {
-        let probes: Vec<Option<Model>> = open
-            .iter()
-            .map(|&c| of(&candidates[c], &brought[c], sizes[c]).beside(&base.model, &one(&brought[c])))
-            .collect();
-        let models: Vec<Model> = probes.iter().flatten().cloned().collect();
-        let mut changes = joint.changes(&y, &models).into_iter();
+        let at = |&c: &usize| models_at(&base.model, &candidates[c], &brought[c], sizes[c]);
+        let probes: Vec<Vec<Model>> = open.iter().map(at).collect();
+        let mut changes = joint.changes(&y, &probes.concat()).into_iter();
         let mut left = Vec::new();
-        for (&c, probe) in open.iter().zip(&probes) {
-            let change = probe.as_ref().and_then(|_| changes.next().flatten()).map(|by| data.size(&by));
-            let Some(change) = change.filter(|change| change.is_finite()) else {
+        for (&c, probes) in open.iter().zip(&probes) {
+            let changes = changes.by_ref().take(probes.len()).flatten().map(|by| data.size(&by));
+            let Some(change) = median(changes.filter(|change| change.is_finite())) else {
                 sizes[c] *= 0.3;
                 left.push(c);
                 continue;
@@ -114,15 +111,15 @@ pub(super) fn prepare(
 }
 
 fn of(candidate: &Candidate, brought: &[Brought], size: f64) -> Prepared {
-    let others = brought.iter().skip(1).map(Coordinate::of_second);
-    let coordinates = std::iter::once(Coordinate::of_first(&brought[0], size)).chain(others).collect();
+    let behind = brought.iter().skip(1).map(Coordinate::of_second);
+    let coordinates: Vec<Coordinate> =
+        std::iter::once(Coordinate::of_first(&brought[0], size)).chain(behind).collect();
+    let starts = brought.get(1).map_or(1, |second| second.range.starts.len());
+    let behind = || coordinates.iter().zip(brought).skip(1);
+    let others =
+        (0..starts).map(|start| behind().map(|(c, one)| c.of(one.range.starts[start])).collect()).collect();
     let quantities = brought.iter().map(|one| one.quantity).collect();
-    Prepared { candidate: candidate.clone(), quantities, coordinates }
-}
-
-/// Coordinates of one prior deviation of the first number, the others where they are thought to be.
-fn one(brought: &[Brought]) -> Vec<f64> {
-    (0..brought.len()).map(|k| if k == 0 { 1.0 } else { 0.0 }).collect()
+    Prepared { candidate: candidate.clone(), quantities, coordinates, others }
 }
 
 /// The distance from neutral, or its inverse, of a first number's first start.
@@ -141,6 +138,24 @@ fn within(brought: &Brought, size: f64) -> f64 {
         ends.map(|end| (end - neutral).abs()).find(|room| *room > 0.0)
     };
     bound.map_or(size, |bound| size.min(bound))
+}
+
+/// `model` with a candidate of one prior deviation `size` of its first number, at all starts of the others.
+fn models_at(model: &Model, candidate: &Candidate, brought: &[Brought], size: f64) -> Vec<Model> {
+    let prepared = of(candidate, brought, size);
+    prepared.others.iter().filter_map(|others| prepared.beside(model, &at(1.0, others))).collect()
+}
+
+/// The coordinates of a candidate from its first and the others.
+fn at(first: f64, others: &[f64]) -> Vec<f64> {
+    [&[first], others].concat()
+}
+
+/// The larger of the two in the middle of an even number.
+fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
 }
 
 /// One amount of a candidate beside a hypothesis.
@@ -221,16 +236,5 @@ pub(super) fn places(prepared: &Prepared) -> Vec<Vec<f64>> {
     let (low, high) = prepared.coordinates[0].bounds();
     let signs = [1.0, -1.0].into_iter().flat_map(|sign| SIZES.map(|size| sign * size));
     let firsts: Vec<f64> = signs.filter(|y| (low..=high).contains(y)).collect();
-    let others: &[f64] = if prepared.coordinates.len() > 1 { &OTHERS } else { &OTHERS[..1] };
-    let place = |first: f64, other: f64| {
-        let rest = prepared.coordinates[1..].iter().map(|c| {
-            let (low, high) = c.bounds();
-            other.clamp(low, high)
-        });
-        std::iter::once(first).chain(rest).collect()
-    };
-    firsts
-        .iter()
-        .flat_map(|first| others.iter().map(|other| place(*first, *other)).collect::<Vec<_>>())
-        .collect()
+    firsts.iter().flat_map(|first| prepared.others.iter().map(|others| at(*first, others))).collect()
 }

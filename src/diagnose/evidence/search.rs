@@ -56,6 +56,8 @@ pub(in crate::diagnose) struct Search<'s, 'a, 'd> {
     pub data: &'s Measured<'a, 'd>,
     /// The same for first looks: where motions are solved for, with predictions to first order about the measured ones.
     pub looks: Option<&'s Measured<'a, 'd>>,
+    /// Beginnings of the same records, the shortest first, where those are long.
+    pub beginnings: &'s [Measured<'a, 'd>],
     pub candidates: &'s [Prepared],
     pub most: usize,
     pub report: &'s (dyn Fn(&str) + Sync),
@@ -116,31 +118,17 @@ impl Search<'_, '_, '_> {
             probe.gain > WORTH && (!adequate || likely)
         };
         for &parent in parents {
-            let members = &sets[parent].members;
-            let own = |m: &usize| self.candidates[*m].candidate.law.is_none();
-            let absent = |m: &usize| !members.iter().any(|member| self.are_forms(*m, *member));
-            let which: Vec<usize> = (0..self.candidates.len()).filter(own).filter(absent).collect();
-            let probes = probe::around(self.data, &sets[parent].posterior, self.candidates, &which);
-            let mut starts: Vec<Probe> = Vec::new();
-            for probe in probes.unwrap_or_default().into_iter().filter(worthy) {
-                // Another start of the same where it promises nearly as much.
-                let same: Vec<&Probe> = starts.iter().filter(|s| s.candidate == probe.candidate).collect();
-                let near = same.first().is_none_or(|best| probe.gain > 0.5 * best.gain);
-                if same.len() < 2 && near {
-                    starts.push(probe);
-                }
-            }
+            let starts = self.starts(self.data, &sets[parent], worthy);
             wanted.extend(starts.into_iter().map(|probe| (parent, probe)));
         }
+        let looks = self.looks.unwrap_or(self.data);
         let seen: Vec<Option<Set>> =
-            wanted.par_iter().map(|(parent, probe)| self.glanced(&sets[*parent], probe)).collect();
-        let mut found: Vec<Set> = Vec::new();
-        seen.into_iter().flatten().for_each(|set| keep(&mut found, set));
-        let ranked = |found: &mut Vec<Set>| found.sort_by(|a, b| evidence(b).total_cmp(&evidence(a)));
-        ranked(&mut found);
+            wanted.par_iter().map(|(parent, probe)| self.glanced(looks, &sets[*parent], probe)).collect();
+        let led = parents.iter().filter(|_| !adequate).flat_map(|parent| self.led(&sets[*parent]));
+        let mut found = best_of_each(seen.into_iter().flatten().chain(led));
         let twice = found.len().min(TWICE);
-        found[..twice].par_iter_mut().for_each(|set| self.screened(set));
-        ranked(&mut found);
+        found[..twice].par_iter_mut().for_each(|set| Self::screened(looks, set));
+        rank(&mut found);
         // First looks of another kind are to be compared with each other alone, and more than one is worth a fit.
         let (others, least) = if self.looks.is_some() { (&sets[..0], LED) } else { (sets, 0) };
         let best = found.iter().chain(others).map(evidence).fold(f64::NEG_INFINITY, f64::max);
@@ -153,15 +141,56 @@ impl Search<'_, '_, '_> {
         found
     }
 
+    /// Promising amounts of one more member beside `parent`, at most two of each.
+    fn starts(&self, data: &Measured, parent: &Set, worthy: impl Fn(&Probe) -> bool) -> Vec<Probe> {
+        let own = |m: &usize| self.candidates[*m].candidate.law.is_none();
+        let absent = |m: &usize| !parent.members.iter().any(|member| self.are_forms(*m, *member));
+        let which: Vec<usize> = (0..self.candidates.len()).filter(own).filter(absent).collect();
+        let probes = probe::around(data, &parent.posterior, self.candidates, &which);
+        let mut starts: Vec<Probe> = Vec::new();
+        for probe in probes.unwrap_or_default().into_iter().filter(worthy) {
+            // Another start of the same where it promises nearly as much.
+            let same: Vec<&Probe> = starts.iter().filter(|s| s.candidate == probe.candidate).collect();
+            let near = same.first().is_none_or(|best| probe.gain > 0.5 * best.gain);
+            if same.len() < 2 && near {
+                starts.push(probe);
+            }
+        }
+        starts
+    }
+
+    /// Sets of one more member than `parent` that fit the beginnings of the records best, from there: the longer a record
+    /// is, the more a wrong frequency falls out of step.
+    fn led(&self, parent: &Set) -> Vec<Set> {
+        let Some((short, longer)) = self.beginnings.split_first() else { return Vec::new() };
+        let mut parent = parent.clone();
+        if !moved(short, &mut parent) {
+            return Vec::new();
+        }
+        let starts = self.starts(short, &parent, |probe| probe.gain > WORTH);
+        let mut found: Vec<Set> =
+            starts.par_iter().filter_map(|probe| self.glanced(short, &parent, probe)).collect();
+        rank(&mut found);
+        found.truncate(LED);
+        found.par_iter_mut().for_each(|set| Self::screened(short, set));
+        let mut found = best_of_each(found.into_iter());
+        let whole = self.looks.unwrap_or(self.data);
+        let reaches = |set: &mut Set| longer.iter().chain([whole]).all(|data| moved(data, set));
+        found.retain_mut(reaches);
+        found
+    }
+
     /// The best fit with one of the candidates, from every start that promises something.
     pub fn alone(&self, base: &Posterior) -> Option<Posterior> {
         let every: Vec<usize> = (0..self.candidates.len()).collect();
         let parent = Set { members: Vec::new(), discrepancy: None, posterior: base.clone(), screened: false };
         let probes = probe::around(self.data, base, self.candidates, &every).ok()?;
+        let looks = self.looks.unwrap_or(self.data);
         let mut tried: Vec<Set> =
-            probes.par_iter().filter_map(|probe| self.glanced(&parent, probe)).collect();
-        tried.par_iter_mut().for_each(|set| self.screened(set));
-        tried.sort_by(|a, b| evidence(b).total_cmp(&evidence(a)));
+            probes.par_iter().filter_map(|probe| self.glanced(looks, &parent, probe)).collect();
+        tried.par_iter_mut().for_each(|set| Self::screened(looks, set));
+        tried.extend(self.led(&parent));
+        rank(&mut tried);
         let near = tried.first().map(evidence)? - BEHIND;
         tried.retain(|set| evidence(set) > near);
         tried.truncate(FULL);
@@ -170,24 +199,24 @@ impl Search<'_, '_, '_> {
     }
 
     /// A set that was glanced at, looked at.
-    pub(super) fn screened(&self, set: &mut Set) {
+    pub(super) fn screened(data: &Measured, set: &mut Set) {
         let Posterior { model, unknowns, y, .. } = &set.posterior;
         let start = Start { model, unknowns, y };
-        if let Ok(better) = screen(self.looks.unwrap_or(self.data), &start, true)
+        if let Ok(better) = screen(data, &start, true)
             && better.log_evidence > evidence(set)
         {
             set.posterior = better;
         }
     }
 
-    fn glanced(&self, parent: &Set, probe: &Probe) -> Option<Set> {
+    fn glanced(&self, data: &Measured, parent: &Set, probe: &Probe) -> Option<Set> {
         let prepared = &self.candidates[probe.candidate];
         let mut y = probe.y.clone();
         let (low, high) = prepared.coordinates[0].bounds();
         y[0] = (y[0] * probe.multiple.clamp(0.3, 3.0)).clamp(low, high);
         let (model, unknowns, start) = self.extended(&parent.posterior, probe.candidate, &y);
         let start = Start { model: &model, unknowns: &unknowns, y: &start };
-        let posterior = screen(self.looks.unwrap_or(self.data), &start, false).ok()?;
+        let posterior = screen(data, &start, false).ok()?;
         (self.report)(prepared.candidate.effect.id);
         let members = parent.members.iter().copied().chain([probe.candidate]).collect();
         Some(Set { members, discrepancy: None, posterior, screened: true })
@@ -266,6 +295,25 @@ pub(super) fn keep(sets: &mut Vec<Set>, set: Set) {
         Some(_) => {}
         None => sets.push(set),
     }
+}
+
+fn rank(sets: &mut [Set]) {
+    sets.sort_by(|a, b| evidence(b).total_cmp(&evidence(a)));
+}
+
+/// The likeliest of those that have the same members, in the order of their evidence.
+fn best_of_each(sets: impl Iterator<Item = Set>) -> Vec<Set> {
+    let mut found = Vec::new();
+    sets.for_each(|set| keep(&mut found, set));
+    rank(&mut found);
+    found
+}
+
+/// `set` looked at in other data than before.
+fn moved(data: &Measured, set: &mut Set) -> bool {
+    let Posterior { model, unknowns, y, .. } = &set.posterior;
+    let found = screen(data, &Start { model, unknowns, y: &y[..unknowns.len()] }, true);
+    found.map(|found| set.posterior = found).is_ok()
 }
 
 pub(in crate::diagnose) fn evidence(set: &Set) -> f64 {

@@ -27,8 +27,8 @@ pub(in crate::diagnose) struct Coordinate {
     upper: f64,
 }
 
-/// Coordinates beyond this many prior deviations are not looked at.
-const FARTHEST: f64 = 15.0;
+/// Coordinates beyond this many prior deviations are not looked at, logarithms and others.
+const FARTHEST: [f64; 2] = [15.0, 100.0];
 
 impl Coordinate {
     /// Evenly between two bounds, about.
@@ -131,7 +131,8 @@ impl Coordinate {
         };
         let a = if a.is_nan() { f64::NEG_INFINITY } else { a };
         let b = if b.is_nan() { f64::INFINITY } else { b };
-        (a.max(-FARTHEST), b.min(FARTHEST))
+        let farthest = FARTHEST[usize::from(self.measure != Measure::Logarithmic)];
+        (a.max(-farthest), b.min(farthest))
     }
 }
 
