@@ -29,6 +29,17 @@ const INTERVAL: f64 = 1.96;
 const UNDETERMINED: f64 = 0.95;
 
 impl Posterior {
+    /// Whether the size of what candidate `owner` brought is told apart from none, and lies where physics bounds it if
+    /// anything does.
+    pub fn determines(&self, owner: usize) -> bool {
+        let first = self.unknowns.iter().position(|unknown| unknown.owner == Some(owner));
+        // Its coordinate is 0 where it changes nothing.
+        first.is_some_and(|k| {
+            let (y, deviation) = (self.y[k].abs(), self.deviations[k]);
+            deviation < UNDETERMINED && y > INTERVAL * deviation && y < self.unknowns[k].coordinate.farthest()
+        })
+    }
+
     /// What candidates brought, or one of them, by their names alone.
     pub fn brought(&self, by: Option<usize>) -> Vec<Estimate> {
         let mine = |owner: Option<usize>| owner.is_some() && (by.is_none() || owner == by);

@@ -131,8 +131,12 @@ impl Coordinate {
         };
         let a = if a.is_nan() { f64::NEG_INFINITY } else { a };
         let b = if b.is_nan() { f64::INFINITY } else { b };
-        let farthest = FARTHEST[usize::from(self.measure != Measure::Logarithmic)];
-        (a.max(-farthest), b.min(farthest))
+        (a.max(-self.farthest()), b.min(self.farthest()))
+    }
+
+    /// How far from 0 a coordinate is looked at.
+    pub fn farthest(&self) -> f64 {
+        FARTHEST[usize::from(self.measure != Measure::Logarithmic)]
     }
 }
 

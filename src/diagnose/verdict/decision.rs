@@ -16,17 +16,19 @@ pub(in crate::diagnose) struct Decision {
     /// Ids of what is certain in a verdict that leaves something open.
     pub certain: Vec<&'static str>,
     pub groups: Vec<Group>,
-    /// Why the test records take a verdict back.
+    /// Why a verdict is taken back.
     pub taken_back: Option<TakenBack>,
 }
 
-/// What the test records say against a verdict.
+/// What is said against a verdict of the probabilities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::diagnose) enum TakenBack {
     /// The effects make their prediction worse.
     Worse,
     /// Together with them the records show a discrepancy.
     Unexplained,
+    /// The training records themselves: an effect's size has no interval, reaches none, or lies beyond any expectation.
+    Undetermined,
 }
 
 impl Decision {
@@ -87,7 +89,8 @@ impl Decision {
         }
     }
 
-    /// After one look at the test records, which may take a verdict back and never choose one.
+    /// After a look at the sizes of what was found, and one at the test records: both may take a verdict back, neither
+    /// chooses one.
     pub fn confirmed(
         mut self,
         context: &Context,
@@ -95,6 +98,14 @@ impl Decision {
         test: &Measured,
         all: &Measured,
     ) -> Self {
+        let best = &weighed.sets[self.best];
+        if self.verdict == Verdict::EffectFound
+            && !best.members.iter().all(|member| best.posterior.determines(*member))
+        {
+            (self.verdict, self.best) = (Verdict::InsufficientData, 0);
+            self.taken_back = Some(TakenBack::Undetermined);
+            return self;
+        }
         if !self.verdict.stands() || test.records.is_empty() {
             return self;
         }

@@ -125,6 +125,10 @@ fn taken_back(explained: &Explained) -> Option<String> {
             "the training records alone would name an effect, but it makes the prediction of the test records worse"
                 .to_owned()
         }
+        TakenBack::Undetermined => {
+            "an effect would be named, but the size that it would have has no interval, or one that holds none at all"
+                .to_owned()
+        }
         TakenBack::Unexplained => format!(
             "with the test records something is missing that the training records do not show; it is largest in `{}`",
             worst(explained)
