@@ -42,6 +42,8 @@ impl Set {
 const WORTH: f64 = 2.0;
 const UNLIKELY: f64 = -5.0;
 const IRRELEVANT: f64 = 0.3;
+/// Measured values below which every candidate is worth a fit, since none takes long.
+const FEW: usize = 100;
 /// Behind the best by how much (in nats) a set is not worth a whole fit.
 pub(super) const BEHIND: f64 = 20.0;
 /// Sets of a size that are looked at twice, that are fitted in full, and that larger ones are made from, at most.
@@ -113,9 +115,10 @@ impl Search<'_, '_, '_> {
     /// The sets of one more member, from `parents`; of those that lack nothing only what could be likelier.
     fn grown(&self, sets: &[Set], parents: &[usize], adequate: bool) -> Vec<Set> {
         let mut wanted: Vec<(usize, Probe)> = Vec::new();
+        let few = (0..self.data.records.len()).map(|k| self.data.lane(k).measured.len()).sum::<usize>() < FEW;
         let worthy = |probe: &Probe| {
             let likely = probe.evidence > UNLIKELY && probe.distance > IRRELEVANT * RELEVANT;
-            probe.gain > WORTH && (!adequate || likely)
+            (few || probe.gain > WORTH) && (!adequate || likely)
         };
         for &parent in parents {
             let starts = self.starts(self.data, &sets[parent], worthy);

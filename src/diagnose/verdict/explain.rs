@@ -147,16 +147,23 @@ fn candidate(weighed: &Weighed, set: usize) -> String {
     if ids.is_empty() { "nothing is missing".to_owned() } else { format!("{} missing", named(&ids)) }
 }
 
-/// The sets beside the best that have a probability worth a word.
+/// What else has a probability worth a word: effects in any form, with their sum.
 fn others(weighed: &Weighed, best: usize) -> String {
-    let mut others: Vec<usize> =
-        (0..weighed.sets.len()).filter(|k| *k != best && weighed.weights[*k] > 1e-3).collect();
-    others.sort_by(|a, b| weighed.weights[*b].total_cmp(&weighed.weights[*a]));
-    let words = others.iter().take(5).map(|&k| {
+    let kind = |k: usize| (weighed.ids(k), weighed.sets[k].discrepancy.is_some());
+    let mut others: Vec<(usize, f64)> = Vec::new();
+    for (k, weight) in weighed.weights.iter().enumerate().filter(|(k, _)| kind(*k) != kind(best)) {
+        match others.iter_mut().find(|(other, _)| kind(*other) == kind(k)) {
+            Some((_, sum)) => *sum += weight,
+            None => others.push((k, *weight)),
+        }
+    }
+    others.retain(|(_, weight)| *weight > 1e-3);
+    others.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let words = others.iter().take(5).map(|&(k, weight)| {
         let ids = weighed.ordered(k);
         let names = if ids.is_empty() { "nothing".to_owned() } else { ids.join(" + ") };
         let doubt = if weighed.sets[k].discrepancy.is_some() { " with something unknown" } else { "" };
-        format!("{names}{doubt} ({})", probability(weighed.weights[k]))
+        format!("{names}{doubt} ({})", probability(weight))
     });
     words.collect::<Vec<_>>().join(", ")
 }
