@@ -54,7 +54,8 @@ fn diagnose(folder: &Path) -> Value {
     let diagnosis = read_json(folder, "d.json");
     let code = match diagnosis["verdict"].as_str().unwrap() {
         "nothing-missing" => 0,
-        "effect-found" => 10,
+        "effect-found" if diagnosis["noise_known"] == true => 10,
+        "effect-found" => 14,
         "not-distinguishable" => 11,
         "unexplained" => 12,
         "insufficient-data" => 13,
