@@ -92,6 +92,7 @@ vocabulary! {
     CUBIC_STIFFNESS = "cubic_stiffness" ["N/m^3"] None, None, false, 1e12, "Cubic stiffness: force over the third power of the displacement";
     ASYMMETRY = "asymmetry" ["1"] Some(-1.0), Some(1.0), true, 0.1, "Excess of the friction limit against positive slip, and lack against negative, as a fraction of their mean";
     QUADRATIC_DAMPING = "quadratic_damping" ["N.s^2/m^2"] None, None, false, 1.0, "Drag: force over the square of the velocity, against the motion";
+    ADDED_MASS = "mass" ["kg"] None, None, false, 0.01, "Mass on the structure beside the model's, below zero where the model has too much";
     HANGING_FREQUENCY = "hanging_frequency" ["Hz"] Some(0.0), None, true, 10.0, "Natural frequency of the hanging mass on its string, the contact held";
     NORMAL_CUBIC_STIFFNESS = "normal_cubic_stiffness" ["N/m^3"] None, None, false, 1e15, "Cubic stiffness of the contact in the normal direction";
     IMPACT_DAMPING = "impact_damping" ["s/m"] None, None, false, 1.0, "Hunt-Crossley damping: relative change of the normal load per approach velocity";

@@ -1,17 +1,18 @@
 //! A mass on the structure.
 
 use super::{
-    Confusion, Effect, EffectParameter, InResonances, Kind, Location, Needs, Part, PlaceKind, experiments,
-    magnitudes,
+    Confusion, Effect, EffectParameter, InResonances, Kind, Location, Needs, Part, PlaceKind, both_signs,
+    experiments,
 };
 use crate::vocabulary as v;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "added_mass",
     title: "Added mass",
-    summary: "A mass on the structure that the model lacks",
+    summary: "A mass on the structure that the model lacks, or has too much",
     explanation: "A sensor, its cable, the stinger and head of a shaker, or a part left out of the model. Every \
-          resonance in which the place moves is lower than the model's, by the same ratio at every level.",
+          resonance in which the place moves is lower than the model's, by the same ratio at every level; it is higher \
+          where the mass is below zero, because the model has too much.",
     confirmation: "Weigh what is attached; put a known mass at the place: the frequencies must shift as predicted.",
     confused_with: &[
         Confusion {
@@ -28,11 +29,9 @@ pub(super) static EFFECT: Effect = Effect {
     ],
     next_experiment: experiments::SECOND_MODE,
     parameters: &[EffectParameter {
-        quantity: &v::MASS,
+        quantity: &v::ADDED_MASS,
         neutral: Some(0.0),
-        range: |scales| {
-            magnitudes(1e-4 * scales.structure_mass, scales.structure_mass, &[0.02 * scales.structure_mass])
-        },
+        range: |scales| both_signs(scales.structure_mass, 0.02),
     }],
     part: Part::Structure,
     place: PlaceKind::Structure,
@@ -45,8 +44,9 @@ pub(super) static EFFECT: Effect = Effect {
         }
     },
     signature: |seen| {
-        seen.frequency_error.filter(|error| *error < -0.001).map(|error| {
-            format!("at every level the resonances lie {:.1} % below the model's", -100.0 * error)
+        seen.frequency_error.filter(|error| error.abs() > 0.001).map(|error| {
+            let side = if error < 0.0 { "below" } else { "above" };
+            format!("at every level the resonances lie {:.1} % {side} the model's", 100.0 * error.abs())
         })
     },
 };

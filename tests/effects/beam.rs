@@ -42,6 +42,21 @@ fn an_added_mass_is_a_point_mass_and_leaves_the_sensors_where_they_were() {
 }
 
 #[test]
+fn a_mass_below_zero_takes_away_what_is_there_and_no_more() {
+    let beam = steel(4);
+    let with =
+        |mass| StructureChanges { added_masses: vec![(Place::Position(0.3), mass)], ..Default::default() };
+    let mut lighter = beam.clone();
+    lighter.point_masses[0].mass = 0.003;
+    let taken = changed(&beam, with(-0.002));
+    let built = ModalBeam::new(&lighter).unwrap();
+    for (a, b) in taken.angular_frequency.iter().zip(&built.angular_frequency) {
+        assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+    }
+    assert!(ModalBeam::with_changes(&beam, &with(-0.006)).is_err());
+}
+
+#[test]
 fn a_stiff_clamp_is_a_rigid_one_and_two_in_series_are_softer() {
     let beam = steel(5);
     let rigid = ModalBeam::new(&beam).unwrap();

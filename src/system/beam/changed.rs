@@ -18,7 +18,11 @@ impl Beam {
             let Place::Position(position) = *place else {
                 return Err(StructureError::NotOnTheBeam { place: place.to_string() });
             };
-            changed.point_masses.push(PointMass { position, mass: *mass });
+            match changed.point_masses.iter_mut().find(|point| point.position == position) {
+                Some(point) => point.mass += mass,
+                None if *mass == 0.0 => {}
+                None => changed.point_masses.push(PointMass { position, mass: *mass }),
+            }
         }
         if let Some(spring) = changes.clamp_stiffness {
             changed.clamp_stiffness =
