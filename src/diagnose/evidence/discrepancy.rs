@@ -7,7 +7,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::constants::DISCREPANCY;
-use super::joint::{Joint, Latent};
+use super::joint::Joint;
+use super::latent::Latent;
 use super::measured::{Measured, NoisePrior};
 use super::posterior::{Posterior, white_round};
 use crate::fit::Sums;

@@ -3,32 +3,31 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
+use super::latent::Latent;
 use super::measured::{Measured, NoiseModel, NoisePrior};
+use super::slot::Slot;
 use super::unknown::{Coordinate, Unknown};
-use crate::fit::predict::{Direction, ObservedSimulation};
 use crate::fit::{Limits, SumOfSquares, Sums, minimise};
 use crate::model::Model;
 
-/// A flexible additional signal: constant columns, each belonging to one of `count` shared weights of deviation one; and
-/// the noise, which may be larger than known.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Latent {
-    pub count: usize,
-    /// Per record: which weight, and its column over all samples.
-    pub columns: Vec<Vec<(usize, Vec<f64>)>>,
+/// Where a joint has been.
+#[derive(Default)]
+struct Points {
+    /// The last that was tried.
+    tried: Vec<f64>,
+    /// The last that was linearised, its derivatives taken by differences or corrected.
+    linearised: Vec<f64>,
+    /// Where they were taken by differences, and with which steps.
+    differenced: Vec<f64>,
+    steps: Vec<f64>,
+    /// Corrections since.
+    corrections: usize,
 }
 
-pub(super) struct Slot<'d> {
-    pub shown: ObservedSimulation<'d>,
-    pub own: Vec<Coordinate>,
-    own_start: Vec<f64>,
-    offset: usize,
-    /// At the last point that was tried.
-    predictions: Vec<f64>,
-    /// At the last point that was linearised.
-    linearised: Vec<f64>,
-    derivatives: Vec<Vec<f64>>,
-}
+/// Ratio of steps that are alike.
+const LEAST_ALIKE: f64 = 0.1;
+/// Times that derivatives of a motion from rest are corrected by what trials showed before they are taken anew.
+const CORRECTIONS: usize = 3;
 
 pub(super) struct Joint<'a, 'd> {
     pub data: &'a Measured<'a, 'd>,
@@ -36,18 +35,20 @@ pub(super) struct Joint<'a, 'd> {
     unknowns: &'a [Unknown],
     pub slots: Vec<Slot<'d>>,
     steps: Vec<f64>,
+    points: Points,
     pub noise: NoiseModel,
     pub priors: Vec<Vec<NoisePrior>>,
     latent: &'a Latent,
     pub simulations: usize,
+    /// Steps that a minimisation may take yet.
+    left: usize,
     pub failure: Option<String>,
 }
 
-/// Bounds of the steps of secants, in prior deviations.
+/// Steps of the first secants, in prior deviations, and bounds of all.
+const FIRST_STEP: f64 = 1e-2;
 const LONGEST_STEP: f64 = 0.3;
 const SHORTEST_STEP: f64 = 1e-6;
-/// Step of differences in a record's own unknown, in its coordinate of size one.
-const OWN_STEP: f64 = 1e-5;
 /// Bounds of the weights of a discrepancy, in prior deviations.
 const LARGEST_WEIGHT: f64 = 50.0;
 
@@ -58,28 +59,20 @@ impl<'a, 'd> Joint<'a, 'd> {
         unknowns: &'a [Unknown],
         latent: &'a Latent,
     ) -> Result<Self, String> {
-        let slot = |index: &usize| {
-            Ok(Slot {
-                shown: data.bench.lanes[*index].shown(base)?,
-                own: Vec::new(),
-                own_start: Vec::new(),
-                offset: 0,
-                predictions: Vec::new(),
-                linearised: Vec::new(),
-                derivatives: Vec::new(),
-            })
-        };
+        let slot = |index: &usize| Ok(Slot::new(data.bench.lanes[*index].shown(base)?));
         let slots = data.records.par_iter().map(slot).collect::<Result<Vec<_>, String>>()?;
         Ok(Self {
             data,
             base,
             unknowns,
             slots,
-            steps: vec![1e-3; unknowns.len()],
+            steps: vec![FIRST_STEP; unknowns.len()],
+            points: Points::default(),
             noise: NoiseModel::white(data),
             priors: data.channels.iter().map(|c| c.iter().map(|c| c.prior).collect()).collect(),
             latent,
             simulations: 0,
+            left: 0,
             failure: None,
         })
     }
@@ -157,7 +150,50 @@ impl<'a, 'd> Joint<'a, 'd> {
             .collect()
     }
 
+    /// Linearises at `y`, with the derivatives that are there as long as they are near.
     fn linearise(&mut self, y: &[f64]) -> Result<(), String> {
+        if self.points.linearised == y {
+            return Ok(());
+        }
+        if self.points.tried == y
+            && self.is_correctable()
+            && (self.points.corrections < CORRECTIONS || self.is_near(y))
+        {
+            self.correct(y);
+            return Ok(());
+        }
+        self.difference(y)?;
+        self.points.linearised = y.to_vec();
+        self.points.differenced = y.to_vec();
+        self.points.steps.clone_from(&self.steps);
+        self.points.corrections = 0;
+        Ok(())
+    }
+
+    /// Whether trials tell as much as differences: a solution that is solved for brings its own derivatives.
+    fn is_correctable(&self) -> bool {
+        let stepped = self.data.records.iter().all(|record| self.data.bench.lanes[*record].seed.is_none());
+        stepped && self.latent.count == 0 && !self.points.differenced.is_empty()
+    }
+
+    /// Whether no parameter is farther than a step from where derivatives were taken by differences, with steps alike.
+    fn is_near(&self, y: &[f64]) -> bool {
+        let Points { differenced, steps, .. } = &self.points;
+        let near = |j: usize| (y[j] - differenced[j]).abs() <= self.steps[j];
+        let alike = |j: usize| (LEAST_ALIKE..1.0 / LEAST_ALIKE).contains(&(steps[j] / self.steps[j]));
+        y.len() == differenced.len() && (0..steps.len()).all(|j| near(j) && alike(j))
+    }
+
+    /// Corrects the derivatives by the last trial, which was at `y` (Broyden 1965).
+    fn correct(&mut self, y: &[f64]) {
+        let step: Vec<f64> = y.iter().zip(&self.points.linearised).map(|(a, b)| a - b).collect();
+        let steps = &self.steps;
+        self.slots.par_iter_mut().for_each(|slot| slot.correct(&step, steps));
+        self.points.linearised = y.to_vec();
+        self.points.corrections += 1;
+    }
+
+    fn difference(&mut self, y: &[f64]) -> Result<(), String> {
         let model = self.model(y)?;
         let moved = self.moved(y)?;
         let (latent, weights) = (self.latent, &y[self.unknowns.len()..]);
@@ -172,7 +208,7 @@ impl<'a, 'd> Joint<'a, 'd> {
 
     /// Predictions minus measurements at the last point that was linearised.
     pub fn residuals(&self) -> Vec<Vec<f64>> {
-        let of = |(k, slot): (usize, &Slot)| difference(&slot.linearised, &self.data.lane(k).measured);
+        let of = |(k, slot): (usize, &Slot)| minus(&slot.linearised, &self.data.lane(k).measured);
         self.slots.iter().enumerate().map(of).collect()
     }
 
@@ -197,15 +233,26 @@ impl<'a, 'd> Joint<'a, 'd> {
     /// Minimises from `y`; the last linearised point is the end.
     pub fn minimise(&mut self, y: &mut Vec<f64>, iterations: usize, tolerance: f64) -> Result<(), String> {
         let (lower, upper) = self.bounds();
-        let limits = Limits { iterations, tolerance, ..Limits::default() };
-        let end = minimise(self, y.clone(), &lower, &upper, limits);
-        let end =
-            end.ok_or_else(|| self.failure.clone().unwrap_or_else(|| "the fit cannot start".to_owned()))?;
-        if !end.sums.cost.is_finite() {
-            return Err("the fit has no finite end".to_owned());
+        self.left = iterations;
+        let mut renewed = false;
+        loop {
+            let before = self.left;
+            let limits = Limits { iterations: self.left, tolerance, ..Limits::default() };
+            let end = minimise(self, y.clone(), &lower, &upper, limits);
+            let end =
+                end.ok_or_else(|| self.failure.clone().unwrap_or_else(|| "the fit cannot start".to_owned()))?;
+            if !end.sums.cost.is_finite() {
+                return Err("the fit has no finite end".to_owned());
+            }
+            *y = end.y;
+            let ended = self.left == 0 || self.is_near(y) || renewed && self.left == before;
+            if ended || self.points.linearised != *y || self.interrupted() {
+                return Ok(());
+            }
+            // Derivatives that were only corrected, or taken with other steps, tell no end.
+            self.points = Points::default();
+            renewed = true;
         }
-        *y = end.y;
-        Ok(())
     }
 
     /// The last linearised point of every record, whitened.
@@ -219,7 +266,7 @@ impl<'a, 'd> Joint<'a, 'd> {
             .map(|(k, Left { linearised, derivatives, offset })| {
                 let raw = latent.columns_with(k, derivatives, parameters, offset);
                 let columns = raw.map(|(i, column)| (i, noise.whiten(data, k, column))).collect();
-                let residuals = noise.whiten(data, k, &difference(linearised, &data.lane(k).measured));
+                let residuals = noise.whiten(data, k, &minus(linearised, &data.lane(k).measured));
                 Whitened { residuals, columns }
             })
             .collect()
@@ -281,76 +328,11 @@ pub(super) struct Whitened {
     pub columns: Vec<(usize, Vec<f64>)>,
 }
 
-impl Latent {
-    /// What every unknown changes of record `k`, each with its place: `parameters` shared ones, the weights, and from `offset`
-    /// the record's own.
-    fn columns_with<'c>(
-        &'c self,
-        k: usize,
-        derivatives: &'c [Vec<f64>],
-        parameters: usize,
-        offset: usize,
-    ) -> impl Iterator<Item = (usize, &'c Vec<f64>)> {
-        let place = move |a: usize| if a < parameters { a } else { offset + a - parameters };
-        let own = derivatives.iter().enumerate().map(move |(a, column)| (place(a), column));
-        let more = self.columns.get(k).into_iter().flatten();
-        own.chain(more.map(move |(w, column)| (parameters + w, column)))
-    }
-
-    fn add(&self, k: usize, weights: &[f64], predictions: &mut [f64]) {
-        for (w, column) in self.columns.get(k).into_iter().flatten() {
-            predictions.iter_mut().zip(column).for_each(|(p, c)| *p += weights[*w] * c);
-        }
-    }
-}
-
-impl Slot<'_> {
-    fn own_values(&self, y: &[f64]) -> Vec<f64> {
-        self.own.iter().zip(&y[self.offset..]).map(|(c, y)| c.value(*y)).collect()
-    }
-
-    fn linearise(&mut self, model: &Model, moved: &[(Model, f64)], y: &[f64]) -> Result<(), String> {
-        let nuisances = self.own_values(y);
-        let direction = |(model, step): &(Model, f64)| Direction {
-            model: model.clone(),
-            nuisances: nuisances.clone(),
-            step: *step,
-        };
-        let mut directions: Vec<Direction> = moved.iter().map(direction).collect();
-        for (k, coordinate) in self.own.iter().enumerate() {
-            let here = y[self.offset + k];
-            let step = if here + OWN_STEP <= coordinate.bounds().1 { OWN_STEP } else { -OWN_STEP };
-            let mut nuisances = nuisances.clone();
-            nuisances[k] = coordinate.value(here + step);
-            directions.push(Direction { model: model.clone(), nuisances, step });
-        }
-        self.shown.linearise(model, &nuisances, &directions, &mut self.linearised, &mut self.derivatives)
-    }
-
-    fn changes(&mut self, model: &Model, probes: &[Model], y: &[f64]) -> Vec<Option<Vec<f64>>> {
-        let nuisances = self.own_values(y);
-        let direction =
-            |model: &Model| Direction { model: model.clone(), nuisances: nuisances.clone(), step: 1.0 };
-        let (mut here, mut changes) = (Vec::new(), Vec::new());
-        let finite = |change: &Vec<f64>| change.iter().all(|x| x.is_finite());
-        let all: Vec<Direction> = probes.iter().map(direction).collect();
-        if self.shown.linearise(model, &nuisances, &all, &mut here, &mut changes).is_ok() {
-            return changes.into_iter().map(|change| Some(change).filter(finite)).collect();
-        }
-        let one = |probe: &Direction| {
-            let alone = std::slice::from_ref(probe);
-            self.shown.linearise(model, &nuisances, alone, &mut here, &mut changes).ok()?;
-            changes.first().cloned().filter(finite)
-        };
-        all.iter().map(one).collect()
-    }
-}
-
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+fn minus(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
@@ -358,6 +340,7 @@ impl SumOfSquares for Joint<'_, '_> {
     fn cost(&mut self, y: &[f64]) -> Option<f64> {
         let model = self.model(y).ok()?;
         self.simulations += self.slots.len();
+        self.points.tried = y.to_vec();
         let (latent, weights) = (self.latent, &y[self.unknowns.len()..]);
         let (data, noise) = (self.data, &self.noise);
         let parts: Result<Vec<f64>, String> = self
@@ -368,7 +351,7 @@ impl SumOfSquares for Joint<'_, '_> {
                 let nuisances = slot.own_values(y);
                 slot.shown.predict(&model, &nuisances, &mut slot.predictions)?;
                 latent.add(k, weights, &mut slot.predictions);
-                let e = noise.whiten(data, k, &difference(&slot.predictions, &data.lane(k).measured));
+                let e = noise.whiten(data, k, &minus(&slot.predictions, &data.lane(k).measured));
                 Ok(dot(&e, &e))
             })
             .collect();
@@ -393,6 +376,10 @@ impl SumOfSquares for Joint<'_, '_> {
         }
         let finite = sums.cost.is_finite() && sums.gradient.iter().all(|g| g.is_finite());
         finite.then_some(sums)
+    }
+
+    fn accepted(&mut self, _: usize, _: f64) {
+        self.left -= 1;
     }
 
     fn interrupted(&self) -> bool {

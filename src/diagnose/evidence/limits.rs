@@ -4,7 +4,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::constants::{CERTAIN, ODDS, RELEVANT};
-use super::joint::{Joint, Latent, dot};
+use super::joint::{Joint, dot};
+use super::latent::Latent;
 use super::measured::Measured;
 use super::posterior::{Posterior, white_round};
 use super::probe::Prepared;

@@ -2,21 +2,23 @@
 //!
 //! A hypothesis is a model with a set of effects, and possibly a `discrepancy` that stands for what the catalogue lacks. Its
 //! `unknown`s have priors in units of the problem (`constants` holds all that decides), the noise is `autoregression` with a
-//! size per record (`measured`). `joint` is the sum of squares of all that is unknown, `posterior` its minimum with the
-//! volume around it, `probe` what amounts of each candidate would change to first order. `search` grows sets from none, and
-//! `neighbours` makes sure of the likely ones;
-//! `weights` makes probabilities of their evidence, `limits` tells what could not have been seen.
+//! size per record (`measured`). `joint` is the sum of squares of all that is unknown, over `slot`s of one record each and
+//! with what a discrepancy adds (`latent`); `posterior` is its minimum with the volume around it, `probe` what amounts of
+//! each candidate would change to first order. `search` grows sets from none, and `neighbours` makes sure of the likely
+//! ones; `weights` makes probabilities of their evidence, `limits` tells what could not have been seen.
 
 mod autoregression;
 mod constants;
 mod discrepancy;
 mod joint;
+mod latent;
 mod limits;
 mod measured;
 mod neighbours;
 mod posterior;
 mod probe;
 mod search;
+mod slot;
 mod unknown;
 mod weights;
 
@@ -27,7 +29,7 @@ pub(super) use posterior::Posterior;
 pub(super) use probe::Prepared;
 pub(super) use search::{Search, Set};
 
-use joint::Latent;
+use latent::Latent;
 use posterior::{Start, fit, screen};
 use unknown::Unknown;
 

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::joint::Latent;
+use super::latent::Latent;
 use super::posterior::{Start, fit, screen};
 use super::probe;
 use super::search::{BEHIND, Search, Set, evidence, keep};
@@ -12,6 +12,28 @@ use crate::model::Model;
 
 /// Probability from which a set is made sure of.
 const LIKELY: f64 = 0.01;
+
+/// By how much (in nats) a smaller set fits better than a larger one that stuck.
+const STUCK: f64 = 0.5;
+/// Fraction of what an effect was that is next to nothing.
+const NEXT_TO_NOTHING: f64 = 0.01;
+
+fn peak(set: &Set) -> f64 {
+    set.posterior.log_peak
+}
+
+/// Of the sets of one member less that fit better than set `k` the one that fits best; both fitted in full.
+fn best_within(sets: &[Set], k: usize) -> Option<usize> {
+    let larger = &sets[k];
+    let within = |j: &usize| {
+        let smaller = &sets[*j];
+        let part = smaller.members.iter().all(|member| larger.members.contains(member));
+        let one_less = part && smaller.members.len() + 1 == larger.members.len();
+        one_less && !smaller.screened && peak(smaller) > peak(larger) + STUCK
+    };
+    let better = (0..sets.len()).filter(within).filter(|_| !larger.screened);
+    better.max_by(|a, b| peak(&sets[*a]).total_cmp(&peak(&sets[*b])))
+}
 
 impl Search<'_, '_, '_> {
     /// Every subset of one less of the likely sets, fitted from the larger one's parameters: a smaller set that stuck
@@ -28,6 +50,41 @@ impl Search<'_, '_, '_> {
                 .collect();
             found.into_iter().for_each(|set| keep(sets, set));
         }
+    }
+
+    /// Fits those again that fit worse than a set of one member less, from there: what the smaller can the larger can, too.
+    pub(super) fn nest(&self, sets: &mut [Set]) {
+        for size in 1..=self.most {
+            let larger = (0..sets.len()).filter(|k| sets[*k].members.len() == size);
+            let worse = |k: usize| Some((k, best_within(sets, k)?));
+            let wanted: Vec<(usize, usize)> = larger.filter_map(worse).collect();
+            let found: Vec<(usize, Option<Set>)> =
+                wanted.par_iter().map(|(k, j)| (*k, self.again_from(&sets[*j], &sets[*k]))).collect();
+            for (k, set) in found {
+                if let Some(set) = set.filter(|set| peak(set) > peak(&sets[k])) {
+                    sets[k] = set;
+                }
+            }
+        }
+    }
+
+    /// The members of `larger` fitted from `smaller`, with what that lacks as it was and with next to nothing of it.
+    fn again_from(&self, smaller: &Set, larger: &Set) -> Option<Set> {
+        let member = *larger.members.iter().find(|member| !smaller.members.contains(member))?;
+        let pairs = larger.posterior.unknowns.iter().zip(&larger.posterior.y);
+        let own: Vec<f64> = pairs.filter(|(u, _)| u.owner == Some(member)).map(|(_, y)| *y).collect();
+        let (low, high) = self.candidates[member].coordinates[0].bounds();
+        let fitted = |fraction: f64| {
+            let mut own = own.clone();
+            own[0] = (fraction * own[0]).clamp(low, high);
+            let (model, unknowns, y) = self.extended(&smaller.posterior, member, &own);
+            let start = Start { model: &model, unknowns: &unknowns, y: &y };
+            fit(self.data, &start, &Latent::default(), None).ok()
+        };
+        let fits = [1.0, NEXT_TO_NOTHING].into_iter().filter_map(fitted);
+        let posterior = fits.max_by(|a, b| a.log_peak.total_cmp(&b.log_peak))?;
+        let members = smaller.members.iter().copied().chain([member]).collect();
+        Some(Set { members, discrepancy: None, posterior, screened: false })
     }
 
     /// `set` without the member in a place, fitted from where it is; `empty` has no member.
@@ -102,5 +159,86 @@ impl Search<'_, '_, '_> {
             members.push(member);
         }
         (members, model, unknowns, y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{Channel, Dataset, Record, Regime};
+    use crate::diagnose::candidates::tried;
+    use crate::diagnose::evidence::{Measured, Question, again, first, weigh};
+    use crate::diagnose::measurements::magnitudes;
+    use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+    use crate::fit::predict::predict;
+
+    /// A slider of random numbers with two hidden effects, pulled to and fro at three levels.
+    fn measured(random: &mut fastrand::Rng) -> (Model, Dataset) {
+        let mut between = |low: f64, high: f64| low + (high - low) * random.f64();
+        let text = |stiffness: f64, friction: f64| {
+            format!(
+                "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+                 tangential_stiffness = {stiffness}\nfriction_coefficient = {friction}\nnormal_load = 10.0\n"
+            )
+        };
+        let (stiffness, friction) = (between(1e3, 4e3), between(0.1, 0.4));
+        let hidden = format!(
+            "{}[[effect]]\nid = \"residual_stiffness\"\nresidual_stiffness = {}\n[[effect]]\nid = \"asymmetry\"\nasymmetry = {}\n",
+            text(stiffness, friction),
+            between(0.01, 0.2) * stiffness,
+            between(0.0, 0.2),
+        );
+        let truth = Model::parse(&hidden).unwrap();
+        let yielding = 10.0 * friction / stiffness;
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let mut record = |level: f64| {
+            let place = |i: i32| level * yielding * (f64::from(i) * 0.05).sin();
+            let channels = vec![
+                channel("time", "s", (0..300).map(|i| f64::from(i) * 1e-3).collect()),
+                channel("displacement", "m", (0..300).map(place).collect()),
+                channel("force", "N", vec![0.0; 300]),
+            ];
+            let name = level.to_string();
+            let mut record = Record { name, regime: Regime::FromRest, use_for: None, channels };
+            let force = &predict(&truth, &record).unwrap()[0].values;
+            record.channels[2].values = force.iter().map(|f| f + between(-0.05, 0.05) * friction).collect();
+            record
+        };
+        let records = [0.7, 3.0, 8.0].map(&mut record).to_vec();
+        let given = text(1.1 * stiffness, 0.9 * friction);
+        (Model::parse(&given).unwrap(), Dataset { title: None, records })
+    }
+
+    fn stuck(sets: &[Set]) -> Vec<usize> {
+        (0..sets.len()).filter(|k| best_within(sets, *k).is_some()).collect()
+    }
+
+    #[test]
+    fn no_set_fits_worse_than_a_part_of_it() {
+        let mut random = fastrand::Rng::with_seed(3);
+        for _ in 0..8 {
+            let (model, dataset) = measured(&mut random);
+            let bench = WeightedDataset::new(&model, &dataset, None).unwrap();
+            let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
+            let base = first(&data, None, &model).and_then(|first| again(&data, &first)).unwrap();
+            let only = ["residual_stiffness", "asymmetry", "contact_damping", "stiffening", "wear"];
+            let (tried, _) = tried(&model, &bench, Some(&only.map(str::to_owned)), false);
+            let scales = magnitudes::of(&model, &dataset);
+            let question =
+                Question { data: &data, looks: None, beginnings: &[], dataset: &dataset, scales: &scales };
+            let weighed = weigh(&question, base, &tried, 3, &|_| {}).unwrap();
+            let mut sets = weighed.sets;
+            sets.retain(|set| set.discrepancy.is_none());
+            assert_eq!(stuck(&sets), []);
+            // One that stuck is freed.
+            let pair = sets.iter().position(|set| set.members.len() > 1 && !set.screened).unwrap();
+            let free = peak(&sets[pair]);
+            sets[pair].posterior.log_peak = -1e9;
+            assert_eq!(stuck(&sets), [pair]);
+            let (candidates, report) = (&weighed.candidates, &|_: &str| {});
+            Search { data: &data, looks: None, beginnings: &[], candidates, most: 3, report }.nest(&mut sets);
+            assert_eq!(stuck(&sets), []);
+            assert!((peak(&sets[pair]) - free).abs() < STUCK, "{} {free}", peak(&sets[pair]));
+        }
     }
 }

@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::joint::{Joint, Latent};
+use super::joint::Joint;
+use super::latent::Latent;
 use super::measured::{Measured, NoisePrior};
 use super::unknown::Unknown;
 use crate::diagnose::diagnosis::Estimate;
@@ -16,6 +17,8 @@ pub(in crate::diagnose) struct Posterior {
     /// The coordinates of the unknowns, then the weights of a discrepancy.
     pub y: Vec<f64>,
     pub log_evidence: f64,
+    /// Of the most probable parameters alone, without the volume around them.
+    pub log_peak: f64,
     /// Standard deviations of the unknowns' coordinates.
     pub deviations: Vec<f64>,
     /// Per record.
@@ -176,6 +179,7 @@ fn posterior(
         unknowns: unknowns.to_vec(),
         y: y[..joint.shared()].to_vec(),
         log_evidence,
+        log_peak,
         deviations: (0..unknowns.len()).map(|i| inverse[(i, i)].sqrt()).collect(),
         predictions: joint.predictions(),
         simulations: joint.simulations,

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::constants::RELEVANT;
 use super::discrepancy;
-use super::joint::Latent;
+use super::latent::Latent;
 use super::measured::Measured;
 use super::posterior::{Posterior, Start, fit, screen};
 use super::probe::{self, Prepared, Probe};
@@ -91,6 +91,7 @@ impl Search<'_, '_, '_> {
             }
         }
         self.repair(&mut sets);
+        self.nest(&mut sets);
         self.doubt(&mut sets, doubts);
         sets
     }
@@ -225,7 +226,12 @@ impl Search<'_, '_, '_> {
         Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
-    fn extended(&self, parent: &Posterior, candidate: usize, y: &[f64]) -> (Model, Vec<Unknown>, Vec<f64>) {
+    pub(super) fn extended(
+        &self,
+        parent: &Posterior,
+        candidate: usize,
+        y: &[f64],
+    ) -> (Model, Vec<Unknown>, Vec<f64>) {
         let prepared = &self.candidates[candidate];
         let model = prepared.added_to(&parent.model, y);
         let mut unknowns = parent.unknowns.clone();

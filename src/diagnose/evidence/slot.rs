@@ -1,0 +1,97 @@
+//! One record of a joint fit: its simulation, its own unknowns, and what it told last.
+
+use super::unknown::Coordinate;
+use crate::fit::predict::{Direction, ObservedSimulation};
+use crate::model::Model;
+
+/// The simulation of a record with what it told last.
+pub(super) struct Slot<'d> {
+    pub shown: ObservedSimulation<'d>,
+    pub own: Vec<Coordinate>,
+    pub own_start: Vec<f64>,
+    pub offset: usize,
+    /// At the last point that was tried.
+    pub predictions: Vec<f64>,
+    /// At the last point that was linearised.
+    pub linearised: Vec<f64>,
+    pub derivatives: Vec<Vec<f64>>,
+}
+
+/// Step of differences in a record's own unknown, in its coordinate of size one.
+const OWN_STEP: f64 = 1e-5;
+/// Step of such an unknown that counts as much as a step of a parameter.
+const OWN_SCALE: f64 = 0.03;
+
+impl<'d> Slot<'d> {
+    pub fn new(shown: ObservedSimulation<'d>) -> Self {
+        Self {
+            shown,
+            own: Vec::new(),
+            own_start: Vec::new(),
+            offset: 0,
+            predictions: Vec::new(),
+            linearised: Vec::new(),
+            derivatives: Vec::new(),
+        }
+    }
+
+    pub fn own_values(&self, y: &[f64]) -> Vec<f64> {
+        self.own.iter().zip(&y[self.offset..]).map(|(c, y)| c.value(*y)).collect()
+    }
+
+    pub fn linearise(&mut self, model: &Model, moved: &[(Model, f64)], y: &[f64]) -> Result<(), String> {
+        let nuisances = self.own_values(y);
+        let direction = |(model, step): &(Model, f64)| Direction {
+            model: model.clone(),
+            nuisances: nuisances.clone(),
+            step: *step,
+        };
+        let mut directions: Vec<Direction> = moved.iter().map(direction).collect();
+        for (k, coordinate) in self.own.iter().enumerate() {
+            let here = y[self.offset + k];
+            let step = if here + OWN_STEP <= coordinate.bounds().1 { OWN_STEP } else { -OWN_STEP };
+            let mut nuisances = nuisances.clone();
+            nuisances[k] = coordinate.value(here + step);
+            directions.push(Direction { model: model.clone(), nuisances, step });
+        }
+        self.shown.linearise(model, &nuisances, &directions, &mut self.linearised, &mut self.derivatives)
+    }
+
+    pub fn changes(&mut self, model: &Model, probes: &[Model], y: &[f64]) -> Vec<Option<Vec<f64>>> {
+        let nuisances = self.own_values(y);
+        let direction =
+            |model: &Model| Direction { model: model.clone(), nuisances: nuisances.clone(), step: 1.0 };
+        let (mut here, mut changes) = (Vec::new(), Vec::new());
+        let finite = |change: &Vec<f64>| change.iter().all(|x| x.is_finite());
+        let all: Vec<Direction> = probes.iter().map(direction).collect();
+        if self.shown.linearise(model, &nuisances, &all, &mut here, &mut changes).is_ok() {
+            return changes.into_iter().map(|change| Some(change).filter(finite)).collect();
+        }
+        let one = |probe: &Direction| {
+            let alone = std::slice::from_ref(probe);
+            self.shown.linearise(model, &nuisances, alone, &mut here, &mut changes).ok()?;
+            changes.first().cloned().filter(finite)
+        };
+        all.iter().map(one).collect()
+    }
+
+    /// Moves what was linearised by `step` of all unknowns to the last trial; the derivatives change least, measured in
+    /// `steps` of the parameters.
+    pub fn correct(&mut self, step: &[f64], steps: &[f64]) {
+        let own = (self.offset..self.offset + self.own.len()).map(|place| (step[place], OWN_SCALE));
+        let moves: Vec<(f64, f64)> = step.iter().copied().zip(steps.iter().copied()).chain(own).collect();
+        let square: f64 = moves.iter().map(|(by, scale)| (by / scale).powi(2)).sum();
+        if square == 0.0 {
+            return;
+        }
+        for (i, (here, tried)) in self.linearised.iter_mut().zip(&self.predictions).enumerate() {
+            let promised: f64 =
+                self.derivatives.iter().zip(&moves).map(|(column, (by, _))| column[i] * by).sum();
+            let missed = (tried - *here - promised) / square;
+            for (column, (by, scale)) in self.derivatives.iter_mut().zip(&moves) {
+                column[i] += missed * by / (scale * scale);
+            }
+            *here = *tried;
+        }
+    }
+}
