@@ -1,6 +1,6 @@
 //! The approach of a hysteretic force to its limit: `dx/dw = 1 − a xⁿ`, x over the limit, integrated to rounding.
 
-use crate::contact::quadrature::GAUSS_LEGENDRE_16;
+use crate::contact::quadrature::{GAUSS_LEGENDRE_8, GAUSS_LEGENDRE_16};
 
 /// Both integrals of the curve of the power `n ≥ 1` and the factor a: 1 towards the limit, `−1 ≤ a ≤ 0` away from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +22,13 @@ pub(super) struct Reached {
 /// A series in `a xⁿ` serves up to here, which takes at most 50 terms; quadrature beyond.
 const NEAR: f64 = 0.5;
 
+/// Part of the distance to 0 and to the limit, where the integrands are not analytic, over which quadrature with eight
+/// points is exact to rounding.
+const SHORT: f64 = 0.25;
+
+/// Distance to the limit below which differences of x have no digits to spare.
+const CLOSE: f64 = 1e-3;
+
 /// Slope below which the gap to the limit falls exponentially to eight digits.
 const NEARLY: f64 = 1e-8;
 
@@ -29,9 +36,13 @@ const NEARLY: f64 = 1e-8;
 const ROUNDS: usize = 60;
 
 fn integral(from: f64, to: f64, of: impl Fn(f64) -> f64) -> f64 {
+    with(&GAUSS_LEGENDRE_16, from, to, of)
+}
+
+fn with(nodes: &[(f64, f64)], from: f64, to: f64, of: impl Fn(f64) -> f64) -> f64 {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     let pair = |&(node, weight): &(f64, f64)| weight * (of(middle - half * node) + of(middle + half * node));
-    half * GAUSS_LEGENDRE_16.iter().map(pair).sum::<f64>()
+    half * nodes.iter().map(pair).sum::<f64>()
 }
 
 impl Saturation {
@@ -42,6 +53,9 @@ impl Saturation {
 
     /// Follows the curve from `x`, in `[0, 1]` where a = 1, over the way `w ≥ 0` upwards.
     pub fn rise(&self, x: f64, w: f64) -> Reached {
+        if let Some(reached) = self.rise_a_little(x, w) {
+            return reached;
+        }
         let whole = self.way(x) + w;
         // The last number below one.
         if !(x < 1.0 && whole < self.way(1.0 - 0.5 * f64::EPSILON)) {
@@ -63,6 +77,26 @@ impl Saturation {
         }
         let end = (1.0 - gap).max(x);
         Reached { x: end, by_start: self.left_of_gap(x, end, w), lost: self.lost_rising(x, end, w) }
+    }
+
+    /// The same by integrals over the way alone, where that is short.
+    fn rise_a_little(&self, x: f64, w: f64) -> Option<Reached> {
+        // The slope falls: the way ends below this, and Newton's steps come to its end from above.
+        let mut end = x + w * self.slope(x);
+        if !(1.0 - x > CLOSE && end - x < SHORT * x.min(1.0 - x)) {
+            return None;
+        }
+        for _ in 0..ROUNDS {
+            let over = with(&GAUSS_LEGENDRE_8, x, end, |t| 1.0 / self.slope(t)) - w;
+            let next = end - over * self.slope(end);
+            if next.is_nan() || next >= end * (1.0 - f64::EPSILON) {
+                break;
+            }
+            end = next;
+        }
+        let end = end.max(x);
+        let lost = with(&GAUSS_LEGENDRE_8, x, end, |t| t * (1.0 / self.slope(t) - 1.0));
+        Some(Reached { x: end, by_start: self.left_of_gap(x, end, w), lost: lost.max(0.0) })
     }
 
     /// `∂end/∂x` of a way `w` upwards from `x`: near the limit the gap falls exponentially, where its rounded values have
@@ -171,6 +205,29 @@ mod tests {
             close(Saturation { n: 1.0, a: -1.0 }.lost(x), x - 0.5 * x * x - x.ln_1p());
             let one = Saturation { n: 1.0, a: 1.0 };
             close(one.lost_rising(0.0, x, one.way(x)), -(-x).ln_1p() - x - 0.5 * x * x);
+        }
+    }
+
+    #[test]
+    fn a_short_way_ends_where_the_whole_integrals_say() {
+        for n in [1.0, 1.3, 2.0, 4.5, 20.0] {
+            let up = Saturation { n, a: 1.0 };
+            let mut short = 0;
+            for x in [1e-3, 0.1, 0.4, 0.7, 0.9, 0.99, 1.0 - 1e-9] {
+                for w in [0.0, 1e-9, 1e-4, 0.003, 0.03, 0.1] {
+                    let Some(reached) = up.rise_a_little(x, w) else { continue };
+                    short += 1;
+                    let way = up.way(reached.x) - up.way(x);
+                    let room = 1.0 - reached.x;
+                    assert!((way - w).abs() < 1e-15 / room, "{n} {x} {w}: {way}");
+                    let lost = up.lost_rising(x, reached.x, w);
+                    assert!(
+                        (reached.lost - lost).abs() < 1e-14 * lost.max(1.0),
+                        "{n} {x} {w}: {lost} {reached:?}"
+                    );
+                }
+            }
+            assert!(short > 20, "{short}");
         }
     }
 
