@@ -10,11 +10,12 @@ use super::measurements::noise::{self, noise_of};
 use super::measurements::split;
 use super::measurements::weighted_dataset::WeightedDataset;
 use super::measurements::{beginnings, inputs, magnitudes, thinned};
+use super::stage::stage;
 use super::verdict::{self, Context, Decision};
 use crate::data::Dataset;
 use crate::effects::{Effect, Location};
 use crate::fit::InterruptHook;
-use crate::fit::compare::{RefitError, Stage, evaluate_from};
+use crate::fit::compare::{RefitError, Stage};
 use crate::model::Model;
 
 /// What a diagnosis tries.
@@ -278,23 +279,6 @@ pub fn add(
     };
     stages.push(stage(&name, &with, &base.model, dataset, &bench));
     Ok(Added { model: with.model.with_new_free(model), stages })
-}
-
-/// The evaluation of a fitted model, its parameters marked with where they started.
-pub(super) fn stage(
-    name: &str,
-    fitted: &Posterior,
-    start: &Model,
-    dataset: &Dataset,
-    bench: &WeightedDataset,
-) -> Stage {
-    let mut stage = evaluate_from(name, &fitted.model, dataset, |record| bench.lanes[record].seed.clone());
-    stage.evaluations = fitted.simulations;
-    for parameter in &mut stage.parameters {
-        let changed = fitted.unknowns.iter().any(|unknown| unknown.path == parameter.path);
-        parameter.fitted_from = if changed { start.get(&parameter.path) } else { None };
-    }
-    stage
 }
 
 /// Counts what is done of what is expected.

@@ -10,6 +10,7 @@ mod engine;
 mod evidence;
 mod features;
 mod measurements;
+mod stage;
 mod verdict;
 
 pub use diagnosis::{

@@ -268,7 +268,7 @@ fn height_by_speed(records: &[Vec<(&Branch, Slid)>]) -> Option<f64> {
 
 /// Correlation of the force with the measured normal load over the ends of the branches.
 fn height_by_load<'b>(branches: impl Iterator<Item = &'b Branch>) -> Option<f64> {
-    let mut correlation = super::Correlation::default();
+    let mut correlation = super::correlation::Correlation::default();
     for branch in branches.filter(|branch| !branch.load.is_empty()) {
         for i in branch.sliding() {
             correlation.add(branch.force[i], branch.load[i]);

@@ -2,6 +2,7 @@
 //!
 //! `loops` reads the loops of a contact alone, `resonance` the stiffness and damping of a structure record by record.
 
+mod correlation;
 mod loops;
 mod resonance;
 
@@ -9,6 +10,7 @@ use crate::data::Record;
 use crate::diagnose::measurements::weighted_dataset::{Scored, WeightedDataset};
 use crate::effects::Features;
 use crate::model::{Model, Structure};
+pub(super) use correlation::Correlation;
 use loops::Measured;
 
 /// Of the training records `seen`, and of the residuals `scored` that the model `base`, refitted without effects, leaves
@@ -107,35 +109,6 @@ fn halves(residual: &[f64], motion: Option<&[f64]>) -> (f64, f64) {
     residual.iter().zip(&residual[half..]).fold((0.0, 0.0), |(even, odd), (now, later)| {
         (even + (now + later - 2.0 * mean).powi(2), odd + (now - later).powi(2))
     })
-}
-
-/// Sums of a correlation.
-#[derive(Default)]
-pub(in crate::diagnose) struct Correlation {
-    count: f64,
-    x: f64,
-    y: f64,
-    xx: f64,
-    xy: f64,
-    yy: f64,
-}
-
-impl Correlation {
-    pub(in crate::diagnose) fn add(&mut self, x: f64, y: f64) {
-        self.count += 1.0;
-        self.x += x;
-        self.y += y;
-        self.xx += x * x;
-        self.xy += x * y;
-        self.yy += y * y;
-    }
-
-    pub(in crate::diagnose) fn value(&self) -> Option<f64> {
-        let centred = |product: f64, a: f64, b: f64| product - a * b / self.count;
-        let size = (centred(self.xx, self.x, self.x) * centred(self.yy, self.y, self.y)).sqrt();
-        (self.count > 2.0 && size > 1e-9 * (self.xx * self.yy).sqrt())
-            .then(|| centred(self.xy, self.x, self.y) / size)
-    }
 }
 
 #[cfg(test)]

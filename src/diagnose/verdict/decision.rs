@@ -1,7 +1,7 @@
 //! The one rule that makes a verdict of probabilities, and what the test records say of it.
 
-use super::Context;
 use super::confound;
+use super::context::Context;
 use crate::diagnose::diagnosis::{Group, Verdict};
 use crate::diagnose::evidence::{self, CERTAIN, Measured, Weighed};
 

@@ -1,0 +1,78 @@
+//! What the answer is about, and what its parts ask of it.
+
+use crate::contact::LawKind;
+use crate::data::Dataset;
+use crate::diagnose::candidates::Candidate as Form;
+use crate::diagnose::evidence::{Measured, Set, Weighed};
+use crate::diagnose::measurements::split::Parts;
+use crate::diagnose::measurements::weighted_dataset::{Scored, WeightedDataset};
+use crate::model::Model;
+
+/// What the answer is about.
+pub(in crate::diagnose) struct Context<'a, 'd> {
+    /// As given.
+    pub model: &'a Model,
+    pub dataset: &'a Dataset,
+    pub bench: &'a WeightedDataset<'d>,
+    /// The training records.
+    pub data: &'a Measured<'a, 'd>,
+    pub parts: &'a Parts,
+    /// Whether the records are a table of few points, none of which could be spared for a test.
+    pub table: bool,
+}
+
+/// Error over the channels' variation below which there is nothing to explain, whatever the noise.
+const NOTHING_LEFT: f64 = 1e-3;
+
+impl Context<'_, '_> {
+    /// The predictions of a set on the training records as the report measures them.
+    pub(super) fn scored(&self, set: &Set) -> Vec<Scored> {
+        let one = |(k, predictions): (usize, &Vec<f64>)| Scored {
+            record: self.data.records[k],
+            predictions: predictions.clone(),
+            residuals: self.data.lane(k).residuals(predictions),
+        };
+        set.posterior.predictions.iter().enumerate().map(one).collect()
+    }
+
+    pub(super) fn error(&self, set: &Set) -> f64 {
+        self.bench.normalised_error(&self.scored(set))
+    }
+
+    /// Whether the model as it is leaves nothing to explain.
+    pub(super) fn is_exact(&self, weighed: &Weighed) -> bool {
+        self.error(&weighed.sets[0]) < NOTHING_LEFT
+    }
+}
+
+impl Weighed {
+    /// Ids of the effects of a set, sorted.
+    pub(super) fn ids(&self, set: usize) -> Vec<&'static str> {
+        let mut ids = self.ordered(set);
+        ids.sort_unstable();
+        ids
+    }
+
+    pub(super) fn form(&self, member: usize) -> &Form {
+        &self.candidates[member].candidate
+    }
+
+    /// The law that shows an effect of a set, where it is not the model's.
+    pub(super) fn law(&self, set: usize) -> Option<&'static LawKind> {
+        self.sets[set].members.iter().find_map(|member| self.form(*member).law)
+    }
+
+    /// The same in the order in which they were added.
+    pub(super) fn ordered(&self, set: usize) -> Vec<&'static str> {
+        self.sets[set].members.iter().map(|member| self.form(*member).effect.id).collect()
+    }
+
+    /// The empty set and the sets on the way to `best` that were fitted.
+    pub(super) fn chain(&self, best: usize) -> Vec<usize> {
+        let members = &self.sets[best].members;
+        let prefix = |count: usize| self.sets.iter().position(|set| set.has_just(&members[..count]));
+        let mut chain: Vec<usize> = (0..members.len()).filter_map(prefix).collect();
+        chain.push(best);
+        chain
+    }
+}
