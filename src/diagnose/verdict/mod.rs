@@ -1,7 +1,7 @@
 //! The answer: probabilities of sets of effects come in, a [`Diagnosis`] with its reasons goes out.
 //!
-//! `context` is what the answer is about, `decision` holds the one rule and the look at the test records, `explain` gives reasons in sentences, `confound` the
-//! experiments that separate effects.
+//! `context` is what the answer is about, `decision` holds the one rule and the look at the test records, `explain` gives
+//! reasons in sentences, `confound` the experiments that separate effects.
 
 mod confound;
 mod context;
