@@ -13,7 +13,7 @@ use super::measurements::{beginnings, inputs, magnitudes, thinned};
 use super::stage::stage;
 use super::verdict::{self, Context, Decision};
 use crate::data::Dataset;
-use crate::effects::{Effect, Location};
+use crate::effects::{Effect, Location, Scales};
 use crate::fit::InterruptHook;
 use crate::fit::compare::{RefitError, Stage};
 use crate::model::Model;
@@ -138,22 +138,14 @@ pub fn diagnose(
     let (tried, untried) = candidates::tried(model, &bench, options.effects.as_deref(), table);
     progress.expect(1 + tried.len());
     let (base, through) = base(&mut bench, model, &parts.seen(), &measured)?;
-    let data = Measured::new(&bench, &parts.seen(), &measured, &through);
-    let about = bench.linearised_at_measurement();
-    let looks = about.as_ref().map(|about| Measured::new(about, &parts.seen(), &measured, &through));
-    let cut = beginnings::of(model, bench.dataset);
-    let cut = benches(model, &cut, watch.interrupt);
-    let beginnings: Vec<Measured> =
-        cut.iter().map(|cut| Measured::new(cut, &parts.seen(), &measured, &through)).collect();
-    let question = Question {
-        data: &data,
-        looks: looks.as_ref(),
-        beginnings: &beginnings,
-        dataset: bench.dataset,
-        scales: &scales,
-    };
-    let weighed = evidence::weigh(&question, base, &tried, options.max_effects, &|what| progress.tell(what))
-        .map_err(|reason| unpredictable(&bench, model, reason))?;
+    let seen = parts.seen();
+    let training = Fitted { records: &seen, noise: &measured, through: &through };
+    let data = training.of(&bench);
+    let tell = |what: &str| progress.tell(what);
+    let weighed = asked(&bench, model, &training, &scales, watch.interrupt, |question| {
+        evidence::weigh(question, base, &tried, options.max_effects, &tell)
+    });
+    let weighed = weighed.map_err(|reason| unpredictable(&bench, model, reason))?;
     let context = Context { model, dataset, bench: &bench, data: &data, parts: &parts, table };
     let test = Measured::new(&bench, &parts.test, &measured, &through);
     let all = Measured::new(&bench, &parts.all(), &measured, &through);
@@ -202,7 +194,7 @@ fn prepared<'d>(
     model: &Model,
     dataset: &'d Dataset,
     interrupt: Option<InterruptHook<'d>>,
-) -> Result<(WeightedDataset<'d>, crate::effects::Scales), DiagnoseError> {
+) -> Result<(WeightedDataset<'d>, Scales), DiagnoseError> {
     if !model.parameters().iter().any(|parameter| parameter.free) {
         return Err(RefitError::NothingFree.into());
     }
@@ -211,13 +203,38 @@ fn prepared<'d>(
     Ok((bench, magnitudes::of(model, dataset)))
 }
 
-/// Of those of `datasets` that can be predicted.
-fn benches<'d>(
+/// Records that hypotheses are fitted to, with what is known of their noise.
+struct Fitted<'a> {
+    records: &'a [usize],
+    noise: &'a [Noise],
+    /// What the noise of the inputs makes of every record's channels.
+    through: &'a [Vec<f64>],
+}
+
+impl Fitted<'_> {
+    fn of<'b, 'd>(&self, bench: &'b WeightedDataset<'d>) -> Measured<'b, 'd> {
+        Measured::new(bench, self.records, self.noise, self.through)
+    }
+}
+
+/// What `answer` says of the question that `bench` poses, with first looks and beginnings of the same records.
+fn asked<A>(
+    bench: &WeightedDataset,
     model: &Model,
-    datasets: &'d [Dataset],
-    interrupt: Option<InterruptHook<'d>>,
-) -> Vec<WeightedDataset<'d>> {
-    datasets.iter().filter_map(|dataset| WeightedDataset::new(model, dataset, interrupt).ok()).collect()
+    fitted: &Fitted,
+    scales: &Scales,
+    interrupt: Option<InterruptHook>,
+    answer: impl FnOnce(&Question) -> A,
+) -> A {
+    let about = bench.linearised_at_measurement();
+    let looks = about.as_ref().map(|about| fitted.of(about));
+    let cut = beginnings::of(model, bench.dataset);
+    // Those that cannot be predicted lead nowhere.
+    let benches = cut.iter().filter_map(|cut| WeightedDataset::new(model, cut, interrupt).ok());
+    let benches: Vec<WeightedDataset> = benches.collect();
+    let beginnings: Vec<Measured> = benches.iter().map(|bench| fitted.of(bench)).collect();
+    let (data, dataset) = (fitted.of(bench), bench.dataset);
+    answer(&Question { data: &data, looks: looks.as_ref(), beginnings: &beginnings, dataset, scales })
 }
 
 /// Why `model` could not be refitted, with the first record that it does not predict as it stands.
@@ -257,18 +274,12 @@ pub fn add(
     let mut bench = bench;
     let (base, through) = base(&mut bench, model, &fit, &measured)?;
     progress.tell("refitted");
-    let data = Measured::new(&bench, &fit, &measured, &through);
     let forms = Candidate::forms(effect, location.as_ref(), model);
-    let about = bench.linearised_at_measurement();
-    let looks = about.as_ref().map(|about| Measured::new(about, &fit, &measured, &through));
-    let cut = beginnings::of(model, dataset);
-    let cut = benches(model, &cut, watch.interrupt);
-    let beginnings: Vec<Measured> =
-        cut.iter().map(|cut| Measured::new(cut, &fit, &measured, &through)).collect();
-    let question =
-        Question { data: &data, looks: looks.as_ref(), beginnings: &beginnings, dataset, scales: &scales };
-    let with =
-        evidence::added(&question, &base, &forms).map_err(|reason| unpredictable(&bench, model, reason))?;
+    let training = Fitted { records: &fit, noise: &measured, through: &through };
+    let with = asked(&bench, model, &training, &scales, watch.interrupt, |question| {
+        evidence::added(question, &base, &forms)
+    });
+    let with = with.map_err(|reason| unpredictable(&bench, model, reason))?;
     progress.tell(effect.id);
     let mut stages = vec![before];
     stages.push(stage("refitted", &base, model, dataset, &bench));

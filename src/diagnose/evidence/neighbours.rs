@@ -1,4 +1,5 @@
-//! Sets made from other sets: one member less, or one member in another of its forms.
+//! Sets made from other sets: one member less, one member in another of its forms, or fitted again from a part that fits
+//! better.
 
 use rayon::prelude::*;
 

@@ -87,7 +87,7 @@ fn decided(explained: &Explained) -> String {
         ),
         Verdict::EffectFound => format!(
             "with a probability of {p}{} {} missing, and nothing else that moves a channel by more than {} of its variation",
-            if context.data.noise_is_known() { "" } else { ", if the noise is like what is left," },
+            if context.data.noise_is_known() { "" } else { ", if the noise resembles the residual," },
             named(&weighed.ordered(decision.best)),
             percent(RELEVANT)
         ),
@@ -107,6 +107,9 @@ fn decided(explained: &Explained) -> String {
              `{}`",
             worst(explained)
         ),
+        Verdict::InsufficientData if decision.taken_back.is_some() => {
+            format!("the training records alone give a verdict with a probability of {p}; it is taken back")
+        }
         Verdict::InsufficientData if decision.best == 0 && !context.data.noise_is_known() => format!(
             "the residual is {} of the measured channels' standard deviation. How much of it is noise is not known, so \
              these data do not show whether an effect is missing",
