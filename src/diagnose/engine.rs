@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use super::assumptions::Assumptions;
 use super::candidates::{self, Candidate};
 use super::diagnosis::{Diagnosis, Noise, Verdict};
 use super::evaluate;
@@ -23,20 +24,23 @@ use crate::model::Model;
 /// ```
 /// use stickslip::diagnose::DiagnoseOptions;
 /// // Two effects of the catalogue, and at most one of them added.
-/// let options = DiagnoseOptions { effects: Some(vec!["backlash".into(), "wear".into()]), max_effects: 1 };
+/// let effects = Some(vec!["backlash".into(), "wear".into()]);
+/// let options = DiagnoseOptions { effects, max_effects: 1, ..DiagnoseOptions::default() };
 /// assert!(DiagnoseOptions::default().effects.is_none() && options.max_effects == 1);
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DiagnoseOptions {
     /// Ids of the only effects to try; `None` for the whole catalogue.
     pub effects: Option<Vec<String>>,
     /// Effects that may be added at most.
     pub max_effects: usize,
+    /// What is taken for granted.
+    pub assumptions: Assumptions,
 }
 
 impl Default for DiagnoseOptions {
     fn default() -> Self {
-        Self { effects: None, max_effects: 3 }
+        Self { effects: None, max_effects: 3, assumptions: Assumptions::default() }
     }
 }
 
@@ -121,7 +125,8 @@ pub fn diagnose(
     let baseline = evaluate("as given", model, dataset);
     // The search makes hundreds of fits.
     let thinned = thinned::of(model, dataset);
-    let (mut bench, scales) = prepared(model, thinned.as_ref().unwrap_or(dataset), watch.interrupt)?;
+    let (mut bench, scales) =
+        prepared(model, thinned.as_ref().unwrap_or(dataset), options.assumptions, watch.interrupt)?;
     let table = split::is_table(dataset);
     let parts = match table {
         true => split::whole(dataset),
@@ -193,12 +198,13 @@ fn base(
 fn prepared<'d>(
     model: &Model,
     dataset: &'d Dataset,
+    assumptions: Assumptions,
     interrupt: Option<InterruptHook<'d>>,
 ) -> Result<(WeightedDataset<'d>, Scales), DiagnoseError> {
     if !model.parameters().iter().any(|parameter| parameter.free) {
         return Err(RefitError::NothingFree.into());
     }
-    let bench = WeightedDataset::new(model, dataset, interrupt)
+    let bench = WeightedDataset::new(model, dataset, assumptions, interrupt)
         .map_err(|(record, reason)| RefitError::Unpredictable { record, reason })?;
     Ok((bench, magnitudes::of(model, dataset)))
 }
@@ -230,7 +236,8 @@ fn asked<A>(
     let looks = about.as_ref().map(|about| fitted.of(about));
     let cut = beginnings::of(model, bench.dataset);
     // Those that cannot be predicted lead nowhere.
-    let benches = cut.iter().filter_map(|cut| WeightedDataset::new(model, cut, interrupt).ok());
+    let benches =
+        cut.iter().filter_map(|cut| WeightedDataset::new(model, cut, bench.assumptions, interrupt).ok());
     let benches: Vec<WeightedDataset> = benches.collect();
     let beginnings: Vec<Measured> = benches.iter().map(|bench| fitted.of(bench)).collect();
     let (data, dataset) = (fitted.of(bench), bench.dataset);
@@ -258,7 +265,7 @@ pub fn add(
     watch: DiagnoseWatch,
 ) -> Result<Added, DiagnoseError> {
     let before = evaluate("as given", model, dataset);
-    let (bench, scales) = prepared(model, dataset, watch.interrupt)?;
+    let (bench, scales) = prepared(model, dataset, Assumptions::default(), watch.interrupt)?;
     let records = &dataset.records;
     let marked =
         |mark| (0..records.len()).filter(|index| records[*index].use_for == mark).collect::<Vec<_>>();

@@ -1,9 +1,10 @@
 //! Which effect is missing: a model and measurements come in, a [`Diagnosis`] goes out.
 //!
 //! `engine` goes through it from beginning to end: `measurements` lays the records out and splits them, `candidates` lists
-//! what may be missing, `evidence` weighs sets of that, `verdict` makes the answer of the probabilities and explains it with
-//! the help of `features`.
+//! what may be missing, `evidence` weighs sets of that under what is taken for granted (`assumptions`), and `verdict`
+//! makes the answer of the probabilities and explains it with the help of `features`.
 
+mod assumptions;
 mod candidates;
 mod diagnosis;
 mod engine;
@@ -13,6 +14,7 @@ mod measurements;
 mod stage;
 mod verdict;
 
+pub use assumptions::{Assumptions, NotAssumed};
 pub use diagnosis::{
     Candidate, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group, Noise,
     NoiseSource, Step, Untried, Verdict,

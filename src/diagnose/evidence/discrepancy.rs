@@ -6,7 +6,6 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::constants::DISCREPANCY;
 use super::joint::Joint;
 use super::latent::Latent;
 use super::measured::{Measured, NoisePrior};
@@ -36,7 +35,9 @@ pub(super) struct Doubt {
 
 /// What the noise may be beside a discrepancy of a size `alpha` of each channel.
 fn released(data: &Measured, prescribed: bool, alpha: f64) -> Vec<Vec<NoisePrior>> {
-    let release = |prior: NoisePrior, size: f64| prior.released(if prescribed { 0.0 } else { alpha * size });
+    let release = |prior: NoisePrior, size: f64| {
+        prior.released(if prescribed { 0.0 } else { alpha * size }, data.assumptions().magnitude)
+    };
     data.channels.iter().map(|of| of.iter().map(|c| release(c.prior, c.size)).collect()).collect()
 }
 
@@ -60,7 +61,7 @@ pub(super) fn about(data: &Measured, posterior: &Posterior) -> Result<Doubt, Str
             best.as_ref().map_or_else(|| joint.residuals(), |best| joint.residuals_after(&best.step));
         let mut sums = None;
         let mut found: Option<Solved> = None;
-        for alpha in DISCREPANCY {
+        for alpha in data.assumptions().discrepancies() {
             // Beside columns the noise is the same, whatever their size.
             if sums.is_none() || !prescribed {
                 joint.priors = released(data, prescribed, alpha);

@@ -3,12 +3,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::constants::{CERTAIN, ODDS, RELEVANT};
 use super::joint::{Joint, dot};
 use super::latent::Latent;
 use super::measured::Measured;
 use super::posterior::{Posterior, white_round};
 use super::probe::Prepared;
+use crate::diagnose::assumptions::Assumptions;
 use crate::diagnose::diagnosis::{Confounding, Detectable};
 use crate::model::Model;
 
@@ -69,7 +69,7 @@ pub(in crate::diagnose) fn around(
     data.bench.count(joint.simulations);
     let seen = probes.into_iter().zip(changes).filter_map(|(probe, change)| Some((probe, change?)));
     let changes = projected(data, &joint, &y, seen)?;
-    Ok(told(&changes, candidates.len()))
+    Ok(told(&changes, candidates.len(), data.assumptions()))
 }
 
 fn projected<'c>(
@@ -107,7 +107,7 @@ fn projected<'c>(
 }
 
 /// Detection limits and correlations.
-fn told(changes: &[Change], candidates: usize) -> Sensitivities {
+fn told(changes: &[Change], candidates: usize, assumed: &Assumptions) -> Sensitivities {
     let mut found = Sensitivities::default();
     let visible = |change: &Change| change.square > 0.0 && change.left > VISIBLE * change.square;
     for change in changes {
@@ -115,7 +115,7 @@ fn told(changes: &[Change], candidates: usize) -> Sensitivities {
         if !visible(change) && !found.invisible.contains(&effect.id) {
             found.invisible.push(effect.id);
         }
-        let size = visible(change).then(|| limit(change, candidates));
+        let size = visible(change).then(|| limit(change, candidates, assumed));
         smaller(&mut found.detectable, change, size);
     }
     for (index, a) in changes.iter().enumerate() {
@@ -130,12 +130,12 @@ fn told(changes: &[Change], candidates: usize) -> Sensitivities {
 
 /// The distance from neutral (or the value, where that is infinite) whose evidence would reach certainty against none, and
 /// which would be relevant.
-fn limit(change: &Change, candidates: usize) -> f64 {
+fn limit(change: &Change, candidates: usize, assumed: &Assumptions) -> f64 {
     let volume = 0.5 * (1.0 + change.left / (SMALL * SMALL)).ln();
-    let prior = (candidates as f64 + 1.0).ln() - ODDS.ln();
-    let needed = (CERTAIN / (1.0 - CERTAIN)).ln() + volume + prior;
+    let prior = (candidates as f64 + 1.0).ln() - assumed.odds.ln();
+    let needed = assumed.certainty() + volume + prior;
     let seen = (2.0 * needed / change.left).sqrt();
-    let relevant = RELEVANT / (change.distance * (change.left / change.square).sqrt());
+    let relevant = assumed.relevant / (change.distance * (change.left / change.square).sqrt());
     let y = SMALL * seen.max(relevant);
     let coordinate = &change.prepared.coordinates[0];
     coordinate.distance(y)

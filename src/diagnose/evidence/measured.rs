@@ -1,7 +1,7 @@
 //! The measurements that hypotheses are fitted to, and what is known of their noise.
 
 use super::autoregression::Autoregression;
-use super::constants::{NOISE, RELEASED, UNKNOWN_NOISE};
+use crate::diagnose::assumptions::Assumptions;
 use crate::diagnose::diagnosis::{Noise, NoiseSource};
 use crate::diagnose::measurements::weighted_dataset::{RecordResiduals, WeightedDataset};
 
@@ -16,15 +16,15 @@ pub(in crate::diagnose) struct NoisePrior {
 }
 
 impl NoisePrior {
-    fn new(deviation: f64, spread: f64) -> Self {
+    fn new(deviation: f64, spread: f64, assumed: &Assumptions) -> Self {
         // What is told may be a bound: a smaller noise speaks against nobody.
-        Self { deviation, largest: deviation, spreads: [NOISE[3], spread] }
+        Self { deviation, largest: deviation, spreads: [assumed.unknown_noise, spread] }
     }
 
-    /// With something of `more` that is not noise beside it, and little known of how much.
-    pub fn released(self, more: f64) -> Self {
+    /// With something of `more` that is not noise beside it, of which its order of magnitude is known, to `spread`.
+    pub fn released(self, more: f64, spread: f64) -> Self {
         let [below, above] = self.spreads;
-        Self { largest: self.deviation.hypot(more), spreads: [below, above.max(RELEASED)], ..self }
+        Self { largest: self.deviation.hypot(more), spreads: [below, above.max(spread)], ..self }
     }
 
     /// The deviation that a sum of squares of `count` innovations makes most probable, where they are `fraction` of the
@@ -106,12 +106,22 @@ impl<'a, 'd> Measured<'a, 'd> {
                     let own = found.iter().find(|noise| noise.record == record && noise.channel == *name);
                     let more = through.get(record).and_then(|of| of.get(k)).copied().unwrap_or(0.0);
                     let process = names.iter().position(|known| known == name).unwrap_or(0);
-                    MeasuredChannel { process, range: range.clone(), size, prior: prior(own, size, more) }
+                    MeasuredChannel {
+                        process,
+                        range: range.clone(),
+                        size,
+                        prior: prior(own, size, more, &bench.assumptions),
+                    }
                 };
                 lane.channels.iter().enumerate().map(channel).collect()
             })
             .collect();
         Self { bench, records: records.to_vec(), processes: names.len(), channels }
+    }
+
+    /// What is taken for granted.
+    pub fn assumptions(&self) -> &Assumptions {
+        &self.bench.assumptions
     }
 
     /// The record in place `k`.
@@ -140,7 +150,10 @@ impl<'a, 'd> Measured<'a, 'd> {
 
     /// Whether something is known of the noise of every channel.
     pub fn noise_is_known(&self) -> bool {
-        self.channels.iter().flatten().all(|channel| channel.prior.spreads[1] < NOISE[3])
+        self.channels
+            .iter()
+            .flatten()
+            .all(|channel| channel.prior.spreads[1] < self.assumptions().unknown_noise)
     }
 
     /// Mean square of `predictions` minus measurements over that of the noise expected, of each record.
@@ -178,17 +191,17 @@ impl<'a, 'd> Measured<'a, 'd> {
     }
 }
 
-fn prior(own: Option<&Noise>, size: f64, more: f64) -> NoisePrior {
+fn prior(own: Option<&Noise>, size: f64, more: f64, assumed: &Assumptions) -> NoisePrior {
     match own.and_then(|noise| Some((noise.deviation?, noise.source))) {
         Some((deviation, source)) => {
             let spread = match source {
-                NoiseSource::Stated => NOISE[0],
-                NoiseSource::Carried => NOISE[2],
-                _ => NOISE[1],
+                NoiseSource::Stated => assumed.stated_noise,
+                NoiseSource::Carried => assumed.carried_noise,
+                _ => assumed.repeated_noise,
             };
-            NoisePrior::new(deviation.hypot(more), spread)
+            NoisePrior::new(deviation.hypot(more), spread, assumed)
         }
-        None => NoisePrior::new(UNKNOWN_NOISE * size, NOISE[3]),
+        None => NoisePrior::new(assumed.usual_noise * size, assumed.unknown_noise, assumed),
     }
 }
 
@@ -287,15 +300,15 @@ mod tests {
 
     #[test]
     fn residuals_of_the_size_told_confirm_it_and_many_outweigh_it() {
-        let prior = NoisePrior::new(2.0, NOISE[0]);
+        let prior = NoisePrior::new(2.0, 0.1, &Assumptions::default());
         assert!((at(prior, 2.0).0 - 2.0).abs() < 1e-9);
         assert!((at(prior, 3.0).0 / 3.0 - 1.0).abs() < 0.03 && at(prior, 3.0).0 < 3.0);
     }
 
     #[test]
     fn a_discrepancy_wins_where_the_residual_is_larger_than_the_noise_and_loses_where_it_is_not() {
-        let told = NoisePrior::new(0.01, NOISE[0]);
-        let gain = |size: f64| at(told.released(0.01), size).1 - at(told, size).1;
+        let told = NoisePrior::new(0.01, 0.1, &Assumptions::default());
+        let gain = |size: f64| at(told.released(0.01, 1.0), size).1 - at(told, size).1;
         assert!(gain(0.02) > 10.0, "{}", gain(0.02));
         for size in [1e-4, 0.005, 0.01, 0.0105] {
             assert!(gain(size) < 0.0, "{size}: {}", gain(size));
@@ -304,8 +317,8 @@ mod tests {
 
     #[test]
     fn a_smaller_noise_than_told_costs_little() {
-        let told = NoisePrior::new(0.01, NOISE[0]);
-        let exact = NoisePrior::new(1e-4, NOISE[0]);
+        let told = NoisePrior::new(0.01, 0.1, &Assumptions::default());
+        let exact = NoisePrior::new(1e-4, 0.1, &Assumptions::default());
         let cost = at(exact, 1e-4).1 - at(told, 1e-4).1;
         assert!(cost < 5.0, "{cost}");
     }

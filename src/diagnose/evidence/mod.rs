@@ -1,14 +1,13 @@
 //! One score: the evidence of sets of effects. Records and candidates come in, sets with their probabilities go out.
 //!
 //! A hypothesis is a model with a set of effects, and possibly a `discrepancy` that stands for what the catalogue lacks. Its
-//! `unknown`s have priors in units of the problem (`constants` holds all that decides), the noise is `autoregression` with a
+//! `unknown`s have priors in units of the problem (`Assumptions` hold all that decides), the noise is `autoregression` with a
 //! size per record (`measured`). `joint` is the sum of squares of all that is unknown, over `slot`s of one record each and
 //! with what a discrepancy adds (`latent`); `posterior` is its minimum with the volume around it, `probe` what amounts of
 //! each candidate would change to first order. `search` grows sets from none, and `neighbours` makes sure of the likely
 //! ones; `weights` makes probabilities of their evidence, `limits` tells what could not have been seen.
 
 mod autoregression;
-mod constants;
 mod discrepancy;
 mod joint;
 mod latent;
@@ -22,7 +21,6 @@ mod slot;
 mod unknown;
 mod weights;
 
-pub(super) use constants::{CERTAIN, RELEVANT};
 pub(super) use limits::{Sensitivities, around};
 pub(super) use measured::Measured;
 pub(super) use posterior::Posterior;
@@ -60,7 +58,7 @@ pub(super) fn first(
     about_measured: Option<&Measured>,
     model: &Model,
 ) -> Result<Posterior, String> {
-    let unknowns = unknown::of_model(model);
+    let unknowns = unknown::of_model(model, data.assumptions());
     let zeros = vec![0.0; unknowns.len()];
     let from = |y: &[f64]| screen(data, &Start { model, unknowns: &unknowns, y }, true);
     let direct = from(&zeros);
@@ -128,7 +126,8 @@ pub(super) fn doubt(data: &Measured, of: &Posterior) -> Result<f64, String> {
     let doubt = discrepancy::about(data, of)?;
     // On a structure the discrepancy is a residual, whose smallest size is a relevant one.
     let prescribed = of.model.structure == Structure::Prescribed;
-    let small = prescribed && data.distance(&doubt.predictions, &of.predictions) < RELEVANT;
+    let small =
+        prescribed && data.distance(&doubt.predictions, &of.predictions) < data.assumptions().relevant;
     Ok(if small { f64::NEG_INFINITY } else { doubt.log_evidence - of.log_evidence })
 }
 
@@ -141,7 +140,7 @@ pub(super) fn alone(
 ) -> Result<Model, String> {
     let data = Measured::new(bench, &[record], &[], &[]);
     let parameters = model.parameters().into_iter().filter(|p| free(&p.path, p.value));
-    let unknowns: Vec<Unknown> = parameters.map(|p| Unknown::of(&p)).collect();
+    let unknowns: Vec<Unknown> = parameters.map(|p| Unknown::of(&p, data.assumptions())).collect();
     let zeros = vec![0.0; unknowns.len()];
     Ok(screen(&data, &Start { model, unknowns: &unknowns, y: &zeros }, true)?.model)
 }

@@ -167,6 +167,7 @@ impl Search<'_, '_, '_> {
 mod tests {
     use super::*;
     use crate::data::{Channel, Dataset, Record, Regime};
+    use crate::diagnose::assumptions::Assumptions;
     use crate::diagnose::candidates::tried;
     use crate::diagnose::evidence::{Measured, Question, again, first, weigh};
     use crate::diagnose::measurements::magnitudes;
@@ -219,7 +220,7 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(3);
         for _ in 0..8 {
             let (model, dataset) = measured(&mut random);
-            let bench = WeightedDataset::new(&model, &dataset, None).unwrap();
+            let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
             let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
             let base = first(&data, None, &model).and_then(|first| again(&data, &first)).unwrap();
             let only = ["residual_stiffness", "asymmetry", "contact_damping", "stiffening", "wear"];

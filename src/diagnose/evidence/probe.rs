@@ -3,13 +3,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::constants::EFFECT;
 use super::joint::{Joint, dot};
 use super::latent::Latent;
 use super::measured::Measured;
 use super::posterior::{Posterior, white_round};
 use super::unknown::{Coordinate, Unknown};
 use crate::data::Dataset;
+use crate::diagnose::assumptions::Assumptions;
 use crate::diagnose::candidates::{Brought, Candidate};
 use crate::effects::Scales;
 use crate::model::Model;
@@ -30,6 +30,11 @@ impl Prepared {
     pub fn added_to(&self, model: &Model, y: &[f64]) -> Model {
         let values: Vec<f64> = self.coordinates.iter().zip(y).map(|(c, y)| c.value(*y)).collect();
         self.candidate.added_to(model, &values)
+    }
+
+    /// `model` with one prior deviation of its first number, at all starts of the others.
+    fn models_at(&self, model: &Model) -> Vec<Model> {
+        self.others.iter().filter_map(|others| self.beside(model, &at(1.0, others))).collect()
     }
 
     /// The same where that is a legal model.
@@ -71,7 +76,10 @@ pub(super) fn prepare(
     let mut found: Vec<Option<f64>> = vec![None; candidates.len()];
     let mut open: Vec<usize> = (0..candidates.len()).collect();
     for _ in 0..ROUNDS {
-        let at = |&c: &usize| models_at(&base.model, &candidates[c], &brought[c], sizes[c]);
+        let at = |&c: &usize| {
+            let prepared = of(&candidates[c], &brought[c], sizes[c], data.assumptions());
+            prepared.models_at(&base.model)
+        };
         let probes: Vec<Vec<Model>> = open.iter().map(at).collect();
         let mut changes = joint.changes(&y, &probes.concat()).into_iter();
         let mut left = Vec::new();
@@ -86,7 +94,7 @@ pub(super) fn prepare(
                 continue;
             }
             found[c] = Some(sizes[c]);
-            let factor = (EFFECT / change).clamp(0.02, 50.0);
+            let factor = (data.assumptions().effect_size / change).clamp(0.02, 50.0);
             if (factor - 1.0).abs() > 0.2 {
                 let bounded = within(&brought[c][0], sizes[c] * factor.powf(0.8));
                 if (bounded / sizes[c] - 1.0).abs() > 1e-3 {
@@ -104,15 +112,15 @@ pub(super) fn prepare(
     let (mut prepared, mut without) = (Vec::new(), Vec::new());
     for ((candidate, brought), size) in candidates.iter().zip(&brought).zip(found) {
         match size {
-            Some(size) => prepared.push(of(candidate, brought, size)),
+            Some(size) => prepared.push(of(candidate, brought, size, data.assumptions())),
             None => without.push(candidate.clone()),
         }
     }
     Ok((prepared, without))
 }
 
-fn of(candidate: &Candidate, brought: &[Brought], size: f64) -> Prepared {
-    let behind = brought.iter().skip(1).map(Coordinate::of_second);
+fn of(candidate: &Candidate, brought: &[Brought], size: f64, assumed: &Assumptions) -> Prepared {
+    let behind = brought.iter().skip(1).map(|one| Coordinate::of_second(one, assumed));
     let coordinates: Vec<Coordinate> =
         std::iter::once(Coordinate::of_first(&brought[0], size)).chain(behind).collect();
     let starts = brought.get(1).map_or(1, |second| second.range.starts.len());
@@ -139,12 +147,6 @@ fn within(brought: &Brought, size: f64) -> f64 {
         ends.map(|end| (end - neutral).abs()).find(|room| *room > 0.0)
     };
     bound.map_or(size, |bound| size.min(bound))
-}
-
-/// `model` with a candidate of one prior deviation `size` of its first number, at all starts of the others.
-fn models_at(model: &Model, candidate: &Candidate, brought: &[Brought], size: f64) -> Vec<Model> {
-    let prepared = of(candidate, brought, size);
-    prepared.others.iter().filter_map(|others| prepared.beside(model, &at(1.0, others))).collect()
 }
 
 /// The coordinates of a candidate from its first and the others.

@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use super::constants::RELEVANT;
 use super::discrepancy;
 use super::latent::Latent;
 use super::measured::Measured;
@@ -118,7 +117,8 @@ impl Search<'_, '_, '_> {
         let mut wanted: Vec<(usize, Probe)> = Vec::new();
         let few = (0..self.data.records.len()).map(|k| self.data.lane(k).measured.len()).sum::<usize>() < FEW;
         let worthy = |probe: &Probe| {
-            let likely = probe.evidence > UNLIKELY && probe.distance > IRRELEVANT * RELEVANT;
+            let likely =
+                probe.evidence > UNLIKELY && probe.distance > IRRELEVANT * self.data.assumptions().relevant;
             (few || probe.gain > WORTH) && (!adequate || likely)
         };
         for &parent in parents {

@@ -1,6 +1,6 @@
 //! What a fit may change, each with what is thought of it before the data are seen.
 
-use super::constants::{BASE, SECOND, STRUCTURE};
+use crate::diagnose::assumptions::Assumptions;
 use crate::diagnose::candidates::Brought;
 use crate::model::{Model, ModelParameter};
 use crate::vocabulary::Scale;
@@ -39,13 +39,13 @@ impl Coordinate {
     }
 
     /// Of a parameter that the model has already, around its value.
-    pub fn of_base(parameter: &ModelParameter) -> Self {
+    pub fn of_base(parameter: &ModelParameter, assumed: &Assumptions) -> Self {
         let value = parameter.value;
         let path = parameter.path.as_str();
         let structural = path == "beam.youngs_modulus"
             || path.contains("mass")
             || path.contains("stiffness") && !path.starts_with("contact");
-        let spread = if structural { STRUCTURE } else { BASE };
+        let spread = if structural { assumed.structure_guess } else { assumed.parameter_guess };
         let least = parameter.quantity.min.unwrap_or(parameter.lower.min(0.0));
         let upper = parameter.quantity.max.unwrap_or(f64::INFINITY);
         match parameter.scale {
@@ -85,7 +85,7 @@ impl Coordinate {
     }
 
     /// Of another number that a candidate brings.
-    pub fn of_second(brought: &Brought) -> Self {
+    pub fn of_second(brought: &Brought, assumed: &Assumptions) -> Self {
         let Brought { quantity, range, .. } = brought;
         let centre = range.starts[0];
         if centre <= 0.0 {
@@ -93,7 +93,7 @@ impl Coordinate {
         }
         let lower = quantity.min.unwrap_or(0.0).max(1e-2 * range.lower);
         let upper = quantity.max.unwrap_or(f64::INFINITY);
-        Self { measure: Measure::Logarithmic, centre, spread: SECOND, lower, upper }
+        Self { measure: Measure::Logarithmic, centre, spread: assumed.magnitude, lower, upper }
     }
 
     pub fn value(&self, y: f64) -> f64 {
@@ -152,13 +152,14 @@ pub(in crate::diagnose) struct Unknown {
 
 impl Unknown {
     /// A parameter that the model has already.
-    pub fn of(parameter: &ModelParameter) -> Self {
-        let coordinate = Coordinate::of_base(parameter);
+    pub fn of(parameter: &ModelParameter, assumed: &Assumptions) -> Self {
+        let coordinate = Coordinate::of_base(parameter, assumed);
         Self { coordinate, path: parameter.path.clone(), unit: parameter.quantity.unit, owner: None }
     }
 }
 
 /// What a refit of `model` may change of what it has.
-pub(super) fn of_model(model: &Model) -> Vec<Unknown> {
-    model.parameters().iter().filter(|parameter| parameter.free).map(Unknown::of).collect()
+pub(super) fn of_model(model: &Model, assumed: &Assumptions) -> Vec<Unknown> {
+    let parameters = model.parameters();
+    parameters.iter().filter(|parameter| parameter.free).map(|one| Unknown::of(one, assumed)).collect()
 }

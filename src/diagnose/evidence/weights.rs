@@ -1,6 +1,5 @@
 //! Probabilities of sets, and the one rule that makes a verdict of them.
 
-use super::constants::{ODDS, RELEVANT};
 use super::measured::Measured;
 use super::probe::Prepared;
 use super::search::{Set, evidence};
@@ -12,7 +11,7 @@ const NEGLIGIBLE: f64 = 1e-4;
 /// The probability of each of `sets` among them, of `candidates` that could be members: of two sets of which the larger
 /// predicts the same, the smaller has both.
 pub(super) fn of(data: &Measured, sets: &[Set], candidates: &[Prepared]) -> Vec<f64> {
-    let scores: Vec<f64> = sets.iter().map(|set| score(set, candidates)).collect();
+    let scores: Vec<f64> = sets.iter().map(|set| score(set, candidates, data.assumptions().odds)).collect();
     let top = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let mut weights: Vec<f64> = scores.iter().map(|score| (score - top).exp()).collect();
     let sum: f64 = weights.iter().sum();
@@ -28,7 +27,7 @@ pub(super) fn of(data: &Measured, sets: &[Set], candidates: &[Prepared]) -> Vec<
                 .map(|j| (j, data.distance(&sets[k].posterior.predictions, &sets[j].posterior.predictions)))
                 .min_by(|a, b| a.1.total_cmp(&b.1));
             if let Some((j, distance)) = near
-                && distance < RELEVANT
+                && distance < data.assumptions().relevant
             {
                 weights[j] += weights[k];
                 weights[k] = 0.0;
@@ -40,7 +39,7 @@ pub(super) fn of(data: &Measured, sets: &[Set], candidates: &[Prepared]) -> Vec<
 
 /// Log evidence with the prior of the set: each further member at the same odds, any of them alike, and so are the forms of
 /// one; the discrepancy is a member like any other.
-fn score(set: &Set, candidates: &[Prepared]) -> f64 {
+fn score(set: &Set, candidates: &[Prepared], odds: f64) -> f64 {
     let own = candidates.iter().filter(|one| one.candidate.law.is_none()).count();
     let forms = |member: usize| {
         let of = &candidates[member].candidate;
@@ -49,7 +48,7 @@ fn score(set: &Set, candidates: &[Prepared]) -> f64 {
     let (m, size) = (own as f64 + 1.0, set.size());
     let forms: f64 = set.members.iter().map(|member| forms(*member).ln()).sum();
     let choices: f64 = (0..size).map(|i| ((m - i as f64) / (i as f64 + 1.0)).ln()).sum();
-    evidence(set) + size as f64 * ODDS.ln() - choices - forms
+    evidence(set) + size as f64 * odds.ln() - choices - forms
 }
 
 /// Whether a set differs from that without its discrepancy by its residual alone, which has its smallest size itself.

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use crate::data::{Dataset, Record};
+use crate::diagnose::assumptions::Assumptions;
 use crate::fit::InterruptHook;
 use crate::fit::predict::{ObservedSimulation, Seed, compared, deviation};
 use crate::model::Model;
@@ -14,6 +15,7 @@ pub(in crate::diagnose) struct WeightedDataset<'d> {
     pub dataset: &'d Dataset,
     /// Per record, in the order of the dataset.
     pub lanes: Vec<RecordResiduals<'d>>,
+    pub assumptions: Assumptions,
     simulations: AtomicUsize,
     refits: AtomicUsize,
     interrupt: Option<InterruptHook<'d>>,
@@ -52,6 +54,7 @@ impl<'d> WeightedDataset<'d> {
     pub fn new(
         model: &Model,
         dataset: &'d Dataset,
+        assumptions: Assumptions,
         interrupt: Option<InterruptHook<'d>>,
     ) -> Result<Self, (String, String)> {
         let lanes = dataset
@@ -59,7 +62,14 @@ impl<'d> WeightedDataset<'d> {
             .iter()
             .map(|record| lane(model, record).map_err(|reason| (record.name.clone(), reason)))
             .collect::<Result<_, _>>()?;
-        Ok(Self { dataset, lanes, simulations: AtomicUsize::new(0), refits: AtomicUsize::new(0), interrupt })
+        Ok(Self {
+            dataset,
+            lanes,
+            assumptions,
+            simulations: AtomicUsize::new(0),
+            refits: AtomicUsize::new(0),
+            interrupt,
+        })
     }
 
     /// Makes the solutions under `model`, where there are any, the start of all simulations.
@@ -85,6 +95,7 @@ impl<'d> WeightedDataset<'d> {
                     ..lane.clone()
                 })
                 .collect(),
+            assumptions: self.assumptions,
             simulations: AtomicUsize::new(0),
             refits: AtomicUsize::new(0),
             interrupt: self.interrupt,

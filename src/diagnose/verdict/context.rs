@@ -21,9 +21,6 @@ pub(in crate::diagnose) struct Context<'a, 'd> {
     pub table: bool,
 }
 
-/// Error over the channels' variation below which there is nothing to explain, whatever the noise.
-const NOTHING_LEFT: f64 = 1e-3;
-
 impl Context<'_, '_> {
     /// The predictions of a set on the training records as the report measures them.
     pub(super) fn scored(&self, set: &Set) -> Vec<Scored> {
@@ -39,9 +36,9 @@ impl Context<'_, '_> {
         self.bench.normalised_error(&self.scored(set))
     }
 
-    /// Whether the model as it is leaves nothing to explain.
+    /// Whether the model as it is leaves nothing to explain, whatever the noise: a tenth of what is relevant.
     pub(super) fn is_exact(&self, weighed: &Weighed) -> bool {
-        self.error(&weighed.sets[0]) < NOTHING_LEFT
+        self.error(&weighed.sets[0]) < 0.1 * self.data.assumptions().relevant
     }
 }
 

@@ -3,7 +3,7 @@
 use super::confound;
 use super::context::Context;
 use crate::diagnose::diagnosis::{Group, Verdict};
-use crate::diagnose::evidence::{self, CERTAIN, Measured, Weighed};
+use crate::diagnose::evidence::{self, Measured, Weighed};
 
 /// A verdict with what it rests on.
 pub(in crate::diagnose) struct Decision {
@@ -52,12 +52,13 @@ impl Decision {
             taken_back: None,
         };
         let some = sum(&|k| sets[k].discrepancy.is_none() && !sets[k].members.is_empty());
-        if doubt >= CERTAIN {
+        let certainly = context.data.assumptions().certain;
+        if doubt >= certainly {
             (decision.verdict, decision.probability) = (Verdict::Unexplained, doubt);
-        } else if decision.probability >= CERTAIN {
+        } else if decision.probability >= certainly {
             decision.verdict = certain(context, weighed, best);
-        } else if some >= CERTAIN {
-            decision.share(weighed, some);
+        } else if some >= certainly {
+            decision.share(weighed, some, 1.0 - certainly);
         } else {
             decision.probability = 1.0 - doubt.max(decision.probability);
         }
@@ -66,9 +67,8 @@ impl Decision {
 
     /// What several sets say together that have a probability of `some`: what is in each of them is found; what is in some of
     /// them is a group, or one effect that is left open beside those found.
-    fn share(&mut self, weighed: &Weighed, some: f64) {
-        let likely =
-            |k: &usize| weighed.sets[*k].discrepancy.is_none() && weighed.weights[*k] > 1.0 - CERTAIN;
+    fn share(&mut self, weighed: &Weighed, some: f64, negligible: f64) {
+        let likely = |k: &usize| weighed.sets[*k].discrepancy.is_none() && weighed.weights[*k] > negligible;
         let mut likely: Vec<usize> = (0..weighed.sets.len()).filter(likely).collect();
         likely.sort_by(|a, b| weighed.weights[*b].total_cmp(&weighed.weights[*a]));
         let mut open: Vec<&'static str> = Vec::new();
@@ -109,7 +109,7 @@ impl Decision {
         if !self.verdict.stands() || test.records.is_empty() {
             return self;
         }
-        let against = (CERTAIN / (1.0 - CERTAIN)).ln();
+        let against = context.data.assumptions().certainty();
         let score = |k: usize| {
             let scored = context.bench.score(&weighed.sets[k].posterior.model, &test.records).ok()?;
             Some(test.log_score(&scored.into_iter().map(|one| one.predictions).collect::<Vec<_>>()))

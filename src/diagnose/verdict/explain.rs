@@ -4,7 +4,7 @@ use super::confound;
 use super::decision::TakenBack;
 use super::{Context, Decision, Tested, Weighed};
 use crate::diagnose::diagnosis::{Errors, Evidence, Verdict};
-use crate::diagnose::evidence::{CERTAIN, RELEVANT, Sensitivities};
+use crate::diagnose::evidence::Sensitivities;
 use crate::diagnose::features;
 use crate::effects;
 
@@ -79,17 +79,18 @@ pub(super) fn reasons(explained: &Explained) -> Vec<String> {
 fn decided(explained: &Explained) -> String {
     let Explained { context, weighed, decision, errors, .. } = explained;
     let p = probability(decision.probability);
+    let assumed = context.data.assumptions();
     match decision.verdict {
         Verdict::NothingMissing => format!(
             "with a probability of {p} no effect of the catalogue and nothing else that moves a channel by more than {} \
              of its variation is missing",
-            percent(RELEVANT)
+            percent(assumed.relevant)
         ),
         Verdict::EffectFound => format!(
             "with a probability of {p}{} {} missing, and nothing else that moves a channel by more than {} of its variation",
             if context.data.noise_is_known() { "" } else { ", if the noise resembles the residual," },
             named(&weighed.ordered(decision.best)),
-            percent(RELEVANT)
+            percent(assumed.relevant)
         ),
         Verdict::NotDistinguishable => {
             format!("with a probability of {p} something of the catalogue is missing")
@@ -97,7 +98,7 @@ fn decided(explained: &Explained) -> String {
         Verdict::Unexplained if decision.taken_back.is_some() => {
             format!("the training records alone would say: {}", candidate(weighed, decision.best))
         }
-        Verdict::Unexplained if decision.doubt < CERTAIN => format!(
+        Verdict::Unexplained if decision.doubt < assumed.certain => format!(
             "the residual is {} of the measured channels' standard deviation: what lowers it stands for the slip of a \
              contact that the model does not have",
             percent(errors.last)
@@ -116,7 +117,8 @@ fn decided(explained: &Explained) -> String {
             percent(errors.refitted)
         ),
         Verdict::InsufficientData => format!(
-            "no explanation reaches a probability of {CERTAIN}; that something outside the catalogue is missing has {}",
+            "no explanation reaches a probability of {}; that something outside the catalogue is missing has {}",
+            assumed.certain,
             probability(decision.doubt)
         ),
     }

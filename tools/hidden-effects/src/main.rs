@@ -14,7 +14,7 @@ use stickslip_hidden_effects::cases::sealed::sealed;
 use stickslip_hidden_effects::scoring::run::{self, Plan, Task};
 use stickslip_hidden_effects::scoring::truth::Truth;
 use stickslip_hidden_effects::scoring::visibility::visibility;
-use stickslip_hidden_effects::scoring::{agreement, machine, table};
+use stickslip_hidden_effects::scoring::{agreement, assumptions, machine, table};
 
 /// Simulated measurements with a hidden effect, and the score of a diagnosis of them
 #[derive(Parser)]
@@ -62,6 +62,9 @@ struct Arguments {
     /// error over the noise is 1 where the program's physics and the generator's agree
     #[arg(long)]
     agreement: bool,
+    /// Tell instead how each number that the program takes for granted, halved and doubled, changes its verdicts
+    #[arg(long)]
+    assumptions: bool,
     /// Write the table here as well
     #[arg(long)]
     table: Option<PathBuf>,
@@ -172,8 +175,14 @@ fn score(arguments: &Arguments, tasks: &[Task], set: &str) -> Result<(), String>
         jobs: arguments.jobs,
         fresh: arguments.fresh,
         resume: arguments.resume,
+        assume: None,
         longest: Duration::from_secs(arguments.longest),
     };
+    if arguments.assumptions {
+        let page = assumptions::markdown(&plan, tasks, &command())?;
+        println!("{page}");
+        return arguments.table.as_ref().map_or(Ok(()), |path| written(path, &page));
+    }
     let outcomes = run::run(&plan, tasks)?;
     let page = table::markdown(&outcomes, &command(), &machine(arguments.jobs));
     println!("{page}");
@@ -183,9 +192,13 @@ fn score(arguments: &Arguments, tasks: &[Task], set: &str) -> Result<(), String>
     ];
     targets.extend(arguments.table.iter().map(|path| (path.clone(), page.clone())));
     for (path, text) in targets {
-        fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
+        written(&path, &text)?;
     }
     Ok(())
+}
+
+fn written(path: &Path, text: &str) -> Result<(), String> {
+    fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))
 }
 
 /// What a reader types to see the same.

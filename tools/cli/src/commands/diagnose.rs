@@ -3,14 +3,12 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use stickslip::data::Dataset;
 use stickslip::diagnose::{
-    DiagnoseError, DiagnoseOptions, DiagnoseWatch, Diagnosis, RefitError, Verdict, diagnose,
+    Assumptions, DiagnoseError, DiagnoseOptions, DiagnoseWatch, Diagnosis, RefitError, Verdict, diagnose,
 };
 use stickslip::document::suggestion;
 use stickslip::effects::{self, CATALOGUE, Effect};
 use stickslip::fit::FitError;
-use stickslip::model::Model;
 use stickslip_report::diagnosis::{Run, diagnosis_html, diagnosis_json, diagnosis_table};
 
 use super::{
@@ -18,6 +16,13 @@ use super::{
 };
 use crate::output::{Outputs, say};
 use crate::{Failure, ResultFiles, progress};
+
+/// NAME=VALUE of an assumption.
+fn assumption(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("NAME=VALUE is expected, `odds=0.25` for example")?;
+    let number = value.trim().parse().map_err(|_| format!("`{value}` is not a number"))?;
+    Ok((name.trim().to_owned(), number))
+}
 
 /// Arguments of `stickslip diagnose`.
 #[derive(clap::Args)]
@@ -39,6 +44,9 @@ pub struct Diagnose {
     /// Add at most N effects
     #[arg(long, value_name = "N", default_value_t = DiagnoseOptions::default().max_effects)]
     max_effects: usize,
+    /// Take another value for granted (see docs/missing-effect.md); may be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assumption)]
+    assume: Vec<(String, f64)>,
     /// Write the model with the effects found, refitted
     #[arg(short, long, value_name = "NEW.toml")]
     out: Option<PathBuf>,
@@ -53,6 +61,7 @@ impl Diagnose {
         for id in self.effects.iter().flatten() {
             effect(id)?;
         }
+        let options = self.options()?;
         let model = read_model(&self.model)?;
         let dataset = read_dataset(&self.dataset, &model)?;
         tell_unused(&model, &dataset);
@@ -62,14 +71,13 @@ impl Diagnose {
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
 
         let start = Instant::now();
-        let diagnosis = self.diagnosed(&model, &dataset)?;
+        let diagnosis = watched(|watch| diagnose(&model, &dataset, &options, watch)).map_err(failed)?;
         let mut outputs = Outputs::default();
         let run = Run {
             model: self.model.display().to_string(),
             dataset: self.dataset.display().to_string(),
             written: self.improved(&diagnosis, &mut outputs),
-            only: self.effects.clone(),
-            max_effects: self.max_effects,
+            options: options.clone(),
             seconds: start.elapsed().as_secs_f64(),
             interrupted: progress::interrupted(),
         };
@@ -84,9 +92,13 @@ impl Diagnose {
         Ok(diagnosis.exit_code())
     }
 
-    fn diagnosed(&self, model: &Model, dataset: &Dataset) -> Result<Diagnosis, Failure> {
-        let options = DiagnoseOptions { effects: self.effects.clone(), max_effects: self.max_effects };
-        watched(|watch| diagnose(model, dataset, &options, watch)).map_err(failed)
+    fn options(&self) -> Result<DiagnoseOptions, Failure> {
+        let mut assumptions = Assumptions::default();
+        for (name, value) in &self.assume {
+            assumptions =
+                assumptions.with(name, *value).map_err(|error| Failure::input(error.to_string()))?;
+        }
+        Ok(DiagnoseOptions { effects: self.effects.clone(), max_effects: self.max_effects, assumptions })
     }
 
     /// Adds the model to the files to be written where the diagnosis stands for it.

@@ -128,3 +128,25 @@ fn the_catalogue_prints_every_effect() {
         assert!(one.contains("How to confirm it") && one.lines().all(|line| line.chars().count() <= 80));
     }
 }
+
+#[test]
+fn what_is_taken_for_granted_can_be_said_and_is_told() {
+    let folder = example(4e5);
+    let diagnosed = |assumed: &[&str]| {
+        let base = ["diagnose", "model.toml", "data", "--effects", "residual_stiffness", "--json", "d.json"];
+        stickslip(folder.path(), &[&base[..], assumed].concat())
+    };
+    assert_eq!(diagnosed(&[]).status.code(), Some(10));
+    let usual = read_json(folder.path(), "d.json")["settings"]["assumptions"]["odds"].as_f64();
+    assert_eq!(usual, Some(0.5));
+    // Who takes an effect for nearly impossible is told that none is certain; who thinks nothing of ten per cent, that
+    // none is missing.
+    let unlikely = diagnosed(&["--assume", "odds=1e-300", "--assume", "relevant=0.5"]);
+    assert_eq!(unlikely.status.code(), Some(0));
+    assert_eq!(read_json(folder.path(), "d.json")["settings"]["assumptions"]["odds"], 1e-300);
+    for (wrong, hint) in [("patience=1", "certain"), ("odds=-1", "positive"), ("odds", "NAME=VALUE")] {
+        let refused = diagnosed(&["--assume", wrong]);
+        assert_eq!(refused.status.code(), Some(2), "{wrong}");
+        assert!(error(&refused).contains(hint), "{}", error(&refused));
+    }
+}

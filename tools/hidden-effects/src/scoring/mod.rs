@@ -5,6 +5,7 @@
 //! absorb; wilson.rs: intervals of shares.
 
 pub mod agreement;
+pub mod assumptions;
 mod calibration;
 mod figures;
 pub mod machine;

@@ -40,6 +40,7 @@ pub struct Outcome {
 }
 
 /// How to run.
+#[derive(Clone)]
 pub struct Plan {
     /// The program `stickslip`.
     pub program: PathBuf,
@@ -51,6 +52,8 @@ pub struct Plan {
     pub fresh: bool,
     /// Take answers that another build of the program gave.
     pub resume: bool,
+    /// `NAME=VALUE` that the program is to take for granted instead of what it does.
+    pub assume: Option<String>,
     /// A run that takes longer has failed.
     pub longest: Duration,
 }
@@ -142,6 +145,7 @@ fn diagnose(plan: &Plan, task: &Task, build: &str) -> Result<(Option<i32>, Diagn
     let mut command = Command::new(&plan.program);
     command.arg("diagnose").arg(folder.join("model.toml")).arg(folder.join("dataset.toml"));
     command.arg("--json").arg(&answer).stdin(Stdio::null()).stdout(Stdio::null()).stderr(errors);
+    command.args(plan.assume.iter().flat_map(|word| ["--assume", word]));
     if plan.jobs > 1 {
         let cores = thread::available_parallelism().map_or(1, usize::from);
         command.env("RAYON_NUM_THREADS", (cores / plan.jobs).max(1).to_string());

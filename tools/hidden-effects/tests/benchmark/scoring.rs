@@ -233,6 +233,7 @@ exit 10
             jobs: 2,
             fresh,
             resume: false,
+            assume: None,
             longest: Duration::from_secs(20),
         };
         let outcomes = run(&plan, &tasks()).unwrap();

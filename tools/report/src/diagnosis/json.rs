@@ -61,7 +61,11 @@ pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
         "model": run.model,
         "dataset": run.dataset,
         "model_written": run.written,
-        "settings": { "effects": run.only, "max_effects": run.max_effects },
+        "settings": {
+            "effects": run.options.effects,
+            "max_effects": run.options.max_effects,
+            "assumptions": run.options.assumptions.named().into_iter().collect::<std::collections::BTreeMap<_, _>>(),
+        },
         "cost": cost(diagnosis, run),
         "interrupted": run.interrupted,
     })

@@ -11,6 +11,8 @@ pub use json::{added_json, diagnosis_json};
 pub use page::diagnosis_html;
 pub use terminal::diagnosis_table;
 
+use stickslip::diagnose::DiagnoseOptions;
+
 /// How a diagnosis was asked for and what it took: what its result does not say itself.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Run {
@@ -20,10 +22,8 @@ pub struct Run {
     pub dataset: String,
     /// Where the improved model was written, if it was.
     pub written: Option<String>,
-    /// Ids of the only effects that were to be tried; `None` for the whole catalogue.
-    pub only: Option<Vec<String>>,
-    /// Effects that were to be added at most.
-    pub max_effects: usize,
+    /// What was to be tried, and what was taken for granted.
+    pub options: DiagnoseOptions,
     /// How long it took (s).
     pub seconds: f64,
     /// Whether it was stopped before its end.

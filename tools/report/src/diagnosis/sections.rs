@@ -304,7 +304,7 @@ fn short(value: f64) -> f64 {
 
 /// How the verdict was reached, and with what settings.
 pub fn method(diagnosis: &Diagnosis, run: &Run) -> Markup {
-    let tried = match &run.only {
+    let tried = match &run.options.effects {
         Some(ids) => ids.iter().map(|id| words::title(id)).collect::<Vec<_>>().join(", "),
         None => "the whole catalogue".to_owned(),
     };
@@ -318,7 +318,7 @@ pub fn method(diagnosis: &Diagnosis, run: &Run) -> Markup {
                 "take a verdict back."
             }
             ul.text {
-                li { "Tried: " (name(&tried)) "; at most " (format::count(run.max_effects, "effect")) " added." }
+                li { "Tried: " (name(&tried)) "; at most " (format::count(run.options.max_effects, "effect")) " added." }
                 li { (terminal::effort(diagnosis, run)) }
             }
         }

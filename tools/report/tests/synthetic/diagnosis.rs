@@ -2,8 +2,8 @@
 
 use stickslip::data::Use;
 use stickslip::diagnose::{
-    Candidate, Comparison, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group,
-    Noise, NoiseSource, Step, Untried, Verdict,
+    Candidate, Comparison, Confounding, Cost, Detectable, DiagnoseOptions, Diagnosis, Errors, Estimate,
+    Evidence, Group, Noise, NoiseSource, Step, Untried, Verdict,
 };
 use stickslip::effects::CATALOGUE;
 use stickslip::model::Model;
@@ -27,8 +27,7 @@ pub fn run() -> Run {
         model: "model.toml".into(),
         dataset: "data".into(),
         written: None,
-        only: None,
-        max_effects: 3,
+        options: DiagnoseOptions::default(),
         seconds: 1.9,
         interrupted: false,
     }
