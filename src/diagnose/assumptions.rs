@@ -21,12 +21,9 @@ pub struct Assumptions {
     /// Prior standard deviation of the logarithm of what is known in its order of magnitude alone: an effect's other
     /// parameters, and a noise that a discrepancy may stand beside. A factor of e.
     pub magnitude: f64,
-    /// Prior standard deviation of the logarithm of a noise that is stated.
+    /// Prior standard deviation of the logarithm of a noise that is stated; of one that is seen in repeats or carried over
+    /// from other records its standard error comes on top.
     pub stated_noise: f64,
-    /// The same of a noise that is seen in repeats.
-    pub repeated_noise: f64,
-    /// The same of a noise that is carried over from other records.
-    pub carried_noise: f64,
     /// The same of an unknown noise, and of any noise below what was told, which may be a bound.
     pub unknown_noise: f64,
     /// An unknown noise is thought to be about this fraction of the channel's root mean square.
@@ -48,8 +45,6 @@ impl Default for Assumptions {
             effect_size: 0.3,
             magnitude: 1.0,
             stated_noise: 0.1,
-            repeated_noise: 0.15,
-            carried_noise: 0.5,
             unknown_noise: 2.0,
             usual_noise: 0.02,
             odds: 0.5,
@@ -76,7 +71,7 @@ fn names() -> Vec<&'static str> {
 impl Assumptions {
     /// All of them by name.
     #[must_use]
-    pub fn named(mut self) -> [(&'static str, f64); 12] {
+    pub fn named(mut self) -> [(&'static str, f64); 10] {
         self.places().map(|(name, place)| (name, *place))
     }
 
@@ -94,15 +89,13 @@ impl Assumptions {
         Ok(self)
     }
 
-    fn places(&mut self) -> [(&'static str, &mut f64); 12] {
+    fn places(&mut self) -> [(&'static str, &mut f64); 10] {
         [
             ("parameter_guess", &mut self.parameter_guess),
             ("structure_guess", &mut self.structure_guess),
             ("effect_size", &mut self.effect_size),
             ("magnitude", &mut self.magnitude),
             ("stated_noise", &mut self.stated_noise),
-            ("repeated_noise", &mut self.repeated_noise),
-            ("carried_noise", &mut self.carried_noise),
             ("unknown_noise", &mut self.unknown_noise),
             ("usual_noise", &mut self.usual_noise),
             ("odds", &mut self.odds),

@@ -242,6 +242,8 @@ pub struct Noise {
     pub channel: String,
     /// Standard deviation in the channel's unit; `None` where it is unknown.
     pub deviation: Option<f64>,
+    /// Standard error of its logarithm; 0 where it is stated or unknown.
+    pub log_error: f64,
     /// How it is known.
     pub source: NoiseSource,
 }

@@ -2,7 +2,7 @@
 
 use super::autoregression::Autoregression;
 use crate::diagnose::assumptions::Assumptions;
-use crate::diagnose::diagnosis::{Noise, NoiseSource};
+use crate::diagnose::diagnosis::Noise;
 use crate::diagnose::measurements::weighted_dataset::{RecordResiduals, WeightedDataset};
 
 /// What is known of a channel's noise beforehand: its logarithm is evenly distributed up to a `largest` deviation, and normal
@@ -192,13 +192,9 @@ impl<'a, 'd> Measured<'a, 'd> {
 }
 
 fn prior(own: Option<&Noise>, size: f64, more: f64, assumed: &Assumptions) -> NoisePrior {
-    match own.and_then(|noise| Some((noise.deviation?, noise.source))) {
-        Some((deviation, source)) => {
-            let spread = match source {
-                NoiseSource::Stated => assumed.stated_noise,
-                NoiseSource::Carried => assumed.carried_noise,
-                _ => assumed.repeated_noise,
-            };
+    match own.and_then(|noise| Some((noise.deviation?, noise.log_error))) {
+        Some((deviation, log_error)) => {
+            let spread = assumed.stated_noise.hypot(log_error).min(assumed.magnitude);
             NoisePrior::new(deviation.hypot(more), spread, assumed)
         }
         None => NoisePrior::new(assumed.usual_noise * size, assumed.unknown_noise, assumed),

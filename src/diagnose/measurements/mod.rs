@@ -1,11 +1,12 @@
 //! The measurements as a search sees them: a dataset comes in, records with weights go out.
 //!
-//! [`weighted_dataset`] lays out every compared channel with its weights; [`noise`] tells what is known of the noise (a steady
-//! [`tone`] is none), [`inputs`] what noise of the inputs adds to it. [`split`] deals the records out to training,
+//! [`weighted_dataset`] lays out every compared channel with its weights; [`noise`] tells what is known of the noise, from
+//! [`cycles`] that repeat among others (a steady [`tone`] is none), [`inputs`] what noise of the inputs adds to it. [`split`] deals the records out to training,
 //! validation and test. [`thinned`] and [`beginnings`] make shorter records for the many fits of a search, [`magnitudes`] the
 //! scales that bound the parameters of effects.
 
 pub(super) mod beginnings;
+mod cycles;
 pub(super) mod inputs;
 pub(super) mod magnitudes;
 pub(super) mod noise;

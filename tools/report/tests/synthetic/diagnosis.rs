@@ -204,6 +204,7 @@ fn of(comparison: Comparison) -> Diagnosis {
                 record,
                 channel: "force".into(),
                 deviation: Some(0.52),
+                log_error: 0.0,
                 source: sources[record % 4],
             })
             .collect(),

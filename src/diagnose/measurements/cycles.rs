@@ -1,0 +1,257 @@
+//! Noise from what a motion repeats: all of it, or the cycles while its level is held between ramps.
+
+use super::noise::{SAME, driver};
+use super::tone;
+use crate::data::{Channel, Record};
+use crate::fit::predict::{Motion, period};
+
+/// A motion that repeats.
+pub(super) struct Cycles {
+    /// In samples, not always whole.
+    period: f64,
+    /// Where it repeats, per sample, if not everywhere.
+    held: Option<Vec<bool>>,
+}
+
+/// A record is searched for a level that is held in windows of it, down to this fraction of its length.
+const SHORTEST: usize = 8;
+
+impl Cycles {
+    /// Of what drives a record. A structure goes on swinging when its excitation repeats already; a contact remembers no
+    /// longer than a period.
+    pub fn of(drive: &Channel) -> Option<Self> {
+        let values = &drive.values;
+        if let Some(period) = period(values) {
+            return Some(Self { period, held: None });
+        }
+        if drive.quantity() != "displacement" {
+            return None;
+        }
+        let windows = (2..=SHORTEST).flat_map(|parts| {
+            let length = values.len() / parts;
+            (0..2 * parts - 1).map(move |k| k * length / 2..k * length / 2 + length)
+        });
+        let periods = windows.filter_map(|window| period(&values[window]));
+        let found = periods.map(|period| (period, held(values, period)));
+        let most = |(_, held): &(f64, Vec<bool>)| held.iter().filter(|held| **held).count();
+        let (period, held) = found.max_by_key(most)?;
+        // Differences of fewer samples tell no noise.
+        let enough = held.iter().filter(|held| **held).count() as f64 > 0.5 * period;
+        enough.then_some(Self { period, held: Some(held) })
+    }
+
+    /// Whole samples of a period.
+    pub fn lag(&self) -> usize {
+        self.period.round() as usize
+    }
+
+    fn is_held(&self, index: usize) -> bool {
+        self.held.as_ref().is_none_or(|held| held[index])
+    }
+
+    /// Whether the other inputs of `record` repeat with the drive: a normal load that swings at its own frequency makes
+    /// periods differ that are no noise.
+    pub fn inputs_repeat(&self, record: &Record) -> bool {
+        let driving = driver(record).map(|drive| drive.name.as_str());
+        let is = |c: &&Channel| c.name.starts_with("normal_") || c.quantity() == "excitation";
+        let others = record.channels.iter().filter(is).filter(|c| Some(c.name.as_str()) != driving);
+        others.into_iter().all(|channel| {
+            let motion = Motion::even(&channel.values, 1.0).values;
+            let lag = self.lag();
+            let mean = motion.iter().sum::<f64>() / motion.len() as f64;
+            let variance = motion.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / motion.len() as f64;
+            let held = (lag..motion.len()).filter(|i| self.is_held(*i));
+            let (sum, count) = held
+                .map(|i| (motion[i] - motion[i - lag]).powi(2))
+                .fold((0.0, 0), |(sum, count), square| (sum + square, count + 1));
+            // What hardly varies at all varies by its noise.
+            sum / f64::from(count.max(1)) < 0.02 * variance || variance < 1e-3 * mean * mean
+        })
+    }
+
+    /// Differences of `values` from those a whole number of samples earlier, where the motion repeats.
+    pub fn apart(&self, values: &[f64]) -> Vec<f64> {
+        let lag = self.lag();
+        (lag..values.len()).filter(|i| self.is_held(*i)).map(|i| values[i] - values[i - lag]).collect()
+    }
+
+    /// The standard deviation of what differs between periods. A drift that is linear over three periods (wear) is taken
+    /// off where it shows, and so is a tone.
+    pub fn noise(&self, values: &[f64]) -> Option<f64> {
+        let (period, lag) = (self.period, self.period.floor() as usize);
+        let kept = |periods: f64| {
+            let part = (periods * period).fract();
+            (1.0 - part).powi(2) + part * part
+        };
+        if (values.len() as f64) < 1.5 * period || lag == 0 {
+            return None;
+        }
+        let once = |i: usize| self.is_held(i).then(|| values[i] - earlier(values, i, period));
+        let twice = |i: usize| {
+            let bend = values[i] - 2.0 * earlier(values, i, period) + earlier(values, i, 2.0 * period);
+            (self.is_held(i) && self.is_held(i - lag)).then_some(bend)
+        };
+        let first = lag + 1;
+        let second = (2.0 * period).ceil() as usize + 1;
+        let over = |from: usize| Some(mean_square(from..values.len(), lag / 2, once)? / (1.0 + kept(1.0)));
+        // Later periods have forgotten the start; second differences do not see a drift.
+        let mut variance = over(first)?;
+        // Of two periods alone the first remembers how it began, which the second half of it hardly does.
+        if self.held.is_none()
+            && over(second).is_none()
+            && let Some(late) = over(values.len().saturating_sub(lag / 2 + 1))
+            && late < FORGOTTEN * variance
+        {
+            variance = late;
+        }
+        let bends = mean_square(second..values.len(), lag / 2, twice)
+            .map(|square| square / (1.0 + 4.0 * kept(1.0) + kept(2.0)));
+        for other in [over(second), bends].into_iter().flatten() {
+            if other < 0.8 * variance {
+                variance = other;
+            }
+        }
+        // What repeats at another frequency is no noise.
+        for from in [first, second] {
+            let apart: Vec<f64> = (from..values.len()).filter_map(once).collect();
+            if let Some(beside) = tone::variance_beside(&apart).filter(|_| self.held.is_none()) {
+                variance = variance.min(beside / (1.0 + kept(1.0)));
+            }
+        }
+        (variance > 0.0 && variance.is_finite()).then(|| variance.sqrt())
+    }
+}
+
+/// Fraction of a variance between two periods below which that of their second halves tells that the start was still felt
+/// in the first: chance does not make so much of half a period.
+const FORGOTTEN: f64 = 0.25;
+
+/// Mean square of what there is of `of` in a range, where that is more than `fewest`.
+fn mean_square(
+    range: std::ops::Range<usize>,
+    fewest: usize,
+    of: impl Fn(usize) -> Option<f64>,
+) -> Option<f64> {
+    let squares = range.filter_map(of).map(|x| x * x);
+    let (sum, count) = squares.fold((0.0, 0_usize), |(sum, count), square| (sum + square, count + 1));
+    (count > fewest).then(|| sum / count as f64)
+}
+
+/// The value `back` samples before another; between two samples noise is averaged.
+fn earlier(values: &[f64], index: usize, back: f64) -> f64 {
+    let (whole, part) = (back.floor() as usize, back.fract());
+    let near = values[index - whole];
+    if part > 1e-9 && index > whole { (1.0 - part) * near + part * values[index - whole - 1] } else { near }
+}
+
+/// Where `values` have been the same as a `period` before, for a whole period.
+fn held(values: &[f64], period: f64) -> Vec<bool> {
+    let lag = period.round() as usize;
+    let first = period.ceil() as usize + 1;
+    let (mut sum, mut squares, mut apart) = (0.0, 0.0, 0.0);
+    let change = |i: usize| (values[i] - earlier(values, i, period)).powi(2);
+    let mut held = vec![false; values.len()];
+    for i in first..values.len() {
+        apart += change(i);
+        sum += values[i];
+        squares += values[i] * values[i];
+        if i >= first + lag {
+            apart -= change(i - lag);
+            sum -= values[i - lag];
+            squares -= values[i - lag] * values[i - lag];
+            let size = squares - sum * sum / lag as f64;
+            held[i] = apart < SAME * SAME * size;
+        }
+    }
+    held
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::noise::Seen;
+    use super::*;
+    use std::f64::consts::TAU;
+
+    const DEVIATION: f64 = 0.01;
+
+    /// Normal numbers (the sum of twelve uniform ones), the same in every run.
+    fn normal(seed: u64) -> impl FnMut() -> f64 {
+        // A fork, since the numbers of neighbouring seeds resemble each other.
+        let mut numbers = fastrand::Rng::with_seed(seed).fork();
+        move || (0..12).map(|_| numbers.f64()).sum::<f64>() - 6.0
+    }
+
+    fn everywhere(period: f64) -> Cycles {
+        Cycles { period, held: None }
+    }
+
+    /// Two periods of a sine with white noise, on which `start` lies.
+    fn two_periods(start: impl Fn(f64) -> f64) -> Vec<f64> {
+        let mut noise = normal(7);
+        let value = |i: usize| (std::f64::consts::TAU * i as f64 / 600.0).sin() + start(i as f64 / 600.0);
+        (0..1200).map(|i| value(i) + DEVIATION * noise()).collect()
+    }
+
+    /// Two periods' difference is the noise, and the start that the first one still remembers is not.
+    #[test]
+    fn of_two_periods_the_start_of_the_first_is_no_noise() {
+        for start in [0.0, 0.1, 1.0] {
+            let values = two_periods(|periods| if periods < 0.4 { start } else { 0.0 });
+            let found = everywhere(600.0).noise(&values).unwrap();
+            assert!((found / DEVIATION - 1.0).abs() < 0.1, "a start of {start}: {found}");
+        }
+        // A difference that lasts is none of the start.
+        let found =
+            everywhere(600.0).noise(&two_periods(|periods| if periods < 1.0 { 0.1 } else { 0.0 })).unwrap();
+        assert!(found > 3.0 * DEVIATION, "{found}");
+    }
+
+    /// A slider that is moved to and fro in two ramps, each with its level held afterwards, with noise that has a memory
+    /// beside the force, which grows by a fraction `drift` per period: what moves it, and the force.
+    fn ramped(seed: u64, memory: f64, drift: f64) -> (Channel, Vec<f64>) {
+        let mut uniform = fastrand::Rng::with_seed(seed + 100).fork();
+        let (part, phase) = (0.4 + 0.3 * uniform.f64(), TAU * uniform.f64());
+        let (mut noise, mut last, mut slider) = (normal(seed), 0.0, 0.0);
+        let place = |i: i32| {
+            let t = f64::from(i) / 140.0;
+            (part * t.min(1.0) + (1.0 - part) * (t - 4.0).clamp(0.0, 1.0)) * (TAU * t + phase).sin()
+        };
+        let mut force = |i: i32| {
+            slider = f64::clamp(slider, place(i) - 0.3, place(i) + 0.3);
+            last = memory * last + (1.0 - memory * memory).sqrt() * noise();
+            (place(i) - slider) * (1.0 + drift * f64::from(i) / 140.0) + DEVIATION * last
+        };
+        let values = (0..1260).map(|i| place(i) + 1e-4 * f64::from(i % 7 - 3)).collect();
+        let drive = Channel { name: "displacement".into(), unit: "m", values, noise: None };
+        (drive, (0..1260).map(&mut force).collect())
+    }
+
+    /// The noise of cycles held between ramps is found to within its own standard error, with a memory or without one, and
+    /// no drift is taken for noise.
+    #[test]
+    fn cycles_that_are_held_between_ramps_tell_the_noise() {
+        for (memory, drift) in [(0.0, 0.0), (0.8, 0.0), (0.0, 0.03), (0.8, 0.03)] {
+            let square = |seed: u64| {
+                let (drive, force) = ramped(seed, memory, drift);
+                let cycles = Cycles::of(&drive).unwrap();
+                assert_eq!(cycles.lag(), 140);
+                let seen = Seen::of(cycles.noise(&force).unwrap(), &cycles.apart(&force), 70);
+                ((seen.deviation / DEVIATION).ln() / seen.log_error).powi(2)
+            };
+            let off = ((0..60).map(square).sum::<f64>() / 60.0).sqrt();
+            assert!((0.5..1.5).contains(&off), "memory {memory}, drift {drift}: {off} standard errors");
+        }
+    }
+
+    #[test]
+    fn where_no_level_is_held_nothing_repeats() {
+        let grown = |of: fn(f64) -> f64| Channel {
+            name: "displacement".into(),
+            unit: "m",
+            values: (0..1260).map(|i| of(f64::from(i) / 140.0)).collect(),
+            noise: None,
+        };
+        assert!(Cycles::of(&grown(|t| t * (TAU * t).sin())).is_none());
+        assert!(Cycles::of(&grown(|t| (TAU * t * (1.0 + 0.2 * t)).sin())).is_none());
+    }
+}
