@@ -1,6 +1,6 @@
 //! The approach of a hysteretic force to its limit: `dx/dw = 1 − a xⁿ`, x over the limit, integrated to rounding.
 
-use crate::contact::quadrature::{GAUSS_LEGENDRE_8, GAUSS_LEGENDRE_16};
+use crate::contact::quadrature::GAUSS_LEGENDRE_16;
 
 /// Both integrals of the curve of the power `n ≥ 1` and the factor a: 1 towards the limit, `−1 ≤ a ≤ 0` away from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,12 +22,11 @@ pub(super) struct Reached {
 /// A series in `a xⁿ` serves up to here, which takes at most 50 terms; quadrature beyond.
 const NEAR: f64 = 0.5;
 
-/// Part of the distance to 0 and to the limit, where the integrands are not analytic, over which quadrature with eight
-/// points is exact to rounding.
-const SHORT: f64 = 0.25;
-
-/// Distance to the limit below which differences of x have no digits to spare.
-const CLOSE: f64 = 1e-3;
+/// Terms of a power series in the way, the size of the last one that is left, and the place from where such series serve
+/// for any way: where x is 0 the curve is not analytic.
+const TERMS: usize = 20;
+const LAST: f64 = 1e-17;
+const ANY: f64 = 0.25;
 
 /// Slope below which the gap to the limit falls exponentially to eight digits.
 const NEARLY: f64 = 1e-8;
@@ -36,24 +35,24 @@ const NEARLY: f64 = 1e-8;
 const ROUNDS: usize = 60;
 
 fn integral(from: f64, to: f64, of: impl Fn(f64) -> f64) -> f64 {
-    with(&GAUSS_LEGENDRE_16, from, to, of)
-}
-
-fn with(nodes: &[(f64, f64)], from: f64, to: f64, of: impl Fn(f64) -> f64) -> f64 {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     let pair = |&(node, weight): &(f64, f64)| weight * (of(middle - half * node) + of(middle + half * node));
-    half * nodes.iter().map(pair).sum::<f64>()
+    half * GAUSS_LEGENDRE_16.iter().map(pair).sum::<f64>()
 }
 
 impl Saturation {
     /// `1 − a xⁿ`, the slope of the curve.
     pub fn slope(&self, x: f64) -> f64 {
-        if self.a == 1.0 { -(self.n * x.ln()).exp_m1() } else { 1.0 - self.a * x.powf(self.n) }
+        match self.a {
+            0.0 => 1.0,
+            1.0 => -(self.n * x.ln()).exp_m1(),
+            a => 1.0 - a * x.powf(self.n),
+        }
     }
 
     /// Follows the curve from `x`, in `[0, 1]` where a = 1, over the way `w ≥ 0` upwards.
     pub fn rise(&self, x: f64, w: f64) -> Reached {
-        if let Some(reached) = self.rise_a_little(x, w) {
+        if let Some(reached) = self.rise_by_series(x, w) {
             return reached;
         }
         let whole = self.way(x) + w;
@@ -79,24 +78,48 @@ impl Saturation {
         Reached { x: end, by_start: self.left_of_gap(x, end, w), lost: self.lost_rising(x, end, w) }
     }
 
-    /// The same by integrals over the way alone, where that is short.
-    fn rise_a_little(&self, x: f64, w: f64) -> Option<Reached> {
-        // The slope falls: the way ends below this, and Newton's steps come to its end from above.
-        let mut end = x + w * self.slope(x);
-        if !(1.0 - x > CLOSE && end - x < SHORT * x.min(1.0 - x)) {
+    /// The same by power series in the way, where x is not small against that.
+    fn rise_by_series(&self, x: f64, w: f64) -> Option<Reached> {
+        if !(w >= 0.0 && (x > ANY || x > w)) {
             return None;
         }
-        for _ in 0..ROUNDS {
-            let over = with(&GAUSS_LEGENDRE_8, x, end, |t| 1.0 / self.slope(t)) - w;
-            let next = end - over * self.slope(end);
-            if next.is_nan() || next >= end * (1.0 - f64::EPSILON) {
-                break;
+        let (mut gap, mut left, mut lost) = (1.0 - x, w, 0.0);
+        while left > 0.0 && gap > 0.25 * f64::EPSILON {
+            let series = self.gap_series(gap);
+            let reach = |k: usize| (LAST / series[k].abs()).powf(1.0 / k as f64);
+            let part = reach(TERMS - 1).min(reach(TERMS - 2)).min(left);
+            let (mut next, mut mean) = (0.0, 0.0);
+            for (k, c) in series.iter().enumerate().rev() {
+                next = next * part + c;
+                mean = mean * part + c / (k + 1) as f64;
             }
-            end = next;
+            // ∫ x dw − ∫ x dx.
+            lost += part * (1.0 - mean) - 0.5 * (gap - next) * (2.0 - gap - next);
+            (gap, left) = (next, left - part);
         }
-        let end = end.max(x);
-        let lost = with(&GAUSS_LEGENDRE_8, x, end, |t| t * (1.0 / self.slope(t) - 1.0));
-        Some(Reached { x: end, by_start: self.left_of_gap(x, end, w), lost: lost.max(0.0) })
+        let end = (1.0 - gap).clamp(x, 1.0);
+        // At the limit all work is lost.
+        Some(Reached { x: end, by_start: self.left_of_gap(x, end, w), lost: (lost + left).max(0.0) })
+    }
+
+    /// Coefficients of `1 − x` over the way from where it is `gap`: of `s = 1 − xⁿ` and `x' = s` follows
+    /// `x s' = −n s xⁿ`.
+    fn gap_series(&self, gap: f64) -> [f64; TERMS] {
+        let (mut gaps, mut slopes, mut rates) = ([0.0; TERMS], [0.0; TERMS], [0.0; TERMS]);
+        let logarithm = self.n * (-gap).ln_1p();
+        let (slope, power) = (-logarithm.exp_m1(), logarithm.exp());
+        (gaps[0], slopes[0]) = (gap, slope);
+        for k in 0..TERMS - 1 {
+            let next = (k + 1) as f64;
+            gaps[k + 1] = -slopes[k] / next;
+            let own = if k == 0 { power } else { power - slope };
+            let carried: f64 = (1..=k)
+                .map(|j| self.n * slopes[j] * slopes[k - j] * f64::from(j < k) + gaps[j] * rates[k + 1 - j])
+                .sum();
+            rates[k + 1] = (carried - self.n * own * slopes[k]) / (1.0 - gap);
+            slopes[k + 1] = rates[k + 1] / next;
+        }
+        gaps
     }
 
     /// `∂end/∂x` of a way `w` upwards from `x`: near the limit the gap falls exponentially, where its rounded values have
@@ -108,6 +131,10 @@ impl Saturation {
 
     /// Follows the curve from `x ≥ 0` downwards over the way `w ≥ 0`, to zero at the least; the way left over.
     pub fn fall(&self, x: f64, w: f64) -> (Reached, f64) {
+        if self.a == 0.0 {
+            let end = (x - w).max(0.0);
+            return (Reached { x: end, by_start: 1.0, lost: 0.0 }, (w - x).max(0.0));
+        }
         let whole = self.way(x) - w;
         if whole <= 0.0 {
             let by_start = 1.0 / self.slope(x);
@@ -169,7 +196,7 @@ impl Saturation {
     }
 
     fn near(&self) -> f64 {
-        if self.a == 0.0 { f64::INFINITY } else { (NEAR / self.a.abs()).powf(1.0 / self.n) }
+        (NEAR / self.a.abs()).powf(1.0 / self.n)
     }
 
     /// `Σ (a xⁿ)ᵏ c(k n)` from k = 0.
@@ -215,7 +242,7 @@ mod tests {
             let mut short = 0;
             for x in [1e-3, 0.1, 0.4, 0.7, 0.9, 0.99, 1.0 - 1e-9] {
                 for w in [0.0, 1e-9, 1e-4, 0.003, 0.03, 0.1] {
-                    let Some(reached) = up.rise_a_little(x, w) else { continue };
+                    let Some(reached) = up.rise_by_series(x, w) else { continue };
                     short += 1;
                     let way = up.way(reached.x) - up.way(x);
                     let room = 1.0 - reached.x;
