@@ -57,11 +57,10 @@ impl<'d> WeightedDataset<'d> {
         assumptions: Assumptions,
         interrupt: Option<InterruptHook<'d>>,
     ) -> Result<Self, (String, String)> {
-        let lanes = dataset
-            .records
-            .iter()
-            .map(|record| lane(model, record).map_err(|reason| (record.name.clone(), reason)))
-            .collect::<Result<_, _>>()?;
+        let of = |record: &'d Record| lane(model, record).map_err(|reason| (record.name.clone(), reason));
+        let lanes: Vec<Result<RecordResiduals, _>> = dataset.records.par_iter().map(of).collect();
+        // Of several failures the first.
+        let lanes = lanes.into_iter().collect::<Result<_, _>>()?;
         Ok(Self {
             dataset,
             lanes,

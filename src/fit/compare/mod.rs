@@ -48,6 +48,8 @@ mod score;
 pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Stage, StepGain};
 pub use refit::{Refit, RefitError, Watch, refit};
 
+use rayon::prelude::*;
+
 use crate::data::Dataset;
 use crate::fit::predict::Seed;
 use crate::model::Model;
@@ -85,9 +87,9 @@ pub(crate) fn evaluate_from(
     name: &str,
     model: &Model,
     dataset: &Dataset,
-    seed: impl Fn(usize) -> Option<Seed>,
+    seed: impl Fn(usize) -> Option<Seed> + Sync,
 ) -> Stage {
-    let numbered = dataset.records.iter().enumerate();
+    let numbered = dataset.records.par_iter().enumerate();
     let records: Vec<RecordResult> =
         numbered.map(|(index, record)| score::scored(model, record, seed(index).as_ref())).collect();
     let parameters = model
