@@ -270,4 +270,8 @@ pub struct Cost {
     pub refits: usize,
     /// Simulations of one record.
     pub simulations: usize,
+    /// Samples of all records.
+    pub samples: usize,
+    /// Those that fits were made to: fewer where records are long.
+    pub fitted_samples: usize,
 }

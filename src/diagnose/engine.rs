@@ -158,13 +158,6 @@ pub fn diagnose(
     let mut diagnosis = verdict::of(&context, &weighed, &decision, &test, (baseline, measured, untried));
     let reasons = &mut diagnosis.reasons;
     reasons.extend(split::copies(dataset));
-    if thinned.is_some() {
-        reasons.push(
-            "long records were thinned for the fits, to samples between which the motion is straight; the errors are \
-             those of all samples"
-                .to_owned(),
-        );
-    }
     if let Some(only) = &options.effects {
         let only = only.join(", ");
         reasons.push(format!("only {only} was tried: the result says nothing of the other effects"));

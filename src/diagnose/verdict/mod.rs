@@ -17,7 +17,7 @@ use super::evidence::{self, Measured, Sensitivities, Set, Weighed};
 use super::measurements::split::Parts;
 use super::measurements::weighted_dataset::Scored;
 use super::stage::stage;
-use crate::data::Dataset;
+use crate::data::{Dataset, Record};
 use crate::fit::compare::{Comparison, Stage};
 use crate::model::Model;
 
@@ -97,8 +97,15 @@ pub(super) fn of(
             stages,
         },
         model: best.posterior.model.clone().with_new_free(context.model),
-        cost: Cost { refits: context.bench.spent().0, simulations: context.bench.spent().1 },
+        cost: cost(context),
     }
+}
+
+fn cost(context: &Context) -> Cost {
+    let (refits, simulations) = context.bench.spent();
+    let samples = |dataset: &Dataset| dataset.records.iter().map(Record::len).sum();
+    let fitted_samples = samples(context.bench.dataset);
+    Cost { refits, simulations, samples: samples(context.dataset), fitted_samples }
 }
 
 /// What the test records say.

@@ -195,6 +195,7 @@ fn cost(diagnosis: &Diagnosis, run: &Run) -> Value {
     let rate = (run.seconds > 0.0).then(|| refits as f64 / run.seconds);
     json!({
         "refits": refits, "simulations": diagnosis.cost.simulations, "refits_per_second": rate,
+        "samples": diagnosis.cost.samples, "fitted_samples": diagnosis.cost.fitted_samples,
         "seconds_per_refit": rate.filter(|rate| *rate > 0.0).map(|rate| 1.0 / rate),
     })
 }

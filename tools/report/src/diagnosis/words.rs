@@ -189,6 +189,12 @@ pub fn warnings(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
     if run.interrupted {
         all.push("Interrupted: these are the results so far.".to_owned());
     }
+    let (samples, fitted) = (diagnosis.cost.samples, diagnosis.cost.fitted_samples);
+    if fitted < samples {
+        all.push(format!(
+            "Fitted to {fitted} of {samples} samples, between which the motion is straight. The errors are those of all."
+        ));
+    }
     if !diagnosis.surrogates.is_empty() && diagnosis.verdict == Verdict::Unexplained {
         let one = diagnosis.surrogates.len() == 1;
         all.push(format!(

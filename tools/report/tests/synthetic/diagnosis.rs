@@ -210,7 +210,7 @@ fn of(comparison: Comparison) -> Diagnosis {
             .collect(),
         comparison,
         model: Model::parse(MODEL).unwrap(),
-        cost: Cost { refits: 34, simulations: 19_200 },
+        cost: Cost { refits: 34, simulations: 19_200, samples: 9600, fitted_samples: 9600 },
     }
 }
 
