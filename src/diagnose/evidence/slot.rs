@@ -61,18 +61,27 @@ impl<'d> Slot<'d> {
         let nuisances = self.own_values(y);
         let direction =
             |model: &Model| Direction { model: model.clone(), nuisances: nuisances.clone(), step: 1.0 };
+        let probes: Vec<Direction> = probes.iter().map(direction).collect();
+        // Without a solution here no probe has one.
+        let here = self.shown.linearise(model, &nuisances, &[], &mut Vec::new(), &mut Vec::new());
+        match here {
+            Ok(()) => self.along(model, &nuisances, &probes),
+            Err(_) => vec![None; probes.len()],
+        }
+    }
+
+    /// The changes along `probes`, in halves where one of them cannot be predicted.
+    fn along(&mut self, model: &Model, nuisances: &[f64], probes: &[Direction]) -> Vec<Option<Vec<f64>>> {
         let (mut here, mut changes) = (Vec::new(), Vec::new());
-        let finite = |change: &Vec<f64>| change.iter().all(|x| x.is_finite());
-        let all: Vec<Direction> = probes.iter().map(direction).collect();
-        if self.shown.linearise(model, &nuisances, &all, &mut here, &mut changes).is_ok() {
+        if self.shown.linearise(model, nuisances, probes, &mut here, &mut changes).is_ok() {
+            let finite = |change: &Vec<f64>| change.iter().all(|x| x.is_finite());
             return changes.into_iter().map(|change| Some(change).filter(finite)).collect();
         }
-        let one = |probe: &Direction| {
-            let alone = std::slice::from_ref(probe);
-            self.shown.linearise(model, &nuisances, alone, &mut here, &mut changes).ok()?;
-            changes.first().cloned().filter(finite)
-        };
-        all.iter().map(one).collect()
+        if probes.len() < 2 {
+            return vec![None; probes.len()];
+        }
+        let (first, second) = probes.split_at(probes.len() / 2);
+        [self.along(model, nuisances, first), self.along(model, nuisances, second)].concat()
     }
 
     /// Moves what was linearised by `step` of all unknowns to the last trial; the derivatives change least, measured in
