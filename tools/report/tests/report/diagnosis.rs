@@ -1,7 +1,7 @@
 //! What page, text and JSON of a diagnosis promise, whatever was found.
 
 use serde_json::Value;
-use stickslip::diagnose::{Diagnosis, Verdict};
+use stickslip::diagnose::{Cost, Diagnosis, Verdict};
 use stickslip_report::diagnosis::{Run, diagnosis_html, diagnosis_json, diagnosis_table};
 
 use crate::synthetic::diagnosis::{found, group, insufficient, large, nothing, run, unexplained};
@@ -82,6 +82,17 @@ fn every_verdict_is_said_first_and_with_a_next_step() {
         let page = diagnosis_html(diagnosis, &run(), &settings());
         let (verdict, next) = (page.find(sentence).unwrap(), page.find("id=\"error\"").unwrap());
         assert!(verdict < next, "{badge}");
+    }
+}
+
+#[test]
+fn fits_to_fewer_samples_are_said_before_the_next_step() {
+    for (fitted_samples, said) in [(9600, false), (800, true)] {
+        let cost = Cost { fitted_samples, ..found().cost };
+        let diagnosis = Diagnosis { cost, ..found() };
+        let text = diagnosis_table(&diagnosis, &run(), 400, false);
+        assert_eq!(text.split("Next").next().unwrap().contains("Fitted to 800 of 9600 samples"), said);
+        assert_eq!(json(&diagnosis)["cost"]["fitted_samples"], fitted_samples);
     }
 }
 
