@@ -150,11 +150,15 @@ pub fn diagnose(
     let weighed = asked(&bench, model, &training, &scales, watch.interrupt, |question| {
         evidence::weigh(question, base, &tried, options.max_effects, &tell)
     });
-    let weighed = weighed.map_err(|reason| unpredictable(&bench, model, reason))?;
+    let mut weighed = weighed.map_err(|reason| unpredictable(&bench, model, reason))?;
     let context = Context { model, dataset, bench: &bench, data: &data, parts: &parts, table };
     let test = Measured::new(&bench, &parts.test, &measured, &through);
     let all = Measured::new(&bench, &parts.all(), &measured, &through);
     let decision = Decision::of(&context, &weighed).confirmed(&context, &weighed, &test, &all);
+    // Only what is told, after the decision: all sets were compared in the same steps.
+    if let Ok(refined) = evidence::refined(&data, &weighed.sets[decision.best].posterior) {
+        weighed.sets[decision.best].posterior = refined;
+    }
     let mut diagnosis = verdict::of(&context, &weighed, &decision, &test, (baseline, measured, untried));
     let reasons = &mut diagnosis.reasons;
     reasons.extend(split::copies(dataset));

@@ -4,7 +4,7 @@
 //! `unknown`s have priors in units of the problem (`Assumptions` hold all that decides), the noise is `autoregression` with a
 //! size per record (`measured`). `joint` is the sum of squares of all that is unknown, over `slot`s of one record each and
 //! with what a discrepancy adds (`latent`); `posterior` is its minimum with the volume around it, `probe` what amounts of
-//! each candidate would change to first order. `search` grows sets from none, and `neighbours` makes sure of the likely
+//! each candidate would change to first order, `refined` frees the decided one of the error of the steps in time. `search` grows sets from none, and `neighbours` makes sure of the likely
 //! ones; `weights` makes probabilities of their evidence, `limits` tells what could not have been seen.
 
 mod autoregression;
@@ -16,6 +16,7 @@ mod measured;
 mod neighbours;
 mod posterior;
 mod probe;
+mod refined;
 mod search;
 mod slot;
 mod unknown;
@@ -25,6 +26,7 @@ pub(super) use limits::{Sensitivities, around};
 pub(super) use measured::Measured;
 pub(super) use posterior::Posterior;
 pub(super) use probe::Prepared;
+pub(super) use refined::refined;
 pub(super) use search::{Search, Set};
 
 use latent::Latent;

@@ -57,6 +57,17 @@ impl<'d> Slot<'d> {
         self.shown.linearise(model, &nuisances, &directions, &mut self.linearised, &mut self.derivatives)
     }
 
+    /// What `finer` steps in time change about the predictions at the point `y` that was linearised.
+    pub fn step_error(&mut self, model: &Model, y: &[f64], finer: usize) -> Result<Vec<f64>, String> {
+        let (start, mut fine) = (self.own_values(y), Vec::new());
+        self.shown.refine(finer);
+        let predicted = self.shown.predict(model, &start, &mut fine);
+        self.shown.refine(1);
+        predicted?;
+        fine.iter_mut().zip(&self.linearised).for_each(|(fine, coarse)| *fine -= coarse);
+        Ok(fine)
+    }
+
     pub fn changes(&mut self, model: &Model, probes: &[Model], y: &[f64]) -> Vec<Option<Vec<f64>>> {
         let nuisances = self.own_values(y);
         let direction =

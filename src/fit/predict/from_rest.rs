@@ -40,6 +40,12 @@ impl Simulation for FromRest<'_> {
         matches!(&self.excited, Excited::Contact(contact) if contact.is_timed(channel))
     }
 
+    fn refine(&mut self, finer: usize) {
+        if let Excited::System(system) = &mut self.excited {
+            system.finer = finer;
+        }
+    }
+
     fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
         let mut run = |stepper: &mut dyn Stepper| {
             stepper.rest();

@@ -38,6 +38,11 @@ impl<'r> ObservedSimulation<'r> {
         self.simulation.nuisances(model)
     }
 
+    /// As [`Simulation::refine`].
+    pub fn refine(&mut self, finer: usize) {
+        self.simulation.refine(finer);
+    }
+
     /// As [`Simulation::predict`], through the sensors.
     pub fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
         self.simulation.predict(model, nuisances, out)?;

@@ -45,6 +45,11 @@ pub(crate) trait Simulation: Send {
         Ok(Vec::new())
     }
 
+    /// Takes so many steps in time in place of one, where the steps are not controlled.
+    fn refine(&mut self, finer: usize) {
+        let _ = finer;
+    }
+
     /// Writes the predictions of all channels, one after the other, `Σ len` numbers, in the channels' units.
     fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String>;
 

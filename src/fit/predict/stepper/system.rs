@@ -26,6 +26,8 @@ pub(in crate::fit::predict) struct ExcitedSystem {
     pub observed: Vec<Observed>,
     /// Where the sensors of a beam are (m).
     positions: Vec<f64>,
+    /// Steps in place of one, where they are equal.
+    pub finer: usize,
 }
 
 /// What is observed of the motion.
@@ -50,6 +52,7 @@ impl ExcitedSystem {
                 positions: channels.iter().map(|channel| position(channel)).collect::<Result<_, _>>()?,
                 excitation: Excitation::of_beam(record)?,
                 observed: channels.iter().enumerate().map(observed).collect(),
+                finer: 1,
             });
         };
         let names: Vec<&str> = oscillator.masses.iter().map(|mass| mass.name.as_str()).collect();
@@ -59,6 +62,7 @@ impl ExcitedSystem {
             positions: Vec::new(),
             excitation: Excitation::of_masses(record, &names)?,
             observed: sensors.into_iter().zip(channels).map(observed).collect(),
+            finer: 1,
         })
     }
 
@@ -92,7 +96,8 @@ impl ExcitedSystem {
         let beside = model.changes().joint.residual_stiffness.max(0.0);
         let stiffness = model.contact.map(|contact| contact.tangential_stiffness + beside);
         let longest = integrator.longest_step(stiffness.as_slice());
-        Steps::Equal(((self.excitation.step(0) / longest).ceil() as usize).clamp(1, MOST_STEPS))
+        let steps = ((self.excitation.step(0) / longest).ceil() as usize).clamp(1, MOST_STEPS);
+        Steps::Equal(steps * self.finer)
     }
 
     /// Writes what acts from one sample to another: excitation, normal load. What effects add knows no load.

@@ -161,6 +161,10 @@ impl Simulation for OscillatorOfUnknownStart<'_> {
         Ok(read.into_iter().zip(found).map(|(parameter, start)| Parameter { start, ..parameter }).collect())
     }
 
+    fn refine(&mut self, finer: usize) {
+        self.oscillator.finer = finer;
+    }
+
     fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
         self.simulate(model, nuisances, self.samples, out)
     }
