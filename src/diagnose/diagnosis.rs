@@ -2,6 +2,7 @@
 
 use crate::data::Use;
 use crate::fit::compare::Comparison;
+use crate::fit::residual::Appearance;
 use crate::model::Model;
 
 /// What was found, what it rests on, and what to do next.
@@ -9,7 +10,8 @@ use crate::model::Model;
 pub struct Diagnosis {
     /// The answer.
     pub verdict: Verdict,
-    /// Its probability, given that one of the hypotheses weighed is true; NaN where none were.
+    /// Its probability, given that one of the hypotheses weighed is true; NaN where none were, or where the verdict rests on
+    /// something else.
     pub probability: f64,
     /// Whether the size of the noise is known: stated, or seen in repeats. Where it is not, an effect that is found is likely
     /// and no more.
@@ -46,6 +48,9 @@ pub struct Diagnosis {
     pub detectable: Vec<Detectable>,
     /// What was seen of the effects found, and what else could cause it.
     pub evidence: Vec<Evidence>,
+    /// What the residual of the last stage looks like over all records, or of the refitted model without effects where nothing
+    /// explains it: the shape of what is missing, where something is, and hints. Told, and never a reason of the verdict.
+    pub residual: Appearance,
     /// The experiment that would decide between the explanations that remain.
     pub next_experiment: Option<String>,
     /// What each record was used for, in the order of the dataset.
@@ -220,6 +225,9 @@ pub struct Detectable {
     pub value: Option<f64>,
     /// SI unit.
     pub unit: &'static str,
+    /// Posterior probability, if the effect is there at all, that it moves a channel by more than a hundredth of its
+    /// variation; `None` where the effect is not identifiable.
+    pub relevant: Option<f64>,
 }
 
 /// Evidence for an effect.

@@ -159,7 +159,7 @@ pub fn diagnose(
     if let Ok(refined) = evidence::refined(&data, &weighed.sets[decision.best].posterior) {
         weighed.sets[decision.best].posterior = refined;
     }
-    let mut diagnosis = verdict::of(&context, &weighed, &decision, &test, (baseline, measured, untried));
+    let mut diagnosis = verdict::of(&context, &weighed, decision, &test, (baseline, measured, untried));
     let reasons = &mut diagnosis.reasons;
     reasons.extend(split::copies(dataset));
     if let Some(only) = &options.effects {

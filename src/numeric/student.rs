@@ -42,9 +42,18 @@ fn student_central_probability(angle: f64, freedom: usize) -> f64 {
     if odd { (angle + sin * sum) * std::f64::consts::FRAC_2_PI } else { sin * sum }
 }
 
+/// Probability that a normal variable lies below `x` (Abramowitz and Stegun 26.2.17, to 10⁻⁷).
+pub(crate) fn normal(x: f64) -> f64 {
+    let t = 1.0 / (1.0 + 0.231_641_9 * x.abs());
+    let factors = [1.330_274_429, -1.821_255_978, 1.781_477_937, -0.356_563_782, 0.319_381_530];
+    let tail = factors.iter().fold(0.0, |sum, factor| (sum + factor) * t);
+    let upper = tail * (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
+    if x > 0.0 { 1.0 - upper } else { upper }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::student_quantile;
+    use super::{normal, student_quantile};
 
     #[test]
     fn student_quantile_matches_tables() {
@@ -62,5 +71,14 @@ mod tests {
             assert_eq!(student_quantile(0.025, freedom), -found);
         }
         assert!(student_quantile(1.0, 3).is_nan());
+    }
+
+    #[test]
+    fn the_normal_distribution_is_that_of_the_tables() {
+        for (x, expected) in [(0.0, 0.5), (1.0, 0.841_344_746), (1.96, 0.975_002_105), (-3.0, 0.001_349_898)]
+        {
+            assert!((normal(x) - expected).abs() < 1e-7, "{x}");
+            assert!((normal(x) + normal(-x) - 1.0).abs() < 1e-6);
+        }
     }
 }

@@ -11,6 +11,7 @@ use super::probe::Prepared;
 use crate::diagnose::assumptions::Assumptions;
 use crate::diagnose::diagnosis::{Confounding, Detectable};
 use crate::model::Model;
+use crate::numeric::student::normal;
 
 /// Fraction of a change that must be left when the base parameters have taken theirs; below, these data cannot show
 /// the effect, whatever its size.
@@ -38,6 +39,8 @@ struct Change<'c> {
     square: f64,
     left: f64,
     distance: f64,
+    /// Product with the residual.
+    along: f64,
 }
 
 /// Around `posterior`, of the `candidates` that are not in it, under the noise that it leaves.
@@ -82,6 +85,12 @@ fn projected<'c>(
     let n = y.len();
     let factor = DMatrix::from_row_slice(n, n, &sums.curvature).cholesky().ok_or("no curvature")?;
     let whitened = joint.whitened();
+    let residuals: Vec<f64> = joint
+        .residuals()
+        .iter()
+        .enumerate()
+        .flat_map(|(k, residuals)| joint.noise.whiten(data, k, residuals))
+        .collect();
     let project = |(prepared, change): (&'c Prepared, Vec<Vec<f64>>)| {
         let distance = data.size(&change);
         let white: Vec<Vec<f64>> =
@@ -100,8 +109,8 @@ fn projected<'c>(
             }
             apart.extend(rest);
         }
-        let left = dot(&apart, &apart);
-        Change { prepared, apart, square, left, distance }
+        let (left, along) = (dot(&apart, &apart), dot(&apart, &residuals));
+        Change { prepared, apart, square, left, distance, along }
     };
     Ok(seen.map(project).collect())
 }
@@ -116,7 +125,8 @@ fn told(changes: &[Change], candidates: usize, assumed: &Assumptions) -> Sensiti
             found.invisible.push(effect.id);
         }
         let size = visible(change).then(|| limit(change, candidates, assumed));
-        smaller(&mut found.detectable, change, size);
+        let relevant = visible(change).then(|| is_relevant(change, assumed));
+        smaller(&mut found.detectable, change, size, relevant);
     }
     for (index, a) in changes.iter().enumerate() {
         for b in changes[..index].iter().filter(|b| visible(a) && visible(b)) {
@@ -134,15 +144,28 @@ fn limit(change: &Change, candidates: usize, assumed: &Assumptions) -> f64 {
     let volume = 0.5 * (1.0 + change.left / (SMALL * SMALL)).ln();
     let prior = (candidates as f64 + 1.0).ln() - assumed.odds.ln();
     let needed = assumed.certainty() + volume + prior;
-    let seen = (2.0 * needed / change.left).sqrt();
-    let relevant = assumed.relevant / (change.distance * (change.left / change.square).sqrt());
-    let y = SMALL * seen.max(relevant);
-    let coordinate = &change.prepared.coordinates[0];
-    coordinate.distance(y)
+    let seen = SMALL * (2.0 * needed / change.left).sqrt();
+    change.prepared.coordinates[0].distance(seen.max(relevant(change, assumed)))
+}
+
+/// The coordinate from which a change is relevant when all else is refitted.
+fn relevant(change: &Change, assumed: &Assumptions) -> f64 {
+    SMALL * assumed.relevant / (change.distance * (change.left / change.square).sqrt())
+}
+
+/// Probability that the coordinate is at least that, its prior and the data to first order together.
+fn is_relevant(change: &Change, assumed: &Assumptions) -> f64 {
+    let precision = 1.0 + change.left / (SMALL * SMALL);
+    let (mean, deviation) = (-change.along / SMALL / precision, precision.sqrt().recip());
+    let bounds = change.prepared.coordinates[0].bounds();
+    let below = |y: f64| normal((y.clamp(bounds.0, bounds.1) - mean) / deviation);
+    let (whole, limit) = (below(bounds.1) - below(bounds.0), relevant(change, assumed));
+    let within = (below(limit) - below(-limit)) / whole;
+    if within.is_finite() { 1.0 - within.clamp(0.0, 1.0) } else { 1.0 }
 }
 
 /// Notes the size for the effect, the smallest where it can be at several places.
-fn smaller(found: &mut Vec<Detectable>, change: &Change, size: Option<f64>) {
+fn smaller(found: &mut Vec<Detectable>, change: &Change, size: Option<f64>, relevant: Option<f64>) {
     let effect = change.prepared.candidate.effect;
     let parameter = change.prepared.quantities[0];
     match found.iter_mut().find(|known| known.effect == effect.id) {
@@ -150,13 +173,18 @@ fn smaller(found: &mut Vec<Detectable>, change: &Change, size: Option<f64>) {
             known.value = match (known.value, size) {
                 (Some(a), Some(b)) => Some(a.min(b)),
                 (a, b) => a.or(b),
-            }
+            };
+            known.relevant = match (known.relevant, relevant) {
+                (Some(a), Some(b)) => Some(a.max(b)),
+                (a, b) => a.or(b),
+            };
         }
         None => found.push(Detectable {
             effect: effect.id,
             parameter: parameter.name,
             value: size,
             unit: parameter.unit,
+            relevant,
         }),
     }
 }

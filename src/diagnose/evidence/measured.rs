@@ -64,6 +64,9 @@ fn beside(square: f64, n: f64, centre: f64, spread: f64) -> f64 {
     x
 }
 
+/// Standard deviations of the logarithm of a noise beyond which it is not the one that was told.
+const BEYOND: f64 = 3.0;
+
 /// Some records of a dataset.
 pub(in crate::diagnose) struct Measured<'a, 'd> {
     pub bench: &'a WeightedDataset<'d>,
@@ -181,6 +184,13 @@ impl<'a, 'd> Measured<'a, 'd> {
         let square = |(k, r): (usize, &Vec<f64>)| noise.whiten(self, k, r).iter().map(|x| x * x).sum::<f64>();
         let squares: f64 = residuals.iter().enumerate().map(square).sum();
         noise.log_constant(self) - 0.5 * squares
+    }
+
+    /// Noise as a fraction of the channels that what was told of it does not allow; `None` where it is unknown.
+    pub fn loudest_noise(&self) -> Option<f64> {
+        let spread =
+            self.channels.iter().flatten().map(|channel| channel.prior.spreads[1]).fold(0.0, f64::max);
+        Some(self.floor()? * (BEYOND * spread).exp())
     }
 
     /// Expected noise as a fraction of the channels, root mean square; `None` where it is unknown.

@@ -7,9 +7,8 @@
 use crate::data::Record;
 use crate::effects::Features;
 use crate::fit::predict::Motion;
+use crate::fit::residual::reversals;
 
-/// Change of direction that makes a reversal, as a fraction of the record's range.
-const TURN: f64 = 0.05;
 /// Part of a branch in which it slides, if it slides at all.
 const SLIDING: std::ops::Range<f64> = 0.65..0.97;
 /// Slope at the end over the mean slope of a branch above which it does not slide.
@@ -107,27 +106,6 @@ fn branches(measured: &Measured) -> Vec<Branch> {
         }
     };
     turns.windows(2).filter(|pair| pair[1] - pair[0] >= 16).map(branch).collect()
-}
-
-/// Samples at which the motion turns.
-pub(in crate::diagnose) fn reversals(values: &[f64]) -> Vec<usize> {
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let turn = TURN * (high - low);
-    let (mut turns, mut extreme, mut direction) = (Vec::new(), 0, 0.0);
-    for (index, value) in values.iter().enumerate() {
-        let moved = value - values[extreme];
-        if moved * direction > 0.0 {
-            extreme = index;
-        } else if moved.abs() > turn {
-            if direction != 0.0 {
-                turns.push(extreme);
-            }
-            direction = moved.signum();
-            extreme = index;
-        }
-    }
-    turns
 }
 
 /// Means over `half` samples on either side.

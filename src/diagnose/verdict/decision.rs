@@ -2,8 +2,8 @@
 
 use super::confound;
 use super::context::Context;
-use crate::diagnose::diagnosis::{Group, Verdict};
-use crate::diagnose::evidence::{self, Measured, Weighed};
+use crate::diagnose::diagnosis::{Detectable, Group, Verdict};
+use crate::diagnose::evidence::{self, Measured, Sensitivities, Weighed};
 
 /// A verdict with what it rests on.
 pub(in crate::diagnose) struct Decision {
@@ -16,6 +16,8 @@ pub(in crate::diagnose) struct Decision {
     /// Ids of what is certain in a verdict that leaves something open.
     pub certain: Vec<&'static str>,
     pub groups: Vec<Group>,
+    /// Effects that may well be there and matter, although nothing is seen of them.
+    pub open: Vec<Detectable>,
     /// Why a verdict is taken back.
     pub taken_back: Option<TakenBack>,
 }
@@ -29,6 +31,10 @@ pub(in crate::diagnose) enum TakenBack {
     Unexplained,
     /// The training records themselves: an effect's size has no interval, reaches none, or lies beyond any expectation.
     Undetermined,
+    /// Nothing is seen, and too little could have been: some effect may well be there and matter.
+    Unseen,
+    /// Nothing is seen, and the residual is larger than any noise that was told.
+    Loud,
 }
 
 impl Decision {
@@ -49,6 +55,7 @@ impl Decision {
             doubt,
             certain: Vec::new(),
             groups: Vec::new(),
+            open: Vec::new(),
             taken_back: None,
         };
         let some = sum(&|k| sets[k].discrepancy.is_none() && !sets[k].members.is_empty());
@@ -126,6 +133,26 @@ impl Decision {
         if again.and_then(|again| evidence::doubt(all, &again)).is_ok_and(|doubt| doubt > against) {
             self.verdict = Verdict::Unexplained;
             self.taken_back = Some(TakenBack::Unexplained);
+        }
+        self
+    }
+
+    /// After a look at what could have been seen beside the best set, and at the size of the residual: both may take back that
+    /// nothing is missing.
+    pub fn limited(mut self, context: &Context, weighed: &Weighed, seen: &Sensitivities) -> Self {
+        if self.verdict != Verdict::NothingMissing {
+            return self;
+        }
+        let (assumed, size) = (context.data.assumptions(), context.error(&weighed.sets[self.best]));
+        let open =
+            seen.detectable.iter().filter(|one| one.relevant.is_some_and(|p| p > 1.0 - assumed.certain));
+        self.open = open.cloned().collect();
+        if context.data.loudest_noise().is_some_and(|loudest| size > loudest && size > assumed.relevant) {
+            (self.verdict, self.taken_back) = (Verdict::Unexplained, Some(TakenBack::Loud));
+            self.probability = f64::NAN;
+        } else if !self.open.is_empty() {
+            (self.verdict, self.taken_back) = (Verdict::InsufficientData, Some(TakenBack::Unseen));
+            self.probability = f64::NAN;
         }
         self
     }

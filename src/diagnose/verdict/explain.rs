@@ -3,13 +3,17 @@
 use super::confound;
 use super::decision::TakenBack;
 use super::{Context, Decision, Tested, Weighed};
-use crate::diagnose::diagnosis::{Errors, Evidence, Verdict};
+use crate::diagnose::diagnosis::{Detectable, Errors, Evidence, Verdict};
 use crate::diagnose::evidence::Sensitivities;
 use crate::diagnose::features;
 use crate::effects;
+use crate::fit::residual::Appearance;
 
 /// Correlation of prediction and measurement below which one of them has the wrong sign.
 const OPPOSED: f64 = -0.3;
+
+/// Probability from which an explanation is worth a word.
+const LIKELY: f64 = 1e-3;
 
 /// What the sentences of a verdict are made from.
 pub(super) struct Explained<'a, 'b, 'd> {
@@ -18,11 +22,13 @@ pub(super) struct Explained<'a, 'b, 'd> {
     pub decision: &'a Decision,
     pub tested: &'a Tested,
     pub errors: &'a Errors,
+    pub residual: &'a Appearance,
 }
 
 fn percent(fraction: f64) -> String {
     let value = 100.0 * fraction;
-    if value >= 10.0 { format!("{value:.0} %") } else { format!("{value:.2} %") }
+    let digits = if value >= 10.0 || value == value.round() { 0 } else { 2 };
+    format!("{value:.digits$} %")
 }
 
 /// A probability in words: no digits beyond those that were ever checked.
@@ -44,9 +50,8 @@ pub(super) fn reasons(explained: &Explained) -> Vec<String> {
     }
     reasons.push(decided(explained));
     reasons.extend(taken_back(explained));
-    let others = others(weighed, decision.best);
-    if !others.is_empty() {
-        reasons.push(format!("what else is likely: {others}"));
+    if !matches!(decision.taken_back, Some(TakenBack::Unseen | TakenBack::Loud)) {
+        reasons.push(others(weighed, decision, context.data.assumptions().certain));
     }
     if tested.with.is_finite() && decision.best != 0 {
         reasons.push(format!(
@@ -78,25 +83,25 @@ pub(super) fn reasons(explained: &Explained) -> Vec<String> {
 /// The verdict with its probability.
 fn decided(explained: &Explained) -> String {
     let Explained { context, weighed, decision, errors, .. } = explained;
-    let p = probability(decision.probability);
     let assumed = context.data.assumptions();
+    let (p, small) = (probability(decision.probability), percent(assumed.relevant));
+    let known = context.data.noise_is_known();
+    let suggest = if known { "" } else { "if the noise resembles the residual, the data suggest that, " };
     match decision.verdict {
         Verdict::NothingMissing => format!(
-            "with a probability of {p} no effect of the catalogue and nothing else that moves a channel by more than {} \
-             of its variation is missing",
-            percent(assumed.relevant)
+            "with a probability of {p} no effect of the catalogue is missing, and nothing else that follows the motion and moves \
+             a channel by more than {small} of its variation"
         ),
         Verdict::EffectFound => format!(
-            "with a probability of {p}{} {} missing, and nothing else that moves a channel by more than {} of its variation",
-            if context.data.noise_is_known() { "" } else { ", if the noise resembles the residual," },
-            named(&weighed.ordered(decision.best)),
-            percent(assumed.relevant)
+            "{suggest}with a probability of {p}, {} missing, and nothing else that moves a channel by more than {small} of its \
+             variation",
+            named(&weighed.ordered(decision.best))
         ),
         Verdict::NotDistinguishable => {
-            format!("with a probability of {p} something of the catalogue is missing")
+            format!("{suggest}with a probability of {p}, something of the catalogue is missing")
         }
         Verdict::Unexplained if decision.taken_back.is_some() => {
-            format!("the training records alone would say: {}", candidate(weighed, decision.best))
+            format!("the probabilities alone would say: {}", candidate(weighed, decision.best))
         }
         Verdict::Unexplained if decision.doubt < assumed.certain => format!(
             "the residual is {} of the measured channels' standard deviation: what lowers it stands for the slip of a \
@@ -104,21 +109,35 @@ fn decided(explained: &Explained) -> String {
             percent(errors.last)
         ),
         Verdict::Unexplained => format!(
-            "with a probability of {p} something is missing that no effect of the catalogue describes; it is largest in \
-             `{}`",
+            "{suggest}with a probability of {p}, something is missing that no effect of the catalogue describes; it is largest \
+             in `{}`",
             worst(explained)
         ),
-        Verdict::InsufficientData if decision.taken_back.is_some() => {
+        Verdict::InsufficientData => undecided(explained, &p),
+    }
+}
+
+/// Why there is no verdict.
+fn undecided(explained: &Explained, p: &str) -> String {
+    let Explained { context, weighed, decision, errors, .. } = explained;
+    let certain = context.data.assumptions().certain;
+    match decision.taken_back {
+        Some(TakenBack::Unseen) => {
+            "nothing is seen to be missing, but these data could not show every effect that matters"
+                .to_owned()
+        }
+        Some(_) => {
             format!("the training records alone give a verdict with a probability of {p}; it is taken back")
         }
-        Verdict::InsufficientData if decision.best == 0 && !context.data.noise_is_known() => format!(
+        None if decision.best == 0 && !context.data.noise_is_known() => format!(
             "the residual is {} of the measured channels' standard deviation. How much of it is noise is not known, so \
              these data do not show whether an effect is missing",
             percent(errors.refitted)
         ),
-        Verdict::InsufficientData => format!(
-            "no explanation reaches a probability of {}; that something outside the catalogue is missing has {}",
-            assumed.certain,
+        None => format!(
+            "no explanation reaches a probability of {certain}: the likeliest of the catalogue is that {}; that something outside \
+             the catalogue is missing has {}",
+            candidate(weighed, decision.best),
             probability(decision.doubt)
         ),
     }
@@ -138,12 +157,32 @@ fn taken_back(explained: &Explained) -> Option<String> {
             "with the test records something is missing that the training records do not show; it is largest in `{}`",
             worst(explained)
         ),
+        TakenBack::Unseen => {
+            let one = |one: &Detectable| format!("{} ({})", title(one.effect), probability(one.relevant.unwrap_or(1.0)));
+            let all: Vec<String> = explained.decision.open.iter().map(one).collect();
+            format!(
+                "if they are there, these effects may well move a channel by more than {} of its variation (with what \
+                 probability): {}; the detection limits say from which size they would be found",
+                percent(explained.context.data.assumptions().relevant),
+                all.join(", ")
+            )
+        }
+        TakenBack::Loud => format!(
+            "the residual is {} of the measured channels' standard deviation, more than any noise that was told, and it does not \
+             follow the motion: the noise is larger than told, or the measurement is disturbed; it is largest in `{}`",
+            percent(explained.errors.refitted),
+            worst(explained)
+        ),
     })
+}
+
+fn title(id: &str) -> &str {
+    effects::find(id).map_or(id, |effect| effect.title)
 }
 
 /// `Backlash is`, `Backlash and Wear are`.
 fn named(ids: &[&str]) -> String {
-    let titles: Vec<&str> = ids.iter().filter_map(|id| Some(effects::find(id)?.title)).collect();
+    let titles: Vec<&str> = ids.iter().map(|id| title(id)).collect();
     format!("{} {}", titles.join(" and "), if titles.len() == 1 { "is" } else { "are" })
 }
 
@@ -153,24 +192,35 @@ fn candidate(weighed: &Weighed, set: usize) -> String {
 }
 
 /// What else has a probability worth a word: effects in any form, with their sum.
-fn others(weighed: &Weighed, best: usize) -> String {
+fn others(weighed: &Weighed, decision: &Decision, certain: f64) -> String {
     let kind = |k: usize| (weighed.ids(k), weighed.sets[k].discrepancy.is_some());
+    let told = |k: usize| match decision.verdict {
+        // The verdict is of all sets with something unknown.
+        Verdict::Unexplained if decision.doubt >= certain => weighed.sets[k].discrepancy.is_some(),
+        Verdict::NotDistinguishable | Verdict::InsufficientData => false,
+        _ => kind(k) == kind(decision.best),
+    };
     let mut others: Vec<(usize, f64)> = Vec::new();
-    for (k, weight) in weighed.weights.iter().enumerate().filter(|(k, _)| kind(*k) != kind(best)) {
+    for (k, weight) in weighed.weights.iter().enumerate().filter(|(k, _)| !told(*k)) {
         match others.iter_mut().find(|(other, _)| kind(*other) == kind(k)) {
             Some((_, sum)) => *sum += weight,
             None => others.push((k, *weight)),
         }
     }
-    others.retain(|(_, weight)| *weight > 1e-3);
+    others.retain(|(_, weight)| *weight > LIKELY);
     others.sort_by(|a, b| b.1.total_cmp(&a.1));
     let words = others.iter().take(5).map(|&(k, weight)| {
-        let ids = weighed.ordered(k);
-        let names = if ids.is_empty() { "nothing".to_owned() } else { ids.join(" + ") };
-        let doubt = if weighed.sets[k].discrepancy.is_some() { " with something unknown" } else { "" };
-        format!("{names}{doubt} ({})", probability(weight))
+        let unknown = weighed.sets[k].discrepancy.map(|_| "something unknown");
+        let names: Vec<&str> = weighed.ordered(k).into_iter().chain(unknown).collect();
+        let names = if names.is_empty() { "nothing".to_owned() } else { names.join(" + ") };
+        format!("{names} ({})", probability(weight))
     });
-    words.collect::<Vec<_>>().join(", ")
+    let words = words.collect::<Vec<_>>().join(", ");
+    match decision.verdict {
+        _ if words.is_empty() => format!("no other explanation has a probability above {LIKELY}"),
+        Verdict::NotDistinguishable | Verdict::InsufficientData => format!("what may be missing: {words}"),
+        _ => format!("what else may be missing: {words}"),
+    }
 }
 
 /// Name of the record that the best set describes worst against its noise, of all records.
@@ -194,27 +244,30 @@ fn worst(explained: &Explained) -> String {
     worst.map_or(String::new(), |one| context.dataset.records[one.record].name.clone())
 }
 
-/// Channels that are measured the other way round than they are predicted.
+/// Channels that are measured the other way round than they are predicted, with what was found and in every record: a
+/// resonance that the model lacks turns those beyond it alone.
 fn opposed(explained: &Explained) -> Vec<String> {
-    let Explained { context, weighed, .. } = explained;
-    let mut names: Vec<&str> = Vec::new();
-    for one in context.scored(&weighed.sets[0]) {
+    let Explained { context, weighed, decision, .. } = explained;
+    let mut relations: Vec<(&str, f64)> = Vec::new();
+    for one in context.scored(&weighed.sets[decision.best]) {
         let lane = &context.bench.lanes[one.record];
         for (name, range) in &lane.channels {
             let mut relation = features::Correlation::default();
             range.clone().for_each(|i| relation.add(one.predictions[i], lane.measured[i]));
-            if relation.value().is_some_and(|value| value < OPPOSED) && !names.contains(name) {
-                names.push(name);
+            let value = relation.value().unwrap_or(0.0);
+            match relations.iter_mut().find(|(known, _)| known == name) {
+                Some((_, largest)) => *largest = largest.max(value),
+                None => relations.push((name, value)),
             }
         }
     }
-    let of = |name: &str| {
+    let of = |(name, _): &(&str, f64)| {
         format!(
             "`{name}` is measured with the opposite sign to the prediction: check the sign of its sensor and the sign \
              of the excitation"
         )
     };
-    names.into_iter().map(of).collect()
+    relations.iter().filter(|(_, largest)| *largest < OPPOSED).map(of).collect()
 }
 
 /// What was seen of the effects, and what else could cause the same.
@@ -224,7 +277,8 @@ pub(super) fn evidence(explained: &Explained, sensitivities: &Sensitivities) -> 
     for group in &decision.groups {
         named.extend(group.effects.iter().filter(|id| !named.contains(id)).copied().collect::<Vec<_>>());
     }
-    if named.is_empty() {
+    // What stands for something unknown is no finding.
+    if named.is_empty() || decision.verdict == Verdict::Unexplained {
         return Vec::new();
     }
     let base = &weighed.sets[0];
@@ -261,37 +315,4 @@ fn otherwise(id: &str, sensitivities: &Sensitivities) -> Option<String> {
     } else {
         format!("in these data {} would look almost the same", alike.join(", "))
     })
-}
-
-/// The experiment that would decide between the explanations that remain.
-pub(super) fn next_experiment(explained: &Explained) -> Option<String> {
-    let Explained { context, decision, .. } = explained;
-    let known = context.data.noise_is_known();
-    if context.table {
-        return Some(
-            "Measure the table again, so that its scatter is known, with levels between those where the frequency \
-             changes most and with the damping ratio at each level; or record the acceleration in time at three levels \
-             or more"
-                .to_owned(),
-        );
-    }
-    match decision.verdict {
-        Verdict::NotDistinguishable => decision.groups.first().map(|group| group.experiment.clone()),
-        Verdict::EffectFound if !known => Some(
-            "Repeat one record, or run it over several periods: only then is it known how much of the residual is noise"
-                .to_owned(),
-        ),
-        Verdict::Unexplained | Verdict::InsufficientData if !known => Some(
-            "Repeat one record, or run it over several periods: the difference of the repeats is the noise".to_owned(),
-        ),
-        Verdict::Unexplained => Some(
-            "Look at the residual of the refitted model against displacement, velocity, normal load and time, and \
-             repeat the record in which it is largest at half and at twice its speed"
-                .to_owned(),
-        ),
-        Verdict::InsufficientData => Some(
-            "Measure more records at levels and frequencies between those there are and a little beyond them".to_owned(),
-        ),
-        Verdict::NothingMissing | Verdict::EffectFound => None,
-    }
 }

@@ -1,11 +1,12 @@
 //! The answer: probabilities of sets of effects come in, a [`Diagnosis`] with its reasons goes out.
 //!
 //! `context` is what the answer is about, `decision` holds the one rule and the look at the test records, `explain` gives
-//! reasons in sentences, `confound` the experiments that separate effects.
+//! reasons in sentences, `experiment` what to measure next, `confound` the experiments that separate effects.
 
 mod confound;
 mod context;
 mod decision;
+mod experiment;
 mod explain;
 
 pub(super) use context::Context;
@@ -19,62 +20,49 @@ use super::measurements::weighted_dataset::Scored;
 use super::stage::stage;
 use crate::data::{Dataset, Record};
 use crate::fit::compare::{Comparison, Stage};
+use crate::fit::residual::{Appearance, appearance};
 use crate::model::Model;
 
 /// The whole diagnosis.
 pub(super) fn of(
     context: &Context,
     weighed: &Weighed,
-    decision: &Decision,
+    decision: Decision,
     test: &Measured,
-    (baseline, measured, mut untried): (Stage, Vec<Noise>, Vec<Untried>),
+    (baseline, measured, untried): (Stage, Vec<Noise>, Vec<Untried>),
 ) -> Diagnosis {
-    let chain = weighed.chain(decision.best);
     let best = &weighed.sets[decision.best];
     let sensitivities = evidence::around(context.data, &best.posterior, &weighed.candidates, &best.members)
         .unwrap_or_default();
-    let silent = weighed.silent.iter().map(|candidate| candidate.effect.id);
-    for id in sensitivities.invisible.iter().copied().chain(silent) {
-        if untried.iter().all(|known| known.effect != id) {
-            untried.push(Untried {
-                effect: id,
-                reason: "not identifiable in these data: it changes nothing that the model's own parameters or the \
-                         unknown initial states could not change"
-                    .to_owned(),
-            });
-        }
-    }
-    let mut stages = vec![baseline];
-    let mut before = context.model;
-    let steps = steps(context, weighed, &chain);
-    for (place, &set) in chain.iter().enumerate() {
-        let name = if place == 0 { "refitted".to_owned() } else { name(&steps[place - 1]) };
-        let fitted = &weighed.sets[set].posterior;
-        stages.push(stage(&name, fitted, before, context.dataset, context.bench));
-        before = &fitted.model;
-    }
-    let ids = weighed.ordered(decision.best);
-    let (effects, surrogates) = match decision.verdict {
-        Verdict::EffectFound => (ids.clone(), Vec::new()),
-        Verdict::Unexplained => (Vec::new(), ids.clone()),
-        Verdict::NotDistinguishable => (decision.certain.clone(), Vec::new()),
-        _ => (Vec::new(), Vec::new()),
-    };
-    let tested = Tested::of(context, weighed, decision, test);
+    let decision = decision.limited(context, weighed, &sensitivities);
+    let (steps, stages) = followed(context, weighed, decision.best, baseline);
+    let tested = Tested::of(context, weighed, &decision, test);
     let errors = errors(context, &stages, &tested, test);
-    let explained = explain::Explained { context, weighed, decision, tested: &tested, errors: &errors };
+    // What only absorbs error would hide what is missing.
+    let clear = if decision.verdict == Verdict::Unexplained { 1 } else { stages.len() - 1 };
+    let residual =
+        stages.get(clear).map(|stage| appearance(&context.dataset.records, stage)).unwrap_or_default();
+    let explained = explain::Explained {
+        context,
+        weighed,
+        decision: &decision,
+        tested: &tested,
+        errors: &errors,
+        residual: &residual,
+    };
+    let (effects, surrogates) = named(weighed, &decision);
     Diagnosis {
         verdict: decision.verdict,
         probability: decision.probability,
         noise_is_known: context.data.noise_is_known(),
         reasons: explain::reasons(&explained),
         evidence: explain::evidence(&explained, &sensitivities),
-        next_experiment: explain::next_experiment(&explained),
-        effects,
+        next_experiment: experiment::next(&explained),
         law: weighed
             .law(decision.best)
             .filter(|_| decision.verdict == Verdict::EffectFound)
             .map(|law| law.name),
+        effects,
         surrogates,
         groups: decision.groups.clone(),
         error: errors,
@@ -86,18 +74,26 @@ pub(super) fn of(
             .take_while(|round| !round.is_empty())
             .collect(),
         parameters: best.posterior.estimates(),
-        untried,
+        untried: untried_with(untried, weighed, &sensitivities),
         confounding: sensitivities.confounding,
         detectable: sensitivities.detectable,
+        residual,
         split: context.parts.uses(context.dataset.records.len()),
         noise: measured,
-        comparison: Comparison {
-            title: context.dataset.title.clone().unwrap_or_default(),
-            records: context.dataset.records.clone(),
-            stages,
-        },
+        comparison: comparison(context.dataset, stages),
         model: best.posterior.model.clone().with_new_free(context.model),
         cost: cost(context),
+    }
+}
+
+/// What is found, and what only absorbs error.
+fn named(weighed: &Weighed, decision: &Decision) -> (Vec<&'static str>, Vec<&'static str>) {
+    let ids = weighed.ordered(decision.best);
+    match decision.verdict {
+        Verdict::EffectFound => (ids, Vec::new()),
+        Verdict::Unexplained => (Vec::new(), ids),
+        Verdict::NotDistinguishable => (decision.certain.clone(), Vec::new()),
+        _ => (Vec::new(), Vec::new()),
     }
 }
 
@@ -106,6 +102,38 @@ fn cost(context: &Context) -> Cost {
     let samples = |dataset: &Dataset| dataset.records.iter().map(Record::len).sum();
     let fitted_samples = samples(context.bench.dataset);
     Cost { refits, simulations, samples: samples(context.dataset), fitted_samples }
+}
+
+/// The way from the model as given to the set `best`: what each step gained, and the model after it.
+fn followed(context: &Context, weighed: &Weighed, best: usize, baseline: Stage) -> (Vec<Step>, Vec<Stage>) {
+    let chain = weighed.chain(best);
+    let steps = steps(context, weighed, &chain);
+    let (mut stages, mut before) = (vec![baseline], context.model);
+    for (place, &set) in chain.iter().enumerate() {
+        let name = if place == 0 { "refitted".to_owned() } else { name(&steps[place - 1]) };
+        let fitted = &weighed.sets[set].posterior;
+        stages.push(stage(&name, fitted, before, context.dataset, context.bench));
+        before = &fitted.model;
+    }
+    (steps, stages)
+}
+
+/// What was not tried, and what was without being seen.
+fn untried_with(mut untried: Vec<Untried>, weighed: &Weighed, sensitivities: &Sensitivities) -> Vec<Untried> {
+    let silent = weighed.silent.iter().map(|candidate| candidate.effect.id);
+    for effect in sensitivities.invisible.iter().copied().chain(silent) {
+        if untried.iter().all(|known| known.effect != effect) {
+            let reason = "not identifiable in these data: it changes nothing that the model's own parameters or the \
+                          unknown initial states could not change";
+            untried.push(Untried { effect, reason: reason.to_owned() });
+        }
+    }
+    untried
+}
+
+fn comparison(dataset: &Dataset, stages: Vec<Stage>) -> Comparison {
+    let title = dataset.title.clone().unwrap_or_default();
+    Comparison { title, records: dataset.records.clone(), stages }
 }
 
 /// What the test records say.
@@ -275,17 +303,14 @@ pub(super) fn insufficient(
         confounding: Vec::new(),
         detectable: Sensitivities::default().detectable,
         evidence: Vec::new(),
+        residual: Appearance::default(),
         next_experiment: Some(
             "Measure at least three levels, each twice, some of them from rest and over two periods or more"
                 .to_owned(),
         ),
         split: parts.uses(dataset.records.len()),
         noise: measured,
-        comparison: Comparison {
-            title: dataset.title.clone().unwrap_or_default(),
-            records: dataset.records.clone(),
-            stages: vec![baseline],
-        },
+        comparison: comparison(dataset, vec![baseline]),
         model: model.clone(),
         cost: Cost::default(),
     }

@@ -185,31 +185,6 @@ function explore(data, config, narrow) {
       return [traces, layout(axis("harmonic of " + fundamental + " Hz (0: mean)", { dtick: 1, showgrid: false }),
         axis("normalised residual", { rangemode: "tozero" }), { bargap: 0.25 })];
     },
-    latent(channel, _, role) {
-      const last = data.stages.length - 1;
-      const others = data.records.flatMap((record) => record.channels.filter((other) =>
-        other.name === channel.name && other.residuals[last] !== null).map((other) => ({ name: record.name, other })));
-      if (role === "time") {
-        const traces = others.filter(({ other }) => other.slow).map(({ name, other }) => ({ type: "scatter",
-          mode: "lines+markers", name, x: other.slow.time, y: other.slow.rms[last], line: { width: 1.5 } }));
-        return [traces, layout(axis(channel.timeLabel), axis("normalised residual", { rangemode: "tozero" }))];
-      }
-      const parts = others.filter(({ other }) => other.causes[role]).map(({ other }) => ({
-        x: column(other.causes[role].x),
-        y: column(other.residuals[last]).map((value) => (value === null ? null : -value)),
-        label: other.causes[role].label }));
-      if (!parts.length) return nothing("no prediction, or not measured: " + role);
-      const traces = [];
-      const apart = role === "displacement";
-      binned(parts, apart).forEach((curve, way) => {
-        const band = curve.x.concat(curve.x.slice().reverse());
-        const edge = curve.high.concat(curve.low.slice().reverse());
-        traces.push({ type: "scatter", x: band, y: edge, fill: "toself", fillcolor: WAYS[way] + "22",
-          line: { width: 0 }, mode: "lines", hoverinfo: "skip", showlegend: false });
-        traces.push(line(ways(apart, way), curve.x, curve.mean, WAYS[way], 2.5));
-      });
-      return [traces, layout(axis(parts[0].label), axis(channel.lackLabel))];
-    },
   };
   function points(stage, x, y) {
     const { name, colour } = data.stages[stage];

@@ -19,7 +19,10 @@ use super::Run;
 ///
 /// and more keys, which give the details. `effects` are the significant ones, where the verdict
 /// is `effect-found` or `not-distinguishable`; `places` says where they sit, `law`
-/// which contact law shows them in the place of the model's (`null` for effects of their own); `groups` are lists of ids. Units are SI. Numbers that are unknown or not finite are `null`.
+/// which contact law shows them in the place of the model's (`null` for effects of their own); `groups` are lists of ids.
+/// `P_relevant` of a detection limit is the posterior probability that the effect, if it is there, moves a channel by more than
+/// 1 % of its variation. `residual` holds the shapes of what the last model lacks, each with the share of the residual's variance
+/// that it predicts in other records, and hints. Units are SI. Numbers that are unknown or not finite are `null`.
 pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
     let named = matches!(diagnosis.verdict, Verdict::EffectFound | Verdict::NotDistinguishable);
     let groups: Vec<&[&str]> = diagnosis.groups.iter().map(|group| &group.effects[..]).collect();
@@ -55,6 +58,7 @@ pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
         "evidence": diagnosis.evidence.iter()
             .map(|one| json!({ "effect": one.effect, "seen": one.seen, "otherwise": one.otherwise }))
             .collect::<Vec<_>>(),
+        "residual": super::residual::to_json(diagnosis),
         "split": split(diagnosis),
         "noise": noise(diagnosis),
         "stages": diagnosis.comparison.stages.iter().map(stage).collect::<Vec<_>>(),
@@ -130,7 +134,9 @@ fn detectable(diagnosis: &Diagnosis) -> Value {
     for one in &diagnosis.detectable {
         object
             .entry(one.effect)
-            .or_insert_with(|| json!({ "parameter": one.parameter, "value": one.value, "unit": one.unit }));
+            .or_insert_with(|| {
+            json!({ "parameter": one.parameter, "value": one.value, "unit": one.unit, "P_relevant": one.relevant })
+        });
     }
     Value::Object(object)
 }

@@ -3,6 +3,7 @@
 mod figures;
 mod json;
 mod page;
+mod residual;
 mod sections;
 mod terminal;
 mod words;

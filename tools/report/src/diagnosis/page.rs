@@ -1,9 +1,9 @@
 //! The HTML page of a diagnosis.
 
 use maud::{Markup, html};
-use stickslip::diagnose::{Diagnosis, Verdict};
+use stickslip::diagnose::Diagnosis;
 
-use super::{Run, figures, sections, terminal, words};
+use super::{Run, figures, residual, sections, terminal, words};
 use crate::figure::Figures;
 use crate::page::{Shell, backbone_section, failures, figure_element, settings_section, worst_first};
 use crate::stages::{self, name};
@@ -23,7 +23,7 @@ pub fn diagnosis_html(diagnosis: &Diagnosis, run: &Run, settings: &Settings) -> 
         (fall(&mut drawn, diagnosis))
         (sections::why(diagnosis))
         (sections::effects(diagnosis))
-        (residual(diagnosis))
+        (residual::section(&mut drawn, diagnosis))
         (candidates(&mut drawn, diagnosis))
         (alike(&mut drawn, diagnosis))
         (sections::detectable(diagnosis))
@@ -62,23 +62,6 @@ fn fall(drawn: &mut Figures, diagnosis: &Diagnosis) -> Markup {
                 (figure_element(&figure, &format!("height:{}px", 112 + 48 * diagnosis.comparison.stages.len().min(12))))
             }
             (sections::errors(diagnosis))
-        }
-    }
-}
-
-/// What remains, where it is not explained.
-fn residual(diagnosis: &Diagnosis) -> Markup {
-    html! {
-        @if diagnosis.verdict == Verdict::Unexplained {
-            section id="residual" {
-                h2 { "Residual" }
-                p.text {
-                    "The part of the measurement that the last model does not predict. A curve that depends on one of these "
-                    "and on nothing else points to its cause: on displacement, something that is fixed in space; on "
-                    "velocity, a damping or a sliding law; on load, a pressure; on time, something that changes."
-                }
-                (explorer::latent(&diagnosis.comparison, &worst_first(&diagnosis.comparison)))
-            }
         }
     }
 }

@@ -225,28 +225,27 @@ pub fn detectable(diagnosis: &Diagnosis) -> Markup {
         @if !diagnosis.detectable.is_empty() {
             section id="detectable" {
                 h2 { "Detection limits" }
-                p.note { "The smallest size of each effect that would have been found in these data." }
+                p.note {
+                    "The smallest size of each effect that would have been found in these data. Relevant: the probability that "
+                    "the effect, if it is there, moves a channel by more than 1 % of its variation."
+                }
                 div.scroll tabindex="0" role="region" aria-label="Detectable sizes" {
                     table {
-                        thead { tr { th { "Effect" } th { "Parameter" } th.number { "Smallest size" } } }
+                        thead { tr { th { "Effect" } th { "Parameter" } th.number { "Smallest size" } th.number { "Relevant" } } }
                         tbody { @for one in &diagnosis.detectable { tr {
                             th scope="row" { (words::title(one.effect)) }
                             td { (words::parameter(one.parameter)) }
                             td.number { @match one.value {
-                                Some(value) => { (format::engineering(rounded(value), one.unit)) }
+                                Some(value) => { (format::engineering(words::rounded(value), one.unit)) }
                                 None => { "not identifiable" }
                             } }
+                            td.number { @if let Some(p) = one.relevant { (words::probability(p)) } }
                         } } }
                     }
                 }
             }
         }
     }
-}
-
-/// Two digits: a limit is not known more exactly.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.1e}").parse().unwrap_or(value)
 }
 
 /// What each record was used for.

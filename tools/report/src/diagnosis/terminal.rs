@@ -1,8 +1,8 @@
 //! A diagnosis as text for a terminal.
 
-use stickslip::diagnose::{Candidate, Diagnosis, Verdict};
+use stickslip::diagnose::{Candidate, Detectable, Diagnosis, Verdict};
 
-use super::{Run, words};
+use super::{Run, residual, words};
 use crate::format;
 use crate::table::{BOLD, RED, Text};
 
@@ -24,6 +24,8 @@ pub fn diagnosis_table(diagnosis: &Diagnosis, run: &Run, width: usize, color: bo
     }
     found(&mut out, diagnosis);
     why(&mut out, diagnosis);
+    listed(&mut out, "Residual: measured minus predicted", &residual::told(diagnosis));
+    listed(&mut out, "Detection limits: sizes that would have been found", &limits(diagnosis));
     errors(&mut out, diagnosis);
     candidates(&mut out, &diagnosis.candidates);
     out.line("");
@@ -54,6 +56,23 @@ fn found(out: &mut Text, diagnosis: &Diagnosis) {
             .collect();
         out.paragraph(&format!("- {}: {}", words::candidate(one), numbers.join(", ")), "");
     }
+}
+
+fn listed(out: &mut Text, title: &str, lines: &[String]) {
+    if !lines.is_empty() {
+        heading(out, title);
+        lines.iter().for_each(|line| out.paragraph(&format!("- {line}"), ""));
+    }
+}
+
+/// What would have been found, where nothing was.
+fn limits(diagnosis: &Diagnosis) -> Vec<String> {
+    let null = matches!(diagnosis.verdict, Verdict::NothingMissing | Verdict::InsufficientData);
+    let one = |one: &Detectable| {
+        let size = format::engineering(words::rounded(one.value?), one.unit);
+        Some(format!("{}: {} {size}", words::title(one.effect), words::parameter(one.parameter)))
+    };
+    diagnosis.detectable.iter().filter(|_| null).filter_map(one).collect()
 }
 
 fn why(out: &mut Text, diagnosis: &Diagnosis) {
@@ -111,6 +130,9 @@ fn candidates(out: &mut Text, candidates: &[Candidate]) {
         left.push(format::printable(&words::candidate(one)));
         cells.push(match &one.failure {
             Some(_) => vec!["failed".to_owned(), String::new(), String::new(), String::new()],
+            None if one.parameters.is_empty() => {
+                vec![String::new(), String::new(), String::new(), "promises too little".to_owned()]
+            }
             None => vec![
                 format::error(one.error),
                 gain(one),

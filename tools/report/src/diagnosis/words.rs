@@ -45,15 +45,16 @@ pub fn candidate(candidate: &Candidate) -> String {
 pub fn verdict(diagnosis: &Diagnosis) -> String {
     let found = titles(&diagnosis.effects, "and");
     let be = if diagnosis.effects.len() == 1 { "is" } else { "are" };
+    // Where the noise is unknown, the words are weaker.
+    let likely = if diagnosis.noise_is_known { "" } else { "probably " };
     match diagnosis.verdict {
         Verdict::NothingMissing => format!(
-            "These data show no missing effect: with refitted parameters the error of the model is {}.{}",
+            "These data show no missing effect. With refitted parameters the error of the model is {}.{}",
             format::error(diagnosis.error.refitted),
             floor(diagnosis)
         ),
         Verdict::EffectFound => {
             let law = diagnosis.law.map(|law| format!(", described by law = \"{law}\"")).unwrap_or_default();
-            let likely = if diagnosis.noise_is_known { "" } else { "probably " };
             format!(
                 "{found} {be} {likely}missing from the model{law}. {}{}",
                 fall(diagnosis),
@@ -61,16 +62,16 @@ pub fn verdict(diagnosis: &Diagnosis) -> String {
             )
         }
         Verdict::NotDistinguishable => format!(
-            "An effect is missing, but these data cannot distinguish between the candidates: {}.{}",
+            "An effect is {likely}missing, but these data cannot distinguish between the candidates: {}.{}",
             groups(diagnosis),
             floor(diagnosis)
         ),
         Verdict::Unexplained => format!(
             "{}{}{}",
-            if diagnosis.error.noise_floor.is_some() {
+            if diagnosis.noise_is_known {
                 "The model lacks something, and none of the effects that were tried explains it."
             } else {
-                "None of the effects that were tried explains the residual, and it is not known whether the residual is more than noise."
+                "The data suggest that the model lacks something that none of the effects that were tried explains."
             },
             if diagnosis.steps.iter().any(|step| !step.dropped) {
                 format!(" {}", fall(diagnosis))
@@ -79,9 +80,10 @@ pub fn verdict(diagnosis: &Diagnosis) -> String {
             },
             floor(diagnosis)
         ),
-        Verdict::InsufficientData => {
+        Verdict::InsufficientData if diagnosis.candidates.is_empty() => {
             "There are too few data to decide whether an effect is missing.".to_owned()
         }
+        Verdict::InsufficientData => "These data do not decide whether an effect is missing.".to_owned(),
     }
 }
 
@@ -144,8 +146,8 @@ pub fn next_steps(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
             steps.extend(diagnosis.groups.iter().map(|group| group.experiment.clone()));
         }
         Verdict::Unexplained => steps.push(
-            "Look at the residual: the section “Residual” shows it against displacement, velocity, load and time. Its \
-             shape is the best indication of a cause that is not in the catalogue."
+            "Look at the shapes of the residual (section “Residual”): they are the best indication of a cause that is not in \
+             the catalogue."
                 .to_owned(),
         ),
         Verdict::NothingMissing | Verdict::InsufficientData => {}
@@ -221,12 +223,27 @@ pub fn warnings(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
                 .to_owned(),
         );
     }
+    all.extend(super::residual::warnings(diagnosis));
     let known = |source| !matches!(source, NoiseSource::Unknown);
     let some = diagnosis.noise.iter().any(|noise| known(noise.source));
     if some && diagnosis.noise.iter().any(|noise| !known(noise.source)) {
         all.push("The noise of some channels is unknown; see “Noise”.".to_owned());
     }
     all
+}
+
+/// Two digits: a limit is not known more exactly.
+pub fn rounded(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
+}
+
+/// A probability: no digits beyond those that were ever checked.
+pub fn probability(p: f64) -> String {
+    match p {
+        p if p < 0.001 => "below 0.001".to_owned(),
+        p if p > 0.999 => "above 0.999".to_owned(),
+        p => format!("{p:.3}"),
+    }
 }
 
 /// How the noise of a channel is known.

@@ -2,10 +2,11 @@
 
 use serde_json::{Value, json};
 use stickslip::diagnose::Comparison;
+use stickslip::fit::residual::drive;
 use stickslip::harmonic::{fourier, whole_periods};
 
 use super::residual;
-use super::views::{deviation, drive, short};
+use super::views::{deviation, short};
 use crate::summary;
 
 /// Harmonics in the table.

@@ -12,6 +12,7 @@ use maud::{Markup, html};
 use serde_json::{Value, json};
 use stickslip::data::{Channel, Record, Regime};
 use stickslip::diagnose::{Comparison, Noise};
+use stickslip::fit::residual::causes;
 
 use self::store::Store;
 use crate::decimate::{keep_extremes, worst_cycles};
@@ -191,7 +192,7 @@ fn channel(
         "noise": noise.map(|noise| noise * rest.factor),
         "noiseShare": noise.map(|noise| noise / spread),
         "drawn": kept.len(), "samples": length,
-        "causes": causes(store, record, measured, &kept),
+        "causes": against(store, record, measured, &kept),
         "loop": hysteresis(store, record, measured, last.map_or(&[], Vec::as_slice), &kept, limit),
         "slow": views::slow_time(record, measured, time, &residuals, (spread, clock.factor)),
         "spectrum": views::spectrum(store, record, &measured.values, &residuals, value.factor),
@@ -202,9 +203,9 @@ fn channel(
 }
 
 /// What the residual is drawn against, by role.
-fn causes(store: &mut Store, record: &Record, measured: &Channel, kept: &[usize]) -> Value {
+fn against(store: &mut Store, record: &Record, measured: &Channel, kept: &[usize]) -> Value {
     let mut object = serde_json::Map::new();
-    for (role, channel) in views::causes(record, measured) {
+    for (role, channel) in causes(record, measured) {
         let scale = Scale::of(channel.values.iter().copied(), channel.unit);
         let label = figure::text(&scale.label(&format::shorten(&prose(&channel.name), 24)));
         let x = store.scaled(&channel.values, kept, scale.factor);
@@ -310,33 +311,6 @@ fn view(kind: &str, caption: &str, half: bool) -> Markup {
             div.plot.view data-view=(kind) style=(if half { "height:368px" } else { "height:480px" }) role="img"
                 aria-label=(caption) {}
             figcaption { (caption) }
-        }
-    }
-}
-
-/// Residual of the last stage, as the force (or motion) that the model lacks, against every cause, over all
-/// records: for a look at what the catalogue does not hold. To be followed by [`section`], which has the data.
-pub fn latent(comparison: &Comparison, records: &[usize]) -> Markup {
-    let shown = drawable(comparison, records);
-    let mut roles: Vec<&str> = Vec::new();
-    for &record in &shown {
-        let record = &comparison.records[record];
-        for channel in record.channels.iter().filter(|channel| channel.name != "time") {
-            roles.extend(views::causes(record, channel).iter().map(|(role, _)| *role));
-        }
-    }
-    let roles: Vec<&str> = views::ROLES.into_iter().filter(|role| roles.contains(role)).collect();
-    html! {
-        @if !shown.is_empty() {
-            div.figures {
-                @for role in roles {
-                    (view(&format!("latent:{role}"), &format!(
-                        "What the last model lacks, measured minus predicted, against {role}: mean over all records{}. The \
-                         band holds two thirds of the samples.",
-                        if role == "displacement" { ", forwards and backwards" } else { "" }), true))
-                }
-                (view("latent:time", "Size of what the last model lacks along each record, over the channel’s standard deviation.", true))
-            }
         }
     }
 }

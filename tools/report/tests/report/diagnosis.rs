@@ -136,7 +136,7 @@ fn pages_are_whole_fetch_nothing_and_stay_small() {
 #[test]
 fn the_residual_is_shown_where_no_effect_explains_it() {
     let shown = |diagnosis: &Diagnosis| {
-        diagnosis_html(diagnosis, &run(), &settings()).contains("data-view=\"latent:displacement\"")
+        diagnosis_html(diagnosis, &run(), &settings()).contains("Against displacement: ")
     };
     assert!(shown(&unexplained()) && !shown(&found()));
 }

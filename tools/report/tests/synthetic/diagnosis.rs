@@ -6,6 +6,7 @@ use stickslip::diagnose::{
     Evidence, Group, Noise, NoiseSource, Step, Untried, Verdict,
 };
 use stickslip::effects::CATALOGUE;
+use stickslip::fit::residual::appearance;
 use stickslip::model::Model;
 use stickslip_report::diagnosis::Run;
 
@@ -188,6 +189,7 @@ fn of(comparison: Comparison) -> Diagnosis {
                 parameter: effect.parameters[0].quantity.name,
                 value: (effect.id != "wear").then_some(0.012_345),
                 unit: effect.parameters[0].quantity.unit,
+                relevant: (effect.id != "wear").then_some(0.03),
             })
             .collect(),
         evidence: vec![Evidence {
@@ -197,6 +199,7 @@ fn of(comparison: Comparison) -> Diagnosis {
                 .into(),
             otherwise: Some("a stop that is reached at large displacement would rise late and steeply instead".into()),
         }],
+        residual: comparison.stages.last().map(|stage| appearance(&comparison.records, stage)).unwrap_or_default(),
         next_experiment: None,
         split,
         noise: (0..records)
