@@ -20,7 +20,7 @@ impl Autoregression {
     }
 
     /// Fitted to `series` of one channel, each scaled by its own root mean square (Levinson's recursion on the pooled
-    /// autocovariance, which is stable); the order by the corrected information criterion of Akaike.
+    /// autocovariance, which is stable); the order that has the most evidence, so that two hypotheses differ by nothing that chance has chosen.
     pub fn fit<'a>(series: impl Iterator<Item = &'a [f64]>) -> Self {
         let mut covariance = [0.0; MOST + 1];
         let mut count = 0;
@@ -54,10 +54,7 @@ impl Autoregression {
             all.push((coefficients.clone(), variance));
         }
         let n = count as f64;
-        let criterion = |order: usize| {
-            let p = order as f64;
-            n * all[order].1.ln() + 2.0 * (p + 1.0) * n / (n - p - 2.0)
-        };
+        let criterion = |order: usize| n * all[order].1.ln() + order as f64 * n.ln();
         let order = (0..=MOST).min_by(|a, b| criterion(*a).total_cmp(&criterion(*b))).unwrap_or(0);
         let last = all[order].1;
         all.truncate(order + 1);

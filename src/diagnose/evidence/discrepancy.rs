@@ -22,10 +22,19 @@ const MEMORIES: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
 /// Rounds in which noise and discrepancy are told apart.
 const ROUNDS: usize = 3;
 
+/// What a set has beside its effects.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::diagnose) enum Discrepancy {
+    /// A force that follows the motion.
+    Force,
+    /// A residual of its own, which has its smallest size itself.
+    Residual,
+}
+
 /// A hypothesis with a discrepancy to first order: the most probable size of it, the log evidence, and where a whole fit
 /// would start.
 pub(super) struct Doubt {
-    pub alpha: f64,
+    pub kind: Discrepancy,
     pub log_evidence: f64,
     pub y: Vec<f64>,
     pub latent: Latent,
@@ -33,66 +42,83 @@ pub(super) struct Doubt {
     pub predictions: Vec<Vec<f64>>,
 }
 
-/// What the noise may be beside a discrepancy of a size `alpha` of each channel.
-fn released(data: &Measured, prescribed: bool, alpha: f64) -> Vec<Vec<NoisePrior>> {
-    let release = |prior: NoisePrior, size: f64| {
-        prior.released(if prescribed { 0.0 } else { alpha * size }, data.assumptions().magnitude)
-    };
+/// What the noise may be beside a discrepancy, with a residual of `alpha` of each channel that is none.
+fn released(data: &Measured, alpha: f64) -> Vec<Vec<NoisePrior>> {
+    let release = |prior: NoisePrior, size: f64| prior.released(alpha * size, data.assumptions().magnitude);
     data.channels.iter().map(|of| of.iter().map(|c| release(c.prior, c.size)).collect()).collect()
 }
 
 /// The discrepancy about `posterior` that has the most evidence.
 pub(super) fn about(data: &Measured, posterior: &Posterior) -> Result<Doubt, String> {
-    let prescribed = posterior.model.structure == Structure::Prescribed;
-    if !prescribed && !data.noise_is_known() {
+    if posterior.model.structure != Structure::Prescribed {
+        return residual(data, posterior);
+    }
+    let force = force(data, posterior)?;
+    // What the noise may be beside it then stands for all that is missing: it does not follow the motion.
+    if data.distance(&force.predictions, &posterior.predictions) < data.assumptions().relevant {
+        return residual(data, posterior).or(Ok(force));
+    }
+    Ok(force)
+}
+
+/// A residual of its own: the same predictions under a noise that may be larger than told.
+fn residual(data: &Measured, posterior: &Posterior) -> Result<Doubt, String> {
+    if !data.noise_is_known() {
         return Err("without a known noise a residual of its own is nothing else".to_owned());
     }
-    let mut latent = if prescribed { columns(data, posterior) } else { Latent::default() };
+    if data.excess(&posterior.predictions) < data.assumptions().relevant {
+        return Err("the residual is not relevantly larger than the noise".to_owned());
+    }
+    let told = data.log_score(&posterior.predictions);
+    let under = |alpha: f64| {
+        let priors = released(data, alpha);
+        (data.log_score_under(&priors, &posterior.predictions), priors)
+    };
+    let tried = data.assumptions().discrepancies().map(under);
+    let (score, priors) = tried.max_by(|a, b| a.0.total_cmp(&b.0)).ok_or("no size of a residual is tried")?;
+    Ok(Doubt {
+        kind: Discrepancy::Residual,
+        log_evidence: posterior.log_evidence + score - told,
+        y: posterior.y.clone(),
+        latent: Latent::default(),
+        priors,
+        predictions: posterior.predictions.clone(),
+    })
+}
+
+/// A force that follows the motion.
+fn force(data: &Measured, posterior: &Posterior) -> Result<Doubt, String> {
+    let mut latent = columns(data, posterior);
     let parameters = posterior.unknowns.len();
     let weights = parameters..parameters + latent.count;
     let mut shared = posterior.y[..parameters].to_vec();
     shared.resize(weights.end, 0.0);
     let mut joint = Joint::new(data, &posterior.model, &posterior.unknowns, &latent)?;
     let y = white_round(&mut joint, &shared, (0, 1e-3))?;
+    joint.priors = released(data, 0.0);
     let mut best: Option<Solved> = None;
     for _ in 0..ROUNDS {
         // What was found last taken off, the residuals show the noise.
         let residuals =
             best.as_ref().map_or_else(|| joint.residuals(), |best| joint.residuals_after(&best.step));
-        let mut sums = None;
-        let mut found: Option<Solved> = None;
-        for alpha in data.assumptions().discrepancies() {
-            // Beside columns the noise is the same, whatever their size.
-            if sums.is_none() || !prescribed {
-                joint.priors = released(data, prescribed, alpha);
-                joint.noise.renew(data, &joint.priors, &residuals, true);
-                sums = Some((joint.sums_here(&y), joint.noise.log_constant(data)));
-            }
-            let solved = sums.as_ref().and_then(|(sums, constant)| solve(sums, *constant, &weights, alpha));
-            if let Some(solved) = solved
-                && found.as_ref().is_none_or(|found| solved.log_evidence > found.log_evidence)
-            {
-                found = Some(solved);
-            }
-        }
-        best = found.or(best);
+        joint.noise.renew(data, &joint.priors, &residuals, true);
+        let (sums, constant) = (joint.sums_here(&y), joint.noise.log_constant(data));
+        let sizes = data.assumptions().discrepancies();
+        let found = sizes.filter_map(|alpha| solve(&sums, constant, &weights, alpha));
+        best = found.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence)).or(best);
     }
     let Solved { alpha, log_evidence, step } = best.ok_or("no discrepancy can be told")?;
     data.bench.count(joint.simulations);
     let residuals = joint.residuals_after(&step);
     let add = |(k, r): (usize, &Vec<f64>)| r.iter().zip(&data.lane(k).measured).map(|(r, m)| r + m).collect();
     let predictions = residuals.iter().enumerate().map(add).collect();
+    let priors = std::mem::take(&mut joint.priors);
+    drop(joint);
     let mut start: Vec<f64> = y[..weights.end].iter().zip(step.iter()).map(|(y, s)| y + s).collect();
     start[weights].iter_mut().for_each(|w| *w /= alpha);
     latent.columns.iter_mut().flatten().for_each(|(_, column)| column.iter_mut().for_each(|x| *x *= alpha));
-    Ok(Doubt {
-        alpha,
-        log_evidence,
-        y: start,
-        latent,
-        priors: released(data, prescribed, alpha),
-        predictions,
-    })
+    let kind = Discrepancy::Force;
+    Ok(Doubt { kind, log_evidence, y: start, latent, priors, predictions })
 }
 
 /// The best step of all unknowns with a discrepancy of a size.

@@ -22,6 +22,7 @@ mod slot;
 mod unknown;
 mod weights;
 
+pub(super) use discrepancy::Discrepancy;
 pub(super) use limits::{Sensitivities, around};
 pub(super) use measured::Measured;
 pub(super) use posterior::Posterior;
@@ -37,7 +38,7 @@ use super::candidates::Candidate;
 use super::measurements::weighted_dataset::WeightedDataset;
 use crate::data::Dataset;
 use crate::effects::Scales;
-use crate::model::{Model, Structure};
+use crate::model::Model;
 
 /// All sets of effects that were weighed.
 pub(super) struct Weighed {
@@ -126,10 +127,9 @@ pub(super) fn added(
 /// Log evidence of a discrepancy beside a hypothesis over that of none; positive where something relevant is missing.
 pub(super) fn doubt(data: &Measured, of: &Posterior) -> Result<f64, String> {
     let doubt = discrepancy::about(data, of)?;
-    // On a structure the discrepancy is a residual, whose smallest size is a relevant one.
-    let prescribed = of.model.structure == Structure::Prescribed;
-    let small =
-        prescribed && data.distance(&doubt.predictions, &of.predictions) < data.assumptions().relevant;
+    // A residual's smallest size is a relevant one.
+    let force = doubt.kind == Discrepancy::Force;
+    let small = force && data.distance(&doubt.predictions, &of.predictions) < data.assumptions().relevant;
     Ok(if small { f64::NEG_INFINITY } else { doubt.log_evidence - of.log_evidence })
 }
 

@@ -120,6 +120,10 @@ pub(super) fn fit(
         joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
         joint.minimise(&mut y, ROUND.0, ROUND.1)?;
         joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
+        if joint.rescan(&mut y)? {
+            joint.minimise(&mut y, ROUND.0, ROUND.1)?;
+            joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
+        }
         let found = posterior(&joint, start.unknowns, &mut y, false)?;
         let last = best.as_ref().map_or(f64::NEG_INFINITY, |best| best.log_evidence);
         let change = found.log_evidence - last;

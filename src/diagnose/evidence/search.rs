@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::discrepancy;
+use super::discrepancy::{self, Discrepancy};
 use super::latent::Latent;
 use super::measured::Measured;
 use super::posterior::{Posterior, Start, fit, screen};
@@ -15,8 +15,8 @@ use crate::model::Model;
 pub(in crate::diagnose) struct Set {
     /// Indices of the candidates, in the order of the model's effects.
     pub members: Vec<usize>,
-    /// Size of the discrepancy.
-    pub discrepancy: Option<f64>,
+    /// Its discrepancy.
+    pub discrepancy: Option<Discrepancy>,
     pub posterior: Posterior,
     /// Whether it was only looked at.
     pub screened: bool,
@@ -267,20 +267,36 @@ impl Search<'_, '_, '_> {
                 .find(|with| with.members == set.members && with.posterior.y == set.posterior.y)
                 .cloned()
                 .or_else(|| self.doubted(set))?;
-            if (evidence(&with) - best).abs() < BEHIND {
+            let force = with.discrepancy == Some(Discrepancy::Force);
+            if force && (evidence(&with) - best).abs() < BEHIND {
                 self.doubt_in_full(&mut with);
             }
-            Some(with)
+            let without = self.refitted_from(set, &with);
+            Some((*k, with, without))
         };
-        let with: Vec<Set> = order.par_iter().filter_map(doubted).collect();
-        sets.extend(with);
+        let found: Vec<(usize, Set, Option<Posterior>)> = order.par_iter().filter_map(doubted).collect();
+        for (k, with, without) in found {
+            sets.push(with);
+            without.into_iter().for_each(|better| sets[k].posterior = better);
+        }
+    }
+
+    /// The fit of `set` from where a likelier one with a discrepancy is, if it is better there.
+    fn refitted_from(&self, set: &Set, with: &Set) -> Option<Posterior> {
+        if evidence(with) <= evidence(set) {
+            return None;
+        }
+        let Posterior { model, unknowns, y, .. } = &with.posterior;
+        let start = Start { model, unknowns, y: &y[..unknowns.len()] };
+        let found = fit(self.data, &start, &Latent::default(), None).ok()?;
+        (found.log_evidence > evidence(set)).then_some(found)
     }
 
     /// `set` with a discrepancy, to first order.
     fn doubted(&self, set: &Set) -> Option<Set> {
         let doubt = discrepancy::about(self.data, &set.posterior).ok()?;
         let mut with = set.clone();
-        with.discrepancy = Some(doubt.alpha);
+        with.discrepancy = Some(doubt.kind);
         with.posterior.log_evidence = doubt.log_evidence;
         with.posterior.predictions = doubt.predictions;
         Some(with)

@@ -35,6 +35,29 @@ impl<'d> Slot<'d> {
         }
     }
 
+    /// Its own unknowns, and where they start: what fits `measured` best under `model`, of all that a scan finds.
+    pub fn scan(&mut self, model: &Model, measured: &[f64], weights: &[f64]) -> Result<(), String> {
+        let parameters = self.shown.nuisances(model)?;
+        let between = |p: &crate::fit::Parameter| Coordinate::between(p.lower, p.upper);
+        self.own = parameters.iter().map(between).collect();
+        if !parameters.is_empty() {
+            let settled = self.shown.settle_from(model, &parameters, measured, weights);
+            self.own_start = self.own.iter().zip(&settled).map(|(c, v)| c.of(*v)).collect();
+        }
+        Ok(())
+    }
+
+    /// The same without changing what the unknowns are.
+    pub fn scanned(&mut self, model: &Model, measured: &[f64], weights: &[f64]) -> Result<Vec<f64>, String> {
+        let parameters = self.shown.nuisances(model)?;
+        let settled = self.shown.settle_from(model, &parameters, measured, weights);
+        let inside = |(c, value): (&Coordinate, &f64)| {
+            let (lower, upper) = c.bounds();
+            c.of(*value).clamp(lower, upper)
+        };
+        Ok(self.own.iter().zip(&settled).map(inside).collect())
+    }
+
     pub fn own_values(&self, y: &[f64]) -> Vec<f64> {
         self.own.iter().zip(&y[self.offset..]).map(|(c, y)| c.value(*y)).collect()
     }

@@ -1,9 +1,9 @@
 //! Probabilities of sets, and the one rule that makes a verdict of them.
 
+use super::discrepancy::Discrepancy;
 use super::measured::Measured;
 use super::probe::Prepared;
 use super::search::{Set, evidence};
-use crate::model::Structure;
 
 /// Below this a weight decides nothing.
 const NEGLIGIBLE: f64 = 1e-4;
@@ -53,7 +53,7 @@ fn score(set: &Set, candidates: &[Prepared], odds: f64) -> f64 {
 
 /// Whether a set differs from that without its discrepancy by its residual alone, which has its smallest size itself.
 fn is_residual(set: &Set) -> bool {
-    set.discrepancy.is_some() && set.posterior.model.structure != Structure::Prescribed
+    set.discrepancy == Some(Discrepancy::Residual)
 }
 
 fn is_one_less(smaller: &Set, larger: &Set) -> bool {

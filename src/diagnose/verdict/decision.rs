@@ -33,8 +33,6 @@ pub(in crate::diagnose) enum TakenBack {
     Undetermined,
     /// Nothing is seen, and too little could have been: some effect may well be there and matter.
     Unseen,
-    /// Nothing is seen, and the residual is larger than any noise that was told.
-    Loud,
 }
 
 impl Decision {
@@ -137,20 +135,16 @@ impl Decision {
         self
     }
 
-    /// After a look at what could have been seen beside the best set, and at the size of the residual: both may take back that
-    /// nothing is missing.
-    pub fn limited(mut self, context: &Context, weighed: &Weighed, seen: &Sensitivities) -> Self {
+    /// After a look at what could have been seen beside the best set, which may take back that nothing is missing.
+    pub fn limited(mut self, context: &Context, seen: &Sensitivities) -> Self {
         if self.verdict != Verdict::NothingMissing {
             return self;
         }
-        let (assumed, size) = (context.data.assumptions(), context.error(&weighed.sets[self.best]));
+        let assumed = context.data.assumptions();
         let open =
             seen.detectable.iter().filter(|one| one.relevant.is_some_and(|p| p > 1.0 - assumed.certain));
         self.open = open.cloned().collect();
-        if context.data.loudest_noise().is_some_and(|loudest| size > loudest && size > assumed.relevant) {
-            (self.verdict, self.taken_back) = (Verdict::Unexplained, Some(TakenBack::Loud));
-            self.probability = f64::NAN;
-        } else if !self.open.is_empty() {
+        if !self.open.is_empty() {
             (self.verdict, self.taken_back) = (Verdict::InsufficientData, Some(TakenBack::Unseen));
             self.probability = f64::NAN;
         }

@@ -4,10 +4,11 @@ use super::confound;
 use super::decision::TakenBack;
 use super::{Context, Decision, Tested, Weighed};
 use crate::diagnose::diagnosis::{Detectable, Errors, Evidence, Verdict};
-use crate::diagnose::evidence::Sensitivities;
+use crate::diagnose::evidence::{Discrepancy, Sensitivities};
 use crate::diagnose::features;
 use crate::effects;
 use crate::fit::residual::Appearance;
+use crate::model::Structure;
 
 /// Correlation of prediction and measurement below which one of them has the wrong sign.
 const OPPOSED: f64 = -0.3;
@@ -50,7 +51,7 @@ pub(super) fn reasons(explained: &Explained) -> Vec<String> {
     }
     reasons.push(decided(explained));
     reasons.extend(taken_back(explained));
-    if !matches!(decision.taken_back, Some(TakenBack::Unseen | TakenBack::Loud)) {
+    if !matches!(decision.taken_back, Some(TakenBack::Unseen)) {
         reasons.push(others(weighed, decision, context.data.assumptions().certain));
     }
     if tested.with.is_finite() && decision.best != 0 {
@@ -80,6 +81,15 @@ pub(super) fn reasons(explained: &Explained) -> Vec<String> {
     reasons
 }
 
+/// Whether what is missing beside the likeliest set is a residual of its own, on a contact that is moved as measured.
+fn is_disturbed(explained: &Explained) -> bool {
+    let Explained { context, weighed, .. } = explained;
+    let likeliest =
+        (0..weighed.sets.len()).max_by(|a, b| weighed.weights[*a].total_cmp(&weighed.weights[*b]));
+    let kind = likeliest.and_then(|k| weighed.sets[k].discrepancy);
+    context.model.structure == Structure::Prescribed && kind == Some(Discrepancy::Residual)
+}
+
 /// The verdict with its probability.
 fn decided(explained: &Explained) -> String {
     let Explained { context, weighed, decision, errors, .. } = explained;
@@ -107,6 +117,13 @@ fn decided(explained: &Explained) -> String {
             "the residual is {} of the measured channels' standard deviation: what lowers it stands for the slip of a \
              contact that the model does not have",
             percent(errors.last)
+        ),
+        Verdict::Unexplained if is_disturbed(explained) => format!(
+            "{suggest}with a probability of {p}, the residual is more than the noise that was told,  {} of the channels' \
+             standard deviation in all, and it does not follow the motion: the noise is larger than told, or the measurement \
+             is disturbed; it is largest in `{}`",
+            percent(errors.refitted),
+            worst(explained)
         ),
         Verdict::Unexplained => format!(
             "{suggest}with a probability of {p}, something is missing that no effect of the catalogue describes; it is largest \
@@ -167,12 +184,6 @@ fn taken_back(explained: &Explained) -> Option<String> {
                 all.join(", ")
             )
         }
-        TakenBack::Loud => format!(
-            "the residual is {} of the measured channels' standard deviation, more than any noise that was told, and it does not \
-             follow the motion: the noise is larger than told, or the measurement is disturbed; it is largest in `{}`",
-            percent(explained.errors.refitted),
-            worst(explained)
-        ),
     })
 }
 

@@ -34,7 +34,7 @@ pub(super) fn of(
     let best = &weighed.sets[decision.best];
     let sensitivities = evidence::around(context.data, &best.posterior, &weighed.candidates, &best.members)
         .unwrap_or_default();
-    let decision = decision.limited(context, weighed, &sensitivities);
+    let decision = decision.limited(context, &sensitivities);
     let (steps, stages) = followed(context, weighed, decision.best, baseline);
     let tested = Tested::of(context, weighed, &decision, test);
     let errors = errors(context, &stages, &tested, test);

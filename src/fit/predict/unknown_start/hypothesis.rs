@@ -45,6 +45,8 @@ const CANDIDATES: usize = 13;
 const RETURN: f64 = 4.0;
 /// A force (N) that no contact carries.
 const FAR: f64 = 1e100;
+/// Halvings of a metre down to the smallest gap that is looked for (m).
+const FINEST: i32 = 40;
 /// Golden-section steps after that; each shrinks the bracket by 0.618.
 const REFINEMENTS: usize = 12;
 /// Fraction of a record by which its start is judged: long enough to see it, and no longer, since a contact
@@ -144,15 +146,20 @@ impl InitialState {
     }
 }
 
-/// Displacement (m) at which a contact from rest reaches its limit in stick.
+/// Displacement (m) at which a contact from rest reaches its limit in stick, to a factor of two of a gap in series.
 fn yield_displacement(law: &dyn ContactLaw, load: f64) -> f64 {
     let limit = law.limit(load);
     let mut state = vec![0.0; law.state_len()];
     let mut next = state.clone();
     law.set_state(0.0, load, 0.0, &mut state);
-    let inputs = Inputs { displacement: 0.0, velocity: 0.0, normal_load: load };
-    let stiffness = law.step(&state, inputs, &mut next).tangents.displacement;
-    if stiffness > 0.0 { limit / stiffness } else { 0.0 }
+    let mut stiffness = |displacement| {
+        let inputs = Inputs { displacement, velocity: 0.0, normal_load: load };
+        law.step(&state, inputs, &mut next).tangents.displacement
+    };
+    // In the middle of a gap nothing resists.
+    let ways = std::iter::once(0.0).chain((0..FINEST).rev().map(|halvings| 0.5_f64.powi(halvings)));
+    let resisted = ways.map(|way| (way, stiffness(way))).find(|(_, stiffness)| *stiffness > 0.0);
+    resisted.map_or(0.0, |(way, stiffness)| way + limit / stiffness)
 }
 
 fn golden_section(mut low: f64, mut high: f64, cost: &mut impl FnMut(f64) -> f64) -> f64 {
@@ -198,6 +205,26 @@ mod tests {
         assert!((force(-1.0) - (spring - 0.7 * 50.0)).abs() < 1e-9, "{}", force(-1.0));
         let steps: Vec<f64> = (0..=20).map(|k| force(f64::from(k) / 10.0 - 1.0)).collect();
         assert!(steps.windows(2).all(|pair| (pair[1] - pair[0] - 5.0).abs() < 1e-9), "{steps:?}");
+    }
+
+    /// With a gap in series the force alone does not tell the state: within the gap it is zero everywhere.
+    #[test]
+    fn a_contact_with_a_gap_may_start_anywhere_in_it() {
+        let changes = JointChanges { half_gap: 1e-4, ..JointChanges::default() };
+        let law = Joint::new(Jenkins::new(2e6, 0.5).unwrap(), changes).unwrap();
+        let mut initial = InitialState::new(&[0.0; 20], None);
+        initial.choose(Hypothesis::Unloading, &law, 100.0);
+        let inputs = |displacement| Inputs { displacement, velocity: 0.0, normal_load: 100.0 };
+        let (mut state, mut next) = (vec![0.0; law.state_len()], vec![0.0; law.state_len()]);
+        // It slipped at 50 N, 25 µm of its spring away, and came back: then a way on through the rest of the gap.
+        for (back, onward) in [(30e-6, 5e-6), (100e-6, 75e-6), (200e-6, 175e-6)] {
+            assert!((initial.lower..initial.upper).contains(&back));
+            initial.put(&law, &|_| inputs(0.0), back, &mut state, &mut next);
+            let force =
+                |displacement: f64, next: &mut [f64]| law.step(&state, inputs(displacement), next).force;
+            assert!(force(0.99 * onward, &mut next).abs() < 1e-9, "{back}");
+            assert!((force(onward + 1e-5, &mut next) - 20.0).abs() < 1e-6, "{back}");
+        }
     }
 
     #[test]
