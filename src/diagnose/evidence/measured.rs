@@ -21,7 +21,7 @@ impl NoisePrior {
     fn new(deviation: f64, spread: f64, assumed: &Assumptions) -> Self {
         // What is told may be a bound: a smaller noise speaks against nobody.
         let spreads = [assumed.unknown_noise, spread];
-        let doubt = (spread < assumed.magnitude).then(|| [1.0 - assumed.certain, assumed.magnitude]);
+        let doubt = (spread < assumed.magnitude).then_some([1.0 - assumed.certain, assumed.magnitude]);
         Self { deviation, largest: deviation, spreads, doubt }
     }
 
