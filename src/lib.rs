@@ -53,6 +53,8 @@ pub mod fit;
 pub mod fmi;
 #[cfg(feature = "analysis")]
 pub mod harmonic;
+#[cfg(feature = "analysis")]
+pub mod identify;
 pub mod model;
 #[cfg(feature = "analysis")]
 pub(crate) mod numeric;

@@ -1,0 +1,21 @@
+//! What a contact did, from measurements of the structure that it supports: no law is assumed.
+//!
+//! Steady records come in, the contact's force and motion over a period go out, with what could not be identified. The stages,
+//! each a function of its own:
+//!
+//! - `harmonics`: coefficients of a record's channels, with their noise (equations 8 and 9 of the paper);
+//! - `inversion`: the force that makes the linear beam move as measured, and the contact's displacement under it.
+//!
+//! Source: "Nonlinear model identification of a frictional contact support", Mechanical Systems and Signal Processing
+//! (received 2009).
+
+mod harmonics;
+mod inversion;
+
+pub use harmonics::{Harmonics, harmonics};
+pub use inversion::{ContactPeriod, Doubts, Inversion, SteadyMotion, invert};
+
+/// Why nothing was identified.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct IdentificationError(pub String);
