@@ -11,9 +11,11 @@
 
 mod harmonics;
 mod inversion;
+mod laws;
 
 pub use harmonics::{Harmonics, harmonics};
 pub use inversion::{ContactPeriod, Doubts, Inversion, SteadyMotion, invert};
+pub use laws::{IdentifiedLaw, IdentifiedParameter, fit_law, force_under};
 
 /// Why nothing was identified.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

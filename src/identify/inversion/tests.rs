@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::{Doubts, SteadyMotion, invert};
 use crate::contact::{ContactLaw, Valanis};
 use crate::harmonic::{CurveSettings, Resonance, phase_resonance};
+use crate::identify::fit_law;
 use crate::numeric::fourier::time_derivative;
 use crate::system::{Beam, Damping, ModalBeam, PointMass};
 
@@ -150,4 +151,23 @@ fn standard_errors_of_the_force_are_what_it_scatters_by() {
     }
     let share = inside as f64 / f64::from(count);
     assert!((0.92..0.98).contains(&share), "{share}");
+}
+
+#[test]
+fn a_law_fitted_at_the_highest_level_predicts_the_others() {
+    let beam = beam(30);
+    let truths = truths(&beam);
+    for (noise, gains, bound) in [(0.0, [1.0; 4], 0.02), (1e-3, [1.01, 0.99, 1.01, 0.99], 0.05)] {
+        let doubts = if noise == 0.0 { CERTAIN } else { DOUBTFUL };
+        let found = invert(&beam, &records(&beam, &truths, noise, gains, 3), 9, &doubts).unwrap();
+        for name in ["valanis", "jenkins", "iwan", "bouc_wen"] {
+            let t = std::time::Instant::now();
+            let law =
+                fit_law(crate::contact::LawKind::find(name).unwrap(), 147.15, &found.periods, &[5]).unwrap();
+            println!("{name} {:?} {:?} {:?}", t.elapsed(), law.errors, law.parameters);
+        }
+        let law =
+            fit_law(crate::contact::LawKind::find("valanis").unwrap(), 147.15, &found.periods, &[5]).unwrap();
+        assert!(law.errors.iter().all(|error| error.unwrap() < bound), "{:?}", law.errors);
+    }
 }

@@ -1,0 +1,168 @@
+//! Contact laws fitted to the identified force at some levels, and predicted at the others.
+
+use nalgebra::DVector;
+
+use super::{ContactPeriod, IdentificationError};
+use crate::contact::LawKind;
+use crate::fit::{Difference, Options, Parameter, fit};
+use crate::harmonic::{ContactMapping, HarmonicSet, Method};
+use crate::model::{Contact, Law, Model, Structure};
+
+/// Starts of a fit, and its difference step: well above the error of a period's balance.
+const STARTS: usize = 8;
+const STEP: f64 = 1e-4;
+
+/// A law with the parameters that describe the identified contact best.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IdentifiedLaw {
+    /// A model of the contact alone.
+    pub model: Model,
+    /// Its parameters.
+    pub parameters: Vec<IdentifiedParameter>,
+    /// Root mean square of force less identified force over that of the identified force, means left out, of every period;
+    /// `None` where the law has no periodic state.
+    pub errors: Vec<Option<f64>>,
+}
+
+/// A parameter with its 95 % interval.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IdentifiedParameter {
+    /// Name as in a model file.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// The most likely value.
+    pub value: f64,
+    /// Ends of the interval; NaN where the data do not tell them.
+    pub interval: [f64; 2],
+}
+
+/// Fits `kind` under the constant `normal_load` (N) to those of `periods` whose places are in `fitted`.
+///
+/// # Errors
+/// No period to fit, a law that reproduces none of them.
+pub fn fit_law(
+    kind: &'static LawKind,
+    normal_load: f64,
+    periods: &[ContactPeriod],
+    fitted: &[usize],
+) -> Result<IdentifiedLaw, IdentificationError> {
+    let seen: Vec<&ContactPeriod> = fitted.iter().filter_map(|place| periods.get(*place)).collect();
+    let mut model = first_guess(kind, normal_load, &seen)?;
+    let free: Vec<_> = model.parameters().into_iter().filter(|parameter| parameter.free).collect();
+    let whitened = |period: &ContactPeriod| {
+        let factor = period.covariance.clone().cholesky();
+        factor.map(|factor| factor.l()).ok_or_else(|| unfit(kind, "the force has no covariance"))
+    };
+    let factors = seen.iter().map(|period| whitened(period)).collect::<Result<Vec<_>, _>>()?;
+    let count: usize = seen.iter().map(|period| period.force.len()).sum();
+    let residual = |values: &[f64], out: &mut [f64]| -> Result<(), IdentificationError> {
+        let mut tried = model.clone();
+        let pairs: Vec<(&str, f64)> =
+            free.iter().map(|p| p.path.as_str()).zip(values.iter().copied()).collect();
+        tried.set_all(&pairs).map_err(|error| unfit(kind, &error.to_string()))?;
+        let mut rest = out;
+        for (period, factor) in seen.iter().zip(&factors) {
+            let force = force_under(&tried, period)?;
+            let off = DVector::from_fn(force.len(), |k, _| force[k] - period.force[k]);
+            let (here, after) = rest.split_at_mut(force.len());
+            let white =
+                factor.solve_lower_triangular(&off).ok_or_else(|| unfit(kind, "a singular covariance"))?;
+            here.copy_from_slice(white.as_slice());
+            rest = after;
+        }
+        Ok(())
+    };
+    let start = |p: &crate::model::ModelParameter| Parameter {
+        start: p.value,
+        lower: p.lower,
+        upper: p.upper,
+        scale: p.scale,
+    };
+    let parameters: Vec<Parameter> = free.iter().map(start).collect();
+    let options = Options {
+        starts: STARTS,
+        difference: Difference::Central,
+        difference_step: STEP,
+        ..Options::default()
+    };
+    let found =
+        fit(residual, count, &parameters, &options).map_err(|error| unfit(kind, &error.to_string()))?;
+    let pairs: Vec<(&str, f64)> =
+        free.iter().map(|p| p.path.as_str()).zip(found.parameters.iter().copied()).collect();
+    model.set_all(&pairs).map_err(|error| unfit(kind, &error.to_string()))?;
+    let interval = |k: usize| match found.uncertainty.interval.get(k) {
+        Some(Some(interval)) => [interval.low, interval.high],
+        _ => [f64::NAN; 2],
+    };
+    let told = |(k, p): (usize, &crate::model::ModelParameter)| IdentifiedParameter {
+        name: p.quantity.name,
+        unit: p.quantity.unit,
+        value: found.parameters[k],
+        interval: interval(k),
+    };
+    let parameters = free.iter().enumerate().map(told).collect();
+    let errors = periods.iter().map(|period| error_of(&model, period)).collect();
+    Ok(IdentifiedLaw { model, parameters, errors })
+}
+
+/// Coefficients of the force (N) of a contact that moves as in `period`, as many as were identified.
+///
+/// # Errors
+/// A model that is no contact, a law without a periodic state there.
+pub fn force_under(model: &Model, period: &ContactPeriod) -> Result<Vec<f64>, IdentificationError> {
+    let contact = model.contact.ok_or_else(|| IdentificationError("the model has no contact".to_owned()))?;
+    let law = model.law().map_err(|error| IdentificationError(error.to_string()))?;
+    let law = law.ok_or_else(|| IdentificationError("the model has no contact".to_owned()))?;
+    let set = HarmonicSet::full(period.displacement.len() / 2);
+    let mut map = ContactMapping::new(set, Method::Exact);
+    map.evaluate(law.as_ref(), contact.normal_load, 0.0, period.angular_frequency, &period.displacement)
+        .map_err(|error| IdentificationError(error.to_string()))?;
+    Ok(map.force()[..period.force.len()].to_vec())
+}
+
+fn error_of(model: &Model, period: &ContactPeriod) -> Option<f64> {
+    let force = force_under(model, period).ok()?;
+    let squares = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
+    let off = squares(&mut force.iter().zip(&period.force).skip(1).map(|(a, b)| a - b));
+    Some((off / squares(&mut period.force.iter().skip(1).copied())).sqrt())
+}
+
+/// A law as stiff as the stiffest of the periods, with a limit a little above the largest force.
+fn first_guess(
+    kind: &'static LawKind,
+    normal_load: f64,
+    periods: &[&ContactPeriod],
+) -> Result<Model, IdentificationError> {
+    let size = |coefficients: &[f64]| coefficients[1].hypot(coefficients[2]);
+    let slopes = periods.iter().map(|period| size(&period.force) / size(&period.displacement));
+    let stiffness = slopes.fold(0.0, f64::max);
+    let largest = periods.iter().map(|period| size(&period.force)).fold(0.0, f64::max);
+    if !(stiffness > 0.0 && largest > 0.0 && normal_load > 0.0) {
+        return Err(unfit(kind, "no force, no motion or no normal load"));
+    }
+    let own: Vec<f64> =
+        kind.parameters.iter().map(|one| one.default.unwrap_or_else(|| middle(one, stiffness))).collect();
+    let law =
+        Law::new(kind, &own).ok_or_else(|| unfit(kind, "its parameters are not those of the catalogue"))?;
+    let contact = Contact {
+        law,
+        tangential_stiffness: 1.5 * stiffness,
+        friction_coefficient: 1.1 * largest / normal_load,
+        normal_load,
+        normal_stiffness: 0.0,
+    };
+    Ok(Model { structure: Structure::Prescribed, contact: Some(contact), effects: Vec::new(), free: None })
+}
+
+fn middle(parameter: &crate::contact::LawParameter, stiffness: f64) -> f64 {
+    let (lower, upper, scale) = (parameter.range)(stiffness);
+    match scale {
+        crate::vocabulary::Scale::Logarithmic => (lower * upper).sqrt(),
+        crate::vocabulary::Scale::Linear => 0.5 * (lower + upper),
+    }
+}
+
+fn unfit(kind: &LawKind, why: &str) -> IdentificationError {
+    IdentificationError(format!("the law `{}` was not fitted: {why}", kind.name))
+}
