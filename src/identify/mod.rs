@@ -12,10 +12,16 @@
 mod harmonics;
 mod inversion;
 mod laws;
+mod poles;
+mod resonance;
+mod spectra;
 
 pub use harmonics::{Harmonics, harmonics};
 pub use inversion::{ContactPeriod, Doubts, Inversion, SteadyMotion, invert};
 pub use laws::{IdentifiedLaw, IdentifiedParameter, fit_law, force_under};
+pub use poles::{Pole, poles};
+pub use resonance::{ResonanceFit, resonance_of};
+pub use spectra::{FrequencyResponse, frequency_response_of};
 
 /// Why nothing was identified.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
