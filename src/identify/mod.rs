@@ -9,6 +9,7 @@
 //! Source: "Nonlinear model identification of a frictional contact support", Mechanical Systems and Signal Processing
 //! (received 2009).
 
+mod expansion;
 mod harmonics;
 mod inversion;
 mod laws;
@@ -16,6 +17,7 @@ mod poles;
 mod resonance;
 mod spectra;
 
+pub use expansion::{Expansion, expand};
 pub use harmonics::{Harmonics, harmonics};
 pub use inversion::{ContactPeriod, Doubts, Inversion, SteadyMotion, invert};
 pub use laws::{IdentifiedLaw, IdentifiedParameter, fit_law, force_under};

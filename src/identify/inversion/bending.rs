@@ -8,11 +8,11 @@ use crate::numeric::fourier::{Basis, coefficient_count, time_derivative};
 use crate::system::{ModalBeam, Sensor};
 
 /// One record's beam in bending: forces in, modes out.
-pub(super) struct Bending<'p> {
+pub(in crate::identify) struct Bending<'p> {
     pub beam: &'p ModalBeam,
-    motion: &'p SteadyMotion,
+    pub motion: &'p SteadyMotion,
     /// Harmonics of the modes.
-    kept: usize,
+    pub kept: usize,
     basis: Basis,
 }
 
@@ -35,7 +35,7 @@ impl<'p> Bending<'p> {
         Ok(Self { beam, motion, kept, basis: Basis::new(kept, 8 * (kept + 1)) })
     }
 
-    fn samples(&self, coefficients: &[f64]) -> Vec<f64> {
+    pub fn samples(&self, coefficients: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; self.basis.at_samples.ncols()];
         self.basis.evaluate(&padded(coefficients, self.kept), &mut out);
         out
@@ -48,7 +48,7 @@ impl<'p> Bending<'p> {
     }
 
     /// `Σⱼ Gᵢⱼ qⱼ` of every mode over the period.
-    fn slopes(&self, modes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    pub fn slopes(&self, modes: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let count = modes.len();
         let samples: Vec<Vec<f64>> = modes.iter().map(|mode| self.samples(mode)).collect();
         let slope = |i: usize, k: usize| {
@@ -76,14 +76,19 @@ impl<'p> Bending<'p> {
         shape.iter().enumerate().map(|(i, shape)| self.mode(i, &on(*shape))).collect()
     }
 
-    /// What the contact's `force` does to every mode of a beam with these `slopes`.
-    fn under_contact(&self, force: &[f64], slopes: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let force = self.samples(force);
+    /// Coefficients of what the contact's `force` (samples) is on every mode of a beam with these `slopes`.
+    pub fn modal_forces(&self, force: &[f64], slopes: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let on = |i: usize| -> Vec<f64> {
             let lever = |k: usize| self.beam.contact_shape[i] - slopes[i][k];
             force.iter().enumerate().map(|(k, f)| -f * lever(k)).collect()
         };
-        (0..slopes.len()).map(|i| self.mode(i, &self.projected(&on(i)))).collect()
+        (0..slopes.len()).map(|i| self.projected(&on(i))).collect()
+    }
+
+    /// What the contact's `force` does to every mode of a beam with these `slopes`.
+    fn under_contact(&self, force: &[f64], slopes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let forces = self.modal_forces(&self.samples(force), slopes);
+        forces.iter().enumerate().map(|(i, force)| self.mode(i, force)).collect()
     }
 
     /// What a unit of each shared unknown does to the modes about `shared`: the excitation less than was shown, and inertia

@@ -13,7 +13,7 @@ use nalgebra::DMatrix;
 
 use super::IdentificationError;
 use crate::system::ModalBeam;
-use bending::Bending;
+pub(super) use bending::Bending;
 use joint::Joint;
 
 /// What was measured in a steady state, by its harmonics.

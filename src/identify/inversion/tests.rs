@@ -11,8 +11,12 @@ use crate::system::{Beam, Damping, ModalBeam, PointMass};
 
 /// The published beam with the published contact.
 fn beam(modes: usize) -> ModalBeam {
+    ModalBeam::new(&description(modes)).unwrap()
+}
+
+fn description(modes: usize) -> Beam {
     let mass = |position, mass| PointMass { position, mass };
-    let beam = Beam {
+    Beam {
         length: 0.6,
         width: 0.04,
         thickness: 0.005,
@@ -28,8 +32,7 @@ fn beam(modes: usize) -> ModalBeam {
         excitation_position: 0.55,
         sensors: vec![0.55, 0.3, 0.1],
         contact_points: vec![],
-    };
-    ModalBeam::new(&beam).unwrap()
+    }
 }
 
 fn resonance(beam: &ModalBeam, amplitude: f64) -> Resonance {
@@ -169,5 +172,29 @@ fn a_law_fitted_at_the_highest_level_predicts_the_others() {
         let law =
             fit_law(crate::contact::LawKind::find("valanis").unwrap(), 147.15, &found.periods, &[5]).unwrap();
         assert!(law.errors.iter().all(|error| error.unwrap() < bound), "{:?}", law.errors);
+    }
+}
+
+#[test]
+fn paper() {
+    let fine = beam(30);
+    for level in LEVELS {
+        let truth = resonance(&fine, level);
+        let motion = measured(&fine, &truth);
+        for modes in [2, 3] {
+            let mut beam = description(modes);
+            let frequency = truth.angular_frequency / std::f64::consts::TAU;
+            beam.rotational_stiffness =
+                crate::system::rotational_stiffness_from_frequency(&beam, frequency).unwrap();
+            let found = crate::identify::expand(&beam, &motion, 9).unwrap();
+            println!(
+                "{level} {modes} k {} cond {} unexpl {} error {} first {}",
+                beam.rotational_stiffness,
+                found.conditioning,
+                found.unexplained,
+                error(&found.force[1..], &truth.contact_force[1..19]),
+                error(&found.force[1..3], &truth.contact_force[1..3])
+            );
+        }
     }
 }
