@@ -214,8 +214,6 @@ mod tests {
             let found: Vec<_> =
                 responses.iter().map(|r| frequency_response_of(&force, r, rate, 8192).unwrap()).collect();
             let found = poles(&found, [20.0, 450.0], 30).unwrap();
-            println!("{:?}", found.iter().map(|p| (p.frequency, p.damping_ratio)).collect::<Vec<_>>());
-            println!("{modes:?}");
             assert_eq!(found.len(), 3);
             for (found, (frequency, damping, shape)) in found.iter().zip(&modes) {
                 assert!((found.frequency / frequency - 1.0).abs() < 1e-3);

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::{Doubts, SteadyMotion, invert};
-use crate::contact::{ContactLaw, Valanis};
+use crate::contact::{ContactLaw, LawKind, Valanis};
 use crate::harmonic::{CurveSettings, Resonance, phase_resonance};
-use crate::identify::fit_law;
+use crate::identify::{expand, fit_law};
 use crate::numeric::fourier::time_derivative;
-use crate::system::{Beam, Damping, ModalBeam, PointMass};
+use crate::system::{Beam, Damping, ModalBeam, PointMass, rotational_stiffness_from_frequency};
 
 /// The published beam with the published contact.
 fn beam(modes: usize) -> ModalBeam {
@@ -163,38 +163,27 @@ fn a_law_fitted_at_the_highest_level_predicts_the_others() {
     for (noise, gains, bound) in [(0.0, [1.0; 4], 0.02), (1e-3, [1.01, 0.99, 1.01, 0.99], 0.05)] {
         let doubts = if noise == 0.0 { CERTAIN } else { DOUBTFUL };
         let found = invert(&beam, &records(&beam, &truths, noise, gains, 3), 9, &doubts).unwrap();
-        for name in ["valanis", "jenkins", "iwan", "bouc_wen"] {
-            let t = std::time::Instant::now();
-            let law =
-                fit_law(crate::contact::LawKind::find(name).unwrap(), 147.15, &found.periods, &[5]).unwrap();
-            println!("{name} {:?} {:?} {:?}", t.elapsed(), law.errors, law.parameters);
+        let law = fit_law(LawKind::find("valanis").unwrap(), 147.15, &found.periods, &[5]).unwrap();
+        let truth = [7.9e6, 7.9e6 / 8.7e4 / 147.15, 0.3];
+        for (found, truth) in law.parameters.iter().zip(truth) {
+            assert!((found.value / truth - 1.0).abs() < 0.02, "{found:?}");
         }
-        let law =
-            fit_law(crate::contact::LawKind::find("valanis").unwrap(), 147.15, &found.periods, &[5]).unwrap();
         assert!(law.errors.iter().all(|error| error.unwrap() < bound), "{:?}", law.errors);
     }
 }
 
+/// Two modes lack what a moment at the end does to the others: the reason why receptances are inverted.
 #[test]
-fn paper() {
+fn two_modes_at_the_amplitude_are_less_exact() {
     let fine = beam(30);
     for level in LEVELS {
         let truth = resonance(&fine, level);
-        let motion = measured(&fine, &truth);
-        for modes in [2, 3] {
-            let mut beam = description(modes);
-            let frequency = truth.angular_frequency / std::f64::consts::TAU;
-            beam.rotational_stiffness =
-                crate::system::rotational_stiffness_from_frequency(&beam, frequency).unwrap();
-            let found = crate::identify::expand(&beam, &motion, 9).unwrap();
-            println!(
-                "{level} {modes} k {} cond {} unexpl {} error {} first {}",
-                beam.rotational_stiffness,
-                found.conditioning,
-                found.unexplained,
-                error(&found.force[1..], &truth.contact_force[1..19]),
-                error(&found.force[1..3], &truth.contact_force[1..3])
-            );
-        }
+        let mut coarse = description(2);
+        let frequency = truth.angular_frequency / std::f64::consts::TAU;
+        coarse.rotational_stiffness = rotational_stiffness_from_frequency(&coarse, frequency).unwrap();
+        let found = expand(&coarse, &measured(&fine, &truth), 9).unwrap();
+        let off = error(&found.force[1..], &truth.contact_force[1..19]);
+        assert!((0.03..0.12).contains(&off), "{level}: {off}");
+        assert!(found.conditioning < 2.0 && found.unexplained < 0.05);
     }
 }
