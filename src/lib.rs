@@ -31,6 +31,7 @@
 //! | motion in time | [`time`] |
 //! | a model against measured records | [`fit::predict`], [`fit::compare`] |
 //! | the effect that a model lacks | [`diagnose::diagnose`]; the catalogue is [`effects`] |
+//! | records as a laboratory would take them, from a model | [`rig::test_on`] |
 //! | FMUs, and systems of them | [`fmi`], [`cosim`] |
 //!
 //! # Conventions
@@ -59,6 +60,8 @@ pub mod model;
 #[cfg(feature = "analysis")]
 pub(crate) mod numeric;
 pub mod prelude;
+#[cfg(feature = "analysis")]
+pub mod rig;
 pub mod system;
 pub mod time;
 pub mod vocabulary;

@@ -3,7 +3,7 @@
 //! Linear equations: [`lu`] (dense factors), [`elimination`] (small systems that may be singular),
 //! [`gmres`] (iterations with a product alone). Signals over a period: [`fourier`], the harmonics a signal may have
 //! ([`HarmonicSet`]), where it is largest ([`extremum`]), and how many periods a record holds ([`periods`]). Roots:
-//! [`bracket`]. Statistics: [`student`]. Matrices: [`exponential`], [`balancing`]. Implicit derivatives: [`implicit`].
+//! [`bracket`]. Statistics: [`student`], [`random`]. Matrices: [`exponential`], [`balancing`]. Implicit derivatives: [`implicit`].
 
 pub(crate) mod balancing;
 pub(crate) mod bracket;
@@ -16,6 +16,7 @@ mod harmonic_set;
 pub(crate) mod implicit;
 pub(crate) mod lu;
 mod periods;
+pub(crate) mod random;
 pub(crate) mod student;
 
 pub use harmonic_set::HarmonicSet;

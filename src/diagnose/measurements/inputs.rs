@@ -7,6 +7,7 @@ use super::weighted_dataset::{RecordResiduals, WeightedDataset};
 use crate::data::Channel;
 use crate::fit::predict::{ObservedSimulation, compared, white_noise};
 use crate::model::Model;
+use crate::numeric::random::Random;
 
 /// Standard deviation of what the inputs' noise makes of each compared channel of each record, under `model`.
 pub(in crate::diagnose) fn through(model: &Model, bench: &WeightedDataset) -> Vec<Vec<f64>> {
@@ -22,7 +23,7 @@ fn one(model: &Model, lane: &RecordResiduals, index: usize) -> Result<Vec<f64>, 
     let record = lane.record;
     let names: Vec<&str> = compared(model, record).iter().map(|channel| channel.name.as_str()).collect();
     let mut shaken = record.clone();
-    let mut random = Random(index as u64);
+    let mut random = Random::new(index as u64);
     for channel in &mut shaken.channels {
         let driving = !names.contains(&channel.name.as_str()) && channel.name != "time";
         let noise = if driving { input_noise(channel) } else { 0.0 };
@@ -65,23 +66,4 @@ fn size(change: &[f64]) -> f64 {
 /// Noise of a driving channel: what the dataset states, or its white part.
 fn input_noise(channel: &Channel) -> f64 {
     channel.noise.unwrap_or_else(|| white_noise(&channel.values))
-}
-
-/// Numbers that look random and are the same in every run (Vigna's splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Box and Muller's normal variable.
-    fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.uniform()).cos()
-    }
 }

@@ -1,0 +1,107 @@
+//! A test rig that is a model: records of tests as a laboratory would take them, from the beam and contact of a model file.
+//!
+//! A model and a [`Plan`] come in, [`Record`]s go out, as if measured. `plan`: what is tested, and the chain of sensors.
+//! `bench`: the beam with its sensors as a system. `stepped_sine`: the motion at the shaker held, by harmonic balance.
+//! `random` and `ring_down`: in time, by `march`. `chain`: what gains, delays and noise make of it.
+
+mod bench;
+mod chain;
+mod error;
+mod march;
+mod plan;
+mod random;
+mod ring_down;
+mod stepped_sine;
+
+pub use chain::{Chain, ChannelFault, NoiseLevel};
+pub use error::RigError;
+pub use plan::{
+    Accelerometer, Frequencies, Plan, RandomTest, Release, RingDown, SteppedSine, Test, TestKind,
+};
+
+use crate::data::Record;
+use crate::model::Model;
+use bench::Bench;
+use chain::Spoiler;
+
+/// Channels as the sensors would show them without faults other than their delays.
+struct Measured {
+    time: Vec<f64>,
+    /// Force of the shaker (N); `None` where it is disconnected.
+    excitation: Option<Vec<f64>>,
+    /// Of each accelerometer (m/s²).
+    accelerations: Vec<Vec<f64>>,
+}
+
+/// How far the tests have come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigProgress<'p> {
+    /// The record that is being made.
+    pub record: &'p str,
+    /// Records that are done, with the fraction of the present one.
+    pub done: f64,
+    /// Records in all.
+    pub of: usize,
+}
+
+/// The records of all tests of `plan` on the beam of `model`, in the plan's order. `watch` sees how far they have come and
+/// says whether to go on.
+///
+/// # Errors
+/// [`RigError`]: a model that is no beam, a test that cannot be made, a solver that fails, `watch` that ends it.
+///
+/// ```
+/// use stickslip::model::Model;
+/// use stickslip::rig::{Frequencies, Plan, SteppedSine, Test, TestKind, test_on};
+/// let model = Model::parse(include_str!("../../examples/frictional-support/published.toml"))?;
+/// let mut plan = Plan::of_sensors(&[0.55, 0.3, 0.1]);
+/// let held = SteppedSine { frequencies: Frequencies::Resonance, ..SteppedSine::at(vec![40.0]) };
+/// plan.tests.push(Test { name: "held".into(), use_for: None, kind: TestKind::SteppedSine(held) });
+/// let records = test_on(&model, &plan, &mut |_| true)?;
+/// let shown = &records[0].channel("acceleration:x=0.55").unwrap().values;
+/// let largest = shown.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+/// assert!((38.0..45.0).contains(&largest));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn test_on(
+    model: &Model,
+    plan: &Plan,
+    watch: &mut dyn FnMut(&RigProgress) -> bool,
+) -> Result<Vec<Record>, RigError> {
+    plan.check()?;
+    let bench = Bench::new(model, &plan.sensors)?;
+    let spoiler = Spoiler::new(&plan.chain, &plan.sensors);
+    let names = plan.record_names();
+    let of = names.iter().map(Vec::len).sum();
+    let mut records = Vec::with_capacity(of);
+    for (test, names) in plan.tests.iter().zip(&names) {
+        for (index, name) in names.iter().enumerate() {
+            let before = records.len();
+            let mut part =
+                |fraction: f64| watch(&RigProgress { record: name, done: before as f64 + fraction, of });
+            if !part(0.0) {
+                return Err(RigError::Interrupted);
+            }
+            let delays = spoiler.delays();
+            let made = match &test.kind {
+                TestKind::SteppedSine(test) => stepped_sine::measured(&bench, test, index, delays),
+                TestKind::Random(test) => random::measured(&bench, test, delays, &mut part),
+                TestKind::RingDown(test) => ring_down::measured(&bench, test, delays, &mut part),
+            };
+            let made = made.map_err(|error| error.of_record(name))?;
+            let seed = records.len() as u64;
+            records.push(spoiler.record(name, test, made, seed));
+        }
+    }
+    Ok(records)
+}
+
+impl TestKind {
+    /// Steady records one per amplitude and frequency; one of each other test.
+    fn records(&self) -> usize {
+        match self {
+            Self::SteppedSine(test) => test.amplitudes.len() * test.frequencies.count(),
+            Self::Random(_) | Self::RingDown(_) => 1,
+        }
+    }
+}
