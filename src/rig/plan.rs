@@ -184,9 +184,19 @@ impl Plan {
         }
         self.chain.check(self.sensors.len())?;
         for test in &self.tests {
-            test.kind.check().map_err(|message| RigError::Input(format!("{}: {message}", test.name)))?;
+            test.check()?;
         }
         Ok(())
+    }
+}
+
+impl Test {
+    /// Refuses numbers that make no test.
+    ///
+    /// # Errors
+    /// [`RigError::Input`].
+    pub fn check(&self) -> Result<(), RigError> {
+        self.kind.check().map_err(|message| RigError::Input(format!("{}: {message}", self.name)))
     }
 }
 

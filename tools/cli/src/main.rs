@@ -47,6 +47,8 @@ enum Command {
     Frf(commands::frf::Frf),
     /// Follow a nonlinear normal mode: its frequency and damping over the amplitude
     Modes(commands::modes::Modes),
+    /// Take the records of tests on a virtual rig, from a model of a beam
+    Rig(commands::rig::Rig),
     /// Simulate a system of FMUs (SSP 1.0), or one FMU
     Simulate(commands::simulate::Simulate),
     /// Write one model as an FMU
@@ -106,6 +108,7 @@ fn main() -> ExitCode {
         Command::Effects(command) => command.run().map(|()| 0),
         Command::Frf(command) => command.run().map(|()| 0),
         Command::Modes(command) => command.run().map(|()| 0),
+        Command::Rig(command) => command.run().map(|()| 0),
         Command::Export(command) => command.run().map(|()| 0),
         Command::Fmu(command) => command.run().map(|()| 0),
         Command::Simulate(command) => command.run(),

@@ -102,6 +102,58 @@ impl Outputs {
     }
 }
 
+/// A new folder of files, there whole or not at all.
+pub struct Folder {
+    path: PathBuf,
+}
+
+impl Folder {
+    /// Refuses, before any work is done, a folder that holds files or could not be made.
+    pub fn check(path: &Path) -> Result<Self, Failure> {
+        let refused = |reason: &str| Failure::input(format!("{}: {reason}", path.display()));
+        match std::fs::read_dir(path).map(|mut entries| entries.next().is_some()) {
+            Ok(true) => {
+                return Err(refused("the folder is not empty; name a new one, or empty it"));
+            }
+            Ok(false) => {}
+            Err(_) if path.exists() => return Err(refused("this is no folder")),
+            Err(_) => {}
+        }
+        let folder = Self { path: path.to_owned() };
+        match folder.temporary() {
+            Ok(_) => Ok(folder),
+            Err(error) => Err(refused(&format!("no folder can be made there ({})", error.kind()))),
+        }
+    }
+
+    fn temporary(&self) -> std::io::Result<tempfile::TempDir> {
+        // An empty folder may be given as `.`, which no other can replace: its true name has a parent.
+        let true_path = self.path.canonicalize().unwrap_or_else(|_| self.path.clone());
+        tempfile::Builder::new()
+            .prefix(".stickslip-")
+            .permissions_of_folder()
+            .tempdir_in(folder_of(&true_path))
+    }
+
+    /// Writes every file to a temporary neighbour, which takes the folder's place when all are complete.
+    pub fn write(&self, files: &[(String, impl AsRef<[u8]>)]) -> Result<(), Failure> {
+        let failed =
+            |error: std::io::Error| Failure::other(format!("cannot write {}: {error}", self.path.display()));
+        let temporary = self.temporary().map_err(failed)?;
+        for (name, bytes) in files {
+            std::fs::write(temporary.path().join(name), bytes).map_err(failed)?;
+        }
+        if self.path.exists() {
+            // Only an empty folder is removed.
+            std::fs::remove_dir(&self.path).map_err(failed)?;
+        }
+        std::fs::rename(temporary.path(), &self.path).map_err(failed)?;
+        // It is not temporary any more.
+        let _ = temporary.keep();
+        Ok(())
+    }
+}
+
 /// What is written to a terminal that was closed fails with this (Unix).
 const INPUT_OUTPUT_ERROR: i32 = 5;
 
@@ -121,9 +173,10 @@ pub fn say(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Temporary files are private by default; results should have the rights of any other new file.
+/// Temporary files and folders are private by default; results should have the rights of any other new ones.
 trait PermissionsIfUnix {
     fn permissions_if_unix(&mut self) -> &mut Self;
+    fn permissions_of_folder(&mut self) -> &mut Self;
 }
 
 impl PermissionsIfUnix for tempfile::Builder<'_, '_> {
@@ -133,6 +186,15 @@ impl PermissionsIfUnix for tempfile::Builder<'_, '_> {
             use std::os::unix::fs::PermissionsExt as _;
             // The process's umask still applies.
             self.permissions(std::fs::Permissions::from_mode(0o666));
+        }
+        self
+    }
+
+    fn permissions_of_folder(&mut self) -> &mut Self {
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt as _;
+            self.permissions(std::fs::Permissions::from_mode(0o777));
         }
         self
     }

@@ -9,14 +9,15 @@ use crate::error::{InputError, Problem};
 use crate::source::Source;
 use crate::table::{Column, read_table};
 
-const SCHEMA: &str = "stickslip.dataset/1";
-const REGIMES: &[(&str, Regime)] = &[
+pub(crate) const SCHEMA: &str = "stickslip.dataset/1";
+pub(crate) const REGIMES: &[(&str, Regime)] = &[
     ("from-rest", Regime::FromRest),
     ("steady", Regime::Steady),
     ("unknown-initial-state", Regime::UnknownInitialState),
     ("backbone", Regime::Backbone),
 ];
-const USES: &[(&str, Use)] = &[("fit", Use::Fit), ("select", Use::Select), ("confirm", Use::Confirm)];
+pub(crate) const USES: &[(&str, Use)] =
+    &[("fit", Use::Fit), ("select", Use::Select), ("confirm", Use::Confirm)];
 
 /// Reads a dataset: its `dataset.toml`, or the folder that holds one, and every file it lists.
 ///

@@ -1,5 +1,5 @@
-//! Reads the files an engineer writes: `model.toml`, `dataset.toml` and the CSV files beside it; and the
-//! systems of FMUs ([`ssp`]) that programs write.
+//! Reads the files an engineer writes: `model.toml`, `dataset.toml` and the CSV files beside it, plans of tests on a virtual
+//! rig; and the systems of FMUs ([`ssp`]) that programs write. Writes datasets.
 //!
 //! Everything is checked before anything is returned: there are no partial results, and nothing is
 //! repaired silently. An [`InputError`] is data (file, line, what is wrong); [`InputError::render`] is
@@ -11,11 +11,13 @@ pub mod archive;
 mod columns;
 mod dataset;
 mod error;
+mod plan;
 mod signals;
 mod source;
 pub mod ssp;
 mod table;
 pub mod units;
+mod write;
 pub mod xml;
 
 use std::path::Path;
@@ -25,7 +27,9 @@ use stickslip::model::Model;
 pub use columns::check_columns;
 pub use dataset::read_dataset;
 pub use error::{Excerpt, InputError, Problem};
+pub use plan::{RigPlan, read_plan};
 pub use signals::{Signal, read_signals};
+pub use write::{dataset_toml, record_csv};
 
 /// Reads a model file.
 ///

@@ -9,6 +9,7 @@ pub mod export;
 pub mod fmu;
 pub mod frf;
 pub mod modes;
+pub mod rig;
 pub mod serve;
 pub mod simulate;
 

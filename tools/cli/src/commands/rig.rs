@@ -1,0 +1,108 @@
+//! `stickslip rig`
+
+use std::path::{Path, PathBuf};
+
+use stickslip::data::{Dataset, Record};
+use stickslip::rig::{RigError, RigProgress, test_on};
+use stickslip_readers::{RigPlan, dataset_toml, read_plan, record_csv};
+
+use super::shown;
+use crate::Failure;
+use crate::output::{Folder, say};
+use crate::progress::{self, Progress};
+
+/// Arguments of `stickslip rig`.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  stickslip rig examples/frictional-support/rig.toml -o measured
+  stickslip compare examples/frictional-support/valanis.toml measured
+
+Exit codes: 0 done; 1 failed; 2 bad input; 130 interrupted by Ctrl-C. Where it is not 0 nothing is written.")]
+pub struct Rig {
+    /// The plan: the model of a beam, its sensors, the tests
+    plan: PathBuf,
+    /// Folder for dataset.toml and a CSV file per record; made, or empty
+    #[arg(short, long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+/// Parts of a record in which progress is shown.
+const PARTS: f64 = 100.0;
+
+impl Rig {
+    /// Makes all tests and writes their records.
+    pub fn run(self) -> Result<(), Failure> {
+        let folder = Folder::check(&self.out)?;
+        let plan = read_plan(&self.plan).map_err(shown)?;
+        let meter = Progress::new();
+        let made = test_on(&plan.model, &plan.plan, &mut |at: &RigProgress| {
+            meter.show(at.record, (PARTS * at.done) as usize, PARTS as usize * at.of);
+            !progress::interrupted()
+        });
+        meter.finish();
+        let records = match made {
+            Ok(records) => records,
+            Err(RigError::Interrupted) => {
+                tell!("note: interrupted; nothing was written");
+                return Ok(());
+            }
+            Err(error @ RigError::Input(_)) => return Err(of_plan(&self.plan, &error, Failure::input)),
+            Err(error) => return Err(of_plan(&self.plan, &error, Failure::other)),
+        };
+        say(&summary(&plan, &records))?;
+        let dataset = Dataset { title: plan.title.clone(), records };
+        let comments = told_masses(&plan);
+        let mut files = vec![("dataset.toml".to_owned(), dataset_toml(&dataset, &comments))];
+        files.extend(dataset.records.iter().map(|record| (record.name.clone(), record_csv(record))));
+        folder.write(&files)?;
+        say(&format!("wrote {} with {} records\n", self.out.display(), dataset.records.len()))
+    }
+}
+
+fn of_plan(plan: &Path, error: &RigError, failure: fn(String) -> Failure) -> Failure {
+    failure(format!("{}: {error}", plan.display()))
+}
+
+/// What the accelerometers weigh, if the dataset is to say it.
+fn told_masses(plan: &RigPlan) -> Vec<String> {
+    let weighing = plan.plan.sensors.iter().filter(|sensor| sensor.mass != 0.0 && plan.masses_told);
+    weighing
+        .map(|sensor| {
+            format!(
+                "The accelerometer at {} m adds {} kg to the beam of {}.",
+                sensor.position,
+                sensor.mass,
+                plan.model_file.file_name().unwrap_or_default().to_string_lossy()
+            )
+        })
+        .collect()
+}
+
+/// A line per record and one about the gains, which no file tells.
+fn summary(plan: &RigPlan, records: &[Record]) -> String {
+    let width = records.iter().map(|record| record.name.len()).max().unwrap_or(0);
+    let line = |record: &Record| {
+        let largest = |name: &str| {
+            let values = record.channels_of(name).flat_map(|channel| &channel.values);
+            values.fold(0.0_f64, |most, value| most.max(value.abs()))
+        };
+        let force = match largest("excitation") {
+            0.0 => "released".to_owned(),
+            force => format!("force up to {force:.4} N"),
+        };
+        format!(
+            "{:width$}  {} samples, {force}, acceleration up to {:.4} m/s^2\n",
+            record.name,
+            record.len(),
+            largest("acceleration")
+        )
+    };
+    let mut text: String = records.iter().map(line).collect();
+    let faults = plan.plan.chain.faults(plan.plan.sensors.len());
+    if faults.iter().any(|fault| fault.gain != 1.0) {
+        let gains: Vec<String> = faults.iter().map(|fault| format!("{:.5}", fault.gain)).collect();
+        text += &format!("gains of the load cell and the accelerometers: {}\n", gains.join(", "));
+    }
+    text
+}
