@@ -149,8 +149,10 @@ impl Frequencies {
     }
 }
 
-/// Samples that a record may have at most: more are a mistake, and fill the memory.
-const MOST_SAMPLES: f64 = 2e7;
+/// Samples that a record may have at most, and values of a random force: more fill the memory, and a transform of so many
+/// takes a second.
+const MOST_SAMPLES: f64 = 5e6;
+const MOST_VALUES: f64 = 1e7;
 
 impl Plan {
     /// No test yet, perfect accelerometers at `positions` (m).
@@ -225,6 +227,11 @@ impl TestKind {
                 if (low * test.duration).ceil() > (high * test.duration).floor() {
                     return Err("the band is narrower than one over the duration");
                 }
+                if test.duration * test.sampling * super::random::finer(test) > MOST_VALUES {
+                    return Err(
+                        "the record is too long: shorten its duration, or lower the sampling or the band",
+                    );
+                }
                 positive(test.force)
                     && positive(low)
                     && (0.0..1e6).contains(&test.lead)
@@ -237,6 +244,6 @@ impl TestKind {
                     && (2.0..MOST_SAMPLES).contains(&(test.duration * test.sampling))
             }
         };
-        if legal { Ok(()) } else { Err("its numbers must be positive, and a record have 2 to 2e7 samples") }
+        if legal { Ok(()) } else { Err("its numbers must be positive, and a record have 2 to 5e6 samples") }
     }
 }

@@ -44,6 +44,11 @@ pub(super) fn measured(
     Ok(Measured { time, excitation, accelerations })
 }
 
+/// Values of the force from one sample to the next; even, so that the middle of a parabola is one.
+pub(super) fn finer(test: &RandomTest) -> f64 {
+    2.0 * (TAU * test.band[1] / test.sampling / SMOOTH).ceil()
+}
+
 /// A force that repeats after the duration, on a grid so fine that a cubic follows it.
 struct RandomForce {
     values: Vec<f64>,
@@ -56,8 +61,7 @@ impl RandomForce {
     fn new(test: &RandomTest) -> Self {
         let samples = (test.duration * test.sampling).round();
         let duration = samples / test.sampling;
-        // Even: the middle of a parabola is a point of the grid.
-        let finer = 2.0 * (TAU * test.band[1] / test.sampling / SMOOTH).ceil();
+        let finer = finer(test);
         let transform = RealFftPlanner::<f64>::new().plan_fft_inverse((samples * finer) as usize);
         let mut spectrum = transform.make_input_vec();
         let mut random = Random::new(test.seed);

@@ -179,7 +179,7 @@ fn the_same_plan_gives_the_same_records_whatever_follows() {
 fn a_watch_ends_every_test_soon() {
     for (index, kind) in [
         TestKind::SteppedSine(SteppedSine::at(vec![30.0; 50])),
-        TestKind::Random(RandomTest { duration: 1000.0, ..RANDOM }),
+        TestKind::Random(RandomTest { duration: 500.0, ..RANDOM }),
         TestKind::Random(RandomTest { lead: 1000.0, ..RANDOM }),
         TestKind::RingDown(RingDown { from: Release::Force(1.0), duration: 1000.0, sampling: 1000.0 }),
     ]
@@ -220,6 +220,8 @@ fn what_cannot_be_tested_is_refused_with_its_reason() {
     refused(&band([20.0, 1500.0]), "half the sampling");
     refused(&band([20.1, 20.2]), "narrower");
     refused(&band([-1.0, 20.0]), "positive");
+    let forever = RandomTest { duration: 1e4, ..RANDOM };
+    refused(&|plan| plan.tests[0].kind = TestKind::Random(forever.clone()), "too long");
     let mut plan = Plan::of_sensors(&SENSORS);
     plan.tests.push(test("held", TestKind::SteppedSine(SteppedSine::at(vec![30.0]))));
     let worn = published(4, |text| format!("{text}\n[[effect]]\nid = \"wear\"\nrate = 1.0\n"));

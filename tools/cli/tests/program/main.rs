@@ -16,5 +16,6 @@ mod friction_damper;
 mod hidden_effects;
 mod interrupt;
 mod modes;
+mod rig;
 mod simulate;
 mod user_stories;

@@ -6,5 +6,6 @@ mod external;
 mod any_bytes;
 mod bad_input;
 mod examples;
+mod plan;
 mod shared_data;
 mod ssp;

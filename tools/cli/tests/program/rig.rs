@@ -1,0 +1,141 @@
+//! `stickslip rig`
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+use crate::support::{entries, error, read_json, stickslip};
+
+const PLAN: &str = r#"schema = "stickslip.rig/1"
+title = "Three levels"
+model = "model.toml"
+
+[sensors]
+noise = 0.01
+noise_told = true
+seed = 4
+
+[[stepped_sine]]
+name = "level"
+amplitude = [20.0, 40.0, 70.0]
+frequency = "resonance"
+
+[[random]]
+force = 0.1
+band = [10.0, 200.0]
+duration = 0.5
+sampling = 4096.0
+"#;
+
+fn folder(plan: &str) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let model = include_str!("../../../../examples/frictional-support/published.toml");
+    fs::write(folder.path().join("model.toml"), model).unwrap();
+    fs::write(folder.path().join("plan.toml"), plan).unwrap();
+    folder
+}
+
+fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
+    entries(folder).into_iter().map(|path| (name(&path), fs::read(&path).unwrap())).collect()
+}
+
+#[test]
+fn its_dataset_is_compared_with_the_model_and_only_noise_is_left() {
+    let folder = folder(PLAN);
+    let output = stickslip(&folder, &["rig", "plan.toml", "-o", "measured"]);
+    assert_eq!(output.status.code(), Some(0), "{}", error(&output));
+    let table = String::from_utf8_lossy(&output.stdout);
+    assert!(table.contains("level-3.csv") && table.contains("wrote measured with 4 records"), "{table}");
+    let compared = ["compare", "model.toml", "measured", "--no-fit", "--json", "c.json"];
+    let output = stickslip(&folder, &compared);
+    assert_eq!(output.status.code(), Some(0), "{}", error(&output));
+    let json = read_json(&folder, "c.json").to_string();
+    assert!(json.contains("level-1.csv"));
+    let table = String::from_utf8_lossy(&output.stdout);
+    for level in ["level-1.csv", "level-2.csv", "level-3.csv"] {
+        let line = table.lines().find(|line| line.starts_with(level)).unwrap();
+        let numbers: Vec<f64> = line.split_whitespace().skip(1).map(|word| word.parse().unwrap()).collect();
+        assert!(numbers[0] < 1.1 * numbers[1] && numbers[1] == 0.01, "{line}");
+    }
+}
+
+#[test]
+fn the_same_plan_writes_the_same_bytes_and_a_folder_with_files_is_left_alone() {
+    let folder = folder(PLAN);
+    fs::create_dir(folder.path().join("empty")).unwrap();
+    for out in ["new", "empty"] {
+        let output = stickslip(&folder, &["rig", "plan.toml", "-o", out]);
+        assert_eq!(output.status.code(), Some(0), "{}", error(&output));
+    }
+    let once = contents(&folder.path().join("new"));
+    assert_eq!(once.len(), 5);
+    assert!(once == contents(&folder.path().join("empty")));
+    let output = stickslip(&folder, &["rig", "plan.toml", "-o", "new"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(error(&output).contains("not empty"), "{}", error(&output));
+    assert!(once == contents(&folder.path().join("new")));
+    assert_eq!(entries(folder.path()).len(), 4, "something temporary is left");
+}
+
+#[test]
+fn a_plan_that_cannot_be_carried_out_writes_nothing() {
+    let refusals = [
+        ("noise = 0.01", "nois = 0.01", vec!["plan.toml:6", "did you mean `noise`"]),
+        ("200.0]", "3000.0]", vec!["plan.toml:15", "half the sampling"]),
+        ("model.toml", "none.toml", vec!["plan.toml:3", "none.toml"]),
+    ];
+    for (from, to, hints) in refusals {
+        let folder = folder(&PLAN.replace(from, to));
+        let output = stickslip(&folder, &["rig", "plan.toml", "-o", "measured"]);
+        let message = error(&output);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(hints.iter().all(|hint| message.contains(hint)), "{message}");
+        assert_eq!(entries(folder.path()).len(), 2);
+    }
+    let folder = folder(PLAN);
+    let output = stickslip(&folder, &["rig", "plan.toml", "-o", "no/such/place"]);
+    assert_eq!(output.status.code(), Some(2), "{}", error(&output));
+}
+
+#[test]
+fn what_accelerometers_weigh_is_said_unless_it_is_to_be_kept() {
+    for (told, line) in [("", true), ("masses_told = false\n", false)] {
+        let plan = PLAN.replace("seed = 4", &format!("mass = 0.01\n{told}"));
+        let folder = folder(&plan);
+        stickslip(&folder, &["rig", "plan.toml", "-o", "measured"]);
+        let text = fs::read_to_string(folder.path().join("measured/dataset.toml")).unwrap();
+        assert_eq!(text.contains("# The accelerometer at 0.55 m adds 0.01 kg"), line, "{text}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn it_ends_within_a_second_when_it_is_interrupted_and_writes_nothing() {
+    let tests = [
+        PLAN.replace("duration = 0.5", "duration = 500.0"),
+        PLAN.replace("amplitude = [", "amplitude = [1.0, ")
+            .replace("frequency = \"resonance\"", "from = 40\nto = 60\ncount = 20000"),
+    ];
+    for plan in tests {
+        let folder = folder(&plan);
+        let child = Command::new(env!("CARGO_BIN_EXE_stickslip"))
+            .current_dir(folder.path())
+            .args(["rig", "plan.toml", "-o", "measured"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_secs(2));
+        let begin = Instant::now();
+        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130), "{output:?}");
+        assert!(begin.elapsed() < Duration::from_secs(1), "{:?}", begin.elapsed());
+        assert!(error(&output).contains("nothing was written"), "{}", error(&output));
+        assert_eq!(entries(folder.path()).len(), 2);
+    }
+}
