@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::{Accelerometer, RigError};
 use crate::effects::{Location, Needs};
 use crate::harmonic::{
-    Assembly, Control, CurveSettings, HarmonicError, Point, Resonance, periodic_response, phase_resonance,
+    Assembly, Control, CurveSettings, Point, Resonance, periodic_response, phase_resonance,
 };
 use crate::model::{Beam, Model, PointMass, Structure};
 use crate::system::{Core, System};
@@ -99,9 +99,6 @@ impl Bench {
         acceleration: f64,
     ) -> Result<Point, RigError> {
         self.steady()?;
-        if !(frequency > 0.0) {
-            return Err(HarmonicError::InvalidInput("the frequency must be positive").into());
-        }
         // After the sensors comes the port driven.
         let node = self.sensors();
         let control = Control::Held { node, order: 1, derivative: 2, amplitude: acceleration };
