@@ -25,10 +25,8 @@ const WIDEST_SCATTER: f64 = 0.5;
 
 /// A plan without tests, and whether the dataset says what accelerometers weigh.
 pub(super) fn read(root: &Table<'_>, beam: &Beam) -> Result<(Plan, bool), DocumentError> {
-    let listed = || match beam.sensors.is_empty() {
-        true => beam.point_masses.iter().map(|mass| mass.position).collect(),
-        false => beam.sensors.clone(),
-    };
+    // Without a list of its own the model's sensors are its point masses.
+    let listed = || beam.sensors.clone();
     let Some(table) = root.table("sensors")? else {
         return Ok((with_sensors(Plan::of_sensors(&listed()), root)?, true));
     };
