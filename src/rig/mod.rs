@@ -60,7 +60,8 @@ pub struct RigProgress<'p> {
 /// let records = test_on(&model, &plan, &mut |_| true)?;
 /// let shown = &records[0].channel("acceleration:x=0.55").unwrap().values;
 /// let largest = shown.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
-/// assert!((38.0..45.0).contains(&largest));
+/// // The contact excites more than the first harmonic, which is held.
+/// assert!(largest > 40.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn test_on(

@@ -116,7 +116,7 @@ fn what_accelerometers_weigh_is_said_unless_it_is_to_be_kept() {
 #[test]
 fn it_ends_soon_when_it_is_interrupted_and_writes_nothing() {
     let tests = [
-        PLAN.replace("duration = 0.5", "duration = 500.0"),
+        PLAN.replace("duration = 0.5", "duration = 0.5\nlead = 1e5"),
         PLAN.replace("amplitude = [", "amplitude = [1.0, ")
             .replace("frequency = \"resonance\"", "from = 40\nto = 60\ncount = 20000"),
     ];
