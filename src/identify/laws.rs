@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::{ContactPeriod, IdentificationError};
 use crate::contact::LawKind;
-use crate::fit::{Difference, Options, Parameter, fit};
+use crate::fit::{Difference, InterruptHook, Options, Parameter, fit};
 use crate::harmonic::{ContactMapping, HarmonicSet, Method};
 use crate::model::{Contact, Law, Model, Structure};
 
@@ -37,15 +37,17 @@ pub struct IdentifiedParameter {
     pub interval: [f64; 2],
 }
 
-/// Fits `kind` under the constant `normal_load` (N) to those of `periods` whose places are in `fitted`.
+/// Fits `kind` under the constant `normal_load` (N) to those of `periods` whose places are in `fitted`; `interrupt` may end it
+/// early.
 ///
 /// # Errors
-/// No period to fit, a law that reproduces none of them.
+/// No period to fit, a law that reproduces none of them, an interrupt before the first point.
 pub fn fit_law(
     kind: &'static LawKind,
     normal_load: f64,
     periods: &[ContactPeriod],
     fitted: &[usize],
+    interrupt: Option<InterruptHook>,
 ) -> Result<IdentifiedLaw, IdentificationError> {
     let seen: Vec<&ContactPeriod> = fitted.iter().filter_map(|place| periods.get(*place)).collect();
     let mut model = first_guess(kind, normal_load, &seen)?;
@@ -84,6 +86,7 @@ pub fn fit_law(
         starts: STARTS,
         difference: Difference::Central,
         difference_step: STEP,
+        interrupt,
         ..Options::default()
     };
     let found =

@@ -4,13 +4,18 @@
 //! each a function of its own:
 //!
 //! - `harmonics`: coefficients of a record's channels, with their noise (equations 8 and 9 of the paper);
-//! - `inversion`: the force that makes the linear beam move as measured, and the contact's displacement under it.
+//! - `inversion`: the force that makes the linear beam move as measured, and the contact's displacement under it;
+//! - `expansion`: the published way to the same, in two modes;
+//! - `laws`: contact laws fitted at some levels and predicted at the others;
+//! - `spectra`, `poles`, `resonance`: frequency responses, linear modes, and one resonance from a few points;
+//! - `identification`: all of them, from a model and a dataset.
 //!
 //! Source: "Nonlinear model identification of a frictional contact support", Mechanical Systems and Signal Processing
 //! (received 2009).
 
 mod expansion;
 mod harmonics;
+mod identification;
 mod inversion;
 mod laws;
 mod poles;
@@ -19,6 +24,10 @@ mod spectra;
 
 pub use expansion::{Expansion, expand};
 pub use harmonics::{Harmonics, harmonics};
+pub use identification::{
+    ContactRecord, Identification, IdentifyOptions, Level, LevelSource, LinearRecord, Published,
+    Unidentified, identify,
+};
 pub use inversion::{ContactPeriod, Doubts, Inversion, SteadyMotion, invert};
 pub use laws::{IdentifiedLaw, IdentifiedParameter, fit_law, force_under};
 pub use poles::{Pole, poles};

@@ -171,13 +171,37 @@ impl<'p> Bending<'p> {
         (matrix, DVector::from_fn(measured.len(), |i, _| measured[i] - gain(i) * known(i)))
     }
 
+    /// What a unit of each unknown of [`equations`](Self::equations) does to the coefficients of the contact's displacement.
+    fn displacements(&self, modes: &[Vec<f64>], shared: &[f64], count: usize) -> DMatrix<f64> {
+        let slopes = self.slopes(modes);
+        let moved = |parts: &[Vec<f64>], force: &[f64]| {
+            let (parts, pull): (Vec<_>, _) =
+                (parts.iter().map(|part| self.samples(part)).collect(), self.samples(force));
+            let lever = |i: usize, k: usize| self.beam.contact_shape[i] - slopes[i][k];
+            let along = |k: usize| (0..parts.len()).map(|i| lever(i, k) * parts[i][k]).sum::<f64>();
+            let own = |k: usize| along(k) - self.beam.axial_flexibility * pull[k];
+            DVector::from_vec(self.projected(&(0..pull.len()).map(own).collect::<Vec<_>>()))
+        };
+        let mut columns: Vec<DVector<f64>> =
+            self.under_shared(shared).iter().map(|parts| moved(parts, &[0.0])).collect();
+        columns.extend((0..count).map(|k| {
+            let mut force = vec![0.0; count];
+            force[k] = 1.0;
+            moved(&self.under_contact(&force, &slopes), &force)
+        }));
+        DMatrix::from_columns(&columns)
+    }
+
+    /// The contact under `force` and `modes`; `covariance` is that of the shared unknowns and of the force.
     pub fn period(
         &self,
-        force: &[f64],
-        covariance: DMatrix<f64>,
+        (force, shared): (&[f64], &[f64]),
+        covariance: &DMatrix<f64>,
         modes: &[Vec<f64>],
         left: &DVector<f64>,
     ) -> ContactPeriod {
+        let derivatives = self.displacements(modes, shared, force.len());
+        let own = (shared.len(), force.len());
         let (slopes, pull) = (self.slopes(modes), self.samples(force));
         let samples: Vec<Vec<f64>> = modes.iter().map(|mode| self.samples(mode)).collect();
         let displacement = |k: usize| {
@@ -193,8 +217,9 @@ impl<'p> Bending<'p> {
             angular_frequency: self.motion.angular_frequency,
             velocity: time_derivative(&displacement, 1, self.motion.angular_frequency),
             displacement,
+            displacement_covariance: &derivatives * covariance * derivatives.transpose(),
             force: force.to_vec(),
-            covariance,
+            covariance: covariance.view((own.0, own.0), (own.1, own.1)).into_owned(),
             modes: modes.to_vec(),
             unexplained: left.norm() / measured.sqrt(),
         }

@@ -39,7 +39,8 @@ pub(super) struct Joint<'p> {
 pub(super) struct Solved {
     unknowns: DVector<f64>,
     covariance: DMatrix<f64>,
-    conditioning: f64,
+    /// Of the scaled unknowns.
+    curvature: DMatrix<f64>,
     /// What is left of each record, over the errors told; root mean square in all.
     left: Vec<DVector<f64>>,
     misfit: f64,
@@ -109,7 +110,6 @@ impl<'p> Joint<'p> {
             (right - matrix * DVector::from_fn(shared + own, |k, _| its(k))) / self.trust
         };
         let left: Vec<DVector<f64>> = blocks.iter().enumerate().map(rest).collect();
-        let eigenvalues = curvature.symmetric_eigenvalues();
         let inverse = factor.inverse();
         let told: f64 = (0..count).map(|k| 1.0 - inverse[(k, k)]).sum();
         let equations: usize = left.iter().map(DVector::len).sum();
@@ -119,7 +119,7 @@ impl<'p> Joint<'p> {
             covariance: DMatrix::from_fn(count, count, |i, k| {
                 inverse[(i, k)] * spread(i.min(shared)) * spread(k.min(shared))
             }),
-            conditioning: (eigenvalues.max() / eigenvalues.min()).sqrt(),
+            curvature,
             left,
             misfit: (squares / (equations as f64 - told).max(1.0)).sqrt(),
         })
@@ -146,16 +146,18 @@ impl<'p> Joint<'p> {
         let sensors = (shared - 1) / 2;
         let one = |k: usize| [solved.unknowns[k], solved.covariance[(k, k)].sqrt()];
         let period = |(r, record): (usize, &Bending)| {
-            let place = shared + own * r;
-            let covariance = solved.covariance.view((place, place), (own, own)).into_owned();
-            record.period(&self.forces[r], covariance, &self.modes[r], &solved.left[r])
+            let place = |k: usize| if k < shared { k } else { k + own * r };
+            let both = |i: usize, k: usize| solved.covariance[(place(i), place(k))];
+            let covariance = DMatrix::from_fn(shared + own, shared + own, both);
+            record.period((&self.forces[r], &self.shared), &covariance, &self.modes[r], &solved.left[r])
         };
+        let eigenvalues = solved.curvature.symmetric_eigenvalues();
         Inversion {
             periods: self.records.iter().enumerate().map(period).collect(),
             excitation_gain: one(0),
             sensor_gains: (1..=sensors).map(one).collect(),
             sensor_masses: (sensors + 1..shared).map(one).collect(),
-            conditioning: solved.conditioning,
+            conditioning: (eigenvalues.max() / eigenvalues.min()).sqrt(),
             misfit: solved.misfit,
         }
     }

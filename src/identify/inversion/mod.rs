@@ -7,7 +7,7 @@
 mod bending;
 mod joint;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 use nalgebra::DMatrix;
 
@@ -70,6 +70,8 @@ pub struct ContactPeriod {
     pub covariance: DMatrix<f64>,
     /// Coefficients of the contact's own displacement (m), the flexibility in series taken off.
     pub displacement: Vec<f64>,
+    /// Their covariance (m²), all doubts included.
+    pub displacement_covariance: DMatrix<f64>,
     /// Of its velocity (m/s).
     pub velocity: Vec<f64>,
     /// Modal coordinates (m √kg), mode after mode.

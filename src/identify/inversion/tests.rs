@@ -10,11 +10,11 @@ use crate::numeric::fourier::time_derivative;
 use crate::system::{Beam, Damping, ModalBeam, PointMass, rotational_stiffness_from_frequency};
 
 /// The published beam with the published contact.
-fn beam(modes: usize) -> ModalBeam {
+pub(in crate::identify) fn beam(modes: usize) -> ModalBeam {
     ModalBeam::new(&description(modes)).unwrap()
 }
 
-fn description(modes: usize) -> Beam {
+pub(in crate::identify) fn description(modes: usize) -> Beam {
     let mass = |position, mass| PointMass { position, mass };
     Beam {
         length: 0.6,
@@ -35,13 +35,13 @@ fn description(modes: usize) -> Beam {
     }
 }
 
-fn resonance(beam: &ModalBeam, amplitude: f64) -> Resonance {
+pub(in crate::identify) fn resonance(beam: &ModalBeam, amplitude: f64) -> Resonance {
     let law: Arc<dyn ContactLaw> = Arc::new(Valanis::from_lambda(7.9e6, 0.0, 0.3, 8.7e4, 147.15).unwrap());
     let settings = CurveSettings { harmonics: 9, ..CurveSettings::default() };
     phase_resonance(&beam.system(Some((law, 147.15))).unwrap(), amplitude, &settings, None).unwrap()
 }
 
-fn measured(beam: &ModalBeam, at: &Resonance) -> SteadyMotion {
+pub(in crate::identify) fn measured(beam: &ModalBeam, at: &Resonance) -> SteadyMotion {
     let modes: Vec<&[f64]> = at.coefficients.chunks_exact(19).collect();
     let acceleration = |shape: &[f64]| -> Vec<f64> {
         let sum = |k: usize| shape.iter().zip(&modes).map(|(s, q)| s * q[k]).sum::<f64>();
@@ -60,12 +60,12 @@ fn measured(beam: &ModalBeam, at: &Resonance) -> SteadyMotion {
 const CERTAIN: Doubts = Doubts { excitation_gain: 0.0, sensor_gain: 0.0, sensor_mass: 0.0, force: 1e4 };
 const DOUBTFUL: Doubts = Doubts { excitation_gain: 0.01, sensor_gain: 0.01, sensor_mass: 0.0, force: 150.0 };
 
-fn error(a: &[f64], b: &[f64]) -> f64 {
+pub(in crate::identify) fn error(a: &[f64], b: &[f64]) -> f64 {
     let square = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>();
     (square(&mut a.iter().zip(b).map(|(a, b)| a - b)) / square(&mut b.iter().copied())).sqrt()
 }
 
-const LEVELS: [f64; 6] = [20.0, 30.0, 40.0, 50.0, 60.0, 70.0];
+pub(in crate::identify) const LEVELS: [f64; 6] = [20.0, 30.0, 40.0, 50.0, 60.0, 70.0];
 
 /// The published levels on a beam of 30 modes, with every channel's noise as a fraction of its root mean square, and gains
 /// of the accelerometers and the load cell.
@@ -91,7 +91,7 @@ fn records(
     truths.iter().map(&mut spoilt).collect()
 }
 
-fn truths(beam: &ModalBeam) -> Vec<Resonance> {
+pub(in crate::identify) fn truths(beam: &ModalBeam) -> Vec<Resonance> {
     LEVELS.iter().map(|level| resonance(beam, *level)).collect()
 }
 
@@ -163,7 +163,7 @@ fn a_law_fitted_at_the_highest_level_predicts_the_others() {
     for (noise, gains, bound) in [(0.0, [1.0; 4], 0.02), (1e-3, [1.01, 0.99, 1.01, 0.99], 0.05)] {
         let doubts = if noise == 0.0 { CERTAIN } else { DOUBTFUL };
         let found = invert(&beam, &records(&beam, &truths, noise, gains, 3), 9, &doubts).unwrap();
-        let law = fit_law(LawKind::find("valanis").unwrap(), 147.15, &found.periods, &[5]).unwrap();
+        let law = fit_law(LawKind::find("valanis").unwrap(), 147.15, &found.periods, &[5], None).unwrap();
         let truth = [7.9e6, 7.9e6 / 8.7e4 / 147.15, 0.3];
         for (found, truth) in law.parameters.iter().zip(truth) {
             assert!((found.value / truth - 1.0).abs() < 0.02, "{found:?}");

@@ -9,7 +9,7 @@ use crate::vocabulary;
 
 impl Beam {
     /// The beam with the masses and the clamp of `changes`; its sensors stay where they are.
-    fn changed(&self, changes: &StructureChanges) -> Result<Self, StructureError> {
+    pub(crate) fn changed(&self, changes: &StructureChanges) -> Result<Self, StructureError> {
         let mut changed = self.clone();
         if changed.sensors.is_empty() {
             changed.sensors = self.point_masses.iter().map(|point| point.position).collect();

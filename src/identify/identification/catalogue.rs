@@ -1,0 +1,97 @@
+//! Every law of the catalogue, fitted at some levels and predicted at the others.
+
+use super::{Identification, IdentifyOptions, Setup, check_interrupt};
+use crate::contact::LAWS;
+use crate::effects::Kind;
+use crate::identify::{IdentificationError, IdentifiedLaw, fit_law};
+use crate::model::{Contact, Model};
+
+/// Fits all laws and takes the one that predicts best into `model`.
+pub(super) fn fit_laws(
+    setup: &Setup,
+    model: &Model,
+    options: &IdentifyOptions,
+    found: &mut Identification,
+) -> Result<(), IdentificationError> {
+    let Some(inversion) = &found.inversion else { return Ok(()) };
+    found.fitted = fitted(found, options)?;
+    for kind in LAWS {
+        match fit_law(kind, setup.normal_load, &inversion.periods, &found.fitted, options.interrupt) {
+            Ok(law) => found.laws.push(law),
+            Err(error) => found.failed_laws.push((kind.name, error.to_string())),
+        }
+        check_interrupt(options)?;
+    }
+    let errors: Vec<f64> = found.laws.iter().map(|law| judged(law, &found.fitted)).collect();
+    let usable = (0..errors.len()).filter(|k| errors[*k].is_finite());
+    found.best = usable.min_by(|a, b| errors[*a].total_cmp(&errors[*b]));
+    if found.fitted.len() == found.records.len() {
+        found
+            .warnings
+            .push("All levels were fitted: the best law is not checked by a prediction.".to_owned());
+    }
+    found.model = found.best.and_then(|best| with_contact(model, &found.laws[best], &mut found.warnings));
+    Ok(())
+}
+
+/// Places of the records to fit.
+fn fitted(found: &Identification, options: &IdentifyOptions) -> Result<Vec<usize>, IdentificationError> {
+    let place = |name: &String| {
+        let stem = |file: &str| file.strip_suffix(".csv").unwrap_or(file).to_owned();
+        let known = found.records.iter().position(|record| stem(&record.name) == stem(name));
+        known.ok_or_else(|| {
+            let names: Vec<&str> = found.records.iter().map(|record| record.name.as_str()).collect();
+            IdentificationError(format!(
+                "laws cannot be fitted to `{name}`: the identified records are {}",
+                names.join(", ")
+            ))
+        })
+    };
+    if !options.fitted.is_empty() {
+        let mut places = options.fitted.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+        places.sort_unstable();
+        places.dedup();
+        return Ok(places);
+    }
+    let moved = |k: &usize| {
+        let period = found.inversion.as_ref().map(|inversion| &inversion.periods[*k]);
+        period.map_or(0.0, |period| period.displacement[1].hypot(period.displacement[2]))
+    };
+    Ok((0..found.records.len()).max_by(|a, b| moved(a).total_cmp(&moved(b))).into_iter().collect())
+}
+
+/// Root mean square of the errors on records that were not fitted, or on the fitted ones where there are no others.
+pub(super) fn judged(law: &IdentifiedLaw, fitted: &[usize]) -> f64 {
+    let all = fitted.len() == law.errors.len();
+    let errors = law.errors.iter().enumerate().filter(|(k, _)| all || !fitted.contains(k));
+    let squares: Vec<f64> =
+        errors.map(|(_, error)| error.map_or(f64::INFINITY, |error| error * error)).collect();
+    (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+}
+
+/// `model` with the contact of `law`. Effects on its contact were not assumed, and go.
+fn with_contact(model: &Model, law: &IdentifiedLaw, warnings: &mut Vec<String>) -> Option<Model> {
+    let contact = law.model.contact?;
+    let mut new = model.clone();
+    let normal_stiffness = model.contact.map_or(0.0, |contact| contact.normal_stiffness);
+    new.contact = Some(Contact { normal_stiffness, ..contact });
+    new.effects.retain(|effect| !effect.effect.kinds.contains(&Kind::Contact));
+    let gone: Vec<&str> = model
+        .effects
+        .iter()
+        .filter(|effect| !new.effects.contains(effect))
+        .map(|effect| effect.effect.id)
+        .collect();
+    if !gone.is_empty() {
+        warnings.push(format!(
+            "Effects of the model on its contact are not in the identified one: {}.",
+            gone.join(", ")
+        ));
+    }
+    if let crate::model::Structure::Beam(beam) = &mut new.structure
+        && model.contact.is_none()
+    {
+        beam.rotational_stiffness = 0.0;
+    }
+    Some(new)
+}
