@@ -41,6 +41,8 @@ enum Command {
     Diagnose(commands::diagnose::Diagnose),
     /// Add an effect to a model, refit it, and show the error before and after
     Add(commands::add::Add),
+    /// Find what a beam's contact does, without assuming its law, and the law that predicts it
+    Identify(commands::identify::Identify),
     /// Print the catalogue of effects, or the entry of one effect
     Effects(commands::effects::Effects),
     /// Follow the periodic response of a model to a harmonic force over frequency
@@ -105,6 +107,7 @@ fn main() -> ExitCode {
         Command::Compare(command) => command.run().map(|()| 0),
         Command::Diagnose(command) => command.run(),
         Command::Add(command) => command.run().map(|()| 0),
+        Command::Identify(command) => command.run().map(|()| 0),
         Command::Effects(command) => command.run().map(|()| 0),
         Command::Frf(command) => command.run().map(|()| 0),
         Command::Modes(command) => command.run().map(|()| 0),

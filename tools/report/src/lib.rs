@@ -12,6 +12,7 @@ mod explorer;
 mod figure;
 mod floors;
 mod format;
+pub mod identification;
 mod json;
 mod modes;
 mod page;

@@ -8,6 +8,7 @@ pub mod effects;
 pub mod export;
 pub mod fmu;
 pub mod frf;
+pub mod identify;
 pub mod modes;
 pub mod rig;
 pub mod serve;

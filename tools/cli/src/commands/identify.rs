@@ -1,0 +1,180 @@
+//! `stickslip identify`
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use stickslip::data::{Dataset, Regime};
+use stickslip::identify::{ContactPeriod, Identification, IdentifyOptions, identify};
+use stickslip::model::Model;
+use stickslip_report::identification::{
+    IdentificationReport, identification_html, identification_json, identification_table,
+};
+
+use super::{check_destinations, colored, dataset_file, dataset_files, list, read_model, settings, shown};
+use crate::output::{Outputs, say};
+use crate::{Failure, ResultFiles, progress};
+
+/// Rows of a table of the contact, over one period.
+const ROWS: usize = 512;
+
+/// Arguments of `stickslip identify`.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  stickslip identify beam.toml data/ --report contact.html --csv contact/
+  stickslip identify beam.toml data/ --fit level-70 --json contact.json -o identified.toml
+  stickslip export identified.toml -o Support.fmu
+
+Steady records give the contact's force and motion, all of them together; laws are fitted to some of them and predict the
+others. Records under random excitation give the linear modes. The law of the model's own contact is not used, its normal
+load is.
+
+Exit codes: 0 done; 1 failed; 2 bad input (nothing is written); 130 interrupted by Ctrl-C (nothing is written).")]
+pub struct Identify {
+    /// The model file of a beam, or an FMU that carries one
+    model: PathBuf,
+    /// The dataset: `dataset.toml` or the folder that holds it
+    dataset: PathBuf,
+    /// Fit laws to these records and predict the others; the one with the largest motion if not given
+    #[arg(long, value_name = "RECORD,...", value_delimiter = ',')]
+    fit: Vec<String>,
+    /// Standard deviation of the gain of every sensor (1)
+    #[arg(long, value_name = "PART", default_value_t = 0.01, value_parser = not_negative)]
+    sensor_gain: f64,
+    /// Standard deviation of the gain of the load cell (1)
+    #[arg(long, value_name = "PART", default_value_t = 0.01, value_parser = not_negative)]
+    excitation_gain: f64,
+    /// Standard deviation of the mass at every sensor (kg)
+    #[arg(long, value_name = "MASS", default_value_t = 0.0, value_parser = not_negative)]
+    sensor_mass: f64,
+    /// Modes of the beam, whatever the model keeps
+    #[arg(long, value_name = "COUNT", default_value_t = 30, value_parser = clap::value_parser!(u16).range(3..=60))]
+    modes: u16,
+    /// Harmonics at most; fewer where the rest lies within the noise
+    #[arg(long, value_name = "COUNT", default_value_t = 15, value_parser = clap::value_parser!(u16).range(1..=60))]
+    harmonics: u16,
+    /// Normal load (N), where the model has no contact
+    #[arg(long, value_name = "LOAD", value_parser = not_negative)]
+    normal_load: Option<f64>,
+    /// Write the contact's motion and force over one period of every steady record, `RECORD-contact.csv`, to this folder
+    #[arg(long, value_name = "DIR")]
+    csv: Option<PathBuf>,
+    /// Write the model with the law that predicts best
+    #[arg(short, long, value_name = "NEW.toml")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    files: ResultFiles,
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    let number: Option<f64> = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
+    number.ok_or_else(|| "a number that is not negative is expected".to_owned())
+}
+
+impl Identify {
+    /// Identifies.
+    pub fn run(self) -> Result<(), Failure> {
+        check_destinations(&self.files, &self.out, &[self.model.clone(), dataset_file(&self.dataset)])?;
+        let model = read_model(&self.model)?;
+        let dataset = stickslip_readers::read_dataset(&self.dataset).map_err(shown)?;
+        let mut read = vec![self.model.clone()];
+        read.extend(dataset_files(&self.dataset, &dataset));
+        self.check_tables(&dataset, &read)?;
+        let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+        let Some(found) = self.found(&model, &dataset)? else { return Ok(()) };
+        let data = dataset.title.clone().unwrap_or_else(|| self.dataset.display().to_string());
+        let report = IdentificationReport { title: format!("Contact identified: {data}"), found: &found };
+        say(&identification_table(&report, 100, colored()))?;
+        let mut outputs = Outputs::default();
+        if let Some(path) = &self.files.json {
+            outputs.add(path, format!("{:#}\n", identification_json(&report)));
+        }
+        if let Some(path) = &self.files.report {
+            outputs.add(path, identification_html(&report, &settings));
+        }
+        self.add_tables(&found, &mut outputs)?;
+        if let Some((path, new)) = self.out.as_ref().zip(found.model.as_ref()) {
+            outputs.add(path, new.to_toml());
+        }
+        list(&outputs.write()?)?;
+        match &self.out {
+            Some(path) if found.model.is_none() => Err(Failure::other(format!(
+                "no law describes the contact: {} was not written",
+                path.display()
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// What the records tell; `None` after an interrupt.
+    fn found(&self, model: &Model, dataset: &Dataset) -> Result<Option<Identification>, Failure> {
+        let options = IdentifyOptions {
+            excitation_gain: self.excitation_gain,
+            sensor_gain: self.sensor_gain,
+            sensor_mass: self.sensor_mass,
+            modes: self.modes.into(),
+            harmonics: self.harmonics.into(),
+            fitted: self.fit.clone(),
+            normal_load: self.normal_load,
+            interrupt: Some(&progress::interrupted),
+        };
+        let bar = progress::spinner("identify");
+        let found = identify(model, dataset, &options);
+        bar.finish_and_clear();
+        if progress::interrupted() {
+            tell!("note: interrupted; nothing was written");
+            return Ok(None);
+        }
+        found.map(Some).map_err(|error| Failure::input(error.to_string()))
+    }
+
+    /// Refuses tables that could not be written, before any work; their folder may still be missing.
+    fn check_tables(&self, dataset: &Dataset, inputs: &[PathBuf]) -> Result<(), Failure> {
+        let Some(folder) = &self.csv else { return check_destinations(&self.files, &self.out, inputs) };
+        if folder.is_dir() {
+            let steady = dataset.records.iter().filter(|record| record.regime == Regime::Steady);
+            let tables: Vec<PathBuf> = steady.map(|record| table_of(folder, &record.name)).collect();
+            return check_destinations(&self.files, self.out.iter().chain(&tables), inputs);
+        }
+        check_destinations(&self.files, &self.out, inputs)?;
+        let present = folder.ancestors().find(|above| above.exists());
+        match present.filter(|above| !above.is_dir()) {
+            Some(file) => Err(Failure::input(format!(
+                "--csv: {} cannot be a folder: {} is a file",
+                folder.display(),
+                file.display()
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    fn add_tables(&self, found: &Identification, outputs: &mut Outputs) -> Result<(), Failure> {
+        let Some((folder, inversion)) = self.csv.as_ref().zip(found.inversion.as_ref()) else {
+            return Ok(());
+        };
+        std::fs::create_dir_all(folder)
+            .map_err(|error| Failure::input(format!("{} cannot be a folder: {error}", folder.display())))?;
+        for (record, period) in found.records.iter().zip(&inversion.periods) {
+            outputs.add(&table_of(folder, &record.name), table(period));
+        }
+        Ok(())
+    }
+}
+
+fn table_of(folder: &Path, record: &str) -> PathBuf {
+    let stem = Path::new(record).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    folder.join(format!("{stem}-contact.csv"))
+}
+
+/// One period, its end left out, in the record's own time.
+fn table(period: &ContactPeriod) -> String {
+    let duration = TAU / period.angular_frequency;
+    let mut text = String::from("time [s],displacement [m],velocity [m/s],force [N]\n");
+    for row in 0..ROWS {
+        let time = duration * row as f64 / ROWS as f64;
+        let [displacement, velocity, force] = period.at(time);
+        let _ = writeln!(text, "{time:.9e},{displacement:.9e},{velocity:.9e},{force:.9e}");
+    }
+    text
+}

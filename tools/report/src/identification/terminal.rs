@@ -1,0 +1,43 @@
+//! An identification as text for a terminal.
+
+use super::IdentificationReport;
+use crate::document::{Block, Table};
+use crate::table::{BOLD, RED, Text};
+
+/// The result, the page's tables and what could not be identified, in lines of at most `width` columns (at least 40 are
+/// used). With `color`, ANSI sequences are added.
+pub fn identification_table(report: &IdentificationReport, width: usize, color: bool) -> String {
+    let document = report.document();
+    let mut out = Text::new(width, color);
+    out.paragraph(&document.title, BOLD);
+    out.paragraph(&document.lead, "");
+    for warning in &document.warnings {
+        out.paragraph(warning, RED);
+    }
+    for section in &document.sections {
+        out.line("");
+        out.paragraph(&section.title, BOLD);
+        for block in &section.blocks {
+            match block {
+                Block::Table(table) => grid(&mut out, table),
+                Block::Text(text) => out.paragraph(&format!("- {text}"), ""),
+                Block::Warning(text) => out.paragraph(text, RED),
+                Block::Note(_) | Block::Plots(_) => {}
+            }
+        }
+    }
+    out.finish()
+}
+
+fn grid(out: &mut Text, table: &Table) {
+    let shown = table.rows.iter().map(|row| row.iter().map(|cell| cell.shown()).collect::<Vec<_>>());
+    let rows = std::iter::once(table.heading.clone()).chain(shown);
+    let (left, cells): (Vec<String>, Vec<Vec<String>>) = rows
+        .filter(|row| !row.is_empty())
+        .map(|mut row| {
+            let cells = row.split_off(1);
+            (row.remove(0), cells)
+        })
+        .unzip();
+    out.grid(&left, &cells, 0);
+}
