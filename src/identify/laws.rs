@@ -1,15 +1,19 @@
 //! Contact laws fitted to the identified force at some levels, and predicted at the others.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::{ContactPeriod, IdentificationError};
 use crate::contact::LawKind;
-use crate::fit::{Difference, InterruptHook, Options, Parameter, fit};
+use crate::fit::{Difference, Fit, InterruptHook, Options, Parameter, Scale, fit};
 use crate::harmonic::{ContactMapping, HarmonicSet, Method};
-use crate::model::{Contact, Law, Model, Structure};
+use crate::model::{Contact, Law, Model, ModelParameter, Structure};
 
 /// Starts of a fit, and its difference step: well above the error of a period's balance.
 const STARTS: usize = 8;
+/// Fits, each with the covariance of the law before.
+const ROUNDS: usize = 3;
+/// What rounding may take from a variance, as a part of the largest.
+const ROUNDING: f64 = 1e-10;
 const STEP: f64 = 1e-4;
 
 /// A law with the parameters that describe the identified contact best.
@@ -40,6 +44,9 @@ pub struct IdentifiedParameter {
 /// Fits `kind` under the constant `normal_load` (N) to those of `periods` whose places are in `fitted`; `interrupt` may end it
 /// early.
 ///
+/// Force and displacement are both identified, their errors depend on each other, and a stiff contact makes a large force of
+/// a small error of the displacement: what counts is the covariance of their difference under the law, known once a law is.
+///
 /// # Errors
 /// No period to fit, a law that reproduces none of them, an interrupt before the first point.
 pub fn fit_law(
@@ -52,61 +59,103 @@ pub fn fit_law(
     let seen: Vec<&ContactPeriod> = fitted.iter().filter_map(|place| periods.get(*place)).collect();
     let mut model = first_guess(kind, normal_load, &seen)?;
     let free: Vec<_> = model.parameters().into_iter().filter(|parameter| parameter.free).collect();
-    let whitened = |period: &ContactPeriod| {
-        let factor = period.covariance.clone().cholesky();
-        factor.map(|factor| factor.l()).ok_or_else(|| unfit(kind, "the force has no covariance"))
-    };
-    let factors = seen.iter().map(|period| whitened(period)).collect::<Result<Vec<_>, _>>()?;
     let count: usize = seen.iter().map(|period| period.force.len()).sum();
-    let residual = |values: &[f64], out: &mut [f64]| -> Result<(), IdentificationError> {
-        let mut tried = model.clone();
-        let pairs: Vec<(&str, f64)> =
-            free.iter().map(|p| p.path.as_str()).zip(values.iter().copied()).collect();
-        tried.set_all(&pairs).map_err(|error| unfit(kind, &error.to_string()))?;
-        let mut rest = out;
-        for (period, factor) in seen.iter().zip(&factors) {
-            let force = force_under(&tried, period)?;
-            let off = DVector::from_fn(force.len(), |k, _| force[k] - period.force[k]);
-            let (here, after) = rest.split_at_mut(force.len());
-            let white =
-                factor.solve_lower_triangular(&off).ok_or_else(|| unfit(kind, "a singular covariance"))?;
-            here.copy_from_slice(white.as_slice());
-            rest = after;
+    let mut factors = seen
+        .iter()
+        .map(|period| factor(kind, period.covariance.clone()))
+        .collect::<Result<Vec<_>, IdentificationError>>()?;
+    let mut found = None;
+    for round in 0..ROUNDS {
+        if round > 0 {
+            factors = seen
+                .iter()
+                .map(|period| factor(kind, difference(&model, period)?))
+                .collect::<Result<_, IdentificationError>>()?;
         }
-        Ok(())
-    };
-    let start = |p: &crate::model::ModelParameter| Parameter {
-        start: p.value,
-        lower: p.lower,
-        upper: p.upper,
-        scale: p.scale,
-    };
-    let parameters: Vec<Parameter> = free.iter().map(start).collect();
-    let options = Options {
-        starts: STARTS,
-        difference: Difference::Central,
-        difference_step: STEP,
-        interrupt,
-        ..Options::default()
-    };
-    let found =
-        fit(residual, count, &parameters, &options).map_err(|error| unfit(kind, &error.to_string()))?;
-    let pairs: Vec<(&str, f64)> =
-        free.iter().map(|p| p.path.as_str()).zip(found.parameters.iter().copied()).collect();
-    model.set_all(&pairs).map_err(|error| unfit(kind, &error.to_string()))?;
-    let interval = |k: usize| match found.uncertainty.interval.get(k) {
-        Some(Some(interval)) => [interval.low, interval.high],
-        _ => [f64::NAN; 2],
-    };
-    let told = |(k, p): (usize, &crate::model::ModelParameter)| IdentifiedParameter {
-        name: p.quantity.name,
-        unit: p.quantity.unit,
-        value: found.parameters[k],
-        interval: interval(k),
-    };
-    let parameters = free.iter().enumerate().map(told).collect();
+        let residual = |values: &[f64], out: &mut [f64]| -> Result<(), IdentificationError> {
+            let tried = with(kind, &model, &free, values)?;
+            let mut rest = out;
+            for (period, factor) in seen.iter().zip(&factors) {
+                let force = force_under(&tried, period)?;
+                let off = DVector::from_fn(force.len(), |k, _| force[k] - period.force[k]);
+                let (here, after) = rest.split_at_mut(force.len());
+                let white = factor.solve_lower_triangular(&off);
+                here.copy_from_slice(white.ok_or_else(|| unfit(kind, "a singular covariance"))?.as_slice());
+                rest = after;
+            }
+            Ok(())
+        };
+        let start = |p: &ModelParameter| {
+            let start = model.get(&p.path).unwrap_or(p.value);
+            Parameter { start, lower: p.lower, upper: p.upper, scale: p.scale }
+        };
+        let options = Options {
+            starts: if round == 0 { STARTS } else { 1 },
+            difference: Difference::Central,
+            difference_step: STEP,
+            interrupt,
+            ..Options::default()
+        };
+        let parameters: Vec<Parameter> = free.iter().map(start).collect();
+        let fitted =
+            fit(residual, count, &parameters, &options).map_err(|error| unfit(kind, &error.to_string()))?;
+        model = with(kind, &model, &free, &fitted.parameters)?;
+        found = Some(fitted);
+    }
+    let found = found.ok_or_else(|| unfit(kind, "no round"))?;
+    let parameters = free.iter().enumerate().map(|(k, p)| told(p, k, &found)).collect();
     let errors = periods.iter().map(|period| error_of(&model, period)).collect();
     Ok(IdentifiedLaw { model, parameters, errors })
+}
+
+/// `model` with other values of its `free` parameters.
+fn with(
+    kind: &LawKind,
+    model: &Model,
+    free: &[ModelParameter],
+    values: &[f64],
+) -> Result<Model, IdentificationError> {
+    let mut new = model.clone();
+    let pairs: Vec<(&str, f64)> = free.iter().map(|p| p.path.as_str()).zip(values.iter().copied()).collect();
+    new.set_all(&pairs).map_err(|error| unfit(kind, &error.to_string()))?;
+    Ok(new)
+}
+
+/// Covariance of the law's force under the identified motion less the identified force.
+fn difference(model: &Model, period: &ContactPeriod) -> Result<DMatrix<f64>, IdentificationError> {
+    let map = mapped(model, period)?;
+    let count = period.force.len();
+    let slopes = map.jacobian().rows(0, count).into_owned();
+    let cross = &slopes * &period.cross_covariance;
+    let own = &slopes * &period.displacement_covariance * slopes.transpose();
+    Ok(&period.covariance + own - &cross - cross.transpose())
+}
+
+/// The factor that makes `covariance` white.
+fn factor(kind: &LawKind, mut covariance: DMatrix<f64>) -> Result<DMatrix<f64>, IdentificationError> {
+    // Rounding may not make it indefinite.
+    let floor = ROUNDING * covariance.diagonal().max();
+    (0..covariance.nrows()).for_each(|k| covariance[(k, k)] += floor);
+    let factor = covariance.cholesky().ok_or_else(|| unfit(kind, "the force has no covariance"))?;
+    Ok(factor.l())
+}
+
+/// A fitted parameter. Its interval counts on the errors that the identification tells where the residuals are smaller.
+fn told(parameter: &ModelParameter, k: usize, found: &Fit) -> IdentifiedParameter {
+    let value = found.parameters[k];
+    let squares: f64 = found.residuals.iter().map(|r| r * r).sum();
+    let freedom = found.residuals.len().saturating_sub(found.parameters.len()).max(1) as f64;
+    let wider = (squares / freedom).sqrt().min(1.0).recip();
+    let widened = |end: f64| match parameter.scale {
+        Scale::Logarithmic => value * (end / value).powf(wider),
+        Scale::Linear => value + wider * (end - value),
+    };
+    let bounded = |end: f64| widened(end).clamp(parameter.lower, parameter.upper);
+    let interval = match found.uncertainty.interval.get(k) {
+        Some(Some(interval)) => [bounded(interval.low), bounded(interval.high)],
+        _ => [f64::NAN; 2],
+    };
+    IdentifiedParameter { name: parameter.quantity.name, unit: parameter.quantity.unit, value, interval }
 }
 
 /// Coefficients of the force (N) of a contact that moves as in `period`, as many as were identified.
@@ -114,6 +163,11 @@ pub fn fit_law(
 /// # Errors
 /// A model that is no contact, a law without a periodic state there.
 pub fn force_under(model: &Model, period: &ContactPeriod) -> Result<Vec<f64>, IdentificationError> {
+    Ok(mapped(model, period)?.force()[..period.force.len()].to_vec())
+}
+
+/// The contact of `model` under the motion of `period`.
+fn mapped(model: &Model, period: &ContactPeriod) -> Result<ContactMapping, IdentificationError> {
     let contact = model.contact.ok_or_else(|| IdentificationError("the model has no contact".to_owned()))?;
     let law = model.law().map_err(|error| IdentificationError(error.to_string()))?;
     let law = law.ok_or_else(|| IdentificationError("the model has no contact".to_owned()))?;
@@ -121,7 +175,7 @@ pub fn force_under(model: &Model, period: &ContactPeriod) -> Result<Vec<f64>, Id
     let mut map = ContactMapping::new(set, Method::Exact);
     map.evaluate(law.as_ref(), contact.normal_load, 0.0, period.angular_frequency, &period.displacement)
         .map_err(|error| IdentificationError(error.to_string()))?;
-    Ok(map.force()[..period.force.len()].to_vec())
+    Ok(map)
 }
 
 fn error_of(model: &Model, period: &ContactPeriod) -> Option<f64> {
@@ -161,8 +215,8 @@ fn first_guess(
 fn middle(parameter: &crate::contact::LawParameter, stiffness: f64) -> f64 {
     let (lower, upper, scale) = (parameter.range)(stiffness);
     match scale {
-        crate::vocabulary::Scale::Logarithmic => (lower * upper).sqrt(),
-        crate::vocabulary::Scale::Linear => 0.5 * (lower + upper),
+        Scale::Logarithmic => (lower * upper).sqrt(),
+        Scale::Linear => 0.5 * (lower + upper),
     }
 }
 

@@ -11,6 +11,8 @@ mod catalogue;
 mod contact;
 mod levels;
 mod linear;
+#[cfg(test)]
+mod resonance_tests;
 mod steady;
 #[cfg(test)]
 mod tests;
@@ -36,8 +38,8 @@ pub struct IdentifyOptions<'a> {
     pub sensor_gain: f64,
     /// Of the mass at each sensor (kg).
     pub sensor_mass: f64,
-    /// Modes of the beam, whatever the model keeps; the rest follows statically.
-    pub modes: usize,
+    /// Modes of the beam, the rest following statically; `None` for those of the model, and the rest as it says.
+    pub modes: Option<usize>,
     /// Harmonics at most.
     pub harmonics: usize,
     /// Names of the records that laws are fitted to; the one with the largest motion of the contact if empty.
@@ -54,7 +56,7 @@ impl Default for IdentifyOptions<'_> {
             excitation_gain: 0.01,
             sensor_gain: 0.01,
             sensor_mass: 0.0,
-            modes: 30,
+            modes: Some(30),
             harmonics: 15,
             fitted: Vec::new(),
             normal_load: None,
@@ -155,7 +157,7 @@ pub fn identify(
         contact::identify_contact(&setup, &chosen, options, &mut found)?;
         check_interrupt(options)?;
         catalogue::fit_laws(&setup, model, options, &mut found)?;
-        found.unidentified = unidentified::unidentified(&found, setup.normal_load);
+        found.unidentified = unidentified::unidentified(&found);
     } else {
         found.warnings.push(
             "There is no steady record of the contact: its force was not identified, only resonances."
@@ -217,11 +219,13 @@ impl Setup {
             (changes.cubic_stiffness, changes.quadratic_damping) = (0.0, 0.0);
             changes.hanging_masses.clear();
         }
-        if let Damping::PerMode(ratios) = &mut beam.damping {
-            let last = ratios.last().copied().unwrap_or(0.0);
-            ratios.resize(options.modes, last);
+        if let Some(modes) = options.modes {
+            if let Damping::PerMode(ratios) = &mut beam.damping {
+                let last = ratios.last().copied().unwrap_or(0.0);
+                ratios.resize(modes, last);
+            }
+            (beam.modes, beam.static_correction) = (modes, true);
         }
-        (beam.modes, beam.static_correction) = (options.modes, true);
         Ok(Self { beam, changes, normal_load, warnings })
     }
 }

@@ -3,8 +3,6 @@
 use super::Identification;
 use super::contact::WIDE;
 
-/// A mean force is told where the data halve what is thought of it beforehand.
-const TOLD: f64 = 0.5;
 /// Ends of an interval farther apart than this, as a ratio, tell an order of magnitude alone.
 const VAGUE: f64 = 4.0;
 
@@ -17,15 +15,16 @@ pub struct Unidentified {
     pub reason: String,
 }
 
-pub(super) fn unidentified(found: &Identification, normal_load: f64) -> Vec<Unidentified> {
+pub(super) fn unidentified(found: &Identification) -> Vec<Unidentified> {
     let mut out = vec![Unidentified {
         name: "normal_stiffness",
         reason: "bending moves the contact along the beam alone: nothing measured depends on it".to_owned(),
     }];
     let periods = found.inversion.iter().flat_map(|inversion| &inversion.periods);
-    let (mut means, mut within) = (0, 0);
+    let (mut means, mut within, mut widest) = (0, 0, 0.0_f64);
     for period in periods {
-        means += usize::from(period.covariance[(0, 0)].sqrt() > TOLD * normal_load);
+        means += usize::from(period.force[0] == 0.0);
+        widest = widest.max(WIDE * period.covariance[(0, 0)].sqrt());
         let outside = |h: &usize| {
             let of = |value: &dyn Fn(usize) -> f64| value(2 * h - 1) + value(2 * h);
             of(&|k| period.force[k].powi(2)) > 2.0 * WIDE * of(&|k| period.covariance[(k, k)])
@@ -37,7 +36,8 @@ pub(super) fn unidentified(found: &Identification, normal_load: f64) -> Vec<Unid
         out.push(Unidentified {
             name: "mean_force",
             reason: format!(
-                "accelerometers show no mean; in {means} of {} records the rest does not tell it either",
+                "accelerometers show no mean, and in {means} of {} records none is told by the rest; it was taken as zero, \
+                 and may be up to {widest:.1} N",
                 found.records.len()
             ),
         });

@@ -217,6 +217,7 @@ impl<'p> Bending<'p> {
             angular_frequency: self.motion.angular_frequency,
             velocity: time_derivative(&displacement, 1, self.motion.angular_frequency),
             displacement,
+            cross_covariance: (&derivatives * covariance).columns(own.0, own.1).into_owned(),
             displacement_covariance: &derivatives * covariance * derivatives.transpose(),
             force: force.to_vec(),
             covariance: covariance.view((own.0, own.0), (own.1, own.1)).into_owned(),

@@ -72,6 +72,8 @@ pub struct ContactPeriod {
     pub displacement: Vec<f64>,
     /// Their covariance (m²), all doubts included.
     pub displacement_covariance: DMatrix<f64>,
+    /// Covariance of each of these (rows) with each coefficient of the force (m N).
+    pub cross_covariance: DMatrix<f64>,
     /// Of its velocity (m/s).
     pub velocity: Vec<f64>,
     /// Modal coordinates (m √kg), mode after mode.

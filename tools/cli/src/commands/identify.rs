@@ -48,9 +48,9 @@ pub struct Identify {
     /// Standard deviation of the mass at every sensor (kg)
     #[arg(long, value_name = "MASS", default_value_t = 0.0, value_parser = not_negative)]
     sensor_mass: f64,
-    /// Modes of the beam, whatever the model keeps
-    #[arg(long, value_name = "COUNT", default_value_t = 30, value_parser = clap::value_parser!(u16).range(3..=60))]
-    modes: u16,
+    /// Modes of the beam, the rest following statically; `model` for what the model file says
+    #[arg(long, value_name = "COUNT", default_value = "30")]
+    modes: Modes,
     /// Harmonics at most; fewer where the rest lies within the noise
     #[arg(long, value_name = "COUNT", default_value_t = 15, value_parser = clap::value_parser!(u16).range(1..=60))]
     harmonics: u16,
@@ -65,6 +65,20 @@ pub struct Identify {
     out: Option<PathBuf>,
     #[command(flatten)]
     files: ResultFiles,
+}
+
+/// `--modes`.
+#[derive(Clone, Copy)]
+struct Modes(Option<usize>);
+
+impl std::str::FromStr for Modes {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let count = || text.parse().ok().filter(|count| (3..=60).contains(count)).map(Some);
+        let modes = if text == "model" { Some(None) } else { count() };
+        modes.map(Modes).ok_or_else(|| "a number from 3 to 60, or `model`, is expected".to_owned())
+    }
 }
 
 fn not_negative(text: &str) -> Result<f64, String> {
@@ -113,7 +127,7 @@ impl Identify {
             excitation_gain: self.excitation_gain,
             sensor_gain: self.sensor_gain,
             sensor_mass: self.sensor_mass,
-            modes: self.modes.into(),
+            modes: self.modes.0,
             harmonics: self.harmonics.into(),
             fitted: self.fit.clone(),
             normal_load: self.normal_load,

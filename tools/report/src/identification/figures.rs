@@ -65,8 +65,7 @@ impl IdentificationReport<'_> {
         }
         for (k, (record, period)) in self.periods().enumerate() {
             if let Some(law) = self.best().and_then(|law| under(law, period)) {
-                let stroke = Stroke { note: "law", ..Stroke::solid(palette(k, count)) };
-                lines.push(drawn(k, record, &law, STEPS, stroke));
+                lines.push(drawn(k, record, &law, STEPS, Stroke::solid(palette(k, count))));
             }
         }
         lines
@@ -107,16 +106,18 @@ impl IdentificationReport<'_> {
     pub(super) fn histories(&self) -> Plot {
         let count = self.found.records.len();
         let lines = self.periods().enumerate().map(|(k, (record, period))| {
-            let forces = samples(period, STEPS).into_iter().map(|moment| moment[2]);
+            let largest = period.displacement[2].atan2(period.displacement[1]);
+            let phase = |step: usize| std::f64::consts::TAU * step as f64 / STEPS as f64;
+            let force = |step: usize| period.at((largest + phase(step)) / period.angular_frequency)[2];
             Line {
                 name: self.level_name(k, record),
                 x: (0..=STEPS).map(|step| step as f64 / STEPS as f64).collect(),
-                y: forces.collect(),
+                y: (0..=STEPS).map(force).collect(),
                 stroke: Stroke::solid(palette(k, count)),
             }
         });
         Plot {
-            caption: "Identified force over a period; the table of the records has its intervals.".into(),
+            caption: "Identified force over a period from the largest displacement on; the table of the records has its intervals.".into(),
             half: true,
             x: Axis::new("time over period", "1"),
             panels: vec![Panel { y: Axis::new("force", "N"), lines: lines.collect() }],
