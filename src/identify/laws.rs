@@ -12,8 +12,9 @@ use crate::model::{Contact, Law, Model, ModelParameter, Structure};
 const STARTS: usize = 8;
 /// Fits, each with the covariance of the law before.
 const ROUNDS: usize = 3;
-/// What rounding may take from a variance, as a part of the largest.
-const ROUNDING: f64 = 1e-10;
+/// How close any law follows a contact, as a part of the force's root mean square: a record without noise would otherwise
+/// hold a law to all of the force but its size, which the gains leave open.
+const CLOSE: f64 = 1e-3;
 const STEP: f64 = 1e-4;
 
 /// A law with the parameters that describe the identified contact best.
@@ -62,14 +63,14 @@ pub fn fit_law(
     let count: usize = seen.iter().map(|period| period.force.len()).sum();
     let mut factors = seen
         .iter()
-        .map(|period| factor(kind, period.covariance.clone()))
+        .map(|period| factor(kind, period, period.covariance.clone()))
         .collect::<Result<Vec<_>, IdentificationError>>()?;
     let mut found = None;
     for round in 0..ROUNDS {
         if round > 0 {
             factors = seen
                 .iter()
-                .map(|period| factor(kind, difference(&model, period)?))
+                .map(|period| factor(kind, period, difference(&model, period)?))
                 .collect::<Result<_, IdentificationError>>()?;
         }
         let residual = |values: &[f64], out: &mut [f64]| -> Result<(), IdentificationError> {
@@ -131,11 +132,14 @@ fn difference(model: &Model, period: &ContactPeriod) -> Result<DMatrix<f64>, Ide
     Ok(&period.covariance + own - &cross - cross.transpose())
 }
 
-/// The factor that makes `covariance` white.
-fn factor(kind: &LawKind, mut covariance: DMatrix<f64>) -> Result<DMatrix<f64>, IdentificationError> {
-    // Rounding may not make it indefinite.
-    let floor = ROUNDING * covariance.diagonal().max();
-    (0..covariance.nrows()).for_each(|k| covariance[(k, k)] += floor);
+/// The factor that makes what a law leaves of `period` white.
+fn factor(
+    kind: &LawKind,
+    period: &ContactPeriod,
+    mut covariance: DMatrix<f64>,
+) -> Result<DMatrix<f64>, IdentificationError> {
+    let square = 0.5 * period.force[1..].iter().map(|value| value * value).sum::<f64>();
+    (0..covariance.nrows()).for_each(|k| covariance[(k, k)] += CLOSE * CLOSE * square);
     let factor = covariance.cholesky().ok_or_else(|| unfit(kind, "the force has no covariance"))?;
     Ok(factor.l())
 }

@@ -14,6 +14,7 @@ mod diagnosis;
 mod frf;
 mod friction_damper;
 mod hidden_effects;
+mod identification;
 mod interrupt;
 mod modes;
 mod rig;
