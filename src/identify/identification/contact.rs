@@ -54,22 +54,6 @@ impl ContactPeriod {
         let phase = self.angular_frequency * time;
         [&self.displacement, &self.velocity, &self.force].map(|coefficients| value(coefficients, phase))
     }
-
-    /// The most likely period if the force has no mean; what was known of the mean stays its variance.
-    fn without_mean(&self) -> Self {
-        let (mean, variance) = (self.force[0], self.covariance[(0, 0)]);
-        let [force, cross] = [&self.covariance, &self.cross_covariance].map(|of| of.column(0).into_owned());
-        let mut new = self.clone();
-        new.force.iter_mut().zip(&force).for_each(|(value, by)| *value -= by / variance * mean);
-        new.displacement.iter_mut().zip(&cross).for_each(|(value, by)| *value -= by / variance * mean);
-        new.velocity = time_derivative(&new.displacement, 1, self.angular_frequency);
-        new.covariance -= &force * force.transpose() / variance;
-        new.cross_covariance -= &cross * force.transpose() / variance;
-        new.displacement_covariance -= &cross * cross.transpose() / variance;
-        new.force[0] = 0.0;
-        new.covariance[(0, 0)] = variance;
-        new
-    }
 }
 
 /// Inverts `steady` and fills in what it tells.
@@ -91,12 +75,7 @@ pub(super) fn identify_contact(
     };
     let motions: Vec<SteadyMotion> = steady.iter().map(|record| record.motion.clone()).collect();
     let harmonics = motions[0].excitation.len() / 2;
-    let mut inversion = invert(&modal, &motions, harmonics, &doubts)?;
-    for period in &mut inversion.periods {
-        if period.force[0].abs() < WIDE * period.covariance[(0, 0)].sqrt() {
-            *period = period.without_mean();
-        }
-    }
+    let inversion = invert(&modal, &motions, harmonics, &doubts)?;
     let two = Beam { modes: MODES.min(beam.sensors.len()), ..beam };
     for (record, period) in steady.iter().zip(&inversion.periods) {
         found.records.push(ContactRecord {

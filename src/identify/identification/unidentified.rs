@@ -23,8 +23,9 @@ pub(super) fn unidentified(found: &Identification) -> Vec<Unidentified> {
     let periods = found.inversion.iter().flat_map(|inversion| &inversion.periods);
     let (mut means, mut within, mut widest) = (0, 0, 0.0_f64);
     for period in periods {
-        means += usize::from(period.force[0] == 0.0);
-        widest = widest.max(WIDE * period.covariance[(0, 0)].sqrt());
+        let wide = WIDE * period.covariance[(0, 0)].sqrt();
+        means += usize::from(period.force[0].abs() < wide);
+        widest = widest.max(wide);
         let outside = |h: &usize| {
             let of = |value: &dyn Fn(usize) -> f64| value(2 * h - 1) + value(2 * h);
             of(&|k| period.force[k].powi(2)) > 2.0 * WIDE * of(&|k| period.covariance[(k, k)])
@@ -36,8 +37,8 @@ pub(super) fn unidentified(found: &Identification) -> Vec<Unidentified> {
         out.push(Unidentified {
             name: "mean_force",
             reason: format!(
-                "accelerometers show no mean, and in {means} of {} records none is told by the rest; it was taken as zero, \
-                 and may be up to {widest:.1} N",
+                "accelerometers show no mean, and what it does to the bending leaves zero in its interval in {means} of {} \
+                 records (± {widest:.1} N at most)",
                 found.records.len()
             ),
         });
