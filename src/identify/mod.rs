@@ -25,7 +25,7 @@ mod spectra;
 pub use expansion::{Expansion, expand};
 pub use harmonics::{Harmonics, harmonics};
 pub use identification::{
-    ContactRecord, Identification, IdentifyOptions, Level, LevelSource, LinearRecord, Published,
+    ContactRecord, Identification, IdentifyOptions, Level, LevelSource, LinearRecord, ModeCount, Published,
     Unidentified, identify,
 };
 pub use inversion::{ContactPeriod, Doubts, Inversion, SteadyMotion, invert};

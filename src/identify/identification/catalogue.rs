@@ -4,7 +4,7 @@ use super::{Identification, IdentifyOptions, Setup, check_interrupt};
 use crate::contact::LAWS;
 use crate::effects::Kind;
 use crate::identify::{IdentificationError, IdentifiedLaw, fit_law};
-use crate::model::{Contact, Model};
+use crate::model::{Contact, Model, Structure};
 
 /// Fits all laws and takes the one that predicts best into `model`.
 pub(super) fn fit_laws(
@@ -30,7 +30,9 @@ pub(super) fn fit_laws(
             .warnings
             .push("All levels were fitted: the best law is not checked by a prediction.".to_owned());
     }
-    found.model = found.best.and_then(|best| with_contact(model, &found.laws[best], &mut found.warnings));
+    found.model = found.best.and_then(|best| {
+        with_contact(model, &found.laws[best], found.static_correction, &mut found.warnings)
+    });
     Ok(())
 }
 
@@ -70,7 +72,12 @@ pub(super) fn judged(law: &IdentifiedLaw, fitted: &[usize]) -> f64 {
 }
 
 /// `model` with the contact of `law`. Effects on its contact were not assumed, and go.
-fn with_contact(model: &Model, law: &IdentifiedLaw, warnings: &mut Vec<String>) -> Option<Model> {
+fn with_contact(
+    model: &Model,
+    law: &IdentifiedLaw,
+    static_correction: bool,
+    warnings: &mut Vec<String>,
+) -> Option<Model> {
     let contact = law.model.contact?;
     let mut new = model.clone();
     let normal_stiffness = model.contact.map_or(0.0, |contact| contact.normal_stiffness);
@@ -88,10 +95,10 @@ fn with_contact(model: &Model, law: &IdentifiedLaw, warnings: &mut Vec<String>) 
             gone.join(", ")
         ));
     }
-    if let crate::model::Structure::Beam(beam) = &mut new.structure
-        && model.contact.is_none()
-    {
-        beam.rotational_stiffness = 0.0;
+    if let Structure::Beam(beam) = &mut new.structure {
+        beam.static_correction |= static_correction;
+        // A spring stood for the contact.
+        beam.rotational_stiffness *= if model.contact.is_some() { 1.0 } else { 0.0 };
     }
     Some(new)
 }

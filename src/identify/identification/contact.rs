@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 
 use super::steady::Steady;
-use super::{Identification, IdentifyOptions, Setup};
-use crate::identify::{ContactPeriod, Doubts, IdentificationError, SteadyMotion, expand, invert};
+use super::{Identification, IdentifyOptions, Setup, check_interrupt};
+use crate::identify::{ContactPeriod, Doubts, IdentificationError, Inversion, SteadyMotion, expand, invert};
 use crate::numeric::fourier::{time_derivative, value};
 use crate::system::{Beam, ModalBeam, rotational_stiffness_from_frequency};
 
@@ -12,8 +12,11 @@ use crate::system::{Beam, ModalBeam, rotational_stiffness_from_frequency};
 const MODES: usize = 2;
 /// Standard errors of a 95 % interval.
 pub(super) const WIDE: f64 = 1.96;
-/// Accelerations left unexplained, as a part of the measured ones, and over what noise lets expect, that call for a warning.
-const UNEXPLAINED: f64 = 0.05;
+/// Accelerations left unexplained, over what noise lets expect and as a part of the measured ones, that call for a warning.
+const MISFIT: f64 = 2.0;
+const UNEXPLAINED: f64 = 2e-3;
+/// What remains with a beam that explains the records clearly better than another, over what remains with that.
+const CLEARLY: f64 = 0.97;
 
 /// The contact in one steady record; its period is that of the inversion at the same place.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,9 +66,6 @@ pub(super) fn identify_contact(
     options: &IdentifyOptions,
     found: &mut Identification,
 ) -> Result<(), IdentificationError> {
-    let beam = Beam { sensors: steady[0].positions.clone(), ..setup.beam.clone() };
-    let fail = |error: crate::system::StructureError| IdentificationError(error.to_string());
-    let modal = ModalBeam::with_changes(&beam, &setup.changes).map_err(fail)?;
     let doubts = Doubts {
         excitation_gain: options.excitation_gain,
         sensor_gain: options.sensor_gain,
@@ -75,8 +75,20 @@ pub(super) fn identify_contact(
     };
     let motions: Vec<SteadyMotion> = steady.iter().map(|record| record.motion.clone()).collect();
     let harmonics = motions[0].excitation.len() / 2;
-    let inversion = invert(&modal, &motions, harmonics, &doubts)?;
-    let two = Beam { modes: MODES.min(beam.sensors.len()), ..beam };
+    let mut tried = Vec::new();
+    for (words, beam) in &setup.beams {
+        let beam = Beam { sensors: steady[0].positions.clone(), ..beam.clone() };
+        let modal = ModalBeam::with_changes(&beam, &setup.changes)
+            .map_err(|error| IdentificationError(error.to_string()))?;
+        tried.push((words, beam.static_correction, invert(&modal, &motions, harmonics, &doubts)));
+        check_interrupt(options)?;
+    }
+    let inversion = likeliest(tried, found)?;
+    let two = Beam {
+        modes: MODES.min(steady[0].positions.len()),
+        sensors: steady[0].positions.clone(),
+        ..setup.beam.clone()
+    };
     for (record, period) in steady.iter().zip(&inversion.periods) {
         found.records.push(ContactRecord {
             name: record.name.clone(),
@@ -86,8 +98,17 @@ pub(super) fn identify_contact(
             harmonics: record.shown,
             intervals: intervals(period),
             published: published(setup, &two, record, period),
-            warnings: warnings(period, inversion.misfit),
+            warnings: warnings(period),
         });
+    }
+    let most = inversion.periods.iter().map(|period| period.unexplained).fold(0.0, f64::max);
+    if inversion.misfit > MISFIT && most > UNEXPLAINED {
+        found.warnings.push(format!(
+            "No force at the contact explains {:.2} % of the accelerations, {:.1} times what noise does: the beam’s model \
+             does not fit, and force and laws have errors that no interval shows.",
+            100.0 * most,
+            inversion.misfit
+        ));
     }
     if steady.len() == 1 {
         found.warnings.push(
@@ -97,6 +118,25 @@ pub(super) fn identify_contact(
     }
     found.inversion = Some(inversion);
     Ok(())
+}
+
+/// The inversion that leaves least, the first one if none is clearly better.
+fn likeliest(
+    mut tried: Vec<(&String, bool, Result<Inversion, IdentificationError>)>,
+    found: &mut Identification,
+) -> Result<Inversion, IdentificationError> {
+    let misfit = |result: &Result<Inversion, _>| result.as_ref().map_or(f64::INFINITY, |one| one.misfit);
+    let told: Vec<String> =
+        tried.iter().map(|(words, _, result)| format!("{:.3} with {words}", misfit(result))).collect();
+    let best = (1..tried.len())
+        .fold(0, |best, k| if misfit(&tried[k].2) < CLEARLY * misfit(&tried[best].2) { k } else { best });
+    found.beam = format!(
+        "The beam has {}. What remains of the accelerations, over what their errors let expect: {}.",
+        tried[best].0,
+        told.join(", ")
+    );
+    found.static_correction = tried[best].1;
+    tried.swap_remove(best).2
 }
 
 fn intervals(period: &ContactPeriod) -> [f64; 3] {
@@ -121,19 +161,10 @@ fn published(setup: &Setup, two: &Beam, record: &Steady, period: &ContactPeriod)
     Some(Published { force: found.force, conditioning: found.conditioning, difference })
 }
 
-fn warnings(period: &ContactPeriod, misfit: f64) -> Vec<String> {
-    let mut out = Vec::new();
-    if period.unexplained > UNEXPLAINED && misfit > 2.0 {
-        out.push(format!(
-            "no force at the contact explains {:.1} % of the accelerations: the beam's model does not fit",
-            100.0 * period.unexplained
-        ));
-    }
+fn warnings(period: &ContactPeriod) -> Vec<String> {
     let work = work(period);
-    if work < 0.0 {
-        out.push(format!("the contact gives {:.2e} J a period: phases of the channels do not fit", -work));
-    }
-    out
+    let gives = format!("the contact gives {:.2e} J a period: phases of the channels do not fit", -work);
+    if work < 0.0 { vec![gives] } else { Vec::new() }
 }
 
 /// Energy that the contact takes in a period (J).

@@ -38,8 +38,8 @@ pub struct IdentifyOptions<'a> {
     pub sensor_gain: f64,
     /// Of the mass at each sensor (kg).
     pub sensor_mass: f64,
-    /// Modes of the beam, the rest following statically; `None` for those of the model, and the rest as it says.
-    pub modes: Option<usize>,
+    /// Modes of the beam.
+    pub modes: ModeCount,
     /// Harmonics at most.
     pub harmonics: usize,
     /// Names of the records that laws are fitted to; the one with the largest motion of the contact if empty.
@@ -56,13 +56,24 @@ impl Default for IdentifyOptions<'_> {
             excitation_gain: 0.01,
             sensor_gain: 0.01,
             sensor_mass: 0.0,
-            modes: Some(30),
+            modes: ModeCount::Likelier(30),
             harmonics: 15,
             fitted: Vec::new(),
             normal_load: None,
             interrupt: None,
         }
     }
+}
+
+/// How many modes of the beam move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ModeCount {
+    /// So many, the rest following statically.
+    Fixed(usize),
+    /// As many as the model says, and the rest as it says.
+    Model,
+    /// Whichever of the two leaves less of the accelerations.
+    Likelier(usize),
 }
 
 /// All that records tell of a beam's contact.
@@ -72,6 +83,10 @@ pub struct Identification {
     pub records: Vec<ContactRecord>,
     /// The measuring chain and the contact's motion in these records; `None` without a steady record.
     pub inversion: Option<Inversion>,
+    /// Which beam it was inverted on, and why; empty without one.
+    pub beam: String,
+    /// Whether modes that this beam lacks follow statically; so do those of the new model.
+    pub static_correction: bool,
     /// Laws of the catalogue, in its order.
     pub laws: Vec<IdentifiedLaw>,
     /// Places in `records` of those that laws were fitted to.
@@ -97,6 +112,8 @@ pub struct Identification {
 /// The beam without its contact, and what presses on it.
 struct Setup {
     beam: Beam,
+    /// What to choose the beam of the inversion from, with the words for it.
+    beams: Vec<(String, Beam)>,
     changes: StructureChanges,
     normal_load: f64,
     warnings: Vec<String>,
@@ -141,6 +158,8 @@ pub fn identify(
     let mut found = Identification {
         records: Vec::new(),
         inversion: None,
+        beam: String::new(),
+        static_correction: false,
         laws: Vec::new(),
         fitted: Vec::new(),
         failed_laws: Vec::new(),
@@ -219,13 +238,20 @@ impl Setup {
             (changes.cubic_stiffness, changes.quadratic_damping) = (0.0, 0.0);
             changes.hanging_masses.clear();
         }
-        if let Some(modes) = options.modes {
+        let own = (format!("the {} modes of the model", beam.modes), beam.clone());
+        let many = |modes: usize| {
+            let mut beam = Beam { modes, static_correction: true, ..beam.clone() };
             if let Damping::PerMode(ratios) = &mut beam.damping {
                 let last = ratios.last().copied().unwrap_or(0.0);
                 ratios.resize(modes, last);
             }
-            (beam.modes, beam.static_correction) = (modes, true);
-        }
-        Ok(Self { beam, changes, normal_load, warnings })
+            (format!("{modes} modes, the rest following statically"), beam)
+        };
+        let beams = match options.modes {
+            ModeCount::Fixed(modes) => vec![many(modes)],
+            ModeCount::Model => vec![own],
+            ModeCount::Likelier(modes) => vec![many(modes), own],
+        };
+        Ok(Self { beam: beams[0].1.clone(), beams, changes, normal_load, warnings })
     }
 }

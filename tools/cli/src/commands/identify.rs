@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use stickslip::data::{Dataset, Regime};
-use stickslip::identify::{ContactPeriod, Identification, IdentifyOptions, identify};
+use stickslip::identify::{ContactPeriod, Identification, IdentifyOptions, ModeCount, identify};
 use stickslip::model::Model;
 use stickslip_report::identification::{
     IdentificationReport, identification_html, identification_json, identification_table,
@@ -48,9 +48,10 @@ pub struct Identify {
     /// Standard deviation of the mass at every sensor (kg)
     #[arg(long, value_name = "MASS", default_value_t = 0.0, value_parser = not_negative)]
     sensor_mass: f64,
-    /// Modes of the beam, the rest following statically; `model` for what the model file says
-    #[arg(long, value_name = "COUNT", default_value = "30")]
-    modes: Modes,
+    /// Modes of the beam, the rest following statically, or `model` for what the model file says; whichever of 30 and the
+    /// model file explains the records better if not given
+    #[arg(long, value_name = "COUNT")]
+    modes: Option<Modes>,
     /// Harmonics at most; fewer where the rest lies within the noise
     #[arg(long, value_name = "COUNT", default_value_t = 15, value_parser = clap::value_parser!(u16).range(1..=60))]
     harmonics: u16,
@@ -69,14 +70,14 @@ pub struct Identify {
 
 /// `--modes`.
 #[derive(Clone, Copy)]
-struct Modes(Option<usize>);
+struct Modes(ModeCount);
 
 impl std::str::FromStr for Modes {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let count = || text.parse().ok().filter(|count| (3..=60).contains(count)).map(Some);
-        let modes = if text == "model" { Some(None) } else { count() };
+        let count = || text.parse().ok().filter(|count| (3..=60).contains(count)).map(ModeCount::Fixed);
+        let modes = if text == "model" { Some(ModeCount::Model) } else { count() };
         modes.map(Modes).ok_or_else(|| "a number from 3 to 60, or `model`, is expected".to_owned())
     }
 }
@@ -123,11 +124,12 @@ impl Identify {
 
     /// What the records tell; `None` after an interrupt.
     fn found(&self, model: &Model, dataset: &Dataset) -> Result<Option<Identification>, Failure> {
+        let defaults = IdentifyOptions::default();
         let options = IdentifyOptions {
             excitation_gain: self.excitation_gain,
             sensor_gain: self.sensor_gain,
             sensor_mass: self.sensor_mass,
-            modes: self.modes.0,
+            modes: self.modes.map_or(defaults.modes, |modes| modes.0),
             harmonics: self.harmonics.into(),
             fitted: self.fit.clone(),
             normal_load: self.normal_load,

@@ -256,11 +256,12 @@ fn the_contact_of_a_beam_of_another_make_is_identified() {
     for (name, text) in files::texts(&drawn) {
         fs::write(folder.path().join(name), text).unwrap();
     }
-    let arguments = ["identify", "model.toml", ".", "--modes", "model", "--json", "i.json"];
+    let arguments = ["identify", "model.toml", ".", "--json", "i.json"];
     let output = stickslip(folder.path(), &arguments);
     assert!(output.status.success(), "{}", error(&output));
     let json = read_json(&folder, "i.json");
     assert_eq!(json["best"], "valanis");
+    assert!(json["beam"].as_str().unwrap().contains("the 6 modes of the model."), "{}", json["beam"]);
     let law = json["laws"].as_array().unwrap().iter().find(|law| law["law"] == "valanis").unwrap();
     // 512 samples of 1 % noise at one level: what they tell, and no more.
     let true_model = drawn.true_model().unwrap();

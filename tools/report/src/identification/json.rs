@@ -59,6 +59,7 @@ pub fn identification_json(report: &IdentificationReport) -> Value {
         "best": report.best().map(name_of),
         "unidentified": found.unidentified.iter().map(|one| one.name).collect::<Vec<_>>(),
         "unidentified_reasons": reasons.collect::<Map<_, _>>(),
+        "beam": found.beam,
         "measuring_chain": chain,
         "levels": found.levels.iter().map(level).collect::<Vec<_>>(),
         "linear": found.linear.iter().map(linear).collect::<Vec<_>>(),

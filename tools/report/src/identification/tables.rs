@@ -103,10 +103,7 @@ impl IdentificationReport<'_> {
         for (k, mass) in inversion.sensor_masses.iter().enumerate().filter(|(_, mass)| mass[1] > 0.0) {
             rows.push(row(format!("mass at sensor {}, more by (g)", k + 1), *mass, 1e3));
         }
-        let note = format!(
-            "Sensors are counted from the clamp. What remains of the accelerations is {} times what their errors let expect.",
-            format::significant(inversion.misfit, 2)
-        );
+        let note = format!("Sensors are counted from the clamp. {}", self.found.beam);
         vec![Block::Table(table("Measuring chain", &["", "Value", "±"], rows)), Block::Note(note)]
     }
 
