@@ -4,7 +4,8 @@ use nalgebra::DMatrix;
 
 use super::steady::Steady;
 use super::{Identification, IdentifyOptions, Setup, check_interrupt};
-use crate::identify::{ContactPeriod, Doubts, IdentificationError, Inversion, SteadyMotion, expand, invert};
+use crate::identify::inversion::invert_until;
+use crate::identify::{ContactPeriod, Doubts, IdentificationError, Inversion, SteadyMotion, expand};
 use crate::numeric::fourier::{time_derivative, value};
 use crate::system::{Beam, ModalBeam, rotational_stiffness_from_frequency};
 
@@ -75,12 +76,17 @@ pub(super) fn identify_contact(
     };
     let motions: Vec<SteadyMotion> = steady.iter().map(|record| record.motion.clone()).collect();
     let harmonics = motions[0].excitation.len() / 2;
+    let interrupted = || options.interrupt.is_some_and(|asked| asked());
     let mut tried = Vec::new();
     for (words, beam) in &setup.beams {
         let beam = Beam { sensors: steady[0].positions.clone(), ..beam.clone() };
         let modal = ModalBeam::with_changes(&beam, &setup.changes)
             .map_err(|error| IdentificationError(error.to_string()))?;
-        tried.push((words, beam.static_correction, invert(&modal, &motions, harmonics, &doubts)));
+        tried.push((
+            words,
+            beam.static_correction,
+            invert_until(&modal, &motions, harmonics, &doubts, &interrupted),
+        ));
         check_interrupt(options)?;
     }
     let inversion = likeliest(tried, found)?;

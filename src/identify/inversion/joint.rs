@@ -64,9 +64,12 @@ impl<'p> Joint<'p> {
     }
 
     /// Steps until nothing changes.
-    pub fn settle(&mut self) -> Result<Solved, IdentificationError> {
+    pub fn settle(&mut self, interrupted: &dyn Fn() -> bool) -> Result<Solved, IdentificationError> {
         let mut before = f64::INFINITY;
         for round in 0..ROUNDS {
+            if interrupted() {
+                return Err(IdentificationError("interrupted".to_owned()));
+            }
             let solved = self.solve()?;
             let change = self.take(&solved);
             self.trust = 1.0 / solved.misfit.max(1.0);

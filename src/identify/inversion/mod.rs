@@ -96,6 +96,17 @@ pub fn invert(
     harmonics: usize,
     doubts: &Doubts,
 ) -> Result<Inversion, IdentificationError> {
+    invert_until(beam, motions, harmonics, doubts, &|| false)
+}
+
+/// As [`invert`], ended as soon as `interrupted` says so.
+pub(super) fn invert_until(
+    beam: &ModalBeam,
+    motions: &[SteadyMotion],
+    harmonics: usize,
+    doubts: &Doubts,
+    interrupted: &dyn Fn() -> bool,
+) -> Result<Inversion, IdentificationError> {
     let records: Vec<Bending> =
         motions.iter().map(|motion| Bending::new(beam, motion, harmonics)).collect::<Result<_, _>>()?;
     if records.is_empty() {
@@ -104,8 +115,8 @@ pub fn invert(
     // Before the motion is known roughly, no fault of the measuring chain explains what it does not.
     let certain = Doubts { excitation_gain: 0.0, sensor_gain: 0.0, sensor_mass: 0.0, ..*doubts };
     let mut joint = Joint::new(records, harmonics, &certain);
-    joint.settle()?;
+    joint.settle(interrupted)?;
     joint.spreads = doubts.spreads(beam.sensors.len());
-    let solved = joint.settle()?;
+    let solved = joint.settle(interrupted)?;
     Ok(joint.told(&solved))
 }
