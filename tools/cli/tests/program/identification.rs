@@ -170,9 +170,7 @@ fn table_3_comes_back_through_files_and_becomes_an_fmu() {
         assert!(untold.contains(&"normal_stiffness"), "{untold:?}");
         // Page, text and files say the same.
         let page = fs::read_to_string(folder.path().join("i.html")).unwrap();
-        for expected in
-            ["Force of the contact", "Measuring chain", "Resonance over the amplitude", "normal_stiffness"]
-        {
+        for expected in ["Measuring chain", "Resonance over the amplitude", "normal_stiffness"] {
             assert!(page.contains(expected) && stdout(&output).contains(expected), "{expected}");
         }
         let new = Model::parse(&fs::read_to_string(folder.path().join("new.toml")).unwrap()).unwrap();

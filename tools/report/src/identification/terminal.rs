@@ -1,7 +1,7 @@
 //! An identification as text for a terminal.
 
 use super::IdentificationReport;
-use crate::document::{Block, Table};
+use crate::document::{Block, Section, Table};
 use crate::table::{BOLD, RED, Text};
 
 /// The result, the page's tables and what could not be identified, in lines of at most `width` columns (at least 40 are
@@ -14,7 +14,8 @@ pub fn identification_table(report: &IdentificationReport, width: usize, color: 
     for warning in &document.warnings {
         out.paragraph(warning, RED);
     }
-    for section in &document.sections {
+    let has_text = |section: &&Section| !section.blocks.iter().all(|block| matches!(block, Block::Plots(_)));
+    for section in document.sections.iter().filter(has_text) {
         out.line("");
         out.paragraph(&section.title, BOLD);
         for block in &section.blocks {
