@@ -70,7 +70,8 @@ pub(super) fn linear(setup: &Setup, record: &Record) -> Result<LinearRecord, Str
         .iter()
         .flat_map(|(_, r)| r.frequencies.iter().zip(&r.coherence).filter(|(f, _)| inside(f)).map(|(_, c)| *c))
         .collect();
-    if !(coherence.iter().sum::<f64>() > COHERENCE * coherence.len() as f64) {
+    let mean = coherence.iter().sum::<f64>() / coherence.len().max(1) as f64;
+    if mean.is_nan() || mean <= COHERENCE {
         return Err(
             "the excitation does not explain the motion over a band: it is no record of the linear beam \
                     under random excitation"

@@ -30,7 +30,7 @@ pub(super) fn unidentified(found: &Identification) -> Vec<Unidentified> {
             let of = |value: &dyn Fn(usize) -> f64| value(2 * h - 1) + value(2 * h);
             of(&|k| period.force[k].powi(2)) > 2.0 * WIDE * of(&|k| period.covariance[(k, k)])
         };
-        let last = (1..=period.force.len() / 2).filter(outside).last().unwrap_or(0);
+        let last = (1..=period.force.len() / 2).rfind(outside).unwrap_or(0);
         within = within.max(last);
     }
     if means > 0 {
