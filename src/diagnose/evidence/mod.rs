@@ -1,11 +1,13 @@
 //! One score: the evidence of sets of effects. Records and candidates come in, sets with their probabilities go out.
 //!
-//! A hypothesis is a model with a set of effects, and possibly a `discrepancy` that stands for what the catalogue lacks. Its
-//! `unknown`s have priors in units of the problem (`Assumptions` hold all that decides), the noise is `autoregression` with a
-//! size per record (`measured`). `joint` is the sum of squares of all that is unknown, over `slot`s of one record each and
-//! with what a discrepancy adds (`latent`); `posterior` is its minimum with the volume around it, `probe` what amounts of
-//! each candidate would change to first order, `refined` frees the decided one of the error of the steps in time. `search` grows sets from none, and `neighbours` makes sure of the likely
-//! ones; `weights` makes probabilities of their evidence, `limits` tells what could not have been seen.
+//! A hypothesis is a model with a set of effects, and possibly a `discrepancy` that stands for what the catalogue
+//! lacks. Its `unknown`s have priors in units of the problem (`Assumptions` hold all that decides), the noise is
+//! `autoregression` with a size per record (`measured`). `joint` is the sum of squares of all that is unknown, over
+//! `slot`s of one record each (`starts`: their unknown past) and with what a discrepancy adds (`latent`); `posterior`
+//! is its minimum with the volume around it, `probe` what amounts of each candidate would change to first order,
+//! `refined` frees the decided one of the error of the steps in time. `search` grows sets from none, and `neighbours`
+//! makes sure of the likely ones; `weights` makes probabilities of their evidence, `limits` tells what could not have
+//! been seen.
 
 mod autoregression;
 mod discrepancy;
@@ -19,6 +21,7 @@ mod probe;
 mod refined;
 mod search;
 mod slot;
+mod starts;
 mod unknown;
 mod weights;
 
