@@ -42,5 +42,6 @@ fn the_measured_friction_damper_lacks_backlash_and_something_unknown() {
         error("untouched") < 0.75 * error("untouched_refitted")
             && error("untouched") < 0.5 * error("baseline")
     );
-    assert!(json["error"]["noise_floor"].is_null(), "nothing tells the noise of these records");
+    // The cycles that each record repeats tell its noise: what is left is far more.
+    assert!((0.0..0.5 * error("final")).contains(&error("noise_floor")), "{}", error("noise_floor"));
 }
