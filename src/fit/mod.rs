@@ -3,7 +3,7 @@
 //! - [`predict`]: a model and a record come in, what the sensors would show comes out.
 //! - [`least_squares`]: bounded fits with intervals, of anything that has residuals.
 //! - [`compare`]: a model against a dataset, before and after its free parameters are fitted.
-//! - [`residual`]: what is left, over what it may depend on, and what that may come from.
+//! - [`residual`]: the residual, over what it may depend on, and what that may come from.
 
 pub mod compare;
 pub mod least_squares;

@@ -3,7 +3,6 @@
 use rayon::prelude::*;
 
 use super::discrepancy::{self, Discrepancy};
-use super::latent::Latent;
 use super::measured::Measured;
 use super::posterior::{Posterior, Start, fit, screen};
 use super::probe::{self, Prepared, Probe};
@@ -242,9 +241,7 @@ impl Search<'_, '_, '_> {
 
     /// Fits a set that was looked at.
     pub(super) fn finish(&self, set: &mut Set) {
-        let Posterior { model, unknowns, y, .. } = &set.posterior;
-        let start = Start { model, unknowns, y };
-        if let Ok(whole) = fit(self.data, &start, &Latent::default(), None) {
+        if let Ok(whole) = super::again(self.data, &set.posterior) {
             set.posterior = whole;
             set.screened = false;
         }
@@ -286,9 +283,7 @@ impl Search<'_, '_, '_> {
         if evidence(with) <= evidence(set) {
             return None;
         }
-        let Posterior { model, unknowns, y, .. } = &with.posterior;
-        let start = Start { model, unknowns, y: &y[..unknowns.len()] };
-        let found = fit(self.data, &start, &Latent::default(), None).ok()?;
+        let found = super::again(self.data, &with.posterior).ok()?;
         (found.log_evidence > evidence(set)).then_some(found)
     }
 

@@ -41,7 +41,7 @@ pub(super) struct Solved {
     covariance: DMatrix<f64>,
     /// Of the scaled unknowns.
     curvature: DMatrix<f64>,
-    /// What is left of each record, over the errors told; root mean square in all.
+    /// The residual of each record, over the errors told; root mean square in all.
     left: Vec<DVector<f64>>,
     misfit: f64,
 }

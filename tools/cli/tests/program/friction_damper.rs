@@ -42,6 +42,6 @@ fn the_measured_friction_damper_lacks_backlash_and_something_unknown() {
         error("untouched") < 0.75 * error("untouched_refitted")
             && error("untouched") < 0.5 * error("baseline")
     );
-    // The cycles that each record repeats tell its noise: what is left is far more.
+    // The cycles that each record repeats tell its noise: the residual is far more.
     assert!((0.0..0.5 * error("final")).contains(&error("noise_floor")), "{}", error("noise_floor"));
 }

@@ -91,7 +91,7 @@ pub fn told(diagnosis: &Diagnosis) -> Vec<String> {
     let mut shapes: Vec<&Shape> = diagnosis.residual.shapes.iter().filter(|one| one.fraction > 0.0).collect();
     shapes.sort_by(|a, b| b.fraction.total_cmp(&a.fraction));
     let one = |shape: &&Shape| {
-        format!("`{}` against {}: {} of what is left there", shape.channel, shape.against, fraction(shape))
+        format!("`{}` against {}: {} of the residual there", shape.channel, shape.against, fraction(shape))
     };
     let mut all: Vec<String> = shapes.iter().take(TOLD).map(one).collect();
     if all.is_empty() {
