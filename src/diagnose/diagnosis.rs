@@ -1,7 +1,7 @@
 //! The result of a diagnosis, as data for tables, JSON and reports.
 
 use crate::data::Use;
-use crate::fit::compare::Comparison;
+use crate::fit::compare::{Comparison, Skipped};
 use crate::fit::residual::Appearance;
 use crate::model::Model;
 
@@ -57,6 +57,8 @@ pub struct Diagnosis {
     pub split: Vec<Use>,
     /// Standard deviations of the noise, per record and compared channel.
     pub noise: Vec<Noise>,
+    /// Records of the dataset that could not be solved: everything else here is of the others.
+    pub skipped: Vec<Skipped>,
     /// Baseline, refitted, and one stage per added effect, with all predictions.
     pub comparison: Comparison,
     /// The model of the last stage.

@@ -11,6 +11,7 @@ use super::measurements::noise::{self, noise_of};
 use super::measurements::split;
 use super::measurements::weighted_dataset::WeightedDataset;
 use super::measurements::{beginnings, inputs, magnitudes, thinned};
+use super::solvable;
 use super::stage::stage;
 use super::verdict::{self, Context, Decision};
 use crate::data::Dataset;
@@ -88,10 +89,11 @@ pub struct Added {
 /// Sets of effects of the catalogue, and a discrepancy that stands for what the catalogue lacks, are fitted to the training
 /// records by the full simulator, jointly with the whole model; the evidence of each, that of a likelihood with coloured
 /// noise, gives its probability, and the probabilities give the verdict. The test records are read once, after the
-/// decision: they may take a verdict back, and never choose one.
+/// decision: they may take a verdict back, and never choose one. Records that cannot be solved are left out, and named in
+/// [`Diagnosis::skipped`].
 ///
 /// # Errors
-/// [`DiagnoseError`]: an unknown effect, a model without a free parameter, records that cannot be predicted.
+/// [`DiagnoseError`]: an unknown effect, a model without a free parameter, no record that can be predicted.
 ///
 /// ```
 /// use stickslip::prelude::*;
@@ -122,6 +124,18 @@ pub fn diagnose(
     for id in options.effects.iter().flatten() {
         crate::effects::find(id).ok_or_else(|| DiagnoseError::UnknownEffect(id.clone()))?;
     }
+    let attempt = |dataset: &Dataset| diagnosis(model, dataset, options, watch);
+    let (found, skipped) = solvable::of(model, dataset, attempt)?;
+    Ok(Diagnosis { skipped, ..found })
+}
+
+/// The diagnosis by all records of `dataset`.
+fn diagnosis(
+    model: &Model,
+    dataset: &Dataset,
+    options: &DiagnoseOptions,
+    watch: DiagnoseWatch,
+) -> Result<Diagnosis, DiagnoseError> {
     let baseline = evaluate("as given", model, dataset);
     // The search makes hundreds of fits.
     let thinned = thinned::of(model, dataset);
@@ -250,11 +264,25 @@ fn unpredictable(bench: &WeightedDataset, model: &Model, reason: String) -> Diag
 }
 
 /// Adds `effect` at `location` to `model` from all its starts, refits all together to the records that a fit
-/// may see, and evaluates before and after.
+/// may see, and evaluates before and after. A record that cannot be solved is left out, and the stages say why.
 ///
 /// # Errors
 /// As [`diagnose`].
 pub fn add(
+    model: &Model,
+    effect: &'static Effect,
+    location: Option<Location>,
+    dataset: &Dataset,
+    watch: DiagnoseWatch,
+) -> Result<Added, DiagnoseError> {
+    let attempt = |dataset: &Dataset| added(model, effect, location.clone(), dataset, watch);
+    let (mut found, skipped) = solvable::of(model, dataset, attempt)?;
+    found.stages.iter_mut().for_each(|stage| solvable::tell(stage, dataset, &skipped));
+    Ok(found)
+}
+
+/// The same by all records of `dataset`.
+fn added(
     model: &Model,
     effect: &'static Effect,
     location: Option<Location>,

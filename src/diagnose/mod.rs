@@ -11,6 +11,7 @@ mod engine;
 mod evidence;
 mod features;
 mod measurements;
+mod solvable;
 mod stage;
 mod verdict;
 
@@ -23,7 +24,7 @@ pub use engine::{Added, DiagnoseError, DiagnoseHook, DiagnoseOptions, DiagnoseWa
 pub use measurements::noise::noise_of;
 
 pub use crate::fit::compare::{
-    ChannelResult, Comparison, Parameter, RecordResult, Refit, RefitError, Stage, StepGain, Watch, evaluate,
-    refit,
+    ChannelResult, Comparison, Parameter, RecordResult, Refit, RefitError, Skipped, Stage, StepGain, Watch,
+    evaluate, refit,
 };
 pub use crate::fit::predict::unused_columns;

@@ -9,3 +9,4 @@ mod few_points;
 mod laws;
 mod noise;
 mod oscillator;
+mod skipped;

@@ -138,6 +138,15 @@ pub struct RecordResult {
     pub failure: Option<String>,
 }
 
+/// A record that a fit or a diagnosis left out because it could not be solved.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Skipped {
+    /// Its name in the dataset.
+    pub record: String,
+    /// What the solver said.
+    pub reason: String,
+}
+
 /// One channel as a stage predicts it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelResult {

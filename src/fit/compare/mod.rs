@@ -45,7 +45,7 @@ mod nested;
 mod refit;
 mod score;
 
-pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Stage, StepGain};
+pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Skipped, Stage, StepGain};
 pub use refit::{Refit, RefitError, Watch, refit};
 
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! Refits the free parameters of a model to a dataset.
 
-use super::{Stage, evaluate, score};
+use super::{Skipped, Stage, evaluate, score};
 use crate::data::{Dataset, Record, Use};
 use crate::fit::least_squares::fit_reviving;
 use crate::fit::{self, Ending, FitError, InterruptHook, Options, ProgressHook};
@@ -31,7 +31,7 @@ pub enum RefitError {
     /// Every record is kept for selecting or confirming.
     #[error("no record is used in the fit; mark one `use = \"fit\"`, or remove all marks")]
     NothingToFit,
-    /// A record cannot be predicted even with the parameters as they stand.
+    /// None of the records can be predicted with the parameters as they stand; this is the first.
     #[error("`{record}` cannot be predicted: {reason}")]
     Unpredictable {
         /// Its name in the dataset.
@@ -55,6 +55,8 @@ pub struct Refit {
     pub ending: Ending,
     /// Paths of free parameters on which none of the fitted records depends; they stay where they started.
     pub unseen: Vec<String>,
+    /// The records that a fit may see but that the model as it stood does not predict: they are left out of the fit.
+    pub skipped: Vec<Skipped>,
 }
 
 /// The records a fit may see: those marked `use = "fit"`, or where none is so marked those without a mark.
@@ -67,7 +69,8 @@ fn fitted(dataset: &Dataset) -> Vec<&Record> {
 /// Fits the model's free parameters to the dataset and evaluates the result.
 ///
 /// Fitted to the records marked `use = "fit"`, where none is so marked to those without a mark. The
-/// residual is the error that [`Stage::error`] reports, over these records alone.
+/// residual is the error that [`Stage::error`] reports, over these records alone. A record that the model as it stands
+/// does not predict is left out of the fit, and named.
 ///
 /// # Errors
 /// [`RefitError`].
@@ -108,16 +111,7 @@ pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Resu
     if free.is_empty() {
         return Err(RefitError::NothingFree);
     }
-    let fitted = fitted(dataset);
-    if fitted.is_empty() {
-        return Err(RefitError::NothingToFit);
-    }
-    let mut count = 0;
-    for &record in &fitted {
-        count += score::normalised_residual(model, record)
-            .map_err(|reason| RefitError::Unpredictable { record: record.name.clone(), reason })?
-            .len();
-    }
+    let Predicted { records: fitted, values: count, skipped } = predicted(model, fitted(dataset))?;
     let with = |values: &[f64]| -> Result<Model, String> {
         let mut trial = model.clone();
         let pairs: Vec<_> =
@@ -154,5 +148,34 @@ pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Resu
         parameter.fitted_from = free.iter().find(|free| free.path == parameter.path).map(|free| free.value);
     }
     let unseen = unseen.into_iter().map(|index| free[index].path.clone()).collect();
-    Ok(Refit { model: best, stage, ending: fit.ending, unseen })
+    Ok(Refit { model: best, stage, ending: fit.ending, unseen, skipped })
+}
+
+/// The records that a model predicts, and the others.
+struct Predicted<'d> {
+    records: Vec<&'d Record>,
+    /// Values in them.
+    values: usize,
+    skipped: Vec<Skipped>,
+}
+
+/// Those of `records` that `model` predicts as it stands: at least one.
+fn predicted<'d>(model: &Model, records: Vec<&'d Record>) -> Result<Predicted<'d>, RefitError> {
+    let mut found = Predicted { records: Vec::new(), values: 0, skipped: Vec::new() };
+    for record in records {
+        match score::normalised_residual(model, record) {
+            Ok(residual) => {
+                found.values += residual.len();
+                found.records.push(record);
+            }
+            Err(reason) => found.skipped.push(Skipped { record: record.name.clone(), reason }),
+        }
+    }
+    match found.skipped.first() {
+        Some(Skipped { record, reason }) if found.records.is_empty() => {
+            Err(RefitError::Unpredictable { record: record.clone(), reason: reason.clone() })
+        }
+        None if found.records.is_empty() => Err(RefitError::NothingToFit),
+        _ => Ok(found),
+    }
 }

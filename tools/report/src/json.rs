@@ -12,6 +12,7 @@ use crate::{floors, summary, tables};
 /// ```json
 /// {"schema": "stickslip.comparison/1", "title": "...", "verdict": "...",
 ///  "error": {"baseline": 0.41, "refitted": 0.38},
+///  "skipped": [{"file": "open.csv", "reason": "..."}],
 ///  "rms": {"channel": "frequency", "unit": "Hz", "baseline": 1.8, "refitted": 0.1},
 ///  "stages": [{"name": "baseline", "error": 0.41, "evaluations": 0,
 ///    "parameters": {"contact.normal_load": {"value": 162.0, "unit": "N", "fitted_from": null}},
@@ -24,10 +25,14 @@ use crate::{floors, summary, tables};
 ///
 /// `refitted` is the last stage. Units are SI (Hz for frequencies). Numbers that are not finite, and
 /// errors of records without a prediction, are `null`. `rms` is over the records that every stage
-/// predicts, and `null` where the records do not all share one channel.
+/// predicts, and `null` where the records do not all share one channel. `error` is over the same records; the others are in
+/// `skipped`.
 pub fn json(comparison: &Comparison, noise: &[Noise]) -> Value {
     let summary = summary::summarise(comparison);
-    let (first, last) = (comparison.stages.first(), comparison.stages.last());
+    let skipped = summary
+        .skipped
+        .iter()
+        .map(|(record, reason)| json!({ "file": comparison.records[*record].name, "reason": reason }));
     let rms = summary.common.as_ref().map(|common| {
         json!({
             "channel": common.name, "unit": common.unit,
@@ -39,7 +44,8 @@ pub fn json(comparison: &Comparison, noise: &[Noise]) -> Value {
         "title": comparison.title,
         "verdict": summary.verdict.replace('\u{a0}', " "),
         "notes": summary.notes.iter().map(|note| note.replace('\u{a0}', " ")).collect::<Vec<_>>(),
-        "error": { "baseline": first.map(|stage| stage.error), "refitted": last.map(|stage| stage.error),
+        "skipped": skipped.collect::<Vec<_>>(),
+        "error": { "baseline": summary.normalised.first(), "refitted": summary.normalised.last(),
             "noise_floor": floors::total(comparison, noise) },
         "rms": rms,
         "stages": comparison.stages.iter().map(|one| stage(comparison, one)).collect::<Vec<_>>(),

@@ -19,11 +19,15 @@ pub struct Summary {
     pub verdict: String,
     /// What a reader must know beside it: failures, a better stage in between.
     pub notes: Vec<String>,
+    /// Index and reason of every record that a stage does not predict: it counts in no error here.
+    pub skipped: Vec<(usize, String)>,
     /// The channel that all records share, if there is just one.
     pub common: Option<CommonChannel>,
     /// Error of each stage over the records that every stage predicts, so that the numbers can be
     /// compared: RMS over samples in the common channel's unit (SI) where there is one, else normalised.
     pub errors: Vec<f64>,
+    /// Normalised error of each stage over the same records.
+    pub normalised: Vec<f64>,
     /// How `errors` are printed.
     pub scale: Scale,
 }
@@ -217,14 +221,19 @@ pub fn summarise(comparison: &Comparison) -> Summary {
     let shared = (0..total).filter(|&record| predicted(record)).count();
     // With no record in common each stage stands for itself; the verdict then says so.
     let included = |record: usize| shared == 0 || predicted(record);
-    let error = |stage: &Stage| match common {
-        Some(_) => pooled_rms(stage, included),
-        None if shared == total => stage.error,
-        None => pooled_error(stage, included),
+    let normalised = |stage: &Stage| match shared {
+        all if all == total => stage.error,
+        _ => pooled_error(stage, included),
     };
-    let errors: Vec<f64> = comparison.stages.iter().map(error).collect();
+    let normalised: Vec<f64> = comparison.stages.iter().map(normalised).collect();
+    let errors = match common {
+        Some(_) => comparison.stages.iter().map(|stage| pooled_rms(stage, included)).collect(),
+        None => normalised.clone(),
+    };
     let scale = Scale::of(errors.iter().copied(), common.as_ref().map_or("1", |common| common.unit));
-    let mut summary = Summary { verdict: String::new(), notes: Vec::new(), common, errors, scale };
+    let skipped = skipped(comparison);
+    let mut summary =
+        Summary { verdict: String::new(), notes: Vec::new(), skipped, common, errors, normalised, scale };
     for stage in &comparison.stages {
         let missing = (0..total).filter(|&record| failure(stage, record).is_some()).count();
         if missing > 0 {
@@ -232,8 +241,18 @@ pub fn summarise(comparison: &Comparison) -> Summary {
             summary.notes.push(format!("“{}” has no prediction for {missing} of {records}.", stage.name));
         }
     }
+    for (record, reason) in &summary.skipped {
+        summary.notes.push(format!("{} is skipped: {reason}.", comparison.records[*record].name));
+    }
     verdict(comparison, shared, &mut summary);
     summary
+}
+
+/// The records that a stage does not predict, with the reason of the first such stage.
+fn skipped(comparison: &Comparison) -> Vec<(usize, String)> {
+    let reason = |record| comparison.stages.iter().find_map(|stage| failure(stage, record));
+    let skipped = |record| Some((record, reason(record)?.to_owned()));
+    (0..comparison.records.len()).filter_map(skipped).collect()
 }
 
 fn verdict(comparison: &Comparison, shared: usize, summary: &mut Summary) {

@@ -59,6 +59,8 @@ pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
             .map(|one| json!({ "effect": one.effect, "seen": one.seen, "otherwise": one.otherwise }))
             .collect::<Vec<_>>(),
         "residual": super::residual::to_json(diagnosis),
+        "skipped": diagnosis.skipped.iter()
+            .map(|one| json!({ "file": one.record, "reason": one.reason })).collect::<Vec<_>>(),
         "split": split(diagnosis),
         "noise": noise(diagnosis),
         "stages": diagnosis.comparison.stages.iter().map(stage).collect::<Vec<_>>(),

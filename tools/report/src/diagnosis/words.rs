@@ -1,6 +1,6 @@
 //! A diagnosis in sentences for an engineer.
 
-use stickslip::diagnose::{Candidate, Diagnosis, Estimate, NoiseSource, Verdict};
+use stickslip::diagnose::{Candidate, Diagnosis, Estimate, NoiseSource, Skipped, Verdict};
 use stickslip::effects;
 
 use super::Run;
@@ -191,6 +191,8 @@ pub fn warnings(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
     if run.interrupted {
         all.push("Interrupted: these are the results so far.".to_owned());
     }
+    let skipped = |one: &Skipped| format!("{} is skipped: {}.", one.record, one.reason);
+    all.extend(diagnosis.skipped.iter().map(skipped));
     let (samples, fitted) = (diagnosis.cost.samples, diagnosis.cost.fitted_samples);
     if fitted < samples {
         all.push(format!(

@@ -280,6 +280,19 @@ fn a_failure_is_shown_with_its_reason_everywhere() {
     let record = &json["stages"][1]["records"][1];
     assert!(record["failure"].as_str().unwrap().contains(reason));
     assert!(record["error"].is_null());
+    // In the headline, and in no error.
+    let [skipped] = &json["skipped"].as_array().unwrap()[..] else { panic!("{}", json["skipped"]) };
+    assert_eq!(skipped["file"].as_str(), Some(comparison.records[1].name.as_str()));
+    assert!(skipped["reason"].as_str().unwrap().contains(reason));
+    let notes: Vec<&str> =
+        json["notes"].as_array().unwrap().iter().filter_map(|note| note.as_str()).collect();
+    assert!(
+        notes.iter().any(|note| note.contains(&comparison.records[1].name) && note.contains(reason)),
+        "{notes:?}"
+    );
+    let over_the_others = json["error"]["refitted"].as_f64().unwrap();
+    let first = &comparison.stages[1].records[0];
+    assert!((over_the_others - first.error).abs() < 1e-12);
 }
 
 #[test]

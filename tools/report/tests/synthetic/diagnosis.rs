@@ -202,6 +202,7 @@ fn of(comparison: Comparison) -> Diagnosis {
         residual: comparison.stages.last().map(|stage| appearance(&comparison.records, stage)).unwrap_or_default(),
         next_experiment: None,
         split,
+        skipped: vec![],
         noise: (0..records)
             .map(|record| Noise {
                 record,
