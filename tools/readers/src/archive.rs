@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::{Component, Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use tempfile::TempDir;
 use thiserror::Error;
@@ -78,9 +78,25 @@ pub struct Unpacked(TempDir);
 /// The folders that are there now.
 static UNPACKED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
+/// With this the names of such folders begin.
+pub const PREFIX: &str = "stickslip-";
+
+type Watcher = Box<dyn Fn(&Path) + Send + Sync>;
+
+static WATCHER: OnceLock<Watcher> = OnceLock::new();
+
+/// Tells `watcher` of every folder that an archive is going to be unpacked to, for somebody who removes it when this
+/// process cannot. The first watcher stays.
+pub fn watch(watcher: impl Fn(&Path) + Send + Sync + 'static) {
+    let _ = WATCHER.set(Box::new(watcher));
+}
+
 impl Unpacked {
     fn new() -> io::Result<Self> {
-        let folder = tempfile::Builder::new().prefix("stickslip-").tempdir()?;
+        let folder = tempfile::Builder::new().prefix(PREFIX).tempdir()?;
+        if let Some(watcher) = WATCHER.get() {
+            watcher(folder.path());
+        }
         UNPACKED.lock().unwrap_or_else(PoisonError::into_inner).insert(folder.path().to_owned());
         Ok(Self(folder))
     }

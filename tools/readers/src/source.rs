@@ -16,12 +16,27 @@ pub(crate) struct Source {
 
 impl Source {
     pub(crate) fn read(path: &Path) -> Result<Self, InputError> {
-        let bytes = std::fs::read(path).map_err(|error| InputError {
-            path: path.to_owned(),
-            excerpt: None,
-            problem: Box::new(Problem::Unreadable { what: "the file".to_owned(), reason: error.to_string() }),
-        })?;
-        Source::from_bytes(path, bytes)
+        Source::from_bytes(path, bytes_of(path)?)
+    }
+
+    /// An XML file, which may be UTF-16 too.
+    pub(crate) fn read_xml(path: &Path) -> Result<Self, InputError> {
+        Source::from_xml_bytes(path, bytes_of(path)?)
+    }
+
+    /// As [`Source::read_xml`], of its bytes.
+    pub(crate) fn from_xml_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, InputError> {
+        let unit: fn([u8; 2]) -> u16 = match bytes[..] {
+            [0xff, 0xfe, ..] => u16::from_le_bytes,
+            [0xfe, 0xff, ..] => u16::from_be_bytes,
+            _ => return Source::from_bytes(path, bytes),
+        };
+        let (pairs, odd) = bytes[2..].as_chunks();
+        let text = char::decode_utf16(pairs.iter().map(|pair| unit(*pair))).collect::<Result<String, _>>();
+        match text {
+            Ok(text) if odd.is_empty() => Ok(Source { path: path.to_owned(), text }),
+            _ => Source::from_bytes(path, bytes),
+        }
     }
 
     pub(crate) fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, InputError> {
@@ -62,6 +77,14 @@ impl Source {
     pub(crate) fn document_error(&self, error: DocumentError) -> InputError {
         self.error(error.span.clone().unwrap_or(0..0), Problem::Document(error))
     }
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>, InputError> {
+    std::fs::read(path).map_err(|error| InputError {
+        path: path.to_owned(),
+        excerpt: None,
+        problem: Box::new(Problem::Unreadable { what: "the file".to_owned(), reason: error.to_string() }),
+    })
 }
 
 fn not_utf8(path: &Path, bytes: &[u8], wrong: usize) -> InputError {

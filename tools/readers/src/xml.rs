@@ -4,9 +4,11 @@ use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use quick_xml::events::{BytesStart, Event};
-use quick_xml::{Reader, XmlVersion};
+use quick_xml::name::ResolveResult;
+use quick_xml::{NsReader, XmlVersion};
 use thiserror::Error;
 
 use crate::error::{InputError, Problem};
@@ -70,6 +72,7 @@ pub struct XmlFile {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Element {
     name: String,
+    namespace: Option<Arc<str>>,
     attributes: Vec<(String, String)>,
     children: Vec<Element>,
     span: Range<usize>,
@@ -82,9 +85,9 @@ impl XmlFile {
     /// Reads the file at `path`.
     ///
     /// # Errors
-    /// A file that cannot be read, is not UTF-8, or not well-formed.
+    /// A file that cannot be read, is neither UTF-8 nor UTF-16, or not well-formed.
     pub fn read(path: &Path) -> Result<Self, InputError> {
-        Self::parse(Source::read(path)?)
+        Self::parse(Source::read_xml(path)?)
     }
 
     /// Parses `bytes`, which errors call `path`.
@@ -92,7 +95,7 @@ impl XmlFile {
     /// # Errors
     /// As [`XmlFile::read`].
     pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, InputError> {
-        Self::parse(Source::from_bytes(path, bytes)?)
+        Self::parse(Source::from_xml_bytes(path, bytes)?)
     }
 
     fn parse(source: Source) -> Result<Self, InputError> {
@@ -223,9 +226,19 @@ impl Numeric for u32 {
 }
 
 impl Element {
+    /// What the elements of a file are in.
+    fn of_file() -> Self {
+        Self { name: String::new(), namespace: None, attributes: vec![], children: vec![], span: 0..0 }
+    }
+
     /// Its name.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// The URI of its namespace, if it has one.
+    pub fn namespace(&self) -> Option<&str> {
+        self.namespace.as_deref()
     }
 
     /// The value of an attribute.
@@ -262,27 +275,28 @@ impl fmt::Display for Element {
 
 /// The root of `text`; errors with the byte they are about.
 fn tree(text: &str) -> Result<Element, (usize, XmlProblem)> {
-    let mut reader = Reader::from_str(text);
+    let mut reader = NsReader::from_str(text);
+    let mut namespaces = Namespaces::default();
     // Elements that have begun and not ended; the first stands for the file.
-    let mut open = vec![Element { name: String::new(), attributes: vec![], children: vec![], span: 0..0 }];
+    let mut open = vec![Element::of_file()];
     loop {
         let start = position(reader.buffer_position(), text);
         let malformed = |reason: String| (start, XmlProblem::Malformed(reason));
-        match reader.read_event().map_err(|error| {
+        let read = reader.read_event().map_err(|error| {
             (position(reader.error_position(), text), XmlProblem::Malformed(error.to_string()))
-        })? {
-            Event::Start(tag) => {
-                let end = position(reader.buffer_position(), text);
-                open.push(element(&tag, start..end).map_err(malformed)?);
+        })?;
+        let end = position(reader.buffer_position(), text);
+        let empty = matches!(read, Event::Empty(_));
+        match read {
+            Event::Start(tag) | Event::Empty(tag) => {
+                let namespace = namespaces.shared(reader.resolver().resolve_element(tag.name()).0);
+                let element = element(&tag, namespace, start..end).map_err(malformed)?;
+                match open.last_mut() {
+                    Some(parent) if empty => parent.children.push(element),
+                    _ => open.push(element),
+                }
                 if open.len() > DEEPEST {
                     return Err((start, XmlProblem::TooDeep(DEEPEST)));
-                }
-            }
-            Event::Empty(tag) => {
-                let end = position(reader.buffer_position(), text);
-                let element = element(&tag, start..end).map_err(malformed)?;
-                if let Some(parent) = open.last_mut() {
-                    parent.children.push(element);
                 }
             }
             // The reader has checked that it closes what is open.
@@ -297,7 +311,11 @@ fn tree(text: &str) -> Result<Element, (usize, XmlProblem)> {
             _ => {}
         }
     }
-    let end = text.len();
+    lone_root(open, text.len())
+}
+
+/// The root element, which alone is `open` at the end of the file.
+fn lone_root(mut open: Vec<Element>, end: usize) -> Result<Element, (usize, XmlProblem)> {
     match open.pop() {
         Some(mut file) if open.is_empty() => match (file.children.pop(), file.children.is_empty()) {
             (Some(root), true) => Ok(root),
@@ -316,7 +334,24 @@ fn position(offset: u64, text: &str) -> usize {
     usize::try_from(offset).unwrap_or(usize::MAX).min(text.len())
 }
 
-fn element(tag: &BytesStart<'_>, span: Range<usize>) -> Result<Element, String> {
+/// Namespaces of a file, each kept once.
+#[derive(Default)]
+struct Namespaces(Vec<Arc<str>>);
+
+impl Namespaces {
+    fn shared(&mut self, found: ResolveResult<'_>) -> Option<Arc<str>> {
+        let ResolveResult::Bound(namespace) = found else { return None };
+        let uri = namespace.as_ref();
+        if let Some(known) = self.0.iter().find(|known| &***known == uri) {
+            return Some(Arc::clone(known));
+        }
+        let new: Arc<str> = Arc::from(uri);
+        self.0.push(Arc::clone(&new));
+        Some(new)
+    }
+}
+
+fn element(tag: &BytesStart<'_>, namespace: Option<Arc<str>>, span: Range<usize>) -> Result<Element, String> {
     let attributes = tag
         .attributes()
         .map(|attribute| {
@@ -326,7 +361,8 @@ fn element(tag: &BytesStart<'_>, span: Range<usize>) -> Result<Element, String> 
             Ok((attribute.key.local_name().as_ref().to_owned(), value.into_owned()))
         })
         .collect::<Result<_, String>>()?;
-    Ok(Element { name: tag.local_name().as_ref().to_owned(), attributes, children: Vec::new(), span })
+    let name = tag.local_name().as_ref().to_owned();
+    Ok(Element { name, namespace, attributes, children: Vec::new(), span })
 }
 
 #[cfg(test)]

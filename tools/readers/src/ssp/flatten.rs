@@ -166,9 +166,15 @@ impl<'e> Flat<'e> {
                 return Err(self.file.error(element, problem));
             }
         };
+        let (transformation, booleans) = transformation(self.file, element)?;
+        let real = |key: &&Key| self.connectors[*key].element.child("Real").is_some();
+        if let Some(key) = [&from, &to].into_iter().find(|key| booleans && real(key)) {
+            return Err(self.file.error(element, SspProblem::BooleanMapping(shown(key))));
+        }
         let hop = Hop {
             converts: !self.file.boolean(element, "suppressUnitConversion")?.unwrap_or(false),
-            transformation: transformation(self.file, element)?,
+            transformation,
+            booleans,
             unit: self.connectors[&to].unit.clone(),
         };
         let name = shown(&to);

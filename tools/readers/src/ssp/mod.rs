@@ -5,6 +5,7 @@
 //! [`Route`]. [`Outline::package`] writes a package.
 
 mod flatten;
+mod known;
 mod outline;
 mod parameters;
 mod parse;

@@ -1,6 +1,7 @@
 //! Parameter bindings: sets of values, mapped to the variables of components.
 
 use super::flatten::{Flat, inside};
+use super::known::check_known;
 use super::parse::{check_version, resolve, transformation};
 use super::{End, Parameter, SspProblem, Value, unit_called};
 use crate::error::InputError;
@@ -38,6 +39,7 @@ struct Entry {
     source: String,
     target: String,
     transformation: Linear,
+    booleans: bool,
     converts: bool,
 }
 
@@ -67,7 +69,9 @@ impl Collector<'_, '_> {
         let given = match binding.attribute("source") {
             Some(uri) => {
                 let set = self.outer(binding, uri)?;
-                values(&set, set.root("ParameterSet")?, None)?
+                let root = set.root("ParameterSet")?;
+                check_known(&set, root, self.remarks)?;
+                values(&set, root, None)?
             }
             None => {
                 let inline = binding.child("ParameterValues").and_then(|values| values.child("ParameterSet"));
@@ -82,6 +86,11 @@ impl Collector<'_, '_> {
         let prefix = binding.attribute("prefix").unwrap_or_default();
         for mut value in given {
             value.name.insert_str(0, prefix);
+            let entries = mapping.as_deref().unwrap_or_default();
+            let wrong = entries.iter().any(|entry| entry.booleans && entry.source == value.name);
+            if wrong && !matches!(value.value, Value::Boolean(_)) {
+                return Err(file.error(binding, SspProblem::BooleanMapping(value.name)));
+            }
             self.mapped(value, mapping.as_deref(), owner, path);
         }
         Ok(())
@@ -98,12 +107,13 @@ impl Collector<'_, '_> {
         XmlFile::from_bytes(&named, bytes)
     }
 
-    fn mapping(&self, binding: &Element) -> Result<Option<Vec<Entry>>, InputError> {
+    fn mapping(&mut self, binding: &Element) -> Result<Option<Vec<Entry>>, InputError> {
         let Some(mapping) = binding.child("ParameterMapping") else { return Ok(None) };
         if let Some(uri) = mapping.attribute("source") {
             let file = self.outer(mapping, uri)?;
             let root = file.root("ParameterMapping")?;
             check_version(&file, root)?;
+            check_known(&file, root, self.remarks)?;
             return entries(&file, root).map(Some);
         }
         // An inline mapping is an element of the same name in it.
@@ -117,6 +127,7 @@ impl Collector<'_, '_> {
             source: given.name.clone(),
             target: given.name.clone(),
             transformation: Linear::IDENTITY,
+            booleans: false,
             converts: true,
         };
         let entries: Vec<&Entry> = match mapping {
@@ -170,10 +181,12 @@ impl Collector<'_, '_> {
 
 fn entries(file: &XmlFile, mapping: &Element) -> Result<Vec<Entry>, InputError> {
     let entry = |element: &Element| {
+        let (transformation, booleans) = transformation(file, element)?;
         Ok(Entry {
             source: file.required(element, "source")?.to_owned(),
             target: file.required(element, "target")?.to_owned(),
-            transformation: transformation(file, element)?,
+            transformation,
+            booleans,
             converts: !file.boolean(element, "suppressUnitConversion")?.unwrap_or(false),
         })
     };

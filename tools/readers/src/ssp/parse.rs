@@ -3,6 +3,7 @@
 use std::path::{Component as Part, Path, PathBuf};
 
 use super::flatten::Flat;
+use super::known::check_known;
 use super::{SspProblem, SystemStructure, parameters};
 use crate::archive::Unpacked;
 use crate::error::InputError;
@@ -28,7 +29,7 @@ pub(super) fn structure(
     let root = file.root("SystemStructureDescription")?;
     check_version(file, root)?;
     let mut remarks = Vec::new();
-    check_known(file, root, &mut remarks);
+    check_known(file, root, &mut remarks)?;
     let units = read_units(file, root.list("Units", "Unit"))?;
     let system = file.required_child(root, "System")?;
     let flat = Flat::new(file, files, system, &units)?;
@@ -61,80 +62,16 @@ pub(super) fn check_version(file: &XmlFile, root: &Element) -> Result<(), InputE
     Err(file.error(root, SspProblem::Version(version.to_owned())))
 }
 
-/// The elements of a description, by the element they are in. What is in others is not looked at.
-const KNOWN: [(&str, &[&str]); 9] = [
-    ("SystemStructureDescription", &["System", "Enumerations", "Units", "DefaultExperiment", "Annotations"]),
-    (
-        "System",
-        &[
-            "Connectors",
-            "ElementGeometry",
-            "ParameterBindings",
-            "Elements",
-            "Connections",
-            "SignalDictionaries",
-            "SystemGeometry",
-            "GraphicalElements",
-            "Annotations",
-        ],
-    ),
-    ("Elements", &["Component", "System", "SignalDictionaryReference"]),
-    ("Component", &["Connectors", "ElementGeometry", "ParameterBindings", "Annotations"]),
-    ("Connectors", &["Connector"]),
-    (
-        "Connector",
-        &[
-            "Real",
-            "Integer",
-            "Boolean",
-            "String",
-            "Enumeration",
-            "Binary",
-            "ConnectorGeometry",
-            "Annotations",
-        ],
-    ),
-    ("Connections", &["Connection"]),
-    (
-        "Connection",
-        &[
-            "LinearTransformation",
-            "BooleanMappingTransformation",
-            "IntegerMappingTransformation",
-            "EnumerationMappingTransformation",
-            "ConnectionGeometry",
-            "Annotations",
-        ],
-    ),
-    ("ParameterBindings", &["ParameterBinding"]),
-];
-
-/// Remarks on elements that the standard does not have.
-fn check_known(file: &XmlFile, element: &Element, remarks: &mut Vec<String>) {
-    let Some((_, known)) = KNOWN.iter().find(|(name, _)| *name == element.name()) else { return };
-    for child in element.children() {
-        if known.contains(&child.name()) {
-            check_known(file, child, remarks);
-        } else {
-            remarks.push(format!(
-                "{}: the element {child} in {element} is not known; it is ignored",
-                file.place(child)
-            ));
-        }
-    }
-}
-
-/// The transformation in `element`, a connection or an entry of a mapping.
-pub(super) fn transformation(file: &XmlFile, element: &Element) -> Result<Linear, InputError> {
+/// The transformation in `element`, a connection or an entry of a mapping; whether it is one of truths.
+pub(super) fn transformation(file: &XmlFile, element: &Element) -> Result<(Linear, bool), InputError> {
     for child in element.children() {
         match child.name() {
             "LinearTransformation" => {
-                return Ok(Linear {
-                    factor: file.number(child, "factor")?.unwrap_or(1.0),
-                    offset: file.number(child, "offset")?.unwrap_or(0.0),
-                });
+                let factor = file.number(child, "factor")?.unwrap_or(1.0);
+                let offset = file.number(child, "offset")?.unwrap_or(0.0);
+                return Ok((Linear { factor, offset }, false));
             }
-            "BooleanMappingTransformation" => return boolean_mapping(file, child),
+            "BooleanMappingTransformation" => return Ok((boolean_mapping(file, child)?, true)),
             "IntegerMappingTransformation" | "EnumerationMappingTransformation" => {
                 let what = format!("elements {child}");
                 return Err(file.error(child, SspProblem::Unsupported(what)));
@@ -142,7 +79,7 @@ pub(super) fn transformation(file: &XmlFile, element: &Element) -> Result<Linear
             _ => {}
         }
     }
-    Ok(Linear::IDENTITY)
+    Ok((Linear::IDENTITY, false))
 }
 
 /// On 0 and 1, any mapping is linear.

@@ -63,6 +63,22 @@ pub enum SspProblem {
     /// Units that do not fit.
     #[error(transparent)]
     Unit(#[from] UnitMismatch),
+    /// An element in the standard's namespace that the standard does not have.
+    #[error(
+        "SSP has no element {element} in {parent}{}",
+        .meant.map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"))
+    )]
+    UnknownStandardElement {
+        /// Its name.
+        element: String,
+        /// What it is in.
+        parent: String,
+        /// What may be meant.
+        meant: Option<&'static str>,
+    },
+    /// A mapping of truths where numbers flow.
+    #[error("a BooleanMappingTransformation cannot be applied to `{0}`, which is no Boolean")]
+    BooleanMapping(String),
     /// An item that its enumeration does not have.
     #[error("no enumeration has the item `{0}`")]
     UnknownItem(String),
@@ -76,6 +92,7 @@ impl SspProblem {
             SspProblem::Unit(_) => {
                 "write suppressUnitConversion=\"true\" and a LinearTransformation if the numbers are meant as they are"
             }
+            SspProblem::BooleanMapping(_) => "a LinearTransformation is what changes numbers",
             SspProblem::TwoSources(_) => {
                 "forces of several contacts need an input each, or a component that adds them"
             }

@@ -18,11 +18,18 @@ pub(super) struct Hop {
     pub(super) converts: bool,
     /// After the conversion.
     pub(super) transformation: Linear,
+    /// The transformation is one of truths.
+    pub(super) booleans: bool,
     /// The unit that the connector at its end declares.
     pub(super) unit: Option<Unit>,
 }
 
 impl Route {
+    /// Whether a mapping of truths is on the way, which has no meaning for other values.
+    pub fn maps_booleans(&self) -> bool {
+        self.hops.iter().any(|hop| hop.booleans)
+    }
+
     /// A value of the output, whose variable has the unit `from`, as a value of the input, whose variable has the
     /// unit `to`; absent where an FMU declares none.
     ///
@@ -71,7 +78,7 @@ mod tests {
     }
 
     fn hop(converts: bool, factor: f64, offset: f64, unit: Option<Unit>) -> Hop {
-        Hop { converts, transformation: Linear { factor, offset }, unit }
+        Hop { converts, transformation: Linear { factor, offset }, booleans: false, unit }
     }
 
     #[test]

@@ -169,7 +169,7 @@ fn parameters_find_their_variables_and_the_outer_ones_hold() {
 #[test]
 fn what_is_not_in_the_standard_is_remarked_on() {
     let text = document(&pair(&connection("a.x", "b.x", "/>")))
-        .replace("<ssd:Elements>", "<ssd:Gears/><ssd:Elements>");
+        .replace("<ssd:Elements>", "<v:Gears xmlns:v=\"http://vendor.example\"/><ssd:Elements>");
     let system = system(&text).unwrap();
     assert_eq!(system.remarks.len(), 1);
     assert!(
@@ -177,6 +177,56 @@ fn what_is_not_in_the_standard_is_remarked_on() {
         "{:?}",
         system.remarks
     );
+}
+
+#[test]
+fn a_misspelt_element_of_the_standard_is_an_error_that_names_it() {
+    let good = document(&pair(&connection("a.x", "b.x", "/>")));
+    let without_prefixes = good.replace("<ssd:", "<").replace("</ssd:", "</");
+    let bound = document(&nested()).replace("ssv:Parameters>", "ssv:Paramters>");
+    for (text, wrong, meant) in [
+        (good.replace("ssd:Connections>", "ssd:Conections>"), "Conections", "Connections"),
+        (good.replace("ssd:Connection ", "ssd:Conection "), "Conection", "Connection"),
+        (without_prefixes.replace("Connections>", "Conections>"), "Conections", "Connections"),
+        (bound, "Paramters", "Parameters"),
+    ] {
+        let error = system(&text).unwrap_err();
+        assert!(error.line().is_some_and(|line| line > 7), "{error}");
+        let shown = error.render(false);
+        assert!(shown.contains(&format!("<{wrong}>")) && shown.contains(&format!("`{meant}`?")), "{shown}");
+    }
+}
+
+#[test]
+fn a_mapping_of_booleans_is_told_from_a_linear_one() {
+    let inside = "><ssc:BooleanMappingTransformation><ssc:MapEntry source=\"true\" target=\"false\"/>\
+                  <ssc:MapEntry source=\"false\" target=\"true\"/></ssc:BooleanMappingTransformation></ssd:Connection>";
+    // The connectors say that they are Real.
+    let error = system(&document(&pair(&connection("a.x", "b.x", inside)))).unwrap_err();
+    assert!(matches!(&*error.problem, Problem::Ssp(SspProblem::BooleanMapping(_))), "{error}");
+    assert!(error.to_string().contains("`b.x`") || error.to_string().contains("`a.x`"), "{error}");
+    // These say nothing: who knows the variables can see.
+    let system = system(&document(&pair(&connection("b.f", "a.f", inside)))).unwrap();
+    assert!(system.connections[0].route.maps_booleans());
+    let of_units = self::system(&document(&pair(&connection("a.x", "b.x", "/>")))).unwrap();
+    assert!(!of_units.connections[0].route.maps_booleans());
+}
+
+#[test]
+fn utf_16_is_read_as_the_same() {
+    let text = document(&pair(&connection("a.x", "b.x", "/>"))).replace("UTF-8", "UTF-16");
+    let little: Vec<u8> =
+        std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    let big: Vec<u8> =
+        std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(u16::to_be_bytes).collect();
+    for bytes in [little, big] {
+        let (_folder, file) = written("");
+        std::fs::write(&file, bytes).unwrap();
+        assert_eq!(read(&file).unwrap().connections.len(), 1);
+        std::fs::write(&file, [0xff, 0xfe, 0x00, 0xd8, 0x41]).unwrap();
+        let error = read(&file).unwrap_err();
+        assert!(error.render(false).contains("UTF-16"), "{error}");
+    }
 }
 
 #[test]
