@@ -90,6 +90,12 @@ impl Linear {
         self
     }
 
+    /// All its variables are true or false.
+    pub fn of_truths(mut self) -> Self {
+        self.table.iter_mut().for_each(|row| row.kind = Kind::Boolean);
+        self
+    }
+
     pub fn boxed(self) -> Box<dyn Slave> {
         Box::new(self)
     }

@@ -4,6 +4,7 @@
 mod common;
 
 mod beam;
+mod faults;
 mod loops;
 mod orders;
 mod run;

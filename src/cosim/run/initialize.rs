@@ -40,7 +40,7 @@ pub(in crate::cosim) fn initialize(
     for unit in &mut engine.units {
         unit.slave.exit_initialization()?;
         unit.reached.copy_from_slice(&unit.values);
-        unit.read()?;
+        unit.read_numbers()?;
         let own = unit.first..unit.first + unit.outputs.len();
         engine.signals.next[own].copy_from_slice(&unit.outputs);
     }

@@ -15,6 +15,8 @@ use std::ops::ControlFlow;
 
 /// How many unconverged steps are listed.
 const EXAMPLES: usize = 20;
+/// Steps after which an energy residual shows an explosion: before, little energy has passed.
+const SHOWN_AFTER: u64 = 50;
 /// Two times that differ by less than this part of a step are the same.
 const SAME: f64 = 1e-6;
 
@@ -224,7 +226,11 @@ impl Master {
         }
         self.engine.accept(step)?;
         self.report.steps += 1;
-        Ok(())
+        let exploded = self.engine.energy.exploded().filter(|_| self.report.steps >= SHOWN_AFTER);
+        exploded.map_or(Ok(()), |residual| {
+            let (force, motion) = (residual.force.clone(), residual.motion.clone());
+            Err(Cause::Unstable { force, motion, fraction: residual.sum / residual.exchanged })
+        })
     }
 
     fn cause(&self, trouble: Trouble, reason: &str) -> Cause {

@@ -70,6 +70,20 @@ pub enum Cause {
         /// Why not.
         reason: String,
     },
+    /// The coupling itself adds more than half of the energy that passes through it: the values are wrong.
+    #[error(
+        "the coupling of {force} and {motion} explodes: it has added {:.0} % of the energy that passed; try a shorter \
+         step, or repeat each step until the values agree (strong coupling)",
+        100.0 * .fraction
+    )]
+    Unstable {
+        /// `slave.variable` that takes the force.
+        force: String,
+        /// `slave.variable` that takes the motion.
+        motion: String,
+        /// Energy added over the energy exchanged.
+        fraction: f64,
+    },
     /// The initial values do not agree.
     #[error(
         "the initial values of {} do not settle: they still change by {residual:e} of their size",
@@ -89,7 +103,7 @@ impl Cause {
         match self {
             Self::Slave(error) => error.severity,
             Self::GaveUp { .. } => Severity::Slave,
-            Self::InitialLoop { .. } => Severity::Call,
+            Self::InitialLoop { .. } | Self::Unstable { .. } => Severity::Call,
         }
     }
 }

@@ -29,6 +29,10 @@ impl Place {
     }
 }
 
+/// Energy that a coupling adds, over what passes: above, it is unstable. One whose amplitudes are off by a third or more,
+/// but bounded, comes close.
+const EXPLODED: f64 = 0.5;
+
 #[derive(Debug)]
 struct Bond {
     force: Place,
@@ -94,6 +98,11 @@ impl Energy {
             }
         }
         worst
+    }
+
+    /// A power connection that has itself added more than half of the energy that passed.
+    pub fn exploded(&self) -> Option<&EnergyResidual> {
+        self.residuals.iter().find(|sums| sums.sum > EXPLODED * sums.exchanged)
     }
 
     /// Takes the step measured last as done.

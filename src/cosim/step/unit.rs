@@ -1,7 +1,7 @@
 //! A slave with its connections: the sources of its inputs, and buffers for their values.
 
 use super::signals::Signals;
-use crate::cosim::slave::{Abilities, Slave, SlaveError, Stepped};
+use crate::cosim::slave::{Abilities, Severity, Slave, SlaveError, Stepped};
 
 /// Where the value of an input at the end of a step comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -193,7 +193,7 @@ impl Unit {
         if stepped != Stepped::Done {
             return Ok(stepped);
         }
-        self.read()?;
+        self.read_numbers()?;
         if !frame.plain {
             self.correct()?;
         }
@@ -269,6 +269,31 @@ impl Unit {
         Ok(())
     }
 
+    /// Reads the outputs, which must be numbers, and finite where they feed others.
+    pub fn read_numbers(&mut self) -> Result<(), SlaveError> {
+        self.read()?;
+        let fits = self.outputs.iter().all(|value| value.is_finite());
+        if fits { Ok(()) } else { self.refuse_numbers() }
+    }
+
+    #[cold]
+    fn refuse_numbers(&self) -> Result<(), SlaveError> {
+        let wrong = |place: &usize| match self.coupled_places.contains(place) {
+            true => !self.outputs[*place].is_finite(),
+            false => self.outputs[*place].is_nan(),
+        };
+        let Some(place) = (0..self.outputs.len()).find(wrong) else { return Ok(()) };
+        let row = &self.slave.variables()[self.output_positions[place]];
+        Err(self.no_number(&format!("the output `{}`", row.name), self.outputs[place]))
+    }
+
+    /// That `what` has no value to go on with.
+    #[cold]
+    fn no_number(&self, what: &str, value: f64) -> SlaveError {
+        let message = format!("{what} is {value}, with which the simulation cannot go on");
+        SlaveError { slave: self.slave.name().to_owned(), message, severity: Severity::Slave }
+    }
+
     pub fn read(&mut self) -> Result<(), SlaveError> {
         if self.outputs.is_empty() {
             return Ok(());
@@ -320,7 +345,12 @@ impl Unit {
         }
         for (order, derivatives) in (1..=order).zip(derivatives) {
             self.slave.output_derivatives(&self.coupled, order, &mut self.change)?;
-            for (place, value) in self.coupled_places.iter().zip(&self.change) {
+            for ((place, position), value) in self.coupled_places.iter().zip(&self.coupled).zip(&self.change)
+            {
+                if !value.is_finite() {
+                    let name = &self.slave.variables()[*position].name;
+                    return Err(self.no_number(&format!("the derivative of the output `{name}`"), *value));
+                }
                 derivatives[self.first + place] = *value;
             }
         }

@@ -267,7 +267,10 @@ impl System {
                 to_kind: target.kind,
             });
         }
-        if target.kind != Kind::Real && (factor != 1.0 || offset != 0.0) {
+        // Of truths, any mapping to truths is linear.
+        let truths = source.kind == Kind::Boolean
+            && [offset, factor + offset].iter().all(|to| [0.0, 1.0].contains(to));
+        if target.kind != Kind::Real && (factor != 1.0 || offset != 0.0) && !truths {
             return Err(SystemError::TransformedWholeNumber { slave, variable });
         }
         for (what, value) in [("factor", factor), ("offset", offset)] {
