@@ -59,6 +59,8 @@ enum Command {
     Fmu(commands::fmu::Fmu),
     #[command(name = commands::serve::NAME, hide = true)]
     ServeFmu(commands::serve::Serve),
+    #[command(name = commands::sweep::NAME, hide = true)]
+    Sweep(commands::sweep::Sweep),
 }
 
 /// Files for the results.
@@ -98,8 +100,8 @@ impl Failure {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    // The process of one FMU is ended by its master.
-    if !matches!(cli.command, Some(Command::ServeFmu(_))) {
+    // The process of one FMU is ended by its master, and the one that sweeps ends after it.
+    if !matches!(cli.command, Some(Command::ServeFmu(_) | Command::Sweep(_))) {
         progress::catch_interrupts();
     }
     let done = match cli.command.unwrap_or_else(|| Command::Demo(Default::default())) {
@@ -116,6 +118,7 @@ fn main() -> ExitCode {
         Command::Fmu(command) => command.run().map(|()| 0),
         Command::Simulate(command) => command.run(),
         Command::ServeFmu(command) => command.run().map(|()| 0),
+        Command::Sweep(command) => command.run().map(|()| 0),
     };
     match done {
         Ok(_) if progress::interrupted() => ExitCode::from(130),

@@ -53,6 +53,15 @@ unsafe extern "C" {
     fn free(memory: *mut c_void);
     #[cfg(unix)]
     fn _exit(status: c_int) -> !;
+    #[cfg(unix)]
+    fn atexit(function: extern "C" fn()) -> c_int;
+}
+
+/// Has `function`, which must not unwind, called when this process ends by `exit`.
+#[cfg(unix)]
+pub fn at_exit(function: extern "C" fn()) {
+    // SAFETY: allowed at any time.
+    unsafe { atexit(function) };
 }
 
 /// Ends this process without running anything more in it, what an FMU has registered included.

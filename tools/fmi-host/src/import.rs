@@ -60,7 +60,7 @@ pub enum ImportProblem {
     Instantiate(Option<String>),
     /// Its second instance.
     #[error(
-        "it allows one instance in a process, and there is one already; run each FMU in a process of its own"
+        "it allows one instance in a process, and there is one already; run each in a process of its own (--isolate)"
     )]
     OncePerProcess,
     /// The process it was to run in.
@@ -183,6 +183,12 @@ impl Fmu {
     /// Where it is unpacked.
     pub fn folder(&self) -> &Path {
         self.folder.path()
+    }
+
+    /// Whether its library is this one, byte by byte: then its code is known.
+    pub fn has_library(&self, library: &[u8]) -> bool {
+        let length = std::fs::metadata(&self.library).map_or(0, |metadata| metadata.len());
+        length == library.len() as u64 && std::fs::read(&self.library).is_ok_and(|bytes| bytes == library)
     }
 
     /// What a user should know before it runs.

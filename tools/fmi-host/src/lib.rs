@@ -11,6 +11,7 @@ mod component;
 mod description;
 #[cfg(all(target_os = "linux", target_endian = "little"))]
 mod elf;
+mod exit;
 mod import;
 mod isolate;
 mod log;
@@ -21,6 +22,7 @@ pub use component::{Error, Library, Slave, State};
 pub use description::{
     CoSimulation, Experiment, ModelDescription, ScalarVariable, TypeOfVariable, Variability,
 };
+pub use exit::ExitWatch;
 pub use import::{Fmu, ImportError, ImportProblem, platforms};
 pub use isolate::{IsolatedSlave, serve};
 pub use log::{Log, Message};

@@ -13,6 +13,7 @@ pub mod modes;
 pub mod rig;
 pub mod serve;
 pub mod simulate;
+pub mod sweep;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

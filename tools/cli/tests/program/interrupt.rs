@@ -66,6 +66,10 @@ impl Hung {
     }
 }
 
+fn files_in(folder: &Path) -> usize {
+    fs::read_dir(folder).unwrap().count()
+}
+
 fn wait_for(what: &str, done: impl Fn() -> bool) {
     let begin = Instant::now();
     while !done() {
@@ -124,7 +128,7 @@ fn a_run_that_was_started_by_nohup_goes_on_when_the_terminal_is_closed() {
 
 #[test]
 fn the_second_signal_ends_a_run_whose_fmu_hangs_in_this_process() {
-    let hung = Hung::new(&[]);
+    let hung = Hung::new(&["--no-isolate"]);
     hung.send("-TERM");
     std::thread::sleep(Duration::from_millis(100));
     hung.send("-TERM");
@@ -132,9 +136,13 @@ fn the_second_signal_ends_a_run_whose_fmu_hangs_in_this_process() {
 }
 
 #[test]
-fn the_process_of_an_fmu_that_hangs_ends_with_a_master_that_is_killed() {
-    let mut hung = Hung::new(&["--isolate"]);
-    hung.child.kill().unwrap();
-    hung.child.wait().unwrap();
-    wait_for("its processes to end", || !is_named_by_a_process(&hung.temporary));
+fn the_process_of_an_fmu_that_hangs_ends_with_a_master_that_is_killed_and_nothing_temporary_is_left() {
+    for more in [&["--isolate"][..], &[], &["--no-isolate"]] {
+        let mut hung = Hung::new(more);
+        assert_ne!(files_in(&hung.temporary), 0);
+        hung.child.kill().unwrap();
+        hung.child.wait().unwrap();
+        wait_for("its processes to end", || !is_named_by_a_process(&hung.temporary));
+        wait_for("temporary folders to be removed", || files_in(&hung.temporary) == 0);
+    }
 }

@@ -47,8 +47,12 @@ fn steps(slave: &mut dyn Slave) -> (Vec<f64>, Option<SlaveError>) {
 fn a_crash_is_an_error_that_names_the_fmu_and_results_so_far_stay() {
     let (_folder, file) = unruly::file();
     let fmu = Fmu::open(&file).unwrap();
-    let cases =
-        [(unruly::ABORT, "SIGABRT"), (unruly::SEGMENTATION, "SIGSEGV"), (unruly::EXIT, "exit status: 7")];
+    let cases = [
+        (unruly::ABORT, "SIGABRT"),
+        (unruly::SEGMENTATION, "SIGSEGV"),
+        (unruly::EXIT, "exit status: 7"),
+        (unruly::EXIT_ZERO, "exit status: 0"),
+    ];
     for (behaviour, how) in cases {
         let mut slave = isolated(&fmu);
         unruly::begin(&mut slave, behaviour);

@@ -25,6 +25,8 @@ pub const FLOOD: f64 = 7.0;
 pub const PRINT: f64 = 8.0;
 pub const END: f64 = 9.0;
 pub const HANG: f64 = 10.0;
+pub const EXIT_ZERO: f64 = 11.0;
+pub const NO_NUMBER: f64 = 12.0;
 
 /// Its library.
 pub fn library() -> Vec<u8> {

@@ -23,7 +23,8 @@ typedef struct {
     int behaviour, flag;
 } Instance;
 
-enum { ABORT = 1, SEGMENTATION = 2, EXIT = 3, DISCARD = 4, FAIL = 5, FATAL = 6, FLOOD = 7, PRINT = 8, END = 9, HANG = 10 };
+enum { ABORT = 1, SEGMENTATION = 2, EXIT = 3, DISCARD = 4, FAIL = 5, FATAL = 6, FLOOD = 7, PRINT = 8, END = 9, HANG = 10,
+       EXIT_ZERO = 11, NO_NUMBER = 12 };
 
 void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources, const Callbacks *callbacks,
                       int visible, int logging) {
@@ -115,6 +116,8 @@ int fmi2DoStep(void *c, double t, double h, int final) {
         case ABORT: fprintf(stderr, "the end is near\n"); abort();
         case SEGMENTATION: *(volatile int *)8 = 1; break;
         case EXIT: _exit(7);
+        case EXIT_ZERO: exit(0);
+        case NO_NUMBER: i->y = 0.0 / 0.0; return 0;
         case DISCARD: if (h > 0.03) { i->last = t + 0.5 * h; return 2; } break;
         case END: return 2;
         case HANG: {

@@ -4,8 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use stickslip::cosim::System;
-use stickslip_fmi_host::Log;
-use stickslip_readers::ssp::{self, End, SystemStructure};
+use stickslip_fmi_host::{Log, TypeOfVariable};
+use stickslip_readers::ssp::{self, End, SspProblem, SystemStructure};
 use stickslip_readers::units::Linear;
 
 use super::parts::{Part, find, instantiate};
@@ -114,6 +114,12 @@ fn connections(structure: &SystemStructure, parts: &[Part]) -> Result<Vec<Resolv
             })
         };
         let (source, target) = (unit(from)?, unit(to)?);
+        if connection.route.maps_booleans()
+            && let Some(end) = [from, to].into_iter().find(|end| !is_boolean(parts, end))
+        {
+            let name = format!("{}.{}", parts[end.component].name, end.variable);
+            return Err(placed(&SspProblem::BooleanMapping(name).to_string()));
+        }
         let linear = connection.route.linear(source.as_ref(), target.as_ref());
         let linear = linear.map_err(|error| {
             placed(&format!(
@@ -124,6 +130,10 @@ fn connections(structure: &SystemStructure, parts: &[Part]) -> Result<Vec<Resolv
         Ok((from.clone(), to.clone(), linear))
     });
     resolved.collect()
+}
+
+fn is_boolean(parts: &[Part], end: &End) -> bool {
+    parts[end.component].variable(&end.variable).is_ok_and(|row| row.kind == TypeOfVariable::Boolean)
 }
 
 /// All outputs, and what else is asked for.

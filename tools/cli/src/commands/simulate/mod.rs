@@ -13,8 +13,10 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use stickslip::cosim::{Adaptive, Algorithm, Control, Master, Method, Settings, Strong, SystemError};
+use stickslip_fmi_host::ExitWatch;
 use stickslip_report::simulation::{Simulation, simulation_html, simulation_table};
 
+use super::sweep::watch_temporary_folders;
 use super::{check_page, colored, list, settings};
 use crate::output::{Outputs, say};
 use crate::{Failure, progress};
@@ -64,9 +66,13 @@ pub struct Simulate {
     /// Records every COUNT-th communication point
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     every: u64,
-    /// Runs each FMU in its own process, so that the results so far are written after a crash
+    /// Runs each FMU in its own process, so that the results so far are written after a crash; unless given, those that
+    /// were not exported by this program
     #[arg(long)]
     isolate: bool,
+    /// Runs all FMUs in this process: faster, but an FMU that crashes takes the results with it
+    #[arg(long, conflicts_with = "isolate")]
+    no_isolate: bool,
     /// File for the time histories: .csv, .json or .parquet
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -120,6 +126,8 @@ impl Simulate {
         if let Some(out) = &self.out {
             files::check_kind(out)?;
         }
+        watch_temporary_folders();
+        let watch = ExitWatch::new(exit_expected);
         let assembly = assemble(&self)?;
         for remark in &assembly.remarks {
             tell!("note: {remark}");
@@ -131,6 +139,7 @@ impl Simulate {
         let master = Master::new(system, settings.clone()).map_err(refused)?;
         self.tell_size(&master, &settings)?;
         let mut simulation = run::simulate(master, &settings, self.every);
+        drop(watch);
         simulation.seconds = begin.elapsed().as_secs_f64();
         simulation.title = title;
         simulation.algorithm = algorithm;
@@ -262,6 +271,18 @@ impl Simulate {
             }
         }
     }
+}
+
+/// Whether the program itself ends; if not, an FMU has called `exit`, and this says so.
+fn exit_expected() -> bool {
+    if !progress::interrupted() {
+        tell!(
+            "error: an FMU has ended the program by calling `exit`; nothing was written; without --no-isolate the results \
+             so far would be"
+        );
+        stickslip_readers::archive::remove_unpacked();
+    }
+    progress::interrupted()
 }
 
 /// A system that cannot be what is asked for.
