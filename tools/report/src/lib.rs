@@ -29,7 +29,7 @@ pub use catalogue::{catalogue_table, effect_table};
 pub use contact_loop::contact_loop;
 pub use json::json;
 pub use modes::{ModeReport, mode_html};
-pub use page::html;
+pub use page::{html, html_with};
 pub use parameter::{ParameterReport, parameter_html};
 pub use table::{harmonic_text, terminal_table};
 

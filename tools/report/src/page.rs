@@ -4,6 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use stickslip::data::Regime;
 use stickslip::diagnose::{Comparison, Noise};
 
+use crate::document::{self, Section};
 use crate::figure::{Captioned, Figures};
 use crate::stages::{self, name};
 use crate::summary::{self, Levels, Summary};
@@ -30,6 +31,11 @@ const PLOTLY: &str = include_str!(concat!(env!("OUT_DIR"), "/plotly.min.js"));
 /// assert!(page.starts_with("<!DOCTYPE html>"));
 /// ```
 pub fn html(comparison: &Comparison, noise: &[Noise], settings: &Settings) -> String {
+    html_with(comparison, noise, &[], settings)
+}
+
+/// As [`html`], with `more` sections after those of the comparison.
+pub fn html_with(comparison: &Comparison, noise: &[Noise], more: &[Section], settings: &Settings) -> String {
     let summary = summary::summarise(comparison);
     let levels = summary::levels(comparison);
     let mut figures = Figures::default();
@@ -40,6 +46,7 @@ pub fn html(comparison: &Comparison, noise: &[Noise], settings: &Settings) -> St
         @if comparison.stages.iter().any(|stage| !stage.parameters.is_empty()) {
             section id="parameters" { h2 { "Parameters" } (stages::parameter_table(comparison)) }
         }
+        @for one in more { (document::section(&mut figures, one)) }
         (settings_section(settings))
     };
     Shell {

@@ -57,7 +57,7 @@ impl Compare {
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         let noise = noise_of(&model, &dataset);
         let comparison = Comparison { title, records: dataset.records, stages };
-        present(&comparison, &noise, &settings, &self.files, &mut outputs)?;
+        present(&comparison, &noise, &[], &settings, &self.files, &mut outputs)?;
         if self.harmonics {
             say(&stickslip_report::harmonic_text(&comparison, 80, colored()))?;
         }

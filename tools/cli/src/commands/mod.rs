@@ -24,6 +24,7 @@ use stickslip::diagnose::{Comparison, Noise, Refit, RefitError, Watch, refit, un
 use stickslip::fit::{Ending, FitError};
 use stickslip::model::Model;
 
+use stickslip_report::document::Section;
 use stickslip_report::{InputFile, Settings};
 
 use crate::output::{Outputs, say};
@@ -55,10 +56,11 @@ fn shown(error: stickslip_readers::InputError) -> Failure {
     Failure::rendered(error.render(std::io::stderr().is_terminal()))
 }
 
-/// Prints the comparison and puts the asked-for files among `outputs`.
+/// Prints the comparison and puts the asked-for files among `outputs`, the page with `more` sections.
 fn present(
     comparison: &Comparison,
     noise: &[Noise],
+    more: &[Section],
     settings: &Settings,
     files: &ResultFiles,
     outputs: &mut Outputs,
@@ -70,7 +72,7 @@ fn present(
         outputs.add(path, text + "\n");
     }
     if let Some(path) = &files.report {
-        outputs.add(path, stickslip_report::html(comparison, noise, settings));
+        outputs.add(path, stickslip_report::html_with(comparison, noise, more, settings));
     }
     Ok(())
 }

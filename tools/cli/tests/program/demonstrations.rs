@@ -41,6 +41,13 @@ fn the_demonstration_lets_the_error_fall_and_exports_the_best_model() {
     assert!(stdout(&output).contains("FrictionalSupport.fmu"));
     let page = fs::read_to_string(results.join("report.html")).unwrap();
     assert!(page.contains("Plotly") && page.len() > 1_000_000);
+    // The last picture: a level that an identified contact had not seen.
+    let said = stdout(&output);
+    let within = said.split("predicts 45 m/s², as an FMU, within ").nth(1).unwrap();
+    let within: f64 = within.split_whitespace().next().unwrap().parse().unwrap();
+    assert!(within < 2.0, "{within}");
+    assert!(page.contains("a level that it has not seen") && page.contains("acceleration:x=0.3, FMU"));
+    assert!(results.join("IdentifiedSupport.fmu").is_file());
     // What was exported is what was fitted: read back from the FMU it makes the same error.
     let again = stickslip(
         &results,

@@ -6,6 +6,7 @@ mod plot;
 
 pub use json::document_json;
 pub use page::document_html;
+pub(crate) use page::section;
 pub use plot::{Axis, Line, Panel, Plot, Scaling, Stroke, palette};
 
 use crate::format;

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{Block, Cell, Document, Plot, Table};
+use super::{Block, Cell, Document, Plot, Section, Table};
 use crate::Settings;
 use crate::figure::{Captioned, Figures};
 use crate::page::{Shell, figure_element, settings_section};
@@ -12,12 +12,7 @@ use crate::stages::name;
 pub fn document_html(document: &Document, settings: &Settings) -> String {
     let mut figures = Figures::default();
     let sections = html! {
-        @for section in &document.sections {
-            section id=(section.id) {
-                h2 { (name(&section.title)) }
-                @for one in &section.blocks { (block(&mut figures, one)) }
-            }
-        }
+        @for one in &document.sections { (section(&mut figures, one)) }
         (settings_section(settings))
     };
     Shell {
@@ -30,6 +25,16 @@ pub fn document_html(document: &Document, settings: &Settings) -> String {
         figures: &figures,
     }
     .page(settings)
+}
+
+/// One section of a page.
+pub(crate) fn section(figures: &mut Figures, section: &Section) -> Markup {
+    html! {
+        section id=(section.id) {
+            h2 { (name(&section.title)) }
+            @for one in &section.blocks { (block(figures, one)) }
+        }
+    }
 }
 
 fn block(figures: &mut Figures, block: &Block) -> Markup {

@@ -1,8 +1,11 @@
-//! `stickslip demo`
+//! `stickslip demo`: models against published measurements, and a contact identified on the virtual rig.
+
+mod unseen;
 
 use std::path::{Path, PathBuf};
 
 use stickslip::diagnose::{Comparison, Stage, evaluate, noise_of};
+use stickslip_report::document::Section;
 
 use super::present;
 use crate::output::{Outputs, say};
@@ -11,7 +14,7 @@ use crate::{Failure, ResultFiles};
 /// A file of the example that the program carries inside itself.
 macro_rules! example {
     ($file:literal) => {
-        include_str!(concat!("../../../../examples/frictional-support/", $file))
+        include_str!(concat!("../../../../../examples/frictional-support/", $file))
     };
 }
 
@@ -26,7 +29,7 @@ const STAGES: [(&str, &str, bool); 6] = [
 ];
 
 /// The files, as they are written into the folder of results for the user to go on with.
-const FILES: [(&str, &str); 8] = [
+const FILES: [(&str, &str); 11] = [
     ("README.md", example!("README.md")),
     ("dataset.toml", example!("dataset.toml")),
     ("backbone.csv", example!("backbone.csv")),
@@ -35,6 +38,9 @@ const FILES: [(&str, &str); 8] = [
     ("jenkins.toml", example!("jenkins.toml")),
     ("valanis.toml", example!("valanis.toml")),
     ("valanis-residual.toml", example!("valanis-residual.toml")),
+    ("rig.toml", example!("rig.toml")),
+    ("unseen-level.toml", example!("unseen-level.toml")),
+    ("predict.py", example!("predict.py")),
 ];
 
 /// Arguments of `stickslip demo`.
@@ -78,23 +84,28 @@ impl Demo {
             stages.push(stage);
         }
         let best = best(&stages);
+        let unseen = unseen::predicted(&example)?;
         let read: Vec<PathBuf> = FILES.iter().skip(1).map(|(name, _)| example.join(name)).collect();
         let settings = super::settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
-        let files = ResultFiles {
-            json: Some(self.out.join("comparison.json")),
-            report: Some(self.out.join("report.html")),
-        };
-        let fmu = stickslip_fmu_package::write_fmu("FrictionalSupport", &models[best].to_toml())
-            .map_err(|error| Failure::other(error.to_string()))?;
         let summary = format!("best: {}, exported as an FMU", stages[best].name);
         let title = "Resonance of a beam on a frictional support, measured at eight levels".to_owned();
         let noise = noise_of(&models[best], &dataset);
         let comparison = Comparison { title, records: dataset.records, stages };
         let mut outputs = Outputs::default();
-        present(&comparison, &noise, &settings, &files, &mut outputs)?;
-        outputs.add(&self.out.join("FrictionalSupport.toml"), models[best].to_toml());
-        outputs.add(&self.out.join("FrictionalSupport.fmu"), fmu);
-        say(&format!("\n{summary}\n"))?;
+        let sections: Vec<Section> = unseen.iter().map(|unseen| unseen.section.clone()).collect();
+        let files = ResultFiles {
+            json: Some(self.out.join("comparison.json")),
+            report: Some(self.out.join("report.html")),
+        };
+        present(&comparison, &noise, &sections, &settings, &files, &mut outputs)?;
+        let exported = unseen.as_ref().map(|unseen| ("IdentifiedSupport", &unseen.model));
+        for (name, model) in [("FrictionalSupport", &models[best])].into_iter().chain(exported) {
+            let fmu = stickslip_fmu_package::write_fmu(name, &model.to_toml())
+                .map_err(|error| Failure::other(error.to_string()))?;
+            outputs.add(&self.out.join(format!("{name}.toml")), model.to_toml());
+            outputs.add(&self.out.join(format!("{name}.fmu")), fmu);
+        }
+        say(&format!("\n{summary}\n{}\n", unseen.map_or(String::new(), |unseen| unseen.summary)))?;
         super::list(&outputs.write()?)
     }
 }
