@@ -5,3 +5,4 @@ mod common;
 
 mod backbone;
 mod least_squares;
+mod steady_oscillators;

@@ -51,6 +51,32 @@ pub struct Point {
 }
 
 impl Point {
+    /// A place to look for a response: the contacts have these displacements (m), by coefficients.
+    pub(crate) fn moved(angular_frequency: f64, displacements: Vec<Vec<f64>>) -> Self {
+        let contact = |displacement: Vec<f64>| Contacting {
+            dissipated_energy: 0.0,
+            equivalent_stiffness: f64::NAN,
+            stick_fraction: None,
+            force: vec![0.0; displacement.len()],
+            displacement,
+        };
+        Self {
+            angular_frequency,
+            level: 1.0,
+            parameter: 0.0,
+            amplitude: Vec::new(),
+            nodes: Vec::new(),
+            contacts: displacements.into_iter().map(contact).collect(),
+            work: 0.0,
+            stable: None,
+            undecided: None,
+            error_estimate: f64::NAN,
+            resolved: false,
+            harmonics: 0,
+            iterations: 0,
+        }
+    }
+
     /// Amplitude of the first harmonic of each node's displacement (m).
     pub fn first_harmonic(&self) -> Vec<f64> {
         self.nodes.iter().map(|c| if c.len() > 2 { c[1].hypot(c[2]) } else { 0.0 }).collect()

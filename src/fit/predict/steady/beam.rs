@@ -56,7 +56,7 @@ impl<'r> SteadyBeam<'r> {
                 if let Some(Seed::Near(start)) = seed {
                     steady.start_from(start);
                 }
-                let assembly = observed_assembly(model, &positions, steady.load(), 0.0)?;
+                let assembly = observed_assembly(model, &positions, steady.measured.load.as_deref(), 0.0)?;
                 // Without a start later predictions search on their own.
                 let at = At { model, nuisances: &[], assembly: &assembly };
                 let _ = steady.linearise(&at, &[], &mut Vec::new(), &mut []);
@@ -68,7 +68,7 @@ impl<'r> SteadyBeam<'r> {
 
     fn assembly(&self, model: &Model, nuisances: &[f64]) -> Result<Assembly, String> {
         let load = match &self.solver {
-            Solver::Balance(steady) => steady.load(),
+            Solver::Balance(steady) => steady.measured.load.as_deref(),
             Solver::Linearised(about) => about.load(),
         };
         let offset = nuisances.first().copied().unwrap_or(0.0);

@@ -23,7 +23,7 @@ impl LinearisedAtMeasurement {
 
     /// Coefficients of the measured normal load (N), `[a0, c1, s1, …]`.
     pub fn load(&self) -> Option<&[f64]> {
-        self.record.load()
+        self.record.measured.load.as_deref()
     }
 
     /// Predictions of all channels, one after the other.
@@ -60,10 +60,10 @@ impl LinearisedAtMeasurement {
             left = last.about.into_workspace();
         }
         let forcing = &self.record.forcing;
-        let start = forcing.start_at(assembly, &self.record.motion, &mut left)?;
+        let start = forcing.start_at(assembly, &self.record.measured.motion, &mut left)?;
         let mut about = Linearised::new(forcing, assembly, others, &start, left)?;
         let mut predictions = Vec::new();
-        self.record.observe(&about.first_order(forcing, assembly)?, &mut predictions);
+        self.record.measured.observe(&about.first_order(forcing, assembly)?, &mut predictions);
         Ok(Last { known: at.known(), about, predictions })
     }
 }

@@ -1,42 +1,31 @@
 //! An oscillator excited as measured through whole periods of a steady state.
 
-use super::shooting::shoot;
+use super::oscillator_balance::BalancedOscillator;
+use super::shooting::ShotOscillator;
 use crate::data::{Channel, Record};
 use crate::fit::predict::simulation::{Direction, Simulation};
-use crate::fit::predict::stepper::march;
-use crate::fit::predict::stepper::system::ExcitedSystem;
 use crate::model::Model;
-use crate::time::Motion;
 
-/// The simulation of one steady record of an oscillator: one period is stepped through, the others are like it.
+/// The simulation of one steady record of an oscillator.
 pub(in crate::fit::predict) struct SteadyOscillator<'r> {
     channels: Vec<&'r Channel>,
-    oscillator: ExcitedSystem,
-    samples: usize,
-    /// Where the search for a steady state begins.
-    start: Option<Motion>,
+    solver: Solver,
+}
+
+enum Solver {
+    Balance(Box<BalancedOscillator>),
+    Shooting(Box<ShotOscillator>),
 }
 
 impl<'r> SteadyOscillator<'r> {
-    /// Of `channels` of `record`, for models with the masses of `model`.
+    /// Of `channels` of `record`, for models with the masses of `model`: balanced where the balance resolves the response
+    /// of `model`, else shot at.
     pub fn new(model: &Model, record: &'r Record, channels: Vec<&'r Channel>) -> Result<Self, String> {
-        let oscillator = ExcitedSystem::new(model, record, &channels)?;
-        Ok(Self { channels, oscillator, samples: record.len(), start: None })
-    }
-
-    /// Writes the predictions; returns the motion at the first sample.
-    fn simulate(&self, model: &Model, out: &mut Vec<f64>) -> Result<Motion, String> {
-        let mut stepper = self.oscillator.stepper(model)?;
-        let period = self.oscillator.excitation.samples;
-        shoot(&mut stepper, self.start.as_ref(), period)?;
-        let first = stepper.motion().clone();
-        let mut one = Vec::new();
-        march(&mut stepper, self.channels.len(), period, &mut one)?;
-        out.clear();
-        for channel in one.chunks_exact(period) {
-            out.extend(channel.iter().cycle().take(self.samples));
-        }
-        Ok(first)
+        let solver = match BalancedOscillator::new(model, record, &channels) {
+            Ok(balance) => Solver::Balance(Box::new(balance)),
+            Err(_) => Solver::Shooting(Box::new(ShotOscillator::new(model, record, &channels)?)),
+        };
+        Ok(Self { channels, solver })
     }
 }
 
@@ -46,7 +35,10 @@ impl Simulation for SteadyOscillator<'_> {
     }
 
     fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
-        self.simulate(model, out).map(drop)
+        match &mut self.solver {
+            Solver::Balance(balance) => balance.predict(model, out).map_err(|error| error.to_string()),
+            Solver::Shooting(shooting) => shooting.simulate(model, out).map(drop),
+        }
     }
 
     fn linearise(
@@ -57,7 +49,12 @@ impl Simulation for SteadyOscillator<'_> {
         predictions: &mut Vec<f64>,
         derivatives: &mut Vec<Vec<f64>>,
     ) -> Result<(), String> {
-        self.start = Some(self.simulate(model, predictions)?);
+        match &mut self.solver {
+            Solver::Balance(balance) => {
+                balance.settle(model, predictions).map_err(|error| error.to_string())?;
+            }
+            Solver::Shooting(shooting) => shooting.settle(model, predictions)?,
+        }
         self.differences(directions, predictions, derivatives)
     }
 }

@@ -6,8 +6,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::fit::predict::stepper::Stepper;
-use crate::fit::predict::stepper::system::SystemStepper;
+use crate::data::{Channel, Record};
+use crate::fit::predict::stepper::system::{ExcitedSystem, SystemStepper};
+use crate::fit::predict::stepper::{Stepper, march};
+use crate::model::Model;
 use crate::time::Motion;
 
 /// Newton steps before the search is given up.
@@ -21,12 +23,46 @@ const NEARLY: f64 = 1e-5;
 /// Step of the differences, as a fraction of the motion.
 const DIFFERENCE: f64 = 1e-6;
 
-/// Brings `stepper` to the first sample of the periodic motion over `samples` samples; from `start` if there is one.
-pub(super) fn shoot(
-    stepper: &mut SystemStepper,
-    start: Option<&Motion>,
+/// A steady record of an oscillator: one period is stepped through, the others are like it.
+pub(super) struct ShotOscillator {
+    oscillator: ExcitedSystem,
+    channels: usize,
     samples: usize,
-) -> Result<(), String> {
+    /// Where the search for a steady state begins.
+    start: Option<Motion>,
+}
+
+impl ShotOscillator {
+    /// Of `channels` of `record`, for models with the masses of `model`.
+    pub fn new(model: &Model, record: &Record, channels: &[&Channel]) -> Result<Self, String> {
+        let oscillator = ExcitedSystem::new(model, record, channels)?;
+        Ok(Self { oscillator, channels: channels.len(), samples: record.len(), start: None })
+    }
+
+    /// Writes the predictions; returns the motion at the first sample.
+    pub fn simulate(&self, model: &Model, out: &mut Vec<f64>) -> Result<Motion, String> {
+        let mut stepper = self.oscillator.stepper(model)?;
+        let period = self.oscillator.excitation.samples;
+        shoot(&mut stepper, self.start.as_ref(), period)?;
+        let first = stepper.motion().clone();
+        let mut one = Vec::new();
+        march(&mut stepper, self.channels, period, &mut one)?;
+        out.clear();
+        for channel in one.chunks_exact(period) {
+            out.extend(channel.iter().cycle().take(self.samples));
+        }
+        Ok(first)
+    }
+
+    /// The same; the motion is the start of what follows.
+    pub fn settle(&mut self, model: &Model, out: &mut Vec<f64>) -> Result<(), String> {
+        self.start = Some(self.simulate(model, out)?);
+        Ok(())
+    }
+}
+
+/// Brings `stepper` to the first sample of the periodic motion over `samples` samples; from `start` if there is one.
+fn shoot(stepper: &mut SystemStepper, start: Option<&Motion>, samples: usize) -> Result<(), String> {
     // A neighbour may have another mass hanging at its contact.
     if let Some(start) = start.filter(|start| start.state_len() == stepper.motion().state_len()) {
         stepper.set(start);

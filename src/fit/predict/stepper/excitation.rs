@@ -82,7 +82,7 @@ impl Excitation {
 }
 
 /// Place of the mass that a channel was measured at.
-pub(super) fn mass_of(channel: &str, names: &[&str]) -> Result<usize, String> {
+pub(in crate::fit::predict) fn mass_of(channel: &str, names: &[&str]) -> Result<usize, String> {
     let place = channel.split_once(':').map_or("", |(_, place)| place);
     names
         .iter()

@@ -2,7 +2,7 @@
 //! system.
 
 pub(super) mod contact;
-mod excitation;
+pub(super) mod excitation;
 pub(super) mod system;
 
 /// One model under the inputs of one record, at one of its samples.
