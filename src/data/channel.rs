@@ -24,7 +24,7 @@ pub const COLUMNS: &[&Quantity] = &[
 ];
 
 /// Those of [`COLUMNS`] that are measured at a mass or at a position.
-const PLACED: &[&str] = &["displacement", "velocity", "acceleration", "excitation"];
+const PLACED: &[&str] = &["displacement", "velocity", "acceleration", "excitation", "amplitude"];
 
 /// A column's name, parsed: `force`, `displacement:m1`, `acceleration:x=0.55`.
 #[derive(Debug, Clone, PartialEq)]

@@ -30,6 +30,7 @@ pub use balance::assembly::{Assembly, Control};
 pub use balance::varied::AssemblyAt;
 pub use continuation::Ending;
 pub use error::HarmonicError;
+pub(crate) use modes::mode_at;
 pub use modes::{ModePoint, ModeRange, NonlinearMode, nonlinear_mode};
 pub use newton::{Contacting, Point};
 pub use period::CycleSummary;

@@ -187,7 +187,7 @@ fn a_measured_load_counts_as_far_as_its_gain_says() {
 }
 
 #[test]
-fn a_backbone_table_and_a_stray_mass_are_refused_with_a_reason() {
+fn a_stray_mass_is_refused_with_a_reason() {
     let model = Model::parse(TWO_MASSES).unwrap();
     let failure = |record: Record| {
         let dataset = Dataset { title: None, records: vec![record] };

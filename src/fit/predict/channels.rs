@@ -17,7 +17,7 @@ fn roles(model: &Model, regime: Regime) -> Roles {
             inputs: &["time", "displacement", "velocity", "normal_load", "normal_displacement"],
             compared: &["force"],
         },
-        (Structure::Beam(_), Regime::Backbone) => {
+        (Structure::Beam(_) | Structure::Oscillator(_), Regime::Backbone) => {
             Roles { inputs: &["amplitude"], compared: &["frequency", "damping_ratio"] }
         }
         (Structure::Oscillator(_) | Structure::Beam(_), _) => Roles {

@@ -1,6 +1,6 @@
 //! The choice of regime: which simulation predicts a record.
 
-use super::backbone::Backbone;
+use super::backbone::{BackboneOfBeam, BackboneOfOscillator};
 use super::channels;
 use super::from_rest::FromRest;
 use super::simulation::{Seed, Simulation};
@@ -36,16 +36,15 @@ pub(super) fn simulation<'r>(
             Box::new(OscillatorOfUnknownStart::new(model, oscillator, record, channels)?)
         }
         (Regime::UnknownInitialState, Structure::Beam(_)) => return Err(BEAM_OF_UNKNOWN_START.into()),
-        (Regime::Backbone, Structure::Beam(_)) => Box::new(Backbone::new(record, channels)?),
-        (Regime::Backbone, Structure::Oscillator(_)) => return Err(BACKBONE_OF_OSCILLATOR.into()),
+        (Regime::Backbone, Structure::Beam(_)) => Box::new(BackboneOfBeam::new(record, channels)?),
+        (Regime::Backbone, Structure::Oscillator(oscillator)) => {
+            Box::new(BackboneOfOscillator::new(model, oscillator, record, channels)?)
+        }
         (Regime::Backbone, Structure::Prescribed) => return Err(BACKBONE_OF_CONTACT.into()),
     })
 }
 
 const BEAM_OF_UNKNOWN_START: &str = "a beam's record needs the regime `from-rest`, `steady` or `backbone`: the motion \
                                      at its start is not measured everywhere";
-const BACKBONE_OF_OSCILLATOR: &str = "a backbone table of an oscillator is not compared: it does not say which mass \
-                                      its amplitude is held at; give the records in time, or the frequency responses \
-                                      that `stickslip frf` follows";
 const BACKBONE_OF_CONTACT: &str =
     "a backbone table belongs to a beam or an oscillator, not to a contact alone";

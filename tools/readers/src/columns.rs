@@ -11,7 +11,7 @@ use crate::error::{Excerpt, InputError, Problem};
 ///
 /// A contact needs `displacement` and `force`; a beam needs `excitation` and at least one measured motion
 /// at a position on the beam (`acceleration:x=0.55`), or a backbone table; an oscillator needs `excitation` at
-/// one or several masses (`excitation:m1`) and the motion of at least one mass (`displacement:m2`), in time.
+/// one or several masses (`excitation:m1`) and the motion of at least one mass (`displacement:m2`), or a backbone table.
 ///
 /// # Errors
 /// The first record that lacks a column, has one that does not fit the model or is compared but never changes, or has a
@@ -60,7 +60,10 @@ fn contact_problem(record: &Record) -> Option<Problem> {
 
 fn beam_problem(record: &Record, beam: &Beam) -> Option<Problem> {
     if record.regime == Regime::Backbone {
-        return None; // its two columns were checked when it was read
+        // Its two columns were checked when it was read.
+        let placed = record.channels_of("amplitude").find(|channel| channel.name != "amplitude")?;
+        let reason = "of a beam it is the acceleration at the exciter: call it `amplitude`".to_owned();
+        return Some(Problem::UnsuitableColumn { column: placed.name.clone(), reason });
     }
     if record.channel("excitation").is_none() {
         return missing("excitation [N]", "it drives a model of kind \"beam\"");
@@ -81,14 +84,12 @@ fn motions(record: &Record) -> Vec<&Channel> {
 
 fn oscillator_problem(record: &Record, oscillator: &Oscillator) -> Option<Problem> {
     if record.regime == Regime::Backbone {
-        let message = "a model of kind \"oscillator\" is compared with records in time: a backbone table does not say \
-                       which mass its amplitude is held at";
-        return Some(Problem::UnsuitableRegime(message.to_owned()));
+        let amplitudes = record.channels_of("amplitude").filter(|channel| channel.name != "amplitude");
+        return stray_mass(amplitudes, oscillator);
     }
-    let mut names = oscillator.masses.iter().map(|mass| mass.name.as_str());
     let excitations: Vec<&Channel> = record.channels_of("excitation").collect();
     if excitations.is_empty() {
-        let excited = names.clone().nth(oscillator.excitation).unwrap_or_default();
+        let excited = oscillator.masses.get(oscillator.excitation).map_or("", |mass| mass.name.as_str());
         return missing(&format!("excitation:{excited} [N]"), "it drives the model");
     }
     let motions = motions(record);
@@ -96,7 +97,16 @@ fn oscillator_problem(record: &Record, oscillator: &Oscillator) -> Option<Proble
         let reason = "a model of kind \"oscillator\" is compared with the motion of a mass";
         return missing("displacement:... [m]", reason);
     }
-    let stray = excitations.into_iter().chain(motions).find(|channel| {
+    stray_mass(excitations.into_iter().chain(motions), oscillator)
+}
+
+/// The first of `channels` that is at no mass of the model.
+fn stray_mass<'r>(
+    channels: impl IntoIterator<Item = &'r Channel>,
+    oscillator: &Oscillator,
+) -> Option<Problem> {
+    let mut names = oscillator.masses.iter().map(|mass| mass.name.as_str());
+    let stray = channels.into_iter().find(|channel| {
         let place = channel.name.split_once(':').map_or("", |(_, place)| place);
         !names.clone().any(|name| name == place)
     })?;

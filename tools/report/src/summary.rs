@@ -124,7 +124,7 @@ pub fn levels(comparison: &Comparison) -> Vec<Levels> {
         if record.regime != Regime::Backbone {
             continue;
         }
-        let Some(amplitude) = channel(record, "amplitude") else { continue };
+        let Some(amplitude) = record.channels_of("amplitude").next() else { continue };
         for (name, unit) in compared_channels(comparison, index) {
             let Some(measured) = channel(record, &name) else { continue };
             let count = amplitude.values.len().min(measured.values.len());

@@ -245,7 +245,10 @@ fn datasets_must_have_what_the_model_needs() {
     let masses = "time [s],excitation:m2 [N],displacement:m1 [mm]\n0,1,1\n1,1,2\n";
     assert_eq!(check(&oscillator, "steady", masses), Ok(()));
     let backbone = "amplitude [g],frequency [Hz]\n1,50\n2,49\n";
+    let placed = |place: &str| backbone.replace("amplitude", &format!("amplitude:{place}"));
     assert_eq!(check(&beam, "backbone", backbone), Ok(()));
+    assert_eq!(check(&oscillator, "backbone", backbone), Ok(()));
+    assert_eq!(check(&oscillator, "backbone", &placed("m1")), Ok(()));
     for (model, regime, table, words) in [
         (&contact, "steady", "time [s],force [N]\n0,1\n", "`displacement [m]` is missing"),
         (&contact, "steady", "time [s],displacement [m]\n0,1\n", "`force [N]` is missing"),
@@ -258,6 +261,8 @@ fn datasets_must_have_what_the_model_needs() {
         (&contact, "steady", "time [s],displacement [m],force [N]\n0,1,5\n1,2,5\n", "same number throughout"),
         (&beam, "steady", &motion.replace(",2\n", ",1\n"), "same number throughout"),
         (&beam, "backbone", &backbone.replace("49", "50"), "same number throughout"),
+        (&beam, "backbone", &placed("x=0.5"), "at the exciter"),
+        (&oscillator, "backbone", &placed("m3"), "the model's masses are `:m1`, `:m2`"),
         (&contact, "backbone", backbone, "kind is \"contact\""),
         (&beam, "steady", TABLE, "`excitation [N]` is missing"),
         (&beam, "steady", "time [s],excitation [N]\n0,1\n", "`acceleration:x=... [m/s^2]` is missing"),

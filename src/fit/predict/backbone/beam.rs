@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::observed_system::observed_system;
-use super::simulation::{Direction, Simulation};
 use crate::data::{Channel, Record};
+use crate::fit::predict::observed_system::observed_system;
+use crate::fit::predict::simulation::{Direction, Simulation};
 use crate::harmonic::{self, CurveSettings, HarmonicError, Resonance};
 use crate::model::Model;
 use crate::system::{Core, System};
@@ -15,14 +15,14 @@ const HARMONICS: usize = 5;
 const TOLERANCE: f64 = 1e-9;
 
 /// Predictions of a table's columns `frequency` (Hz) and `damping_ratio` at each `amplitude`.
-pub(super) struct Backbone<'r> {
+pub(in crate::fit::predict) struct BackboneOfBeam<'r> {
     amplitudes: &'r [f64],
     channels: Vec<&'r Channel>,
     /// The last solutions, one per amplitude.
     starts: Vec<Resonance>,
 }
 
-impl<'r> Backbone<'r> {
+impl<'r> BackboneOfBeam<'r> {
     /// Of `channels` of `record`.
     pub fn new(record: &'r Record, channels: Vec<&'r Channel>) -> Result<Self, String> {
         let amplitudes = &record.channel("amplitude").ok_or("there is no `amplitude` column")?.values;
@@ -57,7 +57,7 @@ impl<'r> Backbone<'r> {
     }
 }
 
-impl Simulation for Backbone<'_> {
+impl Simulation for BackboneOfBeam<'_> {
     fn channels(&self) -> &[&Channel] {
         &self.channels
     }

@@ -5,22 +5,26 @@
 //! solution for every amplitude, with the mode's frequency Ω, damping ratio ζ and shape, harmonics included.
 //! Where ζ is small and modes are apart, the resonances of the forced structure lie on it.
 
+mod linear_start;
+mod vibration;
+
 use super::{CurveSettings, HarmonicError};
 use crate::harmonic::balance::assembly::Assembly;
 use crate::harmonic::balance::condensed::Condensed;
 use crate::harmonic::balance::modal::{Balance, Extent, Ports};
 use crate::harmonic::newton::Point;
-use crate::harmonic::newton::condition::{HeldAmplitude, Phase};
-use crate::harmonic::newton::problem::{Condition, Newton};
-use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
+use crate::harmonic::newton::problem::Newton;
+use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 use crate::harmonic::response::linear_resonances::at_rest;
 use crate::harmonic::response::stepwise::{LastSolutions, StepwiseContinuation};
-use crate::harmonic::response::tracker::{Solution, describe_by};
+use crate::harmonic::response::tracker::Solution;
 use crate::numeric::fourier::coefficient_count;
-use crate::system::{Element, LinearStructure, Output, Row};
+use crate::system::{Element, LinearStructure, Output};
+use linear_start::LinearStart;
+use vibration::FreeVibration;
 
-const FREE: [Scalar; 2] = [Scalar::AngularFrequency, Scalar::SelfExcitation];
-
+/// Fractions of the least amplitude from which a mode is followed.
+const FROM_WEAK: [f64; 3] = [1e-3, 1e-2, 1e-1];
 /// Which mode, over which amplitudes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModeRange {
@@ -96,6 +100,67 @@ pub fn nonlinear_mode(
     on_point: &mut dyn FnMut(&ModePoint) -> bool,
 ) -> Result<NonlinearMode, HarmonicError> {
     let amplitudes = range.checked()?;
+    let held = Held { mode: range.mode, node: range.node, derivative: 0, amplitudes: &amplitudes };
+    mode_of(assembly, &held, settings, on_point)
+}
+
+/// The frequency (rad/s) and damping ratio of mode `mode` where the acceleration of `node` has each of the amplitudes
+/// (m/s²): a mode as a table has it. Without a contact that moves they are those of the linear mode.
+///
+/// # Errors
+/// As [`nonlinear_mode`]; what it says where an amplitude is not reached.
+pub(crate) fn mode_at(
+    assembly: &Assembly,
+    mode: usize,
+    node: usize,
+    accelerations: &[f64],
+    settings: &CurveSettings,
+) -> Result<Vec<[f64; 2]>, HarmonicError> {
+    let structure = assembly.system.linear_part();
+    let stuck = LinearStart::new(&structure, at_rest(&assembly.system), mode, node)?;
+    if stuck.is_linear() {
+        return Ok(vec![[stuck.angular_frequency, stuck.damping_ratio]; accelerations.len()]);
+    }
+    let mut ascending: Vec<f64> = accelerations.to_vec();
+    ascending.sort_by(f64::total_cmp);
+    let Some(least) = ascending.first().copied().filter(|least| *least > 0.0) else {
+        return Err(HarmonicError::InvalidInput("a mode's amplitudes must be positive"));
+    };
+    // From where contacts stick.
+    ascending.splice(0..0, FROM_WEAK.map(|fraction| fraction * least));
+    let held = Held { mode, node, derivative: 2, amplitudes: &ascending };
+    let found = mode_of(assembly, &held, settings, &mut |_| true)?;
+    if let Some(error) = found.lost {
+        return Err(error);
+    }
+    let at = |acceleration: &f64| {
+        let point = found.points.iter().find(|point| point.amplitude == *acceleration);
+        point.map_or([f64::NAN; 2], |point| [point.angular_frequency, point.damping_ratio])
+    };
+    Ok(accelerations.iter().map(at).collect())
+}
+
+/// A mode with the first harmonic of a node held at each of the amplitudes: of its displacement (0) … acceleration (2).
+struct Held<'a> {
+    mode: usize,
+    node: usize,
+    derivative: usize,
+    amplitudes: &'a [f64],
+}
+
+impl Held<'_> {
+    /// The first of the amplitudes as one of the displacement (m) at `angular_frequency` (rad/s).
+    fn first(&self, angular_frequency: f64) -> f64 {
+        self.amplitudes[0] / angular_frequency.powi(self.derivative as i32)
+    }
+}
+
+fn mode_of(
+    assembly: &Assembly,
+    held: &Held,
+    settings: &CurveSettings,
+    on_point: &mut dyn FnMut(&ModePoint) -> bool,
+) -> Result<NonlinearMode, HarmonicError> {
     assembly.check()?;
     settings.check()?;
     let acts = |element: &Element| !matches!(element, Element::Outside { .. });
@@ -109,9 +174,9 @@ pub fn nonlinear_mode(
         if structure.contacts.is_empty() {
             structure.contacts.push(Ports::of(&assembly.system).contact().row.clone());
         }
-        return mode_in_modes(assembly, &structure, range, &amplitudes, (settings, on_point));
+        return mode_in_modes(assembly, &structure, held, (settings, on_point));
     }
-    let start = LinearStart::new(&structure, at_rest(&assembly.system), range)?;
+    let start = LinearStart::moving(&structure, at_rest(&assembly.system), held)?;
     // Free vibrations are poles of the structure's compliance where the contacts carry little; a damper moved
     // from the contacts to the structure, more than any friction damps, keeps the poles away.
     let mut system = Condensed::new(assembly, settings, start.angular_frequency / start.contact_fraction)?;
@@ -119,10 +184,10 @@ pub fn nonlinear_mode(
     let set = system.set();
     for (u, row) in x.chunks_exact_mut(set.len()).zip(&structure.contacts) {
         if let Some(place) = set.place(1) {
-            u[place] = start.displacement(row) * amplitudes[0];
+            u[place] = start.displacement(row) * held.first(start.angular_frequency);
         }
     }
-    follow(&mut system, &start, x, range.node, &amplitudes, (settings, on_point))
+    follow(&mut system, &start, x, held, (settings, on_point))
 }
 
 /// Settings, and who sees the points and may end the mode.
@@ -132,11 +197,11 @@ type Watched<'w> = (&'w CurveSettings, &'w mut dyn FnMut(&ModePoint) -> bool);
 fn mode_in_modes(
     assembly: &Assembly,
     structure: &LinearStructure,
-    range: &ModeRange,
-    amplitudes: &[f64],
+    held: &Held,
     (settings, on_point): Watched<'_>,
 ) -> Result<NonlinearMode, HarmonicError> {
-    let start = LinearStart::new(structure, at_rest(&assembly.system), range)?;
+    let start = LinearStart::moving(structure, at_rest(&assembly.system), held)?;
+    let first = held.first(start.angular_frequency);
     // As for a condensed system, but for the damper: it sits in the mode that takes most part.
     let strongest = start.shape.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     let mode = strongest.map_or(0, |(mode, _)| mode);
@@ -149,14 +214,14 @@ fn mode_in_modes(
     let count = coefficient_count(harmonics);
     let mut modal = vec![0.0; count * start.shape.len()];
     for (mode, fraction) in modal.chunks_exact_mut(count).zip(&start.shape) {
-        mode[1] = fraction * amplitudes[0];
+        mode[1] = fraction * first;
     }
     let mut force = vec![0.0; coefficient_count(2 * harmonics)];
     if let (true, Some(stiffness)) = (system.has_contact(), at_rest(&assembly.system).next()) {
-        force[1] = stiffness * start.displacement(&structure.contacts[0]) * amplitudes[0];
+        force[1] = stiffness * start.displacement(&structure.contacts[0]) * first;
     }
     let x = system.unknowns_of(&modal, &force);
-    follow(&mut system, &start, x, range.node, amplitudes, (settings, on_point))
+    follow(&mut system, &start, x, held, (settings, on_point))
 }
 
 /// The mode over its amplitudes, from the unknowns `x` of the linear one of the first amplitude.
@@ -164,8 +229,7 @@ fn follow(
     system: &mut dyn PeriodicSystem,
     start: &LinearStart,
     x: Vec<f64>,
-    node: usize,
-    amplitudes: &[f64],
+    held: &Held,
     (settings, on_point): Watched<'_>,
 ) -> Result<NonlinearMode, HarmonicError> {
     let at = Operating {
@@ -175,7 +239,9 @@ fn follow(
         parameter: 0.0,
     };
     let first = Solution { x, at };
-    let mut vibration = FreeVibration { system, settings: *settings, newton: Newton::default(), node, first };
+    let Held { node, derivative, amplitudes, .. } = *held;
+    let newton = Newton::default();
+    let mut vibration = FreeVibration { system, settings: *settings, newton, node, derivative, first };
     let mut reached = LastSolutions::new();
     let mut mode =
         NonlinearMode { angular_frequency: start.angular_frequency, points: Vec::new(), lost: None };
@@ -222,134 +288,5 @@ impl ModeRange {
             k => first * (last / first).powf(k as f64 / spaces),
         };
         Ok((0..self.points).map(amplitude).collect())
-    }
-}
-
-/// The mode of the structure with its contacts linearised at rest.
-struct LinearStart {
-    angular_frequency: f64,
-    damping_ratio: f64,
-    /// Degrees of freedom where the node's displacement is 1.
-    shape: Vec<f64>,
-    /// Sum of the squares of the contacts' displacements in the mode of unit modal mass (1/kg).
-    contact_fraction: f64,
-}
-
-impl LinearStart {
-    fn new(
-        structure: &LinearStructure,
-        stiffness: impl Iterator<Item = f64>,
-        range: &ModeRange,
-    ) -> Result<Self, HarmonicError> {
-        const STILL: f64 = 1e-9;
-        let Some(output) = structure.outputs.get(range.node) else {
-            return Err(HarmonicError::InvalidInput("the structure has no such node"));
-        };
-        let mut stuck = structure.clone();
-        stuck.stiffness.extend(structure.along_contacts(stiffness));
-        let modes = stuck.natural_modes()?;
-        let Some(angular_frequency) = modes.angular_frequency.get(range.mode).copied() else {
-            return Err(HarmonicError::InvalidInput("the structure has no such mode"));
-        };
-        if angular_frequency == 0.0 {
-            return Err(HarmonicError::InvalidInput(
-                "a body that is free to move has no vibration in this mode",
-            ));
-        }
-        let shape = modes.shapes.column(range.mode);
-        let of = |row: &Row| row.iter().map(|(i, factor)| factor * shape[*i]).sum::<f64>();
-        let node = of(&output.row);
-        if node.abs() <= STILL * shape.amax() {
-            return Err(HarmonicError::InvalidInput("the node does not move in this mode"));
-        }
-        let contact_fraction: f64 = structure.contacts.iter().map(|row| of(row).powi(2)).sum();
-        if contact_fraction.sqrt() <= STILL * shape.amax() {
-            return Err(HarmonicError::InvalidInput("no contact moves in this mode: it is linear"));
-        }
-        let rate: f64 = structure.damping.iter().map(|(i, j, c)| shape[*i] * c * shape[*j]).sum();
-        Ok(Self {
-            angular_frequency,
-            damping_ratio: 0.5 * rate / angular_frequency,
-            shape: shape.iter().map(|x| x / node).collect(),
-            contact_fraction,
-        })
-    }
-
-    /// Displacement of a row where that of the node is 1.
-    fn displacement(&self, row: &Row) -> f64 {
-        row.iter().map(|(i, factor)| factor * self.shape[*i]).sum()
-    }
-}
-
-/// Carries a free vibration from amplitude to amplitude.
-struct FreeVibration<'s> {
-    system: &'s mut (dyn PeriodicSystem + 's),
-    settings: CurveSettings,
-    newton: Newton,
-    node: usize,
-    /// Where to look at the first amplitude.
-    first: Solution,
-}
-
-impl FreeVibration<'_> {
-    /// The vibration just found. A free vibration may begin at any phase, so that the balance alone does not tell
-    /// how it answers to harmonics left out: frequency, damping, amplitude and phase take part.
-    fn describe(&mut self, solution: &Solution) -> Result<Point, HarmonicError> {
-        let prepared = self.newton.prepare(self.system, &FREE);
-        let newton = &self.newton;
-        let mut right = Vec::new();
-        describe_by(self.system, solution, &self.settings, &mut |change| {
-            let unknowns = change.len();
-            right.clear();
-            right.extend(change.iter().map(|r| r / newton.scale()));
-            right.resize(unknowns + FREE.len(), 0.0);
-            if prepared && newton.solve_linear(&mut right) {
-                change.copy_from_slice(&right[..unknowns]);
-            } else {
-                change.fill(f64::INFINITY);
-            }
-        })
-    }
-
-    /// The vibration at an amplitude: shape, frequency and damping on straight lines over its logarithm.
-    fn predicted(amplitude: f64, reached: &LastSolutions) -> Option<Solution> {
-        let (last_amplitude, last) = reached.first()?;
-        let ratio = amplitude / last_amplitude;
-        let mut start = last.clone();
-        start.x.iter_mut().for_each(|x| *x *= ratio);
-        if let Some((before_amplitude, before)) = reached.get(1)
-            && before_amplitude != last_amplitude
-        {
-            let ahead = ratio.ln() / (last_amplitude / before_amplitude).ln();
-            let ahead = ahead.clamp(-1.0, 2.0);
-            let scale = amplitude / before_amplitude;
-            start.x.iter_mut().zip(&before.x).for_each(|(x, b)| *x += ahead * (*x - scale * b));
-            let line = |last: f64, before: f64| last + ahead * (last - before);
-            start.at.angular_frequency = line(last.at.angular_frequency, before.at.angular_frequency)
-                .clamp(0.9 * last.at.angular_frequency, 1.1 * last.at.angular_frequency);
-            start.at.self_excitation = line(last.at.self_excitation, before.at.self_excitation);
-        }
-        Some(start)
-    }
-}
-
-impl StepwiseContinuation for FreeVibration<'_> {
-    fn parts(&mut self) -> (&mut dyn PeriodicSystem, &CurveSettings) {
-        (&mut *self.system, &self.settings)
-    }
-
-    fn start(&mut self, amplitude: f64, reached: &LastSolutions) -> Result<Solution, HarmonicError> {
-        Ok(Self::predicted(amplitude, reached).unwrap_or_else(|| self.first.clone()))
-    }
-
-    fn solve(&mut self, amplitude: f64, solution: &mut Solution) -> Result<Point, HarmonicError> {
-        let mut held = HeldAmplitude::new(self.node, 1, 0, amplitude);
-        let mut phase = Phase::behind(self.node, 1, [1.0, 0.0], 0.0);
-        let conditions: &mut [&mut dyn Condition] = &mut [&mut held, &mut phase];
-        let Solution { x, at } = &mut *solution;
-        let effort = self.newton.solve(self.system, x, at, &FREE, conditions, &self.settings.stopping())?;
-        let mut point = self.describe(solution)?;
-        point.iterations = effort.iterations;
-        Ok(point)
     }
 }
