@@ -54,11 +54,6 @@ pub(super) struct DrivenSystem {
     row: Vec<f64>,
 }
 
-/// A line going on beyond its end for as long again.
-fn beyond(&Ramp { start, end, .. }: &Ramp) -> Ramp {
-    if start == end { Ramp::held(end) } else { Ramp::line(end, end + (end - start)) }
-}
-
 /// Tolerance that the longest of equal steps meets; the error falls with the square of the step.
 const TOLERANCE_OF_LONGEST: f64 = 3e-4;
 /// The longest step is divided by this at most.
@@ -108,14 +103,23 @@ impl DrivenSystem {
         })
     }
 
-    /// What acts along `self.lines`, or beyond them.
-    fn act(&mut self, along: impl Fn(&Ramp) -> Ramp) {
-        for (input, (acting, line)) in self.acting.iter_mut().zip(&self.lines.all).enumerate() {
-            let Ramp { start, end, .. } = along(line);
-            *acting = Ramp::line(start, end);
-            if self.table.load == Some(input) {
-                *acting = Ramp::line(self.load.acting(start), self.load.acting(end));
-            }
+    /// What acts where the inputs run as `along` says of the lines.
+    fn act(&mut self, along: fn(&Lines, usize) -> Ramp) {
+        for (input, acting) in self.acting.iter_mut().enumerate().take(self.lines.all.len()) {
+            let line = along(&self.lines, input);
+            *acting = match self.table.load == Some(input) {
+                true => Ramp::line(self.load.acting(line.start), self.load.acting(line.end)),
+                false => line,
+            };
+        }
+    }
+
+    /// What the changes in `direction` of the inputs change of what acts, as `along` says of the lines.
+    fn act_by(&mut self, direction: &[Ramp], along: fn(&Lines, usize, &Ramp) -> Ramp) {
+        for (input, (by, change)) in self.by.iter_mut().zip(direction).take(self.table.inputs).enumerate() {
+            let Ramp { start, end, .. } = along(&self.lines, input, change);
+            let gain = if self.table.load == Some(input) { self.load.gain() } else { 1.0 };
+            *by = Ramp::line(gain * start, gain * end);
         }
     }
 
@@ -138,7 +142,7 @@ impl DrivenSystem {
 
     /// Outputs of the motion at the end of the lines, written to `values` with those ends.
     fn write_outputs(&mut self, values: &mut [f64]) -> Result<(), String> {
-        self.act(beyond);
+        self.act(Lines::beyond);
         let lasting = self.lasting();
         let read = self.integrator.outputs(&self.motion, lasting, &self.acting, &mut self.outputs);
         read.map_err(|error| error.to_string())?;
@@ -189,7 +193,7 @@ impl Behaviour for DrivenSystem {
 
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
         self.lines.hold(values);
-        self.act(|line| *line);
+        self.act(Lines::along);
         self.motion = self.integrator.rest(&self.acting).map_err(|error| error.to_string())?;
         self.write_outputs(values)?;
         self.store(state, 0.0)
@@ -206,7 +210,7 @@ impl Behaviour for DrivenSystem {
         Self::read(&mut self.motion, state)?;
         self.read_last(state);
         self.lines.go_on(values, slopes, step);
-        self.act(|line| *line);
+        self.act(Lines::along);
         let dissipated = self.dissipated();
         let steps = self.table.steps(step, tolerance)?;
         let gone = self.integrator.go(&mut self.motion, step, &self.acting, steps);
@@ -221,7 +225,7 @@ impl Behaviour for DrivenSystem {
         let lasting = self.lasting();
         let mean_power = dissipated / lasting;
         Self::read(&mut self.motion, state)?;
-        self.act(beyond);
+        self.act(Lines::beyond);
         let found = self.integrator.output_rates(&self.motion, lasting, &self.acting, &mut self.rates);
         found.map_err(|error| error.to_string())?;
         self.row.clear();
@@ -250,16 +254,18 @@ impl Behaviour for DrivenSystem {
         // Before the first step there is no motion before it.
         let from = if duration.is_some() { &state[self.room..] } else { state };
         Self::read(&mut self.before, from)?;
-        self.act(|line| *line);
-        for (input, (by, line)) in self.by.iter_mut().zip(direction).take(self.table.inputs).enumerate() {
-            let Ramp { start, end, .. } = self.lines.change(input, line);
-            let gain = if self.table.load == Some(input) { self.load.gain() } else { 1.0 };
-            *by = Ramp::line(gain * start, gain * end);
-        }
+        self.act(Lines::along);
+        self.act_by(direction, Lines::change);
         let steps = self.table.steps(self.lines.step, tolerance)?;
         let with = (&mut self.tangent, &self.by[..]);
         let followed = self.integrator.follow(&self.before, duration, &self.acting, steps, with);
         followed.map_err(|error| error.to_string())?;
+        if let Some(duration) = duration {
+            // Rates are those beyond the end, as in the outputs.
+            self.act(Lines::beyond);
+            self.act_by(direction, Lines::beyond_changed);
+            self.integrator.show(&mut self.tangent, duration, &self.acting, &self.by);
+        }
         self.row.clear();
         if let Some(contact) = self.tangent.contacts.first() {
             if self.table.load.is_some() {

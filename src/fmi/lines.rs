@@ -2,29 +2,50 @@
 
 use crate::time::Ramp;
 
+/// How an input is given for a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Given {
+    /// By its end: it runs there from where it had ended.
+    Runs,
+    /// By a value that it keeps.
+    Held,
+    /// By its beginning and its derivative.
+    Sloped,
+}
+
 /// Inputs over the last step, or over the one under way.
 #[derive(Debug, Clone)]
 pub(super) struct Lines {
     /// Whether inputs without a derivative run from their previous values to those set, or are held.
     run: bool,
     pub all: Vec<Ramp>,
-    /// Which of them began at a value set for the step.
-    anew: Vec<bool>,
+    given: Vec<Given>,
+    /// What each is taken to have come from where its rate is asked for: its start, or the end of the step before where
+    /// it is held. Values held one after the other stand for an input that runs, whose rate is that of their differences.
+    from: Vec<f64>,
     /// Length of the step (s); 0 before the first.
     pub step: f64,
     /// Whether one of them began elsewhere than where it had ended.
     pub jumped: bool,
 }
 
-/// Numbers of the step, and of each line: its start, its end, whether it began anew.
+/// Numbers of the step, and of each line: its start, its end, how it was given, what it came from.
 const OF_STEP: usize = 2;
-const PER_LINE: usize = 3;
+const PER_LINE: usize = 4;
 
 impl Lines {
     /// So many inputs, which `run` to their values or are held.
     pub fn new(inputs: usize, run: bool) -> Self {
-        let all = vec![Ramp::held(0.0); inputs];
-        Self { run, all, anew: vec![true; inputs], step: 0.0, jumped: false }
+        let mut lines = Self {
+            run,
+            all: vec![Ramp::held(0.0); inputs],
+            given: vec![Given::Held; inputs],
+            from: vec![0.0; inputs],
+            step: 0.0,
+            jumped: false,
+        };
+        lines.hold(&vec![0.0; inputs]);
+        lines
     }
 
     /// Numbers that a state has of them.
@@ -35,26 +56,28 @@ impl Lines {
     /// Held at `values`, before the first step.
     pub fn hold(&mut self, values: &[f64]) {
         self.all.iter_mut().zip(values).for_each(|(line, value)| *line = Ramp::held(*value));
-        self.anew.fill(true);
+        self.from.iter_mut().zip(values).for_each(|(from, value)| *from = *value);
+        self.given.fill(Given::Held);
         (self.step, self.jumped) = (0.0, false);
     }
 
     /// Takes over what a state has.
     pub fn read(&mut self, state: &[f64]) {
         (self.step, self.jumped) = (state[0], state[1] != 0.0);
-        let saved = state[OF_STEP..].chunks_exact(PER_LINE);
-        for ((line, anew), saved) in self.all.iter_mut().zip(&mut self.anew).zip(saved) {
+        let lines = self.all.iter_mut().zip(&mut self.given).zip(&mut self.from);
+        for (((line, given), from), saved) in lines.zip(state[OF_STEP..].chunks_exact(PER_LINE)) {
             *line = Ramp::line(saved[0], saved[1]);
-            *anew = saved[2] != 0.0;
+            *given = [Given::Runs, Given::Held, Given::Sloped][saved[2].clamp(0.0, 2.0) as usize];
+            *from = saved[3];
         }
     }
 
     /// Writes them to a state.
     pub fn write(&self, state: &mut [f64]) {
         state[..OF_STEP].copy_from_slice(&[self.step, f64::from(u8::from(self.jumped))]);
-        let saved = state[OF_STEP..].chunks_exact_mut(PER_LINE);
-        for ((saved, line), anew) in saved.zip(&self.all).zip(&self.anew) {
-            saved.copy_from_slice(&[line.start, line.end, f64::from(u8::from(*anew))]);
+        let lines = self.all.iter().zip(&self.given).zip(&self.from);
+        for (((line, given), from), saved) in lines.zip(state[OF_STEP..].chunks_exact_mut(PER_LINE)) {
+            saved.copy_from_slice(&[line.start, line.end, f64::from(*given as u8), *from]);
         }
     }
 
@@ -62,25 +85,45 @@ impl Lines {
     /// none.
     pub fn go_on(&mut self, values: &[f64], slopes: &[Option<f64>], step: f64) {
         (self.step, self.jumped) = (step, false);
-        for (input, (line, anew)) in self.all.iter_mut().zip(&mut self.anew).enumerate() {
+        let lines = self.all.iter_mut().zip(&mut self.given).zip(&mut self.from);
+        for (input, ((line, given), from)) in lines.enumerate() {
             let (value, slope) = (values[input], slopes.get(input).copied().flatten());
-            *anew = slope.is_some() || !self.run;
             let ended = line.end;
-            *line = match *anew {
-                true => Ramp::with_slope(value, slope.unwrap_or(0.0), step),
-                false => Ramp::line(ended, value),
+            (*given, *line) = match slope {
+                Some(slope) => (Given::Sloped, Ramp::with_slope(value, slope, step)),
+                None if self.run => (Given::Runs, Ramp::line(ended, value)),
+                None => (Given::Held, Ramp::held(value)),
             };
+            *from = if slope.is_some() { line.start } else { ended };
             self.jumped |= line.start != ended;
         }
     }
 
     /// Whether a line began at a value set for the step.
     pub fn begin_anew(&self) -> bool {
-        self.anew.contains(&true)
+        self.given.iter().any(|given| *given != Given::Runs)
+    }
+
+    /// How an input runs over the step.
+    pub fn along(&self, input: usize) -> Ramp {
+        self.all[input]
     }
 
     /// How a line changes with the `change` of an input: one that went on from the previous one has a fixed start.
     pub fn change(&self, input: usize, change: &Ramp) -> Ramp {
-        Ramp::line(if self.anew[input] { change.start } else { 0.0 }, change.end)
+        Ramp::line(if self.given[input] == Given::Runs { 0.0 } else { change.start }, change.end)
+    }
+
+    /// How an input goes on beyond the end of the step for as long again.
+    pub fn beyond(&self, input: usize) -> Ramp {
+        let end = self.all[input].end;
+        Ramp::line(end, end + (end - self.from[input]))
+    }
+
+    /// How [`Lines::beyond`] changes with the `change` of an input.
+    pub fn beyond_changed(&self, input: usize, change: &Ramp) -> Ramp {
+        // Where a held input came from is over.
+        let from = if self.given[input] == Given::Sloped { change.start } else { 0.0 };
+        Ramp::line(change.end, change.end + (change.end - from))
     }
 }

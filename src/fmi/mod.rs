@@ -14,7 +14,9 @@
 //!
 //! # Beams
 //! A beam starts at rest and undeformed. Its inputs are held constant over a step. Its outputs belong
-//! to the end of the step and change in [`Instance::do_step`] only. A contact point of the model file,
+//! to the end of the step and change in [`Instance::do_step`] only. A force from outside bends the beam's end at once, so
+//! that the velocity there has a part that goes with the rate of the force. Forces that are held step by step stand for
+//! one that runs: its rate is their difference over the step. A contact point of the model file,
 //! `[[contact_point]] position = 0.3`, takes the force of another contact, `contact_force:x=0.3`, and is a sensor as well:
 //! `displacement:x=0.3`, `velocity:x=0.3`, `acceleration:x=0.3`. The force is restoring, as that of the support.
 //!

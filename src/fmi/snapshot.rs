@@ -4,7 +4,7 @@ use super::stage::Stage;
 use uuid::Uuid;
 
 const MAGIC: &[u8; 16] = b"stickslip state\0";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Magic, version, stage, GUID, number of numbers.
 const HEADER: usize = 16 + 4 + 4 + 16 + 8;
 const CHECKSUM: usize = 8;

@@ -49,7 +49,7 @@ impl Integrator {
                 return Err(IntegrationError::StepTooSmall { time: 0.0, step: 0.0 });
             }
             tangent.arrive(&self.solver, 0.0, by);
-            tangent.finish(&self.solver, &Span::START, by);
+            tangent.finish(&self.solver, &Span::START, inputs, by);
             return Ok(());
         };
         match steps {
@@ -65,8 +65,13 @@ impl Integrator {
                 tangent.now(&self.solver, 1.0, by);
             }
         }
-        tangent.finish(&self.solver, &Span { duration, ..Span::START }, by);
+        tangent.finish(&self.solver, &Span { duration, ..Span::START }, inputs, by);
         Ok(())
+    }
+
+    /// The end of a step that was followed, where its inputs go on as `inputs` and change by `by` over `duration` (s).
+    pub(crate) fn show(&self, tangent: &mut Tangent, duration: f64, inputs: &[Ramp], by: &[Ramp]) {
+        tangent.finish(&self.solver, &Span { duration, ..Span::START }, inputs, by);
     }
 
     /// Change of what sensor `sensor` reads: displacement, velocity, acceleration.

@@ -7,4 +7,5 @@ mod common;
 mod derivatives;
 mod input_derivatives;
 mod instance;
+mod orders;
 mod oscillator;

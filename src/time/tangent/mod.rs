@@ -305,8 +305,9 @@ impl Tangent {
         [&self.q[0], &self.v[0], &self.acceleration]
     }
 
-    /// Changes of the accelerations and of the ports' displacements and velocities at the end of the lines.
-    pub fn finish(&mut self, solver: &StepSolver, span: &Span, by: &[Ramp]) {
+    /// Changes of the accelerations and of the ports' displacements and velocities at the end, for the rates of `inputs`
+    /// and of their changes.
+    pub fn finish(&mut self, solver: &StepSolver, span: &Span, inputs: &[Ramp], by: &[Ramp]) {
         let plant = &solver.plant;
         for i in 0..self.acceleration.len() {
             let (omega, zeta) = (plant.angular_frequency[i], plant.damping_ratio[i]);
@@ -316,7 +317,7 @@ impl Tangent {
         for (e, contact) in plant.contacts.iter().enumerate() {
             let (displacement, velocity) = self.geometric(solver, e, 0);
             let a = plant.ports[contact.port].flexibility;
-            let (rate, rate_change) = (span.rate(solver.ramps[contact.input]), span.rate(by[contact.input]));
+            let (rate, rate_change) = (span.rate(inputs[contact.input]), span.rate(by[contact.input]));
             let at = &mut self.contacts[e];
             at.displacement = displacement - a * at.force;
             at.velocity = if contact.law.is_none() {
