@@ -62,6 +62,17 @@ vocabulary! {
     RATIO = "ratio" ["1"] Some(0.0), None, false, 1.0, "Beta of the four-parameter Iwan law: stiffness of the sliders that yield last, all at once, over that of all others";
     SHARPNESS = "sharpness" ["1"] Some(1.0), Some(50.0), false, 2.0, "Exponent of Bouc and Wen's law: slip sets in most gradually at 1, and at a corner as it grows";
     UNLOADING_RATIO = "unloading_ratio" ["1"] Some(1.0), Some(2.0), false, 1.0, "Slope on reversal from slip over that in stick: 1 unloads along a straight line; in Bouc and Wen's law beta/gamma is ratio/(2 - ratio)";
+    SLOPE_KEPT_1 = "slope_kept_1" ["1"] Some(0.0), Some(1.0), false, 1.0, "Measured loading curve: slope after knot 1 of 12, at 1.5^-11 of its range, over that before";
+    SLOPE_KEPT_2 = "slope_kept_2" ["1"] Some(0.0), Some(1.0), false, 1.0, "Measured loading curve: slope after knot 2 of 12, at 1.5^-10 of its range, over that before";
+    SLOPE_KEPT_3 = "slope_kept_3" ["1"] Some(0.0), Some(1.0), false, 1.0, "Measured loading curve: slope after knot 3 of 12, at 1.5^-9 of its range, over that before";
+    SLOPE_KEPT_4 = "slope_kept_4" ["1"] Some(0.0), Some(1.0), false, 1.0, "Measured loading curve: slope after knot 4 of 12, at 1.5^-8 of its range, over that before";
+    SLOPE_KEPT_5 = "slope_kept_5" ["1"] Some(0.0), Some(1.0), false, 1.0, "Measured loading curve: slope after knot 5 of 12, at 1.5^-7 of its range, over that before";
+    SLOPE_KEPT_6 = "slope_kept_6" ["1"] Some(0.0), Some(1.0), false, 1.0, "Measured loading curve: slope after knot 6 of 12, at 1.5^-6 of its range, over that before";
+    SLOPE_KEPT_7 = "slope_kept_7" ["1"] Some(0.0), Some(1.0), false, 1.0, "Measured loading curve: slope after knot 7 of 12, at 1.5^-5 of its range, over that before";
+    SLOPE_KEPT_8 = "slope_kept_8" ["1"] Some(0.0), Some(1.0), false, 1.0, "Measured loading curve: slope after knot 8 of 12, at 1.5^-4 of its range, over that before";
+    SLOPE_KEPT_9 = "slope_kept_9" ["1"] Some(0.0), Some(1.0), false, 1.0, "Measured loading curve: slope after knot 9 of 12, at 1.5^-3 of its range, over that before";
+    SLOPE_KEPT_10 = "slope_kept_10" ["1"] Some(0.0), Some(1.0), false, 1.0, "Measured loading curve: slope after knot 10 of 12, at 1.5^-2 of its range, over that before";
+    SLOPE_KEPT_11 = "slope_kept_11" ["1"] Some(0.0), Some(1.0), false, 1.0, "Measured loading curve: slope after knot 11 of 12, at 1.5^-1 of its range, over that before";
     // Beam: parameters.
     LENGTH = "length" ["m"] Some(0.0), None, true, 1.0, "Length of the beam from clamp to pin";
     WIDTH = "width" ["m"] Some(0.0), None, true, 0.05, "Width of the beam";

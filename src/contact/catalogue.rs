@@ -4,12 +4,16 @@
 use super::kind::BaseLaw;
 use super::{
     ContactLaw, Jenkins, JointBase, LawError, LawKind, LawParameter, LawRule, LawValues, MOST_PARAMETERS,
-    bouc_wen, iwan, jenkins, valanis,
+    bouc_wen, iwan, jenkins, measured, valanis,
 };
 use crate::vocabulary as v;
 
 /// Every law, in the order of the documentation.
-pub static LAWS: [&LawKind; 4] = [&jenkins::KIND, &valanis::KIND, &iwan::KIND, &bouc_wen::KIND];
+pub static LAWS: [&LawKind; 5] =
+    [&jenkins::KIND, &valanis::KIND, &iwan::KIND, &bouc_wen::KIND, &measured::KIND];
+
+/// The law that is a table, for contacts that no other describes.
+pub static MEASURED: &LawKind = &measured::KIND;
 
 /// A law of the catalogue with its own numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]

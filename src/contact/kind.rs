@@ -60,7 +60,7 @@ pub struct LawRule {
 }
 
 /// Most parameters that a law has of its own.
-pub const MOST_PARAMETERS: usize = 4;
+pub const MOST_PARAMETERS: usize = 11;
 
 impl LawKind {
     /// Its parameter that makes it the law of one slider at a value, with this; only laws that slip gradually have one.

@@ -123,7 +123,7 @@ fn with(
 }
 
 /// Covariance of the law's force under the identified motion less the identified force.
-fn difference(model: &Model, period: &ContactPeriod) -> Result<DMatrix<f64>, IdentificationError> {
+pub(super) fn difference(model: &Model, period: &ContactPeriod) -> Result<DMatrix<f64>, IdentificationError> {
     let map = mapped(model, period)?;
     let count = period.force.len();
     let slopes = map.jacobian().rows(0, count).into_owned();
@@ -133,7 +133,7 @@ fn difference(model: &Model, period: &ContactPeriod) -> Result<DMatrix<f64>, Ide
 }
 
 /// The factor that makes what a law leaves of `period` white.
-fn factor(
+pub(super) fn factor(
     kind: &LawKind,
     period: &ContactPeriod,
     mut covariance: DMatrix<f64>,
@@ -182,7 +182,7 @@ fn mapped(model: &Model, period: &ContactPeriod) -> Result<ContactMapping, Ident
     Ok(map)
 }
 
-fn error_of(model: &Model, period: &ContactPeriod) -> Option<f64> {
+pub(super) fn error_of(model: &Model, period: &ContactPeriod) -> Option<f64> {
     let force = force_under(model, period).ok()?;
     let squares = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
     let off = squares(&mut force.iter().zip(&period.force).skip(1).map(|(a, b)| a - b));
@@ -224,6 +224,6 @@ fn middle(parameter: &crate::contact::LawParameter, stiffness: f64) -> f64 {
     }
 }
 
-fn unfit(kind: &LawKind, why: &str) -> IdentificationError {
+pub(super) fn unfit(kind: &LawKind, why: &str) -> IdentificationError {
     IdentificationError(format!("the law `{}` was not fitted: {why}", kind.name))
 }

@@ -6,7 +6,7 @@
 //! - `harmonics`: coefficients of a record's channels, with their noise (equations 8 and 9 of the paper);
 //! - `inversion`: the force that makes the linear beam move as measured, and the contact's displacement under it;
 //! - `expansion`: the published way to the same, in two modes;
-//! - `laws`: contact laws fitted at some levels and predicted at the others;
+//! - `laws`: contact laws fitted at some levels and predicted at the others; `measured`: the map itself as one;
 //! - `spectra`, `poles`, `resonance`: frequency responses, linear modes, and one resonance from a few points;
 //! - `identification`: all of them, from a model and a dataset.
 //!
@@ -18,6 +18,7 @@ mod harmonics;
 mod identification;
 mod inversion;
 mod laws;
+mod measured;
 mod poles;
 mod resonance;
 mod spectra;
@@ -30,6 +31,7 @@ pub use identification::{
 };
 pub use inversion::{ContactPeriod, Doubts, Inversion, SteadyMotion, invert};
 pub use laws::{IdentifiedLaw, IdentifiedParameter, fit_law, force_under};
+pub use measured::tabulate;
 pub use poles::{Pole, poles};
 pub use resonance::{ResonanceFit, resonance_of};
 pub use spectra::{FrequencyResponse, frequency_response_of};

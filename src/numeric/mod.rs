@@ -1,7 +1,7 @@
 //! Numerical methods without physics, for every layer above.
 //!
 //! Linear equations: [`lu`] (dense factors), [`elimination`] (small systems that may be singular),
-//! [`gmres`] (iterations with a product alone). Signals over a period: [`fourier`], the harmonics a signal may have
+//! [`gmres`] (iterations with a product alone), `nonnegative` (least squares). Signals over a period: [`fourier`], the harmonics a signal may have
 //! ([`HarmonicSet`]), where it is largest ([`extremum`]), and how many periods a record holds ([`periods`]). Roots:
 //! [`bracket`]. Statistics: [`student`], [`random`]. Matrices: [`exponential`], [`balancing`]. Implicit derivatives: [`implicit`].
 
@@ -15,6 +15,8 @@ pub(crate) mod gmres;
 mod harmonic_set;
 pub(crate) mod implicit;
 pub(crate) mod lu;
+#[cfg(feature = "analysis")]
+pub(crate) mod nonnegative;
 mod periods;
 pub(crate) mod random;
 pub(crate) mod student;

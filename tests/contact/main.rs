@@ -5,11 +5,13 @@ mod common;
 
 mod backlash;
 mod bouc_wen;
+mod catalogue;
 mod derivatives;
 mod energy;
 mod iwan;
 mod jenkins;
 mod joint;
+mod measured;
 mod memoryless;
 mod periodic;
 mod sliders;

@@ -1,8 +1,9 @@
 //! Models as slaves: the table, the stages, saved states, failed steps.
 
 use std::collections::BTreeSet;
+use stickslip::contact::{LAWS, Law};
 use stickslip::fmi::{Causality, Error, Instance, Setup, Snapshot, Stage, VariableType};
-use stickslip::model::Model;
+use stickslip::model::{Contact, Model, Structure};
 
 const MODELS: [(&str, &str); 5] = [
     ("JenkinsContact", include_str!("../../modelDescription/JenkinsContact.toml")),
@@ -134,6 +135,44 @@ fn restored_slaves_continue_bit_by_bit() {
         initialize(&mut other);
         let mut fresh = running(name);
         assert_eq!(outputs(&mut other, 0), outputs(&mut fresh, 0), "{name}");
+    }
+}
+
+/// The slave of a contact of every law of the catalogue.
+#[test]
+fn restored_contacts_of_every_law_continue_bit_by_bit() {
+    for kind in LAWS {
+        let own: Vec<f64> =
+            kind.parameters.iter().map(|one| (one.range)(2e6)).map(|(a, b, _)| 0.5 * (a + b)).collect();
+        let contact = Contact {
+            law: Law::new(kind, &own).unwrap(),
+            tangential_stiffness: 2e6,
+            friction_coefficient: 0.5,
+            normal_load: 100.0,
+            normal_stiffness: 0.0,
+        };
+        let model = Model {
+            structure: Structure::Prescribed,
+            contact: Some(contact),
+            effects: Vec::new(),
+            free: None,
+        };
+        let mut slave = Instance::from_model(&Model::parse(&model.to_toml()).unwrap()).unwrap();
+        initialize(&mut slave);
+        let forces = |slave: &mut Instance, from: u32| -> Vec<u64> {
+            let one = |k: u32| {
+                let time = 1e-3 * f64::from(k);
+                set(slave, "displacement", 40e-6 * (200.0 * time).sin()).unwrap();
+                slave.do_step(time, 1e-3).unwrap();
+                get(slave, "force").to_bits()
+            };
+            (from..from + 60).map(one).collect()
+        };
+        forces(&mut slave, 0);
+        let saved = slave.snapshot();
+        let first = forces(&mut slave, 60);
+        slave.restore(&Snapshot::from_bytes(&saved.to_bytes()).unwrap()).unwrap();
+        assert_eq!(forces(&mut slave, 60), first, "{kind:?}");
     }
 }
 

@@ -34,6 +34,21 @@ frequency = "resonance"
 NOISY = "noise = 0.01\nnoise_told = true\ngain_scatter = 0.01\nseed = 1"
 
 
+# Sliders of a distribution and a spring beside them: no law of the library.
+UNKNOWN = """[contact]
+law = "iwan"
+tangential_stiffness = 7.0e6
+friction_coefficient = 0.5
+normal_load = 147.15
+exponent = -0.2
+ratio = 3.0
+
+[[effect]]
+id = "residual_stiffness"
+stiffness = 4e5
+"""
+
+
 def rig(folder: Path, name: str, chain: str, levels: list[float]) -> None:
     (folder / f"{name}.toml").write_text(PLAN.format(chain=chain, levels=levels))
     stickslip(folder, "rig", f"{name}.toml", "-o", name)
@@ -50,6 +65,18 @@ def test_an_identified_contact_predicts_an_unseen_level_as_an_fmu(tmp_path, chai
     assert len(channels) == 3, channels
     for name, pair in channels.items():
         assert error(*pair) < bound, name
+
+
+def test_a_contact_of_no_law_predicts_an_unseen_level_as_an_fmu(tmp_path):
+    beam, _ = (EXAMPLE / "published.toml").read_text().split("[contact]")
+    (tmp_path / "published.toml").write_text(beam + UNKNOWN)
+    rig(tmp_path, "measured", NOISY, [30.0, 50.0, 70.0])
+    rig(tmp_path, "unseen", "", [UNSEEN])
+    stickslip(tmp_path, "identify", "published.toml", "measured", "-o", "identified.toml")
+    assert 'law = "measured"' in (tmp_path / "identified.toml").read_text()
+    stickslip(tmp_path, "export", "identified.toml", "-o", "Support.fmu")
+    for name, pair in predict(tmp_path / "Support.fmu", tmp_path / "unseen/level.csv", 8).items():
+        assert error(*pair) < 0.05, name
 
 
 def test_the_guide_leads_from_raw_records_to_the_fmu(tmp_path):

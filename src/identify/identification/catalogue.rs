@@ -1,10 +1,18 @@
 //! Every law of the catalogue, fitted at some levels and predicted at the others.
 
 use super::{Identification, IdentifyOptions, Setup, check_interrupt};
-use crate::contact::LAWS;
+use crate::contact::{LAWS, MEASURED};
 use crate::effects::Kind;
-use crate::identify::{IdentificationError, IdentifiedLaw, fit_law};
+use crate::identify::measured::half_range;
+use crate::identify::{IdentificationError, IdentifiedLaw, fit_law, tabulate};
 use crate::model::{Contact, Model, Structure};
+
+/// No law describes a contact where the best leaves more than this part of the force in records that it was not fitted to. The
+/// measured map stands for it where it leaves less than this part of that.
+const UNDESCRIBED: f64 = 0.03;
+const BETTER: f64 = 0.5;
+/// Motions that exceed the map's by more than this factor are beyond it.
+const RANGE: f64 = 1.001;
 
 /// Fits all laws and takes the one that predicts best into `model`.
 pub(super) fn fit_laws(
@@ -16,15 +24,18 @@ pub(super) fn fit_laws(
     let Some(inversion) = &found.inversion else { return Ok(()) };
     found.fitted = fitted(found, options)?;
     for kind in LAWS {
-        match fit_law(kind, setup.normal_load, &inversion.periods, &found.fitted, options.interrupt) {
+        let (load, periods, fitted) = (setup.normal_load, &inversion.periods, &found.fitted);
+        let law = match kind == MEASURED {
+            true => tabulate(load, periods, fitted),
+            false => fit_law(kind, load, periods, fitted, options.interrupt),
+        };
+        match law {
             Ok(law) => found.laws.push(law),
             Err(error) => found.failed_laws.push((kind.name, error.to_string())),
         }
         check_interrupt(options)?;
     }
-    let errors: Vec<f64> = found.laws.iter().map(|law| judged(law, &found.fitted)).collect();
-    let usable = (0..errors.len()).filter(|k| errors[*k].is_finite());
-    found.best = usable.min_by(|a, b| errors[*a].total_cmp(&errors[*b]));
+    choose(found);
     if found.fitted.len() == found.records.len() {
         found
             .warnings
@@ -34,6 +45,58 @@ pub(super) fn fit_laws(
         with_contact(model, &found.laws[best], found.static_correction, &mut found.warnings)
     });
     Ok(())
+}
+
+/// Takes the law that predicts best, or the measured map where none describes the contact.
+fn choose(found: &mut Identification) {
+    let errors: Vec<f64> = found.laws.iter().map(|law| judged(law, &found.fitted)).collect();
+    let map = found.laws.iter().position(|law| name_of(law) == MEASURED.name);
+    let usable = (0..errors.len()).filter(|k| errors[*k].is_finite() && Some(*k) != map);
+    let law = usable.min_by(|a, b| errors[*a].total_cmp(&errors[*b]));
+    let left = law.map_or(f64::INFINITY, |law| errors[law]);
+    found.best = law;
+    if left <= UNDESCRIBED {
+        return;
+    }
+    let than = law.map_or("none could be fitted".to_owned(), |law| {
+        format!("{}, the best, leaves {:.1} % of the force", name_of(&found.laws[law]), 100.0 * left)
+    });
+    let undescribed = format!("No law of the library describes the contact: {than}");
+    match map.filter(|map| errors[*map] < BETTER * left) {
+        Some(map) => {
+            found.best = Some(map);
+            let left = 100.0 * errors[map];
+            found
+                .warnings
+                .push(format!("{undescribed}; the measured map leaves {left:.1} % and stands for it."));
+            tell_range(found);
+        }
+        None => {
+            found.warnings.push(format!("{undescribed}, and the measured map does not do better by half."))
+        }
+    }
+}
+
+/// Names the range of the measured map, and the records beyond it.
+fn tell_range(found: &mut Identification) {
+    let periods = found.inversion.iter().flat_map(|inversion| &inversion.periods);
+    let moved: Vec<f64> = periods.map(half_range).collect();
+    let range = found.fitted.iter().map(|k| moved[*k]).fold(0.0, f64::max);
+    found.range = Some(range);
+    found.warnings.push(format!(
+        "The map holds for motions of up to ± {:.1} µm about their middle. Beyond that its force stays as it is there, which nobody \
+         has measured.",
+        1e6 * range
+    ));
+    let beyond = found.records.iter().zip(&moved).filter(|(_, moved)| **moved > RANGE * range);
+    let beyond: Vec<&str> = beyond.map(|(record, _)| record.name.as_str()).collect();
+    if !beyond.is_empty() {
+        found.warnings.push(format!("Beyond the range of the measured map: {}.", beyond.join(", ")));
+    }
+}
+
+fn name_of(law: &IdentifiedLaw) -> &'static str {
+    law.model.contact.map_or("", |contact| contact.law.kind.name)
 }
 
 /// Places of the records to fit.

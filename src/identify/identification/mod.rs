@@ -95,6 +95,8 @@ pub struct Identification {
     pub failed_laws: Vec<(&'static str, String)>,
     /// Place in `laws` of the one with the least error on records that it was not fitted to.
     pub best: Option<usize>,
+    /// Where the best is the measured map: the largest motion about its middle (m) that it holds for.
+    pub range: Option<f64>,
     /// The model with the best law.
     pub model: Option<Model>,
     /// Records under random excitation.
@@ -164,6 +166,7 @@ pub fn identify(
         fitted: Vec::new(),
         failed_laws: Vec::new(),
         best: None,
+        range: None,
         model: None,
         linear,
         levels,

@@ -237,12 +237,11 @@ fn what_is_missing_is_named() {
     assert!(said.contains("nothing excites it") && said.contains("regime \"steady\""), "{said}");
 }
 
-/// A beam of another make, at eight held levels: its own modes are those of its model.
-#[test]
-fn the_contact_of_a_beam_of_another_make_is_identified() {
+/// A beam of another make, at eight held levels: its own modes are those of its model. With `model.toml` in a folder.
+fn of_another_make(effect: &'static str) -> (TempDir, Model) {
     let case = Case {
         kind: Kind::Beam,
-        effects: vec!["micro_slip:valanis"],
+        effects: vec![effect],
         strength: Strength::Full,
         noise: Noise { share: 0.01, coloured: false },
         drive: Drive::Stationary,
@@ -254,16 +253,25 @@ fn the_contact_of_a_beam_of_another_make_is_identified() {
     for (name, text) in files::texts(&drawn) {
         fs::write(folder.path().join(name), text).unwrap();
     }
+    let true_model = Model::parse(&drawn.true_model().unwrap()).unwrap();
+    (folder, true_model)
+}
+
+fn law_called<'j>(json: &'j Value, name: &str) -> &'j Value {
+    json["laws"].as_array().unwrap().iter().find(|law| law["law"] == name).unwrap()
+}
+
+#[test]
+fn the_contact_of_a_beam_of_another_make_is_identified() {
+    let (folder, true_model) = of_another_make("micro_slip:valanis");
     let arguments = ["identify", "model.toml", ".", "--json", "i.json"];
     let output = stickslip(folder.path(), &arguments);
     assert!(output.status.success(), "{}", error(&output));
     let json = read_json(&folder, "i.json");
-    assert_eq!(json["best"], "valanis");
+    assert_eq!((&json["best"], &json["range"]), (&"valanis".into(), &Value::Null));
     assert!(json["beam"].as_str().unwrap().contains("the 6 modes of the model."), "{}", json["beam"]);
-    let law = json["laws"].as_array().unwrap().iter().find(|law| law["law"] == "valanis").unwrap();
+    let law = law_called(&json, "valanis");
     // 512 samples of 1 % noise at one level: what they tell, and no more.
-    let true_model = drawn.true_model().unwrap();
-    let true_model = Model::parse(&true_model).unwrap();
     for name in ["tangential_stiffness", "friction_coefficient", "smoothness"] {
         let truth = true_model.get(&format!("contact.{name}")).unwrap();
         let end = |end: &str| law["parameters"][name][end].as_f64().unwrap();
@@ -273,6 +281,44 @@ fn the_contact_of_a_beam_of_another_make_is_identified() {
     for (record, error) in law["error"].as_object().unwrap() {
         assert!(error.as_f64().unwrap() < 0.03, "{record}: {error}");
     }
+}
+
+/// Forty sliders of another distribution than any law of the library has: the map of the largest loop predicts the others,
+/// which are up to a hundred times as small, and becomes an FMU.
+#[test]
+fn a_contact_of_no_law_becomes_a_measured_map_and_an_fmu() {
+    let (folder, _) = of_another_make("micro_slip");
+    let arguments = ["identify", "model.toml", ".", "--json", "i.json", "-o", "new.toml"];
+    let output = stickslip(folder.path(), &arguments);
+    assert!(output.status.success(), "{}", error(&output));
+    let json = read_json(&folder, "i.json");
+    assert_eq!(json["best"], "measured");
+    let errors = |name: &str| -> Vec<f64> {
+        let law = law_called(&json, name)["error"].as_object().unwrap();
+        law.iter()
+            .filter(|(record, _)| *record != "r7.csv")
+            .map(|(_, error)| error.as_f64().unwrap())
+            .collect()
+    };
+    assert_eq!(law_called(&json, "measured")["fitted_records"], serde_json::json!(["r7.csv"]));
+    assert!(errors("measured").iter().all(|error| *error < 0.03), "{:?}", errors("measured"));
+    for name in ["jenkins", "valanis", "iwan", "bouc_wen"] {
+        assert!(errors(name).iter().any(|error| *error > 0.06), "{name} {:?}", errors(name));
+    }
+    // The range is told, and what lies beyond it.
+    let range = json["range"].as_f64().unwrap();
+    assert!((50e-6..150e-6).contains(&range), "{range}");
+    let said = stdout(&output);
+    assert!(said.contains("No law of the library describes") && !said.contains("Beyond the range"), "{said}");
+    let output =
+        stickslip(folder.path(), &["identify", "model.toml", ".", "--fit", "r4", "--json", "i.json"]);
+    assert!(stdout(&output).contains("Beyond the range of the measured map: r5.csv, r6.csv, r7.csv."));
+    let smaller = read_json(&folder, "i.json")["range"].as_f64().unwrap();
+    assert!(smaller < 0.7 * range, "{smaller}");
+    let new = Model::parse(&fs::read_to_string(folder.path().join("new.toml")).unwrap()).unwrap();
+    assert_eq!(new.contact.unwrap().law.kind.name, "measured");
+    let exported = stickslip(folder.path(), &["export", "new.toml", "-o", "Support.fmu"]);
+    assert!(exported.status.success(), "{}", error(&exported));
 }
 
 #[cfg(target_os = "linux")]

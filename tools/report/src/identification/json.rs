@@ -57,6 +57,7 @@ pub fn identification_json(report: &IdentificationReport) -> Value {
         "laws": laws,
         "failed_laws": found.failed_laws.iter().map(|(law, reason)| json!({ "law": law, "reason": reason })).collect::<Vec<_>>(),
         "best": report.best().map(name_of),
+        "range": found.range,
         "unidentified": found.unidentified.iter().map(|one| one.name).collect::<Vec<_>>(),
         "unidentified_reasons": reasons.collect::<Map<_, _>>(),
         "beam": found.beam,

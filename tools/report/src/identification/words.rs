@@ -18,6 +18,13 @@ impl IdentificationReport<'_> {
                 false => format!("The contact’s force was identified in {records}; no law describes it."),
             };
         };
+        if let Some(range) = self.found.range {
+            return format!(
+                "The contact’s force was identified in {records}. No law of the library describes it; the measured map stands \
+                 for it, {predicted}. It holds for motions of up to ±\u{a0}{} about their middle.",
+                format::engineering(range, "m")
+            );
+        }
         let numbers: Vec<String> =
             law.parameters.iter().map(|one| format!("{} {}", prose(one.name), value(one))).collect();
         format!(
