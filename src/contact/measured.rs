@@ -105,6 +105,9 @@ impl Measured {
     /// Knots of a table.
     pub const KNOTS: usize = KNOTS;
 
+    /// Each knot over the one before.
+    pub const SPACING: f64 = SPACING;
+
     /// A table of stiffness `tangential_stiffness` (N/m) before its first knot, whose end carries `friction_coefficient` (1)
     /// times the load, with the part `slope_kept` of the slope that is left after each knot but the last.
     ///

@@ -12,6 +12,8 @@ use crate::vocabulary::Quantity;
 
 /// Solutions, each with the covariance of the law before.
 const ROUNDS: usize = 3;
+/// Places of the knots that are tried, evenly over the way from one to the next.
+const PLACES: u32 = 8;
 /// Steps of a period in which the largest displacement is looked for.
 const STEPS: usize = 512;
 /// Standard errors of a 95 % interval.
@@ -20,7 +22,7 @@ const WIDE: f64 = 1.96;
 const STEP: f64 = 1e-6;
 
 /// Tabulates the loading curve of those of `periods` whose places are in `fitted`, under the constant `normal_load` (N): the
-/// one that ends at their largest motion, and whose branches describe them best.
+/// one that holds for their largest motion, and whose branches describe them best.
 ///
 /// The force of a table is linear in the falls of its slope at the knots, none of which may be negative; so the best table is
 /// found without a start.
@@ -37,15 +39,12 @@ pub fn tabulate(
     if !(range > 0.0 && normal_load > 0.0) {
         return Err(unfit(MEASURED, "no motion or no normal load"));
     }
-    let columns = seen
-        .iter()
-        .map(|period| branches(period, range, normal_load))
-        .collect::<Result<Vec<_>, IdentificationError>>()?;
+    let (end, columns) = best_knots(&seen, range, normal_load)?;
     let mut covariances: Vec<DMatrix<f64>> = seen.iter().map(|period| period.covariance.clone()).collect();
     let mut found = None;
     for _ in 0..ROUNDS {
-        let table = Table::of(&seen, &columns, covariances)?;
-        let model = table.model(range, normal_load)?;
+        let table = Table::of(&seen, &columns, &covariances)?;
+        let model = table.model(end, normal_load)?;
         covariances = seen
             .iter()
             .map(|period| difference(&model, period))
@@ -53,9 +52,30 @@ pub fn tabulate(
         found = Some((table, model));
     }
     let (table, model) = found.ok_or_else(|| unfit(MEASURED, "no round"))?;
-    let parameters = table.parameters(&model, range, normal_load);
+    let parameters = table.parameters(&model, end, normal_load);
     let errors = periods.iter().map(|period| error_of(&model, period)).collect();
     Ok(IdentifiedLaw { model, parameters, errors })
+}
+
+/// The end of a table (m) that is at the largest motion or up to a knot beyond it, and what sliders at its knots do: where a
+/// contact yields at once, a knot must be near.
+fn best_knots(
+    seen: &[&ContactPeriod],
+    range: f64,
+    normal_load: f64,
+) -> Result<(f64, Vec<DMatrix<f64>>), IdentificationError> {
+    let covariances: Vec<DMatrix<f64>> = seen.iter().map(|period| period.covariance.clone()).collect();
+    let mut best: Option<(f64, f64, Vec<DMatrix<f64>>)> = None;
+    for place in 0..PLACES {
+        let end = range * Measured::SPACING.powf(f64::from(place) / f64::from(PLACES));
+        let columns = seen.iter().map(|period| branches(period, end, normal_load));
+        let columns = columns.collect::<Result<Vec<_>, IdentificationError>>()?;
+        let left = Table::of(seen, &columns, &covariances)?.left;
+        if best.as_ref().is_none_or(|(least, _, _)| left < *least) {
+            best = Some((left, end, columns));
+        }
+    }
+    best.map(|(_, end, columns)| (end, columns)).ok_or_else(|| unfit(MEASURED, "no place for its knots"))
 }
 
 /// Half of what lies between the largest and the smallest displacement (m).
@@ -97,13 +117,15 @@ struct Table {
     falls: [f64; Measured::KNOTS],
     free: Vec<usize>,
     covariance: DMatrix<f64>,
+    /// Mean square of what it leaves, over the errors.
+    left: f64,
 }
 
 impl Table {
     fn of(
         seen: &[&ContactPeriod],
         columns: &[DMatrix<f64>],
-        covariances: Vec<DMatrix<f64>>,
+        covariances: &[DMatrix<f64>],
     ) -> Result<Self, IdentificationError> {
         let singular = || unfit(MEASURED, "its force has no covariance");
         let rows = columns.iter().map(DMatrix::nrows).sum();
@@ -111,7 +133,7 @@ impl Table {
         let mut right = DVector::zeros(rows);
         let mut row = 0;
         for ((period, columns), covariance) in seen.iter().zip(columns).zip(covariances) {
-            let factor = factor(MEASURED, period, covariance)?;
+            let factor = factor(MEASURED, period, covariance.clone())?;
             let white = factor.solve_lower_triangular(columns).ok_or_else(singular)?;
             let force = DVector::from_column_slice(&period.force);
             let target = factor.solve_lower_triangular(&force).ok_or_else(singular)?;
@@ -124,7 +146,8 @@ impl Table {
         let freedom = rows.saturating_sub(free.len()).max(1) as f64;
         let left = (&matrix * &falls - right).norm_squared() / freedom;
         let covariance = (inner.transpose() * &inner).cholesky().ok_or_else(singular)?.inverse();
-        Ok(Self { falls: std::array::from_fn(|k| falls[k]), free, covariance: covariance * left.max(1.0) })
+        let falls = std::array::from_fn(|k| falls[k]);
+        Ok(Self { falls, free, covariance: covariance * left.max(1.0), left })
     }
 
     fn model(&self, range: f64, normal_load: f64) -> Result<Model, IdentificationError> {

@@ -34,19 +34,13 @@ frequency = "resonance"
 NOISY = "noise = 0.01\nnoise_told = true\ngain_scatter = 0.01\nseed = 1"
 
 
-# Sliders of a distribution and a spring beside them: no law of the library.
+# Two limits, the first reached in stick, and all between them gradual: no law of the library.
 UNKNOWN = """[contact]
-law = "iwan"
+law = "measured"
 tangential_stiffness = 7.0e6
-friction_coefficient = 0.5
+friction_coefficient = 0.7
 normal_load = 147.15
-exponent = -0.2
-ratio = 3.0
-
-[[effect]]
-id = "residual_stiffness"
-stiffness = 4e5
-"""
+""" + "".join(f"slope_kept_{k} = {kept}\n" for k, kept in enumerate([1, 1, 1, 0.3, 1, 1, 0.9, 0.9, 0.9, 0.1, 0.9], 1))
 
 
 def rig(folder: Path, name: str, chain: str, levels: list[float]) -> None:
