@@ -3,12 +3,14 @@
 //! - [`predict`]: a model and a record come in, what the sensors would show comes out.
 //! - [`least_squares`]: bounded fits with intervals, of anything that has residuals.
 //! - [`compare`]: a model against a dataset, before and after its free parameters are fitted.
+//! - [`ring_down`]: free decays without an excitation, cut into levels of amplitude, frequency and damping.
 //! - [`residual`]: the residual, over what it may depend on, and what that may come from.
 
 pub mod compare;
 pub mod least_squares;
 pub mod predict;
 pub mod residual;
+pub mod ring_down;
 
 pub use least_squares::{
     Difference, Ending, Fit, FitError, InterruptHook, Interval, Options, Parameter, Progress, ProgressHook,

@@ -5,4 +5,5 @@ mod common;
 
 mod backbone;
 mod least_squares;
+mod ring_down;
 mod steady_oscillators;

@@ -1,12 +1,13 @@
 //! The choice of regime: which simulation predicts a record.
 
-use super::backbone::{BackboneOfBeam, BackboneOfOscillator};
+use super::backbone::{BackboneOfBeam, BackboneOfMode};
 use super::channels;
 use super::from_rest::FromRest;
 use super::simulation::{Seed, Simulation};
 use super::steady::{SteadyBeam, SteadyContact, SteadyOscillator};
 use super::unknown_start::{ContactOfUnknownStart, OscillatorOfUnknownStart};
 use crate::data::{Record, Regime};
+use crate::fit::ring_down::{is_ring_down, levels};
 use crate::model::{Model, Structure};
 
 /// The simulation of `record` for models of the kind of `model`, from `seed` if there is one.
@@ -29,6 +30,7 @@ pub(super) fn simulation<'r>(
             Box::new(SteadyOscillator::new(model, record, channels)?)
         }
         (Regime::Steady, Structure::Beam(_)) => Box::new(SteadyBeam::new(model, record, channels, seed)?),
+        (Regime::UnknownInitialState, _) if is_ring_down(model, record) => return Err(uncut(record)),
         (Regime::UnknownInitialState, Structure::Prescribed) => {
             Box::new(ContactOfUnknownStart::new(record, channels)?)
         }
@@ -36,9 +38,11 @@ pub(super) fn simulation<'r>(
             Box::new(OscillatorOfUnknownStart::new(model, oscillator, record, channels)?)
         }
         (Regime::UnknownInitialState, Structure::Beam(_)) => return Err(BEAM_OF_UNKNOWN_START.into()),
-        (Regime::Backbone, Structure::Beam(_)) => Box::new(BackboneOfBeam::new(record, channels)?),
-        (Regime::Backbone, Structure::Oscillator(oscillator)) => {
-            Box::new(BackboneOfOscillator::new(model, oscillator, record, channels)?)
+        (Regime::Backbone, Structure::Beam(_)) if record.channel("amplitude").is_some() => {
+            Box::new(BackboneOfBeam::new(record, channels)?)
+        }
+        (Regime::Backbone, Structure::Beam(_) | Structure::Oscillator(_)) => {
+            Box::new(BackboneOfMode::new(model, record, channels)?)
         }
         (Regime::Backbone, Structure::Prescribed) => return Err(BACKBONE_OF_CONTACT.into()),
     })
@@ -48,3 +52,10 @@ const BEAM_OF_UNKNOWN_START: &str = "a beam's record needs the regime `from-rest
                                      at its start is not measured everywhere";
 const BACKBONE_OF_CONTACT: &str =
     "a backbone table belongs to a beam or an oscillator, not to a contact alone";
+
+/// Why a free decay has no table.
+fn uncut(record: &Record) -> String {
+    let not_asked =
+        "nothing excites it: it is a free decay, which is compared level by level, as `tabulated` cuts it";
+    levels(record).err().unwrap_or_else(|| not_asked.to_owned())
+}

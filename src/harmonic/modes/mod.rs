@@ -140,6 +140,20 @@ pub(crate) fn mode_at(
     Ok(accelerations.iter().map(at).collect())
 }
 
+/// The mode whose frequency, with the contacts as they are at rest, is nearest to `angular_frequency` (rad/s).
+///
+/// # Errors
+/// A structure whose modes cannot be computed, or that has none but those of a free body.
+pub(crate) fn mode_near(assembly: &Assembly, angular_frequency: f64) -> Result<usize, HarmonicError> {
+    let mut stuck = assembly.system.linear_part();
+    stuck.stiffness.extend(stuck.along_contacts(at_rest(&assembly.system)));
+    let modes = stuck.natural_modes()?;
+    let apart = |natural: f64| (natural / angular_frequency).ln().abs();
+    let vibrating = modes.angular_frequency.iter().enumerate().filter(|(_, natural)| **natural > 0.0);
+    let nearest = vibrating.min_by(|a, b| apart(*a.1).total_cmp(&apart(*b.1)));
+    nearest.map(|(mode, _)| mode).ok_or(HarmonicError::InvalidInput("the structure has no vibration"))
+}
+
 /// A mode with the first harmonic of a node held at each of the amplitudes: of its displacement (0) … acceleration (2).
 struct Held<'a> {
     mode: usize,

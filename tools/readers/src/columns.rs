@@ -12,6 +12,7 @@ use crate::error::{Excerpt, InputError, Problem};
 /// A contact needs `displacement` and `force`; a beam needs `excitation` and at least one measured motion
 /// at a position on the beam (`acceleration:x=0.55`), or a backbone table; an oscillator needs `excitation` at
 /// one or several masses (`excitation:m1`) and the motion of at least one mass (`displacement:m2`), or a backbone table.
+/// A record of unknown start may lack the excitation: it is a free decay.
 ///
 /// # Errors
 /// The first record that lacks a column, has one that does not fit the model or is compared but never changes, or has a
@@ -62,10 +63,9 @@ fn beam_problem(record: &Record, beam: &Beam) -> Option<Problem> {
     if record.regime == Regime::Backbone {
         // Its two columns were checked when it was read.
         let placed = record.channels_of("amplitude").find(|channel| channel.name != "amplitude")?;
-        let reason = "of a beam it is the acceleration at the exciter: call it `amplitude`".to_owned();
-        return Some(Problem::UnsuitableColumn { column: placed.name.clone(), reason });
+        return unsuitable_motion(placed, beam);
     }
-    if record.channel("excitation").is_none() {
+    if record.channel("excitation").is_none() && !decays(record) {
         return missing("excitation [N]", "it drives a model of kind \"beam\"");
     }
     let motions = motions(record);
@@ -74,6 +74,11 @@ fn beam_problem(record: &Record, beam: &Beam) -> Option<Problem> {
         return missing("acceleration:x=... [m/s^2]", reason);
     }
     motions.into_iter().find_map(|channel| unsuitable_motion(channel, beam))
+}
+
+/// Whether a record of a structure may be a free decay.
+fn decays(record: &Record) -> bool {
+    record.regime == Regime::UnknownInitialState && record.channels_of("excitation").next().is_none()
 }
 
 /// The measured motions of a structure.
@@ -88,7 +93,7 @@ fn oscillator_problem(record: &Record, oscillator: &Oscillator) -> Option<Proble
         return stray_mass(amplitudes, oscillator);
     }
     let excitations: Vec<&Channel> = record.channels_of("excitation").collect();
-    if excitations.is_empty() {
+    if excitations.is_empty() && !decays(record) {
         let excited = oscillator.masses.get(oscillator.excitation).map_or("", |mass| mass.name.as_str());
         return missing(&format!("excitation:{excited} [N]"), "it drives the model");
     }

@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 use stickslip::data::{Record, Regime, Use};
 use stickslip::diagnose::{Comparison, Noise, NoiseSource, RecordResult, Stage, StepGain};
+use stickslip::fit::ring_down::{Level, RingDown};
 
 use crate::explorer::Harmonics;
 use crate::{floors, summary, tables};
@@ -20,6 +21,8 @@ use crate::{floors, summary, tables};
 ///      "channels": {"force": {"unit": "N", "error": 0.4, "rms": 31.0}}}]}],
 ///  "steps": [{"from": "Jenkins", "to": "Valanis", "parameters": [2, 3], "f": 8.1, "chance": 0.036, "aicc": -2.3}],
 /// "noise": [{"file": "r0.csv", "channel": "force", "deviation": 0.5, "source": "periods", "error": 0.01}],
+///  "ring_downs": [{"file": "decay.csv", "channel": "acceleration:x=0.55", "levels": [{"time": 0.1, "amplitude": 31.0,
+///    "frequency": {"value": 50.1, "low": 50.0, "high": 50.2}, "damping_ratio": {...}}]}],
 ///  "harmonics": [{"file": "r0.csv", "channel": "force", "fundamental": 10.0, "errors": [[0.0, 0.3]]}]}
 /// ```
 ///
@@ -51,6 +54,7 @@ pub fn json(comparison: &Comparison, noise: &[Noise]) -> Value {
         "stages": comparison.stages.iter().map(|one| stage(comparison, one)).collect::<Vec<_>>(),
         "steps": comparison.steps().iter().map(|one| step(comparison, one)).collect::<Vec<_>>(),
         "noise": noise.iter().map(|one| self::noise(comparison, one)).collect::<Vec<_>>(),
+        "ring_downs": comparison.ring_downs.iter().map(ring_down).collect::<Vec<_>>(),
         "harmonics": tables::all_harmonics(comparison).iter().map(|one| harmonics(comparison, one)).collect::<Vec<_>>(),
     })
 }
@@ -73,6 +77,22 @@ fn step(comparison: &Comparison, step: &StepGain) -> Value {
     json!({
         "from": from, "to": to, "parameters": step.parameters, "f": step.ratio, "chance": step.p_value,
         "aicc": step.criterion,
+    })
+}
+
+/// The levels of a free decay, with 95 % intervals.
+fn ring_down(ring_down: &RingDown) -> Value {
+    let number = |value: f64, half: f64| json!({ "value": value, "low": value - half, "high": value + half });
+    let level = |level: &Level| {
+        json!({
+            "time": level.time, "amplitude": level.amplitude,
+            "frequency": number(level.frequency, level.frequency_interval),
+            "damping_ratio": number(level.damping_ratio, level.damping_interval),
+        })
+    };
+    json!({
+        "file": ring_down.record, "channel": ring_down.channel,
+        "levels": ring_down.levels.iter().map(level).collect::<Vec<_>>(),
     })
 }
 

@@ -19,6 +19,7 @@ mod page;
 mod parameter;
 mod plots;
 pub mod responses;
+mod ring_down;
 pub mod simulation;
 mod stages;
 mod summary;

@@ -26,7 +26,7 @@ const PLOTLY: &str = include_str!(concat!(env!("OUT_DIR"), "/plotly.min.js"));
 ///
 /// ```
 /// use stickslip::diagnose::{Comparison, Noise};
-/// let comparison = Comparison { title: "joint A".into(), records: vec![], stages: vec![] };
+/// let comparison = Comparison { title: "joint A".into(), records: vec![], ring_downs: vec![], stages: vec![] };
 /// let page = stickslip_report::html(&comparison, &[], &stickslip_report::Settings::default());
 /// assert!(page.starts_with("<!DOCTYPE html>"));
 /// ```
@@ -41,6 +41,7 @@ pub fn html_with(comparison: &Comparison, noise: &[Noise], more: &[Section], set
     let mut figures = Figures::default();
     let sections = html! {
         (stage_section(&mut figures, comparison, &summary, &levels, noise))
+        @for one in &comparison.ring_downs { (crate::ring_down::section(one)) }
         @for table in &levels { (backbone_section(&mut figures, comparison, table)) }
         (record_section(&mut figures, comparison, noise))
         @if comparison.stages.iter().any(|stage| !stage.parameters.is_empty()) {

@@ -1,6 +1,7 @@
 //! A comparison as text for a terminal.
 
 use stickslip::diagnose::{Comparison, Noise};
+use stickslip::fit::ring_down::RingDown;
 
 use crate::explorer::Harmonics;
 use crate::format::{self, Scale, printable};
@@ -31,6 +32,7 @@ pub fn terminal_table(comparison: &Comparison, noise: &[Noise], width: usize, co
     }
     stages(&mut out, comparison, &summary);
     steps(&mut out, comparison);
+    comparison.ring_downs.iter().for_each(|one| ring_down(&mut out, one));
     for table in &levels {
         level_table(&mut out, comparison, table);
     }
@@ -194,6 +196,20 @@ fn bar(fraction: f64, width: usize) -> String {
     // Something is left of the error, however little: an empty bar would say there is none.
     let eighths = if fraction > 0.0 { eighths.max(1) } else { eighths };
     format!("{}{}", "█".repeat(eighths / 8), EIGHTHS[eighths % 8])
+}
+
+/// The levels that a free decay was cut into.
+fn ring_down(out: &mut Text, ring_down: &RingDown) {
+    let (heading, header, rows) = crate::ring_down::table(ring_down);
+    out.line("");
+    out.paragraph(&heading, BOLD);
+    let mut left = vec![header[0].clone()];
+    let mut cells = vec![header[1..].to_vec()];
+    for row in rows {
+        left.push(row[0].clone());
+        cells.push(row[1..].to_vec());
+    }
+    out.grid(&left, &cells, 0);
 }
 
 fn level_table(out: &mut Text, comparison: &Comparison, levels: &Levels) {

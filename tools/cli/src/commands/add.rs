@@ -10,7 +10,7 @@ use stickslip_report::diagnosis::added_json;
 
 use super::diagnose::{effect, failed, watched};
 use super::{
-    check_destinations, colored, dataset_file, dataset_files, list, read_dataset, read_model, settings,
+    check_destinations, colored, dataset_file, dataset_files, list, read_levels, read_model, settings,
 };
 use crate::output::{Outputs, say};
 use crate::{Failure, ResultFiles, progress};
@@ -50,7 +50,7 @@ impl Add {
         };
         let effect = effect(id)?;
         let model = read_model(&self.model)?;
-        let dataset = read_dataset(&self.fit, &model)?;
+        let (dataset, ring_downs) = read_levels(&self.fit, &model)?;
         check_kind(effect, &model)?;
         let location = location(effect, place, &model, &dataset)?;
         if model.effects.iter().any(|other| other.effect == effect && other.location == location) {
@@ -72,7 +72,7 @@ impl Add {
         let data = dataset.title.clone().unwrap_or_else(|| self.fit.display().to_string());
         let title = format!("{} added: {data}", effect.title);
         let noise = noise_of(&model, &dataset);
-        let comparison = Comparison { title, records: dataset.records, stages: done.stages };
+        let comparison = Comparison { title, records: dataset.records, ring_downs, stages: done.stages };
         say(&stickslip_report::terminal_table(&comparison, &noise, 80, colored()))?;
         let mut outputs = Outputs::default();
         outputs.add(&self.out, done.model.to_toml());

@@ -6,7 +6,7 @@ use stickslip::diagnose::{Comparison, evaluate, noise_of};
 use stickslip::model::Model;
 
 use super::{
-    check_destinations, colored, dataset_file, dataset_files, list, present, read_dataset, read_model,
+    check_destinations, colored, dataset_file, dataset_files, list, present, read_levels, read_model,
     refitted, settings, tell_unused,
 };
 use crate::output::{Outputs, say};
@@ -37,7 +37,7 @@ impl Compare {
     pub fn run(self) -> Result<(), Failure> {
         check_destinations(&self.files, &self.out, &[self.model.clone(), dataset_file(&self.dataset)])?;
         let model = read_model(&self.model)?;
-        let dataset = read_dataset(&self.dataset, &model)?;
+        let (dataset, ring_downs) = read_levels(&self.dataset, &model)?;
         let mut read = vec![self.model.clone()];
         read.extend(dataset_files(&self.dataset, &dataset));
         check_destinations(&self.files, &self.out, &read)?;
@@ -56,7 +56,7 @@ impl Compare {
         let title = dataset.title.clone().unwrap_or_else(|| self.dataset.display().to_string());
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         let noise = noise_of(&model, &dataset);
-        let comparison = Comparison { title, records: dataset.records, stages };
+        let comparison = Comparison { title, records: dataset.records, ring_downs, stages };
         present(&comparison, &noise, &[], &settings, &self.files, &mut outputs)?;
         if self.harmonics {
             say(&stickslip_report::harmonic_text(&comparison, 80, colored()))?;

@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest as _, Sha256};
 use stickslip::data::Dataset;
 use stickslip::diagnose::{Comparison, Noise, Refit, RefitError, Watch, refit, unused_columns};
+use stickslip::fit::ring_down::{RingDown, tabulated};
 use stickslip::fit::{Ending, FitError};
 use stickslip::model::Model;
 
@@ -42,6 +43,11 @@ fn read_model(path: &Path) -> Result<Model, Failure> {
             .map_err(|error| failed(format!("resources/model.toml: {}", error.message)));
     }
     stickslip_readers::read_model(path).map_err(shown)
+}
+
+/// Reads a dataset as [`read_dataset`] does, with its free decays cut into levels; and those.
+fn read_levels(path: &Path, model: &Model) -> Result<(Dataset, Vec<RingDown>), Failure> {
+    Ok(tabulated(model, &read_dataset(path, model)?))
 }
 
 /// Reads a dataset and makes sure that it has what `model` needs.

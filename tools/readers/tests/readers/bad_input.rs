@@ -247,6 +247,10 @@ fn datasets_must_have_what_the_model_needs() {
     let backbone = "amplitude [g],frequency [Hz]\n1,50\n2,49\n";
     let placed = |place: &str| backbone.replace("amplitude", &format!("amplitude:{place}"));
     assert_eq!(check(&beam, "backbone", backbone), Ok(()));
+    assert_eq!(check(&beam, "backbone", &placed("x=0.5")), Ok(()));
+    let free = "time [s],acceleration:x=0.5 [g]\n0,1\n1,2\n";
+    assert_eq!(check(&beam, "unknown-initial-state", free), Ok(()));
+    assert_eq!(check(&oscillator, "unknown-initial-state", &free.replace("x=0.5", "m1")), Ok(()));
     assert_eq!(check(&oscillator, "backbone", backbone), Ok(()));
     assert_eq!(check(&oscillator, "backbone", &placed("m1")), Ok(()));
     for (model, regime, table, words) in [
@@ -261,7 +265,7 @@ fn datasets_must_have_what_the_model_needs() {
         (&contact, "steady", "time [s],displacement [m],force [N]\n0,1,5\n1,2,5\n", "same number throughout"),
         (&beam, "steady", &motion.replace(",2\n", ",1\n"), "same number throughout"),
         (&beam, "backbone", &backbone.replace("49", "50"), "same number throughout"),
-        (&beam, "backbone", &placed("x=0.5"), "at the exciter"),
+        (&beam, "backbone", &placed("x=0.7"), "from 0 to 0.6 m"),
         (&oscillator, "backbone", &placed("m3"), "the model's masses are `:m1`, `:m2`"),
         (&contact, "backbone", backbone, "kind is \"contact\""),
         (&beam, "steady", TABLE, "`excitation [N]` is missing"),

@@ -48,7 +48,7 @@ fn examples() -> Vec<Comparison> {
     for stage in &mut all_failed.stages {
         stage.records.iter_mut().for_each(|record| *record = failed("no"));
     }
-    let empty = Comparison { title: String::new(), records: vec![], stages: vec![] };
+    let empty = Comparison { title: String::new(), records: vec![], ring_downs: vec![], stages: vec![] };
     vec![backbone(), contact(1_000), beam_with_failure(), hostile(), one_stage, all_failed, empty]
 }
 
@@ -122,8 +122,11 @@ fn the_same_comparison_gives_the_same_bytes() {
 #[test]
 fn long_records_are_thinned_and_the_page_says_so() {
     let page = html(&contact(15_000), &settings());
-    let library =
-        html(&Comparison { title: String::new(), records: vec![], stages: vec![] }, &settings()).len();
+    let library = html(
+        &Comparison { title: String::new(), records: vec![], ring_downs: vec![], stages: vec![] },
+        &settings(),
+    )
+    .len();
     assert!(page.len() - library < 1_500_000, "{} bytes of data", page.len() - library);
     assert!(page.contains("Long records are drawn with about 2500"));
     let channel = &figures(&page)["explorer"]["records"][0]["channels"][0];

@@ -115,6 +115,7 @@ pub fn backbone() -> Comparison {
         channels: vec![amplitude, frequency],
     };
     Comparison {
+        ring_downs: vec![],
         title: "Beam with a frictional support: first resonance".into(),
         records: vec![record],
         stages,
@@ -188,7 +189,12 @@ pub fn contact(samples: usize) -> Comparison {
         stage("refitted", law(4.7e6, 0.53, true), refitted, 88),
         stage("with residual stiffness", with_effect, last, 141),
     ];
-    Comparison { title: "Bolted lap joint, ten records from rest".into(), records, stages }
+    Comparison {
+        title: "Bolted lap joint, ten records from rest".into(),
+        records,
+        ring_downs: vec![],
+        stages,
+    }
 }
 
 /// A beam with two accelerometers; the last stage fails in one of three records.
@@ -224,7 +230,7 @@ pub fn beam_with_failure() -> Comparison {
         });
     }
     let stages = vec![stage("baseline", vec![], first, 0), stage("refitted", vec![], last, 57)];
-    Comparison { title: "Beam, three sweeps".into(), records, stages }
+    Comparison { title: "Beam, three sweeps".into(), records, ring_downs: vec![], stages }
 }
 
 /// Names that try to leave their place.

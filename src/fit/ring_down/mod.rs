@@ -1,0 +1,185 @@
+//! Free decays: a record without an excitation comes in, a table of frequency and damping over the amplitude goes out.
+//!
+//! `envelope` finds the vibration that is strongest over the noise, and where it begins to decay freely: at a release, after a
+//! hammer's blow, when a shaker is shut off. `cut` cuts it into levels, windows in which the amplitude falls by a third.
+//! In each `window` fits amplitude, frequency, damping and their slopes, with a weight that keeps other modes out. What is
+//! predicted of such a table is the nonlinear mode ([`predict`](crate::fit::predict)): a start state is not needed.
+
+mod cut;
+mod envelope;
+mod window;
+
+use std::f64::consts::TAU;
+
+use crate::data::{Channel, Dataset, Record, Regime};
+use crate::fit::least_squares::student_quantile;
+use crate::model::{Model, Structure};
+use crate::vocabulary as v;
+
+/// Fewest levels that make a table.
+const FEWEST: usize = 3;
+/// Where half of a two-sided 95 % interval ends.
+const HALF_95: f64 = 0.975;
+
+/// Standard deviations of a normal number in such a half.
+const NORMAL_95: f64 = 1.96;
+
+/// A free decay, cut into levels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RingDown {
+    /// Name of the record.
+    pub record: String,
+    /// The channel that shows the vibration best.
+    pub channel: String,
+    /// From the largest amplitude down.
+    pub levels: Vec<Level>,
+}
+
+/// One level of a free decay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Level {
+    /// Middle of its window (s).
+    pub time: f64,
+    /// Amplitude of the acceleration (m/s²).
+    pub amplitude: f64,
+    /// Frequency (Hz).
+    pub frequency: f64,
+    /// Half of its 95 % interval (Hz).
+    pub frequency_interval: f64,
+    /// Damping ratio (1).
+    pub damping_ratio: f64,
+    /// Half of its 95 % interval (1).
+    pub damping_interval: f64,
+}
+
+/// Whether `record` is a free decay: nothing that excites a structure was measured.
+pub fn is_ring_down(model: &Model, record: &Record) -> bool {
+    record.regime == Regime::UnknownInitialState
+        && model.structure != Structure::Prescribed
+        && record.channels_of("excitation").next().is_none()
+}
+
+/// `dataset` with every free decay as the table of its levels; and those. A decay that cannot be cut stays as it is: a
+/// prediction of it says why.
+///
+/// ```
+/// use stickslip::data::{Channel, Dataset, Record, Regime};
+/// use stickslip::fit::ring_down::tabulated;
+/// use stickslip::model::Model;
+/// let model = Model::parse(
+///     "schema = \"stickslip.model/1\"\nkind = \"oscillator\"\nmass = [{ name = \"m1\", mass = 1.0 }]\n\
+///      spring = [{ between = [\"ground\", \"m1\"], stiffness = 4e4, damping = 2.0 }]",
+/// )?;
+/// // 200 rad/s and a damping ratio of 0.005.
+/// let time: Vec<f64> = (0..8000).map(|k| f64::from(k) * 1e-3).collect();
+/// let decay = time.iter().map(|t| 3.0 * (-t).exp() * (200.0 * t).sin()).collect();
+/// let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+/// let channels = vec![channel("time", "s", time.clone()), channel("acceleration:m1", "m/s^2", decay)];
+/// let record = Record { name: "decay".into(), regime: Regime::UnknownInitialState, use_for: None, channels };
+/// let (tables, found) = tabulated(&model, &Dataset { title: None, records: vec![record] });
+/// assert_eq!(tables.records[0].regime, Regime::Backbone);
+/// assert!((found[0].levels[0].damping_ratio - 0.005).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn tabulated(model: &Model, dataset: &Dataset) -> (Dataset, Vec<RingDown>) {
+    let (mut tables, mut all) = (dataset.clone(), Vec::new());
+    for record in tables.records.iter_mut().filter(|record| is_ring_down(model, record)) {
+        if let Ok(found) = levels(record) {
+            *record = found.table(record);
+            all.push(found);
+        }
+    }
+    (tables, all)
+}
+
+/// The levels of a free decay.
+///
+/// # Errors
+/// Why it cannot be cut, for a reader of the comparison.
+pub fn levels(record: &Record) -> Result<RingDown, String> {
+    let step = record.sample_step().ok_or("`time` is not there, or not evenly spaced")?;
+    let motion =
+        |channel: &&Channel| ["acceleration", "velocity", "displacement"].contains(&channel.quantity());
+    let seen = record.channels.iter().filter(motion);
+    let seen = seen.filter_map(|channel| Some((channel, envelope::strongest(&channel.values)?)));
+    let (channel, line) = seen
+        .max_by(|a, b| a.1.above_noise.total_cmp(&b.1.above_noise))
+        .ok_or("no column shows a vibration that stands out of the noise")?;
+    let windows = cut::windows(&channel.values, line.cycles_per_sample)?;
+    if windows.len() < FEWEST {
+        return Err(format!(
+            "the free decay gives {} of the {FEWEST} levels that make a table: record it for longer, from a larger \
+             amplitude or with less noise",
+            windows.len()
+        ));
+    }
+    let first = record.time().and_then(|time| time.first()).copied().unwrap_or(0.0);
+    let order = match channel.quantity() {
+        "acceleration" => 2,
+        "velocity" => 1,
+        _ => 0,
+    };
+    let level = |window: &window::Fitted| level(window, order, [first, step]);
+    let levels = windows.iter().map(level).collect();
+    Ok(RingDown { record: record.name.clone(), channel: channel.name.clone(), levels })
+}
+
+/// What a window of a channel that shows time derivative `order` of the displacement says of the vibration as that of a mode;
+/// `first` and `step` are those of the time stamps (s).
+///
+/// With the displacement as the real part of `z`, `z' = μ z`, `μ = −δ + i ω`, and `z'' + 2 δₑ z' + ω₀² z = 0`:
+/// `δₑ = δ − ω'/2ω` and `ω₀² = ω² + δ² + δ' − δ ω'/ω`. A derivative of z is ahead of it by an angle that changes by `δ'/ω`, and
+/// falls slower by `ω'/ω`.
+fn level(window: &window::Fitted, order: i32, [first, step]: [f64; 2]) -> Level {
+    let n = f64::from(order);
+    let [turn, turn_error] = window.rate_slope.map(|slope| slope / window.speed);
+    let [rise, rise_error] = window.speed_slope.map(|slope| slope / window.speed);
+    let speed = window.speed - n * turn;
+    let rate = window.rate + n * rise;
+    let natural = (speed * speed + rate * rate + window.rate_slope[0] - rate * rise).sqrt();
+    let half = student_quantile(HALF_95, window.freedom);
+    // A friction contact answers to the amplitude of its last reversal: a table does not resolve what changes in a cycle.
+    let cycle = TAU / natural;
+    let unresolved = [window.speed_slope[0], window.rate_slope[0]].map(|slope| cycle * slope);
+    let hertz = 1.0 / (step * TAU);
+    Level {
+        time: first + window.middle * step,
+        amplitude: window.amplitude * (natural / step).powi(2 - order),
+        frequency: natural * hertz,
+        frequency_interval: (half * window.speed_error.hypot(n * turn_error)).hypot(unresolved[0]) * hertz,
+        damping_ratio: (rate - 0.5 * rise) / natural,
+        damping_interval: (half * window.rate_error.hypot((n - 0.5) * rise_error)).hypot(unresolved[1])
+            / natural,
+    }
+}
+
+impl RingDown {
+    /// The levels as a backbone table in the place of `record`.
+    fn table(&self, record: &Record) -> Record {
+        let place = self.channel.split_once(':').map_or(String::new(), |(_, place)| format!(":{place}"));
+        let column = |name: String, unit, value: fn(&Level) -> f64, interval: Option<fn(&Level) -> f64>| {
+            let squares = |half: fn(&Level) -> f64| {
+                let sum: f64 = self.levels.iter().map(|level| (half(level) / NORMAL_95).powi(2)).sum();
+                (sum / self.levels.len() as f64).sqrt()
+            };
+            let values = self.levels.iter().map(value).collect();
+            Channel { name, unit, values, noise: interval.map(squares) }
+        };
+        let channels = vec![
+            column(format!("{}{place}", v::AMPLITUDE.name), v::AMPLITUDE.unit, |level| level.amplitude, None),
+            column(
+                v::FREQUENCY.name.to_owned(),
+                v::FREQUENCY.unit,
+                |level| level.frequency,
+                Some(|level| level.frequency_interval),
+            ),
+            column(
+                v::DAMPING_RATIO.name.to_owned(),
+                v::DAMPING_RATIO.unit,
+                |level| level.damping_ratio,
+                Some(|level| level.damping_interval),
+            ),
+        ];
+        Record { regime: Regime::Backbone, channels, ..record.clone() }
+    }
+}
