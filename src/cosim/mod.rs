@@ -9,8 +9,8 @@
 //!
 //! # Inputs over a step
 //! Plain [`Algorithm::Jacobi`] and [`Algorithm::GaussSeidel`] set an input and let the slave hold it. All
-//! else lets inputs run linearly over the step: for slaves that interpolate by their values at the beginning and
-//! derivatives, for others by their [`InputRule`].
+//! else lets inputs run over the step, linearly or, under [`Algorithm::Strong`], as cubics by values and slopes at both
+//! ends: for slaves that interpolate by their values at the beginning and derivatives, for others by their [`InputRule`].
 //!
 //! # Determinism
 //! The same system gives the same numbers bit by bit, stepped one by one or at the same time.

@@ -107,7 +107,8 @@ pub enum Algorithm {
         /// the least depends on an input at once.
         order: Option<Vec<String>>,
     },
-    /// The slaves of each loop repeat their step until the inputs they assumed are the outputs they gave. Order 2.
+    /// The slaves of each loop repeat their step until the inputs they assumed are the outputs they gave. Order 2, and more
+    /// while the values are smooth and their slopes known.
     Strong(Strong),
 }
 

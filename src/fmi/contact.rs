@@ -1,7 +1,7 @@
 //! A contact whose displacement and normal load are prescribed from outside.
 
 use super::description::{DependencyKind, Description, Experiment, Variable};
-use super::lines::Lines;
+use super::lines::{Derivatives, Lines};
 use super::{Behaviour, LoadRule};
 use crate::contact::{ContactLaw, Inputs, Response, StateSensitivity, Tangents};
 use crate::model::{Contact, Model};
@@ -84,6 +84,19 @@ impl ContactBehaviour {
         }
     }
 
+    /// What acts at a fraction of them.
+    fn at(&self, fraction: f64) -> Inputs {
+        let at = self.acting(|line| line.at(fraction));
+        Inputs { normal_load: at.normal_load.max(0.0), ..at }
+    }
+
+    /// Where the displacement turns round on the way, if it does.
+    fn turns(&self) -> impl Iterator<Item = f64> + use<> {
+        let line = self.lines.all[DISPLACEMENT];
+        let curved = line.bow != 0.0 || line.skew != 0.0;
+        curved.then(|| line.turns()).into_iter().flatten()
+    }
+
     /// One step of the law in place.
     fn advance(&mut self, memory: &mut [f64], inputs: Inputs) -> Response {
         let response = self.law.step(memory, inputs, &mut self.next);
@@ -133,7 +146,7 @@ impl Behaviour for ContactBehaviour {
         &mut self,
         state: &mut [f64],
         values: &mut [f64],
-        slopes: &[Option<f64>],
+        slopes: &[Option<Derivatives>],
         step: f64,
         _tolerance: f64,
     ) -> Result<(), String> {
@@ -144,6 +157,9 @@ impl Behaviour for ContactBehaviour {
         self.lines.write(lines);
         if self.lines.jumped {
             values[DISSIPATED_ENERGY] += self.advance(memory, self.starts()).dissipated_energy;
+        }
+        for fraction in self.turns() {
+            values[DISSIPATED_ENERGY] += self.advance(memory, self.at(fraction)).dissipated_energy;
         }
         let response = self.advance(memory, self.ends());
         values[DISSIPATED_ENERGY] += response.dissipated_energy;
@@ -159,18 +175,24 @@ impl Behaviour for ContactBehaviour {
         if step == 0.0 {
             return Ok(());
         }
-        let rate = |input: usize| (self.lines.all[input].end - self.lines.all[input].start) / step;
+        let rate = |input: usize| self.lines.all[input].rise() / step;
         let (starts, ends) = (self.starts(), self.ends());
-        let memory = &mut self.sensitivity.memory;
+        let mut memory = std::mem::take(&mut self.sensitivity.memory);
         if self.lines.jumped {
-            self.law.advance(memory, starts);
+            self.law.advance(&mut memory, starts);
         }
-        let response = self.law.step(memory, ends, &mut self.next);
+        let mut dissipated = 0.0;
+        for fraction in self.turns() {
+            dissipated += self.law.step(&memory, self.at(fraction), &mut self.next).dissipated_energy;
+            memory.copy_from_slice(&self.next);
+        }
+        let response = self.law.step(&memory, ends, &mut self.next);
+        self.sensitivity.memory = memory;
         let Tangents { displacement, velocity, normal_load } = response.tangents;
         rates[FORCE - INPUTS] = displacement * rate(DISPLACEMENT)
             + velocity * rate(VELOCITY)
             + normal_load * self.load.gain() * rate(NORMAL_LOAD);
-        rates[DISSIPATED_ENERGY - INPUTS] = response.dissipated_energy / step;
+        rates[DISSIPATED_ENERGY - INPUTS] = (dissipated + response.dissipated_energy) / step;
         Ok(())
     }
 
@@ -182,7 +204,7 @@ impl Behaviour for ContactBehaviour {
         change: &mut [f64],
     ) -> Result<(), String> {
         self.go_back(state);
-        let by = |of: fn(&Ramp) -> f64| {
+        let by = |of: &dyn Fn(&Ramp) -> f64| {
             let change = |input: usize| of(&self.lines.change(input, &direction[input]));
             Inputs {
                 displacement: change(DISPLACEMENT),
@@ -190,7 +212,11 @@ impl Behaviour for ContactBehaviour {
                 normal_load: self.load.gain() * change(NORMAL_LOAD),
             }
         };
-        let (at_start, at_end) = (by(|line| line.start), by(|line| line.end));
+        let (at_start, at_end) = (by(&|line| line.start), by(&|line| line.end));
+        let turns: [Option<(Inputs, Inputs)>; 2] = {
+            let mut turns = self.turns().map(|fraction| (self.at(fraction), by(&|line| line.at(fraction))));
+            [turns.next(), turns.next()]
+        };
         let (starts, ends) = (self.starts(), self.ends());
         let (law, carried) = (&*self.law, &mut self.sensitivity);
         let mut dissipated = 0.0;
@@ -207,6 +233,9 @@ impl Behaviour for ContactBehaviour {
                 normal_load: ahead(starts.normal_load, ends.normal_load),
             };
             dissipated += carried.step(law, inputs, at_start).dissipated_energy;
+        }
+        for (inputs, by) in turns.into_iter().flatten() {
+            dissipated += carried.step(law, inputs, by).dissipated_energy;
         }
         let end = carried.step(law, ends, at_end);
         change.fill(0.0);

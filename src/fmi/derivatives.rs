@@ -8,17 +8,19 @@ use super::stage::Stage;
 use super::values::{LARGEST_INPUT, check_value, same_length};
 use crate::time::Ramp;
 
-/// Highest order of the derivatives of inputs and outputs with respect to time.
+/// Highest order of the derivatives of outputs with respect to time.
 pub const DERIVATIVE_ORDER: u32 = 1;
+/// Highest order of the derivatives of inputs with respect to time.
+pub const INPUT_DERIVATIVE_ORDER: u32 = 3;
 
 fn within_bounds(value: f64) -> bool {
     value.is_finite() && value.abs() <= LARGEST_INPUT
 }
 
 impl Instance {
-    /// Sets the first derivatives with respect to time (per second) of inputs for the next step, which then begins at
-    /// the values set and runs along straight lines: `value + derivative · t`, t from the step's beginning. See the
-    /// [module](crate::fmi) for what inputs do without. Sets all or none; `orders` must all be 1.
+    /// Sets derivatives with respect to time (per second, per second² ...) of inputs for the next step, which then begins
+    /// at the values set and runs along `value + d₁ t + d₂ t²/2 + d₃ t³/6`, t from the step's beginning; what is not given
+    /// is zero. See the [module](crate::fmi) for what inputs do without. Sets all or none; `orders` must be from 1 to 3.
     ///
     /// A derivative may be set before or after the value, and holds for one step.
     ///
@@ -45,8 +47,8 @@ impl Instance {
     /// ```
     ///
     /// # Errors
-    /// An unknown, Integer or not settable variable, one that is no input, an order other than 1, a derivative that is
-    /// not finite.
+    /// An unknown, Integer or not settable variable, one that is no input, another order, a derivative that is not
+    /// finite.
     pub fn set_input_derivatives(
         &mut self,
         references: &[u32],
@@ -54,7 +56,7 @@ impl Instance {
         derivatives: &[f64],
     ) -> Result<(), Error> {
         same_length(references.len(), derivatives.len())?;
-        self.check_orders(references, orders)?;
+        self.check_orders(references, orders, INPUT_DERIVATIVE_ORDER)?;
         for (reference, derivative) in references.iter().zip(derivatives) {
             let variable = &self.description.variables[*reference as usize];
             let name = || variable.name.to_string();
@@ -66,8 +68,8 @@ impl Instance {
                 return Err(Error::DerivativeValue { name: name(), value: *derivative, most: LARGEST_INPUT });
             }
         }
-        for (reference, derivative) in references.iter().zip(derivatives) {
-            self.slopes[*reference as usize] = Some(*derivative);
+        for ((reference, order), derivative) in references.iter().zip(orders).zip(derivatives) {
+            self.slopes[*reference as usize].get_or_insert_default()[*order as usize - 1] = *derivative;
             self.sloped = true;
         }
         Ok(())
@@ -90,7 +92,7 @@ impl Instance {
             return Err(Error::Stage(self.stage));
         }
         same_length(references.len(), derivatives.len())?;
-        self.check_orders(references, orders)?;
+        self.check_orders(references, orders, DERIVATIVE_ORDER)?;
         self.check_outputs(references)?;
         let rates = self.behaviour.output_rates(&self.state, &mut self.rates);
         rates.map_err(Error::Derivative)?;
@@ -194,13 +196,13 @@ impl Instance {
         Ok(())
     }
 
-    fn check_orders(&self, references: &[u32], orders: &[i32]) -> Result<(), Error> {
+    fn check_orders(&self, references: &[u32], orders: &[i32], highest: u32) -> Result<(), Error> {
         same_length(references.len(), orders.len())?;
         self.check_rows(references, VariableType::Real)?;
         for (reference, order) in references.iter().zip(orders) {
-            if *order != DERIVATIVE_ORDER as i32 {
+            if !(1..=highest.cast_signed()).contains(order) {
                 let name = self.description.variables[*reference as usize].name.to_string();
-                return Err(Error::DerivativeOrder { name, order: *order });
+                return Err(Error::DerivativeOrder { name, order: *order, highest });
             }
         }
         Ok(())
@@ -209,8 +211,9 @@ impl Instance {
     /// Whether the inputs stay within their bounds up to the end of a step of `step` (s).
     pub(super) fn check_reached(&self, step: f64) -> Result<(), Error> {
         for (row, slope) in self.slopes.iter().enumerate() {
-            if let Some(slope) = slope {
-                check_value(&self.description.variables[row], self.values[row] + slope * step)?;
+            if let Some(slopes) = slope {
+                let reached = Ramp::with_derivatives(self.values[row], *slopes, step).end;
+                check_value(&self.description.variables[row], reached)?;
             }
         }
         Ok(())

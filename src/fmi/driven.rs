@@ -1,6 +1,6 @@
 //! The behaviour of a model with a structure: a system whose ports are driven from outside.
 
-use super::lines::Lines;
+use super::lines::{Derivatives, Lines};
 use super::{Behaviour, LoadRule};
 use crate::system::System;
 use crate::time::{Integrator, Motion, OutputRates, Outputs, Ramp, Settings, Steps, Tangent};
@@ -107,19 +107,16 @@ impl DrivenSystem {
     fn act(&mut self, along: fn(&Lines, usize) -> Ramp) {
         for (input, acting) in self.acting.iter_mut().enumerate().take(self.lines.all.len()) {
             let line = along(&self.lines, input);
-            *acting = match self.table.load == Some(input) {
-                true => Ramp::line(self.load.acting(line.start), self.load.acting(line.end)),
-                false => line,
-            };
+            *acting = if self.table.load == Some(input) { self.load.along(&line) } else { line };
         }
     }
 
     /// What the changes in `direction` of the inputs change of what acts, as `along` says of the lines.
     fn act_by(&mut self, direction: &[Ramp], along: fn(&Lines, usize, &Ramp) -> Ramp) {
         for (input, (by, change)) in self.by.iter_mut().zip(direction).take(self.table.inputs).enumerate() {
-            let Ramp { start, end, .. } = along(&self.lines, input, change);
+            let Ramp { start, end, bow, skew } = along(&self.lines, input, change);
             let gain = if self.table.load == Some(input) { self.load.gain() } else { 1.0 };
-            *by = Ramp::line(gain * start, gain * end);
+            *by = Ramp { start: gain * start, end: gain * end, bow: gain * bow, skew: gain * skew };
         }
     }
 
@@ -203,7 +200,7 @@ impl Behaviour for DrivenSystem {
         &mut self,
         state: &mut [f64],
         values: &mut [f64],
-        slopes: &[Option<f64>],
+        slopes: &[Option<Derivatives>],
         step: f64,
         tolerance: f64,
     ) -> Result<(), String> {

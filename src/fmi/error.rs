@@ -50,12 +50,14 @@ pub enum Error {
     #[error("{0}")]
     Parameters(String),
     /// A derivative with respect to time of an order that this library does not know.
-    #[error("{name}: derivative of order {order}; only the first is known, of order 1")]
+    #[error("{name}: derivative of order {order}; orders from 1 to {highest} are known")]
     DerivativeOrder {
         /// The variable.
         name: String,
         /// What was asked for.
         order: i32,
+        /// The highest known.
+        highest: u32,
     },
     /// A derivative with respect to time that is infinite, not a number, or beyond all bounds.
     #[error(

@@ -2,6 +2,7 @@
 
 use super::description::{Causality, Description};
 use super::error::Error;
+use super::lines::Derivatives;
 use super::parameter::{parameters, with_values};
 use super::stage::{Setup, Stage};
 use super::{Behaviour, behaviour, describe};
@@ -51,7 +52,7 @@ pub struct Instance {
     pub(super) values: Vec<f64>,
     pub(super) state: Vec<f64>,
     /// Derivatives of the inputs with respect to time for the next step, where the master has set one.
-    pub(super) slopes: Vec<Option<f64>>,
+    pub(super) slopes: Vec<Option<Derivatives>>,
     /// Some slope is set.
     pub(super) sloped: bool,
     /// Room for derivatives of all outputs, and for a direction of all inputs.

@@ -1,4 +1,4 @@
-//! The inputs of a model over a step: straight lines, which the state remembers.
+//! The inputs of a model over a step: straight lines or cubics, which the state remembers.
 
 use crate::time::Ramp;
 
@@ -9,7 +9,7 @@ enum Given {
     Runs,
     /// By a value that it keeps.
     Held,
-    /// By its beginning and its derivative.
+    /// By its beginning and its derivatives.
     Sloped,
 }
 
@@ -29,9 +29,12 @@ pub(super) struct Lines {
     pub jumped: bool,
 }
 
-/// Numbers of the step, and of each line: its start, its end, how it was given, what it came from.
+/// Numbers of the step, and of each line: its start, its end, how it is bent, how it was given, what it came from.
 const OF_STEP: usize = 2;
-const PER_LINE: usize = 4;
+const PER_LINE: usize = 6;
+
+/// Derivatives of an input with respect to time: the first, the second, the third.
+pub(super) type Derivatives = [f64; 3];
 
 impl Lines {
     /// So many inputs, which `run` to their values or are held.
@@ -66,9 +69,9 @@ impl Lines {
         (self.step, self.jumped) = (state[0], state[1] != 0.0);
         let lines = self.all.iter_mut().zip(&mut self.given).zip(&mut self.from);
         for (((line, given), from), saved) in lines.zip(state[OF_STEP..].chunks_exact(PER_LINE)) {
-            *line = Ramp::line(saved[0], saved[1]);
-            *given = [Given::Runs, Given::Held, Given::Sloped][saved[2].clamp(0.0, 2.0) as usize];
-            *from = saved[3];
+            *line = Ramp { start: saved[0], end: saved[1], bow: saved[2], skew: saved[3] };
+            *given = [Given::Runs, Given::Held, Given::Sloped][saved[4].clamp(0.0, 2.0) as usize];
+            *from = saved[5];
         }
     }
 
@@ -77,20 +80,21 @@ impl Lines {
         state[..OF_STEP].copy_from_slice(&[self.step, f64::from(u8::from(self.jumped))]);
         let lines = self.all.iter().zip(&self.given).zip(&self.from);
         for (((line, given), from), saved) in lines.zip(state[OF_STEP..].chunks_exact_mut(PER_LINE)) {
-            saved.copy_from_slice(&[line.start, line.end, f64::from(*given as u8), *from]);
+            let Ramp { start, end, bow, skew } = *line;
+            saved.copy_from_slice(&[start, end, bow, skew, f64::from(*given as u8), *from]);
         }
     }
 
     /// Those of the next step, of `step` (s), with `values` set and derivatives in `slopes`, which is empty if there is
     /// none.
-    pub fn go_on(&mut self, values: &[f64], slopes: &[Option<f64>], step: f64) {
+    pub fn go_on(&mut self, values: &[f64], slopes: &[Option<Derivatives>], step: f64) {
         (self.step, self.jumped) = (step, false);
         let lines = self.all.iter_mut().zip(&mut self.given).zip(&mut self.from);
         for (input, ((line, given), from)) in lines.enumerate() {
             let (value, slope) = (values[input], slopes.get(input).copied().flatten());
             let ended = line.end;
             (*given, *line) = match slope {
-                Some(slope) => (Given::Sloped, Ramp::with_slope(value, slope, step)),
+                Some(slopes) => (Given::Sloped, Ramp::with_derivatives(value, slopes, step)),
                 None if self.run => (Given::Runs, Ramp::line(ended, value)),
                 None => (Given::Held, Ramp::held(value)),
             };
@@ -111,19 +115,19 @@ impl Lines {
 
     /// How a line changes with the `change` of an input: one that went on from the previous one has a fixed start.
     pub fn change(&self, input: usize, change: &Ramp) -> Ramp {
-        Ramp::line(if self.given[input] == Given::Runs { 0.0 } else { change.start }, change.end)
+        Ramp { start: if self.given[input] == Given::Runs { 0.0 } else { change.start }, ..*change }
     }
 
     /// How an input goes on beyond the end of the step for as long again.
     pub fn beyond(&self, input: usize) -> Ramp {
-        let end = self.all[input].end;
-        Ramp::line(end, end + (end - self.from[input]))
+        let line = &self.all[input];
+        Ramp::line(line.end, line.end + Ramp { start: self.from[input], ..*line }.rise())
     }
 
     /// How [`Lines::beyond`] changes with the `change` of an input.
     pub fn beyond_changed(&self, input: usize, change: &Ramp) -> Ramp {
         // Where a held input came from is over.
-        let from = if self.given[input] == Given::Sloped { change.start } else { 0.0 };
-        Ramp::line(change.end, change.end + (change.end - from))
+        let start = if self.given[input] == Given::Sloped { change.start } else { 0.0 };
+        Ramp::line(change.end, change.end + Ramp { start, ..*change }.rise())
     }
 }

@@ -27,7 +27,8 @@
 //! # Derivatives of inputs with respect to time
 //! FMI 2.0 (4.2.1) sets inputs and their derivatives "with respect to the beginning of a communication time step". With
 //! a first derivative d ([`Instance::set_input_derivatives`]) an input of any model therefore begins the step at the
-//! value set and is `value + d t` at t from there. What the previous step ended with is left at once: a beam takes a
+//! value set and is `value + d t` at t from there, and a cubic with the second and third derivatives, which are zero where
+//! they are not given. A master that knows values and slopes at both ends of a step can thus give them all. What the previous step ended with is left at once: a beam takes a
 //! jump as it takes one without a derivative; a contact, whose force depends on the way there, goes on a straight line
 //! from the previous inputs to the values set, in no time, and from there on a straight line to the ends. An input
 //! without a derivative meanwhile does as above: with contacts and oscillators it stays during the jump and runs from
@@ -75,7 +76,7 @@ mod snapshot;
 mod stage;
 mod values;
 
-pub use derivatives::DERIVATIVE_ORDER;
+pub use derivatives::{DERIVATIVE_ORDER, INPUT_DERIVATIVE_ORDER};
 pub use description::{
     Causality, Dependency, DependencyKind, Description, Experiment, Initial, Variability, Variable,
     VariableType,
@@ -106,7 +107,7 @@ pub(crate) trait Behaviour: Debug + Send {
         &mut self,
         state: &mut [f64],
         values: &mut [f64],
-        slopes: &[Option<f64>],
+        slopes: &[Option<lines::Derivatives>],
         step: f64,
         tolerance: f64,
     ) -> Result<(), String>;
@@ -143,6 +144,12 @@ impl LoadRule {
     /// Change of N per change of the input (1).
     fn gain(&self) -> f64 {
         self.joint.load_gain.unwrap_or(1.0)
+    }
+
+    /// N over a step, of an input over it.
+    fn along(&self, input: &Ramp) -> Ramp {
+        let (gain, Ramp { start, end, bow, skew }) = (self.gain(), *input);
+        Ramp { start: self.acting(start), end: self.acting(end), bow: gain * bow, skew: gain * skew }
     }
 
     /// N, of the `input` (N): all of it, or the fraction of its change that reaches the contact.

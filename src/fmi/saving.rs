@@ -7,6 +7,8 @@ use super::stage::Stage;
 
 /// Numbers in a snapshot besides values and state: time, tolerance, stop, and whether time is known.
 const CLOCK: usize = 4;
+/// Numbers for the derivatives of an input: whether it has any, and three.
+const PER_SLOPE: usize = 4;
 
 impl Instance {
     /// Saves everything that [`Instance::restore`] needs.
@@ -26,14 +28,17 @@ impl Instance {
         numbers.extend_from_slice(&self.values);
         numbers.extend_from_slice(&self.state);
         let slopes = self.slopes.iter();
-        numbers.extend(slopes.flat_map(|slope| [f64::from(u8::from(slope.is_some())), slope.unwrap_or(0.0)]));
+        numbers.extend(slopes.flat_map(|slope| {
+            let [first, second, third] = slope.unwrap_or_default();
+            [f64::from(u8::from(slope.is_some())), first, second, third]
+        }));
         let known = f64::from(u8::from(self.time.is_some()));
         numbers.extend_from_slice(&[self.time.unwrap_or(0.0), known, self.tolerance, self.stop]);
     }
 
     /// Numbers in a snapshot.
     fn numbers(&self) -> usize {
-        self.values.len() + self.state.len() + 2 * self.slopes.len() + CLOCK
+        self.values.len() + self.state.len() + PER_SLOPE * self.slopes.len() + CLOCK
     }
 
     /// Makes the instance continue where `snapshot` was saved, bit by bit.
@@ -71,7 +76,7 @@ impl Instance {
         }
         let (values, rest) = snapshot.numbers.split_at(values_len);
         let (state, rest) = rest.split_at(state_len);
-        let (slopes, clock) = rest.split_at(2 * self.slopes.len());
+        let (slopes, clock) = rest.split_at(PER_SLOPE * self.slopes.len());
         // Bytes may come from anywhere. Only the stop time may be infinite.
         let [_, _, tolerance, stop] = *clock else { return Err(SnapshotError::Corrupt.into()) };
         let finite = snapshot.numbers[..expected - 1].iter().all(|number| number.is_finite());
@@ -85,8 +90,8 @@ impl Instance {
         }
         self.values.copy_from_slice(values);
         self.state.copy_from_slice(state);
-        for (slope, saved) in self.slopes.iter_mut().zip(slopes.chunks_exact(2)) {
-            *slope = (saved[0] != 0.0).then_some(saved[1]);
+        for (slope, saved) in self.slopes.iter_mut().zip(slopes.chunks_exact(PER_SLOPE)) {
+            *slope = (saved[0] != 0.0).then_some([saved[1], saved[2], saved[3]]);
         }
         self.sloped = self.slopes.iter().any(Option::is_some);
         self.stage = snapshot.stage;

@@ -118,7 +118,7 @@ impl March {
         for part in 0..parts as usize {
             let at = |fraction: f64| (drive.force)(self.time + step * (part as f64 + fraction));
             let [start, middle, end] = [0.0, 0.5, 1.0].map(at);
-            self.inputs[0] = Ramp { start, end, bow: 4.0 * middle - 2.0 * (start + end) };
+            self.inputs[0] = Ramp { start, end, bow: 4.0 * middle - 2.0 * (start + end), skew: 0.0 };
             self.integrator.advance(&mut self.motion, step, &self.inputs, &SETTINGS)?;
         }
         self.time += way;

@@ -219,7 +219,7 @@ impl StepSolver {
     /// Rate of a law's force at a node (N/s), what the velocity itself changes left out.
     fn force_rate(&self, node: usize, e: usize, span: &Span) -> f64 {
         let (contact, at) = (&self.plant.contacts[e], &self.nodes[e][node]);
-        let load_rate = span.rate(self.ramps[contact.input]);
+        let load_rate = span.rate_at(self.ramps[contact.input], NODES[node]);
         at.tangent * at.velocity(self.plant.ports[contact.port].flexibility, load_rate)
             + at.load_tangent * load_rate
     }

@@ -69,7 +69,7 @@ pub(crate) use outputs::OutputRates;
 pub use outputs::{ContactReading, Outputs, SensorReading};
 pub(crate) use tangent::Tangent;
 
-/// An input over one communication step: held, running linearly, or along a parabola.
+/// An input over one communication step: held, running linearly, along a parabola or a cubic.
 ///
 /// ```
 /// use stickslip::time::Ramp;
@@ -84,6 +84,8 @@ pub struct Ramp {
     pub end: f64,
     /// Four times its height above the straight line at the middle.
     pub bow: f64,
+    /// What makes it a cubic: at `f` of the step it adds `skew · f (1 − f) (2 f − 1)`.
+    pub skew: f64,
 }
 
 impl Ramp {
@@ -94,7 +96,7 @@ impl Ramp {
 
     /// On a straight line.
     pub const fn line(start: f64, end: f64) -> Self {
-        Self { start, end, bow: 0.0 }
+        Self { start, end, bow: 0.0, skew: 0.0 }
     }
 
     /// From `start` with the time derivative `slope` (1/s) over `duration` (s).
@@ -102,17 +104,55 @@ impl Ramp {
         Self::line(start, start + slope * duration)
     }
 
+    /// From `start` with the first three derivatives with respect to time (1/s, 1/s², 1/s³) over `duration` (s).
+    pub(crate) fn with_derivatives(start: f64, [first, second, third]: [f64; 3], duration: f64) -> Self {
+        let (square, cube) = (0.5 * duration * duration * second, duration.powi(3) / 6.0 * third);
+        let end = start + first * duration + square + cube;
+        Self { start, end, bow: -square - 1.5 * cube, skew: -0.5 * cube }
+    }
+
+    /// Its rise at the end, over the step.
+    pub(crate) fn rise(&self) -> f64 {
+        self.end - self.start - self.bow - self.skew
+    }
+
+    /// Its derivative by the fraction of the step.
+    pub(crate) fn slope(&self, fraction: f64) -> f64 {
+        let line = self.end - self.start;
+        if self.bow == 0.0 && self.skew == 0.0 {
+            return line;
+        }
+        let skew = 6.0 * fraction * (1.0 - fraction) - 1.0;
+        line + self.bow * (1.0 - 2.0 * fraction) + self.skew * skew
+    }
+
+    /// Where within the step it turns round, as fractions in their order.
+    pub(crate) fn turns(&self) -> impl Iterator<Item = f64> + use<> {
+        // Its slope is c + b f + a f².
+        let Self { start, end, bow, skew } = *self;
+        let (a, b, c) = (-6.0 * skew, 6.0 * skew - 2.0 * bow, end - start + bow - skew);
+        let square = b * b - 4.0 * a * c;
+        let mut found = [f64::NAN; 2];
+        if square > 0.0 {
+            let half = -0.5 * (b + square.sqrt().copysign(b));
+            found = [half / a, c / half];
+            found.sort_by(f64::total_cmp);
+        }
+        found.into_iter().filter(|fraction| (1e-6..1.0 - 1e-6).contains(fraction))
+    }
+
     /// The value at `fraction` of the step; exact at both ends.
     pub(crate) fn at(&self, fraction: f64) -> f64 {
         if fraction >= 1.0 {
             return self.end;
         }
-        self.start + (self.end - self.start) * fraction + self.bow * fraction * (1.0 - fraction)
+        let curve = self.bow + self.skew * (2.0 * fraction - 1.0);
+        self.start + (self.end - self.start) * fraction + curve * fraction * (1.0 - fraction)
     }
 
     /// Whether it is held.
     pub(crate) fn is_held(&self) -> bool {
-        self.start == self.end && self.bow == 0.0
+        self.start == self.end && self.bow == 0.0 && self.skew == 0.0
     }
 }
 

@@ -29,9 +29,14 @@ impl Span {
         if node >= 1.0 { self.to } else { self.from + node * (self.to - self.from) }
     }
 
-    /// Rate of an input (1/s).
+    /// Rate of an input that runs on a straight line (1/s).
     pub fn rate(&self, ramp: Ramp) -> f64 {
         if ramp.start == ramp.end { 0.0 } else { (ramp.end - ramp.start) / self.duration }
+    }
+
+    /// Rate of an input (1/s) at a node, as a fraction of the trial step.
+    pub fn rate_at(&self, ramp: Ramp, node: f64) -> f64 {
+        if ramp.is_held() { 0.0 } else { ramp.slope(self.fraction(node)) / self.duration }
     }
 }
 

@@ -209,7 +209,8 @@ impl StepSolver {
         let flexibility = self.plant.ports[contact.port].flexibility;
         let mut first = f64::INFINITY;
         if contact.remembers {
-            let velocity = nodes.each_ref().map(|node| node.velocity(flexibility, span.rate(normal_load)));
+            let rate = |at: usize| span.rate_at(normal_load, NODES[at]);
+            let velocity = std::array::from_fn(|at| nodes[at].velocity(flexibility, rate(at)));
             let displacement = nodes.each_ref().map(|node| node.displacement);
             // Motion this small is invisible at the tolerance; the rest may be rounding.
             let norm = self.row_norm[e] * self.energy_norm;

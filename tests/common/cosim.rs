@@ -90,7 +90,9 @@ pub fn monolithic(contact: &str, shaker: Shaker, step: f64, stop: f64, every: u6
     let mut rows = vec![[0.0; 3]];
     for index in 0..(stop / step).round() as u64 {
         let (from, to) = (index as f64 * step, (index + 1) as f64 * step);
-        let inputs = [Ramp::line(shaker.force(from), shaker.force(to)), Ramp::held(load)];
+        let [start, middle, end] = [from, 0.5 * (from + to), to].map(|time| shaker.force(time));
+        let force = Ramp { start, end, bow: 4.0 * middle - 2.0 * (start + end), skew: 0.0 };
+        let inputs = [force, Ramp::held(load)];
         integrator.advance(&mut motion, step, &inputs, &accuracy).unwrap();
         if (index + 1) % every == 0 {
             let inputs = [Ramp::held(shaker.force(to)), Ramp::held(load)];

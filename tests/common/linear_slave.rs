@@ -7,6 +7,7 @@ pub const EVERYTHING: Abilities = Abilities {
     saves_state: true,
     variable_step: true,
     interpolates_inputs: true,
+    input_derivative_order: 1,
     output_derivative_order: 2,
     directional_derivatives: true,
 };
@@ -164,8 +165,13 @@ impl Slave for Linear {
         Ok(())
     }
 
-    fn set_input_derivatives(&mut self, variables: &[usize], derivatives: &[f64]) -> Result<(), SlaveError> {
-        assert!(self.abilities.interpolates_inputs);
+    fn set_input_derivatives(
+        &mut self,
+        variables: &[usize],
+        order: u32,
+        derivatives: &[f64],
+    ) -> Result<(), SlaveError> {
+        assert!(self.abilities.interpolates_inputs && order == 1);
         for (variable, derivative) in variables.iter().zip(derivatives) {
             self.state.slope[*variable] = *derivative;
         }

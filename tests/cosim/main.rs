@@ -4,6 +4,7 @@
 mod common;
 
 mod beam;
+mod curves;
 mod faults;
 mod loops;
 mod orders;

@@ -50,8 +50,13 @@ impl Slave for Watched {
         self.note("get");
         self.slave.get(variables, values)
     }
-    fn set_input_derivatives(&mut self, variables: &[usize], values: &[f64]) -> Result<(), SlaveError> {
-        self.slave.set_input_derivatives(variables, values)
+    fn set_input_derivatives(
+        &mut self,
+        variables: &[usize],
+        order: u32,
+        values: &[f64],
+    ) -> Result<(), SlaveError> {
+        self.slave.set_input_derivatives(variables, order, values)
     }
     fn output_derivatives(
         &mut self,

@@ -80,7 +80,8 @@ fn settled(model: &Model, record: &Record, frequency: f64) -> Vec<Vec<f64>> {
     for k in 0..periods * per_period {
         let at = f64::from(k);
         let ends = [force(at), force(at + 0.5), force(at + 1.0)];
-        inputs[0] = Ramp { start: ends[0], end: ends[2], bow: 4.0 * ends[1] - 2.0 * (ends[0] + ends[2]) };
+        inputs[0] =
+            Ramp { start: ends[0], end: ends[2], bow: 4.0 * ends[1] - 2.0 * (ends[0] + ends[2]), skew: 0.0 };
         if k >= (periods - 1) * per_period {
             integrator.outputs(&motion, step, &inputs, &mut outputs).unwrap();
             let readings = shown.iter_mut().zip(&outputs.sensors);

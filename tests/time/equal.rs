@@ -98,7 +98,8 @@ fn a_parabola_of_force_on_a_damped_mass_is_followed_exactly_at_any_step() {
         let mut motion = integrator.rest(&[Ramp::held(0.0)]).unwrap();
         for k in 0..5 {
             let t = f64::from(k) * h;
-            let ramp = Ramp { start: force(t), end: force(t + h), bow: -omega * omega * c * h * h };
+            let ramp =
+                Ramp { start: force(t), end: force(t + h), bow: -omega * omega * c * h * h, skew: 0.0 };
             integrator.march(&mut motion, h, &[ramp], steps).unwrap();
             let (found, exact) = (integrator.displacement(&motion)[0], exact(t + h));
             assert!((found - exact).abs() < 1e-11 * exact.abs().max(1.0), "h = {h}: {found} {exact}");

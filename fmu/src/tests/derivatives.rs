@@ -110,7 +110,7 @@ fn refusals_name_function_and_variable_and_change_nothing() {
     let before = running.bytes();
     for (reference, order, value, word) in [
         (DISPLACEMENT, 0, 1.0, "displacement"),
-        (DISPLACEMENT, 2, 1.0, "order 2"),
+        (DISPLACEMENT, 4, 1.0, "order 4"),
         (DISPLACEMENT, 1, f64::NAN, "displacement"),
         (FORCE, 1, 1.0, "force"),
         (SLIP_STATE, 1, 1.0, "slip_state"),

@@ -50,6 +50,7 @@ pub(in crate::cosim) fn initialize(
     if engine.derive().is_err() {
         engine.signals.derived = false;
     }
+    engine.read_slopes();
     Ok(())
 }
 
@@ -65,7 +66,7 @@ fn settle(engine: &mut Engine, settings: &Settings) -> Result<(), Cause> {
             let name = &unit.slave.variables()[channel.input].name;
             names.push(format!("{}.{name}", unit.slave.name()));
             let (source, factor, offset) = (channel.source, channel.factor, channel.offset);
-            assumptions.push(Assumption { source, factor, offset });
+            assumptions.push(Assumption { source, factor, offset, slope: false });
             SignalSource::Assumed(assumptions.len() - 1)
         });
         origins.push(row.collect::<Vec<_>>());

@@ -63,6 +63,8 @@ pub struct Abilities {
     pub variable_step: bool,
     /// [`Slave::set_input_derivatives`].
     pub interpolates_inputs: bool,
+    /// Highest order of those; 0 counts as 1 where inputs are interpolated.
+    pub input_derivative_order: u32,
     /// Highest order of [`Slave::output_derivatives`]; 0: none.
     pub output_derivative_order: u32,
     /// [`Slave::directional_derivative`].
@@ -127,6 +129,11 @@ pub trait Slave: Debug + Send {
     /// Its table of variables, always the same.
     fn variables(&self) -> &[Variable];
 
+    /// Whether its outputs may have corners at communication points; between those they are then straight.
+    fn has_corners(&self) -> bool {
+        false
+    }
+
     /// What it can do.
     fn abilities(&self) -> Abilities;
 
@@ -167,14 +174,20 @@ pub trait Slave: Debug + Send {
     /// Whatever the slave objects to.
     fn get(&mut self, variables: &[usize], values: &mut [f64]) -> Result<(), SlaveError>;
 
-    /// Sets the first derivatives of Real inputs with respect to time (per second) for the next step, which begins at
-    /// the value last set: the input at `t` is `value + derivative · t` after the step's beginning.
-    /// Only with [`Abilities::interpolates_inputs`].
+    /// Sets derivatives of Real inputs with respect to time, of `order` from 1 up to
+    /// [`Abilities::input_derivative_order`], for the next step, which begins at the value last set: with the first alone
+    /// the input at `t` is `value + derivative · t` after the step's beginning. Only with
+    /// [`Abilities::interpolates_inputs`].
     ///
     /// # Errors
     /// Whatever the slave objects to.
-    fn set_input_derivatives(&mut self, variables: &[usize], derivatives: &[f64]) -> Result<(), SlaveError> {
-        let _ = (variables, derivatives);
+    fn set_input_derivatives(
+        &mut self,
+        variables: &[usize],
+        order: u32,
+        derivatives: &[f64],
+    ) -> Result<(), SlaveError> {
+        let _ = (variables, order, derivatives);
         Err(unable(self.name(), "interpolate inputs"))
     }
 
@@ -210,9 +223,10 @@ pub trait Slave: Debug + Send {
         Err(unable(self.name(), "give directional derivatives"))
     }
 
-    /// As [`Slave::directional_derivative`], where only the ends of the inputs that ran linearly over the last step change
-    /// and their beginnings stay. A slave that cannot distinguish the two answers as there, which is the same but for
-    /// what passes through its motion within the step.
+    /// As [`Slave::directional_derivative`], where only the ends of the inputs that ran over the last step change
+    /// and their beginnings stay: `direction` has the changes of their ends, `slopes` those of their slopes there, times the
+    /// step; it is empty where they ran linearly. A slave that cannot distinguish the two answers as there, which is
+    /// the same but for what passes through its motion within the step.
     ///
     /// # Errors
     /// Whatever the slave objects to.
@@ -221,8 +235,10 @@ pub trait Slave: Debug + Send {
         unknowns: &[usize],
         knowns: &[usize],
         direction: &[f64],
+        slopes: &[f64],
         change: &mut [f64],
     ) -> Result<(), SlaveError> {
+        let _ = slopes;
         self.directional_derivative(unknowns, knowns, direction, change)
     }
 

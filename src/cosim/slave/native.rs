@@ -1,7 +1,7 @@
 //! The library's own models as slaves, without an FMU.
 
 use super::{Abilities, Causality, Kind, Setup, Severity, Slave, SlaveError, Stepped, Variable};
-use crate::fmi::{self, DERIVATIVE_ORDER, Instance, Snapshot, VariableType};
+use crate::fmi::{self, DERIVATIVE_ORDER, INPUT_DERIVATIVE_ORDER, Instance, Snapshot, VariableType};
 use crate::model::Model;
 use crate::time::Ramp;
 
@@ -14,8 +14,8 @@ pub struct NativeSlave {
     references: Vec<u32>,
     knowns: Vec<u32>,
     lines: Vec<Ramp>,
-    /// Order 1, as often as there are variables.
-    first_order: Vec<i32>,
+    /// The order of a call, as often as there are variables.
+    orders: Vec<i32>,
     slots: Vec<Option<Snapshot>>,
 }
 
@@ -52,7 +52,7 @@ impl NativeSlave {
         Ok(Self {
             name: name.to_owned(),
             instance,
-            first_order: vec![DERIVATIVE_ORDER as i32; table.len()],
+            orders: vec![0; table.len()],
             table,
             references: Vec::new(),
             knowns: Vec::new(),
@@ -102,6 +102,7 @@ impl Slave for NativeSlave {
             saves_state: true,
             variable_step: true,
             interpolates_inputs: true,
+            input_derivative_order: INPUT_DERIVATIVE_ORDER,
             output_derivative_order: DERIVATIVE_ORDER,
             directional_derivatives: true,
         }
@@ -130,11 +131,16 @@ impl Slave for NativeSlave {
         self.instance.read(&self.references, values).map_err(|error| failed(&self.name, error))
     }
 
-    fn set_input_derivatives(&mut self, variables: &[usize], derivatives: &[f64]) -> Result<(), SlaveError> {
-        let Self { instance, first_order, .. } = self;
+    fn set_input_derivatives(
+        &mut self,
+        variables: &[usize],
+        order: u32,
+        derivatives: &[f64],
+    ) -> Result<(), SlaveError> {
+        let Self { instance, orders, .. } = self;
         refer(&mut self.references, variables);
-        let set =
-            instance.set_input_derivatives(&self.references, &first_order[..variables.len()], derivatives);
+        orders[..variables.len()].fill(order.cast_signed());
+        let set = instance.set_input_derivatives(&self.references, &orders[..variables.len()], derivatives);
         set.map_err(|error| failed(&self.name, error))
     }
 
@@ -147,10 +153,10 @@ impl Slave for NativeSlave {
         if order != DERIVATIVE_ORDER {
             return Err(unable(&self.name, "gives first derivatives only"));
         }
-        let Self { instance, first_order, .. } = self;
+        let Self { instance, orders, .. } = self;
         refer(&mut self.references, variables);
-        let read =
-            instance.output_derivatives(&self.references, &first_order[..variables.len()], derivatives);
+        orders[..variables.len()].fill(DERIVATIVE_ORDER.cast_signed());
+        let read = instance.output_derivatives(&self.references, &orders[..variables.len()], derivatives);
         read.map_err(|error| failed(&self.name, error))
     }
 
@@ -172,12 +178,16 @@ impl Slave for NativeSlave {
         unknowns: &[usize],
         knowns: &[usize],
         direction: &[f64],
+        slopes: &[f64],
         change: &mut [f64],
     ) -> Result<(), SlaveError> {
         refer(&mut self.references, unknowns);
         refer(&mut self.knowns, knowns);
         self.lines.clear();
         self.lines.extend(direction.iter().map(|end| Ramp::line(0.0, *end)));
+        for (line, slope) in self.lines.iter_mut().zip(slopes) {
+            *line = Ramp { bow: -0.5 * slope, skew: line.end - 0.5 * slope, ..*line };
+        }
         let derived = self.instance.line_derivative(&self.references, &self.knowns, &self.lines, change);
         derived.map_err(|error| failed(&self.name, error))
     }

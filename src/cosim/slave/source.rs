@@ -9,6 +9,7 @@ pub struct Source {
     table: [Variable; 1],
     value: Box<dyn Fn(f64) -> f64 + Send>,
     derivative: Option<Box<dyn Fn(f64) -> f64 + Send>>,
+    corners: bool,
     time: f64,
     saved: Vec<f64>,
 }
@@ -41,6 +42,7 @@ impl Source {
             table: [variable],
             value,
             derivative: None,
+            corners: false,
             time: 0.0,
             saved: Vec::new(),
         }
@@ -49,6 +51,11 @@ impl Source {
     /// The same with its derivative with respect to time (per second).
     pub fn with_derivative(self, derivative: impl Fn(f64) -> f64 + Send + 'static) -> Self {
         Self { derivative: Some(Box::new(derivative)), ..self }
+    }
+
+    /// The same, straight between communication points with corners at them.
+    pub fn with_corners(self) -> Self {
+        Self { corners: true, ..self }
     }
 
     fn refuse<T>(&self, message: &str) -> Result<T, SlaveError> {
@@ -63,6 +70,10 @@ impl Slave for Source {
 
     fn variables(&self) -> &[Variable] {
         &self.table
+    }
+
+    fn has_corners(&self) -> bool {
+        self.corners
     }
 
     fn abilities(&self) -> Abilities {
@@ -86,10 +97,6 @@ impl Slave for Source {
     fn get(&mut self, _variables: &[usize], values: &mut [f64]) -> Result<(), SlaveError> {
         values.fill((self.value)(self.time));
         Ok(())
-    }
-
-    fn set_input_derivatives(&mut self, variables: &[usize], values: &[f64]) -> Result<(), SlaveError> {
-        self.set(variables, values)
     }
 
     fn output_derivatives(

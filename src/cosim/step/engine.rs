@@ -28,6 +28,7 @@ struct Repeated {
     assumptions: Vec<Assumption>,
     assumed: Vec<f64>,
     changes: Vec<f64>,
+    turns: Vec<f64>,
     solver: Solver,
     solved: Solved,
 }
@@ -60,7 +61,8 @@ impl Engine {
             }
             Algorithm::Strong(strong) => (1, false, *strong),
         };
-        let wiring = Wiring::new(&system, schedule, plain);
+        let curved = matches!(settings.algorithm, Algorithm::Strong(_));
+        let wiring = Wiring::new(&system, schedule, (plain, curved));
         let observed = system.observed();
         let reported = observed.iter().map(|port| wiring.signal(*port)).collect();
         let place = |port: Port| {
@@ -81,6 +83,7 @@ impl Engine {
             let repeated = block.iterated.then(|| Repeated {
                 assumed: vec![0.0; assumptions.len()],
                 changes: vec![0.0; real.len()],
+                turns: vec![0.0; real.len()],
                 solver: Solver::new(strong, assumptions.len()),
                 solved: Solved { evaluations: 0, residual: 0.0, converged: true },
                 assumptions,
@@ -95,7 +98,7 @@ impl Engine {
         parts.sort_by_key(|(slave, _)| unit_of[*slave]);
         let units: Vec<Unit> = parts
             .into_iter()
-            .map(|(_, (((slave, channels), read), first))| Unit::new(slave, channels, first, &read))
+            .map(|(_, (((slave, channels), read), first))| Unit::new(slave, channels, first, &read, curved))
             .collect();
         let wants = |unit: &Unit| {
             derivative_order[unit.first..unit.first + unit.outputs.len()].iter().any(|o| *o > 0)
@@ -132,11 +135,12 @@ impl Engine {
             if !saved {
                 units[block.units.clone()].iter_mut().try_for_each(|unit| unit.slave.save(BEGINNING))?;
             }
-            let Repeated { assumptions, assumed, changes, solver, solved } = repeated;
+            let Repeated { assumptions, assumed, changes, turns, solver, solved } = repeated;
             for (assumed, assumption) in assumed.iter_mut().zip(assumptions.iter()) {
-                *assumed = assumption.of(frame.signals.predicted[assumption.source]);
+                *assumed = assumption.expected(frame.signals, step);
             }
-            let mut equations = LoopStep { units, levels, frame, assumptions, changes, at_beginning: true };
+            let mut equations =
+                LoopStep { units, levels, frame, assumptions, changes, turns, repetitions: 0 };
             *solved = solver.solve(&mut equations, assumed)?;
             evaluations += solved.evaluations;
         }
@@ -161,10 +165,22 @@ impl Engine {
         self.energy.accept(step);
         self.units.iter_mut().for_each(Unit::accept);
         self.signals.accept(step);
+        self.signals.sloped = true;
         for repeated in self.blocks.iter_mut().filter_map(|block| block.repeated.as_mut()) {
             repeated.solver.remember(&repeated.assumed);
         }
         self.derive()
+    }
+
+    /// Reads the slopes before the first step. Where a slave does not know its own yet, that step runs linearly.
+    pub fn read_slopes(&mut self) {
+        let Self { units, signals, .. } = self;
+        signals.sloped = units.iter_mut().all(|unit| unit.read_slopes().is_ok());
+        for unit in units {
+            for (place, slope) in unit.coupled_places.iter().zip(&unit.slopes_out) {
+                signals.slopes[0][unit.first + place] = *slope;
+            }
+        }
     }
 
     /// Reads the output derivatives that are asked for.
@@ -196,7 +212,7 @@ struct Wiring {
 }
 
 impl Wiring {
-    fn new(system: &System, schedule: &Schedule, plain: bool) -> Self {
+    fn new(system: &System, schedule: &Schedule, (plain, curved): (bool, bool)) -> Self {
         let order: Vec<usize> = schedule.levels.iter().flatten().copied().collect();
         let read = read(system);
         let (mut first, mut count) = (vec![0; order.len()], 0);
@@ -218,11 +234,12 @@ impl Wiring {
             first,
             real,
         };
-        wiring.connect(system, schedule, &unit_of, plain);
+        wiring.connect(system, schedule, &unit_of, (plain, curved));
         wiring
     }
 
-    fn connect(&mut self, system: &System, schedule: &Schedule, unit_of: &[usize], plain: bool) {
+    fn connect(&mut self, system: &System, schedule: &Schedule, unit_of: &[usize], kind: (bool, bool)) {
+        let (plain, curved) = kind;
         let coupling = InputCoupling::new(system);
         let mut block_of = vec![0; unit_of.len()];
         for (index, block) in schedule.blocks.iter().enumerate() {
@@ -235,17 +252,35 @@ impl Wiring {
             let origin = if schedule.rank[from.slave] < schedule.rank[to.slave] {
                 SignalSource::Computed
             } else if schedule.blocks[block].iterated && block_of[from.slave] == block {
-                self.assumptions[block].push(Assumption { source, factor, offset });
+                self.assumptions[block].push(Assumption { source, factor, offset, slope: false });
                 SignalSource::Assumed(self.assumptions[block].len() - 1)
             } else {
                 let given = system.slaves[from.slave].abilities().output_derivative_order.min(2);
                 self.derivative_order[source] = if plain { 0 } else { given };
                 SignalSource::Extrapolated
             };
+            let slope = match origin {
+                _ if !curved || !tells_slopes(system, from) || system.variable(to).kind != Kind::Real => None,
+                SignalSource::Computed => Some(SignalSource::Computed),
+                SignalSource::Assumed(_) => {
+                    self.assumptions[block].push(Assumption { source, factor, offset: 0.0, slope: true });
+                    Some(SignalSource::Assumed(self.assumptions[block].len() - 1))
+                }
+                SignalSource::Extrapolated => None,
+            };
             let channels = &mut self.channels[to.slave];
             self.places.insert(to, (unit_of[to.slave], channels.len()));
             let (given, continued) = (coupling.given(system, to), coupling.at_once(to));
-            channels.push(Channel { input: to.variable, source, factor, offset, origin, given, continued });
+            channels.push(Channel {
+                input: to.variable,
+                source,
+                factor,
+                offset,
+                origin,
+                slope,
+                given,
+                continued,
+            });
         }
     }
 
@@ -254,6 +289,13 @@ impl Wiring {
         let read = &self.read[port.slave];
         self.first[port.slave] + read.partition_point(|(position, _)| *position < port.variable)
     }
+}
+
+/// Whether the slopes of a signal are known where a step ends, and the same where the next begins.
+fn tells_slopes(system: &System, from: Port) -> bool {
+    let slave = &system.slaves[from.slave];
+    let real = system.variable(from).kind == Kind::Real;
+    real && slave.abilities().output_derivative_order > 0 && !slave.has_corners()
 }
 
 /// What is read of each slave, in ascending order: sources of connections, and what is reported.

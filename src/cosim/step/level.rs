@@ -90,7 +90,11 @@ impl Level {
 fn collect(unit: &mut Unit, place: usize, signals: &mut Signals) -> Result<(), Trouble> {
     match &unit.outcome {
         Ok(Stepped::Done) => {
-            copy_few(&mut signals.next[unit.first..unit.first + unit.outputs.len()], &unit.outputs);
+            let own = unit.first..unit.first + unit.outputs.len();
+            copy_few(&mut signals.next[own], &unit.outputs);
+            for (place, slope) in unit.coupled_places.iter().zip(&unit.slopes_out) {
+                signals.slopes[1][unit.first + place] = *slope;
+            }
             Ok(())
         }
         Ok(Stepped::Discarded(reached)) => Err(Trouble::Discarded(place, *reached)),

@@ -23,6 +23,13 @@ pub(in crate::cosim) struct Signals {
     spans: [f64; 2],
     /// How many of them are known.
     known: usize,
+    /// First derivatives at the beginning of the step and, as far as slaves have stepped, at its end, of the signals that
+    /// inputs follow by them.
+    pub slopes: [Vec<f64>; 2],
+    /// Those at the beginning of the step before.
+    past_slopes: Vec<f64>,
+    /// They have been read at the beginning of this step.
+    pub sloped: bool,
     /// Largest magnitude so far.
     pub peak: Vec<f64>,
 }
@@ -40,6 +47,9 @@ impl Signals {
             past: [zeros(), zeros()],
             spans: [0.0; 2],
             known: 0,
+            slopes: [zeros(), zeros()],
+            past_slopes: zeros(),
+            sloped: false,
             peak: zeros(),
             real,
         }
@@ -95,6 +105,12 @@ impl Signals {
         now + step * (slope + (step + h1) * curvature)
     }
 
+    /// The slope at the end of the step of `step` (s), as expected at its beginning.
+    pub fn expected_slope(&self, index: usize, step: f64) -> f64 {
+        let now = self.slopes[0][index];
+        if self.known == 0 { now } else { now + step / self.spans[0] * (now - self.past_slopes[index]) }
+    }
+
     /// Takes a rejected first step for what it tells of the sizes to come: what begins at zero has none.
     pub fn size_up(&mut self) {
         if self.known == 0 {
@@ -112,6 +128,9 @@ impl Signals {
         self.now.copy_from_slice(&self.next);
         self.spans = [step, self.spans[0]];
         self.known = (self.known + 1).min(2);
+        let [begin, end] = &mut self.slopes;
+        std::mem::swap(&mut self.past_slopes, begin);
+        begin.copy_from_slice(end);
         for (peak, value) in self.peak.iter_mut().zip(&self.now) {
             *peak = peak.max(value.abs());
         }

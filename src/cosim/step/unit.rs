@@ -1,5 +1,6 @@
 //! A slave with its connections: the sources of its inputs, and buffers for their values.
 
+use super::course::Course;
 use super::signals::Signals;
 use crate::cosim::slave::{Abilities, Severity, Slave, SlaveError, Stepped};
 
@@ -44,6 +45,8 @@ pub(in crate::cosim) struct Channel {
     pub factor: f64,
     pub offset: f64,
     pub origin: SignalSource,
+    /// Where its slope at the end of a step comes from, if it runs along a cubic.
+    pub slope: Option<SignalSource>,
     pub given: Given,
     /// A step begins where the last one ended, also where the source has come to another value than expected since: a
     /// contact moved there and back at the beginning of the step would slip.
@@ -54,6 +57,20 @@ impl Channel {
     pub fn of(&self, source: f64) -> f64 {
         self.factor * source + self.offset
     }
+}
+
+/// Parts of a step in which a slave that takes no cubics follows one: the error of straight pieces is a hundredth then.
+const PARTS: u32 = 10;
+
+/// In how many parts a slave steps.
+fn parts(abilities: &Abilities, channels: &[Channel]) -> u32 {
+    let follows = |given: Given| match given {
+        Given::Ramp => abilities.input_derivative_order < 3,
+        Given::Middle => true,
+        Given::End => false,
+    };
+    let mut curved = channels.iter().filter(|channel| channel.slope.is_some());
+    if abilities.variable_step && curved.any(|channel| follows(channel.given)) { PARTS } else { 1 }
 }
 
 /// What is the same for all slaves in a step.
@@ -71,18 +88,18 @@ pub(in crate::cosim) struct Frame<'a> {
 
 /// Outputs that depend at once on an input that is given at the middle of the step.
 #[derive(Debug)]
-struct AtOnce {
+pub(super) struct AtOnce {
     /// By directional derivatives; otherwise by a step with the inputs of the end.
-    derived: bool,
+    pub(super) derived: bool,
     /// Positions in `outputs`, and in the slave's table.
-    places: Vec<usize>,
-    outputs: Vec<usize>,
-    found: Vec<f64>,
+    pub(super) places: Vec<usize>,
+    pub(super) outputs: Vec<usize>,
+    pub(super) found: Vec<f64>,
 }
 
 /// Where a slave's state at the beginning of a step is kept, and where it is while a step is only tried for outputs.
 pub(in crate::cosim) const BEGINNING: usize = 0;
-const TRIAL: usize = 1;
+pub(super) const TRIAL: usize = 1;
 
 #[derive(Debug)]
 pub(in crate::cosim) struct Unit {
@@ -102,21 +119,35 @@ pub(in crate::cosim) struct Unit {
     /// What was set.
     pub values: Vec<f64>,
     /// Real outputs that feed others: in the table, and in `outputs`.
-    coupled: Vec<usize>,
+    pub(super) coupled: Vec<usize>,
     pub coupled_places: Vec<usize>,
     change: Vec<f64>,
-    input_positions: Vec<usize>,
-    ramp_positions: Vec<usize>,
-    slopes: Vec<f64>,
-    /// Change of the inputs of which the change of the outputs is asked for.
+    pub(super) input_positions: Vec<usize>,
+    pub(super) ramp_positions: Vec<usize>,
+    /// Derivatives of those, of the orders that are given.
+    pub(super) slopes: [Vec<f64>; 3],
+    /// How each input runs over the step, as a cubic of the fraction of it.
+    pub(super) courses: Vec<Course>,
+    /// First derivatives of the Real outputs that feed others, if they are asked for.
+    pub slopes_out: Vec<f64>,
+    /// Change of the inputs of which the change of the outputs is asked for, and of their slopes at the end.
     pub direction: Vec<f64>,
-    at_once: Option<AtOnce>,
+    pub turning: Vec<f64>,
+    /// Parts of a step in which a slave that knows no cubics follows them.
+    pub(super) parts: u32,
+    pub(super) at_once: Option<AtOnce>,
     pub outcome: Result<Stepped, SlaveError>,
 }
 
 impl Unit {
     /// `read` is what is read, by position, and whether it feeds another as a Real.
-    pub fn new(slave: Box<dyn Slave>, channels: Vec<Channel>, first: usize, read: &[(usize, bool)]) -> Self {
+    pub fn new(
+        slave: Box<dyn Slave>,
+        mut channels: Vec<Channel>,
+        first: usize,
+        read: &[(usize, bool)],
+        curved: bool,
+    ) -> Self {
         let abilities = slave.abilities();
         let output_positions: Vec<usize> = read.iter().map(|(position, _)| *position).collect();
         let coupled_places: Vec<usize> = (0..read.len()).filter(|place| read[*place].1).collect();
@@ -134,10 +165,21 @@ impl Unit {
             found: vec![0.0; places.len()],
             places,
         });
+        let parts = parts(&abilities, &channels);
+        if parts == 1 && abilities.input_derivative_order < 3 {
+            // It runs straight.
+            let ramps = channels.iter_mut().filter(|channel| channel.given == Given::Ramp);
+            ramps.for_each(|channel| channel.slope = None);
+        }
         let zeros = || vec![0.0; channels.len()];
         let ramps = channels.iter().filter(|channel| channel.given == Given::Ramp);
         let ramp_positions: Vec<usize> = ramps.map(|channel| channel.input).collect();
+        let told = curved && abilities.output_derivative_order > 0 && !slave.has_corners();
         Self {
+            slopes_out: if told { vec![0.0; coupled_places.len()] } else { Vec::new() },
+            courses: vec![Course::default(); channels.len()],
+            parts,
+            turning: zeros(),
             abilities,
             first,
             coupled: coupled_places.iter().map(|place| output_positions[*place]).collect(),
@@ -151,7 +193,7 @@ impl Unit {
             values: zeros(),
             direction: zeros(),
             input_positions: channels.iter().map(|channel| channel.input).collect(),
-            slopes: vec![0.0; ramp_positions.len()],
+            slopes: std::array::from_fn(|_| vec![0.0; ramp_positions.len()]),
             ramp_positions,
             channels,
             at_once,
@@ -164,109 +206,6 @@ impl Unit {
     pub fn output_name(&self, place: usize) -> String {
         let row = self.output_positions.get(place).map(|position| &self.slave.variables()[*position].name);
         format!("{}.{}", self.slave.name(), row.map_or("", String::as_str))
-    }
-
-    /// Steps, and leaves in `outcome` how it went and in `outputs` the values at the end.
-    pub fn advance(&mut self, frame: &Frame) {
-        self.outcome = self.try_advance(frame);
-    }
-
-    fn try_advance(&mut self, frame: &Frame) -> Result<Stepped, SlaveError> {
-        if frame.restore {
-            self.slave.restore(BEGINNING)?;
-        }
-        self.fill(frame);
-        let at_once = !frame.plain && self.at_once.as_ref().is_some_and(|at_once| !at_once.derived);
-        if at_once {
-            let stepped = self.try_outputs(frame)?;
-            if stepped != Stepped::Done {
-                return Ok(stepped);
-            }
-        }
-        if !self.values.is_empty() {
-            self.slave.set(&self.input_positions, &self.values)?;
-        }
-        if !frame.plain && !self.slopes.is_empty() {
-            self.slave.set_input_derivatives(&self.ramp_positions, &self.slopes)?;
-        }
-        let stepped = self.slave.do_step(frame.time, frame.step)?;
-        if stepped != Stepped::Done {
-            return Ok(stepped);
-        }
-        self.read_numbers()?;
-        if !frame.plain {
-            self.correct()?;
-        }
-        Ok(stepped)
-    }
-
-    /// Inputs at both ends of the step, and how they are given.
-    fn fill(&mut self, frame: &Frame) {
-        let mut ramps = 0;
-        for (index, channel) in self.channels.iter().enumerate() {
-            let end = match channel.origin {
-                SignalSource::Computed => channel.of(frame.signals.next[channel.source]),
-                SignalSource::Extrapolated => channel.of(frame.signals.predicted[channel.source]),
-                SignalSource::Assumed(unknown) => frame.assumed[unknown],
-            };
-            self.end[index] = end;
-            if frame.plain {
-                self.values[index] = end;
-                continue;
-            }
-            let begin = match channel.continued {
-                true => self.reached[index],
-                false => channel.of(frame.signals.now[channel.source]),
-            };
-            self.begin[index] = begin;
-            self.values[index] = match channel.given {
-                Given::End => end,
-                Given::Middle => 0.5 * (begin + end),
-                Given::Ramp => {
-                    self.slopes[ramps] = (end - begin) / frame.step;
-                    ramps += 1;
-                    begin
-                }
-            };
-        }
-    }
-
-    /// The outputs that depend at once on what is given at the middle, from a step that holds the values of the end.
-    /// Its motion is off by the order of the step, and so is what the outputs owe to the motion by the second order.
-    fn try_outputs(&mut self, frame: &Frame) -> Result<Stepped, SlaveError> {
-        let Some(at_once) = &mut self.at_once else { return Ok(Stepped::Done) };
-        self.slave.save(TRIAL)?;
-        self.slave.set(&self.input_positions, &self.end)?;
-        let stepped = self.slave.do_step(frame.time, frame.step)?;
-        if stepped == Stepped::Done {
-            self.slave.get(&at_once.outputs, &mut at_once.found)?;
-            self.slave.restore(TRIAL)?;
-        }
-        Ok(stepped)
-    }
-
-    /// Outputs to the inputs at the end, where they were given at the middle.
-    fn correct(&mut self) -> Result<(), SlaveError> {
-        let Some(at_once) = &mut self.at_once else { return Ok(()) };
-        if at_once.derived {
-            for ((direction, end), value) in self.direction.iter_mut().zip(&self.end).zip(&self.values) {
-                *direction = end - value;
-            }
-            self.slave.directional_derivative(
-                &at_once.outputs,
-                &self.input_positions,
-                &self.direction,
-                &mut at_once.found,
-            )?;
-        }
-        for (place, found) in at_once.places.iter().zip(&at_once.found) {
-            if at_once.derived {
-                self.outputs[*place] += found;
-            } else {
-                self.outputs[*place] = *found;
-            }
-        }
-        Ok(())
     }
 
     /// Reads the outputs, which must be numbers, and finite where they feed others.
@@ -289,7 +228,7 @@ impl Unit {
 
     /// That `what` has no value to go on with.
     #[cold]
-    fn no_number(&self, what: &str, value: f64) -> SlaveError {
+    pub(super) fn no_number(&self, what: &str, value: f64) -> SlaveError {
         let message = format!("{what} is {value}, with which the simulation cannot go on");
         SlaveError { slave: self.slave.name().to_owned(), message, severity: Severity::Slave }
     }
@@ -320,15 +259,26 @@ impl Unit {
         self.read()
     }
 
-    /// Change of the outputs that feed others where the inputs change by `direction`, at their places in `change`.
-    pub fn derive(&mut self, change: &mut [f64]) -> Result<(), SlaveError> {
+    /// Changes of the outputs that feed others where the inputs change by `direction` at the end of the step, and their
+    /// slopes there by `turning`, and changes of the slopes of those outputs, each at its place. A slope of an output is
+    /// taken to follow the slopes of inputs as the value does the values: what passes through the motion is left out.
+    pub fn derive(&mut self, change: &mut [f64], turn: &mut [f64], step: f64) -> Result<(), SlaveError> {
         if self.coupled.is_empty() || self.input_positions.is_empty() {
             return Ok(());
         }
-        let (inputs, direction) = (&self.input_positions, &self.direction);
-        self.slave.end_derivative(&self.coupled, inputs, direction, &mut self.change)?;
+        let curved = self.courses.iter().any(Course::is_curved);
+        let turning = if curved { &self.turning[..] } else { &[] };
+        let (outputs, inputs) = (&self.coupled, &self.input_positions);
+        self.slave.end_derivative(outputs, inputs, &self.direction, turning, &mut self.change)?;
         for (place, value) in self.coupled_places.iter().zip(&self.change) {
             change[*place] = *value;
+        }
+        if self.slopes_out.is_empty() {
+            return Ok(());
+        }
+        self.slave.end_derivative(outputs, inputs, &self.turning, &[], &mut self.change)?;
+        for (place, value) in self.coupled_places.iter().zip(&self.change) {
+            turn[*place] = value / step;
         }
         Ok(())
     }
@@ -345,14 +295,10 @@ impl Unit {
         }
         for (order, derivatives) in (1..=order).zip(derivatives) {
             self.slave.output_derivatives(&self.coupled, order, &mut self.change)?;
-            for ((place, position), value) in self.coupled_places.iter().zip(&self.coupled).zip(&self.change)
-            {
-                if !value.is_finite() {
-                    let name = &self.slave.variables()[*position].name;
-                    return Err(self.no_number(&format!("the derivative of the output `{name}`"), *value));
-                }
+            for (place, value) in self.coupled_places.iter().zip(&self.change) {
                 derivatives[self.first + place] = *value;
             }
+            self.check_slopes(&self.change)?;
         }
         Ok(())
     }
@@ -364,7 +310,7 @@ impl Unit {
 
     /// Both ends of what input `channel` ran through in the last step.
     pub fn taken(&self, channel: usize, plain: bool) -> [f64; 2] {
-        if plain || self.channels[channel].given != Given::Ramp {
+        if plain || self.parts == 1 && self.channels[channel].given != Given::Ramp {
             return [self.values[channel]; 2];
         }
         [self.begin[channel], self.end[channel]]

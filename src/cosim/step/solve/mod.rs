@@ -44,7 +44,9 @@ const ENOUGH: f64 = 1e-10;
 /// A column of differences that lies this close to the span of newer ones adds no information.
 const DEPENDENT: f64 = 1e-10;
 /// Least reduction of the residual that Newton's method must give before its derivatives are mistrusted.
-const SLOW: f64 = 0.2;
+const SLOW: f64 = 0.5;
+/// Most past steps that correct the derivatives.
+const CORRECTIONS: usize = 5;
 
 /// A method with room for its vectors: nothing allocates while it solves.
 #[derive(Debug)]
@@ -70,6 +72,11 @@ pub(in crate::cosim) struct Solver {
     krylov: Krylov,
     /// Right side of the Newton step.
     right: Vec<f64>,
+    /// Newton: past changes of the unknowns, and what the derivatives missed of the changes of the residual, over the
+    /// squares of their lengths: as much is added to products (C. G. Broyden, Mathematics of Computation 19 (1965)
+    /// 577–593).
+    secants: Vec<[Vec<f64>; 2]>,
+    corrections: usize,
     /// Newton: the derivatives at the end of the step are not sufficient.
     repeated: bool,
     last_size: f64,
@@ -102,6 +109,8 @@ impl Solver {
             relaxation: 1.0,
             krylov: Krylov::default(),
             right: zeros(),
+            secants: (0..CORRECTIONS).map(|_| [zeros(), zeros()]).collect(),
+            corrections: 0,
             repeated: false,
             last_size: f64::INFINITY,
         }
@@ -116,6 +125,7 @@ impl Solver {
     ) -> Result<Solved, C::Trouble> {
         let mut solved = Solved { evaluations: 0, residual: f64::INFINITY, converged: false };
         (self.stored, self.relaxation, self.repeated) = (0, 1.0, false);
+        self.corrections = 0;
         self.last_size = f64::INFINITY;
         self.scale.copy_from_slice(&self.peak);
         let mut best = f64::INFINITY;
@@ -277,11 +287,33 @@ impl Solver {
         if size > SLOW * self.last_size {
             self.repeated = true;
         }
+        self.look_back(coupling, assumed)?;
         self.last_size = size;
         self.last_assumed.copy_from_slice(assumed);
         self.last_residual.copy_from_slice(&self.residual);
         self.direction(coupling, solved)?;
         add(assumed, &self.changed, 1.0);
+        Ok(())
+    }
+
+    /// Compares the last step with what the derivatives say of it, if there was one.
+    fn look_back<C: Coupling>(&mut self, coupling: &mut C, assumed: &[f64]) -> Result<(), C::Trouble> {
+        let Self { scale, secants, corrections, last_assumed, residual, last_residual, .. } = self;
+        if self.repeated || self.last_size.is_infinite() || *corrections == CORRECTIONS {
+            return Ok(());
+        }
+        let (known, [[secant, missed], ..]) = secants.split_at_mut(*corrections) else { return Ok(()) };
+        for (secant, (now, before)) in secant.iter_mut().zip(assumed.iter().zip(last_assumed.iter())) {
+            *secant = now - before;
+        }
+        let square = dot(scale, secant, secant);
+        if square > 0.0 && coupling.product(secant, missed)? {
+            correct(known, scale, secant, missed);
+            for (missed, (now, before)) in missed.iter_mut().zip(residual.iter().zip(last_residual.iter())) {
+                *missed = (now - before - *missed) / square;
+            }
+            *corrections += 1;
+        }
         Ok(())
     }
 
@@ -297,6 +329,8 @@ impl Solver {
             residual,
             repeated,
             changed,
+            secants,
+            corrections,
             ..
         } = self;
         // In units of the scale, where one is as large as the other.
@@ -308,7 +342,9 @@ impl Solver {
                 *step = part * scale;
             }
             let derived = !*repeated && coupling.product(trial, product)?;
-            if !derived {
+            if derived {
+                correct(&secants[..*corrections], scale, trial, product);
+            } else {
                 *repeated = true;
                 // The vector has length one in scaled units.
                 for (step, base) in trial.iter_mut().zip(last_assumed.iter()) {
@@ -328,6 +364,13 @@ impl Solver {
         krylov.try_solve(product, right, changed, ENOUGH)?;
         changed.iter_mut().zip(scale.iter()).for_each(|(value, scale)| *value *= scale);
         Ok(())
+    }
+}
+
+/// What the secants say that the derivatives miss along `trial`.
+fn correct(secants: &[[Vec<f64>; 2]], scale: &[f64], trial: &[f64], product: &mut [f64]) {
+    for [secant, missed] in secants {
+        add(product, missed, dot(scale, secant, trial));
     }
 }
 

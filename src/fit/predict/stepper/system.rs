@@ -105,7 +105,7 @@ impl ExcitedSystem {
         let Excitation { forces, load: measured, .. } = &self.excitation;
         for (input, force) in inputs.iter_mut().zip(forces) {
             let bow = if from == to { 0.0 } else { force.bows.get(from).copied().unwrap_or(0.0) };
-            *input = Ramp { start: force.values[from], end: force.values[to], bow };
+            *input = Ramp { start: force.values[from], end: force.values[to], bow, skew: 0.0 };
         }
         if let Some((joint, constant)) = load {
             let load = |index: usize| joint.normal_load(constant, measured.as_ref().map(|load| load[index]));

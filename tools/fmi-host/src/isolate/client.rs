@@ -221,10 +221,16 @@ impl cosim::Slave for IsolatedSlave {
         self.call(Call::Get, request, || "reading variables".to_owned(), |reader| reader.fill(values))
     }
 
-    fn set_input_derivatives(&mut self, variables: &[usize], derivatives: &[f64]) -> Result<(), SlaveError> {
+    fn set_input_derivatives(
+        &mut self,
+        variables: &[usize],
+        order: u32,
+        derivatives: &[f64],
+    ) -> Result<(), SlaveError> {
         let request = |frame: &mut Frame| {
             frame.positions(variables);
             frame.numbers(derivatives);
+            frame.count(order as usize);
         };
         self.ask(Call::SetInputDerivatives, request, || "setting derivatives of inputs".to_owned())
     }

@@ -90,7 +90,8 @@ fn obey(
             if call == Call::Set {
                 slave.set(variables, values)
             } else {
-                slave.set_input_derivatives(variables, values)
+                let order = request.count()? as u32;
+                slave.set_input_derivatives(variables, order, values)
             }
         }
         Call::Get => {

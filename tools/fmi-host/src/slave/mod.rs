@@ -233,10 +233,15 @@ impl cosim::Slave for FmuSlave {
         }
     }
 
-    fn set_input_derivatives(&mut self, variables: &[usize], derivatives: &[f64]) -> Result<(), SlaveError> {
+    fn set_input_derivatives(
+        &mut self,
+        variables: &[usize],
+        order: u32,
+        derivatives: &[f64],
+    ) -> Result<(), SlaveError> {
         self.references_of(variables)?;
         self.numbers.clear();
-        self.numbers.resize(variables.len(), 1);
+        self.numbers.resize(variables.len(), order.cast_signed());
         let done = self.slave.set_input_derivatives(&self.references, &self.numbers, derivatives);
         done.map_err(|error| {
             let names = self.named(variables);

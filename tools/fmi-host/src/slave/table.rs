@@ -1,6 +1,7 @@
 //! What the master sees of an FMU: its variables, and what it can do.
 
 use stickslip::cosim::{Abilities, Causality, Kind, Variable};
+use stickslip::fmi::INPUT_DERIVATIVE_ORDER;
 
 use crate::description::{ModelDescription, TypeOfVariable};
 
@@ -60,6 +61,11 @@ pub(crate) fn abilities(description: &ModelDescription) -> Abilities {
         saves_state: own.saves_state,
         variable_step: own.variable_step,
         interpolates_inputs: own.interpolates_inputs,
+        // FMI 2.0 has no word for it: others are only sure to know the first.
+        input_derivative_order: match description.generation_tool.as_deref() {
+            Some(tool) if tool.starts_with("stickslip ") => INPUT_DERIVATIVE_ORDER,
+            _ => u32::from(own.interpolates_inputs),
+        },
         output_derivative_order: own.output_derivative_order,
         directional_derivatives: own.directional_derivatives,
     }

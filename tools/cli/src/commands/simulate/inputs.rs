@@ -81,7 +81,8 @@ pub(super) fn connect(system: &mut System, driven: Vec<Driven>, names: &[String]
         let (time, values) = (one.time.clone(), one.signal.values.clone());
         let (again, same) = (one.time, one.signal.values);
         let source = Source::new(&slave, "value", &unit, move |at| interpolated(&time, &values, at))
-            .with_derivative(move |at| slope(&again, &same, at));
+            .with_derivative(move |at| slope(&again, &same, at))
+            .with_corners();
         system.add(Box::new(source)).map_err(refused)?;
         for (end, linear) in &one.targets {
             let to = (names[end.component].as_str(), end.variable.as_str());
