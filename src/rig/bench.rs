@@ -2,12 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use super::{Accelerometer, RigError};
+use super::error::RigError;
+use super::plan::Accelerometer;
 use crate::effects::{Location, Needs};
 use crate::harmonic::{
     Assembly, Control, CurveSettings, Point, Resonance, periodic_response, phase_resonance,
 };
-use crate::model::{Beam, Model, PointMass, Structure};
+use crate::model::{Beam, Model, Structure};
 use crate::system::{Core, System};
 
 /// Harmonics up to so many times the highest mode are balanced: the contact excites every mode, and accelerations show it.
@@ -37,11 +38,8 @@ impl Bench {
             );
             return Err(RigError::Input(message));
         }
-        let added = sensors.iter().filter(|sensor| sensor.mass != 0.0);
-        let added = added.map(|sensor| PointMass { position: sensor.position, mass: sensor.mass });
         let beam = Beam {
             sensors: sensors.iter().map(|sensor| sensor.position).collect(),
-            point_masses: beam.point_masses.iter().copied().chain(added).collect(),
             contact_points: Vec::new(),
             ..beam.clone()
         };

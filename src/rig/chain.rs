@@ -1,9 +1,7 @@
-//! From motion to numbers: gains, delays, noise.
+//! What lies between motion and numbers: gains, delays, noise.
 
-use super::{Accelerometer, Measured, RigError, Test, TestKind};
-use crate::data::{Channel, ChannelName, Place, Record, Regime};
+use super::error::RigError;
 use crate::numeric::random::Random;
-use crate::vocabulary as v;
 
 /// Longest delay (s): that of a chain is far below it.
 const LONGEST_DELAY: f64 = 0.1;
@@ -78,68 +76,4 @@ impl Chain {
             "gains must be finite, delays between 0 and {LONGEST_DELAY} s, noise at least 0, the scatter of gains below 1"
         )))
     }
-}
-
-/// The chain with its gains drawn.
-pub(super) struct Spoiler<'p> {
-    chain: &'p Chain,
-    sensors: &'p [Accelerometer],
-    faults: Vec<ChannelFault>,
-    delays: Vec<f64>,
-}
-
-impl<'p> Spoiler<'p> {
-    pub fn new(chain: &'p Chain, sensors: &'p [Accelerometer]) -> Self {
-        let faults = chain.faults(sensors.len());
-        let delays = faults.iter().map(|fault| fault.delay).collect();
-        Self { chain, sensors, faults, delays }
-    }
-
-    /// Of the load cell, then of every accelerometer (s).
-    pub fn delays(&self) -> &[f64] {
-        &self.delays
-    }
-
-    /// The record called `name`, the `number`-th of all.
-    pub fn record(&self, name: &str, test: &Test, measured: Measured, number: u64) -> Record {
-        let regime = match &test.kind {
-            TestKind::SteppedSine(_) => Regime::Steady,
-            TestKind::Random(test) if test.lead == 0.0 => Regime::FromRest,
-            TestKind::Random(_) | TestKind::RingDown(_) => Regime::UnknownInitialState,
-        };
-        let mut channels = vec![Channel {
-            name: v::TIME.name.into(),
-            unit: v::TIME.unit,
-            values: measured.time,
-            noise: None,
-        }];
-        let place = |sensor: &Accelerometer| {
-            ChannelName { quantity: &v::ACCELERATION, place: Place::Position(sensor.position) }.to_string()
-        };
-        let accelerations = self.sensors.iter().map(place).zip(measured.accelerations.into_iter().map(Some));
-        let all = std::iter::once((v::EXCITATION.name.to_owned(), measured.excitation)).chain(accelerations);
-        for (column, ((name, values), fault)) in all.zip(&self.faults).enumerate() {
-            let Some(values) = values else { continue };
-            let unit = if column == 0 { v::EXCITATION.unit } else { v::ACCELERATION.unit };
-            let random = Random::of_part(self.chain.seed, number << 16 | column as u64);
-            let (values, deviation) = spoilt(values, fault, random);
-            let noise = Some(deviation).filter(|noise| self.chain.noise_told && *noise > 0.0);
-            channels.push(Channel { name, unit, values, noise });
-        }
-        Record { name: name.to_owned(), regime, use_for: test.use_for, channels }
-    }
-}
-
-/// What is shown, and the noise in it.
-fn spoilt(mut values: Vec<f64>, fault: &ChannelFault, mut random: Random) -> (Vec<f64>, f64) {
-    values.iter_mut().for_each(|value| *value *= fault.gain);
-    let square = values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64;
-    let deviation = match fault.noise {
-        NoiseLevel::Fraction(fraction) => fraction * square.sqrt(),
-        NoiseLevel::Deviation(deviation) => deviation,
-    };
-    if deviation > 0.0 {
-        values.iter_mut().for_each(|value| *value += deviation * random.normal());
-    }
-    (values, deviation)
 }

@@ -1,8 +1,9 @@
 //! Motion in time under a force that is a function of time, seen by sensors that lag.
 
-use super::RigError;
 use super::bench::Bench;
-use crate::time::{Integrator, Motion, Ramp, Settings};
+use super::error::RigError;
+use super::measured::ContactSamples;
+use crate::time::{Integrator, Motion, Outputs, Ramp, Settings};
 
 /// Far below any sensor's noise.
 const SETTINGS: Settings = Settings { tolerance: 1e-7, step_limit: 1_000_000 };
@@ -82,6 +83,7 @@ pub(super) struct March {
     motion: Motion,
     inputs: Vec<Ramp>,
     time: f64,
+    outputs: Outputs,
 }
 
 impl March {
@@ -90,7 +92,7 @@ impl March {
         let mut integrator = Integrator::new(bench.system())?;
         let inputs = integrator.held_inputs();
         let motion = integrator.rest(&inputs)?;
-        Self { integrator, motion, inputs, time }.taken_up()
+        Self { integrator, motion, inputs, time, outputs: Outputs::default() }.taken_up()
     }
 
     /// At a time (s) with modal displacements, velocities, and a contact force (N).
@@ -103,7 +105,7 @@ impl March {
         let mut integrator = Integrator::new(bench.system())?;
         let inputs = integrator.held_inputs();
         let motion = integrator.moving(displacement, velocity, &inputs, &[contact_force])?;
-        Self { integrator, motion, inputs, time }.taken_up()
+        Self { integrator, motion, inputs, time, outputs: Outputs::default() }.taken_up()
     }
 
     fn taken_up(mut self) -> Result<Self, RigError> {
@@ -154,8 +156,9 @@ impl March {
         sampling: &Sampling,
         [before, after]: [&Drive; 2],
         watch: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Vec<Vec<f64>>, RigError> {
+    ) -> Result<(Vec<Vec<f64>>, Option<ContactSamples>), RigError> {
         let mut out = vec![vec![0.0; sampling.count]; sampling.delays.len()];
+        let mut contact = (self.motion.contacts() > 0).then(ContactSamples::default);
         let (visits, lead) = (sampling.visits(), sampling.before());
         for interval in 0..lead + sampling.count {
             if interval.is_multiple_of(BETWEEN_LOOKS)
@@ -175,8 +178,24 @@ impl March {
                         *value = self.integrator.sensor(*sensor, 2);
                     }
                 }
+                // Only now: a look at the contact leaves the shaker's force out.
+                if let Some(contact) = contact.as_mut().filter(|_| place == 0 && interval >= lead) {
+                    self.look(contact)?;
+                }
             }
         }
-        Ok(out)
+        Ok((out, contact))
+    }
+
+    /// What the contact does now.
+    fn look(&mut self, contact: &mut ContactSamples) -> Result<(), RigError> {
+        let held = self.integrator.held_inputs();
+        self.integrator.outputs(&self.motion, f64::INFINITY, &held, &mut self.outputs)?;
+        if let Some(now) = self.outputs.contacts.first() {
+            contact.displacement.push(now.displacement);
+            contact.velocity.push(now.velocity);
+            contact.force.push(now.force);
+        }
+        Ok(())
     }
 }

@@ -2,36 +2,32 @@
 //!
 //! A model and a [`Plan`] come in, [`Record`]s go out, as if measured. `plan`: what is tested, and the chain of sensors.
 //! `bench`: the beam with its sensors as a system. `stepped_sine`: the motion at the shaker held, by harmonic balance.
-//! `random` and `ring_down`: in time, by `march`. `chain`: what gains, delays and noise make of it.
+//! `random` and `ring_down`: in time, by `march`. `chain`: gains, delays and noise, and `spoiler` what they make of what was
+//! `measured`.
 
 mod bench;
 mod chain;
 mod error;
 mod march;
+mod measured;
 mod plan;
 mod random;
 mod ring_down;
+mod spoiler;
 mod stepped_sine;
+mod tested;
 
 pub use chain::{Chain, ChannelFault, NoiseLevel};
 pub use error::RigError;
 pub use plan::{
     Accelerometer, Frequencies, Plan, RandomTest, Release, RingDown, SteppedSine, Test, TestKind,
 };
+pub use tested::Tested;
 
 use crate::data::Record;
 use crate::model::Model;
 use bench::Bench;
-use chain::Spoiler;
-
-/// Channels as the sensors would show them without faults other than their delays.
-struct Measured {
-    time: Vec<f64>,
-    /// Force of the shaker (N); `None` where it is disconnected.
-    excitation: Option<Vec<f64>>,
-    /// Of each accelerometer (m/s²).
-    accelerations: Vec<Vec<f64>>,
-}
+use spoiler::Spoiler;
 
 /// How far the tests have come.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,8 +65,21 @@ pub fn test_on(
     plan: &Plan,
     watch: &mut dyn FnMut(&RigProgress) -> bool,
 ) -> Result<Vec<Record>, RigError> {
+    let tested = test_with_truth_on(model, plan, watch)?;
+    Ok(tested.into_iter().map(|tested| tested.record).collect())
+}
+
+/// As [`test_on`], with what the contact truly did.
+///
+/// # Errors
+/// As [`test_on`].
+pub fn test_with_truth_on(
+    model: &Model,
+    plan: &Plan,
+    watch: &mut dyn FnMut(&RigProgress) -> bool,
+) -> Result<Vec<Tested>, RigError> {
     plan.check()?;
-    let bench = Bench::new(model, &plan.sensors)?;
+    let bench = Bench::new(&plan.beam_under_test(model)?, &plan.sensors)?;
     let spoiler = Spoiler::new(&plan.chain, &plan.sensors);
     let names = plan.record_names();
     let of = names.iter().map(Vec::len).sum();
@@ -91,18 +100,8 @@ pub fn test_on(
             };
             let made = made.map_err(|error| error.of_record(name))?;
             let seed = records.len() as u64;
-            records.push(spoiler.record(name, test, made, seed));
+            records.push(spoiler.tested(name, test, made, seed));
         }
     }
     Ok(records)
-}
-
-impl TestKind {
-    /// Steady records one per amplitude and frequency; one of each other test.
-    fn records(&self) -> usize {
-        match self {
-            Self::SteppedSine(test) => test.amplitudes.len() * test.frequencies.count(),
-            Self::Random(_) | Self::RingDown(_) => 1,
-        }
-    }
 }

@@ -1,7 +1,11 @@
 //! What is tested.
 
-use super::{Chain, RigError};
+use std::f64::consts::TAU;
+
+use super::chain::Chain;
+use super::error::RigError;
 use crate::data::Use;
+use crate::model::{Model, PointMass, Structure};
 
 /// Tests on a rig.
 #[derive(Debug, Clone, PartialEq)]
@@ -154,11 +158,30 @@ impl Frequencies {
 const MOST_SAMPLES: f64 = 5e6;
 const MOST_VALUES: f64 = 1e7;
 
+/// Radians of the highest frequency over which a parabola follows a random force: within 2e-4 of it.
+const SMOOTH: f64 = 0.3;
+
 impl Plan {
     /// No test yet, perfect accelerometers at `positions` (m).
     pub fn of_sensors(positions: &[f64]) -> Self {
         let sensors = positions.iter().map(|position| Accelerometer { position: *position, mass: 0.0 });
         Self { sensors: sensors.collect(), chain: Chain::default(), tests: Vec::new() }
+    }
+
+    /// The beam of `model` with the masses of the accelerometers on it.
+    ///
+    /// # Errors
+    /// A model that is no beam.
+    pub fn beam_under_test(&self, model: &Model) -> Result<Model, RigError> {
+        let mut tested = model.clone();
+        let Structure::Beam(beam) = &mut tested.structure else {
+            return Err(RigError::Input("a rig tests a model of kind \"beam\"".into()));
+        };
+        let added = self.sensors.iter().filter(|sensor| sensor.mass != 0.0);
+        // Without a list of its own the beam's sensors are its point masses, old and new.
+        beam.point_masses
+            .extend(added.map(|sensor| PointMass { position: sensor.position, mass: sensor.mass }));
+        Ok(tested)
     }
 
     /// Names of the records of every test: the test's own, numbered where there are several.
@@ -202,7 +225,22 @@ impl Test {
     }
 }
 
+impl RandomTest {
+    /// Values of the force from one sample to the next; even, so that the middle of a parabola is one.
+    pub(super) fn values_per_sample(&self) -> f64 {
+        2.0 * (TAU * self.band[1] / self.sampling / SMOOTH).ceil()
+    }
+}
+
 impl TestKind {
+    /// Steady records one per amplitude and frequency; one of each other test.
+    fn records(&self) -> usize {
+        match self {
+            Self::SteppedSine(test) => test.amplitudes.len() * test.frequencies.count(),
+            Self::Random(_) | Self::RingDown(_) => 1,
+        }
+    }
+
     fn check(&self) -> Result<(), &'static str> {
         let positive = |value: f64| value > 0.0 && value.is_finite();
         let legal = match self {
@@ -227,7 +265,7 @@ impl TestKind {
                 if (low * test.duration).ceil() > (high * test.duration).floor() {
                     return Err("the band is narrower than one over the duration");
                 }
-                if test.duration * test.sampling * super::random::finer(test) > MOST_VALUES {
+                if test.duration * test.sampling * test.values_per_sample() > MOST_VALUES {
                     return Err(
                         "the record is too long: shorten its duration, or lower the sampling or the band",
                     );

@@ -1,17 +1,14 @@
 //! A random force of a flat spectrum in a band.
 
-use std::f64::consts::TAU;
-
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
 use super::bench::Bench;
+use super::error::RigError;
 use super::march::{Drive, March, Sampling};
-use super::{Measured, RandomTest, RigError};
+use super::measured::Measured;
+use super::plan::RandomTest;
 use crate::numeric::random::Random;
-
-/// Radians of the highest frequency over which a parabola follows the force: within 2e-4 of it.
-const SMOOTH: f64 = 0.3;
 
 /// One record.
 pub(super) fn measured(
@@ -34,19 +31,14 @@ pub(super) fn measured(
         march.run_in(-before_zero, &on, watch)?;
     }
     let before = if from_rest { &Drive::NONE } else { &on };
-    let accelerations = march.sample(&sampling, [before, &on], watch)?;
+    let (accelerations, contact) = march.sample(&sampling, [before, &on], watch)?;
     let shown = |time: &f64| {
         let then = time - delays[0];
         if then < 0.0 { (before.force)(then) } else { force.at(then) }
     };
     let time = sampling.times();
     let excitation = Some(time.iter().map(shown).collect());
-    Ok(Measured { time, excitation, accelerations })
-}
-
-/// Values of the force from one sample to the next; even, so that the middle of a parabola is one.
-pub(super) fn finer(test: &RandomTest) -> f64 {
-    2.0 * (TAU * test.band[1] / test.sampling / SMOOTH).ceil()
+    Ok(Measured { time, excitation, accelerations, contact })
 }
 
 /// A force that repeats after the duration, on a grid so fine that a cubic follows it.
@@ -61,7 +53,7 @@ impl RandomForce {
     fn new(test: &RandomTest) -> Self {
         let samples = (test.duration * test.sampling).round();
         let duration = samples / test.sampling;
-        let finer = finer(test);
+        let finer = test.values_per_sample();
         let transform = RealFftPlanner::<f64>::new().plan_fft_inverse((samples * finer) as usize);
         let mut spectrum = transform.make_input_vec();
         let mut random = Random::new(test.seed);
@@ -98,6 +90,8 @@ impl RandomForce {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     fn test() -> RandomTest {

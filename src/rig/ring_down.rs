@@ -3,8 +3,10 @@
 use std::f64::consts::{PI, TAU};
 
 use super::bench::Bench;
+use super::error::RigError;
 use super::march::{Drive, March, Sampling};
-use super::{Measured, Release, RigError, RingDown};
+use super::measured::Measured;
+use super::plan::{Release, RingDown};
 use crate::numeric::fourier::{time_derivative, value};
 
 /// Periods driven in time from the balanced steady state, so that a contact that remembers more than its force has its
@@ -27,7 +29,7 @@ pub(super) fn measured(
         delays: &delays[1..],
     };
     let before_zero = sampling.before() as f64 * sampling.step;
-    let accelerations = match test.from {
+    let (accelerations, contact) = match test.from {
         Release::Held(amplitude) => {
             let steady = bench.resonance(None, amplitude)?;
             let speed = steady.angular_frequency;
@@ -61,5 +63,5 @@ pub(super) fn measured(
             march.sample(&sampling, [&on, &Drive::NONE], watch)?
         }
     };
-    Ok(Measured { time: sampling.times(), excitation: None, accelerations })
+    Ok(Measured { time: sampling.times(), excitation: None, accelerations, contact })
 }

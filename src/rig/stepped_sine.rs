@@ -3,7 +3,9 @@
 use std::f64::consts::TAU;
 
 use super::bench::Bench;
-use super::{Frequencies, Measured, RigError, SteppedSine};
+use super::error::RigError;
+use super::measured::{ContactSamples, Measured};
+use super::plan::{Frequencies, SteppedSine};
 use crate::numeric::fourier::{time_derivative, value};
 
 /// Record `index` of a test: frequency after frequency, amplitude after amplitude.
@@ -35,6 +37,11 @@ pub(super) fn measured(
     let acceleration = |displacement: &Vec<f64>| time_derivative(displacement, 2, speed);
     let accelerations =
         nodes.map(acceleration).zip(&delays[1..]).map(|(a, delay)| sampled(&a, *delay)).collect();
+    let contact = point.contacts.first().map(|contact| ContactSamples {
+        displacement: sampled(&contact.displacement, 0.0),
+        velocity: sampled(&time_derivative(&contact.displacement, 1, speed), 0.0),
+        force: sampled(&contact.force, 0.0),
+    });
     let time = (0..test.periods * test.samples_per_period).map(|k| k as f64 * step).collect();
-    Ok(Measured { time, excitation: Some(excitation), accelerations })
+    Ok(Measured { time, excitation: Some(excitation), accelerations, contact })
 }

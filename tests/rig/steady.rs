@@ -2,10 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use stickslip::contact::Inputs;
 use stickslip::data::{Record, Regime};
 use stickslip::identify::harmonics;
 use stickslip::model::{Beam, Model, Structure};
-use stickslip::rig::{Accelerometer, Frequencies, Plan, SteppedSine, TestKind, test_on};
+use stickslip::rig::{
+    Accelerometer, Frequencies, Plan, RandomTest, SteppedSine, TestKind, test_on, test_with_truth_on,
+};
 use stickslip::time::{Integrator, Ramp, Settings};
 
 use crate::{SENSORS, accelerations, published, record_of, rms, test};
@@ -120,4 +123,35 @@ fn a_sensor_has_mass() {
     let expected = frequency(&record_of(&listed, sine), 8);
     assert!((resonance(0.02) / expected - 1.0).abs() < 1e-9);
     assert!(resonance(0.0) > expected + 0.2);
+}
+
+/// The law alone, moved as the rig says its contact moves, has the force that the rig says.
+#[test]
+fn the_truth_beside_a_record_is_what_the_law_does() {
+    let model = published(4, |text| text);
+    let mut plan = Plan::of_sensors(&SENSORS);
+    let steady = SteppedSine { samples_per_period: 1024, ..SteppedSine::at(vec![50.0]) };
+    let random =
+        RandomTest { force: 2.0, band: [20.0, 200.0], duration: 0.3, sampling: 2e4, lead: 0.0, seed: 1 };
+    plan.tests
+        .extend([test("steady", TestKind::SteppedSine(steady)), test("random", TestKind::Random(random))]);
+    for tested in test_with_truth_on(&model, &plan, &mut |_| true).unwrap() {
+        let truth = tested.contact.unwrap();
+        let column = |name: &str| truth.channel(name).unwrap().values.as_slice();
+        let (law, load) = (model.law().unwrap().unwrap(), 147.15);
+        let mut state = vec![0.0; law.state_len()];
+        law.set_state(0.0, load, 0.0, &mut state);
+        let forces: Vec<f64> = column("displacement")
+            .iter()
+            .map(|u| law.advance(&mut state, Inputs { displacement: *u, velocity: 0.0, normal_load: load }))
+            .collect();
+        // The memory of a steady state is there after a period.
+        let settled = if tested.record.name == "steady.csv" { 1024 } else { 0 };
+        let off = rms(forces.iter().zip(column("force")).skip(settled).map(|(a, b)| a - b));
+        assert!(off < 5e-3 * rms(column("force").iter().copied()), "{}: {off}", truth.name);
+        let step = column("time")[1];
+        let speeds = column("displacement").windows(3).map(|u| (u[2] - u[0]) / (2.0 * step));
+        let off = rms(speeds.zip(&column("velocity")[1..]).map(|(a, b)| a - b));
+        assert!(off < 5e-3 * rms(column("velocity").iter().copied()), "{}: {off}", truth.name);
+    }
 }

@@ -2,7 +2,8 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::{ContactPeriod, SteadyMotion};
+use super::found::ContactPeriod;
+use super::motion::SteadyMotion;
 use crate::identify::IdentificationError;
 use crate::numeric::fourier::{Basis, coefficient_count, time_derivative};
 use crate::system::{ModalBeam, Sensor};

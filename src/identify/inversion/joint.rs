@@ -3,7 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::bending::Bending;
-use super::{Doubts, Inversion};
+use super::found::Inversion;
+use super::motion::Doubts;
 use crate::identify::IdentificationError;
 use crate::numeric::fourier::coefficient_count;
 

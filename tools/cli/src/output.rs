@@ -141,7 +141,9 @@ impl Folder {
             |error: std::io::Error| Failure::other(format!("cannot write {}: {error}", self.path.display()));
         let temporary = self.temporary().map_err(failed)?;
         for (name, bytes) in files {
-            std::fs::write(temporary.path().join(name), bytes).map_err(failed)?;
+            let path = temporary.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap_or(temporary.path())).map_err(failed)?;
+            std::fs::write(path, bytes).map_err(failed)?;
         }
         if self.path.exists() {
             // Only an empty folder is removed.

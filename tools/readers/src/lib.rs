@@ -29,7 +29,7 @@ pub use dataset::read_dataset;
 pub use error::{Excerpt, InputError, Problem};
 pub use plan::{RigPlan, read_plan};
 pub use signals::{Signal, read_signals};
-pub use write::{dataset_toml, record_csv};
+pub use write::{dataset_toml, record_csv, truth_toml};
 
 /// Reads a model file.
 ///

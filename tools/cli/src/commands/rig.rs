@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use stickslip::data::{Dataset, Record};
-use stickslip::rig::{RigError, RigProgress, test_on};
-use stickslip_readers::{RigPlan, dataset_toml, read_plan, record_csv};
+use stickslip::rig::{RigError, RigProgress, Tested, test_with_truth_on};
+use stickslip_readers::{RigPlan, dataset_toml, read_plan, record_csv, truth_toml};
 
 use super::shown;
 use crate::Failure;
@@ -22,7 +22,7 @@ Exit codes: 0 done; 1 failed; 2 bad input; 130 interrupted by Ctrl-C. Where it i
 pub struct Rig {
     /// The plan: the model of a beam, its sensors, the tests
     plan: PathBuf,
-    /// Folder for dataset.toml and a CSV file per record; made, or empty
+    /// Folder for dataset.toml, a CSV file per record, and what the rig knows beside it in truth/; made, or empty
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
 }
@@ -36,13 +36,13 @@ impl Rig {
         let folder = Folder::check(&self.out)?;
         let plan = read_plan(&self.plan).map_err(shown)?;
         let meter = Progress::new();
-        let made = test_on(&plan.model, &plan.plan, &mut |at: &RigProgress| {
+        let made = test_with_truth_on(&plan.model, &plan.plan, &mut |at: &RigProgress| {
             meter.show(at.record, (PARTS * at.done) as usize, PARTS as usize * at.of);
             !progress::interrupted()
         });
         meter.finish();
-        let records = match made {
-            Ok(records) => records,
+        let tested = match made {
+            Ok(tested) => tested,
             Err(RigError::Interrupted) => {
                 tell!("note: interrupted; nothing was written");
                 return Ok(());
@@ -50,36 +50,37 @@ impl Rig {
             Err(error @ RigError::Input(_)) => return Err(of_plan(&self.plan, &error, Failure::input)),
             Err(error) => return Err(of_plan(&self.plan, &error, Failure::other)),
         };
+        let mut files = truth(&plan, &tested).map_err(|error| of_plan(&self.plan, &error, Failure::input))?;
+        let records: Vec<Record> = tested.into_iter().map(|tested| tested.record).collect();
         say(&summary(&plan, &records))?;
         let dataset = Dataset { title: plan.title.clone(), records };
-        let comments = told_masses(&plan);
-        let mut files = vec![("dataset.toml".to_owned(), dataset_toml(&dataset, &comments))];
+        files.push(("dataset.toml".to_owned(), dataset_toml(&dataset)));
         files.extend(dataset.records.iter().map(|record| (record.name.clone(), record_csv(record))));
         folder.write(&files)?;
         say(&format!("wrote {} with {} records\n", self.out.display(), dataset.records.len()))
     }
 }
 
+/// What the rig knows, in `truth/`: the chain as it was drawn, the beam that was tested, what the contact did. Beside the
+/// dataset the model with the masses of the accelerometers, if they have any and it is to be told.
+fn truth(plan: &RigPlan, tested: &[Tested]) -> Result<Vec<(String, String)>, RigError> {
+    let model = plan.plan.beam_under_test(&plan.model)?.to_toml();
+    let weighing = plan.plan.sensors.iter().any(|sensor| sensor.mass != 0.0);
+    let mut files = vec![("truth/rig.toml".to_owned(), truth_toml(&plan.plan))];
+    if weighing && plan.masses_told {
+        files.push(("model.toml".to_owned(), model.clone()));
+    }
+    files.push(("truth/model.toml".to_owned(), model));
+    let contacts = tested.iter().filter_map(|tested| tested.contact.as_ref());
+    files.extend(contacts.map(|record| (format!("truth/{}", record.name), record_csv(record))));
+    Ok(files)
+}
+
 fn of_plan(plan: &Path, error: &RigError, failure: fn(String) -> Failure) -> Failure {
     failure(format!("{}: {error}", plan.display()))
 }
 
-/// What the accelerometers weigh, if the dataset is to say it.
-fn told_masses(plan: &RigPlan) -> Vec<String> {
-    let weighing = plan.plan.sensors.iter().filter(|sensor| sensor.mass != 0.0 && plan.masses_told);
-    weighing
-        .map(|sensor| {
-            format!(
-                "The accelerometer at {} m adds {} kg to the beam of {}.",
-                sensor.position,
-                sensor.mass,
-                plan.model_file.file_name().unwrap_or_default().to_string_lossy()
-            )
-        })
-        .collect()
-}
-
-/// A line per record and one about the gains, which no file tells.
+/// A line per record and one about the gains.
 fn summary(plan: &RigPlan, records: &[Record]) -> String {
     let width = records.iter().map(|record| record.name.len()).max().unwrap_or(0);
     let line = |record: &Record| {

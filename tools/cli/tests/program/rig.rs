@@ -1,13 +1,14 @@
 //! `stickslip rig`
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use stickslip::model::Model;
 use tempfile::TempDir;
 
-use crate::support::{entries, error, read_json, stickslip};
+use crate::support::{entries, error, read_json, stdout, stickslip};
 
 const PLAN: &str = r#"schema = "stickslip.rig/1"
 title = "Three levels"
@@ -40,7 +41,11 @@ fn folder(plan: &str) -> TempDir {
 
 fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
-    entries(folder).into_iter().map(|path| (name(&path), fs::read(&path).unwrap())).collect()
+    let inside = |path: PathBuf| match path.is_dir() {
+        true => contents(&path),
+        false => vec![(name(&path), fs::read(&path).unwrap())],
+    };
+    entries(folder).into_iter().flat_map(inside).collect()
 }
 
 #[test]
@@ -72,7 +77,8 @@ fn the_same_plan_writes_the_same_bytes_and_a_folder_with_files_is_left_alone() {
         assert_eq!(output.status.code(), Some(0), "{}", error(&output));
     }
     let once = contents(&folder.path().join("new"));
-    assert_eq!(once.len(), 5);
+    // Dataset and records; chain, model and contacts of the truth.
+    assert_eq!(once.len(), 5 + 6);
     assert!(once == contents(&folder.path().join("empty")));
     let output = stickslip(&folder, &["rig", "plan.toml", "-o", "new"]);
     assert_eq!(output.status.code(), Some(2));
@@ -102,13 +108,32 @@ fn a_plan_that_cannot_be_carried_out_writes_nothing() {
 }
 
 #[test]
-fn what_accelerometers_weigh_is_said_unless_it_is_to_be_kept() {
-    for (told, line) in [("", true), ("masses_told = false\n", false)] {
-        let plan = PLAN.replace("seed = 4", &format!("mass = 0.01\n{told}"));
+fn what_the_rig_knows_is_beside_the_dataset() {
+    for (told, model) in [("", true), ("masses_told = false\n", false)] {
+        let plan = PLAN
+            .replace("seed = 4", &format!("seed = 4\nmass = [0.0, 0.01, 0.0]\ngain_scatter = 0.02\n{told}"));
         let folder = folder(&plan);
-        stickslip(&folder, &["rig", "plan.toml", "-o", "measured"]);
-        let text = fs::read_to_string(folder.path().join("measured/dataset.toml")).unwrap();
-        assert_eq!(text.contains("# The accelerometer at 0.55 m adds 0.01 kg"), line, "{text}");
+        let output = stickslip(&folder, &["rig", "plan.toml", "-o", "measured"]);
+        assert_eq!(output.status.code(), Some(0), "{}", error(&output));
+        let read = |name: &str| fs::read_to_string(folder.path().join("measured").join(name)).unwrap();
+        // The model with the accelerometer's mass, to whoever may know it, and to whoever scores.
+        let (weighed, listed) = (Model::parse(&read("truth/model.toml")).unwrap(), "beam.point_mass.4.mass");
+        assert_eq!((weighed.get(listed), weighed.get("beam.point_mass.4.position")), (Some(0.01), Some(0.3)));
+        assert_eq!(folder.path().join("measured/model.toml").is_file(), model);
+        assert!(!model || Model::parse(&read("model.toml")).unwrap() == weighed);
+        // Gains as drawn are those that were printed.
+        let drawn: Vec<String> = read("truth/rig.toml")
+            .lines()
+            .filter_map(|line| line.strip_prefix("gain = "))
+            .map(|gain| format!("{:.5}", gain.parse::<f64>().unwrap()))
+            .collect();
+        assert!(drawn.len() == 4 && stdout(&output).contains(&drawn.join(", ")), "{drawn:?}");
+        // The contact as `identify` writes it.
+        assert!(
+            read("truth/level-2-contact.csv")
+                .starts_with("time [s],displacement [m],velocity [m/s],force [N]\n")
+        );
+        assert_eq!(read("truth/random-contact.csv").lines().count(), read("random.csv").lines().count());
     }
 }
 
