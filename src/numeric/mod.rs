@@ -2,10 +2,12 @@
 //!
 //! Linear equations: [`lu`] (dense factors), [`elimination`] (small systems that may be singular),
 //! [`gmres`] (iterations with a product alone), `nonnegative` (least squares). Signals over a period: [`fourier`], the harmonics a signal may have
-//! ([`HarmonicSet`]), where it is largest ([`extremum`]), and how many periods a record holds ([`periods`]). Roots:
+//! ([`HarmonicSet`]), where it is largest ([`extremum`]), between samples (`band_limited`), and how many periods a record holds ([`periods`]). Roots:
 //! [`bracket`]. Statistics: [`student`], [`random`]. Matrices: [`exponential`], [`balancing`]. Implicit derivatives: [`implicit`].
 
 pub(crate) mod balancing;
+#[cfg(feature = "analysis")]
+pub(crate) mod band_limited;
 pub(crate) mod bracket;
 pub(crate) mod elimination;
 pub(crate) mod exponential;

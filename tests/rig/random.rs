@@ -2,13 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use stickslip::data::{Record, Regime};
+use stickslip::data::{Dataset, Record, Regime};
+use stickslip::diagnose::evaluate;
 use stickslip::identify::{frequency_response_of, poles};
 use stickslip::model::{Beam, Model, Structure};
-use stickslip::rig::{RandomTest, TestKind};
+use stickslip::rig::{Chain, ChannelFault, NoiseLevel, Plan, RandomTest, TestKind, test_on};
 use stickslip::system::ModalBeam;
 
-use crate::{accelerations, published, record_of, rms};
+use crate::{accelerations, published, record_of, rms, test};
 
 const TEST: RandomTest =
     RandomTest { force: 0.05, band: [5.0, 450.0], duration: 30.0, sampling: 2048.0, lead: 0.0, seed: 3 };
@@ -60,4 +61,26 @@ fn a_record_begins_at_rest_or_in_the_middle_of_a_motion() {
     };
     assert!(apart(&going, &rest) > 0.1, "{}", apart(&going, &rest));
     assert!(apart(&going, &later) < 0.01, "{}", apart(&going, &later));
+}
+
+/// The error that the model that made a record has on it, without noise and over that of noise alone.
+#[test]
+fn a_random_record_compares_at_its_noise_floor() {
+    let model = published(4, |text| text);
+    let dataset = |noise: f64| {
+        let noisy = ChannelFault { noise: NoiseLevel::Fraction(noise), ..ChannelFault::default() };
+        let mut plan = Plan::of_sensors(&crate::SENSORS);
+        plan.chain = Chain { accelerometers: vec![noisy; 3], seed: 5, ..Chain::default() };
+        let random = RandomTest { force: 2.0, duration: 2.0, ..TEST };
+        plan.tests.push(test("random", TestKind::Random(random)));
+        Dataset { title: None, records: test_on(&model, &plan, &mut |_| true).unwrap() }
+    };
+    let error = |noise: f64| {
+        let stage = evaluate("", &model, &dataset(noise));
+        assert_eq!(stage.records[0].failure, None);
+        stage.error
+    };
+    let (clean, noisy) = (error(0.0), error(0.01));
+    println!("{clean:.2e} without noise, {:.3} times the floor of 1 %", noisy / 0.01);
+    assert!(noisy < 1.1 * 0.01, "{noisy}");
 }

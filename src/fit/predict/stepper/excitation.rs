@@ -1,7 +1,35 @@
 //! What excites a structure, from the columns of a record.
 
 use crate::data::{Record, Regime};
+use crate::numeric::band_limited::band_limited;
 use crate::numeric::common_periods;
+use crate::time::Ramp;
+
+/// Values between two samples of a force on a beam: parabolas through them follow it up to half the sampling rate.
+const FINER: usize = 4;
+
+/// A force between its samples.
+#[derive(Debug, Clone)]
+pub(in crate::fit::predict) struct Between {
+    values: Vec<f64>,
+    bows: Vec<f64>,
+}
+
+impl Between {
+    /// Of evenly spaced samples that determine it.
+    fn of(samples: &[f64]) -> Option<Self> {
+        let values = band_limited(samples, FINER)?;
+        Some(Self { bows: bows(&values, false), values })
+    }
+
+    /// The force over the parts of the interval after sample `index`, in order.
+    pub fn parts(&self, index: usize) -> impl Iterator<Item = Ramp> {
+        let first = index * FINER;
+        let ramp =
+            move |at: usize| Ramp { bow: self.bows[at], ..Ramp::line(self.values[at], self.values[at + 1]) };
+        (first..(first + FINER).min(self.values.len() - 1)).map(ramp)
+    }
+}
 
 /// A measured force.
 #[derive(Debug, Clone)]
@@ -25,18 +53,21 @@ pub(in crate::fit::predict) struct Excitation {
     /// Whether the first sample follows the last.
     pub periodic: bool,
     pub forces: Vec<ExcitationForce>,
+    /// The first of the forces between the samples, where these determine it.
+    pub between: Option<Between>,
     /// Measured normal load (N).
     pub load: Option<Vec<f64>>,
 }
 
 impl Excitation {
-    /// Of a record of a beam, on straight lines between samples.
+    /// Of a record of a beam: as smooth between samples as these say, else on straight lines.
     pub fn of_beam(record: &Record) -> Result<Self, String> {
         let time = record.time().ok_or("there is no `time` column")?.to_vec();
         let values = record.channel("excitation").ok_or("there is no `excitation` column")?.values.clone();
+        let between = record.sample_step().and_then(|_| Between::of(&values));
         let force = ExcitationForce { at: 0, values, bows: Vec::new() };
         let load = record.channel("normal_load").map(|channel| channel.values.clone());
-        Ok(Self { time, samples: record.len(), periodic: false, forces: vec![force], load })
+        Ok(Self { time, samples: record.len(), periodic: false, forces: vec![force], between, load })
     }
 
     /// Of a record whose excitations act on the masses called `names`.
@@ -62,7 +93,7 @@ impl Excitation {
             .into_iter()
             .map(|(at, values)| ExcitationForce { at, bows: bows(&values, periodic), values })
             .collect();
-        Ok(Self { time: vec![0.0, step], samples, periodic, forces, load })
+        Ok(Self { time: vec![0.0, step], samples, periodic, forces, between: None, load })
     }
 
     /// Time from sample `index` to the next (s).
