@@ -53,6 +53,7 @@ vocabulary! {
     FORCE = "force" ["N"] None, None, false, 100.0, "Restoring contact force, positive when it resists positive displacement";
     DISSIPATED_ENERGY = "dissipated_energy" ["J"] Some(0.0), None, false, 1e-3, "Energy dissipated in the contact since the start";
     SLIP_STATE = "slip_state" ["1"] Some(0.0), Some(2.0), false, 1.0, "0 stick, 1 slip, 2 separated";
+    SLIP_FRACTION = "slip_fraction" ["1"] Some(0.0), Some(1.0), false, 1.0, "Share of the sliders that slip, by stiffness: 0 all stick, 1 none does";
     // Contact: parameters.
     TANGENTIAL_STIFFNESS = "tangential_stiffness" ["N/m"] Some(0.0), None, true, 1e6, "Tangential stiffness in stick (e0 of the Valanis law)";
     FRICTION_COEFFICIENT = "friction_coefficient" ["1"] Some(0.0), None, true, 0.5, "Coefficient of friction; the friction limit is its product with the normal load";

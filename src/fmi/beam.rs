@@ -33,7 +33,7 @@ pub(super) fn describe(
 ) -> Description {
     let sensors = sensor_positions(beam);
     let inputs = AT_POINTS + beam.contact_points.len();
-    let outputs = if contact.is_some() { 5 } else { 2 } + 3 * sensors.len();
+    let outputs = if contact.is_some() { 6 } else { 2 } + 3 * sensors.len();
     let first_parameter = inputs + outputs;
     // A beam at rest has neither displacement nor velocity, and damping does not act on it.
     let at_rest = |names: &'static [&'static str]| {
@@ -58,6 +58,7 @@ pub(super) fn describe(
             Variable::output(&v::FORCE).depends(load(), []),
             Variable::output(&v::DISSIPATED_ENERGY).depends(load(), []),
             Variable::output(&v::SLIP_STATE).integer().depends(load(), [NORMAL_LOAD]),
+            Variable::output(&v::SLIP_FRACTION).discrete().depends(load(), [NORMAL_LOAD]),
             Variable::output(&v::DISPLACEMENT).depends(load(), []),
             Variable::output(&v::VELOCITY).depends(load(), []),
         ]);

@@ -2,6 +2,7 @@
 
 use super::description::{DependencyKind, Description, Experiment, Variable};
 use super::lines::{Derivatives, Lines};
+use super::slip::SlipFraction;
 use super::{Behaviour, LoadRule};
 use crate::contact::{ContactLaw, Inputs, Response, StateSensitivity, Tangents};
 use crate::model::{Contact, Model};
@@ -15,7 +16,8 @@ const NORMAL_LOAD: usize = 2;
 const FORCE: usize = 3;
 const DISSIPATED_ENERGY: usize = 4;
 const SLIP_STATE: usize = 5;
-const PARAMETERS: usize = 6;
+const SLIP_FRACTION: usize = 6;
+const PARAMETERS: usize = 7;
 
 /// Inputs and outputs of a contact, followed by `parameters`.
 pub(super) fn describe(model: &Model, contact: &Contact, parameters: Vec<Variable>) -> Description {
@@ -35,6 +37,7 @@ pub(super) fn describe(model: &Model, contact: &Contact, parameters: Vec<Variabl
         Variable::output(&v::FORCE).depends(on(), initially()),
         Variable::output(&v::DISSIPATED_ENERGY).depends(on(), initially()),
         Variable::output(&v::SLIP_STATE).integer().depends(on(), initially()),
+        Variable::output(&v::SLIP_FRACTION).discrete().depends(on(), initially()),
     ];
     variables.extend(parameters);
     let experiment = Experiment { start: 0.0, stop: 1.0, tolerance: 1e-6, step: 1e-3 };
@@ -52,6 +55,7 @@ const AHEAD: f64 = 1e-9;
 pub(super) struct ContactBehaviour {
     law: Box<dyn ContactLaw>,
     load: LoadRule,
+    slip: SlipFraction,
     next: Vec<f64>,
     sensitivity: StateSensitivity,
     lines: Lines,
@@ -63,7 +67,9 @@ impl ContactBehaviour {
         let law = law.ok_or("a contact model needs a contact")?;
         let next = vec![0.0; law.state_len()];
         let lines = Lines::new(INPUTS, true);
-        Ok(Self { law, load: LoadRule::new(model), next, sensitivity: StateSensitivity::default(), lines })
+        let slip = SlipFraction::new(&*law, model.contact.map_or(0.0, |contact| contact.normal_load));
+        let sensitivity = StateSensitivity::default();
+        Ok(Self { law, load: LoadRule::new(model), slip, next, sensitivity, lines })
     }
 
     /// What acts at the start of the lines.
@@ -119,9 +125,10 @@ impl ContactBehaviour {
     }
 }
 
-fn write_outputs(response: &Response, values: &mut [f64]) {
+fn write_outputs(response: &Response, slip: SlipFraction, values: &mut [f64]) {
     values[FORCE] = response.force;
     values[SLIP_STATE] = f64::from(response.slip_state as i32);
+    values[SLIP_FRACTION] = slip.of(response.tangents.displacement, response.slip_state);
 }
 
 impl Behaviour for ContactBehaviour {
@@ -138,7 +145,7 @@ impl Behaviour for ContactBehaviour {
         self.lines.write(lines);
         let response = self.advance(memory, at);
         values[DISSIPATED_ENERGY] = response.dissipated_energy;
-        write_outputs(&response, values);
+        write_outputs(&response, self.slip, values);
         Ok(())
     }
 
@@ -164,7 +171,7 @@ impl Behaviour for ContactBehaviour {
         let response = self.advance(memory, self.ends());
         values[DISSIPATED_ENERGY] += response.dissipated_energy;
         values.iter_mut().zip(&self.lines.all).for_each(|(value, line)| *value = line.end);
-        write_outputs(&response, values);
+        write_outputs(&response, self.slip, values);
         Ok(())
     }
 

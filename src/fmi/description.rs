@@ -81,6 +81,8 @@ pub struct Variable {
     pub causality: Causality,
     /// Start value of parameters and inputs; 0 for outputs, which have none.
     pub start: f64,
+    /// It changes at certain instants, though it is Real.
+    pub discrete: bool,
     /// The lower bound is legal itself although the quantity's interval is open.
     pub includes_min: bool,
     /// What an output depends on at a communication point.
@@ -98,6 +100,7 @@ impl Variable {
             variable_type: VariableType::Real,
             causality,
             start,
+            discrete: false,
             includes_min: !quantity.open,
             dependencies: Vec::new(),
             initial_dependencies: Vec::new(),
@@ -145,6 +148,11 @@ impl Variable {
         Self { variable_type: VariableType::Integer, ..self }
     }
 
+    /// The same row, which changes at certain instants only.
+    pub(crate) fn discrete(self) -> Self {
+        Self { discrete: true, ..self }
+    }
+
     /// The same output with its dependencies at communication points and after initialization.
     pub(crate) fn depends(
         self,
@@ -167,6 +175,7 @@ impl Variable {
         match (self.causality, self.variable_type) {
             (Causality::Parameter, _) => Variability::Fixed,
             (_, VariableType::Integer) => Variability::Discrete,
+            (_, VariableType::Real) if self.discrete => Variability::Discrete,
             (_, VariableType::Real) => Variability::Continuous,
         }
     }

@@ -1,8 +1,9 @@
 //! The behaviour of a model with a structure: a system whose ports are driven from outside.
 
 use super::lines::{Derivatives, Lines};
+use super::slip::SlipFraction;
 use super::{Behaviour, LoadRule};
-use crate::system::System;
+use crate::system::{Element, System};
 use crate::time::{Integrator, Motion, OutputRates, Outputs, Ramp, Settings, Steps, Tangent};
 
 /// Tolerances the integrator takes; a simulation's is moved to the nearest.
@@ -13,7 +14,7 @@ const ADDED: usize = 16;
 
 /// How the rows of a table follow from a system, whose inputs they are, in the same order, but for what effects add.
 ///
-/// The outputs are force, dissipated energy and slip state of the system's first law, if it is a contact; displacement
+/// The outputs are force, dissipated energy, slip state and slip fraction of the system's first law, if it is a contact; displacement
 /// and velocity of its port, if that is shown; and displacement, velocity and acceleration of every sensor.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Table {
@@ -38,6 +39,8 @@ pub(super) struct DrivenSystem {
     integrator: Integrator,
     table: Table,
     load: LoadRule,
+    /// Of the first law, if there is one.
+    slip: Option<SlipFraction>,
     /// Room for a motion.
     room: usize,
     motion: Motion,
@@ -86,7 +89,12 @@ impl DrivenSystem {
         let room = Integrator::new(&plain).map_err(|error| error.to_string())?.state_len() + ADDED;
         let held = vec![Ramp::held(0.0); integrator.held_inputs().len()];
         let motion = integrator.rest(&held).map_err(|error| error.to_string())?;
+        let slip = system.elements.iter().find_map(|element| match element {
+            Element::Law { law, .. } => Some(SlipFraction::new(&**law, load.constant)),
+            _ => None,
+        });
         Ok(Self {
+            slip,
             lines: Lines::new(table.inputs, table.runs),
             by: held.clone(),
             acting: held,
@@ -146,7 +154,9 @@ impl DrivenSystem {
         self.row.clear();
         let contact = self.outputs.contacts.first();
         if let Some(contact) = contact.filter(|_| self.table.load.is_some()) {
-            self.row.extend([contact.force, contact.dissipated_energy, f64::from(contact.slip_state as i32)]);
+            let slip = self.slip.map_or(0.0, |slip| slip.of(contact.tangent, contact.slip_state));
+            let state = f64::from(contact.slip_state as i32);
+            self.row.extend([contact.force, contact.dissipated_energy, state, slip]);
         }
         if let Some(contact) = contact.filter(|_| self.table.shows_port) {
             self.row.extend([contact.displacement, contact.velocity]);
@@ -228,7 +238,7 @@ impl Behaviour for DrivenSystem {
         self.row.clear();
         if let Some([displacement, velocity, force]) = self.rates.contacts.first() {
             if self.table.load.is_some() {
-                self.row.extend([*force, mean_power, 0.0]);
+                self.row.extend([*force, mean_power, 0.0, 0.0]);
             }
             if self.table.shows_port {
                 self.row.extend([*displacement, *velocity]);
@@ -266,7 +276,7 @@ impl Behaviour for DrivenSystem {
         self.row.clear();
         if let Some(contact) = self.tangent.contacts.first() {
             if self.table.load.is_some() {
-                self.row.extend([contact.force, contact.dissipated_energy, 0.0]);
+                self.row.extend([contact.force, contact.dissipated_energy, 0.0, 0.0]);
             }
             if self.table.shows_port {
                 self.row.extend([contact.displacement, contact.velocity]);

@@ -72,6 +72,7 @@ mod lines;
 mod oscillator;
 mod parameter;
 mod saving;
+mod slip;
 mod snapshot;
 mod stage;
 mod values;

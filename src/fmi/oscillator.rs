@@ -11,8 +11,8 @@ use std::borrow::Cow;
 
 /// Most masses: a step costs their number, and the modes its cube.
 const MOST_MASSES: usize = 200;
-/// Outputs of the contact: force, dissipated energy, slip state.
-const OF_CONTACT: usize = 3;
+/// Outputs of the contact: force, dissipated energy, slip state, slip fraction.
+const OF_CONTACT: usize = 4;
 
 /// Inputs and outputs of an oscillator, followed by `parameters`.
 pub(super) fn describe(
@@ -45,6 +45,7 @@ pub(super) fn describe(
             Variable::output(&v::FORCE).depends(on(), []),
             Variable::output(&v::DISSIPATED_ENERGY).depends(on(), []),
             Variable::output(&v::SLIP_STATE).integer().depends(on(), [load]),
+            Variable::output(&v::SLIP_FRACTION).discrete().depends(on(), [load]),
         ]);
     }
     for mass in masses {

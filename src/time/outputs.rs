@@ -29,6 +29,8 @@ pub struct ContactReading {
     pub velocity: f64,
     /// Restoring force T (N).
     pub force: f64,
+    /// Tangent of the law (N/m); 0 under a force from outside.
+    pub tangent: f64,
     /// Stick, slip or separated; always stick under a force from outside.
     pub slip_state: SlipState,
     /// Energy taken since the start (J).
@@ -84,6 +86,7 @@ impl Integrator {
                 displacement: at.geometric_displacement - flexibility * at.force,
                 velocity,
                 force: at.force,
+                tangent: at.tangent,
                 slip_state: at.slip_state,
                 dissipated_energy: solver.dissipated_energy[e],
             });

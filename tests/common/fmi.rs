@@ -1,6 +1,6 @@
 //! Slaves under inputs that are sums of waves.
 
-use stickslip::fmi::{Causality, Instance, Setup, VariableType};
+use stickslip::fmi::{Causality, Instance, Setup, Variability, VariableType};
 
 pub const JENKINS: &str = include_str!("../../modelDescription/JenkinsContact.toml");
 pub const VALANIS: &str = include_str!("../../modelDescription/ValanisContact.toml");
@@ -110,8 +110,11 @@ impl<'a> Run<'a> {
         let description = instance.description();
         let inputs: Vec<u32> =
             case.waves.iter().map(|(name, _)| description.reference(name).expect(name)).collect();
-        let real = |row: &u32| description.variables[*row as usize].variable_type == VariableType::Real;
-        let outputs = description.references(Causality::Output).filter(real).collect();
+        let continuous = |row: &u32| {
+            let row = &description.variables[*row as usize];
+            (row.variable_type, row.variability()) == (VariableType::Real, Variability::Continuous)
+        };
+        let outputs = description.references(Causality::Output).filter(continuous).collect();
         let sloped = inputs.len();
         let mut run = Self { case, instance, inputs, outputs, sloped };
         let setup = Setup { tolerance: Some(case.tolerance), start: 0.0, stop: None };

@@ -309,3 +309,45 @@ fn numbers_in_messages_are_as_short_as_their_exponents_allow() {
     let refused = contact.do_step(1.0, 1e-3).unwrap_err().to_string();
     assert!(refused.ends_with("it must be the end of the last step, 1e-300"), "{refused}");
 }
+
+#[test]
+fn the_slip_fraction_is_the_share_of_the_sliders_that_slip() {
+    let contact = |law: &str| {
+        format!(
+            "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\n{law}tangential_stiffness = 2e6\n\
+             friction_coefficient = 0.5\nnormal_load = 100.0\n"
+        )
+    };
+    let fractions = |law: &str, displacements: &[f64], load: f64| -> Vec<[f64; 2]> {
+        let mut instance = Instance::new(&contact(law)).unwrap();
+        let row = |name: &str| instance.description().reference(name).unwrap();
+        let (inputs, [state, fraction]) =
+            ([row("displacement"), row("normal_load")], ["slip_state", "slip_fraction"].map(row));
+        instance.enter_initialization().unwrap();
+        instance.exit_initialization().unwrap();
+        let step = |(k, displacement): (usize, &f64)| {
+            instance.set_real(&inputs, &[*displacement, load]).unwrap();
+            instance.do_step(k as f64, 1.0).unwrap();
+            let (mut whole, mut part) = ([0], [0.0]);
+            instance.get_integer(&[state], &mut whole).unwrap();
+            instance.get_real(&[fraction], &mut part).unwrap();
+            [f64::from(whole[0]), part[0]]
+        };
+        displacements.iter().enumerate().map(step).collect()
+    };
+    // One slider sticks or slips; back from slip it sticks again; apart, none sticks.
+    let jenkins = "law = \"jenkins\"\n";
+    let found = fractions(jenkins, &[1e-5, 4e-5, 3.9e-5, -5e-5], 100.0);
+    assert_eq!(found, [[0.0, 0.0], [1.0, 1.0], [0.0, 0.0], [1.0, 1.0]]);
+    assert_eq!(fractions(jenkins, &[4e-5], 0.0), [[2.0, 1.0]]);
+    // Many of them slip one after the other, and a residual spring never does.
+    for law in [
+        "law = \"iwan\"\nexponent = -0.5\nratio = 0.5\n",
+        "law = \"valanis\"\nsmoothness = 0.3\nresidual_stiffness = 1e5\n",
+    ] {
+        let found = fractions(law, &[1e-7, 1e-5, 2e-5, 1e-2], 100.0);
+        let parts: Vec<f64> = found.iter().map(|found| found[1]).collect();
+        assert!(parts.windows(2).all(|pair| pair[0] < pair[1]), "{parts:?}");
+        assert!(parts[0] < 0.1 && parts[3] > 0.99, "{parts:?}");
+    }
+}

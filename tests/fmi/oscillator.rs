@@ -36,7 +36,7 @@ fn every_mass_can_be_driven_and_observed() {
     };
     assert_eq!(names(Causality::Input), ["excitation:m1", "excitation:m2", "normal_load"]);
     let outputs = names(Causality::Output);
-    assert_eq!(outputs[..3], ["force", "dissipated_energy", "slip_state"]);
+    assert_eq!(outputs[..4], ["force", "dissipated_energy", "slip_state", "slip_fraction"]);
     for mass in ["m1", "m2"] {
         for quantity in ["displacement", "velocity", "acceleration"] {
             assert!(outputs.contains(&format!("{quantity}:{mass}")), "{outputs:?}");

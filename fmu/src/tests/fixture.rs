@@ -26,8 +26,8 @@ pub const NORMAL_LOAD: u32 = 2;
 pub const FORCE: u32 = 3;
 pub const DISSIPATED_ENERGY: u32 = 4;
 pub const SLIP_STATE: u32 = 5;
-pub const TANGENTIAL_STIFFNESS: u32 = 6;
-pub const FRICTION_COEFFICIENT: u32 = 7;
+pub const TANGENTIAL_STIFFNESS: u32 = 7;
+pub const FRICTION_COEFFICIENT: u32 = 8;
 
 /// What a logger received: status, category, message.
 pub type Messages = Mutex<Vec<(c_int, String, String)>>;

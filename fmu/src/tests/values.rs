@@ -70,10 +70,10 @@ fn refused_values_name_the_variable_and_change_nothing() {
         (FORCE, 1.0, "force"),
         (TANGENTIAL_STIFFNESS, 0.0, "tangential_stiffness"),
         (FRICTION_COEFFICIENT, -1.0, "friction_coefficient"),
-        (8, 1.0, "smoothness"),
-        (9, -1.0, "residual_stiffness"),
+        (9, 1.0, "smoothness"),
+        (10, -1.0, "residual_stiffness"),
         (SLIP_STATE, 1.0, "slip_state"),
-        (10, 1.0, "value reference 10"),
+        (11, 1.0, "value reference 11"),
         (u32::MAX, 1.0, "value reference 4294967295"),
     ] {
         // With a legal value in front, to see that all or none are set.
@@ -84,20 +84,20 @@ fn refused_values_name_the_variable_and_change_nothing() {
         assert_eq!(running.bytes(), before, "{name}");
     }
     // Zero smoothness is legal although the interval is called open.
-    assert_eq!(running.set(8, 0.0), Status::Ok);
+    assert_eq!(running.set(9, 0.0), Status::Ok);
 }
 
 #[test]
 fn parameters_that_make_no_model_are_named_and_can_be_corrected() {
     let importer = Importer::new(VALANIS);
     let running = importer.component();
-    assert_eq!(running.set(9, 3e6), Status::Ok);
+    assert_eq!(running.set(10, 3e6), Status::Ok);
     unsafe {
         assert_eq!(fmi2EnterInitializationMode(running.handle), Status::Ok);
         assert_eq!(fmi2ExitInitializationMode(running.handle), Status::Error);
         assert!(running.error().contains("residual_stiffness"), "{}", running.error());
         assert_eq!(fmi2GetReal(running.handle, &FORCE, 1, &mut 0.0), Status::Error);
-        assert_eq!(running.set(9, 1e5), Status::Ok);
+        assert_eq!(running.set(10, 1e5), Status::Ok);
         assert_eq!(fmi2ExitInitializationMode(running.handle), Status::Ok);
     }
 }

@@ -95,6 +95,7 @@ mod native {
         let names = columns_of_beam(beam, contact.is_some(), &places);
         let mut rows = Vec::new();
         let (count, step) = (2000, 1e-4);
+        let mut before: Vec<Ramp> = Vec::new();
         for index in 0..=count {
             let time = f64::from(index) * step;
             let excitation = 20.0 * (2.0 * std::f64::consts::PI * 51.0 * time).sin();
@@ -106,11 +107,21 @@ mod native {
             let at_points = vec![Ramp::held(across); beam.contact_points.len()];
             let mut inputs = vec![Ramp::held(excitation), Ramp::held(other)];
             inputs.extend(&at_points);
-            if index > 0 {
+            if index == 0 {
+                before.clone_from(&inputs);
+            } else {
                 let settings = Settings { tolerance: 1e-6, ..Settings::default() };
                 integrator.advance(&mut motion, step, &inputs, &settings).expect("a step");
             }
-            integrator.outputs(&motion, f64::INFINITY, &inputs, &mut outputs).expect("outputs");
+            // Inputs held one after the other stand for inputs that run: their rates are those of the differences.
+            let rising = inputs
+                .iter()
+                .zip(&before)
+                .map(|(now, before)| Ramp::line(now.end, 2.0 * now.end - before.end));
+            let (rising, lasting) =
+                (rising.collect::<Vec<_>>(), if index > 0 { step } else { f64::INFINITY });
+            integrator.outputs(&motion, lasting, &rising, &mut outputs).expect("outputs");
+            before.clone_from(&inputs);
             let mut row = vec![time, excitation, other];
             row.extend(at_points.iter().map(|force| force.start));
             let end = &outputs.contacts[0];
