@@ -44,11 +44,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let file = root.join(format!("target/identification-coverage-{}.csv", name.replace(' ', "-")));
         let mut text = fs::read_to_string(&file).unwrap_or_default();
         for seed in 0..seeds {
-            if !text.lines().any(|line| line.starts_with(&format!("{seed},"))) {
+            if !text.lines().any(|line| line.starts_with(&format!("{seed};"))) {
                 let counted = of_seed(&model, seed, masses)?;
                 let cells: Vec<String> =
                     counted.iter().map(|(name, [inside, of])| format!("{name}={inside}/{of}")).collect();
-                writeln!(text, "{seed},{}", cells.join(","))?;
+                writeln!(text, "{seed};{}", cells.join(";"))?;
                 fs::create_dir_all(root.join("target"))?;
                 fs::write(&file, &text)?;
                 eprintln!("{name}, seed {seed}: {}", cells.join(" "));
@@ -75,7 +75,7 @@ type Counted = BTreeMap<String, [usize; 2]>;
 fn summed(text: &str, seeds: u64) -> Result<Counted, Box<dyn Error>> {
     let mut all = Counted::new();
     for line in text.lines() {
-        let mut cells = line.split(',');
+        let mut cells = line.split(';');
         if cells.next().ok_or("an empty line")?.parse::<u64>()? >= seeds {
             continue;
         }

@@ -26,8 +26,8 @@ mod spectra;
 pub use expansion::{Expansion, expand};
 pub use harmonics::{Harmonics, harmonics};
 pub use identification::{
-    ContactRecord, Identification, IdentifyOptions, Level, LevelSource, LinearRecord, ModeCount, Published,
-    Unidentified, identify,
+    AmplitudeMode, ContactRecord, Identification, IdentifyOptions, Level, LevelResponse, LevelSource,
+    LinearRecord, ModeCount, Published, Unidentified, identify,
 };
 pub use inversion::{ContactPeriod, Doubts, Inversion, SteadyMotion, invert};
 pub use laws::{IdentifiedLaw, IdentifiedParameter, fit_law, force_under};

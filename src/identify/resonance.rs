@@ -20,6 +20,15 @@ pub struct ResonanceFit {
     pub peak: f64,
     /// What the fit leaves, root mean square over that of the points.
     pub error: f64,
+    /// R and C of the fitted response, in the points' unit.
+    pub parts: [Complex<f64>; 2],
+}
+
+impl ResonanceFit {
+    /// The fitted response at `frequency` (Hz).
+    pub fn value(&self, frequency: f64) -> Complex<f64> {
+        mode(frequency, self.frequency, self.damping_ratio) * self.parts[0] + self.parts[1]
+    }
 }
 
 /// Fits `ω² R / (ω₁² − ω² + 2iζω₁ω) + C`, an accelerance of one mode beside the others' constant part, to complex `values` at
@@ -79,6 +88,7 @@ pub fn resonance_of(
         damping_interval: interval(1),
         peak: between.map(|f| model(f).norm()).fold(0.0, f64::max),
         error: found.residuals.iter().map(|r| r * r).sum::<f64>().sqrt(),
+        parts,
     })
 }
 

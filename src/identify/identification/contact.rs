@@ -2,15 +2,14 @@
 
 use nalgebra::DMatrix;
 
+use super::published::{Published, published};
 use super::steady::Steady;
 use super::{Identification, IdentifyOptions, Setup, check_interrupt};
 use crate::identify::inversion::invert_until;
-use crate::identify::{ContactPeriod, Doubts, IdentificationError, Inversion, SteadyMotion, expand};
+use crate::identify::{ContactPeriod, Doubts, IdentificationError, Inversion, SteadyMotion};
 use crate::numeric::fourier::{time_derivative, value};
-use crate::system::{Beam, ModalBeam, rotational_stiffness_from_frequency};
+use crate::system::{Beam, ModalBeam};
 
-/// Modes of the published way.
-const MODES: usize = 2;
 /// Standard errors of a 95 % interval.
 pub(super) const WIDE: f64 = 1.96;
 /// Accelerations left unexplained, over what noise lets expect and as a part of the measured ones, that call for a warning.
@@ -41,17 +40,6 @@ pub struct ContactRecord {
     pub warnings: Vec<String>,
 }
 
-/// The contact's force by the published way: two modes of the amplitude.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Published {
-    /// Coefficients of the force (N).
-    pub force: Vec<f64>,
-    /// Largest over smallest singular value of the mode shapes at the sensors.
-    pub conditioning: f64,
-    /// Root mean square of its difference from the inverted force over that force, means left out.
-    pub difference: f64,
-}
-
 impl ContactPeriod {
     /// Displacement (m), velocity (m/s) and force (N) at `time` (s), counted as in the record.
     pub fn at(&self, time: f64) -> [f64; 3] {
@@ -74,27 +62,8 @@ pub(super) fn identify_contact(
         // A mean force is bounded by friction.
         force: setup.normal_load,
     };
-    let motions: Vec<SteadyMotion> = steady.iter().map(|record| record.motion.clone()).collect();
-    let harmonics = motions[0].excitation.len() / 2;
-    let interrupted = || options.interrupt.is_some_and(|asked| asked());
-    let mut tried = Vec::new();
-    for (words, beam) in &setup.beams {
-        let beam = Beam { sensors: steady[0].positions.clone(), ..beam.clone() };
-        let modal = ModalBeam::with_changes(&beam, &setup.changes)
-            .map_err(|error| IdentificationError(error.to_string()))?;
-        tried.push((
-            words,
-            beam.static_correction,
-            invert_until(&modal, &motions, harmonics, &doubts, &interrupted),
-        ));
-        check_interrupt(options)?;
-    }
-    let inversion = likeliest(tried, found)?;
-    let two = Beam {
-        modes: MODES.min(steady[0].positions.len()),
-        sensors: steady[0].positions.clone(),
-        ..setup.beam.clone()
-    };
+    let (inversion, steady) = inverted(setup, steady, &doubts, options, found)?;
+    let Some(inversion) = inversion else { return Ok(()) };
     for (record, period) in steady.iter().zip(&inversion.periods) {
         found.records.push(ContactRecord {
             name: record.name.clone(),
@@ -103,7 +72,7 @@ pub(super) fn identify_contact(
             force: record.force(),
             harmonics: record.shown,
             intervals: intervals(period),
-            published: published(setup, &two, record, period),
+            published: published(setup, record, period),
             warnings: warnings(period),
         });
     }
@@ -124,6 +93,67 @@ pub(super) fn identify_contact(
     }
     found.inversion = Some(inversion);
     Ok(())
+}
+
+/// The inversion of as many of `steady` as can be inverted together, and which they are; the others are told in `found`.
+fn inverted<'s>(
+    setup: &Setup,
+    steady: &'s [Steady],
+    doubts: &Doubts,
+    options: &IdentifyOptions,
+    found: &mut Identification,
+) -> Result<(Option<Inversion>, Vec<&'s Steady>), IdentificationError> {
+    let mut kept: Vec<&Steady> = steady.iter().collect();
+    while !kept.is_empty() {
+        let reason = match together(setup, &kept, doubts, options, found) {
+            Ok(inversion) => return Ok((Some(inversion), kept)),
+            Err(reason) => reason,
+        };
+        check_interrupt(options)?;
+        // Those that cannot be inverted alone go, with their reasons; if all can, the one that moves most.
+        let mut alone = |record: &&Steady| together(setup, &[*record], doubts, options, found).err();
+        let mut failed: Vec<Option<IdentificationError>> = kept.iter().map(&mut alone).collect();
+        check_interrupt(options)?;
+        if failed.iter().all(Option::is_none) {
+            let amplitude = |k: &usize| kept[*k].amplitude;
+            let most = (0..kept.len()).max_by(|a, b| amplitude(a).total_cmp(&amplitude(b)));
+            most.into_iter().for_each(|most| failed[most] = Some(reason.clone()));
+        }
+        for (record, reason) in kept.iter().zip(&failed) {
+            let Some(IdentificationError(reason)) = reason else { continue };
+            found.warnings.push(format!("{} could not be inverted: {reason}.", record.name));
+            found.skipped.push((record.name.clone(), reason.clone()));
+        }
+        let mut place = failed.iter();
+        kept.retain(|_| place.next().is_some_and(Option::is_none));
+    }
+    Ok((None, kept))
+}
+
+/// The inversion of all `records` on the likeliest of the beams.
+fn together(
+    setup: &Setup,
+    records: &[&Steady],
+    doubts: &Doubts,
+    options: &IdentifyOptions,
+    found: &mut Identification,
+) -> Result<Inversion, IdentificationError> {
+    let motions: Vec<SteadyMotion> = records.iter().map(|record| record.motion.clone()).collect();
+    let harmonics = motions[0].excitation.len() / 2;
+    let interrupted = || options.interrupt.is_some_and(|asked| asked());
+    let mut tried = Vec::new();
+    for (words, beam) in &setup.beams {
+        let beam = Beam { sensors: records[0].positions.clone(), ..beam.clone() };
+        let modal = ModalBeam::with_changes(&beam, &setup.changes)
+            .map_err(|error| IdentificationError(error.to_string()))?;
+        tried.push((
+            words,
+            beam.static_correction,
+            invert_until(&modal, &motions, harmonics, doubts, &interrupted),
+        ));
+        check_interrupt(options)?;
+    }
+    likeliest(tried, found)
 }
 
 /// The inversion that leaves least, the first one if none is clearly better.
@@ -154,17 +184,6 @@ fn intervals(period: &ContactPeriod) -> [f64; 3] {
     };
     let displacement = &period.displacement_covariance;
     [wide(&period.covariance, 0), wide(displacement, 0), wide(displacement, 1)]
-}
-
-fn published(setup: &Setup, two: &Beam, record: &Steady, period: &ContactPeriod) -> Option<Published> {
-    let changed = two.changed(&setup.changes).ok()?;
-    let rotational_stiffness = rotational_stiffness_from_frequency(&changed, record.frequency).ok()?;
-    let beam = Beam { rotational_stiffness, ..changed };
-    let found = expand(&beam, &record.motion, period.force.len() / 2).ok()?;
-    let squares = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
-    let off = squares(&mut found.force.iter().zip(&period.force).skip(1).map(|(a, b)| a - b));
-    let difference = (off / squares(&mut period.force.iter().skip(1).copied())).sqrt();
-    Some(Published { force: found.force, conditioning: found.conditioning, difference })
 }
 
 fn warnings(period: &ContactPeriod) -> Vec<String> {

@@ -17,6 +17,8 @@ const SAME_LEVEL: f64 = 0.05;
 const NEAR: f64 = 0.1;
 /// Frequencies from which a resonance is fitted.
 const POINTS: usize = 4;
+/// Steps of a fitted curve.
+const CURVE: usize = 100;
 /// A single record counts as a resonance up to this phase (rad) off.
 const OFF_RESONANCE: f64 = 10.0 * TAU / 360.0;
 
@@ -48,8 +50,19 @@ pub struct Level {
     pub damping_ratio: Option<f64>,
     /// Acceleration over force at the resonance (1/kg), where it is told.
     pub peak: Option<f64>,
+    /// The frequency response that it was fitted to, where there is one.
+    pub response: Option<LevelResponse>,
     /// Rotational stiffness at the end (N m/rad) that gives the beam this frequency, or why none does.
     pub rotational_stiffness: Result<f64, String>,
+}
+
+/// Magnitudes of acceleration over force (1/kg) under held response.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LevelResponse {
+    /// Frequencies (Hz) and what was measured there.
+    pub measured: Vec<[f64; 2]>,
+    /// The fitted resonance over the same band.
+    pub fitted: Vec<[f64; 2]>,
 }
 
 impl Level {
@@ -65,6 +78,7 @@ impl Level {
             frequency_interval: None,
             damping_ratio: None,
             peak: None,
+            response: None,
             rotational_stiffness,
         }
     }
@@ -136,8 +150,19 @@ fn stepped(setup: &Setup, group: &[Steady]) -> Option<Level> {
         frequency_interval: fitted.frequency_interval,
         damping_ratio: Some(fitted.damping_ratio),
         peak: Some(fitted.peak),
+        response: Some(LevelResponse {
+            measured: frequencies.iter().zip(&values).map(|(f, value)| [*f, value.norm()]).collect(),
+            fitted: between(&frequencies).map(|f| [f, fitted.value(f).norm()]).collect(),
+        }),
         ..Level::new(setup, LevelSource::Stepped(names), amplitude, fitted.frequency)
     })
+}
+
+/// Frequencies (Hz) evenly over the band of `frequencies`.
+fn between(frequencies: &[f64]) -> impl Iterator<Item = f64> {
+    let ends =
+        frequencies.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), f| (low.min(*f), high.max(*f)));
+    (0..=CURVE).map(move |k| ends.0 + (ends.1 - ends.0) * k as f64 / CURVE as f64)
 }
 
 /// The resonance at which one record was taken.

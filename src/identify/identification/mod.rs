@@ -3,7 +3,7 @@
 //! - `steady`: a steady record becomes harmonics with their errors;
 //! - `levels`: resonance, damping and rotational stiffness at each amplitude (table 2 of the paper);
 //! - `linear`: frequency responses and modes from records under random excitation (table 1);
-//! - `contact`: the contact's force and motion in all steady records together, and the published way beside it;
+//! - `contact`: the contact's force and motion in all steady records together; `published`: the published way beside it;
 //! - `catalogue`: every law of the catalogue fitted at some levels and predicted at the others;
 //! - `unidentified`: what the records do not tell, and why.
 
@@ -11,6 +11,7 @@ mod catalogue;
 mod contact;
 mod levels;
 mod linear;
+mod published;
 #[cfg(test)]
 mod resonance_tests;
 mod steady;
@@ -24,9 +25,10 @@ use crate::fit::InterruptHook;
 use crate::model::{Beam, Contact, Model, Structure};
 use crate::system::{Damping, StructureChanges};
 
-pub use contact::{ContactRecord, Published};
-pub use levels::{Level, LevelSource};
+pub use contact::ContactRecord;
+pub use levels::{Level, LevelResponse, LevelSource};
 pub use linear::LinearRecord;
+pub use published::{AmplitudeMode, Published};
 pub use unidentified::Unidentified;
 
 /// What is taken for granted, and what is asked for.

@@ -82,6 +82,27 @@ fn check_table_3(found: &Identification, truths: &[Resonance], bound: f64) {
     assert!(law.errors.iter().all(|error| error.unwrap() < bound), "{:?}", law.errors);
 }
 
+/// A record whose equations have no solution is left out and said; the others are identified.
+#[test]
+fn a_record_that_cannot_be_inverted_is_skipped() {
+    let truths = truths(&beam(30));
+    let mut dataset = dataset(&truths, 0.001, [1.0; 4], 3);
+    let broken = &mut dataset.records[2];
+    broken.channels.last_mut().unwrap().values[7] = f64::NAN;
+    let name = broken.name.clone();
+    let found = identified(&dataset, 0.01);
+    assert_eq!(found.records.len(), LEVELS.len() - 1);
+    assert!(found.skipped.iter().any(|(skipped, reason)| *skipped == name && reason.contains("no solution")));
+    assert!(
+        found.warnings.iter().any(|warning| warning.starts_with(&format!("{name} could not be inverted")))
+    );
+    assert!(found.best.is_some() && found.records.iter().all(|record| record.name != name));
+    // Alone it leaves no force, and is no error either.
+    dataset.records = vec![dataset.records.remove(2)];
+    let found = identified(&dataset, 0.01);
+    assert!(found.records.is_empty() && found.model.is_none() && found.skipped.len() == 1);
+}
+
 #[test]
 fn table_3_comes_back_from_samples() {
     let truths = truths(&beam(30));

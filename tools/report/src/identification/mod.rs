@@ -1,9 +1,10 @@
 //! The results of an identification: a page, a text for the terminal, and JSON. `page` says which tables and figures there
-//! are, `tables` and `figures` make them; the terminal shows the same tables.
+//! are, `tables`, `figures` and `published` make them; the terminal shows the same tables.
 
 mod figures;
 mod json;
 mod page;
+mod published;
 mod tables;
 mod terminal;
 mod words;

@@ -21,6 +21,7 @@ impl IdentificationReport<'_> {
                 vec![Block::Table(self.record_table()), Block::Note(self.method())],
             );
             section("chain", "Measuring chain", self.chain());
+            section("published", "The published way: modes at every amplitude", self.published());
         }
         section("levels", "Resonance over the amplitude", self.levels());
         section("linear", "Linear modes", self.linear());
@@ -71,7 +72,7 @@ impl IdentificationReport<'_> {
         }
         let mut blocks = vec![Block::Table(self.level_table())];
         if self.found.levels.len() > 1 {
-            blocks.push(Block::Plots(self.backbones()));
+            blocks.push(Block::Plots(self.held_responses().into_iter().chain(self.backbones()).collect()));
         }
         blocks
     }

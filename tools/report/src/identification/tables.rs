@@ -62,11 +62,9 @@ impl IdentificationReport<'_> {
             "± (µm)",
             "u̇ (mm/s)",
             "± (mm/s)",
-            "two modes (%)",
         ];
         let rows = self.periods().map(|(record, period)| {
             let [u, v, force] = largest(period);
-            let off = record.published.as_ref().map_or(f64::NAN, |published| 100.0 * published.difference);
             vec![
                 Cell::text(record.name.clone()),
                 Cell::Number(record.amplitude, 2),
@@ -79,7 +77,6 @@ impl IdentificationReport<'_> {
                 Cell::Number(1e6 * record.intervals[1], 2),
                 Cell::Number(1e3 * v, 2),
                 Cell::Number(1e3 * record.intervals[2], 2),
-                Cell::Number(off, 1),
             ]
         });
         table("Contact in every record", &heading, rows.collect())
@@ -155,7 +152,7 @@ impl IdentificationReport<'_> {
     }
 }
 
-fn table(label: &str, heading: &[&str], rows: Vec<Vec<Cell>>) -> Table {
+pub(super) fn table(label: &str, heading: &[&str], rows: Vec<Vec<Cell>>) -> Table {
     Table { label: label.into(), heading: heading.iter().map(|&text| text.to_owned()).collect(), rows }
 }
 
