@@ -18,7 +18,7 @@ use std::cell::Cell;
 use std::fmt;
 use std::panic::{self, AssertUnwindSafe, Location};
 use std::sync::Once;
-use stickslip::fmi::{Error, Instance};
+use stickslip::fmi::{Error, Instance, Stage};
 
 const COMPONENT: u64 = u64::from_le_bytes(*b"stkslip2");
 const FREED: u64 = u64::from_le_bytes(*b"fmufreed");
@@ -64,6 +64,14 @@ impl From<Error> for Failure {
 impl Component {
     pub fn new(instance: Instance, log: Log) -> Self {
         Self { magic: COMPONENT, instance, log, last_step: Status::Ok, poisoned: false }
+    }
+
+    /// After a jump to another state: the status of the step that led there.
+    pub fn status_of_stage(&mut self) {
+        self.last_step = match self.instance.stage() {
+            Stage::StepFailed => Status::Discard,
+            _ => Status::Ok,
+        };
     }
 
     /// The component behind `handle`, unless it is visibly none.

@@ -202,6 +202,18 @@ impl Variable {
             && max.is_none_or(|max| value < max || (!open && value == max))
     }
 
+    /// The least and the largest number that is allowed: FMI includes its bounds, so that an open interval ends beside its
+    /// own, at zero with the least number of full precision.
+    pub fn allowed_range(&self) -> (Option<f64>, Option<f64>) {
+        let Quantity { min, max, open, .. } = *self.quantity;
+        let above = |min: f64| if min == 0.0 { f64::MIN_POSITIVE } else { min.next_up() };
+        let below = |max: f64| if max == 0.0 { -f64::MIN_POSITIVE } else { max.next_down() };
+        (
+            min.map(|min| if self.includes_min { min } else { above(min) }),
+            max.map(|max| if open { below(max) } else { max }),
+        )
+    }
+
     /// The bounds in words, for messages.
     pub fn bounds(&self) -> String {
         let Quantity { min, max, open, unit, .. } = *self.quantity;

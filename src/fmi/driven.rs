@@ -61,22 +61,23 @@ pub(super) struct DrivenSystem {
 const TOLERANCE_OF_LONGEST: f64 = 3e-4;
 /// The longest step is divided by this at most.
 const FINEST: f64 = 1000.0;
-/// Most equal steps within a communication step.
-const MOST_STEPS: f64 = 1e7;
+/// Most steps within a communication step: more take seconds, in which nothing can be told to the master.
+const MOST_STEPS: f64 = 2e5;
 
 impl Table {
     /// The steps within a communication step of `step` (s).
-    fn steps(&self, step: f64, tolerance: f64) -> Result<Steps, String> {
-        let Some(longest) = self.longest else {
-            let tolerance = tolerance.clamp(TOLERANCES.0, TOLERANCES.1);
-            return Ok(Steps::Controlled(Settings { tolerance, ..Settings::default() }));
-        };
+    fn steps(&self, step: f64, tolerance: f64, integrator: &Integrator) -> Result<Steps, String> {
         let finer = (TOLERANCE_OF_LONGEST / tolerance).sqrt().clamp(1.0, FINEST);
-        let count = (step * finer / longest).ceil().max(1.0);
+        let longest = self.longest.map_or(integrator.longest_controlled_step(), |longest| longest / finer);
+        let count = (step / longest).ceil().max(1.0);
         if count > MOST_STEPS {
-            return Err(format!("a communication step of {step} s is too long for a motion this fast"));
+            return Err(format!("a communication step of {step:?} s is too long for a motion this fast"));
         }
-        Ok(Steps::Equal(count as usize))
+        if self.longest.is_some() {
+            return Ok(Steps::Equal(count as usize));
+        }
+        let tolerance = tolerance.clamp(TOLERANCES.0, TOLERANCES.1);
+        Ok(Steps::Controlled(Settings { tolerance, ..Settings::default() }))
     }
 }
 
@@ -219,7 +220,7 @@ impl Behaviour for DrivenSystem {
         self.lines.go_on(values, slopes, step);
         self.act(Lines::along);
         let dissipated = self.dissipated();
-        let steps = self.table.steps(step, tolerance)?;
+        let steps = self.table.steps(step, tolerance, &self.integrator)?;
         let gone = self.integrator.go(&mut self.motion, step, &self.acting, steps);
         gone.map_err(|error| error.to_string())?;
         let dissipated = self.dissipated() - dissipated;
@@ -263,7 +264,7 @@ impl Behaviour for DrivenSystem {
         Self::read(&mut self.before, from)?;
         self.act(Lines::along);
         self.act_by(direction, Lines::change);
-        let steps = self.table.steps(self.lines.step, tolerance)?;
+        let steps = self.table.steps(self.lines.step, tolerance, &self.integrator)?;
         let with = (&mut self.tangent, &self.by[..]);
         let followed = self.integrator.follow(&self.before, duration, &self.acting, steps, with);
         followed.map_err(|error| error.to_string())?;

@@ -84,6 +84,11 @@ impl Integrator {
         inputs
     }
 
+    /// The longest step (s) that is ever taken under control of the error.
+    pub(crate) fn longest_controlled_step(&self) -> f64 {
+        self.largest_step
+    }
+
     /// Length of a motion's flat state.
     pub(crate) fn state_len(&self) -> usize {
         let plant = &self.solver.plant;

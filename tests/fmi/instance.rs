@@ -351,3 +351,41 @@ fn the_slip_fraction_is_the_share_of_the_sliders_that_slip() {
         assert!(parts[0] < 0.1 && parts[3] > 0.99, "{parts:?}");
     }
 }
+
+#[test]
+fn the_bounds_that_are_declared_are_allowed_and_nothing_beyond_them_is() {
+    let mut open = 0;
+    for (_, model) in MODELS {
+        let instance = Instance::new(model).unwrap();
+        for variable in &instance.description().variables {
+            let (min, max) = variable.allowed_range();
+            open += usize::from(min != variable.quantity.min) + usize::from(max != variable.quantity.max);
+            // Zero is excluded by the least number of full precision.
+            let below = |min: f64| if min == f64::MIN_POSITIVE { 0.0 } else { min.next_down() };
+            for (bound, beyond) in [(min, min.map(below)), (max, max.map(f64::next_up))] {
+                assert!(bound.is_none_or(|bound| variable.allows(bound)), "{}", variable.name);
+                assert!(beyond.is_none_or(|beyond| !variable.allows(beyond)), "{}", variable.name);
+            }
+        }
+    }
+    assert!(open > 20, "{open}");
+}
+
+#[test]
+fn a_step_that_would_take_seconds_is_refused_at_once() {
+    use crate::common::fmi::{FRICTIONAL, MODAL, OSCILLATOR};
+    for model in [MODAL, FRICTIONAL, OSCILLATOR] {
+        let mut instance = Instance::new(model).unwrap();
+        instance.enter_initialization().unwrap();
+        instance.exit_initialization().unwrap();
+        let saved = instance.snapshot();
+        for step in [1e6, 1e300] {
+            let begin = std::time::Instant::now();
+            let message = instance.do_step(0.0, step).expect_err("too long").to_string();
+            assert!(begin.elapsed().as_secs_f64() < 0.1, "{:?}", begin.elapsed());
+            assert!(message.contains("too long"), "{message}");
+            instance.restore(&saved).unwrap();
+        }
+        instance.do_step(0.0, 0.1).unwrap();
+    }
+}

@@ -155,10 +155,12 @@ pub unsafe extern "C" fn fmi2Terminate(handle: Handle) -> Status {
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Reset(handle: Handle) -> Status {
-    let reset = |instance: &mut Instance| {
-        instance.reset();
+    let body = |component: &mut Component| {
+        component.instance.reset();
+        component.status_of_stage();
+        component.log.event(Function::Reset.name());
         Ok(())
     };
     // SAFETY: the importer's promise.
-    unsafe { transition(handle, Function::Reset, reset) }
+    unsafe { guarded(handle, Function::Reset, body) }
 }

@@ -60,7 +60,9 @@ pub unsafe extern "C" fn fmi2SetFMUstate(handle: Handle, state: StateHandle) -> 
     let body = |component: &mut Component| {
         // SAFETY: the importer's promise.
         let saved = unsafe { Saved::from_handle(state)? };
-        Ok(component.instance.restore(&saved.snapshot)?)
+        component.instance.restore(&saved.snapshot)?;
+        component.status_of_stage();
+        Ok(())
     };
     // SAFETY: the importer's promise.
     unsafe { guarded(handle, Function::SetFMUstate, body) }

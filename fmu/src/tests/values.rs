@@ -2,6 +2,7 @@
 
 use super::fixture::*;
 use crate::exports::lifecycle::*;
+use crate::exports::states::{fmi2FreeFMUstate, fmi2GetFMUstate, fmi2SetFMUstate};
 use crate::exports::stepping::*;
 use crate::exports::values::*;
 use crate::ffi::{LAST_SUCCESSFUL_TIME, Status, TERMINATED};
@@ -186,6 +187,31 @@ fn impossible_steps_are_refused_and_change_nothing() {
     assert_eq!(running.do_step(1.0 + 1e-9, 0.25), Status::Ok);
     assert_eq!(running.do_step(1.25 + 1e-9, 0.75 - 1e-9), Status::Ok);
     assert_eq!(running.get(FORCE), 20.0);
+}
+
+#[test]
+fn after_a_jump_to_another_state_the_status_is_that_of_the_step_that_led_there() {
+    let importer = Importer::new(JENKINS);
+    let running = importer.running();
+    let status = || {
+        let mut status = -1;
+        assert_eq!(unsafe { fmi2GetStatus(running.handle, 0, &mut status) }, Status::Ok);
+        status
+    };
+    running.do_step(0.0, 0.5);
+    let mut saved = null_mut();
+    assert_eq!(unsafe { fmi2GetFMUstate(running.handle, &mut saved) }, Status::Ok);
+    assert_eq!((running.do_step(0.5, -1.0), status()), (Status::Error, Status::Error as i32));
+    assert_eq!(unsafe { fmi2SetFMUstate(running.handle, saved) }, Status::Ok);
+    assert_eq!(status(), Status::Ok as i32);
+    assert_eq!((running.do_step(0.5, -1.0), status()), (Status::Error, Status::Error as i32));
+    unsafe {
+        assert_eq!(fmi2FreeFMUstate(running.handle, &mut saved), Status::Ok);
+        assert_eq!(fmi2Reset(running.handle), Status::Ok);
+        fmi2EnterInitializationMode(running.handle);
+        fmi2ExitInitializationMode(running.handle);
+    }
+    assert_eq!(status(), Status::Ok as i32);
 }
 
 #[test]

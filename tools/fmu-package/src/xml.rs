@@ -161,8 +161,9 @@ fn scalar_variable(xml: &mut Xml, reference: usize, variable: &Variable) {
     if real {
         of_type.push(("unit", variable.quantity.unit.to_owned()));
     }
-    of_type.extend(variable.quantity.min.map(|min| ("min", number(min))));
-    of_type.extend(variable.quantity.max.map(|max| ("max", number(max))));
+    let (min, max) = variable.allowed_range();
+    of_type.extend(min.map(|min| ("min", number(min))));
+    of_type.extend(max.map(|max| ("max", number(max))));
     if real {
         of_type.push(("nominal", number(variable.quantity.nominal)));
     }
