@@ -81,6 +81,7 @@ vocabulary! {
     DENSITY = "density" ["kg/m^3"] Some(0.0), None, true, 7850.0, "Mass density of the beam";
     YOUNGS_MODULUS = "youngs_modulus" ["Pa"] Some(0.0), None, true, 2e11, "Young's modulus of the beam";
     MODES = "modes" ["1"] Some(1.0), Some(40.0), false, 6.0, "Number of modes kept";
+    PHASE = "phase" ["rad"] None, None, false, 1.0, "Phase of the first harmonic of the motion at the same place, ahead of the excitation";
     DAMPING_RATIO = "damping_ratio" ["1"] Some(0.0), Some(1.0), false, 0.003, "Modal damping ratio, one for all modes or one per mode";
     MASS_DAMPING = "mass_damping" ["1/s"] Some(0.0), None, false, 1.0, "Mass-proportional damping";
     STIFFNESS_DAMPING = "stiffness_damping" ["s"] Some(0.0), None, false, 1e-5, "Stiffness-proportional damping";

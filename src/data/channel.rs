@@ -21,10 +21,11 @@ pub const COLUMNS: &[&Quantity] = &[
     &v::AMPLITUDE,
     &v::FREQUENCY,
     &v::DAMPING_RATIO,
+    &v::PHASE,
 ];
 
 /// Those of [`COLUMNS`] that are measured at a mass or at a position.
-const PLACED: &[&str] = &["displacement", "velocity", "acceleration", "excitation", "amplitude"];
+const PLACED: &[&str] = &["displacement", "velocity", "acceleration", "excitation", "amplitude", "phase"];
 
 /// A column's name, parsed: `force`, `displacement:m1`, `acceleration:x=0.55`.
 #[derive(Debug, Clone, PartialEq)]

@@ -26,6 +26,20 @@ pub enum Regime {
     UnknownInitialState,
     /// A table of frequency (and damping) against amplitude.
     Backbone,
+    /// A table of amplitudes and phases of the steady response against frequency and excitation.
+    SteppedSine,
+}
+
+impl Regime {
+    /// Whether such a record is a table, without time stamps.
+    ///
+    /// ```
+    /// use stickslip::data::Regime;
+    /// assert!(Regime::Backbone.is_table() && !Regime::Steady.is_table());
+    /// ```
+    pub fn is_table(self) -> bool {
+        matches!(self, Self::Backbone | Self::SteppedSine)
+    }
 }
 
 /// What a record may be used for.

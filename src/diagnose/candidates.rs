@@ -177,7 +177,7 @@ fn refusal(effect: &Effect, model: &Model, dataset: &Dataset) -> Option<String> 
             if dataset
                 .records
                 .iter()
-                .all(|record| record.regime == Regime::Steady || record.regime == Regime::Backbone) =>
+                .all(|record| record.regime == Regime::Steady || record.regime.is_table()) =>
         {
             Some("in a steady state it has no meaning; it needs records from rest".to_owned())
         }

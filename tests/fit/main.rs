@@ -7,3 +7,4 @@ mod backbone;
 mod least_squares;
 mod ring_down;
 mod steady_oscillators;
+mod stepped_sine;

@@ -5,7 +5,6 @@
 
 use rayon::prelude::*;
 
-use crate::data::Regime;
 use crate::diagnose::evidence::alone;
 use crate::diagnose::measurements::magnitudes::drive_rate;
 use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
@@ -52,7 +51,7 @@ fn of_record(bench: &WeightedDataset, model: &Model, record: usize) -> Option<Se
         spring || path == "beam.youngs_modulus" || path.starts_with("beam.damping_ratio")
     };
     // A table says itself where the resonance lies, and has no level of its own.
-    if bench.lanes[record].record.regime == Regime::Backbone {
+    if bench.lanes[record].record.regime.is_table() {
         return None;
     }
     let fitted = alone(bench, model, record, of_structure).ok()?;

@@ -1,6 +1,6 @@
 //! Training, validation and test records.
 
-use crate::data::{Dataset, Record, Regime, Use};
+use crate::data::{Dataset, Record, Use};
 
 /// Fewest records that can be split by record.
 const FEWEST_RECORDS: usize = 3;
@@ -71,7 +71,7 @@ pub(in crate::diagnose) fn too_little(dataset: &Dataset, parts: &Parts) -> Optio
 pub(in crate::diagnose) fn is_table(dataset: &Dataset) -> bool {
     let records = &dataset.records;
     (1..FEWEST_RECORDS).contains(&records.len())
-        && records.iter().all(|record| record.regime == Regime::Backbone && record.use_for.is_none())
+        && records.iter().all(|record| record.regime.is_table() && record.use_for.is_none())
 }
 
 /// The whole table, of which no point can be spared for a test.
@@ -209,7 +209,7 @@ fn spread(places: &[Place], among: &[usize], mut taken: Vec<usize>, count: usize
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::Channel;
+    use crate::data::{Channel, Regime};
 
     fn record(level: f64, regime: Regime, step: f64) -> Record {
         let channel =

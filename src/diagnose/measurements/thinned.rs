@@ -30,8 +30,7 @@ pub(in crate::diagnose) fn of(model: &Model, dataset: &Dataset) -> Option<Datase
 /// periods only with all their samples.
 fn stride(record: &Record) -> usize {
     let Some(drive) = driver(record).filter(|drive| drive.values.len() > LONG) else { return 1 };
-    if record.regime == Regime::Steady || record.regime == Regime::Backbone || record.sample_step().is_none()
-    {
+    if record.regime == Regime::Steady || record.regime.is_table() || record.sample_step().is_none() {
         return 1;
     }
     let motion = Motion::even(&drive.values, 1.0).values;

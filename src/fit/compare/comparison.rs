@@ -1,7 +1,7 @@
 //! The result of comparing models with measurements, as data for tables, JSON and reports.
 
 use super::nested::Nested;
-use crate::data::{Record, Regime};
+use crate::data::Record;
 use crate::fit::ring_down::RingDown;
 
 /// Values of all tables together up to which the gain of a step is given with its uncertainty.
@@ -69,7 +69,7 @@ impl Comparison {
     /// What each step gains, with its significance, where the records are tables of few points: the scatter of their
     /// values is not known, and one more parameter always lowers the error.
     pub fn steps(&self) -> Vec<StepGain> {
-        let tables = self.records.iter().all(|record| record.regime == Regime::Backbone);
+        let tables = self.records.iter().all(|record| record.regime.is_table());
         let fitted: Vec<(usize, usize, f64, usize)> = (self.stages.iter().enumerate())
             .filter_map(|(index, stage)| {
                 let free =

@@ -20,6 +20,10 @@ fn roles(model: &Model, regime: Regime) -> Roles {
         (Structure::Beam(_) | Structure::Oscillator(_), Regime::Backbone) => {
             Roles { inputs: &["amplitude"], compared: &["frequency", "damping_ratio"] }
         }
+        (Structure::Oscillator(_) | Structure::Beam(_), Regime::SteppedSine) => Roles {
+            inputs: &["frequency", "excitation"],
+            compared: &["acceleration", "velocity", "displacement", "phase"],
+        },
         (Structure::Oscillator(_) | Structure::Beam(_), _) => Roles {
             inputs: if model.changes().joint.load_gain.is_some() {
                 &["time", "excitation", "normal_load"]

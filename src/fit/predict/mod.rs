@@ -4,7 +4,7 @@
 //! it holds an `ObservedSimulation`, a simulation behind its sensors.
 //!
 //! `regimes` chooses the simulation by the record's regime, and only below that by the kind of model:
-//! [`from rest`](crate::data::Regime::FromRest) (`from_rest`), `steady`, `unknown_start`, `backbone`. What is stepped in
+//! [`from rest`](crate::data::Regime::FromRest) (`from_rest`), `steady`, `stepped_sine`, `unknown_start`, `backbone`. What is stepped in
 //! time is a `stepper`. Unknowns of one record, such as its start, are its nuisances; `settle` fits them.
 
 mod backbone;
@@ -19,6 +19,7 @@ mod sensors;
 mod settle;
 mod simulation;
 mod steady;
+mod stepped_sine;
 mod stepper;
 mod unknown_start;
 

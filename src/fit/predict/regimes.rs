@@ -5,6 +5,7 @@ use super::channels;
 use super::from_rest::FromRest;
 use super::simulation::{Seed, Simulation};
 use super::steady::{SteadyBeam, SteadyContact, SteadyOscillator};
+use super::stepped_sine::SteppedSine;
 use super::unknown_start::{ContactOfUnknownStart, OscillatorOfUnknownStart};
 use crate::data::{Record, Regime};
 use crate::fit::ring_down::{is_ring_down, levels};
@@ -44,6 +45,8 @@ pub(super) fn simulation<'r>(
         (Regime::Backbone, Structure::Beam(_) | Structure::Oscillator(_)) => {
             Box::new(BackboneOfMode::new(model, record, channels)?)
         }
+        (Regime::SteppedSine, Structure::Prescribed) => return Err(STEPPED_SINE_OF_CONTACT.into()),
+        (Regime::SteppedSine, _) => Box::new(SteppedSine::new(model, record, channels)?),
         (Regime::Backbone, Structure::Prescribed) => return Err(BACKBONE_OF_CONTACT.into()),
     })
 }
@@ -52,6 +55,9 @@ const BEAM_OF_UNKNOWN_START: &str = "a beam's record needs the regime `from-rest
                                      at its start is not measured everywhere";
 const BACKBONE_OF_CONTACT: &str =
     "a backbone table belongs to a beam or an oscillator, not to a contact alone";
+
+const STEPPED_SINE_OF_CONTACT: &str =
+    "a stepped-sine table belongs to a beam or an oscillator, not to a contact alone";
 
 /// Why a free decay has no table.
 fn uncut(record: &Record) -> String {

@@ -43,8 +43,8 @@ fn missing(column: &str, reason: &str) -> Option<Problem> {
 }
 
 fn contact_problem(record: &Record) -> Option<Problem> {
-    if record.regime == Regime::Backbone {
-        let message = "a backbone is measured on a structure, but the model's kind is \"contact\"";
+    if record.regime.is_table() {
+        let message = "a backbone or stepped-sine table is measured on a structure, but the model's kind is \"contact\"";
         return Some(Problem::UnsuitableRegime(message.to_owned()));
     }
     if record.channel("displacement").is_none() {
@@ -83,7 +83,7 @@ fn decays(record: &Record) -> bool {
 
 /// The measured motions of a structure.
 fn motions(record: &Record) -> Vec<&Channel> {
-    let quantities = ["acceleration", "velocity", "displacement"];
+    let quantities = ["acceleration", "velocity", "displacement", "phase"];
     quantities.iter().flat_map(|quantity| record.channels_of(quantity)).collect()
 }
 

@@ -15,6 +15,7 @@ pub(crate) const REGIMES: &[(&str, Regime)] = &[
     ("steady", Regime::Steady),
     ("unknown-initial-state", Regime::UnknownInitialState),
     ("backbone", Regime::Backbone),
+    ("stepped-sine", Regime::SteppedSine),
 ];
 pub(crate) const USES: &[(&str, Use)] =
     &[("fit", Use::Fit), ("select", Use::Select), ("confirm", Use::Confirm)];
@@ -105,7 +106,10 @@ fn check_regime(csv: &Source, regime: Regime, columns: &[Column]) -> Result<(), 
         Regime::Backbone => {
             (&["amplitude [m/s^2]", "frequency [Hz]"], "a backbone is a table of frequency against amplitude")
         }
-        _ => (&["time [s]"], "every record but a backbone has time stamps"),
+        Regime::SteppedSine => {
+            (&["frequency [Hz]", "excitation [N]"], "a stepped-sine table has them in every row")
+        }
+        _ => (&["time [s]"], "every record that is no table has time stamps"),
     };
     for column in needed {
         let name = column.split(' ').next().unwrap_or(column);

@@ -157,6 +157,7 @@ fn regime(regime: Regime) -> &'static str {
         Regime::Steady => "steady",
         Regime::UnknownInitialState => "unknown-initial-state",
         Regime::Backbone => "backbone",
+        Regime::SteppedSine => "stepped-sine",
     }
 }
 

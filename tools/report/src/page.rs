@@ -1,7 +1,6 @@
 //! The HTML page.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use stickslip::data::Regime;
 use stickslip::diagnose::{Comparison, Noise};
 
 use crate::document::{self, Section};
@@ -169,13 +168,13 @@ pub(crate) fn backbone_section(figures: &mut Figures, comparison: &Comparison, l
     let channel = plots::prose(&levels.channel);
     let figure = plots::backbone(figures, comparison, levels);
     let caption = format!(
-        "{}: measured {channel} (circles) and every stage’s prediction against amplitude; below, predicted \
-         minus measured. Lines join the levels and only lead the eye.",
-        record.name
+        "{}: measured {channel} (circles) and every stage’s prediction against {}; below, predicted minus \
+         measured. Lines join the levels and only lead the eye.",
+        record.name, levels.over
     );
     html! {
         section {
-            h2 { (name(&format!("{channel} against amplitude"))) }
+            h2 { (name(&format!("{channel} against {}", levels.over))) }
             (figure_element(&Captioned { figure, caption, half: false }, "height:576px"))
             (stages::level_table(comparison, levels))
         }
@@ -202,7 +201,7 @@ fn record_section(figures: &mut Figures, comparison: &Comparison, noise: &[Noise
 /// Time records by the error of the last stage, those without a prediction after all others.
 pub(crate) fn worst_first(comparison: &Comparison) -> Vec<usize> {
     let mut records: Vec<usize> = (0..comparison.records.len())
-        .filter(|&record| comparison.records[record].regime != Regime::Backbone)
+        .filter(|&record| !comparison.records[record].regime.is_table())
         .collect();
     let error = |record: usize| {
         let error = comparison.stages.last().map_or(0.0, |stage| summary::record_error(stage, record));

@@ -163,7 +163,7 @@ pub fn backbone(figures: &mut Figures, comparison: &Comparison, levels: &Levels)
     traces.append(&mut below);
     let name = prose(&levels.channel);
     let layout =
-        figure::stacked(&amplitude.label("amplitude"), &value.label(&name), &residual.label("residual"));
+        figure::stacked(&amplitude.label(levels.over), &value.label(&name), &residual.label("residual"));
     figures.add(traces, layout)
 }
 

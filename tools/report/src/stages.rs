@@ -111,7 +111,7 @@ pub fn level_table(comparison: &Comparison, levels: &Levels) -> Markup {
         div.scroll tabindex="0" role="region" aria-label="Error at every level" {
             table.levels {
                 thead { tr {
-                    th.number { (amplitude.label("Amplitude")) }
+                    th.number { (amplitude.label(levels.over)) }
                     th.number { (value.label("Measured")) }
                     @for (index, stage) in comparison.stages.iter().enumerate() {
                         th.number { (key(index, count)) (index + 1) " " (name(&stage.name)) }
@@ -139,6 +139,7 @@ pub fn regime(comparison: &Comparison, record: usize) -> String {
         Regime::Steady => "steady state",
         Regime::UnknownInitialState => "unknown initial state",
         Regime::Backbone => "backbone",
+        Regime::SteppedSine => "stepped sine",
     };
     match record.use_for {
         None => regime.to_owned(),

@@ -32,11 +32,13 @@ pub struct Summary {
     pub scale: Scale,
 }
 
-/// Measured values and residuals of one channel of a backbone record.
+/// Measured values and residuals of one channel of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Levels {
     /// Index of the record.
     pub record: usize,
+    /// What the levels are of: `amplitude`, or `frequency`.
+    pub over: &'static str,
     /// Name and unit of the compared channel.
     pub channel: String,
     pub unit: &'static str,
@@ -121,10 +123,11 @@ pub fn error_scale(comparison: &Comparison) -> Scale {
 pub fn levels(comparison: &Comparison) -> Vec<Levels> {
     let mut tables = Vec::new();
     for (index, record) in comparison.records.iter().enumerate() {
-        if record.regime != Regime::Backbone {
+        if !record.regime.is_table() {
             continue;
         }
-        let Some(amplitude) = record.channels_of("amplitude").next() else { continue };
+        let over = if record.regime == Regime::SteppedSine { "frequency" } else { "amplitude" };
+        let Some(amplitude) = record.channels_of(over).next() else { continue };
         for (name, unit) in compared_channels(comparison, index) {
             let Some(measured) = channel(record, &name) else { continue };
             let count = amplitude.values.len().min(measured.values.len());
@@ -134,6 +137,7 @@ pub fn levels(comparison: &Comparison) -> Vec<Levels> {
             });
             tables.push(Levels {
                 record: index,
+                over,
                 unit,
                 amplitude_unit: amplitude.unit,
                 amplitude: amplitude.values[..count].to_vec(),

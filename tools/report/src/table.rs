@@ -222,7 +222,7 @@ fn level_table(out: &mut Text, comparison: &Comparison, levels: &Levels) {
     let record = &comparison.records[levels.record].name;
     let heading = residual.label(&prose(&levels.channel));
     out.paragraph(&format!("{record}: predicted minus measured {heading}, by stage"), BOLD);
-    let mut left = vec![amplitude.label("amplitude")];
+    let mut left = vec![amplitude.label(levels.over)];
     let mut first = vec![value.label("measured")];
     first.extend((1..=count).map(|stage| stage.to_string()));
     let mut cells = vec![first];

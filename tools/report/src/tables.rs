@@ -1,7 +1,7 @@
 //! The page's tables of records: error by record and channel, and by harmonic.
 
 use maud::{Markup, html};
-use stickslip::data::{Record, Regime};
+use stickslip::data::Record;
 use stickslip::diagnose::{Comparison, Noise};
 
 use crate::explorer::{Harmonics, by_harmonic};
@@ -84,7 +84,7 @@ fn largest(comparison: &Comparison, stage: usize) -> f64 {
 
 /// Half of the range of what drives the record: the displacement of a contact, the excitation of a structure.
 fn level(record: &Record) -> String {
-    if record.regime == Regime::Backbone {
+    if record.regime.is_table() {
         return "every level".to_owned();
     }
     let drive = record.channels.iter().find(|channel| channel.quantity() == "excitation");

@@ -10,7 +10,7 @@ pub use views::deviation;
 
 use maud::{Markup, html};
 use serde_json::{Value, json};
-use stickslip::data::{Channel, Record, Regime};
+use stickslip::data::{Channel, Record};
 use stickslip::diagnose::{Comparison, Noise};
 use stickslip::fit::residual::causes;
 
@@ -62,7 +62,7 @@ pub fn section(figures: &mut Figures, comparison: &Comparison, records: &[usize]
 /// The records with something to draw.
 fn drawable(comparison: &Comparison, records: &[usize]) -> Vec<usize> {
     let drawn = |record: usize| {
-        comparison.records[record].regime != Regime::Backbone
+        !comparison.records[record].regime.is_table()
             && summary::compared_channels(comparison, record).iter().any(|(name, _)| {
                 summary::channel(&comparison.records[record], name).is_some_and(|c| !c.values.is_empty())
             })
@@ -252,8 +252,7 @@ fn markup(
     thinned: Option<usize>,
 ) -> Markup {
     let count = comparison.stages.len();
-    let all =
-        (0..comparison.records.len()).filter(|&r| comparison.records[r].regime != Regime::Backbone).count();
+    let all = (0..comparison.records.len()).filter(|&r| !comparison.records[r].regime.is_table()).count();
     html! {
         section id="where" {
             h2 { "Where it fails" }

@@ -1,0 +1,209 @@
+//! Tables of a stepped sine.
+//!
+//! Items to verify: amplitude and phase of a linear oscillator are those of the closed form, in any branch of the phase; the
+//! contact of an oscillator by the exact flow and of a beam on the virtual rig is recovered; of several responses the measured
+//! one is predicted; what bends a resonance comes first among the effects.
+
+use std::f64::consts::TAU;
+
+use stickslip::contact::Jenkins;
+use stickslip::data::{Channel, ChannelName, Dataset, Record, Regime};
+use stickslip::diagnose::{DiagnoseOptions, DiagnoseWatch, Watch, diagnose, evaluate, refit};
+use stickslip::harmonic::fourier;
+use stickslip::model::Model;
+use stickslip::rig::{Frequencies, Plan, SteppedSine, Test, TestKind, test_on};
+use stickslip::time::{Excitation, LoadedContact, OscillatorFlow, ShootingSettings, shoot};
+
+/// A table with these columns.
+fn table(columns: Vec<(&str, Vec<f64>)>) -> Dataset {
+    let channel = |(name, values): (&str, Vec<f64>)| {
+        let unit = ChannelName::parse(name).unwrap().quantity.unit;
+        Channel { name: name.into(), unit, values, noise: None }
+    };
+    let channels = columns.into_iter().map(channel).collect();
+    let record = Record { name: "sweep.csv".into(), regime: Regime::SteppedSine, use_for: None, channels };
+    Dataset { title: None, records: vec![record] }
+}
+
+fn oscillator(more: &str) -> Model {
+    Model::parse(&format!(
+        "schema = \"stickslip.model/1\"\nkind = \"oscillator\"\nmass = [{{ name = \"m1\", mass = 2.0 }}]\n\
+         spring = [{{ between = [\"ground\", \"m1\"], stiffness = 2e4, damping = 3.0 }}]\n{more}"
+    ))
+    .unwrap()
+}
+
+const FREQUENCIES: [f64; 9] = [13.0, 14.5, 15.4, 15.8, 16.0, 16.3, 17.0, 18.0, 20.0];
+
+#[test]
+fn a_linear_oscillator_has_its_closed_form() {
+    for (quantity, order) in [("displacement", 0), ("velocity", 1), ("acceleration", 2)] {
+        for turns in [-1.0, 0.0, 1.0] {
+            let response = |f: f64| {
+                let speed = TAU * f;
+                let (real, imaginary) = (2e4 - 2.0 * speed * speed, 3.0 * speed);
+                let ahead = f64::from(order) * 0.25 * TAU - imaginary.atan2(real) + turns * TAU;
+                (5.0 / real.hypot(imaginary) * speed.powi(order), ahead)
+            };
+            let (amplitude, phase) = FREQUENCIES.iter().map(|f| response(*f)).unzip();
+            let measured = table(vec![
+                ("frequency", FREQUENCIES.to_vec()),
+                ("excitation:m1", vec![5.0; 9]),
+                (&format!("{quantity}:m1"), amplitude),
+                ("phase:m1", phase),
+            ]);
+            let stage = evaluate("", &oscillator(""), &measured);
+            assert_eq!(stage.records[0].failure, None);
+            assert_eq!(stage.records[0].channels.len(), 2);
+            assert!(stage.error < 1e-9, "{quantity}: {}", stage.error);
+        }
+    }
+}
+
+const CONTACT: &str = "contact = { at = \"m1\", law = \"jenkins\", tangential_stiffness = 4e3, friction_coefficient = 0.1, \
+                       normal_load = 40.0 }\nfit = { free = [\"contact.*\", \"spring.1.damping\"] }";
+
+/// Amplitude of the acceleration and phase by the exact flow.
+fn exact(frequency: f64, force: f64) -> (f64, f64) {
+    let (model, law) = (oscillator(CONTACT), Jenkins::new(4e3, 0.1).unwrap());
+    let contacts = [LoadedContact { law: &law, normal_load: 40.0 }];
+    let mut flow = OscillatorFlow::new(&model.system().unwrap().linear_part(), &contacts).unwrap();
+    let excitation = Excitation::cosine(TAU * frequency, force);
+    let mut motion = shoot(&mut flow, &excitation, None, &ShootingSettings::default()).unwrap().start;
+    let mut samples = Vec::new();
+    for _ in 0..512 {
+        samples.push(flow.displacement(&motion)[0]);
+        flow.advance(&mut motion, 1.0 / frequency / 512.0, &excitation).unwrap();
+    }
+    let first = fourier::from_samples(&samples, 1, 1);
+    let speed = TAU * frequency;
+    (first[1].hypot(first[2]) * speed * speed, (-first[2]).atan2(first[1]) + 0.5 * TAU)
+}
+
+#[test]
+fn the_contact_of_an_oscillator_is_recovered() {
+    let (mut columns, frequencies) =
+        ([Vec::new(), Vec::new(), Vec::new(), Vec::new()], [15.0, 16.0, 16.6, 17.2, 18.0]);
+    for force in [4.0, 10.0, 25.0] {
+        for frequency in frequencies {
+            let (amplitude, phase) = exact(frequency, force);
+            let row = [frequency, force, amplitude, phase];
+            columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+        }
+    }
+    let names = ["frequency", "excitation:m1", "acceleration:m1", "phase:m1"];
+    let measured = table(names.into_iter().zip(columns).collect());
+    let truth = oscillator(CONTACT);
+    println!("at the truth {:.1e}", evaluate("", &truth, &measured).error);
+    assert!(evaluate("", &truth, &measured).error < 1e-4);
+    let mut start = truth.clone();
+    let paths = ["contact.friction_coefficient", "contact.tangential_stiffness", "spring.1.damping"];
+    for (path, factor) in paths.into_iter().zip([0.8, 1.15, 1.3]) {
+        start.set(path, factor * truth.get(path).unwrap()).unwrap();
+    }
+    let found = refit("", &start, &measured, Watch::default()).unwrap();
+    for path in paths {
+        let ratio = found.model.get(path).unwrap() / truth.get(path).unwrap();
+        assert!((ratio - 1.0).abs() < 2e-3, "{path}: {ratio}");
+    }
+}
+
+#[test]
+fn the_contact_of_a_beam_on_the_virtual_rig_is_recovered() {
+    let text = include_str!("../../examples/frictional-support/published.toml");
+    let free = "free = [\"contact.friction_coefficient\", \"beam.damping_ratio\"]";
+    let truth = Model::parse(&text.replace("free = []", free)).unwrap();
+    let mut plan = Plan::of_sensors(&[0.55, 0.2]);
+    let held = SteppedSine {
+        frequencies: Frequencies::List(vec![50.0, 51.5, 53.0, 54.5]),
+        ..SteppedSine::at(vec![5.0, 20.0, 45.0])
+    };
+    plan.tests.push(Test { name: "held".into(), use_for: None, kind: TestKind::SteppedSine(held) });
+    let names = ["frequency", "excitation", "acceleration:x=0.55", "acceleration:x=0.2", "phase:x=0.55"];
+    let mut columns = vec![Vec::new(); names.len()];
+    for record in test_on(&truth, &plan, &mut |_| true).unwrap() {
+        let values = |name: &str| &record.channel(name).unwrap().values;
+        let periods = stickslip::harmonic::whole_periods(values("excitation")).unwrap();
+        let first = |name: &str| {
+            let found = fourier::from_samples(values(name), periods, 1);
+            (found[1].hypot(found[2]), (-found[2]).atan2(found[1]))
+        };
+        let time = values("time");
+        let step = time[1] - time[0];
+        columns[0].push(periods as f64 / (step * time.len() as f64));
+        columns[1].push(first(names[1]).0);
+        columns[2].push(first(names[2]).0);
+        columns[3].push(first(names[3]).0);
+        columns[4].push(first(names[2]).1 - first(names[1]).1);
+    }
+    let measured = table(names.into_iter().zip(columns).collect());
+    let stage = evaluate("", &truth, &measured);
+    println!("{:?}", stage.records[0].failure);
+    println!("at the truth {:.1e}", stage.error);
+    assert!(stage.error < 2e-3, "{}", stage.error);
+    let mut start = truth.clone();
+    let paths = ["contact.friction_coefficient", "beam.damping_ratio"];
+    start.set(paths[0], 0.85 * truth.get(paths[0]).unwrap()).unwrap();
+    start.set(paths[1], 1.3 * truth.get(paths[1]).unwrap()).unwrap();
+    let found = refit("", &start, &measured, Watch::default()).unwrap();
+    for path in paths {
+        let ratio = found.model.get(path).unwrap() / truth.get(path).unwrap();
+        assert!((ratio - 1.0).abs() < 0.01, "{path}: {ratio}");
+    }
+}
+
+/// Rows of an oscillator with a cubic spring by its first harmonic alone, at held amplitudes (m): one force and phase each.
+fn held(cubic: f64, amplitudes: &[f64], frequencies: &[f64]) -> Dataset {
+    let mut random = fastrand::Rng::with_seed(8);
+    let mut columns = vec![Vec::new(); 4];
+    for amplitude in amplitudes {
+        for frequency in frequencies {
+            let speed = TAU * frequency;
+            let stiffness = 2e4 + 0.75 * cubic * amplitude * amplitude;
+            let (real, imaginary) = (stiffness - 2.0 * speed * speed, 3.0 * speed);
+            let mut noise = || 0.01 * (random.f64() - 0.5);
+            let row = [
+                *frequency,
+                amplitude * real.hypot(imaginary),
+                amplitude * (1.0 + noise()),
+                noise() - imaginary.atan2(real),
+            ];
+            columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+        }
+    }
+    let names = ["frequency", "excitation:m1", "displacement:m1", "phase:m1"];
+    let mut table = table(names.into_iter().zip(columns).collect());
+    let square = amplitudes.iter().map(|a| a * a).sum::<f64>() / amplitudes.len() as f64;
+    for (channel, noise) in table.records[0].channels[2..].iter_mut().zip([3e-3 * square.sqrt(), 3e-3]) {
+        channel.noise = Some(noise);
+    }
+    table
+}
+
+fn stiffening(cubic: f64) -> Model {
+    oscillator(&format!("effect = [{{ id = \"geometric_stiffening\", cubic_stiffness = {cubic} }}]"))
+}
+
+#[test]
+fn of_several_responses_the_measured_one_is_predicted() {
+    let measured = held(1e7, &[2e-3, 5e-3, 8e-3], &[15.0, 15.6, 16.8, 17.4, 18.0]);
+    let stage = evaluate("", &stiffening(1e7), &measured);
+    println!("at the truth {:.1e}", stage.error);
+    assert!(stage.error < 0.03, "{}: {:?}", stage.error, stage.records[0].channels);
+}
+
+#[test]
+fn what_bends_a_resonance_comes_first() {
+    let measured = held(1e7, &[1e-3, 2e-3, 3e-3], &[15.0, 15.6, 15.8, 15.95, 16.2, 16.8, 18.0]);
+    println!("at the truth {:.1e}", evaluate("", &stiffening(1e7), &measured).error);
+    let effects = Some(vec!["geometric_stiffening".into(), "quadratic_damping".into(), "added_mass".into()]);
+    let options = DiagnoseOptions { effects, ..DiagnoseOptions::default() };
+    let told = diagnose(&oscillator(""), &measured, &options, DiagnoseWatch::default()).unwrap();
+    println!("{:?} {:?} {:?}", told.verdict, told.effects, told.reasons);
+    for one in &told.candidates {
+        println!("{:?} {} {} {:?}", one.effects, one.error, one.gain_z, one.failure);
+    }
+    let first = &told.candidates[0];
+    assert_eq!(first.effects, ["geometric_stiffening"]);
+    assert!(first.error < 0.01 && first.gain_z > 5.0, "{first:?}");
+}
