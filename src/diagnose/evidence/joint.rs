@@ -31,7 +31,7 @@ const CORRECTIONS: usize = 3;
 
 pub(super) struct Joint<'a, 'd> {
     pub data: &'a Measured<'a, 'd>,
-    base: &'a Model,
+    pub base: &'a Model,
     unknowns: &'a [Unknown],
     pub slots: Vec<Slot<'d>>,
     steps: Vec<f64>,
@@ -147,7 +147,7 @@ impl<'a, 'd> Joint<'a, 'd> {
         stepped && self.latent.count == 0 && !self.points.differenced.is_empty()
     }
 
-    /// Whether no parameter is farther than a step from where derivatives were taken by differences, with steps alike.
+    /// Whether no unknown is farther than a step from where derivatives were taken by differences, with steps alike.
     fn is_near(&self, y: &[f64]) -> bool {
         let Points { differenced, steps, .. } = &self.points;
         let near = |j: usize| (y[j] - differenced[j]).abs() <= self.steps[j];
@@ -158,8 +158,8 @@ impl<'a, 'd> Joint<'a, 'd> {
     /// Corrects the derivatives by the last trial, which was at `y` (Broyden 1965).
     fn correct(&mut self, y: &[f64]) {
         let step: Vec<f64> = y.iter().zip(&self.points.linearised).map(|(a, b)| a - b).collect();
-        let steps = &self.steps;
-        self.slots.par_iter_mut().for_each(|slot| slot.correct(&step, steps));
+        let (parameters, steps) = (self.unknowns.len(), &self.steps);
+        self.slots.par_iter_mut().for_each(|slot| slot.correct(parameters, &step, steps));
         self.points.linearised = y.to_vec();
         self.points.corrections += 1;
     }
@@ -167,9 +167,10 @@ impl<'a, 'd> Joint<'a, 'd> {
     fn difference(&mut self, y: &[f64]) -> Result<(), String> {
         let model = self.model(y)?;
         let moved = self.moved(y)?;
-        let (latent, weights) = (self.latent, &y[self.unknowns.len()..]);
+        self.steps.resize(y.len(), FIRST_STEP);
+        let (latent, weights, steps) = (self.latent, &y[self.unknowns.len()..], &self.steps);
         self.slots.par_iter_mut().enumerate().try_for_each(|(k, slot)| {
-            slot.linearise(&model, &moved, y)?;
+            slot.linearise(&model, &moved, y, steps)?;
             latent.add(k, weights, &mut slot.linearised);
             Ok::<(), String>(())
         })?;
@@ -215,8 +216,11 @@ impl<'a, 'd> Joint<'a, 'd> {
             if !end.sums.cost.is_finite() {
                 return Err("the fit has no finite end".to_owned());
             }
+            let promise = end.promise(&lower, &upper);
             *y = end.y;
-            let ended = self.left == 0 || self.is_near(y) || renewed && self.left == before;
+            let converged = self.is_near(y) && promise <= tolerance * end.sums.cost;
+            let fresh = self.points.differenced == *y || renewed && self.left == before;
+            let ended = self.left == 0 || converged || fresh;
             if ended || self.points.linearised != *y || self.interrupted() {
                 return Ok(());
             }

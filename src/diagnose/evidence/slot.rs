@@ -17,11 +17,6 @@ pub(super) struct Slot<'d> {
     pub derivatives: Vec<Vec<f64>>,
 }
 
-/// Step of differences in a record's own unknown, in its coordinate of size one.
-const OWN_STEP: f64 = 1e-5;
-/// Step of such an unknown that counts as much as a step of a parameter.
-const OWN_SCALE: f64 = 0.03;
-
 impl<'d> Slot<'d> {
     pub fn new(shown: ObservedSimulation<'d>) -> Self {
         Self {
@@ -47,22 +42,18 @@ impl<'d> Slot<'d> {
         Ok(())
     }
 
-    /// The same without changing what the unknowns are.
-    pub fn scanned(&mut self, model: &Model, measured: &[f64], weights: &[f64]) -> Result<Vec<f64>, String> {
-        let parameters = self.shown.nuisances(model)?;
-        let settled = self.shown.settle_from(model, &parameters, measured, weights);
-        let inside = |(c, value): (&Coordinate, &f64)| {
-            let (lower, upper) = c.bounds();
-            c.of(*value).clamp(lower, upper)
-        };
-        Ok(self.own.iter().zip(&settled).map(inside).collect())
-    }
-
     pub fn own_values(&self, y: &[f64]) -> Vec<f64> {
         self.own.iter().zip(&y[self.offset..]).map(|(c, y)| c.value(*y)).collect()
     }
 
-    pub fn linearise(&mut self, model: &Model, moved: &[(Model, f64)], y: &[f64]) -> Result<(), String> {
+    /// At `y`, with `moved` models and the `steps` of its own unknowns among those of all.
+    pub fn linearise(
+        &mut self,
+        model: &Model,
+        moved: &[(Model, f64)],
+        y: &[f64],
+        steps: &[f64],
+    ) -> Result<(), String> {
         let nuisances = self.own_values(y);
         let direction = |(model, step): &(Model, f64)| Direction {
             model: model.clone(),
@@ -71,8 +62,9 @@ impl<'d> Slot<'d> {
         };
         let mut directions: Vec<Direction> = moved.iter().map(direction).collect();
         for (k, coordinate) in self.own.iter().enumerate() {
-            let here = y[self.offset + k];
-            let step = if here + OWN_STEP <= coordinate.bounds().1 { OWN_STEP } else { -OWN_STEP };
+            let (here, size) = (y[self.offset + k], steps[self.offset + k]);
+            // Towards the middle, where a start without influence is drawn: what stands in the way must be seen.
+            let step = if here > 0.0 { -size } else { size };
             let mut nuisances = nuisances.clone();
             nuisances[k] = coordinate.value(here + step);
             directions.push(Direction { model: model.clone(), nuisances, step });
@@ -119,10 +111,11 @@ impl<'d> Slot<'d> {
     }
 
     /// Moves what was linearised by `step` of all unknowns to the last trial; the derivatives change least, measured in
-    /// `steps` of the parameters.
-    pub fn correct(&mut self, step: &[f64], steps: &[f64]) {
-        let own = (self.offset..self.offset + self.own.len()).map(|place| (step[place], OWN_SCALE));
-        let moves: Vec<(f64, f64)> = step.iter().copied().zip(steps.iter().copied()).chain(own).collect();
+    /// `steps` of the unknowns.
+    pub fn correct(&mut self, parameters: usize, step: &[f64], steps: &[f64]) {
+        let own = self.offset..self.offset + self.own.len();
+        let moves: Vec<(f64, f64)> =
+            (0..parameters).chain(own).map(|place| (step[place], steps[place])).collect();
         let square: f64 = moves.iter().map(|(by, scale)| (by / scale).powi(2)).sum();
         if square == 0.0 {
             return;

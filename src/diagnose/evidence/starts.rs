@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::joint::{Joint, dot, minus};
 use super::measured::{Measured, NoiseModel};
+use super::slot::Slot;
 
 /// Noise over what was told of it, from which a record's start may be wrong.
 const LOUD: f64 = 1.05;
@@ -31,15 +32,15 @@ impl Joint<'_, '_> {
     /// there was any.
     pub fn rescan(&mut self, y: &mut [f64]) -> Result<bool, String> {
         let model = self.model(y)?;
-        let (data, noise, priors) = (self.data, &self.noise, &self.priors);
+        let (data, noise, priors, base) = (self.data, &self.noise, &self.priors, self.base);
         let here: &[f64] = y;
         let found: Vec<Option<(usize, Vec<f64>)>> = self
             .slots
             .par_iter_mut()
             .enumerate()
             .map(|(k, slot)| {
-                let measured = &data.lane(k).measured;
-                let left = minus(&slot.linearised, measured);
+                let (lane, weights) = (data.lane(k), weights(data, noise, k));
+                let left = minus(&slot.linearised, &lane.measured);
                 let seen = |range: &std::ops::Range<usize>| {
                     let part = &left[range.clone()];
                     (dot(part, part) / part.len() as f64).sqrt()
@@ -49,16 +50,23 @@ impl Joint<'_, '_> {
                 if slot.own.is_empty() || !loud {
                     return Ok(None);
                 }
-                let other = slot.scanned(&model, measured, &weights(data, noise, k))?;
-                let before = slot.own_values(here);
-                let mut cost = |values: &[f64]| -> Result<f64, String> {
+                // Of a simulation of its own: what its numbers mean belongs to the hypothesis that it chose.
+                let mut other = Slot::new(lane.shown(base)?);
+                other.scan(&model, &lane.measured, &weights)?;
+                other.offset = slot.offset;
+                let cost = |slot: &mut Slot, values: &[f64]| -> Result<f64, String> {
                     slot.shown.predict(&model, values, &mut slot.predictions)?;
-                    let e = noise.whiten(data, k, &minus(&slot.predictions, measured));
+                    let e = noise.whiten(data, k, &minus(&slot.predictions, &lane.measured));
                     Ok(0.5 * dot(&e, &e))
                 };
-                let values: Vec<f64> = slot.own.iter().zip(&other).map(|(c, y)| c.value(*y)).collect();
-                let better = cost(&before)? - cost(&values)? > 1.0;
-                Ok(better.then_some((slot.offset, other)))
+                let values: Vec<f64> =
+                    other.own.iter().zip(&other.own_start).map(|(c, y)| c.value(*y)).collect();
+                let before = slot.own_values(here);
+                if cost(slot, &before)? - cost(&mut other, &values)? <= 1.0 {
+                    return Ok(None);
+                }
+                *slot = other;
+                Ok(Some((slot.offset, slot.own_start.clone())))
             })
             .collect::<Result<_, String>>()?;
         let mut any = false;

@@ -68,6 +68,14 @@ pub(crate) struct End {
     pub ending: Option<Ending>,
 }
 
+impl End {
+    /// Fall of the cost that one more step within the bounds promises.
+    pub fn promise(&self, lower: &[f64], upper: &[f64]) -> f64 {
+        let step = step(&self.sums, &self.y, lower, upper, LEAST_DAMPING);
+        step.map_or(0.0, |step| promised(&self.sums, &step))
+    }
+}
+
 /// Times faster than in its last step that a search may go on falling before it counts as hopeless.
 const HOPE: f64 = 2.0;
 /// Failed trials of a step before the point is taken for a minimum.
