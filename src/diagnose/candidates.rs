@@ -96,10 +96,13 @@ impl Candidate {
     }
 }
 
-/// What a fit varies of a law's own parameters, its shape first: all that a file must give.
+/// What a fit varies of a law's own parameters, its shape first: all but those that are an effect of their own.
 fn varied(law: &LawKind) -> Vec<&'static LawParameter> {
     let shape = law.shape().map(|(parameter, _)| parameter);
-    let others = law.parameters.iter().filter(|one| one.default.is_none() && one.one_slider_at.is_none());
+    let is_effect = |one: &LawParameter| {
+        CATALOGUE.iter().flat_map(|effect| effect.parameters).any(|of| of.quantity == one.quantity)
+    };
+    let others = law.parameters.iter().filter(|one| one.one_slider_at.is_none() && !is_effect(one));
     shape.into_iter().chain(others).collect()
 }
 
