@@ -1,13 +1,11 @@
 //! Smooth motions from noisy samples: what drives a simulation must not bring the sensor's noise with it.
 //!
-//! Local cubics (Savitzky & Golay 1964) whose width is the largest that the noise hides: wherever smoothing
-//! would change the samples by more than their own noise it is not done. Samples without noise stay as they
-//! are.
+//! Local cubics (Savitzky & Golay 1964) of the width with the least mean square error, what they flatten and what noise they
+//! leave together (Mallows 1973): a wider one would make amplitudes too small, and whatever is fitted to them too
+//! large. Samples without noise stay as they are.
 
 /// Half-widths tried (samples), widest last.
 const HALF_WIDTHS: [usize; 6] = [1, 2, 4, 8, 16, 32];
-/// Excess of the mean square change over that of removed noise at which a width is too wide.
-const EXCESS: f64 = 1.1;
 
 /// A measured motion and its rate.
 #[derive(Debug, Clone, PartialEq)]
@@ -124,31 +122,29 @@ pub(crate) fn read_at(values: &[f64], place: impl Fn(usize) -> f64) -> Vec<f64> 
     (0..values.len()).map(at).collect()
 }
 
-/// The widest window that the noise hides.
+/// The window with the least mean square error.
 fn half_width(values: &[f64]) -> usize {
     let noise = white_noise(values);
     let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
-    let mut chosen = HALF_WIDTHS[0];
     if noise <= 1e-12 * largest {
-        return chosen;
+        return HALF_WIDTHS[0];
     }
-    for half in HALF_WIDTHS.into_iter().skip(1) {
-        if values.len() < 4 * half {
-            break;
-        }
+    // As they are, the samples err by their noise.
+    let mut best = (HALF_WIDTHS[0], noise * noise);
+    for half in HALF_WIDTHS.into_iter().skip(1).take_while(|half| values.len() >= 4 * half) {
         let smoothed = values_smoothed(values, half);
         let inner = half..values.len() - half;
         let change =
             inner.clone().map(|i| (values[i] - smoothed[i]).powi(2)).sum::<f64>() / inner.len() as f64;
-        // A smoothed value keeps a fraction of its own sample's noise, and loses the rest.
+        // A smoothed value keeps this fraction of its own sample's noise, and of its variance.
         let (s0, s2, s4, _) = moments(half);
-        let removed = noise * noise * (1.0 - s4 / (s0 * s4 - s2 * s2));
-        if change > EXCESS * EXCESS * removed {
-            break;
+        let kept = s4 / (s0 * s4 - s2 * s2);
+        let error = change - noise * noise * (1.0 - 2.0 * kept);
+        if error < best.1 {
+            best = (half, error);
         }
-        chosen = half;
     }
-    chosen
+    best.0
 }
 
 /// Sums of the even powers of −half..=half.
@@ -240,6 +236,21 @@ mod tests {
         let rate = |i: usize| TAU / 400.0 * (TAU * i as f64 / 400.0).cos();
         let plain = rms(&mut (1..1199).map(|i| 0.5 * (noisy[i + 1] - noisy[i - 1]) - rate(i)));
         assert!(rms(&mut (40..1160).map(|i| motion.rates[i] - rate(i))) < 0.05 * plain);
+    }
+
+    #[test]
+    fn smoothing_takes_less_off_an_amplitude_than_a_third_of_the_noise() {
+        for (samples, size) in
+            [(30, 0.01), (60, 0.03), (60, 0.003), (100, 0.03), (200, 0.01), (200, 0.001), (400, 0.01)]
+        {
+            let clean = |i: usize| (TAU * i as f64 / f64::from(samples)).sin();
+            let noisy: Vec<f64> = (0..2400).map(|i| clean(i) + size * noise(i)).collect();
+            let motion = Motion::even(&noisy, 1.0);
+            let along = |values: &[f64]| (0..2400).map(|i| values[i] * clean(i)).sum::<f64>() / 1200.0;
+            // Of the same noise, so that only what smoothing does is seen.
+            let lost = along(&noisy) - along(&motion.values);
+            assert!(lost.abs() < size / 3.0, "{samples} {size}: {}", lost / size);
+        }
     }
 
     #[test]
