@@ -86,3 +86,77 @@ fn weights(data: &Measured, noise: &NoiseModel, k: usize) -> Vec<f64> {
     }
     weights
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::data::{Channel, Dataset, Record, Regime};
+    use crate::diagnose::Assumptions;
+    use crate::diagnose::evidence::latent::Latent;
+    use crate::diagnose::evidence::unknown::of_model;
+    use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+    use crate::fit::SumOfSquares;
+    use crate::fit::predict::predict;
+    use crate::model::Model;
+
+    fn model(spread: f64) -> Model {
+        let text = format!(
+            "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+             tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n\
+             [[effect]]\nid = \"micro_slip\"\nspread = {spread}\n[[effect]]\nid = \"backlash\"\nhalf_gap = 1e-5\n"
+        );
+        Model::parse(&text).unwrap()
+    }
+
+    /// The second half of a motion from rest, whose frequency and centre differ from record to record.
+    fn moved(index: u32) -> Record {
+        let (rate, phase) = (0.031 + 0.007 * f64::from(index), 1.3 * f64::from(index));
+        let displacement = |i: usize| {
+            let sine = |rate: f64| (TAU * rate * i as f64 + phase).sin();
+            6e-5 * sine(rate) + 3e-5 * sine(0.31 * rate)
+        };
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let time = |count: usize| channel("time", "s", (0..count).map(|i| 1e-3 * i as f64).collect());
+        let whole =
+            channel("displacement", "m", (0..600).map(|i| displacement(i) - displacement(0)).collect());
+        let force = channel("force", "N", vec![0.0; 600]);
+        let mut record = Record {
+            name: format!("r{index}"),
+            regime: Regime::FromRest,
+            use_for: None,
+            channels: vec![time(600), whole, force],
+        };
+        record.channels[2].values = predict(&model(0.8), &record).unwrap()[0].values.clone();
+        for channel in &mut record.channels {
+            channel.values.drain(..300);
+        }
+        record.channels[0] = time(300);
+        Record { regime: Regime::UnknownInitialState, ..record }
+    }
+
+    #[test]
+    fn a_scan_anew_never_makes_a_fit_worse() {
+        let dataset = Dataset { title: None, records: (0..8).map(moved).collect() };
+        let base = model(0.3);
+        let bench = WeightedDataset::new(&base, &dataset, Assumptions::default(), None).unwrap();
+        let data = Measured::new(&bench, &[0, 1, 2, 3, 4, 5, 6, 7], &[], &[]);
+        let (unknowns, latent) = (of_model(&base, data.assumptions()), Latent::default());
+        let mut found = 0;
+        for y in
+            [[1.0, 0.5, 0.0, -1.0], [-1.0, 0.4, 1.0, 0.5], [0.5, -0.5, 1.5, -0.5], [-0.5, 0.0, -1.0, 1.0]]
+        {
+            let mut joint = Joint::new(&data, &base, &unknowns, &latent).unwrap();
+            let mut y = joint.settle(&y[..unknowns.len()]).unwrap();
+            // Elsewhere than where the starts were found.
+            y[..unknowns.len()].iter_mut().for_each(|y| *y *= -0.5);
+            joint.minimise(&mut y, 0, 1e-3).unwrap();
+            let before = joint.cost(&y).unwrap();
+            found += usize::from(joint.rescan(&mut y).unwrap());
+            let after = joint.cost(&y).unwrap();
+            assert!(after <= before * (1.0 + 1e-12), "{before} {after}");
+        }
+        assert!(found > 0);
+    }
+}
