@@ -58,7 +58,8 @@ pub(super) fn unidentified(found: &Identification) -> Vec<Unidentified> {
                 "no interval: the fitted records do not depend on it, or it lies at a bound".to_owned();
             out.push(Unidentified { name: parameter.name, reason });
         } else if low <= 0.0 && parameter.value > 0.0 || high > VAGUE * low && low > 0.0 {
-            let reason = format!("its 95 % interval is {low:.3e} to {high:.3e} {}", parameter.unit);
+            let told = |end: f64| if end == 0.0 { "0".to_owned() } else { format!("{end:.3e}") };
+            let reason = format!("its 95 % interval is {} to {} {}", told(low), told(high), parameter.unit);
             out.push(Unidentified { name: parameter.name, reason });
         }
     }
