@@ -136,7 +136,7 @@ fn a_prediction_costs_a_small_fraction_of_marching() {
     let contacts = [LoadedContact { law: &law, normal_load: contact.normal_load }];
     let mut flow = OscillatorFlow::new(&structure(&case), &contacts).unwrap();
     let excitation = Excitation::cosine(case.angular_frequency, case.force);
-    // Until what is left of the start is a hundred-thousandth of it by the structure's own damping.
+    // Until the start has decayed to a hundred-thousandth by the structure's own damping.
     let periods = (1e5_f64.ln() / (TAU * case.damping)) as usize;
     let (mut motion, before) = (flow.rest(), Instant::now());
     for _ in 0..periods {
