@@ -75,7 +75,7 @@ fn errors_fall_with_the_order_of_the_algorithm() {
 }
 
 #[test]
-fn every_method_finds_the_same_motion_and_derivatives_find_it_soonest() {
+fn every_method_finds_the_same_motion_and_derivatives_need_hardly_more_evaluations_than_any() {
     let run = |method, step| {
         let settings = Settings::new(strong(method), step, 0.05);
         let (rows, report) = record(beam_with(VALANIS, FAST), settings).unwrap();
