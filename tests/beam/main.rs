@@ -7,3 +7,4 @@ mod agreement;
 mod closed_forms;
 mod contact_points;
 mod frictional_support;
+mod pin_rig;

@@ -12,4 +12,5 @@ pub mod finite_elements;
 pub mod fmi;
 pub mod linear_slave;
 pub mod oscillator;
+pub mod pin_rig;
 pub mod time;

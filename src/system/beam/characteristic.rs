@@ -44,7 +44,7 @@ pub struct BeamModes {
 
 /// A mode as its states at the nodes of its own division of the beam.
 #[derive(Debug, Clone, PartialEq)]
-struct Shape {
+pub(in crate::system) struct Shape {
     wave_number: f64,
     /// Node positions (fraction of the length) and states to the right of them; the last is x = L.
     nodes: Vec<(f64, State)>,
@@ -72,7 +72,7 @@ impl BeamModes {
             angular_frequency.push(scales.angular_frequency * wave_number * wave_number);
             shapes.push(Shape::new(&divided, wave_number, tip));
         }
-        let mut shortening = normalise(&divided, wave_number, &mut shapes, &scales);
+        let mut shortening = normalise(&divided, wave_number, &mut shapes, &scales, |_| 0.0);
         shortening.iter_mut().for_each(|product| *product /= beam.length);
         Ok(Self { length: beam.length, angular_frequency, shapes, shortening })
     }
@@ -107,7 +107,7 @@ impl BeamModes {
 
 /// What turns a beam with dimensions into one without.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Scales {
+pub(in crate::system) struct Scales {
     /// √(EI/ρA)/L² (rad/s): ω = this · (βL)².
     pub angular_frequency: f64,
     /// L/EI (rad/(N m)).
@@ -136,7 +136,7 @@ impl Scales {
 }
 
 /// Divides the beam at its masses. Masses at one place add up; those at the ends do not move.
-pub(super) fn divide(beam: &Beam, scales: &Scales) -> DividedBeam {
+pub(in crate::system) fn divide(beam: &Beam, scales: &Scales) -> DividedBeam {
     let mut masses: Vec<(f64, f64)> = beam
         .point_masses
         .iter()
@@ -233,16 +233,27 @@ impl DividedBeam {
 impl Shape {
     /// The mode at a natural frequency, not yet normalised, with positive slope at the pin.
     fn new(divided: &DividedBeam, wave_number: f64, tip: f64) -> Self {
+        Self::ending(divided, wave_number, |arrival| {
+            let coefficients = arrival.mode_coefficients(tip);
+            let mut end = arrival.basis.combine(coefficients);
+            pin(&mut end, tip / scale(wave_number));
+            // Spring and slope pull the same way, so this sign is sound for a free pin and a clamped end alike.
+            let sign = (end[1] - end[2]).signum();
+            (coefficients.map(|value| sign * value), end.map(|value| sign * value))
+        })
+    }
+
+    /// The motion at a wave number with the coefficients of the basis at x = L, and the state there, that `end` gives.
+    pub fn ending(
+        divided: &DividedBeam,
+        wave_number: f64,
+        end: impl FnOnce(&Arrival) -> ([f64; 2], State),
+    ) -> Self {
         let mut passed = Vec::new();
         let arrival =
             divided.sweep(wave_number, |start, basis, triangle| passed.push((start, *basis, *triangle)));
-        let mut coefficients = arrival.mode_coefficients(tip);
-        let mut end = arrival.basis.combine(coefficients);
-        pin(&mut end, tip / scale(wave_number));
-        // Spring and slope pull the same way, so this sign is sound for a free pin and a clamped end alike.
-        let sign = (end[1] - end[2]).signum();
-        coefficients = coefficients.map(|value| sign * value);
-        let mut nodes = vec![(1.0, end.map(|value| sign * value))];
+        let (mut coefficients, end) = end(&arrival);
+        let mut nodes = vec![(1.0, end)];
         for (start, basis, Triangle([a, b, c])) in passed.into_iter().rev() {
             let second = coefficients[1] / c;
             coefficients = [(coefficients[0] - b * second) / a, second];
@@ -253,7 +264,7 @@ impl Shape {
     }
 
     /// Deflection and slope (per beam length) at a fraction of the length.
-    fn at(&self, position: f64) -> (f64, f64) {
+    pub fn at(&self, position: f64) -> (f64, f64) {
         let position = position.clamp(0.0, 1.0);
         let index = self.nodes.partition_point(|node| node.0 <= position).saturating_sub(1);
         let (start, [w, slope, curvature, third]) = self.nodes[index];
@@ -281,13 +292,20 @@ fn pin(end: &mut State, spring: f64) {
 }
 
 /// Gives every mode unit modal mass (kg, Eq. A8 with the point masses) and returns
-/// ∫ φᵢ' φⱼ' over the fraction of the length (1/kg), row-major.
-fn normalise(divided: &DividedBeam, highest: f64, shapes: &mut [Shape], scales: &Scales) -> Vec<f64> {
+/// ∫ φᵢ' φⱼ' over the fraction of the length (1/kg), row-major. `beside` is the modal mass of what is fixed to the end, as
+/// a fraction of the beam's mass, of the mode that is counted from 0.
+pub(in crate::system) fn normalise(
+    divided: &DividedBeam,
+    highest: f64,
+    shapes: &mut [Shape],
+    scales: &Scales,
+    beside: impl Fn(usize) -> f64,
+) -> Vec<f64> {
     let rule: Vec<(f64, f64)> = quadrature(divided, highest).collect();
     let mut slopes: Vec<Vec<f64>> = Vec::with_capacity(shapes.len());
-    for shape in shapes.iter_mut() {
+    for (mode, shape) in shapes.iter_mut().enumerate() {
         let mut sampled = Vec::with_capacity(rule.len());
-        let mut mass = 0.0;
+        let mut mass = beside(mode);
         for &(position, weight) in &rule {
             let (w, slope) = shape.at(position);
             mass += weight * w * w;

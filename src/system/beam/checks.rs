@@ -8,7 +8,11 @@ use crate::vocabulary::{self, Quantity};
 /// then five thicknesses per wave, beyond what Euler–Bernoulli describes.
 pub const MOST_MODES: usize = 40;
 
-pub(super) fn check(path: String, value: f64, quantity: &'static Quantity) -> Result<(), StructureError> {
+pub(in crate::system) fn check(
+    path: String,
+    value: f64,
+    quantity: &'static Quantity,
+) -> Result<(), StructureError> {
     let above = quantity.min.is_none_or(|min| value > min || (value == min && !quantity.open));
     let below = quantity.max.is_none_or(|max| value < max || (value == max && !quantity.open));
     if value.is_finite() && above && below {
@@ -18,12 +22,16 @@ pub(super) fn check(path: String, value: f64, quantity: &'static Quantity) -> Re
     }
 }
 
-pub(super) fn check_position(path: String, position: f64, length: f64) -> Result<(), StructureError> {
+pub(in crate::system) fn check_position(
+    path: String,
+    position: f64,
+    length: f64,
+) -> Result<(), StructureError> {
     check(path.clone(), position, &vocabulary::POSITION)?;
     if position <= length { Ok(()) } else { Err(StructureError::BeyondTheEnd { path, position, length }) }
 }
 
-pub(super) fn check_mode_count(modes: usize) -> Result<(), StructureError> {
+pub(in crate::system) fn check_mode_count(modes: usize) -> Result<(), StructureError> {
     if (1..=MOST_MODES).contains(&modes) {
         Ok(())
     } else {
@@ -32,7 +40,7 @@ pub(super) fn check_mode_count(modes: usize) -> Result<(), StructureError> {
 }
 
 /// What the eigenproblem depends on.
-pub(super) fn check_mechanics(beam: &Beam) -> Result<(), StructureError> {
+pub(in crate::system) fn check_mechanics(beam: &Beam) -> Result<(), StructureError> {
     check("beam.length".into(), beam.length, &vocabulary::LENGTH)?;
     check("beam.width".into(), beam.width, &vocabulary::WIDTH)?;
     check("beam.thickness".into(), beam.thickness, &vocabulary::THICKNESS)?;
@@ -51,7 +59,7 @@ pub(super) fn check_mechanics(beam: &Beam) -> Result<(), StructureError> {
 }
 
 /// What the modes are evaluated at.
-pub(super) fn check_attachments(beam: &Beam) -> Result<(), StructureError> {
+pub(in crate::system) fn check_attachments(beam: &Beam) -> Result<(), StructureError> {
     check("support.offset".into(), beam.offset, &vocabulary::OFFSET)?;
     check_position("excitation.position".into(), beam.excitation_position, beam.length)?;
     for (index, &position) in beam.sensors.iter().enumerate() {
@@ -63,7 +71,7 @@ pub(super) fn check_attachments(beam: &Beam) -> Result<(), StructureError> {
     Ok(())
 }
 
-pub(super) fn check_damping(damping: &Damping, modes: usize) -> Result<(), StructureError> {
+pub(in crate::system) fn check_damping(damping: &Damping, modes: usize) -> Result<(), StructureError> {
     match damping {
         Damping::Uniform(ratio) => check("beam.damping_ratio".into(), *ratio, &vocabulary::DAMPING_RATIO),
         Damping::PerMode(ratios) => {

@@ -45,7 +45,11 @@ impl FiniteElementModes {
         if !(least..=MOST_ELEMENTS).contains(&elements) {
             return Err(StructureError::ElementCount { elements, least, most: MOST_ELEMENTS });
         }
-        let system = System::assemble(beam, elements);
+        Self::of(beam, System::assemble(beam, elements), count)
+    }
+
+    /// The modes of `system`, which is the beam with what may be fixed to its end.
+    pub(in crate::system) fn of(beam: &Beam, system: System, count: usize) -> Result<Self, StructureError> {
         let (eigenvalues, coordinates) = system.solve(count)?;
         let area = beam.width * beam.thickness;
         let bending = beam.youngs_modulus * area * beam.thickness.powi(2) / 12.0;
@@ -58,6 +62,11 @@ impl FiniteElementModes {
             coordinates: coordinates / mass.sqrt(),
             slope_gram: system.slope_gram,
         })
+    }
+
+    /// A mode's values of the unknowns beside those of the beam (kg^-1/2).
+    pub(in crate::system) fn beside(&self, mode: usize) -> Vec<f64> {
+        self.coordinates.column(mode).iter().skip(2 * self.nodes.len()).copied().collect()
     }
 
     /// ωᵢ (rad/s), ascending.
@@ -145,17 +154,18 @@ fn element_matrices(h: f64) -> [[[f64; 4]; 4]; 3] {
 }
 
 /// Matrices of the whole beam for unit length, EI and ρA, over deflection and slope of every node.
-struct System {
-    nodes: Vec<f64>,
-    stiffness: DMatrix<f64>,
-    mass: DMatrix<f64>,
-    slope_gram: DMatrix<f64>,
+pub(in crate::system) struct System {
+    pub nodes: Vec<f64>,
+    pub stiffness: DMatrix<f64>,
+    pub mass: DMatrix<f64>,
+    pub slope_gram: DMatrix<f64>,
     /// Unknowns the supports leave free.
-    free: Vec<usize>,
+    pub free: Vec<usize>,
 }
 
 impl System {
-    fn assemble(beam: &Beam, elements: usize) -> Self {
+    /// The beam on its pin.
+    pub fn assemble(beam: &Beam, elements: usize) -> Self {
         let nodes = mesh(beam, elements);
         let size = 2 * nodes.len();
         let [mut stiffness, mut mass, mut slope_gram] = std::array::from_fn(|_| DMatrix::zeros(size, size));
@@ -195,7 +205,7 @@ impl System {
     ///
     /// Cholesky reduction with the *stiffness*: its inverse makes the lowest modes the largest eigenvalues,
     /// which the symmetric solver gives to full relative precision.
-    fn solve(&self, count: usize) -> Result<(Vec<f64>, DMatrix<f64>), StructureError> {
+    pub fn solve(&self, count: usize) -> Result<(Vec<f64>, DMatrix<f64>), StructureError> {
         let failed = |value| StructureError::NotComputable { quantity: "finite-element stiffness", value };
         let reduced = |matrix: &DMatrix<f64>| matrix.select_rows(&self.free).select_columns(&self.free);
         let (stiffness, mass) = (reduced(&self.stiffness), reduced(&self.mass));

@@ -7,7 +7,7 @@ const TERMS: usize = 7;
 /// Longest piece crossed in one step, as phase β·h (1). The transfer grows like e^phase: at 2 a step
 /// loses less than one digit, and it stays far below 4.73, the first clamped–clamped frequency of the
 /// piece, where a count of natural frequencies would have to look inside it.
-pub(super) const LARGEST_PHASE: f64 = 2.0;
+pub(in crate::system) const LARGEST_PHASE: f64 = 2.0;
 
 /// 1/(4n + d)! in row d, term n.
 const INVERSE_FACTORIAL: [[f64; TERMS]; 4] = inverse_factorials();
@@ -30,7 +30,7 @@ const fn inverse_factorials() -> [[f64; TERMS]; 4] {
 /// (cosh z + cos z)/2, (sinh z + sin z)/2, (cosh z − cos z)/2, (sinh z − sin z)/2.
 ///
 /// The differences cancel for short pieces, the series do not.
-pub(super) fn krylov_duncan(phase: f64) -> [f64; 4] {
+pub(in crate::system) fn krylov_duncan(phase: f64) -> [f64; 4] {
     let square = phase * phase;
     let fourth = square * square;
     INVERSE_FACTORIAL.map(|row| row.iter().rev().fold(0.0, |sum, coefficient| sum * fourth + coefficient))
@@ -38,7 +38,7 @@ pub(super) fn krylov_duncan(phase: f64) -> [f64; 4] {
 
 /// Deflection, slope, curvature and third derivative of a piece of beam, as multiples of powers of a
 /// length: see [`Transfer`].
-pub(super) type State = [f64; 4];
+pub(in crate::system) type State = [f64; 4];
 
 /// The exact map of the state across a piece of a uniform beam vibrating with wave number b
 /// (EI w'''' = ω² ρA w, Eq. 5 of the paper), all lengths as fractions of the beam's.
@@ -46,7 +46,7 @@ pub(super) type State = [f64; 4];
 /// The state is `(w, w'/s, w''/s², w'''/s³)` with the scale `s = max(b, 1)`: entries then stay of order
 /// one for high modes, and a beam at rest (b = 0) is a regular case.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Transfer {
+pub(in crate::system) struct Transfer {
     /// Above and on the diagonal, by distance from it.
     pub upper: [f64; 4],
     /// Below the diagonal, by distance from the corner.
@@ -78,7 +78,7 @@ impl Transfer {
 }
 
 /// The scale s of the state at a wave number.
-pub(super) fn scale(wave_number: f64) -> f64 {
+pub(in crate::system) fn scale(wave_number: f64) -> f64 {
     wave_number.max(1.0)
 }
 

@@ -11,13 +11,13 @@
 //! linear strains but for the shortening, no axial inertia.
 
 mod changed;
-mod characteristic;
-mod checks;
+pub(super) mod characteristic;
+pub(super) mod checks;
 mod description;
-mod finite_element;
+pub(super) mod finite_element;
 mod krylov;
 mod modal_beam;
-mod sweep;
+pub(super) mod sweep;
 
 pub use characteristic::BeamModes;
 pub use checks::MOST_MODES;
@@ -175,7 +175,7 @@ fn residual_compliance(beam: &Beam, modes: &BeamModes) -> Result<f64, StructureE
     Ok((tip_rotational_compliance(beam)? - kept).max(0.0))
 }
 
-fn damping_ratios(damping: &Damping, angular_frequency: &[f64]) -> Vec<f64> {
+pub(super) fn damping_ratios(damping: &Damping, angular_frequency: &[f64]) -> Vec<f64> {
     match damping {
         Damping::Uniform(ratio) => vec![*ratio; angular_frequency.len()],
         Damping::PerMode(ratios) => ratios.clone(),

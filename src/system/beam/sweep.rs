@@ -25,7 +25,7 @@ fn spring_weights(stiffness: f64) -> (f64, f64) {
 
 /// A piece of the beam between two masses or ends; lengths as fractions of the beam's length.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Part {
+pub(in crate::system) struct Part {
     pub start: f64,
     pub length: f64,
     /// Mass at the far end as a fraction of the beam's mass.
@@ -41,7 +41,7 @@ impl Part {
 
 /// A beam without dimensions: length, bending stiffness and mass per length are one.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct DividedBeam {
+pub(in crate::system) struct DividedBeam {
     /// Parts in order, all of positive length, from 0 to 1.
     pub parts: Vec<Part>,
     /// Rotational spring at x = 0 (times L/EI); infinite for a rigid clamp.
@@ -50,11 +50,11 @@ pub(super) struct DividedBeam {
 
 /// An orthonormal basis of the motions the clamp allows, at one section.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Basis(pub [State; 2]);
+pub(in crate::system) struct Basis(pub [State; 2]);
 
 /// The triangle with which Gram–Schmidt made a basis: `old = new · [[a, b], [0, c]]`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Triangle(pub [f64; 3]);
+pub(in crate::system) struct Triangle(pub [f64; 3]);
 
 fn dot(a: &State, b: &State) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
@@ -96,12 +96,12 @@ impl Basis {
 
 /// Result of one sweep: the reduced problem at the pin.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Arrival {
+pub(in crate::system) struct Arrival {
     /// Natural frequencies below this one if the pin's rotation were held as well.
-    held_count: usize,
+    pub held_count: usize,
     /// The motions the clamp allows, at x = 1.
     pub basis: Basis,
-    scale: f64,
+    pub scale: f64,
 }
 
 impl Arrival {

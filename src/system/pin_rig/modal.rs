@@ -1,0 +1,58 @@
+//! The rig in its modes, and the system that it makes.
+
+use super::end::{End, EndMotion};
+use super::{PinRig, PinRigModes};
+use crate::system::StructureError;
+use crate::system::beam::damping_ratios;
+
+/// A pin rig reduced to the modes of its base linear system, in which the contact is two springs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModalPinRig {
+    /// ωᵢ (rad/s), ascending.
+    pub angular_frequency: Vec<f64>,
+    /// ζᵢ (1).
+    pub damping_ratio: Vec<f64>,
+    /// Gᵢⱼ = ∫ φᵢ' φⱼ' dx (1/(kg m)), row-major.
+    pub shortening: Vec<f64>,
+    /// r φᵢ'(L) + uᵢ (kg^-1/2): ξ but for the shortening.
+    pub tangential_shape: Vec<f64>,
+    /// φᵢ(L) + r φᵢ'(L) (kg^-1/2): η.
+    pub normal_shape: Vec<f64>,
+    /// uᵢ − r φᵢ'(L) + l pᵢ (kg^-1/2): the hanging mass along the beam, but for the shortening.
+    pub hanging_shape: Vec<f64>,
+    /// φᵢ(S) (kg^-1/2).
+    pub excitation_shape: Vec<f64>,
+    /// Sensors: their distances from the clamp (m) and φᵢ there (kg^-1/2).
+    pub sensors: Vec<(f64, Vec<f64>)>,
+    /// The hanging mass (kg).
+    pub hanging_mass: f64,
+    /// Stiffness (N/m) of the springs that the modes have in place of the contact.
+    pub stuck_stiffness: [f64; 2],
+}
+
+impl ModalPinRig {
+    /// Reduces a rig to its first `rig.beam.modes` modes.
+    ///
+    /// # Errors
+    /// As [`PinRigModes::new`].
+    pub fn new(rig: &PinRig) -> Result<Self, StructureError> {
+        let beam = &rig.beam;
+        let (modes, end) = (PinRigModes::new(rig, beam.modes)?, End::of(rig));
+        let shape_at = |x: f64| (0..beam.modes).filter_map(|mode| modes.displacement(mode, x)).collect();
+        let along = |row: &EndMotion| modes.ends().iter().map(|end| row.dot(end)).collect();
+        let own: Vec<f64> = beam.point_masses.iter().map(|point| point.position).collect();
+        let places = if beam.sensors.is_empty() { own } else { beam.sensors.clone() };
+        Ok(Self {
+            damping_ratio: damping_ratios(&beam.damping, modes.angular_frequency()),
+            shortening: modes.shortening().to_vec(),
+            tangential_shape: along(&end.tangential),
+            normal_shape: along(&end.normal),
+            hanging_shape: along(&end.hanging),
+            excitation_shape: shape_at(beam.excitation_position),
+            sensors: places.into_iter().map(|x| (x, shape_at(x))).collect(),
+            hanging_mass: rig.string.mass,
+            stuck_stiffness: rig.stuck_stiffness,
+            angular_frequency: modes.angular_frequency().to_vec(),
+        })
+    }
+}

@@ -1,0 +1,103 @@
+//! The base linear system of the rig that slips and slaps.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use stickslip::system::{FiniteElementRigModes, ModalPinRig, PinRig, PinRigModes};
+
+use crate::common::pin_rig::{model_b, rig, soft_string};
+
+/// The first frequencies (Hz) of the beam's own modes, exact and by 60 finite elements.
+fn beam_frequencies(rig: &PinRig) -> [Vec<f64>; 2] {
+    let count = 12;
+    let exact = PinRigModes::new(rig, count).unwrap();
+    let elements = FiniteElementRigModes::new(rig, 60, count).unwrap();
+    [
+        (exact.angular_frequency(), exact.beam_fraction()),
+        (elements.angular_frequency(), elements.beam_fraction()),
+    ]
+    .map(|(omega, fraction)| {
+        let beams = omega.iter().zip(fraction).filter(|(_, fraction)| **fraction > 0.5);
+        beams.map(|(omega, _)| omega / TAU).take(3).collect()
+    })
+}
+
+#[test]
+fn frequencies_of_the_beam_are_the_reference_values() {
+    let cases = [
+        (rig(), [51.0827, 158.8299, 324.3773]),
+        (soft_string(), [51.0804, 158.7779, 324.1609]),
+        (model_b(), [52.7873, 164.4231, 335.8551]),
+    ];
+    for (rig, reference) in cases {
+        let [exact, elements] = beam_frequencies(&rig);
+        for ((exact, elements), reference) in exact.iter().zip(&elements).zip(reference) {
+            assert!((exact - reference).abs() < 1e-4, "{exact} Hz is not {reference}");
+            assert!((exact - elements).abs() < 1e-3, "{exact} Hz exact, {elements} by elements");
+        }
+    }
+}
+
+#[test]
+fn shapes_and_shortening_agree_with_finite_elements() {
+    let (rig, count) = (model_b(), 8);
+    let exact = PinRigModes::new(&rig, count).unwrap();
+    let elements = FiniteElementRigModes::new(&rig, 200, count).unwrap();
+    let (own, other) = (exact.shortening(), elements.shortening());
+    for mode in 0..count {
+        let at = |x: f64| [exact.displacement(mode, x).unwrap(), elements.displacement(mode, x).unwrap()];
+        let sign = {
+            let [a, b] = at(0.21);
+            a.signum() * b.signum()
+        };
+        let size = (0..=20).map(|k| at(0.03 * f64::from(k))[0].abs()).fold(0.0, f64::max);
+        for x in [0.05, 0.21, 0.4, 0.55, 0.6] {
+            let [a, b] = at(x);
+            assert!((a - sign * b).abs() < 2e-5 * size, "mode {mode} at {x}: {a} {b}");
+        }
+        let (a, b) = (own[mode * count + mode], other[mode * count + mode]);
+        assert!((a / b - 1.0).abs() < 1e-5, "mode {mode}: {a} {b}");
+        let (a, b) = (exact.beam_fraction()[mode], elements.beam_fraction()[mode]);
+        assert!((a - b).abs() < 1e-5, "mode {mode}: {a} {b}");
+    }
+}
+
+#[test]
+fn pendulum_and_bounce_are_modes_of_the_rig_and_not_of_the_beam() {
+    let modes = PinRigModes::new(&soft_string(), 5).unwrap();
+    let fraction = modes.beam_fraction();
+    assert_eq!(modes.beam_modes().len(), 3);
+    let others: Vec<f64> =
+        (0..5).filter(|mode| fraction[*mode] < 0.5).map(|mode| modes.angular_frequency()[mode]).collect();
+    // Two modes: the mass swings on its string, and it bounces with √(k/m) where the contact is stiff.
+    let bounce = (1e5_f64 / 7.0).sqrt();
+    assert_eq!(others.len(), 2);
+    assert!((others[1] / bounce - 1.0).abs() < 0.02, "{others:?} {bounce}");
+}
+
+#[test]
+fn a_mode_count_that_grows_changes_no_mode() {
+    let [few, many] = [5, 20].map(|count| PinRigModes::new(&model_b(), count).unwrap());
+    assert_eq!(few.angular_frequency(), &many.angular_frequency()[..5]);
+}
+
+/// The paper's eq. 7 has the contact's normal force with the sign that pushes the pin on where it goes.
+#[test]
+fn the_printed_equation_seven_is_unstable() {
+    let mut rig = model_b();
+    let [_, normal_stiffness] = rig.stuck_stiffness;
+    rig.stuck_stiffness[1] = 0.0;
+    rig.beam.modes = 40;
+    let free = ModalPinRig::new(&rig).unwrap();
+    let square: Vec<f64> = free.angular_frequency.iter().map(|omega| omega * omega).collect();
+    let normal = DVector::from_column_slice(&free.normal_shape);
+    let least = |sign: f64| {
+        let stiffness = DMatrix::from_diagonal(&DVector::from_column_slice(&square))
+            + sign * normal_stiffness * &normal * normal.transpose();
+        SymmetricEigen::new(stiffness).eigenvalues.min()
+    };
+    assert!(least(1.0) > 0.0);
+    // q̈ + λ q = 0 with λ < 0 grows with √−λ.
+    let growth = (-least(-1.0)).sqrt();
+    assert!((growth / 2.1e4 - 1.0).abs() < 0.05, "{growth} 1/s");
+}
