@@ -97,6 +97,7 @@ vocabulary! {
     STIFFNESS = "stiffness" ["N/m"] Some(0.0), None, false, 1e4, "Stiffness of a spring";
     DAMPING = "damping" ["N.s/m"] Some(0.0), None, false, 1.0, "Damping of the damper beside a spring";
     NORMAL_STIFFNESS = "normal_stiffness" ["N/m"] Some(0.0), None, false, 1e7, "Normal stiffness of the contact, by which a measured normal displacement changes the normal load";
+    NORMAL_EXPONENT = "normal_exponent" ["1"] Some(1.0), Some(2.0), false, 1.5, "Exponent p of Hertz' law in the normal direction: the normal force grows with the power p of the approach";
     // Effects: parameters.
     SPREAD = "spread" ["1"] Some(0.0), Some(1.0), false, 0.5, "Half-width of the distribution of yield displacements over its mean: 0 one slider, 1 slip from the first displacement on";
     LOAD_GAIN = "load_gain" ["1"] None, None, false, 1.0, "Fraction of the measured change of normal load that reaches the contact";

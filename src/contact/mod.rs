@@ -26,6 +26,7 @@ mod parallel;
 mod periodic;
 pub(crate) mod quadrature;
 mod slider;
+mod slip_slap;
 mod state_sensitivity;
 mod unilateral;
 mod valanis;
@@ -45,6 +46,9 @@ pub use measured::Measured;
 pub use parallel::ParallelSliders;
 pub use periodic::{Period, PeriodicError, PeriodicInfo, PeriodicSolver, periodic_state};
 pub use slider::Slider;
+pub use slip_slap::{
+    NormalDirection, NormalLaw, SlipSlap, SlipSlapInputs, SlipSlapResponse, SlipSlapTangents, SlipSlapWork,
+};
 pub(crate) use state_sensitivity::StateSensitivity;
 pub use unilateral::Unilateral;
 pub use valanis::Valanis;

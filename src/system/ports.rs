@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::contact::ContactLaw;
+use crate::contact::{ContactLaw, SlipSlap};
 
 /// A sparse row: `(degree of freedom, factor)`, e.g. a relative displacement `[(1, 1.0), (0, -1.0)]`.
 pub type Row = Vec<(usize, f64)>;
@@ -155,6 +155,13 @@ pub enum Element {
         /// K (N/m).
         stiffness: [[f64; 2]; 2],
     },
+    /// A contact in two directions at once, whose friction follows the normal force.
+    SlipSlap {
+        /// Tangential and normal, as places in [`System::ports`]; the normal displacement opens the contact.
+        ports: [usize; 2],
+        /// The contact.
+        contact: Arc<SlipSlap>,
+    },
     /// A restoring force (N) given from outside, as by another simulator.
     Outside {
         /// Where, as a place in [`System::ports`].
@@ -167,7 +174,7 @@ impl Element {
     pub fn ports(&self) -> &[usize] {
         match self {
             Self::Law { port, .. } | Self::Outside { port } => std::slice::from_ref(port),
-            Self::Springs { ports, .. } => ports,
+            Self::Springs { ports, .. } | Self::SlipSlap { ports, .. } => ports,
         }
     }
 }
@@ -182,7 +189,15 @@ impl System {
     pub fn laws(&self) -> impl Iterator<Item = (usize, &Arc<dyn ContactLaw>, f64)> {
         self.elements.iter().filter_map(|element| match element {
             Element::Law { port, law, normal_load } => Some((*port, law, *normal_load)),
-            Element::Springs { .. } | Element::Outside { .. } => None,
+            Element::Springs { .. } | Element::SlipSlap { .. } | Element::Outside { .. } => None,
+        })
+    }
+
+    /// The contacts in two directions, in the order of the elements, with their ports as places in [`System::ports`].
+    pub fn slip_slaps(&self) -> impl Iterator<Item = ([usize; 2], &Arc<SlipSlap>)> {
+        self.elements.iter().filter_map(|element| match element {
+            Element::SlipSlap { ports, contact } => Some((*ports, contact)),
+            _ => None,
         })
     }
 

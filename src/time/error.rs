@@ -40,6 +40,9 @@ pub enum SystemError {
     /// Drives and sensors act at linear ports; ports of a system that is not modal are linear.
     #[error("a port that shortens is driven or read, or the system is not modal")]
     NotLinear,
+    /// The integrator has no contacts in two directions at once.
+    #[error("a contact in two directions at once cannot be integrated")]
+    TwoDirections,
 }
 
 /// Why a communication step failed. The state is then unchanged.

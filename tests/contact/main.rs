@@ -15,5 +15,6 @@ mod measured;
 mod memoryless;
 mod periodic;
 mod sliders;
+mod slip_slap;
 mod valanis;
 mod valanis_load;

@@ -1,5 +1,7 @@
 //! The changes of a joint by effects: of its law, of the elements beside the law and in series, and of its load.
 
+use crate::contact::slip_slap::polynomial;
+
 /// Changes of the contact's law. Zero, or `None`, changes nothing.
 ///
 /// With the relative displacement u behind the play, the velocity v and the slip distance s,
@@ -47,9 +49,7 @@ impl JointChanges {
     /// rate `velocity` (m/s): `(N₀ + k δ + k3 δ³)(1 + λ δ̇)`, with the load N₀ (N) at rest and the normal
     /// stiffness k (N/m).
     pub fn normal_reaction(&self, constant: f64, stiffness: f64, displacement: f64, velocity: f64) -> f64 {
-        let elastic = constant
-            + stiffness * displacement
-            + self.normal_cubic_stiffness * displacement * displacement * displacement;
+        let elastic = polynomial(constant, stiffness, self.normal_cubic_stiffness, displacement);
         (elastic.max(0.0) * (1.0 + self.impact_damping * velocity)).max(0.0)
     }
 

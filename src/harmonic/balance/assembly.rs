@@ -96,6 +96,9 @@ impl Assembly {
         {
             return refuse("a normal load or a static offset is not finite");
         }
+        if system.slip_slaps().next().is_some() {
+            return refuse("harmonic balance has no contacts in two directions at once");
+        }
         let places =
             system.elements.iter().flat_map(Element::ports).chain(&system.driven).chain(&system.sensors);
         if places.into_iter().any(|port| *port >= system.ports.len()) {

@@ -50,7 +50,7 @@ pub(super) fn acting(
         Element::Springs { ports: [a, b], stiffness } => {
             Some(Acting::Springs { rows: [rows(*a)?, rows(*b)?], stiffness: *stiffness })
         }
-        Element::Outside { .. } => None,
+        Element::SlipSlap { .. } | Element::Outside { .. } => None,
     };
     system.elements.iter().enumerate().filter_map(one).collect()
 }
