@@ -230,6 +230,26 @@ fn a_variable_without_a_unit_has_that_of_its_connector() {
     assert!((last - 2000.0).abs() < 1e-6, "{last}");
 }
 
+#[test]
+fn outputs_of_the_system_are_columns_in_their_own_units() {
+    let (folder, _file) = unruly::file();
+    let system = "<SystemStructureDescription version=\"1.0\" name=\"s\"><System name=\"s\"><Connectors>\
+        <Connector name=\"seen\" kind=\"output\"><Real unit=\"kN\"/></Connector></Connectors><Elements>\
+        <Component name=\"one\" source=\"Unruly.fmu\"><Connectors><Connector name=\"y\" kind=\"output\"><Real unit=\"N\"/>\
+        </Connector></Connectors></Component></Elements><Connections><Connection startElement=\"one\" startConnector=\"y\" \
+        endConnector=\"seen\"/></Connections></System></SystemStructureDescription>";
+    fs::write(folder.path().join("s.ssd"), system).unwrap();
+    let arguments =
+        ["simulate", "s.ssd", "--stop", "1", "--step", "0.1", "--set", "one.u=2000", "--out", "r.csv"];
+    ended(folder.path(), 0, &arguments);
+    let csv = fs::read_to_string(folder.path().join("r.csv")).unwrap();
+    let cells = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(cells(csv.lines().next().unwrap()), ["time [s]", "one.y [N]", "seen [kN]"]);
+    let last = cells(csv.lines().last().unwrap());
+    let [own, seen] = [1, 2].map(|cell: usize| last[cell].parse::<f64>().unwrap());
+    assert!((own - 2000.0).abs() < 1e-9 && (seen - 2.0).abs() < 1e-12, "{last:?}");
+}
+
 /// The last force of the contact.
 fn column_of(json: &Value) -> f64 {
     *column(json, "JenkinsContact.force").last().unwrap()

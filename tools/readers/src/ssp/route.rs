@@ -30,6 +30,11 @@ impl Route {
         self.hops.iter().any(|hop| hop.booleans)
     }
 
+    /// The unit at its end, as far as connectors declare one.
+    pub fn unit(&self) -> Option<&Unit> {
+        self.hops.iter().rev().find_map(|hop| hop.unit.as_ref()).or(self.first.as_ref())
+    }
+
     /// A value of the output, whose variable has the unit `from`, as a value of the input, whose variable has the
     /// unit `to`; absent where an FMU declares none.
     ///

@@ -21,8 +21,18 @@ pub(super) struct Assembly {
     pub stop: Option<f64>,
     pub step: Option<f64>,
     pub remarks: Vec<String>,
+    /// Outputs of the system as a whole.
+    pub outputs: Vec<SystemColumn>,
     /// What each FMU says.
     pub logs: Vec<(String, Arc<Log>)>,
+}
+
+/// An output of the system: its name, the recorded column it comes from, how, and its unit.
+pub(super) struct SystemColumn {
+    pub name: String,
+    pub from: String,
+    pub linear: Linear,
+    pub unit: Option<String>,
 }
 
 /// Reads the system and makes it ready.
@@ -55,6 +65,7 @@ pub(super) fn assemble(arguments: &Simulate) -> Result<Assembly, Failure> {
     }
     let experiment = Experiment::of(&structure, &parts);
     let connections = connections(&structure, &parts)?;
+    let outputs = outputs(&structure, &parts)?;
     let records = arguments.record.iter().map(|name| find(&parts, name));
     let records = records.collect::<Result<Vec<_>, Failure>>()?;
     let names: Vec<String> = parts.iter().map(|part| part.name.clone()).collect();
@@ -70,10 +81,11 @@ pub(super) fn assemble(arguments: &Simulate) -> Result<Assembly, Failure> {
     for ((component, variable), value) in &starts.numbers {
         system.start(&names[*component], variable, *value).map_err(refused)?;
     }
-    observe(&mut system, &names, &records)?;
+    let shown = structure.outputs.iter().map(|output| (output.from.component, output.from.variable.clone()));
+    observe(&mut system, &names, &shown.chain(records).collect::<Vec<_>>())?;
     inputs::connect(&mut system, sources, &names)?;
     let Experiment { start, stop, step } = experiment;
-    Ok(Assembly { title: structure.name.clone(), system, start, stop, step, remarks, logs })
+    Ok(Assembly { title: structure.name.clone(), system, start, stop, step, remarks, outputs, logs })
 }
 
 /// A system of one FMU.
@@ -130,6 +142,20 @@ fn connections(structure: &SystemStructure, parts: &[Part]) -> Result<Vec<Resolv
         Ok((from.clone(), to.clone(), linear))
     });
     resolved.collect()
+}
+
+/// Outputs of the system, in the units of their connectors.
+fn outputs(structure: &SystemStructure, parts: &[Part]) -> Result<Vec<SystemColumn>, Failure> {
+    let columns = structure.outputs.iter().map(|output| {
+        let part = &parts[output.from.component];
+        let own = part.unit(&output.from.variable)?;
+        let failed = |error| Failure::input(format!("the system's output `{}`: {error}", output.name));
+        let linear = output.route.linear(own.as_ref(), output.route.unit()).map_err(failed)?;
+        let unit = output.route.unit().or(own.as_ref()).map(|unit| unit.name.clone());
+        let from = format!("{}.{}", part.name, output.from.variable);
+        Ok(SystemColumn { name: output.name.clone(), from, linear, unit })
+    });
+    columns.collect()
 }
 
 fn is_boolean(parts: &[Part], end: &End) -> bool {

@@ -134,12 +134,13 @@ impl Simulate {
         }
         let settings = self.settings(&assembly)?;
         let algorithm = self.algorithm_name();
-        let Assembly { title, system, remarks, logs, .. } = assembly;
+        let Assembly { title, system, remarks, logs, outputs, .. } = assembly;
         let begin = Instant::now();
         let master = Master::new(system, settings.clone()).map_err(refused)?;
         self.tell_size(&master, &settings)?;
         let mut simulation = run::simulate(master, &settings, self.every);
         drop(watch);
+        run::add_outputs(&mut simulation, outputs);
         simulation.seconds = begin.elapsed().as_secs_f64();
         simulation.title = title;
         simulation.algorithm = algorithm;

@@ -5,10 +5,24 @@ use std::ops::ControlFlow;
 use stickslip::cosim::{Master, Settings};
 use stickslip_report::simulation::{Column, Simulation};
 
+use super::assemble::SystemColumn;
 use crate::progress::{self, Progress};
 
 /// Parts in which progress is shown.
 const PARTS: usize = 1000;
+
+/// Adds the outputs of the system as a whole, which are values of its parts under other names and in other units.
+pub(super) fn add_outputs(simulation: &mut Simulation, outputs: Vec<SystemColumn>) {
+    for SystemColumn { name, from, linear, unit } in outputs {
+        let found = simulation.columns.iter().find(|column| column.name == from);
+        let Some(values) =
+            found.map(|column| column.values.iter().map(|value| linear.apply(*value)).collect())
+        else {
+            continue;
+        };
+        simulation.columns.push(Column { name, unit, values });
+    }
+}
 
 /// Runs to the stop, to an interrupt or to a failure; what there is so far is in the result.
 pub(super) fn simulate(master: Master, settings: &Settings, every: u64) -> Simulation {
