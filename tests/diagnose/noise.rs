@@ -11,6 +11,8 @@ use stickslip::model::Model;
 const STIFFNESS: f64 = 5e6;
 const LIMIT: f64 = 50.0;
 const SAMPLES: usize = 400;
+/// N/m.
+const SOFT_STOP: f64 = 7e5;
 
 fn model() -> Model {
     let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
@@ -175,6 +177,20 @@ fn records_that_tell_too_little_decide_nothing_and_what_they_cannot_explain_is_s
         found.verdict,
         found.reasons
     );
+}
+
+#[test]
+fn a_relevant_error_in_what_was_foretold_counts_though_all_records_together_hide_it() {
+    // An end stop so soft that it is relevant in the two test records alone, and not in the eight together.
+    let mut records = judged_far_away(4e-6, 8e-6);
+    for record in &mut records {
+        let motion = record.channels[2].values.clone();
+        for (force, u) in record.channels[1].values.iter_mut().zip(motion) {
+            *force += SOFT_STOP * (u - 6e-6).max(0.0);
+        }
+    }
+    let found = diagnosed(records);
+    assert_eq!(found.verdict, Verdict::Unexplained, "{:?}", found.reasons);
 }
 
 #[test]

@@ -69,21 +69,27 @@ fn residual(data: &Measured, posterior: &Posterior) -> Result<Doubt, String> {
     if data.excess(&posterior.predictions) < data.assumptions().relevant {
         return Err("the residual is not relevantly larger than the noise".to_owned());
     }
-    let told = data.log_score(&posterior.predictions);
-    let under = |alpha: f64| {
-        let priors = released(data, alpha);
-        (data.log_score_under(&priors, &posterior.predictions), priors)
-    };
-    let tried = data.assumptions().discrepancies().map(under);
-    let (score, priors) = tried.max_by(|a, b| a.0.total_cmp(&b.0)).ok_or("no size of a residual is tried")?;
+    let (gain, priors) =
+        larger_noise(data, &posterior.predictions).ok_or("no size of a residual is tried")?;
     Ok(Doubt {
         kind: Discrepancy::Residual,
-        log_evidence: posterior.log_evidence + score - told,
+        log_evidence: posterior.log_evidence + gain,
         y: posterior.y.clone(),
         latent: Latent::default(),
         priors,
         predictions: posterior.predictions.clone(),
     })
+}
+
+/// The size of a residual of its own that `predictions` speak for most: by how much more than for the noise that was told,
+/// and what the noise may be beside it.
+pub(super) fn larger_noise(data: &Measured, predictions: &[Vec<f64>]) -> Option<(f64, Vec<Vec<NoisePrior>>)> {
+    let told = data.log_score(predictions);
+    let under = |alpha: f64| {
+        let priors = released(data, alpha);
+        (data.log_score_under(&priors, predictions) - told, priors)
+    };
+    data.assumptions().discrepancies().map(under).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// A force that follows the motion.

@@ -136,6 +136,11 @@ pub(super) fn doubt(data: &Measured, of: &Posterior) -> Result<f64, String> {
     Ok(if small { f64::NEG_INFINITY } else { doubt.log_evidence - of.log_evidence })
 }
 
+/// Log evidence that the residual of `predictions`, however small, is more than the noise that is known.
+pub(super) fn beyond_noise(data: &Measured, predictions: &[Vec<f64>]) -> f64 {
+    discrepancy::larger_noise(data, predictions).map_or(f64::NEG_INFINITY, |(gain, _)| gain)
+}
+
 /// `model` with those of its parameters that `free` names fitted to one record.
 pub(super) fn alone(
     bench: &WeightedDataset,

@@ -127,12 +127,35 @@ impl Decision {
             self.taken_back = Some(TakenBack::Worse);
             return self;
         }
-        let again = evidence::again(all, &weighed.sets[self.best].posterior);
-        if again.and_then(|again| evidence::doubt(all, &again)).is_ok_and(|doubt| doubt > against) {
+        if self.is_contradicted(context, weighed, test, all).unwrap_or(false) {
             self.verdict = Verdict::Unexplained;
             self.taken_back = Some(TakenBack::Unexplained);
         }
         self
+    }
+
+    /// Whether all records together show what is missing: something relevant that remains when the best set is fitted to
+    /// them, or anything at all that remains where the test records were foretold relevantly wrong.
+    fn is_contradicted(
+        &self,
+        context: &Context,
+        weighed: &Weighed,
+        test: &Measured,
+        all: &Measured,
+    ) -> Result<bool, String> {
+        let against = context.data.assumptions().certainty();
+        let best = &weighed.sets[self.best].posterior;
+        let again = evidence::again(all, best)?;
+        if evidence::doubt(all, &again).is_ok_and(|doubt| doubt > against) {
+            return Ok(true);
+        }
+        if !all.noise_is_known() {
+            return Ok(false);
+        }
+        let foretold = context.bench.score(&best.model, &test.records).map_err(|error| error.to_string())?;
+        let foretold: Vec<Vec<f64>> = foretold.into_iter().map(|one| one.predictions).collect();
+        let relevant = test.excess(&foretold) >= context.data.assumptions().relevant;
+        Ok(relevant && evidence::beyond_noise(all, &again.predictions) > against)
     }
 
     /// After a look at what could have been seen beside the best set, which may take back that nothing is missing.
