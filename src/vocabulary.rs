@@ -54,6 +54,13 @@ vocabulary! {
     DISSIPATED_ENERGY = "dissipated_energy" ["J"] Some(0.0), None, false, 1e-3, "Energy dissipated in the contact since the start";
     SLIP_STATE = "slip_state" ["1"] Some(0.0), Some(2.0), false, 1.0, "0 stick, 1 slip, 2 separated";
     SLIP_FRACTION = "slip_fraction" ["1"] Some(0.0), Some(1.0), false, 1.0, "Share of the sliders that slip, by stiffness: 0 all stick, 1 none does";
+    // Contact in two directions.
+    OPENING = "opening" ["m"] None, None, false, 1e-6, "Relative normal displacement at the contact, positive where it opens; 0 at rest under the normal load";
+    OPENING_VELOCITY = "opening_velocity" ["m/s"] None, None, false, 1e-3, "Relative normal velocity at the contact, positive where it opens";
+    OPENING_FORCE = "opening_force" ["N"] None, None, false, 100.0, "Restoring normal force, positive when it resists opening: the load at rest less the contact's normal force";
+    NORMAL_FORCE = "normal_force" ["N"] Some(0.0), None, false, 100.0, "Normal force in the contact, by which the bodies press on each other; 0 where they are apart";
+    SEPARATION = "separation" ["m"] Some(0.0), None, false, 1e-6, "Distance between the bodies; 0 in contact";
+    IMPACT_ENERGY = "impact_energy" ["J"] Some(0.0), None, false, 1e-3, "Energy dissipated by impact damping since the start";
     // Contact: parameters.
     TANGENTIAL_STIFFNESS = "tangential_stiffness" ["N/m"] Some(0.0), None, true, 1e6, "Tangential stiffness in stick (e0 of the Valanis law)";
     FRICTION_COEFFICIENT = "friction_coefficient" ["1"] Some(0.0), None, true, 0.5, "Coefficient of friction; the friction limit is its product with the normal load";

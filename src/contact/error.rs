@@ -95,6 +95,9 @@ pub enum LawError {
         /// Name of the parameter.
         parameter: &'static str,
     },
+    /// Hardening of a normal direction that hardens by its own law.
+    #[error("Hertz' law hardens by itself and takes no normal_cubic_stiffness")]
+    Hardening,
 }
 
 /// The unit as it follows a number; a plain number's `1` is left out.

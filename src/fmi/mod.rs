@@ -73,6 +73,7 @@ mod oscillator;
 mod parameter;
 mod saving;
 mod slip;
+mod slip_slap;
 mod snapshot;
 mod stage;
 mod values;
@@ -165,6 +166,9 @@ impl LoadRule {
 /// The variable table of a model whose parameters have the rows `parameters`.
 fn describe(model: &Model, parameters: Vec<Variable>) -> Result<Description, String> {
     match (&model.structure, &model.contact) {
+        (Structure::Prescribed, Some(contact)) if contact.normal.is_some() => {
+            Ok(slip_slap::describe(model, contact, parameters))
+        }
         (Structure::Prescribed, Some(contact)) => Ok(contact::describe(model, contact, parameters)),
         (Structure::Prescribed, None) => Err("a contact model needs a contact".to_owned()),
         (Structure::Beam(beam), contact) => Ok(beam::describe(model, beam, contact.as_ref(), parameters)),
@@ -177,6 +181,9 @@ fn describe(model: &Model, parameters: Vec<Variable>) -> Result<Description, Str
 /// The physics of a model.
 fn behaviour(model: &Model) -> Result<Box<dyn Behaviour>, String> {
     match (&model.structure, &model.contact) {
+        (Structure::Prescribed, Some(contact)) if contact.normal.is_some() => {
+            Ok(Box::new(slip_slap::SlipSlapBehaviour::new(model)?))
+        }
         (Structure::Prescribed, _) => Ok(Box::new(contact::ContactBehaviour::new(model)?)),
         (Structure::Beam(beam), _) => beam::behaviour(beam, model),
         (Structure::Oscillator(oscillator), _) => oscillator::behaviour(model, oscillator),

@@ -7,11 +7,12 @@ use std::borrow::Cow;
 
 /// Rows of the variable table for the parameters of `model`, with their paths in the model file.
 ///
-/// The normal load is an input, and positions are part of the names: neither is a parameter.
+/// The normal load is an input, but of a contact in two directions, and positions are part of the names.
 pub(super) fn parameters(model: &Model) -> (Vec<String>, Vec<Variable>) {
     let is_parameter = |path: &str| {
         // Load and normal displacement come from outside; what sensors show is not in an FMU.
-        let about_the_load = ["contact.normal_load", "contact.normal_stiffness"].contains(&path);
+        let about_the_load = model.contact.is_none_or(|contact| contact.normal.is_none())
+            && ["contact.normal_load", "contact.normal_stiffness"].contains(&path);
         !about_the_load
             && !path.ends_with(".position")
             && effect(model, path).is_none_or(|applied| applied.effect.part.is_in_fmu())

@@ -212,6 +212,7 @@ fn first_guess(
         friction_coefficient: 1.1 * largest / normal_load,
         normal_load,
         normal_stiffness: 0.0,
+        normal: None,
     };
     Ok(Model { structure: Structure::Prescribed, contact: Some(contact), effects: Vec::new(), free: None })
 }

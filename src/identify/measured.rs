@@ -101,6 +101,7 @@ fn branches(
             friction_coefficient: knot * range / normal_load,
             normal_load,
             normal_stiffness: 0.0,
+            normal: None,
         };
         force_under(&of_contact(contact), period).map(DVector::from_vec)
     };
@@ -161,6 +162,7 @@ impl Table {
             friction_coefficient: values[1],
             normal_load,
             normal_stiffness: 0.0,
+            normal: None,
         }))
     }
 

@@ -25,6 +25,7 @@ impl Model {
         // Before the bounds: a law's own message about its parameters is clearer.
         self.contact.as_ref().map_or(Ok(()), check_law)?;
         let law = self.contact.map(|contact| contact.law.kind);
+        self.check_normal()?;
         for Value { path, quantity, value } in self.values() {
             let of_law = law.and_then(|law| law.parameter(quantity.name));
             let includes_min = of_law.is_some_and(|parameter| parameter.includes_min);

@@ -30,6 +30,7 @@ mod effects;
 mod error;
 mod free;
 mod law;
+mod normal;
 mod oscillator;
 mod parameters;
 mod parse;
@@ -40,6 +41,7 @@ mod write;
 pub use assembled::AssemblyError;
 pub use check::SMALLEST_AND_LARGEST;
 pub use error::ParameterError;
+pub use normal::Normal;
 pub use oscillator::GROUND;
 pub use parameters::ModelParameter;
 
@@ -142,4 +144,6 @@ pub struct Contact {
     pub normal_load: f64,
     /// Normal stiffness (N/m), by which a measured normal displacement changes the load; 0 when absent.
     pub normal_stiffness: f64,
+    /// The normal direction, of a contact in two directions.
+    pub normal: Option<Normal>,
 }

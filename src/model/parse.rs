@@ -1,7 +1,7 @@
 //! From the text of a `model.toml` to a [`Model`], every error with its bytes.
 
 use super::{
-    Beam, Contact, Damping, Law, Model, ModelError, PointMass, SCHEMA, Structure, effects, oscillator,
+    Beam, Contact, Damping, Law, Model, ModelError, PointMass, SCHEMA, Structure, effects, normal, oscillator,
 };
 use crate::contact::{LAWS, LawKind, LawParameter};
 use crate::document::{Document, Numbers, Table, suggestion};
@@ -134,8 +134,10 @@ fn refuse_foreign_tables(root: &Table<'_>, kind: &str) -> Result<(), ModelError>
 fn contact(table: &Table<'_>, structure: &Structure) -> Result<Contact, ModelError> {
     // An oscillator's contact says where it is.
     let mut keys = COMMON_CONTACT_KEYS.to_vec();
-    if let Structure::Oscillator(_) = structure {
-        keys.push("at");
+    match structure {
+        Structure::Prescribed => keys.extend(normal::KEYS),
+        Structure::Oscillator(_) => keys.push("at"),
+        Structure::Beam(_) => {}
     }
     let names: Vec<&str> = LAWS.iter().map(|kind| kind.name).collect();
     let name = table.required_string("law").map_err(|error| with_list(error, "laws", &names))?;
@@ -158,6 +160,7 @@ fn contact(table: &Table<'_>, structure: &Structure) -> Result<Contact, ModelErr
         friction_coefficient: table.quantity(&v::FRICTION_COEFFICIENT)?,
         normal_load: table.quantity(&v::NORMAL_LOAD)?,
         normal_stiffness: table.number(v::NORMAL_STIFFNESS.name)?.map_or(0.0, |stiffness| stiffness.value),
+        normal: normal::parse(table)?,
     })
 }
 

@@ -43,8 +43,11 @@ impl Model {
             for (parameter, value) in contact.law.kind.parameters.iter().zip(contact.law.values_mut()) {
                 add(parameter.quantity, value);
             }
-            if contact.normal_stiffness != 0.0 {
+            if contact.normal_stiffness != 0.0 || contact.normal.is_some() {
                 add(&v::NORMAL_STIFFNESS, &mut contact.normal_stiffness);
+            }
+            if let Some(normal) = &mut contact.normal {
+                normal.slots(&mut slots);
             }
         }
         effect_slots(&mut self.effects, &mut slots);

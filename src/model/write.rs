@@ -66,6 +66,9 @@ fn write_contact(text: &mut String, contact: &Contact, at: Option<&str>) {
     if contact.normal_stiffness != 0.0 {
         write_quantity(text, &v::NORMAL_STIFFNESS, contact.normal_stiffness);
     }
+    if let Some(normal) = &contact.normal {
+        normal.write(text);
+    }
 }
 
 fn write_beam(text: &mut String, beam: &Beam) {

@@ -4,6 +4,7 @@ use stickslip::fmi::{Causality, Instance, Setup, Variability, VariableType};
 
 pub const JENKINS: &str = include_str!("../../modelDescription/JenkinsContact.toml");
 pub const VALANIS: &str = include_str!("../../modelDescription/ValanisContact.toml");
+pub const SLIP_SLAP: &str = include_str!("../../modelDescription/SlipSlapContact.toml");
 pub const MODAL: &str = include_str!("../../modelDescription/ModalBeam.toml");
 pub const TWO_CONTACTS: &str = include_str!("../../modelDescription/ModalBeamTwoContacts.toml");
 pub const FRICTIONAL: &str = include_str!("../../modelDescription/FrictionalBeam.toml");
@@ -34,6 +35,12 @@ pub const OF_A_CONTACT: Waves = &[
     ("displacement", [4e-5, 300.0, 0.0, 0.0]),
     ("velocity", [4e-5 * 300.0, 300.0, 1.57, 0.0]),
     ("normal_load", [60.0, 170.0, 0.3, 140.0]),
+];
+pub const OF_SLIP_AND_SLAP: Waves = &[
+    ("displacement", [4e-5, 300.0, 0.0, 0.0]),
+    ("velocity", [4e-5 * 300.0, 300.0, 1.57, 0.0]),
+    ("opening", [5e-6, 170.0, 0.3, 0.0]),
+    ("opening_velocity", [5e-6 * 170.0, 170.0, 0.3 + 1.57, 0.0]),
 ];
 pub const OF_A_BEAM: Waves =
     &[("excitation", [20.0, 330.0, 0.2, 0.0]), ("contact_force", [60.0, 200.0, 0.0, 10.0])];
@@ -70,6 +77,8 @@ pub fn cases() -> Vec<Case<'static>> {
         let law = format!("law = \"valanis\"\ntangential_stiffness = {stiffness}\nsmoothness = 0.4\n");
         text.replace("law = \"jenkins\"\n", &law).replace("tangential_stiffness = 0.2 ", "# ")
     };
+    let valanis = SLIP_SLAP.replace("\"jenkins\"", "\"valanis\"\nsmoothness = 0.4").replace("hertz", "cubic");
+    let valanis = valanis.replace("normal_exponent = 1.5", "normal_cubic_stiffness = 1e18");
     let stiff = FRICTIONAL
         .replace("law = \"valanis\"", "law = \"jenkins\"")
         .replace("smoothness = 0.3\n", "")
@@ -91,6 +100,8 @@ pub fn cases() -> Vec<Case<'static>> {
         case("FrictionalBeam, another", &another, (5e-4, 30, 1e-11), OF_A_FRICTIONAL_BEAM_WITH_ANOTHER),
         case("Oscillator", OSCILLATOR, (0.4, 60, 1e-6), OF_AN_OSCILLATOR),
         case("Oscillator, Valanis", &gradual(OSCILLATOR, "0.2"), (0.4, 60, 1e-6), OF_AN_OSCILLATOR),
+        case("slip and slap", SLIP_SLAP, (1e-3, 40, 1e-6), OF_SLIP_AND_SLAP),
+        case("slip and slap, Valanis", &valanis, (1e-3, 40, 1e-6), OF_SLIP_AND_SLAP),
     ]
 }
 

@@ -145,10 +145,12 @@ fn output_derivatives_are_slopes_at_the_end_of_the_step() {
     for case in cases() {
         let mut run = Run::new(&case);
         let mut comparison = Comparison::default();
-        let energy = (0..run.outputs.len()).find(|output| run.name(*output) == "dissipated_energy");
+        let energies = ["dissipated_energy", "impact_energy"];
+        let energies: Vec<usize> =
+            (0..run.outputs.len()).filter(|output| energies.contains(&run.name(*output))).collect();
         for k in 0..case.steps {
             let before = run.instance.snapshot();
-            let energy_before = energy.map(|output| run.read()[output]);
+            let energies_before = run.read();
             let time = k as f64 * case.step;
             let (values, slopes) = (run.waves(time, 0), run.waves(time, 1));
             let less = case.step / 500.0;
@@ -161,7 +163,7 @@ fn output_derivatives_are_slopes_at_the_end_of_the_step() {
                 outputs.push(run.read());
             }
             let mut found = run.rates();
-            if let (Some(row), Some(before)) = (energy, energy_before) {
+            for (row, before) in energies.iter().map(|row| (*row, energies_before[*row])) {
                 // A mean over the step; a contact moves at once to where the step begins, which is no part of it.
                 let mean = (outputs[2][row] - before) / case.step;
                 if !case.model.contains("kind = \"contact\"") {

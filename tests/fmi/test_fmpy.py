@@ -141,7 +141,9 @@ def test_impossible_values_are_errors_and_the_slave_goes_on(model):
 
 
 def test_parameters_act(model):
-    changed = {"JenkinsContact": "friction_coefficient", "ValanisContact": "smoothness"}
+    changed = {
+        "JenkinsContact": "friction_coefficient", "ValanisContact": "smoothness", "SlipSlapContact": "normal_exponent"
+    }
     parameter = model.variables[changed.get(model.name, "youngs_modulus")]
     runs = []
     for factor in (1.0, 1.2):

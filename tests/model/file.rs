@@ -272,6 +272,7 @@ fn contact() -> impl Strategy<Value = Contact> {
         friction_coefficient: coefficient,
         normal_load: load,
         normal_stiffness: 0.0,
+        normal: None,
     })
 }
 

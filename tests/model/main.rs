@@ -4,5 +4,6 @@
 mod common;
 
 mod file;
+mod normal;
 mod oscillator;
 mod parameters;

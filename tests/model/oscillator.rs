@@ -293,6 +293,7 @@ fn oscillators() -> impl Strategy<Value = Model> {
                     friction_coefficient: 0.5,
                     normal_load: 3.0,
                     normal_stiffness: 0.0,
+                    normal: None,
                 }),
                 effects: Vec::new(),
                 free: None,

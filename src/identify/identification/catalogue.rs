@@ -144,7 +144,8 @@ fn with_contact(
     let contact = law.model.contact?;
     let mut new = model.clone();
     let normal_stiffness = model.contact.map_or(0.0, |contact| contact.normal_stiffness);
-    new.contact = Some(Contact { normal_stiffness, ..contact });
+    let normal = model.contact.and_then(|contact| contact.normal);
+    new.contact = Some(Contact { normal_stiffness, normal, ..contact });
     new.effects.retain(|effect| !effect.effect.kinds.contains(&Kind::Contact));
     let gone: Vec<&str> = model
         .effects

@@ -22,6 +22,7 @@ fn model() -> Model {
         friction_coefficient: 0.1,
         normal_load: 147.15,
         normal_stiffness: 0.0,
+        normal: None,
     };
     let structure = Structure::Beam(description(4));
     Model { structure, contact: Some(contact), effects: Vec::new(), free: None }

@@ -9,7 +9,7 @@ use std::{env, fs};
 
 mod native {
     //! The models by the library's own means, not through a slave.
-    use stickslip::contact::Inputs;
+    use stickslip::contact::{Inputs, SlipSlapInputs, SlipSlapWork};
     use stickslip::model::{Beam, Contact, Model, Structure};
     use stickslip::system::ModalBeam;
     use stickslip::time::{Integrator, Outputs, Ramp, Settings};
@@ -30,6 +30,7 @@ mod native {
         match (&model.structure, &model.contact) {
             (Structure::Beam(beam), contact) => self::beam(beam, contact.as_ref()),
             (Structure::Oscillator(_), _) => unreachable!("no standard FMU is an oscillator"),
+            (Structure::Prescribed, Some(contact)) if contact.normal.is_some() => slip_slap(model),
             (Structure::Prescribed, contact) => self::contact(&contact.expect("a contact model")),
         }
     }
@@ -57,6 +58,35 @@ mod native {
             rows.push(vec![time, displacement, velocity, normal_load, response.force, energy, slip]);
         }
         (names.map(String::from).to_vec(), rows)
+    }
+
+    /// A contact in two directions that slips, lifts off and slaps.
+    fn slip_slap(model: &Model) -> Table {
+        let contact = model.slip_slap().expect("legal").expect("a normal law");
+        let mut state = vec![0.0; contact.state_len()];
+        contact.set_state([0.0; 2], 0.0, &mut state);
+        let (mut next, mut work) = (state.clone(), SlipSlapWork::default());
+        let inputs = ["displacement", "velocity", "opening", "opening_velocity"];
+        let outputs = ["force", "opening_force", "normal_force", "separation", "dissipated_energy"];
+        let more = ["impact_energy", "slip_state"];
+        let (depth, rate) = (1.2 * contact.normal().static_approach(), 2.0 * std::f64::consts::PI * 21.0);
+        let (mut energies, mut rows) = ([0.0; 2], Vec::new());
+        for row in 0..=1000 {
+            let time = f64::from(row) * 1e-3;
+            let (u, v) = displacement(time);
+            let (opening, speed) = (depth * (rate * time).sin(), depth * rate * (rate * time).cos());
+            let inputs = SlipSlapInputs { displacement: [u, opening], velocity: [v, speed] };
+            let response = contact.step(&state, inputs, &mut next, &mut work);
+            std::mem::swap(&mut state, &mut next);
+            energies[0] += response.friction_energy;
+            energies[1] += response.impact_energy;
+            let [force, opening_force] = response.force;
+            let slip = f64::from(response.slip_state as i32);
+            let forces = [force, opening_force, response.normal_force, response.separation];
+            let inputs = [time, u, v, opening, speed];
+            rows.push([&inputs[..], &forces, &energies, &[slip]].concat());
+        }
+        ([&inputs[..], &outputs, &more].concat().into_iter().map(String::from).collect(), rows)
     }
 
     /// What is written of a beam, but the time.

@@ -63,10 +63,11 @@ pub fn library_extension() -> &'static str {
 }
 
 /// Names (which are model identifiers) and model files of the standard models.
-pub fn standard_models() -> [(&'static str, &'static str); 5] {
+pub fn standard_models() -> [(&'static str, &'static str); 6] {
     [
         ("JenkinsContact", include_str!("../../../modelDescription/JenkinsContact.toml")),
         ("ValanisContact", include_str!("../../../modelDescription/ValanisContact.toml")),
+        ("SlipSlapContact", include_str!("../../../modelDescription/SlipSlapContact.toml")),
         ("ModalBeam", include_str!("../../../modelDescription/ModalBeam.toml")),
         ("ModalBeamTwoContacts", include_str!("../../../modelDescription/ModalBeamTwoContacts.toml")),
         ("FrictionalBeam", include_str!("../../../modelDescription/FrictionalBeam.toml")),

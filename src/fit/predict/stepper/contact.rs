@@ -88,8 +88,13 @@ impl<'r> MovedContact<'r> {
         let count = self.samples();
         self.load.clear();
         if let (true, Some(normal)) = (contact.normal_stiffness > 0.0, &self.normal_displacement) {
-            let reaction = |(approach, rate): (&f64, &f64)| {
-                joint.normal_reaction(contact.normal_load, contact.normal_stiffness, *approach, *rate)
+            let direction = model.normal_direction().map_err(|error| error.to_string())?;
+            let reaction = |(approach, rate): (&f64, &f64)| match &direction {
+                // A column of records counts what presses together.
+                Some(direction) => direction.force(-approach, -rate),
+                None => {
+                    joint.normal_reaction(contact.normal_load, contact.normal_stiffness, *approach, *rate)
+                }
             };
             self.load.extend(normal.values.iter().zip(&normal.rates).map(reaction));
         } else if let Some(measured) = &self.measured_load {

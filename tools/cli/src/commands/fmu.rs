@@ -11,8 +11,8 @@ pub struct Fmu {
     /// Folder to write to; created if missing
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
-    /// Standard models (JenkinsContact, ValanisContact, ModalBeam, ModalBeamTwoContacts, FrictionalBeam) and systems of
-    /// them as .ssp (BeamWithValanis, BeamWithJenkins, BeamWithTwoContacts) to write; all when none is named
+    /// Standard models (JenkinsContact, ValanisContact, SlipSlapContact, ModalBeam, ModalBeamTwoContacts,
+    /// FrictionalBeam) and systems of them as .ssp (BeamWithValanis, BeamWithJenkins, BeamWithTwoContacts) to write; all when none is named
     #[arg(value_name = "MODEL")]
     models: Vec<String>,
 }

@@ -56,7 +56,7 @@ fn standard_fmus_are_written_by_name_or_all() {
         .collect();
     let systems = ["BeamWithJenkins.ssp", "BeamWithTwoContacts.ssp", "BeamWithValanis.ssp"];
     let beams = ["FrictionalBeam.fmu", "JenkinsContact.fmu", "ModalBeam.fmu", "ModalBeamTwoContacts.fmu"];
-    assert_eq!(names, [&systems[..], &beams, &["ValanisContact.fmu"]].concat());
+    assert_eq!(names, [&systems[..], &beams, &["SlipSlapContact.fmu", "ValanisContact.fmu"]].concat());
     assert!(stickslip(folder.path(), &["fmu", "--out", "one", "ModalBeam"]).status.success());
     assert_eq!(entries(&folder.path().join("one")).len(), 1);
     let unknown = stickslip(folder.path(), &["fmu", "--out", "none", "Modalbeam"]);

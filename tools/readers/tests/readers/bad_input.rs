@@ -292,7 +292,7 @@ error: unknown key `normal_laod` in [contact]
 8 | normal_laod = 100
   | ^^^^^^^^^^^
   |
-  = help: did you mean `normal_load`? legal keys: `law`, `tangential_stiffness`, `friction_coefficient`, `normal_load`, `normal_stiffness`";
+  = help: did you mean `normal_load`? legal keys: `law`, `tangential_stiffness`, `friction_coefficient`, `normal_load`, `normal_stiffness`, `normal_law`, `normal_cubic_stiffness`, `normal_exponent`, `impact_damping`";
     assert_eq!(error.render(false), expected);
     assert_eq!(error.to_string(), "model.toml:8:1: unknown key `normal_laod` in [contact]");
 }

@@ -1,0 +1,185 @@
+//! The normal direction of a contact in a model file: `normal_law` and the keys that go with it.
+//!
+//! ```toml
+//! [contact]
+//! law = "jenkins"
+//! tangential_stiffness = 3.95e6    # N/m
+//! friction_coefficient = 0.6
+//! normal_load = 68.67              # N, carried at rest
+//! normal_law = "hertz"             # linear, cubic or hertz
+//! normal_stiffness = 2.37e7        # N/m, slope at rest
+//! normal_exponent = 1.5            # hertz alone, 1.5 if left out
+//! normal_cubic_stiffness = 1e18    # N/m^3, cubic alone
+//! impact_damping = 30.0            # s/m, 0 if left out
+//! ```
+
+use std::sync::Arc;
+
+use super::error::ParameterError;
+use super::slots::Slot;
+use super::text::{line, write_quantity};
+use super::{Model, ModelError};
+use crate::contact::{LawError, NormalDirection, NormalLaw, SlipSlap};
+use crate::document::{Table, suggestion};
+use crate::vocabulary::{self as v, Quantity};
+
+/// What makes a contact one in two directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Normal {
+    /// The elastic law; its stiffness is [`normal_stiffness`](super::Contact::normal_stiffness).
+    pub law: NormalLaw,
+    /// λ (s/m).
+    pub impact_damping: f64,
+}
+
+/// The key that names the law.
+const LAW: &str = "normal_law";
+const LAWS: [&str; 3] = ["linear", "cubic", "hertz"];
+/// All keys, those of every law last.
+pub(super) const KEYS: [&str; 4] =
+    [LAW, v::NORMAL_CUBIC_STIFFNESS.name, v::NORMAL_EXPONENT.name, v::IMPACT_DAMPING.name];
+/// Exponent of Hertz' law in a file that does not give it: two curved bodies.
+const EXPONENT: f64 = 1.5;
+
+/// Reads the keys of `[contact]`.
+pub(super) fn parse(table: &Table<'_>) -> Result<Option<Normal>, ModelError> {
+    let name = table.string(LAW)?;
+    let given = name.as_ref().map(|name| name.value);
+    for (quantity, law) in [(&v::NORMAL_CUBIC_STIFFNESS, "cubic"), (&v::NORMAL_EXPONENT, "hertz")] {
+        if given != Some(law) {
+            refuse(table, quantity, given, &format!("{LAW} = \"{law}\""))?;
+        }
+    }
+    let Some(name) = name else {
+        refuse(table, &v::IMPACT_DAMPING, None, &format!("a contact with {LAW}"))?;
+        return Ok(None);
+    };
+    let number = |quantity: &Quantity, default| {
+        Ok::<_, ModelError>(table.number(quantity.name)?.map_or(default, |number| number.value))
+    };
+    let law = match name.value {
+        "linear" => NormalLaw::Linear,
+        "cubic" => NormalLaw::Cubic { cubic_stiffness: table.quantity(&v::NORMAL_CUBIC_STIFFNESS)? },
+        "hertz" => NormalLaw::Hertz { exponent: number(&v::NORMAL_EXPONENT, EXPONENT)? },
+        other => {
+            let message = format!("unknown {LAW} \"{other}\"");
+            return Err(name.error(message).with_help(suggestion(other, &LAWS, "laws")));
+        }
+    };
+    // Without it there is no law to speak of.
+    table.quantity(&v::NORMAL_STIFFNESS)?;
+    Ok(Some(Normal { law, impact_damping: number(&v::IMPACT_DAMPING, 0.0)? }))
+}
+
+/// Refuses a key that belongs to `owner` alone.
+fn refuse(table: &Table<'_>, quantity: &Quantity, law: Option<&str>, owner: &str) -> Result<(), ModelError> {
+    let keys = table.keys();
+    let Some(key) = keys.iter().find(|key| key.value == quantity.name) else { return Ok(()) };
+    let message = match law {
+        Some(law) => format!("`{}` does not belong to {LAW} = \"{law}\"", key.value),
+        None => format!("`{}` does not belong to a contact without {LAW}", key.value),
+    };
+    Err(key.error(message).with_help(format!("it belongs to {owner}")))
+}
+
+impl Normal {
+    pub(super) fn write(&self, text: &mut String) {
+        let (name, own) = match self.law {
+            NormalLaw::Linear => ("linear", None),
+            NormalLaw::Cubic { cubic_stiffness } => {
+                ("cubic", Some((&v::NORMAL_CUBIC_STIFFNESS, cubic_stiffness)))
+            }
+            NormalLaw::Hertz { exponent } => ("hertz", Some((&v::NORMAL_EXPONENT, exponent))),
+        };
+        line(text, format_args!("{LAW} = \"{name}\""));
+        if let Some((quantity, value)) = own {
+            write_quantity(text, quantity, value);
+        }
+        write_quantity(text, &v::IMPACT_DAMPING, self.impact_damping);
+    }
+
+    /// Adds its parameters.
+    pub(super) fn slots<'a>(&'a mut self, slots: &mut Vec<Slot<'a>>) {
+        let mut add = |quantity: &'static Quantity, slot| {
+            slots.push((format!("contact.{}", quantity.name), quantity, slot));
+        };
+        match &mut self.law {
+            NormalLaw::Linear => {}
+            NormalLaw::Cubic { cubic_stiffness } => add(&v::NORMAL_CUBIC_STIFFNESS, cubic_stiffness),
+            NormalLaw::Hertz { exponent } => add(&v::NORMAL_EXPONENT, exponent),
+        }
+        add(&v::IMPACT_DAMPING, &mut self.impact_damping);
+    }
+}
+
+impl Model {
+    /// The normal direction of a contact in two directions, with what the effects `normal_hardening` and `impact_damping`
+    /// add; `None` without `normal_law`.
+    ///
+    /// # Errors
+    /// A number outside its bounds; hardening on Hertz' law, which hardens by itself.
+    pub fn normal_direction(&self) -> Result<Option<NormalDirection>, LawError> {
+        let Some((contact, normal)) = self.contact.and_then(|contact| Some((contact, contact.normal?)))
+        else {
+            return Ok(None);
+        };
+        let joint = self.changes().joint;
+        let added = joint.normal_cubic_stiffness;
+        let law = match normal.law {
+            NormalLaw::Cubic { cubic_stiffness } => {
+                NormalLaw::Cubic { cubic_stiffness: cubic_stiffness + added }
+            }
+            law if added == 0.0 => law,
+            NormalLaw::Linear => NormalLaw::Cubic { cubic_stiffness: added },
+            NormalLaw::Hertz { .. } => return Err(LawError::Hardening),
+        };
+        let damping = normal.impact_damping + joint.impact_damping;
+        NormalDirection::new(law, contact.normal_load, contact.normal_stiffness, damping).map(Some)
+    }
+
+    /// The rules of the normal direction.
+    pub(super) fn check_normal(&self) -> Result<(), ParameterError> {
+        match self.normal_direction() {
+            Ok(_) => Ok(()),
+            Err(LawError::OutOfBounds { parameter, value, bounds, .. }) => {
+                let message = format!("`{parameter}` must be {bounds}, not {value}");
+                Err(ParameterError::new(format!("contact.{parameter}"), message))
+            }
+            Err(other) => Err(ParameterError::new("effect", other.to_string())),
+        }
+    }
+
+    /// The contact in two directions, if the model has one: its law of friction under the normal force of
+    /// [`Model::normal_direction`], effects included.
+    ///
+    /// # Errors
+    /// A parameter outside its bounds, or a change that a law does not take.
+    ///
+    /// ```
+    /// use stickslip::model::Model;
+    /// let model = Model::parse(
+    ///     r#"
+    ///     schema = "stickslip.model/1"
+    ///     kind = "contact"
+    ///
+    ///     [contact]
+    ///     law = "jenkins"
+    ///     tangential_stiffness = 3.95e6
+    ///     friction_coefficient = 0.6
+    ///     normal_load = 68.67
+    ///     normal_law = "hertz"
+    ///     normal_stiffness = 2.37e7
+    ///     impact_damping = 30.0
+    ///     "#,
+    /// )?;
+    /// let contact = model.slip_slap()?.unwrap();
+    /// assert!((contact.normal().static_approach() - 1.5 * 68.67 / 2.37e7).abs() < 1e-15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn slip_slap(&self) -> Result<Option<SlipSlap>, LawError> {
+        let (Some(normal), Some(law)) = (self.normal_direction()?, self.law_of_any_values()?) else {
+            return Ok(None);
+        };
+        Ok(Some(SlipSlap::new(Arc::from(law), normal)))
+    }
+}
