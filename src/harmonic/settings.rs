@@ -2,6 +2,7 @@
 
 use super::HarmonicError;
 use super::newton::problem::Stopping;
+use super::period::map::SAMPLES_IN_MOTION;
 
 /// How a contact is carried over a period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -16,6 +17,16 @@ pub enum Method {
         /// modal coordinates is twice that of the modes.
         samples: usize,
     },
+}
+
+impl Method {
+    /// Samples of a period where the limit of friction moves, and the exact way has none either.
+    pub(crate) fn samples_in_motion(self) -> usize {
+        match self {
+            Self::Exact => SAMPLES_IN_MOTION,
+            Self::Sampled { samples } => samples,
+        }
+    }
 }
 
 /// Largest estimated truncation error of a point that counts as resolved where [`CurveSettings::truncation`]

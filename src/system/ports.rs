@@ -162,6 +162,13 @@ pub enum Element {
         /// The contact.
         contact: Arc<SlipSlap>,
     },
+    /// Masses that move with two ports, beside those of the core: `F = M ü`, M symmetric.
+    Inertia {
+        /// Where, as places in [`System::ports`].
+        ports: [usize; 2],
+        /// M (kg).
+        mass: [[f64; 2]; 2],
+    },
     /// A restoring force (N) given from outside, as by another simulator.
     Outside {
         /// Where, as a place in [`System::ports`].
@@ -174,7 +181,7 @@ impl Element {
     pub fn ports(&self) -> &[usize] {
         match self {
             Self::Law { port, .. } | Self::Outside { port } => std::slice::from_ref(port),
-            Self::Springs { ports, .. } | Self::SlipSlap { ports, .. } => ports,
+            Self::Springs { ports, .. } | Self::SlipSlap { ports, .. } | Self::Inertia { ports, .. } => ports,
         }
     }
 }
@@ -189,7 +196,7 @@ impl System {
     pub fn laws(&self) -> impl Iterator<Item = (usize, &Arc<dyn ContactLaw>, f64)> {
         self.elements.iter().filter_map(|element| match element {
             Element::Law { port, law, normal_load } => Some((*port, law, *normal_load)),
-            Element::Springs { .. } | Element::SlipSlap { .. } | Element::Outside { .. } => None,
+            _ => None,
         })
     }
 

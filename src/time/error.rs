@@ -43,6 +43,9 @@ pub enum SystemError {
     /// The integrator has no contacts in two directions at once.
     #[error("a contact in two directions at once cannot be integrated")]
     TwoDirections,
+    /// The integrator has no masses that move with ports.
+    #[error("a mass that moves with ports cannot be integrated")]
+    InertiaAtPorts,
 }
 
 /// Why a communication step failed. The state is then unchanged.

@@ -340,6 +340,7 @@ fn elements(system: &System) -> Result<(Vec<Contact>, Vec<Springs>, usize), Syst
             Element::Law { port, law, normal_load } => (*port, Some(law.clone()), *normal_load),
             Element::Outside { port } => (*port, None, 0.0),
             Element::SlipSlap { .. } => return Err(SystemError::TwoDirections),
+            Element::Inertia { .. } => return Err(SystemError::InertiaAtPorts),
             Element::Springs { ports, stiffness } => {
                 springs.push(Springs { ports: *ports, stiffness: *stiffness });
                 continue;

@@ -54,6 +54,10 @@ impl Assembly {
 
     /// Whether the system is condensed to its ports by receptance: all that have an element are linear.
     pub(crate) fn is_condensed(&self) -> bool {
+        let modal = |element: &Element| matches!(element, Element::SlipSlap { .. } | Element::Inertia { .. });
+        if self.system.elements.iter().any(modal) {
+            return false;
+        }
         let rigid = |port: &usize| self.system.ports[*port].flexibility == 0.0;
         self.system.is_linear_at_ports() && self.system.elements.iter().flat_map(Element::ports).all(rigid)
     }
@@ -95,9 +99,6 @@ impl Assembly {
         if system.laws().any(|(.., load)| !load.is_finite()) || swings.chain(offsets).any(|x| !x.is_finite())
         {
             return refuse("a normal load or a static offset is not finite");
-        }
-        if system.slip_slaps().next().is_some() {
-            return refuse("harmonic balance has no contacts in two directions at once");
         }
         let places =
             system.elements.iter().flat_map(Element::ports).chain(&system.driven).chain(&system.sensors);

@@ -9,7 +9,7 @@ use crate::harmonic::{HarmonicError, Method};
 use crate::numeric::HarmonicSet;
 
 /// Samples of a period where the limit itself moves, or the load that it follows: the force is then right to a few parts in ten thousand.
-const SAMPLES_IN_MOTION: usize = 1024;
+pub(crate) const SAMPLES_IN_MOTION: usize = 1024;
 
 /// A contact map by the given method: of the exact ones the one that fits the law.
 ///

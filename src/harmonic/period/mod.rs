@@ -10,6 +10,7 @@ pub(crate) mod contact_cycle;
 mod damper_tests;
 pub(crate) mod map;
 mod motion;
+pub(crate) mod pair;
 mod piecewise;
 mod reference;
 pub(crate) mod sampled;

@@ -134,7 +134,7 @@ impl<'a> Disturbed<'a> {
                 Element::Springs { ports, stiffness } => {
                     springs.push((ports.map(|port| &modal.ports[port]), *stiffness));
                 }
-                Element::SlipSlap { .. } | Element::Outside { .. } => {}
+                Element::SlipSlap { .. } | Element::Inertia { .. } | Element::Outside { .. } => {}
             }
         }
         let system = Cow::Owned(System::new(&channels(modal))?);

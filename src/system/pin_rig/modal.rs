@@ -2,8 +2,11 @@
 
 use super::end::{End, EndMotion};
 use super::{PinRig, PinRigModes};
-use crate::system::StructureError;
+use std::sync::Arc;
+
+use crate::contact::SlipSlap;
 use crate::system::beam::damping_ratios;
+use crate::system::{Core, Element, Port, Row, StructureError, System};
 
 /// A pin rig reduced to the modes of its base linear system, in which the contact is two springs.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,5 +57,51 @@ impl ModalPinRig {
             stuck_stiffness: rig.stuck_stiffness,
             angular_frequency: modes.angular_frequency().to_vec(),
         })
+    }
+
+    /// The rig as a system, its contact `contact` or, without one, the springs of the base linear system.
+    ///
+    /// Ports: the sensors (`x=0.55`), `excitation`, `contact` (ξ), `contact.normal` (η), `stuck` (ξ but for the shortening),
+    /// `hanging` (the mass along the beam, but for the shortening) and `shortening`.
+    ///
+    /// The springs in the modes are taken away again where there is a contact. The mass's inertia along the beam is `m ḧ` of
+    /// `h = hanging − shortening`; what is linear of it is in the modes.
+    pub fn system(&self, contact: Option<Arc<SlipSlap>>) -> System {
+        let row = |shape: &[f64]| -> Row { shape.iter().copied().enumerate().collect() };
+        let mut ports: Vec<Port> =
+            self.sensors.iter().map(|(x, shape)| Port::linear(&format!("x={x}"), row(shape))).collect();
+        let sensors = 0..ports.len();
+        let mut add = |name: &str, shape: &[f64], shortening: f64| {
+            ports.push(Port { shortening, ..Port::linear(name, row(shape)) });
+            ports.len() - 1
+        };
+        let excitation = add("excitation", &self.excitation_shape, 0.0);
+        let tangential = add("contact", &self.tangential_shape, 1.0);
+        let normal = add("contact.normal", &self.normal_shape, 0.0);
+        let stuck = add("stuck", &self.tangential_shape, 0.0);
+        let hanging = add("hanging", &self.hanging_shape, 0.0);
+        let shortening = add("shortening", &[], -1.0);
+        let [along, across] = self.stuck_stiffness;
+        let springs = |ports: [usize; 2], stiffness| Element::Springs { ports, stiffness };
+        let mut elements = match contact {
+            Some(contact) => vec![
+                Element::SlipSlap { ports: [tangential, normal], contact },
+                springs([stuck, normal], [[-along, 0.0], [0.0, -across]]),
+            ],
+            None => vec![springs([tangential, stuck], [[along, 0.0], [0.0, -along]])],
+        };
+        let mass = self.hanging_mass;
+        elements.push(Element::Inertia { ports: [hanging, shortening], mass: [[0.0, -mass], [-mass, mass]] });
+        System {
+            core: Core::Modal {
+                angular_frequency: self.angular_frequency.clone(),
+                damping_ratio: self.damping_ratio.clone(),
+            },
+            shortening: self.shortening.clone(),
+            ports,
+            elements,
+            driven: vec![excitation],
+            sensors: sensors.collect(),
+        }
     }
 }

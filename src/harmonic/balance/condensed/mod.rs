@@ -104,7 +104,7 @@ impl Condensed {
                 let cycle = ContactMap::new(set, settings.method, damping_shift);
                 Some(Attached::new(assembly, place, (law, *normal_load), cycle))
             }
-            Element::Springs { .. } | Element::SlipSlap { .. } | Element::Outside { .. } => None,
+            _ => None,
         };
         let contacts: Vec<Attached> = elements.filter_map(attach).collect();
         let none = || Transfer::new(&receptance, Rows::Contacts, std::iter::empty());

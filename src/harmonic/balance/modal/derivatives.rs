@@ -84,10 +84,10 @@ impl Balance {
     }
 
     /// ∂forces/∂Ω at fixed unknowns; false where it vanishes.
-    fn force_rates(&mut self) -> bool {
+    fn force_rates(&mut self, angular_frequency: f64) -> bool {
         self.rates.fill(0.0);
         for acting in &self.acting {
-            acting.add_rates(&self.unknown, &mut self.rates);
+            acting.add_rates(angular_frequency, &self.unknown, &mut self.rates);
         }
         self.rates.iter().any(|rate| *rate != 0.0)
     }
@@ -99,7 +99,7 @@ impl Balance {
         match scalar {
             Scalar::AngularFrequency => {
                 self.equations.by_frequency(&self.q, &mut right);
-                if self.force_rates() {
+                if self.force_rates(self.equations.at.angular_frequency) {
                     let mut forces = std::mem::take(&mut self.modal_by[index]);
                     self.project(&self.rates, &mut forces);
                     right.iter_mut().zip(&forces).for_each(|(r, c)| *r += c);

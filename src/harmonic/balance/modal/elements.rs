@@ -1,14 +1,17 @@
 //! What acts at the ports, by coefficients.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
 use super::ports::{CondensedPort, Ports};
+use crate::contact::SlipSlap;
 use crate::harmonic::balance::assembly::Assembly;
 use crate::harmonic::balance::attached::Attached;
 use crate::harmonic::period::Cycle;
 use crate::harmonic::period::map::ContactMap;
+use crate::harmonic::period::pair::PairCycle;
 use crate::harmonic::{HarmonicError, Method};
 use crate::numeric::HarmonicSet;
 use crate::system::Element;
@@ -23,6 +26,10 @@ pub(super) enum Acting {
     Law { rows: Range<usize>, attached: Box<Attached> },
     /// Springs between two ports.
     Springs { rows: [Range<usize>; 2], stiffness: [[f64; 2]; 2] },
+    /// Masses that move with two ports.
+    Inertia { rows: [Range<usize>; 2], mass: [[f64; 2]; 2] },
+    /// A contact in two directions over a period.
+    SlipSlap { rows: [Range<usize>; 2], contact: Arc<SlipSlap>, cycle: Box<PairCycle> },
     /// A damper (N s/m).
     Damper { rows: Range<usize>, damping: f64 },
 }
@@ -50,7 +57,16 @@ pub(super) fn acting(
         Element::Springs { ports: [a, b], stiffness } => {
             Some(Acting::Springs { rows: [rows(*a)?, rows(*b)?], stiffness: *stiffness })
         }
-        Element::SlipSlap { .. } | Element::Outside { .. } => None,
+        Element::Inertia { ports: [a, b], mass } => {
+            Some(Acting::Inertia { rows: [rows(*a)?, rows(*b)?], mass: *mass })
+        }
+        Element::SlipSlap { ports: [a, b], contact } => {
+            let rows = [rows(*a)?, rows(*b)?];
+            let harmonics = [rows[0].len() / 2, rows[1].len() / 2];
+            let cycle = Box::new(PairCycle::new(harmonics, method.samples_in_motion()));
+            Some(Acting::SlipSlap { rows, contact: contact.clone(), cycle })
+        }
+        Element::Outside { .. } => None,
     };
     system.elements.iter().enumerate().filter_map(one).collect()
 }
@@ -60,7 +76,7 @@ impl Acting {
     pub fn into_map(self) -> Option<(Range<usize>, ContactMap)> {
         match self {
             Self::Law { rows, attached } => Some((rows, attached.cycle)),
-            Self::Springs { .. } | Self::Damper { .. } => None,
+            _ => None,
         }
     }
 
@@ -68,7 +84,7 @@ impl Acting {
     pub fn law(&self) -> Option<(&Range<usize>, &Attached)> {
         match self {
             Self::Law { rows, attached } => Some((rows, attached)),
-            Self::Springs { .. } | Self::Damper { .. } => None,
+            _ => None,
         }
     }
 
@@ -76,7 +92,7 @@ impl Acting {
     pub fn law_mut(&mut self) -> Option<&mut Attached> {
         match self {
             Self::Law { attached, .. } => Some(attached),
-            Self::Springs { .. } | Self::Damper { .. } => None,
+            _ => None,
         }
     }
 
@@ -89,8 +105,13 @@ impl Acting {
 
     /// Makes a law's derivatives at the unknowns `x` that it was last evaluated for.
     pub fn complete(&mut self, angular_frequency: f64, x: &[f64]) {
-        if let Self::Law { rows, attached } = self {
-            attached.complete(angular_frequency, &x[rows.clone()]);
+        match self {
+            Self::Law { rows, attached } => attached.complete(angular_frequency, &x[rows.clone()]),
+            Self::SlipSlap { rows: [a, b], contact, cycle } => {
+                // As of a law: where it fails the derivatives there are stay.
+                let _ = cycle.evaluate(contact, angular_frequency, [&x[a.clone()], &x[b.clone()]], true);
+            }
+            _ => {}
         }
     }
 
@@ -115,6 +136,20 @@ impl Acting {
                     }
                 }
             }
+            Self::Inertia { rows, mass } => {
+                for (to, row) in rows.iter().zip(mass) {
+                    for (from, mass) in rows.iter().zip(row) {
+                        let factor = *mass * angular_frequency * angular_frequency;
+                        add_accelerations(&mut forces[to.clone()], &x[from.clone()], factor);
+                    }
+                }
+            }
+            Self::SlipSlap { rows: [a, b], contact, cycle } => {
+                let u = [&x[a.clone()], &x[b.clone()]];
+                cycle.evaluate(contact, angular_frequency, u, false)?;
+                add(&mut forces[a.clone()], cycle.force(0), 1.0);
+                add(&mut forces[b.clone()], cycle.force(1), 1.0);
+            }
             Self::Damper { rows, damping } => {
                 add_rates(&mut forces[rows.clone()], &x[rows.clone()], *damping * angular_frequency);
             }
@@ -138,6 +173,26 @@ impl Acting {
                     }
                 }
             }
+            Self::Inertia { rows, mass } => {
+                for (to, row) in rows.iter().zip(mass) {
+                    for (from, mass) in rows.iter().zip(row) {
+                        for (place, (i, j)) in to.clone().zip(from.clone()).enumerate() {
+                            let speed = place.div_ceil(2) as f64 * angular_frequency;
+                            law_matrix[(i, j)] -= *mass * speed * speed;
+                        }
+                    }
+                }
+            }
+            Self::SlipSlap { rows: [a, b], cycle, .. } => {
+                for (direction, rows) in [a, b].into_iter().enumerate() {
+                    for (place, row) in rows.clone().enumerate() {
+                        let by = cycle.derivatives(direction, place);
+                        for (column, by) in a.clone().chain(b.clone()).zip(by) {
+                            law_matrix[(row, column)] += by;
+                        }
+                    }
+                }
+            }
             Self::Damper { rows, damping } => {
                 for (order, c) in rows.clone().skip(1).step_by(2).enumerate() {
                     let rate = *damping * angular_frequency * (order + 1) as f64;
@@ -149,12 +204,27 @@ impl Acting {
     }
 
     /// Adds ∂forces/∂Ω at fixed unknowns `x`.
-    pub fn add_rates(&self, x: &[f64], rates: &mut [f64]) {
+    pub fn add_rates(&self, angular_frequency: f64, x: &[f64], rates: &mut [f64]) {
         match self {
             Self::Law { rows, attached } => {
                 add(&mut rates[rows.clone()], attached.cycle.by_frequency(), 1.0);
             }
             Self::Springs { .. } => {}
+            Self::Inertia { rows, mass } => {
+                for (to, row) in rows.iter().zip(mass) {
+                    for (from, mass) in rows.iter().zip(row) {
+                        let factor = 2.0 * *mass * angular_frequency;
+                        add_accelerations(&mut rates[to.clone()], &x[from.clone()], factor);
+                    }
+                }
+            }
+            Self::SlipSlap { rows, cycle, .. } => {
+                for (direction, rows) in rows.iter().enumerate() {
+                    for (place, row) in rows.clone().enumerate() {
+                        rates[row] += cycle.derivatives(direction, place).last().copied().unwrap_or(0.0);
+                    }
+                }
+            }
             Self::Damper { rows, damping } => add_rates(&mut rates[rows.clone()], &x[rows.clone()], *damping),
         }
     }
@@ -162,6 +232,14 @@ impl Acting {
 
 fn add(to: &mut [f64], from: &[f64], factor: f64) {
     to.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
+}
+
+/// Adds `factor` times the second derivative by phase of a signal, by its coefficients.
+fn add_accelerations(to: &mut [f64], signal: &[f64], factor: f64) {
+    for (place, (to, signal)) in to.iter_mut().zip(signal).enumerate() {
+        let order = place.div_ceil(2) as f64;
+        *to -= factor * order * order * signal;
+    }
 }
 
 /// Adds `factor` times the derivative by phase of a signal, by its coefficients.

@@ -1,6 +1,9 @@
 //! The balance as a [`PeriodicSystem`]: what continuation, tracking and conditions ask of it.
 
+use std::ops::Range;
+
 use super::*;
+use crate::harmonic::CycleSummary;
 use crate::harmonic::newton::Contacting;
 use crate::harmonic::stability::{Undecided, decide_modal};
 use crate::system::System;
@@ -175,31 +178,39 @@ impl PeriodicSystem for Balance {
         decide_modal(&self.system, &self.modal_coefficients(), &displacement, point.angular_frequency)
     }
 
-    fn describe(&mut self, x: &[f64], at: &Operating) -> Result<Point, HarmonicError> {
+    fn describe(&mut self, x: &[f64], operating: &Operating) -> Result<Point, HarmonicError> {
         let rows = &self.system.observed;
         let nodes: Vec<Vec<f64>> = rows.iter().map(|row| self.displacement_along(row)).collect();
-        let forces = &self.forces;
-        let contacting = |acting: &mut Acting| {
-            let Acting::Law { rows, attached } = acting else { return None };
-            let summary = attached.cycle.summary();
-            Some(Contacting {
-                dissipated_energy: summary.dissipated_energy,
-                equivalent_stiffness: summary.equivalent_stiffness,
-                stick_fraction: summary.stick_fraction,
-                displacement: x[rows.clone()].to_vec(),
-                force: forces[rows.clone()].to_vec(),
-            })
+        let at = |rows: &Range<usize>, summary: CycleSummary, force: &[f64]| Contacting {
+            dissipated_energy: summary.dissipated_energy,
+            equivalent_stiffness: summary.equivalent_stiffness,
+            stick_fraction: summary.stick_fraction,
+            displacement: x[rows.clone()].to_vec(),
+            force: force.to_vec(),
         };
-        let contacts = self.acting.iter_mut().filter_map(contacting).collect();
+        let mut contacts = Vec::new();
+        for acting in &mut self.acting {
+            match acting {
+                Acting::Law { rows, attached } => {
+                    contacts.push(at(rows, attached.cycle.summary(), &self.forces[rows.clone()]));
+                }
+                Acting::SlipSlap { rows, cycle, .. } => {
+                    // The springs that the modes have in its place act at the same port.
+                    let both = rows.iter().zip(cycle.summaries()).enumerate();
+                    contacts.extend(both.map(|(k, (rows, summary))| at(rows, summary, cycle.force(k))));
+                }
+                _ => {}
+            }
+        }
         let driven = self.displacement_along(&self.system.driven);
         Ok(Point {
-            angular_frequency: at.angular_frequency,
-            level: at.level,
-            parameter: at.parameter,
+            angular_frequency: operating.angular_frequency,
+            level: operating.level,
+            parameter: operating.parameter,
             amplitude: nodes.iter().map(|node| self.extremum.of(node).1).collect(),
             nodes,
             contacts,
-            work: at.level * work_per_cycle(&self.waveform, &driven),
+            work: operating.level * work_per_cycle(&self.waveform, &driven),
             stable: None,
             undecided: None,
             error_estimate: 0.0,

@@ -17,6 +17,8 @@ mod alone;
 mod jump;
 mod march;
 
+pub(in crate::harmonic::period) use march::differentiate_functions;
+
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DMatrixView, Dyn};
