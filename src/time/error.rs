@@ -43,8 +43,9 @@ pub enum SystemError {
     /// The integrator has no contacts in two directions at once.
     #[error("a contact in two directions at once cannot be integrated")]
     TwoDirections,
-    /// The integrator has no masses that move with ports.
-    #[error("a mass that moves with ports cannot be integrated")]
+    /// The integrator has no masses that move with ports; equal steps have no more than one such element, and no forces from
+    /// outside.
+    #[error("masses that move with ports, or forces from outside, cannot be integrated")]
     InertiaAtPorts,
 }
 

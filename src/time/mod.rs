@@ -4,6 +4,7 @@
 //!   control of their error and end at events, or are equal, for records that are sampled finely (`equal`).
 //! - [`exact`] is its oracle: the exact event flow of piecewise-linear oscillators, shooting for its periodic motions,
 //!   and a Runge–Kutta scheme.
+//! - [`ClassicalSteps`] is the plainest scheme for all elements, contacts in two directions among them, in equal steps.
 //!
 //! # Equations of the integrator
 //! `q̈ᵢ + 2 ζᵢ ωᵢ q̇ᵢ + ωᵢ² qᵢ + Σₚ Fₚ [bₚ − γₚ G q]ᵢ = Σₖ fₖ bₖᵢ` in modal coordinates, with displacements of ports
@@ -40,6 +41,7 @@
 //! suggested step size included: a copy written back gives the same future bit for bit. `step` works on it, `outputs`
 //! reads it, and `tangent` carries a small change of the inputs along.
 
+mod classical;
 mod contact_point;
 mod equal;
 mod error;
@@ -57,6 +59,7 @@ mod step;
 mod tangent;
 mod trial;
 
+pub use classical::{ClassicalSteps, ContactInTwo, Energies, SteppedMotion};
 pub use error::{IntegrationError, SystemError};
 pub use exact::{
     Excitation, LoadedContact, OscillatorError, OscillatorFlow, OscillatorMotion, Passage, PeriodicMotion,

@@ -289,7 +289,7 @@ fn check_list(
 }
 
 /// G is of the modes themselves.
-fn check_shortening(system: &System, size: usize, reduced: bool) -> Result<(), SystemError> {
+pub(super) fn check_shortening(system: &System, size: usize, reduced: bool) -> Result<(), SystemError> {
     let shortens = system.ports.iter().any(|port| !port.is_linear());
     if system.shortening.is_empty() && !shortens {
         return Ok(());
@@ -301,7 +301,11 @@ fn check_shortening(system: &System, size: usize, reduced: bool) -> Result<(), S
     symmetric(&system.shortening, size, "shortening")
 }
 
-fn modal_port(port: &Port, size: usize, shapes: Option<&DMatrix<f64>>) -> Result<ModalPort, SystemError> {
+pub(super) fn modal_port(
+    port: &Port,
+    size: usize,
+    shapes: Option<&DMatrix<f64>>,
+) -> Result<ModalPort, SystemError> {
     let field = || format!("port {}", port.name);
     let row =
         dense_row(&port.row, size).ok_or_else(|| SystemError::Value { field: field(), value: f64::NAN })?;

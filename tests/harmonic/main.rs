@@ -13,6 +13,7 @@ mod held_response;
 mod joint;
 mod laws;
 mod modes;
+mod pin_rig;
 mod sharp_curves;
 mod stability;
 mod starts;

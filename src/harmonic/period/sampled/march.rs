@@ -140,7 +140,11 @@ impl SampledCycle {
     }
 }
 
-pub(in crate::harmonic::period) fn differentiate_functions(functions: &[f64], angular_frequency: f64, out: &mut [f64]) {
+pub(in crate::harmonic::period) fn differentiate_functions(
+    functions: &[f64],
+    angular_frequency: f64,
+    out: &mut [f64],
+) {
     out[0] = 0.0;
     for h in 1..=functions.len() / 2 {
         out[2 * h - 1] = -(h as f64) * angular_frequency * functions[2 * h];
