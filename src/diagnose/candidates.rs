@@ -4,9 +4,9 @@ use super::diagnosis::Untried;
 use super::measurements::magnitudes;
 use super::measurements::weighted_dataset::WeightedDataset;
 use crate::contact::{LAWS, Law, LawKind, LawParameter};
-use crate::data::{ChannelName, Dataset, Regime};
+use crate::data::{ChannelName, Dataset, Record, Regime};
 use crate::effects::{
-    AppliedEffect, CATALOGUE, Effect, EffectParameter, InResonances, Kind, Location, Needs, PlaceKind, Range,
+    AppliedEffect, CATALOGUE, Effect, EffectParameter, InTables, Kind, Location, Needs, PlaceKind, Range,
     Scales,
 };
 use crate::fit::predict::white_noise;
@@ -111,21 +111,20 @@ pub(super) fn tried(
     model: &Model,
     bench: &WeightedDataset,
     only: Option<&[String]>,
-    table: bool,
 ) -> (Vec<Candidate>, Vec<Untried>) {
     let (mut tried, mut untried) = of(model, bench);
     if let Some(only) = only {
         tried.retain(|candidate| only.iter().any(|id| id == candidate.effect.id));
     }
-    tried.retain(|candidate| {
-        let reason = unseen_in_table(bench.dataset, candidate).filter(|_| table);
-        if let Some(reason) = &reason
-            && untried.iter().all(|known| known.effect != candidate.effect.id)
-        {
-            untried.push(Untried { effect: candidate.effect.id, reason: reason.clone() });
+    let reason = |one: &Candidate| Some((one.effect, unseen(bench.dataset, one)?));
+    let refused: Vec<_> = tried.iter().filter_map(reason).collect();
+    tried.retain(|candidate| unseen(bench.dataset, candidate).is_none());
+    for (effect, reason) in refused {
+        let known = untried.iter().any(|known| known.effect == effect.id);
+        if !known && tried.iter().all(|candidate| candidate.effect != effect) {
+            untried.push(Untried { effect: effect.id, reason: reason.to_owned() });
         }
-        reason.is_none()
-    });
+    }
     (tried, untried)
 }
 
@@ -248,19 +247,28 @@ fn places(effect: &Effect, model: &Model, bench: &WeightedDataset) -> Vec<Option
     }
 }
 
-/// Why a table of resonances cannot show `candidate`.
-fn unseen_in_table(dataset: &Dataset, candidate: &Candidate) -> Option<String> {
-    let damping = dataset.records.iter().any(|record| record.channel("damping_ratio").is_some());
-    let counted = candidate.location == Some(Location::Channel("frequency".to_owned()));
-    let reason = match candidate.effect.in_resonances {
-        InResonances::AllButFrequency if counted => {
-            "the frequency is measured by counting against a clock, which has no gain and no offset"
-        }
-        InResonances::Nothing => "a table of resonances has no time in which a sensor could be late",
-        InResonances::DampingAlone if !damping => {
-            "damping does not shift a frequency measured at phase resonance; it needs the column `damping_ratio`"
-        }
-        InResonances::Shown | InResonances::DampingAlone | InResonances::AllButFrequency => return None,
+/// Why no record shows `candidate`: all that could are tables of something else.
+fn unseen(dataset: &Dataset, candidate: &Candidate) -> Option<&'static str> {
+    let of_channel = match &candidate.location {
+        Some(Location::Channel(name)) => Some(name.as_str()),
+        _ => None,
     };
-    Some(reason.to_owned())
+    let measured = |record: &&Record| of_channel.is_none_or(|name| record.channel(name).is_some());
+    let reason = |record: &Record| match candidate.effect.in_tables {
+        InTables::DampingAlone
+            if record.regime == Regime::Backbone && record.channel("damping_ratio").is_none() =>
+        {
+            Some(
+                "damping does not shift a frequency measured at phase resonance; it needs the column `damping_ratio`",
+            )
+        }
+        InTables::Columns(quantities, reason) if record.regime.is_table() => {
+            let quantity = of_channel.map(|name| name.split(':').next().unwrap_or(name));
+            let shown = quantity.is_some_and(|quantity| quantities.contains(&quantity));
+            (!shown).then_some(reason)
+        }
+        _ => None,
+    };
+    let reasons: Vec<Option<&str>> = dataset.records.iter().filter(measured).map(reason).collect();
+    reasons.iter().all(Option::is_some).then(|| reasons.first().copied().flatten()).flatten()
 }

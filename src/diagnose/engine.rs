@@ -154,7 +154,7 @@ fn diagnosis(
     if let Some(reason) = split::too_little(dataset, &parts).filter(|_| !table) {
         return Ok(verdict::insufficient(model, dataset, baseline, measured, &parts, reason));
     }
-    let (tried, untried) = candidates::tried(model, &bench, options.effects.as_deref(), table);
+    let (tried, untried) = candidates::tried(model, &bench, options.effects.as_deref());
     progress.expect(1 + tried.len());
     let (base, through) = base(&mut bench, model, &parts.seen(), &measured)?;
     let seen = parts.seen();

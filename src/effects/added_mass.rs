@@ -1,7 +1,7 @@
 //! A mass on the structure.
 
 use super::{
-    Confusion, Effect, EffectParameter, InResonances, Kind, Location, Needs, Part, PlaceKind, both_signs,
+    Confusion, Effect, EffectParameter, InTables, Kind, Location, Needs, Part, PlaceKind, both_signs,
     experiments,
 };
 use crate::vocabulary as v;
@@ -37,7 +37,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Structure,
     kinds: &[Kind::Oscillator, Kind::Beam],
     needs: Needs::Nothing,
-    in_resonances: InResonances::Shown,
+    in_tables: InTables::Shown,
     apply: |values, location, changes| {
         if let Some(place) = location.and_then(Location::place) {
             changes.structure.added_masses.push((place, values[0]));

@@ -1,8 +1,7 @@
 //! A limit that depends on the direction of slip.
 
 use super::{
-    ALL_KINDS, Confusion, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, both_signs,
-    experiments,
+    ALL_KINDS, Confusion, Effect, EffectParameter, InTables, Needs, Part, PlaceKind, both_signs, experiments,
 };
 use crate::vocabulary as v;
 
@@ -30,7 +29,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
-    in_resonances: InResonances::Shown,
+    in_tables: InTables::Shown,
     apply: |values, _, changes| changes.joint.asymmetry = values[0],
     signature: |seen| {
         seen.loop_asymmetry.filter(|difference| difference.abs() > 0.02).map(|difference| {

@@ -1,8 +1,6 @@
 //! Play in series with the contact.
 
-use super::{
-    ALL_KINDS, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, experiments, from_zero,
-};
+use super::{ALL_KINDS, Effect, EffectParameter, InTables, Needs, Part, PlaceKind, experiments, from_zero};
 use crate::vocabulary as v;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -29,7 +27,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
-    in_resonances: InResonances::Shown,
+    in_tables: InTables::Shown,
     apply: |values, _, changes| changes.joint.half_gap = values[0],
     signature: |seen| {
         seen.plateau_fraction.filter(|fraction| *fraction > 0.02).map(|fraction| {

@@ -1,8 +1,7 @@
 //! Viscous damping in the contact.
 
 use super::{
-    ALL_KINDS, Confusion, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, both_signs,
-    experiments,
+    ALL_KINDS, Confusion, Effect, EffectParameter, InTables, Needs, Part, PlaceKind, both_signs, experiments,
 };
 use crate::vocabulary as v;
 
@@ -44,7 +43,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
-    in_resonances: InResonances::DampingAlone,
+    in_tables: InTables::DampingAlone,
     apply: |values, _, changes| changes.joint.damping = values[0],
     signature: |seen| {
         seen.residual_by_velocity.filter(|correlation| correlation.abs() > 0.2).map(|correlation| {

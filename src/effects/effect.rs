@@ -34,8 +34,8 @@ pub struct Effect {
     pub kinds: &'static [Kind],
     /// What a record must contain for the effect to show.
     pub needs: Needs,
-    /// What a table of resonances against the level shows of it.
-    pub in_resonances: InResonances,
+    /// What a table shows of it.
+    pub in_tables: InTables,
     /// Adds the effect with `values` (one per parameter, SI) at a place to the changes.
     pub apply: fn(values: &[f64], location: Option<&Location>, changes: &mut Changes),
     /// What of it shows in the views of the residual, as a sentence; `None` when nothing does. It explains a
@@ -145,17 +145,15 @@ pub enum Needs {
     Transient,
 }
 
-/// What a table of resonances against the level, frequencies with or without damping ratios, shows of an effect.
+/// What a table, of resonances against the level or of a stepped sine, shows of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum InResonances {
-    /// Frequencies and damping ratios.
+pub enum InTables {
+    /// All that is measured.
     Shown,
-    /// Damping ratios: it does not shift a frequency at phase resonance.
+    /// Of resonances the damping ratios: it does not shift a frequency at phase resonance.
     DampingAlone,
-    /// What a sensor reads, which a frequency is not: that is counted against a clock.
-    AllButFrequency,
-    /// Nothing: there is no time in a table.
-    Nothing,
+    /// Of a fault of a sensor: columns of these quantities, and why no other.
+    Columns(&'static [&'static str], &'static str),
 }
 
 impl Effect {

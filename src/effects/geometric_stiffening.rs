@@ -1,7 +1,7 @@
 //! Stretching of the structure at large amplitude (Duffing's term).
 
 use super::{
-    Confusion, Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind, both_signs, experiments,
+    Confusion, Effect, EffectParameter, InTables, Kind, Needs, Part, PlaceKind, both_signs, experiments,
 };
 use crate::vocabulary as v;
 
@@ -31,7 +31,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Nowhere,
     kinds: &[Kind::Oscillator, Kind::Beam],
     needs: Needs::Nothing,
-    in_resonances: InResonances::Shown,
+    in_tables: InTables::Shown,
     apply: |values, _, changes| changes.structure.cubic_stiffness = values[0],
     signature: |seen| {
         seen.frequency_by_level.filter(|change| *change > 0.002).map(|change| {

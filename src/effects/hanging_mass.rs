@@ -1,6 +1,6 @@
 //! A mass that hangs at the contact and vibrates (string and weights).
 
-use super::{Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind, experiments, magnitudes};
+use super::{Effect, EffectParameter, InTables, Kind, Needs, Part, PlaceKind, experiments, magnitudes};
 use crate::system::HangingMass;
 use crate::vocabulary as v;
 
@@ -47,7 +47,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Nowhere,
     kinds: &[Kind::Oscillator, Kind::Beam],
     needs: Needs::Nothing,
-    in_resonances: InResonances::Shown,
+    in_tables: InTables::Shown,
     apply: |values, _, changes| {
         changes.structure.hanging_masses.push(HangingMass { mass: values[0], frequency: values[1] });
     },

@@ -1,8 +1,7 @@
 //! Gradual slip below the limit (Iwan 1966: distributed yield instead of one slider).
 
 use super::{
-    ALL_KINDS, Confusion, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, experiments,
-    from_zero,
+    ALL_KINDS, Confusion, Effect, EffectParameter, InTables, Needs, Part, PlaceKind, experiments, from_zero,
 };
 use crate::vocabulary as v;
 
@@ -32,7 +31,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
-    in_resonances: InResonances::Shown,
+    in_tables: InTables::Shown,
     apply: |values, _, changes| changes.joint.spread = values[0],
     signature: |seen| {
         let bend = seen.corner_fraction.filter(|fraction| *fraction > 0.15).map(|fraction| {

@@ -48,7 +48,7 @@ mod wear;
 
 pub use applied::AppliedEffect;
 pub use changes::{Changes, SensorFault};
-pub use effect::{ALL_KINDS, Confusion, Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind};
+pub use effect::{ALL_KINDS, Confusion, Effect, EffectParameter, InTables, Kind, Needs, Part, PlaceKind};
 pub use features::Features;
 pub use location::{Location, LocationError};
 pub use range::Range;

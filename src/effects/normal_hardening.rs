@@ -1,6 +1,6 @@
 //! Cubic stiffness in the normal direction.
 
-use super::{Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind, both_signs, experiments};
+use super::{Effect, EffectParameter, InTables, Kind, Needs, Part, PlaceKind, both_signs, experiments};
 use crate::vocabulary as v;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -22,7 +22,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Nowhere,
     kinds: &[Kind::Contact],
     needs: Needs::NormalMotion,
-    in_resonances: InResonances::Shown,
+    in_tables: InTables::Shown,
     apply: |values, _, changes| changes.joint.normal_cubic_stiffness = values[0],
     signature: |seen| {
         seen.normal_residual_by_cube.filter(|correlation| correlation.abs() > 0.2).map(|correlation| {

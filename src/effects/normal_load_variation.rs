@@ -1,6 +1,6 @@
 //! The limit follows the normal load, with lift-off and re-contact.
 
-use super::{ALL_KINDS, Confusion, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, Range};
+use super::{ALL_KINDS, Confusion, Effect, EffectParameter, InTables, Needs, Part, PlaceKind, Range};
 use crate::vocabulary::{self as v, Scale};
 
 pub(super) static EFFECT: Effect = Effect {
@@ -28,7 +28,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,
     needs: Needs::VaryingNormalLoad,
-    in_resonances: InResonances::Shown,
+    in_tables: InTables::Shown,
     apply: |values, _, changes| changes.joint.load_gain = Some(values[0]),
     signature: |seen| {
         seen.height_by_load.filter(|correlation| correlation.abs() > 0.3).map(|correlation| {

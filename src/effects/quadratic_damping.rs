@@ -1,6 +1,6 @@
 //! Drag of the surrounding medium.
 
-use super::{Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind, both_signs, experiments};
+use super::{Effect, EffectParameter, InTables, Kind, Needs, Part, PlaceKind, both_signs, experiments};
 use crate::vocabulary as v;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -22,7 +22,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Nowhere,
     kinds: &[Kind::Oscillator, Kind::Beam],
     needs: Needs::Nothing,
-    in_resonances: InResonances::DampingAlone,
+    in_tables: InTables::DampingAlone,
     apply: |values, _, changes| changes.structure.quadratic_damping = values[0],
     signature: |seen| {
         seen.damping_exponent.filter(|exponent| (0.5..1.5).contains(exponent)).map(|exponent| {

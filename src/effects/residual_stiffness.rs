@@ -1,8 +1,7 @@
 //! Stiffness in macro-slip (e_t of Valanis' law; Gaul & Lenz 1997).
 
 use super::{
-    ALL_KINDS, Confusion, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, experiments,
-    from_zero,
+    ALL_KINDS, Confusion, Effect, EffectParameter, InTables, Needs, Part, PlaceKind, experiments, from_zero,
 };
 use crate::vocabulary as v;
 
@@ -31,7 +30,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
-    in_resonances: InResonances::Shown,
+    in_tables: InTables::Shown,
     apply: |values, _, changes| changes.joint.residual_stiffness = values[0],
     signature: |seen| {
         seen.slip_slope_fraction.filter(|fraction| *fraction > 0.01).map(|fraction| {

@@ -1,8 +1,7 @@
 //! A channel whose clock runs fast or slow.
 
 use super::{
-    ALL_KINDS, Confusion, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, both_signs,
-    experiments,
+    ALL_KINDS, Confusion, Effect, EffectParameter, InTables, Needs, Part, PlaceKind, both_signs, experiments,
 };
 use crate::vocabulary as v;
 
@@ -33,7 +32,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Channel,
     kinds: ALL_KINDS,
     needs: Needs::Transient,
-    in_resonances: InResonances::Nothing,
+    in_tables: InTables::Columns(&[], "a table has no time in which two clocks could run apart"),
     apply: |values, channel, changes| changes.sensor(channel).clock_error = values[0],
     signature: |_| None,
 };

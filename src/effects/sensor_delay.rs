@@ -1,8 +1,6 @@
 //! A channel with a delay.
 
-use super::{
-    ALL_KINDS, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, both_signs, experiments,
-};
+use super::{ALL_KINDS, Effect, EffectParameter, InTables, Needs, Part, PlaceKind, both_signs, experiments};
 use crate::vocabulary as v;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -24,7 +22,10 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Channel,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
-    in_resonances: InResonances::Nothing,
+    in_tables: InTables::Columns(
+        &["phase"],
+        "a delay shows in phases: frequencies, damping ratios and amplitudes have no time in which a sensor could be late",
+    ),
     apply: |values, channel, changes| changes.sensor(channel).delay = values[0],
     signature: |seen| {
         seen.residual_by_rate.filter(|correlation| correlation.abs() > 0.2).map(|correlation| {

@@ -1,8 +1,6 @@
 //! A channel with a wrong scale.
 
-use super::{
-    ALL_KINDS, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, experiments, magnitudes,
-};
+use super::{ALL_KINDS, Effect, EffectParameter, InTables, Needs, Part, PlaceKind, experiments, magnitudes};
 use crate::vocabulary as v;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -23,7 +21,10 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Channel,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
-    in_resonances: InResonances::AllButFrequency,
+    in_tables: InTables::Columns(
+        &["displacement", "velocity", "acceleration"],
+        "frequencies, damping ratios and phases have no scale: they are counted against a clock, or are ratios",
+    ),
     apply: |values, channel, changes| changes.sensor(channel).gain = values[0],
     signature: |seen| {
         seen.residual_by_value.filter(|correlation| correlation.abs() > 0.3).map(|correlation| {

@@ -1,8 +1,6 @@
 //! A channel with a wrong zero.
 
-use super::{
-    ALL_KINDS, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, both_signs, experiments,
-};
+use super::{ALL_KINDS, Effect, EffectParameter, InTables, Needs, Part, PlaceKind, both_signs, experiments};
 use crate::vocabulary as v;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -23,7 +21,10 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Channel,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
-    in_resonances: InResonances::AllButFrequency,
+    in_tables: InTables::Columns(
+        &[],
+        "a table holds frequencies, damping ratios and harmonics: a constant is in none of them",
+    ),
     apply: |values, channel, changes| changes.sensor(channel).bias = values[0],
     signature: |seen| {
         seen.residual_mean

@@ -1,8 +1,6 @@
 //! A cubic spring in the contact.
 
-use super::{
-    ALL_KINDS, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, both_signs, experiments,
-};
+use super::{ALL_KINDS, Effect, EffectParameter, InTables, Needs, Part, PlaceKind, both_signs, experiments};
 use crate::vocabulary as v;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -30,7 +28,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
-    in_resonances: InResonances::Shown,
+    in_tables: InTables::Shown,
     apply: |values, _, changes| changes.joint.cubic_stiffness = values[0],
     signature: |seen| {
         seen.residual_by_cube.filter(|correlation| correlation.abs() > 0.2).map(|correlation| {

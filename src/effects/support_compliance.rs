@@ -1,6 +1,6 @@
 //! A compliant clamp.
 
-use super::{Effect, EffectParameter, InResonances, Kind, Needs, Part, PlaceKind, experiments, magnitudes};
+use super::{Effect, EffectParameter, InTables, Kind, Needs, Part, PlaceKind, experiments, magnitudes};
 use crate::vocabulary as v;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -27,7 +27,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Nowhere,
     kinds: &[Kind::Beam],
     needs: Needs::Nothing,
-    in_resonances: InResonances::Shown,
+    in_tables: InTables::Shown,
     apply: |values, _, changes| changes.structure.clamp_stiffness = Some(values[0]),
     signature: |seen| {
         seen.frequency_error.filter(|error| *error < -0.001).map(|error| {

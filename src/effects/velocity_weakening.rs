@@ -1,7 +1,7 @@
 //! A limit that falls with the sliding speed (Stribeck 1902).
 
 use super::{
-    ALL_KINDS, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, Range, experiments, magnitudes,
+    ALL_KINDS, Effect, EffectParameter, InTables, Needs, Part, PlaceKind, Range, experiments, magnitudes,
 };
 use crate::vocabulary::{self as v, Scale};
 
@@ -38,7 +38,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,
     needs: Needs::Nothing,
-    in_resonances: InResonances::Shown,
+    in_tables: InTables::Shown,
     apply: |values, _, changes| changes.joint.weakening = Some((values[0], values[1])),
     signature: |seen| {
         seen.height_by_speed.filter(|change| change.abs() > 0.02).map(|change| {

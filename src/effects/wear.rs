@@ -1,8 +1,6 @@
 //! A limit that changes with the slip distance.
 
-use super::{
-    ALL_KINDS, Confusion, Effect, EffectParameter, InResonances, Needs, Part, PlaceKind, both_signs,
-};
+use super::{ALL_KINDS, Confusion, Effect, EffectParameter, InTables, Needs, Part, PlaceKind, both_signs};
 use crate::vocabulary as v;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -29,7 +27,7 @@ pub(super) static EFFECT: Effect = Effect {
     place: PlaceKind::Nowhere,
     kinds: ALL_KINDS,
     needs: Needs::Transient,
-    in_resonances: InResonances::Shown,
+    in_tables: InTables::Shown,
     apply: |values, _, changes| changes.joint.wear = values[0],
     signature: |seen| {
         seen.height_per_slip.filter(|rate| rate.abs() > 0.0).map(|rate| {

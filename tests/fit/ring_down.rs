@@ -252,9 +252,7 @@ fn drag_is_named_from_decays() {
     }
     let told = diagnose(&base, &tables, &DiagnoseOptions::default(), DiagnoseWatch::default()).unwrap();
     println!("{:?} {:?} {:?}", told.verdict, told.effects, told.reasons);
-    // Whether a sensor's gain is off by a trace as well is left open.
-    assert!(matches!(told.verdict, Verdict::EffectFound | Verdict::NotDistinguishable));
-    assert_eq!(told.effects.first(), Some(&"quadratic_damping"));
+    assert_eq!((told.verdict, &told.effects[..]), (Verdict::EffectFound, &["quadratic_damping"][..]));
     let drag = told.model.get("effect.1.quadratic_damping").unwrap();
     assert!((drag / 3.0 - 1.0).abs() < 0.05, "{drag}");
 }

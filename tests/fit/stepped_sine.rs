@@ -2,13 +2,14 @@
 //!
 //! Items to verify: amplitude and phase of a linear oscillator are those of the closed form, in any branch of the phase; the
 //! contact of an oscillator by the exact flow and of a beam on the virtual rig is recovered; of several responses the measured
-//! one is predicted; what bends a resonance comes first among the effects.
+//! one is predicted; what bends a resonance comes first among the effects; of a sensor's faults those are tried that a
+//! table can show, and a delay turns the phases.
 
 use std::f64::consts::TAU;
 
 use stickslip::contact::Jenkins;
 use stickslip::data::{Channel, ChannelName, Dataset, Record, Regime};
-use stickslip::diagnose::{DiagnoseOptions, DiagnoseWatch, Watch, diagnose, evaluate, refit};
+use stickslip::diagnose::{DiagnoseOptions, DiagnoseWatch, Verdict, Watch, diagnose, evaluate, refit};
 use stickslip::harmonic::fourier;
 use stickslip::model::Model;
 use stickslip::rig::{Frequencies, Plan, SteppedSine, Test, TestKind, test_on};
@@ -199,11 +200,46 @@ fn what_bends_a_resonance_comes_first() {
     let effects = Some(vec!["geometric_stiffening".into(), "quadratic_damping".into(), "added_mass".into()]);
     let options = DiagnoseOptions { effects, ..DiagnoseOptions::default() };
     let told = diagnose(&oscillator(""), &measured, &options, DiagnoseWatch::default()).unwrap();
-    println!("{:?} {:?} {:?}", told.verdict, told.effects, told.reasons);
+    assert_eq!((told.verdict, &told.effects[..]), (Verdict::EffectFound, &["geometric_stiffening"][..]));
     for one in &told.candidates {
         println!("{:?} {} {} {:?}", one.effects, one.error, one.gain_z, one.failure);
     }
     let first = &told.candidates[0];
     assert_eq!(first.effects, ["geometric_stiffening"]);
     assert!(first.error < 0.01 && first.gain_z > 5.0, "{first:?}");
+}
+
+#[test]
+fn of_a_sensors_faults_a_table_shows_gains_of_amplitudes_and_delays_of_phases() {
+    let delay = 1.5e-3;
+    let mut measured = held(0.0, &[2e-3, 3e-3], &[13.0, 14.5, 15.4, 15.8, 16.0, 16.3, 17.0, 18.0, 20.0]);
+    let turns: Vec<f64> = measured.records[0].channels[0].values.iter().map(|f| TAU * f * delay).collect();
+    measured.records[0].channels[3].values.iter_mut().zip(turns).for_each(|(phase, turn)| *phase -= turn);
+    let faults = ["sensor_delay", "sensor_gain", "sensor_offset", "sensor_clock_drift"];
+    let options =
+        DiagnoseOptions { effects: Some(faults.map(Into::into).into()), ..DiagnoseOptions::default() };
+    for copies in [1, 4] {
+        let table = &measured.records[0];
+        let rows = |k: usize| {
+            let values = |all: &[f64]| all.iter().skip(k).step_by(copies).copied().collect();
+            let channel = |one: &Channel| Channel { values: values(&one.values), ..one.clone() };
+            let channels = table.channels.iter().map(channel).collect();
+            Record { name: format!("{k}.csv"), channels, ..table.clone() }
+        };
+        let tables = Dataset { title: None, records: (0..copies).map(rows).collect() };
+        let told = diagnose(&oscillator(""), &tables, &options, DiagnoseWatch::default()).unwrap();
+        println!("{:?} {:?} {:?}", told.verdict, told.effects, told.reasons);
+        let mut tried: Vec<String> = told
+            .candidates
+            .iter()
+            .map(|one| format!("{}@{}", one.effects[0], one.location.as_deref().unwrap_or_default()))
+            .collect();
+        tried.sort();
+        assert_eq!(tried, ["sensor_delay@phase:m1", "sensor_gain@displacement:m1"]);
+        let untried = |id| told.untried.iter().any(|one| one.effect == id);
+        assert!(untried("sensor_offset") && untried("sensor_clock_drift") && !untried("sensor_delay"));
+        assert_eq!((told.verdict, &told.effects[..]), (Verdict::EffectFound, &["sensor_delay"][..]));
+        let found = told.model.get("effect.1.delay").unwrap();
+        assert!((found / delay - 1.0).abs() < 0.02, "{found}");
+    }
 }

@@ -5,8 +5,9 @@ use crate::data::Dataset;
 use crate::diagnose::candidates::Candidate as Form;
 use crate::diagnose::evidence::{Measured, Set, Weighed};
 use crate::diagnose::measurements::split::Parts;
-use crate::diagnose::measurements::weighted_dataset::{Scored, WeightedDataset};
+use crate::diagnose::measurements::weighted_dataset::{RecordResiduals, Scored, WeightedDataset};
 use crate::model::Model;
+use crate::vocabulary as v;
 
 /// What the answer is about.
 pub(in crate::diagnose) struct Context<'a, 'd> {
@@ -34,6 +35,12 @@ impl Context<'_, '_> {
 
     pub(super) fn error(&self, set: &Set) -> f64 {
         self.bench.normalised_error(&self.scored(set))
+    }
+
+    /// Whether nothing but frequencies was measured.
+    pub(super) fn frequencies_alone(&self) -> bool {
+        let of = |lane: &RecordResiduals| lane.channels.iter().all(|(name, _)| *name == v::FREQUENCY.name);
+        self.bench.lanes.iter().all(of)
     }
 
     /// Whether the model as it is leaves nothing to explain, whatever the noise: a tenth of what is relevant.

@@ -183,7 +183,8 @@ fn certain(context: &Context, weighed: &Weighed, set: usize) -> Verdict {
         // is there.
         return if known && !context.table { Verdict::NothingMissing } else { Verdict::InsufficientData };
     }
-    // What softens a structure without a contact stands for the slip that its model lacks.
-    let slips = !context.table || context.model.contact.is_some();
-    if slips { Verdict::EffectFound } else { Verdict::Unexplained }
+    // What lowers the frequencies of a structure without a contact stands for the slip that its model lacks, where nothing
+    // tells of the losses.
+    let tells = !context.table || context.model.contact.is_some() || !context.frequencies_alone();
+    if tells { Verdict::EffectFound } else { Verdict::Unexplained }
 }

@@ -21,9 +21,13 @@ pub(crate) fn fault(model: &Model, channel: &Channel) -> Option<SensorFault> {
 /// Turns the true motion `values` of `channel` into what the model's faulty sensors show of it.
 ///
 /// A steady record is late by the phases of its harmonics; elsewhere values are read between samples as
-/// [`read_at`] does. With `timed` the values are those of the moments that the sensor shows already.
+/// [`read_at`] does. With `timed` the values are those of the moments that the sensor shows already. In a table a delay turns
+/// phases and a gain scales amplitudes; nothing else of a fault shows there.
 pub(crate) fn apply(model: &Model, record: &Record, channel: &Channel, timed: bool, values: &mut [f64]) {
     let Some(fault) = fault(model, channel) else { return };
+    if record.regime.is_table() {
+        return tabulate(&fault, record, channel, values);
+    }
     if !timed
         && !fault.is_on_time()
         && let Some(step) = record.sample_step()
@@ -35,6 +39,19 @@ pub(crate) fn apply(model: &Model, record: &Record, channel: &Channel, timed: bo
     }
     for value in values {
         *value = fault.gain * *value + fault.bias;
+    }
+}
+
+/// The same of a column of a table.
+fn tabulate(fault: &SensorFault, record: &Record, channel: &Channel, values: &mut [f64]) {
+    match (channel.quantity(), record.channel("frequency")) {
+        ("phase", Some(frequency)) => {
+            values.iter_mut().zip(&frequency.values).for_each(|(phase, f)| *phase -= TAU * f * fault.delay);
+        }
+        ("displacement" | "velocity" | "acceleration", _) => {
+            values.iter_mut().for_each(|amplitude| *amplitude *= fault.gain);
+        }
+        _ => {}
     }
 }
 
