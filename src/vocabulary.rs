@@ -90,6 +90,8 @@ vocabulary! {
     MODES = "modes" ["1"] Some(1.0), Some(40.0), false, 6.0, "Number of modes kept";
     PHASE = "phase" ["rad"] None, None, false, 1.0, "Phase of the first harmonic of the motion at the same place, ahead of the excitation";
     DAMPING_RATIO = "damping_ratio" ["1"] Some(0.0), Some(1.0), false, 0.003, "Modal damping ratio, one for all modes or one per mode";
+    FREQUENCY_INTERVAL = "frequency_interval" ["Hz"] Some(0.0), None, true, 0.01, "Half of the 95 % interval of a resonance frequency";
+    DAMPING_INTERVAL = "damping_interval" ["1"] Some(0.0), None, true, 1e-4, "Half of the 95 % interval of a damping ratio";
     MASS_DAMPING = "mass_damping" ["1/s"] Some(0.0), None, false, 1.0, "Mass-proportional damping";
     STIFFNESS_DAMPING = "stiffness_damping" ["s"] Some(0.0), None, false, 1e-5, "Stiffness-proportional damping";
     POSITION = "position" ["m"] Some(0.0), None, false, 0.5, "Distance from the clamp";

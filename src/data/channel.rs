@@ -21,6 +21,8 @@ pub const COLUMNS: &[&Quantity] = &[
     &v::AMPLITUDE,
     &v::FREQUENCY,
     &v::DAMPING_RATIO,
+    &v::FREQUENCY_INTERVAL,
+    &v::DAMPING_INTERVAL,
     &v::PHASE,
 ];
 

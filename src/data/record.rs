@@ -1,9 +1,12 @@
 //! Queries of records and channels.
 
 use super::{Channel, ChannelName, Record};
+use crate::vocabulary as v;
 
 /// Samples may stand this fraction of a step off an even grid: time stamps are printed with few digits.
 const EVENNESS: f64 = 0.05;
+/// Standard deviations of a normal number in half of a 95 % interval.
+const NORMAL_95: f64 = 1.96;
 
 impl Record {
     /// The channel called `name`; `x=0.550` and `x=0.55` are the same place.
@@ -30,6 +33,39 @@ impl Record {
     /// ```
     pub fn channels_of<'r>(&'r self, quantity: &'r str) -> impl Iterator<Item = &'r Channel> {
         self.channels.iter().filter(move |channel| channel.quantity() == quantity)
+    }
+
+    /// Standard deviation of each value of `channel`, where the record has its 95 % intervals beside it.
+    pub(crate) fn deviations(&self, channel: &Channel) -> Option<Vec<f64>> {
+        let intervals = match channel.quantity() {
+            "frequency" => &v::FREQUENCY_INTERVAL,
+            "damping_ratio" => &v::DAMPING_INTERVAL,
+            _ => return None,
+        };
+        let intervals = &self.channel(intervals.name)?.values;
+        intervals
+            .iter()
+            .all(|half| *half > 0.0)
+            .then(|| intervals.iter().map(|half| half / NORMAL_95).collect())
+    }
+
+    /// Standard deviation of the noise of `channel` in all, as stated or by its intervals.
+    pub(crate) fn stated_noise(&self, channel: &Channel) -> Option<f64> {
+        let of_rows = || {
+            let deviations = self.deviations(channel)?;
+            let square = deviations.iter().map(|x| x * x).sum::<f64>() / deviations.len() as f64;
+            Some(square.sqrt())
+        };
+        channel.noise.or_else(of_rows)
+    }
+
+    /// How much more or less each value of `channel` weighs than its noise in all says: that over its own; all the same
+    /// where nothing tells them apart.
+    pub(crate) fn weights(&self, channel: &Channel) -> Vec<f64> {
+        match (self.deviations(channel), self.stated_noise(channel)) {
+            (Some(own), Some(all)) => own.iter().map(|own| all / own).collect(),
+            _ => vec![1.0; channel.values.len()],
+        }
     }
 
     /// Number of samples, the same in every channel.

@@ -162,15 +162,15 @@ fn the_contact_of_an_oscillator_is_recovered_from_its_decay() {
         fitted.model.get("spring.1.damping").unwrap(),
     );
     println!("{limit} N, {damping} N s/m, error {}", fitted.stage.error);
-    assert!((limit / 6.0 - 1.0).abs() < 0.03 && (damping / 2.0 - 1.0).abs() < 0.1, "{limit} {damping}");
+    assert!((limit / 6.0 - 1.0).abs() < 0.02 && (damping / 2.0 - 1.0).abs() < 0.02, "{limit} {damping}");
     assert!(fitted.stage.error < 0.1, "{}", fitted.stage.error);
 }
 
 /// The decays of a beam on the virtual rig, from held amplitudes (m/s²) with noise of 0.05 m/s².
-fn of_the_rig(model: &Model, amplitudes: &[f64]) -> Dataset {
+fn of_the_rig(model: &Model, amplitudes: &[f64], seed: u64) -> Dataset {
     let mut plan = Plan::of_sensors(&[0.55, 0.3, 0.1]);
     let noisy = ChannelFault { noise: NoiseLevel::Deviation(0.05), ..ChannelFault::default() };
-    plan.chain = Chain { accelerometers: vec![noisy; 3], seed: 4, ..Chain::default() };
+    plan.chain = Chain { accelerometers: vec![noisy; 3], seed, ..Chain::default() };
     for amplitude in amplitudes {
         let decay = RingDown { from: Release::Held(*amplitude), duration: 4.0, sampling: 2048.0 };
         plan.tests.push(Test {
@@ -212,20 +212,20 @@ fn the_contact_of_a_beam_is_recovered_from_its_decay() {
         text.replace("free = []", "free = [\"contact.friction_coefficient\", \"beam.damping_ratio\"]")
     };
     let truth = beam(free);
-    let raw = of_the_rig(&truth, &[40.0]);
-    let (tables, found) = tabulated(&truth, &raw);
-    deviations(&truth, &tables, &found[0]);
-    let mut start = truth.clone();
     let paths = ["contact.friction_coefficient", "beam.damping_ratio"];
     let values = paths.map(|path| truth.get(path).unwrap());
-    start.set(paths[0], 0.8 * values[0]).unwrap();
-    start.set(paths[1], 1.5 * values[1]).unwrap();
-    let fitted = refit("", &start, &tables, Watch::default()).unwrap();
-    let ratios = [0, 1].map(|k| fitted.model.get(paths[k]).unwrap() / values[k]);
-    println!("{ratios:?}, error {}", fitted.stage.error);
-    // Where the damping falls to a half in three cycles, a table is off by some percent of it: little of the friction, much
-    // of the beam's own.
-    assert!((ratios[0] - 1.0).abs() < 0.02 && (ratios[1] - 1.0).abs() < 0.25, "{ratios:?}");
+    for seed in [4, 6, 7] {
+        let (tables, found) = tabulated(&truth, &of_the_rig(&truth, &[40.0], seed));
+        deviations(&truth, &tables, &found[0]);
+        let mut start = truth.clone();
+        start.set(paths[0], 0.8 * values[0]).unwrap();
+        start.set(paths[1], 1.5 * values[1]).unwrap();
+        let fitted = refit("", &start, &tables, Watch::default()).unwrap();
+        let ratios = [0, 1].map(|k| fitted.model.get(paths[k]).unwrap() / values[k]);
+        println!("{ratios:?}, error {}", fitted.stage.error);
+        // The levels at which friction takes next to nothing tell the beam's own damping, a tenth of all.
+        assert!((ratios[0] - 1.0).abs() < 0.02 && (ratios[1] - 1.0).abs() < 0.1, "{ratios:?}");
+    }
 }
 
 #[test]

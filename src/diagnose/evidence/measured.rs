@@ -179,7 +179,8 @@ impl<'a, 'd> Measured<'a, 'd> {
         let of_record = |(k, predicted): (usize, &Vec<f64>)| {
             let measured = &self.lane(k).measured;
             let square = |channel: &MeasuredChannel| {
-                let of = |i: usize| ((predicted[i] - measured[i]) / channel.prior.deviation).powi(2);
+                let apart = |i: usize| self.lane(k).weights[i] * (predicted[i] - measured[i]);
+                let of = |i: usize| (apart(i) / channel.prior.deviation).powi(2);
                 channel.range.clone().map(of).sum::<f64>()
             };
             self.channels[k].iter().map(square).sum::<f64>() / measured.len().max(1) as f64
@@ -240,6 +241,11 @@ fn prior(own: Option<&Noise>, size: f64, more: f64, assumed: &Assumptions) -> No
     }
 }
 
+/// `values` of record `k`, those of which more is known the larger.
+fn weighted(data: &Measured, k: usize, values: &[f64]) -> Vec<f64> {
+    values.iter().zip(&data.lane(k).weights).map(|(value, weight)| weight * value).collect()
+}
+
 /// The noise of all compared channels: a process per channel's name, a size per record.
 #[derive(Debug, Clone)]
 pub(super) struct NoiseModel {
@@ -267,8 +273,10 @@ impl NoiseModel {
         residuals: &[Vec<f64>],
         coloured: bool,
     ) {
+        let residuals: Vec<Vec<f64>> =
+            residuals.iter().enumerate().map(|(k, residuals)| weighted(data, k, residuals)).collect();
         for index in 0..if coloured { data.processes } else { 0 } {
-            let series = data.channels.iter().zip(residuals).flat_map(|(channels, residuals)| {
+            let series = data.channels.iter().zip(&residuals).flat_map(|(channels, residuals)| {
                 let own = channels.iter().filter(move |channel| channel.process == index);
                 own.map(|channel| &residuals[channel.range.clone()])
             });
@@ -289,6 +297,7 @@ impl NoiseModel {
 
     /// Innovations of `values` of record `k`, in their standard deviations.
     pub fn whiten(&self, data: &Measured, k: usize, values: &[f64]) -> Vec<f64> {
+        let values = weighted(data, k, values);
         let mut out = vec![0.0; values.len()];
         for (c, channel) in data.channels[k].iter().enumerate() {
             let part = &mut out[channel.range.clone()];

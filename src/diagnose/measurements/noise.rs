@@ -22,6 +22,7 @@ pub fn noise_of(model: &Model, dataset: &Dataset) -> Vec<Noise> {
         for channel in compared(model, record) {
             let start = lane.measured.len();
             lane.measured.extend_from_slice(&channel.values);
+            lane.weights.extend(record.weights(channel));
             lane.channels.push((channel.name.as_str(), start..lane.measured.len()));
         }
         lane
@@ -34,8 +35,8 @@ pub(in crate::diagnose) fn measure(lanes: &[RecordResiduals]) -> Vec<Noise> {
     let mut found = Vec::new();
     for (record, lane) in lanes.iter().enumerate() {
         for (name, range) in &lane.channels {
-            let stated =
-                lane.record.channel(name).and_then(|channel| channel.noise).filter(|noise| *noise > 0.0);
+            let stated = lane.record.channel(name).and_then(|channel| lane.record.stated_noise(channel));
+            let stated = stated.filter(|noise| *noise > 0.0);
             let (seen, source) = match stated {
                 Some(noise) => (Some(Seen { deviation: noise, log_error: 0.0 }), NoiseSource::Stated),
                 None => seen(lanes, record, name, &lane.measured[range.clone()]),

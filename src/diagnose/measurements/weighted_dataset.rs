@@ -29,6 +29,8 @@ pub(in crate::diagnose) struct RecordResiduals<'d> {
     pub measured: Vec<f64>,
     /// One over the channel's standard deviation, per sample: what residuals are measured by.
     pub scales: Vec<f64>,
+    /// How much more or less each sample weighs than the channel's noise says.
+    pub weights: Vec<f64>,
     /// Samples of each channel, by name.
     pub channels: Vec<(&'d str, std::ops::Range<usize>)>,
     /// A solution that every simulation of the record starts from.
@@ -178,6 +180,7 @@ fn lane<'d>(model: &Model, record: &'d Record) -> Result<RecordResiduals<'d>, St
         lane.measured.extend_from_slice(&channel.values);
         let scale = 1.0 / deviation(channel)?;
         lane.scales.resize(lane.measured.len(), scale);
+        lane.weights.extend(record.weights(channel));
         lane.channels.push((&channel.name, start..lane.measured.len()));
     }
     Ok(lane)
@@ -186,7 +189,14 @@ fn lane<'d>(model: &Model, record: &'d Record) -> Result<RecordResiduals<'d>, St
 impl<'d> RecordResiduals<'d> {
     /// Without a channel yet.
     pub fn empty(record: &'d Record, seed: Option<Seed>) -> Self {
-        Self { record, measured: Vec::new(), scales: Vec::new(), channels: Vec::new(), seed }
+        Self {
+            record,
+            measured: Vec::new(),
+            scales: Vec::new(),
+            weights: Vec::new(),
+            channels: Vec::new(),
+            seed,
+        }
     }
 
     /// A simulation of the record.

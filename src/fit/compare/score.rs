@@ -19,13 +19,15 @@ pub(crate) fn scored(model: &Model, record: &Record, seed: Option<&Seed>) -> Rec
 }
 
 /// Prediction minus measurement of every compared channel, over its standard deviation and over the
-/// square root of its length: the sum of squares is that of the channels' normalised errors.
+/// square root of its length: the sum of squares is that of the channels' normalised errors. Values of a table that have
+/// intervals of their own weigh by these.
 pub(crate) fn normalised_residual(model: &Model, record: &Record) -> Result<Vec<f64>, String> {
     let mut residual = Vec::new();
     for (channel, predicted) in compared(model, record).into_iter().zip(predict_from(model, record, None)?) {
-        let scale = deviation(channel)? * (channel.values.len() as f64).sqrt();
-        let pairs = channel.values.iter().zip(predicted.values);
-        residual.extend(pairs.map(|(measured, value)| (value - measured) / scale));
+        let weights = record.weights(channel);
+        let scale = deviation(channel)? * weights.iter().map(|w| w * w).sum::<f64>().sqrt();
+        let rows = channel.values.iter().zip(predicted.values).zip(weights);
+        residual.extend(rows.map(|((measured, value), weight)| weight * (value - measured) / scale));
     }
     Ok(residual)
 }

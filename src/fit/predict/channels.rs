@@ -17,9 +17,10 @@ fn roles(model: &Model, regime: Regime) -> Roles {
             inputs: &["time", "displacement", "velocity", "normal_load", "normal_displacement"],
             compared: &["force"],
         },
-        (Structure::Beam(_) | Structure::Oscillator(_), Regime::Backbone) => {
-            Roles { inputs: &["amplitude"], compared: &["frequency", "damping_ratio"] }
-        }
+        (Structure::Beam(_) | Structure::Oscillator(_), Regime::Backbone) => Roles {
+            inputs: &["amplitude", "frequency_interval", "damping_interval"],
+            compared: &["frequency", "damping_ratio"],
+        },
         (Structure::Oscillator(_) | Structure::Beam(_), Regime::SteppedSine) => Roles {
             inputs: &["frequency", "excitation"],
             compared: &["acceleration", "velocity", "displacement", "phase"],

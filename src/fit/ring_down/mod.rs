@@ -21,6 +21,9 @@ const FEWEST: usize = 3;
 /// Where half of a two-sided 95 % interval ends.
 const HALF_95: f64 = 0.975;
 
+/// Cycles since the last reversal, in the mean.
+const SINCE_REVERSAL: f64 = 0.25;
+
 /// Standard deviations of a normal number in such a half.
 const NORMAL_95: f64 = 1.96;
 
@@ -119,8 +122,8 @@ pub fn levels(record: &Record) -> Result<RingDown, String> {
         "velocity" => 1,
         _ => 0,
     };
-    let level = |window: &window::Fitted| level(window, order, [first, step]);
-    let levels = windows.iter().map(level).collect();
+    let mut levels: Vec<Level> = windows.iter().map(|window| level(window, order, [first, step])).collect();
+    unresolved(&mut levels);
     Ok(RingDown { record: record.name.clone(), channel: channel.name.clone(), levels })
 }
 
@@ -138,18 +141,33 @@ fn level(window: &window::Fitted, order: i32, [first, step]: [f64; 2]) -> Level 
     let rate = window.rate + n * rise;
     let natural = (speed * speed + rate * rate + window.rate_slope[0] - rate * rise).sqrt();
     let half = student_quantile(HALF_95, window.freedom);
-    // A friction contact answers to the amplitude of its last reversal: a table does not resolve what changes in a cycle.
-    let cycle = TAU / natural;
-    let unresolved = [window.speed_slope[0], window.rate_slope[0]].map(|slope| cycle * slope);
     let hertz = 1.0 / (step * TAU);
     Level {
         time: first + window.middle * step,
         amplitude: window.amplitude * (natural / step).powi(2 - order),
         frequency: natural * hertz,
-        frequency_interval: (half * window.speed_error.hypot(n * turn_error)).hypot(unresolved[0]) * hertz,
+        frequency_interval: half * window.speed_error.hypot(n * turn_error) * hertz,
         damping_ratio: (rate - 0.5 * rise) / natural,
-        damping_interval: (half * window.rate_error.hypot((n - 0.5) * rise_error)).hypot(unresolved[1])
-            / natural,
+        damping_interval: half * window.rate_error.hypot((n - 0.5) * rise_error) / natural,
+    }
+}
+
+/// Widens the intervals of `levels` by what changes in a quarter of a cycle, by the steepest way to a level beside: a friction
+/// contact answers to the amplitude of its last reversal, which a table does not resolve.
+fn unresolved(levels: &mut [Level]) {
+    let steepest = |place: usize, value: fn(&Level) -> f64| {
+        let here = &levels[place];
+        let beside = [place.checked_sub(1), Some(place + 1)].into_iter().flatten();
+        let slope = |other: &Level| ((value(other) - value(here)) / (other.time - here.time)).abs();
+        beside.filter_map(|other| levels.get(other)).map(slope).fold(0.0, f64::max) * SINCE_REVERSAL
+            / here.frequency
+    };
+    let changes: Vec<[f64; 2]> = (0..levels.len())
+        .map(|place| [steepest(place, |level| level.frequency), steepest(place, |level| level.damping_ratio)])
+        .collect();
+    for (level, [frequency, damping]) in levels.iter_mut().zip(changes) {
+        level.frequency_interval = level.frequency_interval.hypot(frequency);
+        level.damping_interval = level.damping_interval.hypot(damping);
     }
 }
 
@@ -178,6 +196,18 @@ impl RingDown {
                 v::DAMPING_RATIO.unit,
                 |level| level.damping_ratio,
                 Some(|level| level.damping_interval),
+            ),
+            column(
+                v::FREQUENCY_INTERVAL.name.to_owned(),
+                v::FREQUENCY_INTERVAL.unit,
+                |level| level.frequency_interval,
+                None,
+            ),
+            column(
+                v::DAMPING_INTERVAL.name.to_owned(),
+                v::DAMPING_INTERVAL.unit,
+                |level| level.damping_interval,
+                None,
             ),
         ];
         Record { regime: Regime::Backbone, channels, ..record.clone() }
