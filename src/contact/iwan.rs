@@ -4,7 +4,8 @@ use std::ops::Bound;
 
 use super::error::{Bounds, LawError, checked, checked_pair};
 use super::kind::{BaseLaw, JointBase, LawKind, LawParameter, LawRule, LawValues};
-use super::{ContactLaw, Inputs, ParallelSliders, Response, Slider, StateTangents};
+use super::parallel::Sliders;
+use super::{ContactLaw, ParallelSliders};
 use crate::vocabulary::{self as v, Scale};
 
 /// The four-parameter Iwan element: sliders of every strength side by side, as a joint slips from its
@@ -233,7 +234,8 @@ impl Iwan {
     /// Displacement of macro-slip (m) under `normal_load` (N), φ_max: there the last slider yields.
     pub fn macro_slip_displacement(&self, normal_load: f64) -> f64 {
         let mean = (self.exponent + 1.0) / (self.exponent + 2.0);
-        self.limit(normal_load) * (1.0 + self.ratio) / (self.tangential_stiffness * (self.ratio + mean))
+        self.sliders.limit(normal_load) * (1.0 + self.ratio)
+            / (self.tangential_stiffness * (self.ratio + mean))
     }
 
     /// R (N/m^(χ+2)) of the distribution `ρ = R φ^χ` under `normal_load` (N).
@@ -263,28 +265,8 @@ impl From<Iwan> for JointBase {
     }
 }
 
-impl ContactLaw for Iwan {
-    fn state_len(&self) -> usize {
-        self.sliders.state_len()
-    }
-
-    fn set_state(&self, displacement: f64, normal_load: f64, force: f64, state: &mut [f64]) {
-        self.sliders.set_state(displacement, normal_load, force, state);
-    }
-
-    fn step(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> Response {
-        self.sliders.step(state, inputs, next)
-    }
-
-    fn state_tangents(&self, state: &[f64], inputs: Inputs, out: &mut StateTangents) {
-        self.sliders.state_tangents(state, inputs, out);
-    }
-
-    fn limit(&self, normal_load: f64) -> f64 {
-        self.sliders.limit(normal_load)
-    }
-
-    fn sliders(&self, normal_load: f64, out: &mut Vec<Slider>) -> bool {
-        self.sliders.sliders(normal_load, out)
+impl Sliders for Iwan {
+    fn parallel(&self) -> &ParallelSliders {
+        &self.sliders
     }
 }

@@ -1,8 +1,9 @@
 //! A loading curve as it was measured, between reversals and after them.
 
+use super::ParallelSliders;
 use super::error::{Bounds, LawError, checked, checked_pair};
 use super::kind::{BaseLaw, JointBase, LawKind, LawParameter, LawValues, MOST_PARAMETERS};
-use super::{ContactLaw, Inputs, ParallelSliders, Response, Slider, StateTangents};
+use super::parallel::Sliders;
 use crate::vocabulary::{self as v, Quantity, Scale};
 
 /// A tabulated loading curve that every branch after a reversal repeats at twice its size, for contacts whose loops no other
@@ -170,28 +171,8 @@ impl From<Measured> for JointBase {
     }
 }
 
-impl ContactLaw for Measured {
-    fn state_len(&self) -> usize {
-        self.sliders.state_len()
-    }
-
-    fn set_state(&self, displacement: f64, normal_load: f64, force: f64, state: &mut [f64]) {
-        self.sliders.set_state(displacement, normal_load, force, state);
-    }
-
-    fn step(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> Response {
-        self.sliders.step(state, inputs, next)
-    }
-
-    fn state_tangents(&self, state: &[f64], inputs: Inputs, out: &mut StateTangents) {
-        self.sliders.state_tangents(state, inputs, out);
-    }
-
-    fn limit(&self, normal_load: f64) -> f64 {
-        self.sliders.limit(normal_load)
-    }
-
-    fn sliders(&self, normal_load: f64, out: &mut Vec<Slider>) -> bool {
-        self.sliders.sliders(normal_load, out)
+impl Sliders for Measured {
+    fn parallel(&self) -> &ParallelSliders {
+        &self.sliders
     }
 }

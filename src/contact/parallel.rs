@@ -196,3 +196,35 @@ impl ContactLaw for ParallelSliders {
         true
     }
 }
+
+/// A law that is sliders side by side, by another name.
+pub(super) trait Sliders {
+    /// The sliders.
+    fn parallel(&self) -> &ParallelSliders;
+}
+
+impl<L: Sliders + std::fmt::Debug + Send + Sync> ContactLaw for L {
+    fn state_len(&self) -> usize {
+        self.parallel().state_len()
+    }
+
+    fn set_state(&self, displacement: f64, normal_load: f64, force: f64, state: &mut [f64]) {
+        self.parallel().set_state(displacement, normal_load, force, state);
+    }
+
+    fn step(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> Response {
+        self.parallel().step(state, inputs, next)
+    }
+
+    fn state_tangents(&self, state: &[f64], inputs: Inputs, out: &mut StateTangents) {
+        self.parallel().state_tangents(state, inputs, out);
+    }
+
+    fn limit(&self, normal_load: f64) -> f64 {
+        self.parallel().limit(normal_load)
+    }
+
+    fn sliders(&self, normal_load: f64, out: &mut Vec<Slider>) -> bool {
+        self.parallel().sliders(normal_load, out)
+    }
+}

@@ -5,12 +5,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::assumptions::Assumptions;
 use super::candidates::{self, Candidate};
 use super::diagnosis::{Diagnosis, Noise, Verdict};
+use super::error::DiagnoseError;
 use super::evaluate;
 use super::evidence::{self, Measured, Posterior, Question};
-use super::measurements::noise::{self, noise_of};
+use super::measurements::noise::noise_of;
 use super::measurements::split;
 use super::measurements::weighted_dataset::WeightedDataset;
-use super::measurements::{beginnings, inputs, magnitudes, thinned};
+use super::measurements::{beginnings, cycles, inputs, magnitudes, thinned};
 use super::solvable;
 use super::stage::stage;
 use super::verdict::{self, Context, Decision};
@@ -62,17 +63,6 @@ pub struct DiagnoseWatch<'a> {
     pub progress: Option<DiagnoseHook<'a>>,
     /// Asked repeatedly; `true` ends the diagnosis with the results so far.
     pub interrupt: Option<InterruptHook<'a>>,
-}
-
-/// Why there is no diagnosis.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum DiagnoseError {
-    /// An id that the catalogue does not have.
-    #[error("there is no effect `{0}`")]
-    UnknownEffect(String),
-    /// The model as it is could not be refitted.
-    #[error("{0}")]
-    Refit(#[from] RefitError),
 }
 
 /// A model with an effect added and refitted.
@@ -145,7 +135,7 @@ fn diagnosis(
     let parts = match table {
         true => split::whole(dataset),
         false => split::split(dataset, |record| {
-            noise::driver(record).map(|c| c.values.clone()).unwrap_or_default()
+            cycles::driver(record).map(|c| c.values.clone()).unwrap_or_default()
         }),
     };
     let measured = noise_of(model, dataset);

@@ -8,6 +8,7 @@ mod assumptions;
 mod candidates;
 mod diagnosis;
 mod engine;
+mod error;
 mod evidence;
 mod features;
 mod measurements;
@@ -20,7 +21,8 @@ pub use diagnosis::{
     Candidate, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group, Noise,
     NoiseSource, Step, Untried, Verdict,
 };
-pub use engine::{Added, DiagnoseError, DiagnoseHook, DiagnoseOptions, DiagnoseWatch, add, diagnose};
+pub use engine::{Added, DiagnoseHook, DiagnoseOptions, DiagnoseWatch, add, diagnose};
+pub use error::DiagnoseError;
 pub use measurements::noise::noise_of;
 
 pub use crate::fit::compare::{

@@ -1,6 +1,6 @@
 //! Work on those records of a dataset that can be solved.
 
-use super::engine::DiagnoseError;
+use super::error::DiagnoseError;
 use super::evaluate;
 use crate::data::Dataset;
 use crate::fit::compare::{RecordResult, RefitError, Skipped, Stage};

@@ -224,7 +224,7 @@ mod tests {
             let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
             let base = first(&data, None, &model).and_then(|first| again(&data, &first)).unwrap();
             let only = ["residual_stiffness", "asymmetry", "contact_damping", "stiffening", "wear"];
-            let (tried, _) = tried(&model, &bench, Some(&only.map(str::to_owned)), false);
+            let (tried, _) = tried(&model, &bench, Some(&only.map(str::to_owned)));
             let scales = magnitudes::of(&model, &dataset);
             let question =
                 Question { data: &data, looks: None, beginnings: &[], dataset: &dataset, scales: &scales };

@@ -1,9 +1,17 @@
 //! Noise from what a motion repeats: all of it, or the cycles while its level is held between ramps.
 
-use super::noise::{SAME, driver};
 use super::tone;
 use crate::data::{Channel, Record};
 use crate::fit::predict::{Motion, period};
+
+/// Two motions are one when they differ by less than this fraction of their size.
+pub(super) const SAME: f64 = 0.01;
+
+/// The channel that drives a record: the displacement of a contact, the first excitation of a structure.
+pub(in crate::diagnose) fn driver(record: &Record) -> Option<&Channel> {
+    let named = |name: &str| record.channels.iter().find(|channel| channel.quantity() == name);
+    named("excitation").or_else(|| named("displacement")).or_else(|| named("amplitude"))
+}
 
 /// A motion that repeats.
 pub(super) struct Cycles {
@@ -168,7 +176,7 @@ fn held(values: &[f64], period: f64) -> Vec<bool> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::noise::Seen;
+    use super::super::seen::Seen;
     use super::*;
     use std::f64::consts::TAU;
 

@@ -1,6 +1,6 @@
 //! The magnitudes of a model and its data, by which effects are bounded.
 
-use super::noise;
+use super::cycles;
 use crate::data::{Channel, Dataset, Record};
 use crate::effects::{Location, Scales};
 use crate::model::{Model, Structure};
@@ -102,7 +102,7 @@ pub(in crate::diagnose) fn drive_rate(record: &Record) -> Option<f64> {
         );
     }
     let step = record.sample_step()?;
-    let motion = crate::fit::predict::Motion::even(&noise::driver(record)?.values, step);
+    let motion = crate::fit::predict::Motion::even(&cycles::driver(record)?.values, step);
     let mean = motion.values.iter().sum::<f64>() / motion.values.len() as f64;
     let square: f64 = motion.values.iter().map(|x| (x - mean).powi(2)).sum();
     let rate: f64 = motion.rates.iter().map(|x| x * x).sum();

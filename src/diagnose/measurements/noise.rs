@@ -1,18 +1,13 @@
 //! The noise as far as it is known: stated, from repeated periods, from repeated records, or taken from records in which
 //! it was measured. Otherwise it is unknown.
 
-use super::cycles::Cycles;
+use super::cycles::{Cycles, SAME, driver};
+use super::seen::Seen;
 use super::weighted_dataset::RecordResiduals;
 use crate::data::{Channel, Dataset, Record};
 use crate::diagnose::diagnosis::{Noise, NoiseSource};
 use crate::fit::predict::{compared, white_noise};
 use crate::model::Model;
-
-/// The channel that drives a record: the displacement of a contact, the first excitation of a structure.
-pub(in crate::diagnose) fn driver(record: &Record) -> Option<&Channel> {
-    let named = |name: &str| record.channels.iter().find(|channel| channel.quantity() == name);
-    named("excitation").or_else(|| named("displacement")).or_else(|| named("amplitude"))
-}
 
 /// The noise of every channel that `model` predicts of every record of `dataset`, as far as it is stated or
 /// repeated periods or records show it.
@@ -49,40 +44,6 @@ pub(in crate::diagnose) fn measure(lanes: &[RecordResiduals]) -> Vec<Noise> {
     found
 }
 
-/// A standard deviation that was measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Seen {
-    pub deviation: f64,
-    /// Standard error of its logarithm.
-    pub log_error: f64,
-}
-
-impl Seen {
-    /// From differences between samples that only noise makes different. Correlated noise has fewer independent
-    /// values than samples.
-    pub fn of(deviation: f64, differences: &[f64], longest: usize) -> Self {
-        let product = |lag: usize| -> f64 {
-            let pairs = differences.iter().zip(differences.get(lag..).unwrap_or(&[]));
-            pairs.map(|(a, b)| a * b).sum()
-        };
-        let power = product(0);
-        let correlations =
-            (1..longest).map(|lag| product(lag) / power).take_while(|fraction| *fraction > DEAD);
-        let (mut lags, mut together) = (0, 1.0);
-        for fraction in correlations {
-            lags += 1;
-            together += 2.0 * fraction * fraction;
-        }
-        // What does not die away is a drift, and no noise.
-        let is_noise = power > 0.0 && lags + 1 < longest;
-        let log_error = if is_noise { (together / (2.0 * differences.len() as f64)).sqrt() } else { 0.0 };
-        Self { deviation, log_error }
-    }
-}
-
-/// Correlation of noise below which it has died away.
-const DEAD: f64 = 0.1;
-
 /// From the record itself, or from another of the same motion.
 fn seen(lanes: &[RecordResiduals], record: usize, name: &str, values: &[f64]) -> (Option<Seen>, NoiseSource) {
     let Some(drive) = driver(lanes[record].record) else { return (None, NoiseSource::Unknown) };
@@ -108,8 +69,6 @@ fn seen(lanes: &[RecordResiduals], record: usize, name: &str, values: &[f64]) ->
     (Some(Seen::of(mean.sqrt(), one, values.len() / 10)), NoiseSource::Repeats)
 }
 
-/// Two motions are one when they differ by less than this fraction of their size.
-pub(super) const SAME: f64 = 0.01;
 /// Two other inputs are: a measured load has its own noise.
 const ALIKE: f64 = 0.02;
 

@@ -1,7 +1,7 @@
 //! Long records of a contact alone with fewer samples, for the many refits of the search: a contact's force
 //! follows the path of the motion, which a sample far below every turn of it shows as well as all do.
 
-use super::noise::driver;
+use super::cycles::driver;
 use crate::data::{Channel, Dataset, Record, Regime};
 use crate::fit::predict::{Motion, white_noise};
 use crate::model::{Model, Structure};

@@ -50,6 +50,13 @@ pub(crate) trait Simulation: Send {
         let _ = finer;
     }
 
+    /// Solves for the motion under `model` and keeps the solution as the start of the predictions to come, where there is
+    /// something to solve for.
+    fn keep(&mut self, model: &Model) -> Result<(), String> {
+        let _ = model;
+        Ok(())
+    }
+
     /// Writes the predictions of all channels, one after the other, `Σ len` numbers, in the channels' units.
     fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String>;
 
@@ -67,6 +74,7 @@ pub(crate) trait Simulation: Send {
         predictions: &mut Vec<f64>,
         derivatives: &mut Vec<Vec<f64>>,
     ) -> Result<(), String> {
+        self.keep(model)?;
         self.predict(model, nuisances, predictions)?;
         self.differences(directions, predictions, derivatives)
     }

@@ -1,6 +1,6 @@
 //! Where a nonlinear mode begins: the mode of the structure with its contacts as they are at rest.
 
-use super::Held;
+use super::held::Held;
 use crate::harmonic::HarmonicError;
 use crate::system::{LinearStructure, Row};
 

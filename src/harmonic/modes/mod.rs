@@ -5,6 +5,7 @@
 //! solution for every amplitude, with the mode's frequency Ω, damping ratio ζ and shape, harmonics included.
 //! Where ζ is small and modes are apart, the resonances of the forced structure lie on it.
 
+mod held;
 mod linear_start;
 mod vibration;
 
@@ -20,6 +21,7 @@ use crate::harmonic::response::stepwise::{LastSolutions, StepwiseContinuation};
 use crate::harmonic::response::tracker::Solution;
 use crate::numeric::fourier::coefficient_count;
 use crate::system::{Element, LinearStructure, Output};
+use held::Held;
 use linear_start::LinearStart;
 use vibration::FreeVibration;
 
@@ -152,21 +154,6 @@ pub(crate) fn mode_near(assembly: &Assembly, angular_frequency: f64) -> Result<u
     let vibrating = modes.angular_frequency.iter().enumerate().filter(|(_, natural)| **natural > 0.0);
     let nearest = vibrating.min_by(|a, b| apart(*a.1).total_cmp(&apart(*b.1)));
     nearest.map(|(mode, _)| mode).ok_or(HarmonicError::InvalidInput("the structure has no vibration"))
-}
-
-/// A mode with the first harmonic of a node held at each of the amplitudes: of its displacement (0) … acceleration (2).
-struct Held<'a> {
-    mode: usize,
-    node: usize,
-    derivative: usize,
-    amplitudes: &'a [f64],
-}
-
-impl Held<'_> {
-    /// The first of the amplitudes as one of the displacement (m) at `angular_frequency` (rad/s).
-    fn first(&self, angular_frequency: f64) -> f64 {
-        self.amplitudes[0] / angular_frequency.powi(self.derivative as i32)
-    }
 }
 
 fn mode_of(
