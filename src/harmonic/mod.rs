@@ -35,6 +35,7 @@ pub(crate) use modes::{mode_at, mode_near};
 pub use newton::{Contacting, Point};
 pub use period::CycleSummary;
 pub use period::contact_cycle::{ContactCycle, ContactMapping, contact_cycle};
+pub use response::dual::{DualTone, HeldTone, dual_tone_response};
 pub use response::resonance::{Resonance, backbone, phase_resonance};
 pub use response::sweep::{frequency_response, level_response, parameter_response, periodic_response};
 pub use response::tracking::{TrackedQuantity, Tracking, track_levels, track_parameter};

@@ -8,6 +8,7 @@
 //! - `expansion`: the published way to the same, in two modes;
 //! - `laws`: contact laws fitted at some levels and predicted at the others; `measured`: the map itself as one;
 //! - `spectra`, `poles`, `resonance`: frequency responses, linear modes, and one resonance from a few points;
+//! - `stiffness`: of the pin rig's contact, from natural frequencies;
 //! - `identification`: all of them, from a model and a dataset.
 //!
 //! Source: "Nonlinear model identification of a frictional contact support", Mechanical Systems and Signal Processing
@@ -22,6 +23,7 @@ mod measured;
 mod poles;
 mod resonance;
 mod spectra;
+mod stiffness;
 
 pub use expansion::{Expansion, expand};
 pub use harmonics::{Harmonics, harmonics};
@@ -35,6 +37,7 @@ pub use measured::tabulate;
 pub use poles::{Pole, poles};
 pub use resonance::{ResonanceFit, resonance_of};
 pub use spectra::{FrequencyResponse, frequency_response_of};
+pub use stiffness::{ContactStiffness, Estimate, MeasuredFrequencies, beam_frequencies, contact_stiffness};
 
 /// Why nothing was identified.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -3,6 +3,9 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use stickslip::identify::{
+    ContactStiffness, MeasuredFrequencies, beam_frequencies as own_frequencies, contact_stiffness,
+};
 use stickslip::system::{FiniteElementRigModes, ModalPinRig, PinRig, PinRigModes};
 
 use crate::common::pin_rig::{model_b, rig, soft_string};
@@ -100,4 +103,46 @@ fn the_printed_equation_seven_is_unstable() {
     // q̈ + λ q = 0 with λ < 0 grows with √−λ.
     let growth = (-least(-1.0)).sqrt();
     assert!((growth / 2.1e4 - 1.0).abs() < 0.05, "{growth} 1/s");
+}
+
+/// What three frequencies, each to 0.05 %, and a Young's modulus to 0.5 % tell of the contact of `truth`, from wrong values on.
+fn identified(truth: &PinRig, lever: f64) -> ContactStiffness {
+    let frequencies = own_frequencies(truth, 3).unwrap();
+    let mut rig = truth.clone();
+    rig.beam.offset = lever;
+    rig.stuck_stiffness = [2e6, 1e7];
+    let measured = MeasuredFrequencies { frequencies, deviation: 5e-4, modulus_deviation: 5e-3 };
+    contact_stiffness(&rig, &measured).unwrap()
+}
+
+#[test]
+fn frequencies_tell_the_tangential_stiffness_and_not_the_normal_one() {
+    let truth = model_b();
+    let found = identified(&truth, truth.beam.offset);
+    let [tangential, normal] = truth.stuck_stiffness;
+    assert!((found.tangential.value / tangential - 1.0).abs() < 1e-2, "{found:?}");
+    // A modulus that is 0.1 % off is made good by a normal stiffness that is 20 % off, or thereabouts.
+    let mut off = truth.clone();
+    off.beam.youngs_modulus *= 1.001;
+    let frequencies = own_frequencies(&truth, 3).unwrap();
+    let fixed = MeasuredFrequencies { frequencies, deviation: 5e-4, modulus_deviation: 1e-9 };
+    let moved = contact_stiffness(&off, &fixed).unwrap();
+    println!("{found:?}\n{moved:?}");
+    assert!((moved.normal.value / normal - 1.0).abs() > 0.1, "{moved:?}");
+    // So its interval is wide, that of the tangential stiffness is not.
+    let narrow = found.tangential.interval.unwrap();
+    assert!(narrow.high < 1.2 * narrow.low, "{found:?}");
+    let wide = found.normal.interval.is_none_or(|interval| interval.high > 2.0 * interval.low);
+    assert!(wide, "{found:?}");
+}
+
+#[test]
+fn of_the_tangential_stiffness_only_its_product_with_the_lever_squared_is_known() {
+    let truth = model_b();
+    let [short, long] = [0.006, 0.0085].map(|lever| identified(&truth, lever));
+    assert!((long.rotational.value / short.rotational.value - 1.0).abs() < 0.1, "{short:?} {long:?}");
+    assert!(long.tangential.value < 0.6 * short.tangential.value);
+    for (a, b) in long.frequencies.iter().zip(&short.frequencies) {
+        assert!((a / b - 1.0).abs() < 1e-3, "{a} {b}");
+    }
 }

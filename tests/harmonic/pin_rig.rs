@@ -4,7 +4,9 @@ use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
 
 use stickslip::harmonic::fourier::{time_derivative, value};
-use stickslip::harmonic::{Assembly, Control, CurveSettings, Point, periodic_response};
+use stickslip::harmonic::{
+    Assembly, Control, CurveSettings, HeldTone, Point, dual_tone_response, periodic_response,
+};
 use stickslip::system::{Core, PinRig, System};
 use stickslip::time::{ClassicalSteps, Energies, SteppedMotion};
 
@@ -21,11 +23,20 @@ fn reference() -> &'static (System, Point) {
         let system = observed(&model_b());
         let mut assembly = Assembly::new(system.clone());
         assembly.waveform = FORCE.to_vec();
-        let settings = CurveSettings { harmonics: 13, max_step: 0.1, ..CurveSettings::default() };
         let at = TAU * FREQUENCY;
-        let point = periodic_response(&assembly, at, &Control::Level(1.0), &settings, None).unwrap();
+        let point = periodic_response(&assembly, at, &Control::Level(1.0), &settings(), None).unwrap();
         (system, point)
     })
+}
+
+fn settings() -> CurveSettings {
+    CurveSettings { harmonics: 13, max_step: 0.1, ..CurveSettings::default() }
+}
+
+/// Amplitude (m/s²) of a harmonic of the acceleration where the force acts.
+fn acceleration(point: &Point, order: usize) -> f64 {
+    let driven = point.nodes.last().unwrap();
+    (order as f64 * point.angular_frequency).powi(2) * driven[2 * order - 1].hypot(driven[2 * order])
 }
 
 /// Lowest and highest value over a period.
@@ -65,11 +76,8 @@ fn dual_sine_gives_the_reference_values_and_its_energy_balances() {
     let rig = model_b();
     let (system, point) = reference();
     let speed = point.angular_frequency;
-    let driven = point.nodes.last().unwrap();
-    let acceleration =
-        |order: usize| (order as f64 * speed).powi(2) * driven[2 * order - 1].hypot(driven[2 * order]);
-    near("a1 (m/s²)", acceleration(1), 20.0, 0.2);
-    near("a3 (m/s²)", acceleration(3), 50.0, 0.2);
+    near("a1 (m/s²)", acceleration(point, 1), 20.0, 0.2);
+    near("a3 (m/s²)", acceleration(point, 3), 50.0, 0.2);
     let [tangential, normal] = [&point.contacts[0], &point.contacts[1]];
     let [low, high] = range(&tangential.force);
     near("lowest S (N)", low, -31.5, 1.0);
@@ -146,6 +154,36 @@ fn the_motion_in_time_is_that_of_the_balance() {
     let Energies { work, viscous, friction, impact } = motion.energies;
     near("work over dissipation", work / (viscous + friction + impact), 1.0, 1e-3);
     near("work in time over that of the balance", work / point.work, 1.0, 1e-3);
+}
+
+/// Both harmonics of the acceleration where the force acts are held by two sines, as in the paper's tests.
+#[test]
+fn two_tones_hold_two_harmonics() {
+    let (system, reference) = reference();
+    let assembly = Assembly::new(system.clone());
+    let node = assembly.nodes().len() - 1;
+    let held = |amplitudes: [f64; 2]| {
+        let tones = [(1, amplitudes[0]), (3, amplitudes[1])];
+        let tones = tones.map(|(order, amplitude)| HeldTone { order, amplitude, phase: 0.0 });
+        dual_tone_response(&assembly, TAU * FREQUENCY, node, tones, &settings()).unwrap()
+    };
+    // The amplitudes of a response to known forces are held by those forces.
+    let known = held([acceleration(reference, 1), acceleration(reference, 3)]);
+    near("force of the first tone (N)", known.force[0], 1.85, 1e-6);
+    near("force of the second tone (N)", known.force[1], 6.2, 1e-6);
+    let preload = model_b().preload();
+    let (mut swing, mut loss) = (0.0, 0.0);
+    for amplitudes in [[14.0, 34.0], [17.5, 42.5], [20.0, 50.0]] {
+        let point = held(amplitudes).point;
+        near("a1 (m/s²)", acceleration(&point, 1), amplitudes[0], 1e-6);
+        near("a3 (m/s²)", acceleration(&point, 3), amplitudes[1], 1e-6);
+        // Normal force and friction grow with the motion, and the pin stays on its support.
+        let [tangential, normal] = [&point.contacts[0], &point.contacts[1]];
+        let now = (half_range(&normal.force), work(&tangential.force, &tangential.displacement));
+        assert!(now.0 > swing && now.1 > loss, "{amplitudes:?}: {now:?}");
+        assert!(range(&normal.force)[1] < preload);
+        (swing, loss) = now;
+    }
 }
 
 /// At the published preload the pin never leaves its support; under less than a third of it, it slaps.

@@ -29,6 +29,9 @@ pub struct Assembly {
     pub system: System,
     /// Coefficients `[a0, c1, s1, …]` of the excitation at level 1: `[0, 1, 0]` is cos Ωt.
     pub waveform: Vec<f64>,
+    /// Coefficients of an excitation beside it, per unit of the parameter; empty for none. Only systems in modal coordinates
+    /// take one.
+    pub second_waveform: Vec<f64>,
     /// Coefficients `[c1, s1, …]` (N) by which the normal load of an element's law swings about its mean, for elements by
     /// their places in [`System::elements`]. The others have a constant load.
     pub load_swings: Vec<(usize, Vec<f64>)>,
@@ -41,7 +44,13 @@ impl Assembly {
     /// Under the excitation cos Ωt, with constant normal loads.
     pub fn new(system: System) -> Self {
         let waveform = vec![0.0, 1.0, 0.0];
-        Self { system, waveform, load_swings: Vec::new(), static_offsets: Vec::new() }
+        Self {
+            system,
+            waveform,
+            second_waveform: Vec::new(),
+            load_swings: Vec::new(),
+            static_offsets: Vec::new(),
+        }
     }
 
     /// Names of the points whose responses are given: the sensors and, of a system that keeps its modal coordinates, the
@@ -76,7 +85,9 @@ impl Assembly {
     /// Refuses an excitation that a response with the harmonics of `settings` could not follow: the harmonics left out
     /// would be missing from the response and from the estimate of its error.
     pub(crate) fn check_excitation(&self, settings: &CurveSettings) -> Result<(), HarmonicError> {
-        let highest = self.waveform.iter().rposition(|f| *f != 0.0).map_or(0, |place| place.div_ceil(2));
+        let highest_of =
+            |list: &[f64]| list.iter().rposition(|f| *f != 0.0).map_or(0, |place| place.div_ceil(2));
+        let highest = highest_of(&self.waveform).max(highest_of(&self.second_waveform));
         if highest > settings.harmonics {
             return Err(HarmonicError::InvalidInput(
                 "the excitation has more harmonics than the response may have",
@@ -93,7 +104,7 @@ impl Assembly {
         if system.core.size() == 0 {
             return refuse("a system without coordinates has no response of its own");
         }
-        if self.waveform.iter().any(|f| !f.is_finite()) {
+        if self.waveform.iter().chain(&self.second_waveform).any(|f| !f.is_finite()) {
             return refuse("the excitation is not finite");
         }
         if system.laws().any(|(.., load)| !load.is_finite()) || swings.chain(offsets).any(|x| !x.is_finite())

@@ -107,17 +107,16 @@ impl Balance {
                 }
                 right.iter_mut().for_each(|r| *r = -*r);
             }
-            Scalar::Level => {
-                for (k, right) in right.chunks_exact_mut(modes).enumerate() {
-                    let shapes = right.iter_mut().zip(&self.system.driven);
-                    shapes.for_each(|(r, e)| *r = self.waveform[k] * e);
+            Scalar::Level | Scalar::Parameter => {
+                let waveform = if scalar == Scalar::Level { &self.waveform } else { &self.second };
+                for (right, f) in right.chunks_exact_mut(modes).zip(waveform) {
+                    right.iter_mut().zip(&self.system.driven).for_each(|(r, e)| *r = f * e);
                 }
             }
             Scalar::SelfExcitation => {
                 self.equations.by_self_excitation(&self.q, &mut right);
                 right.iter_mut().for_each(|r| *r = -*r);
             }
-            Scalar::Parameter => right.fill(0.0),
         }
         let moved = &mut self.modal_by[index];
         if right.iter().all(|r| *r == 0.0) || !self.equations.solve(&right, moved) {

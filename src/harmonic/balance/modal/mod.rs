@@ -111,6 +111,8 @@ pub(crate) struct Balance {
     /// Modal coefficients of the last evaluation, coefficient after coefficient.
     pub q: Vec<f64>,
     waveform: Vec<f64>,
+    /// Excitation per unit of the parameter.
+    second: Vec<f64>,
     extremum: Extremum,
     equations: ModalEquations,
     harmonics: usize,
@@ -186,11 +188,14 @@ impl Balance {
         condensed.iter().for_each(|port| mean_squares[port.rows.start] = mean_square(0));
         let mut kept = waveform.to_vec();
         kept.resize(count, 0.0);
+        let mut second = assembly.second_waveform.clone();
+        second.resize(count, 0.0);
         let mut balance = Self {
             system,
             count,
             q: vec![0.0; size],
             waveform: kept,
+            second,
             extremum: Extremum::default(),
             equations,
             harmonics,

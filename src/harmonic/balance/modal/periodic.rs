@@ -104,7 +104,8 @@ impl PeriodicSystem for Balance {
     }
 
     fn guess(&mut self, at: &Operating, x: &mut [f64]) -> Result<(), HarmonicError> {
-        let excitation: Vec<f64> = self.waveform.iter().map(|f| at.level * f).collect();
+        let both = self.waveform.iter().zip(&self.second);
+        let excitation: Vec<f64> = both.map(|(f, second)| at.level * f + at.parameter * second).collect();
         guess::forced(self, at.angular_frequency, &excitation)?;
         self.weigh();
         x.copy_from_slice(&self.start());
@@ -210,7 +211,8 @@ impl PeriodicSystem for Balance {
             amplitude: nodes.iter().map(|node| self.extremum.of(node).1).collect(),
             nodes,
             contacts,
-            work: operating.level * work_per_cycle(&self.waveform, &driven),
+            work: operating.level * work_per_cycle(&self.waveform, &driven)
+                + operating.parameter * work_per_cycle(&self.second, &driven),
             stable: None,
             undecided: None,
             error_estimate: 0.0,

@@ -66,7 +66,7 @@ impl Balance {
             return Err(singular);
         }
         for (k, right) in self.right.chunks_exact_mut(modes).enumerate() {
-            let excitation = at.level * self.waveform[k];
+            let excitation = at.level * self.waveform[k] + at.parameter * self.second[k];
             right.iter_mut().zip(&self.system.driven).for_each(|(r, e)| *r = excitation * e);
             for port in &self.ports {
                 let force = self.forces[port.rows.start + k];

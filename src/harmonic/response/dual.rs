@@ -1,0 +1,153 @@
+//! Two harmonics of the motion held at once by a force of two tones.
+
+use std::f64::consts::TAU;
+
+use crate::harmonic::balance::assembly::Assembly;
+use crate::harmonic::balance::balance_of;
+use crate::harmonic::newton::Point;
+use crate::harmonic::newton::condition::HeldAmplitude;
+use crate::harmonic::newton::problem::{Condition, Stopping, solve};
+use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
+use crate::harmonic::{CurveSettings, HarmonicError};
+
+/// Force (N) of a tone under which the system is as good as linear, and the response tells how large the held one is about.
+const WEAK: f64 = 1e-4;
+/// Where the way to the amplitudes wanted begins, as a fraction of them, and its shortest step.
+const FIRST: f64 = 0.05;
+const SHORTEST: f64 = 1e-3;
+/// Newton steps for one place on the way.
+const MOST_ITERATIONS: usize = 12;
+
+/// A harmonic of the acceleration that is held, by a tone of the force of the same order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldTone {
+    /// Which harmonic, at least 1.
+    pub order: usize,
+    /// Amplitude of the acceleration (m/s²).
+    pub amplitude: f64,
+    /// Phase (rad) of the tone of the force: `sin(order ωt + phase)`.
+    pub phase: f64,
+}
+
+/// A response of which two harmonics are held.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DualTone {
+    /// The response; its level is the force of the first tone, its parameter that of the second.
+    pub point: Point,
+    /// Amplitudes of both tones of the force (N).
+    pub force: [f64; 2],
+}
+
+/// The response at `angular_frequency` (rad/s) of which two harmonics of the acceleration of node `node` (as
+/// [`Assembly::nodes`] counts) are held, as a dual-mode test does. The waveform of `assembly` plays no part.
+///
+/// From weak tones, where the system is linear, the amplitudes are raised together.
+///
+/// # Errors
+/// [`HarmonicError::InvalidInput`] for arguments that do not fit, a system without modal coordinates;
+/// [`HarmonicError::NotConverged`] where the amplitudes are out of reach.
+pub fn dual_tone_response(
+    assembly: &Assembly,
+    angular_frequency: f64,
+    node: usize,
+    tones: [HeldTone; 2],
+    settings: &CurveSettings,
+) -> Result<DualTone, HarmonicError> {
+    check(assembly, angular_frequency, node, &tones, settings)?;
+    let mut driven = assembly.clone();
+    driven.waveform = tones[0].waveform();
+    driven.second_waveform = tones[1].waveform();
+    let mut system = balance_of(&driven, settings)?;
+    let system = system.as_mut();
+    let mut x = vec![0.0; system.unknowns()];
+    let mut at = Operating { parameter: WEAK, ..Operating::forced(angular_frequency, WEAK) };
+    system.guess(&at, &mut x)?;
+    solve(system, &mut x, &mut at, &[], &mut [], &settings.stopping())?;
+    let acceleration = |tone: &HeldTone, system: &mut dyn PeriodicSystem| {
+        let [c, s] = system.output(node, tone.order);
+        (tone.order as f64 * angular_frequency).powi(2) * c.hypot(s)
+    };
+    let [first, second] = [0, 1].map(|k| WEAK * tones[k].amplitude / acceleration(&tones[k], system));
+    // The linear response grows with its tones: to the beginning of the way in proportion.
+    (at.level, at.parameter) = (FIRST * first, FIRST * second);
+    system.guess(&at, &mut x)?;
+    let effort = raise(system, &mut x, &mut at, (node, &tones), settings)?;
+    let mut point = system.describe(&x, &at)?;
+    point.iterations = effort;
+    Ok(DualTone { point, force: [at.level, at.parameter] })
+}
+
+/// Raises both amplitudes from [`FIRST`] to the whole; returns the Newton steps it took.
+fn raise(
+    system: &mut dyn PeriodicSystem,
+    x: &mut Vec<f64>,
+    at: &mut Operating,
+    (node, tones): (usize, &[HeldTone; 2]),
+    settings: &CurveSettings,
+) -> Result<usize, HarmonicError> {
+    let stopping = Stopping { max_iterations: MOST_ITERATIONS, ..settings.stopping() };
+    let (mut done, mut step, mut iterations) = (0.0, FIRST, 0);
+    // The last two places give the direction to the next.
+    let mut before: Option<(f64, Vec<f64>, Operating)> = None;
+    while done < 1.0 {
+        let next = f64::min(done + step, 1.0);
+        let (mut trial, mut there) = (x.clone(), *at);
+        if let Some((earlier, x_before, at_before)) = &before {
+            let ahead = (next - done) / (done - earlier);
+            trial.iter_mut().zip(x_before).for_each(|(x, before)| *x += ahead * (*x - before));
+            there.level += ahead * (at.level - at_before.level);
+            there.parameter += ahead * (at.parameter - at_before.parameter);
+        }
+        let [mut first, mut second] =
+            tones.map(|tone| HeldAmplitude::new(node, tone.order, 2, next * tone.amplitude));
+        let mut held: [&mut dyn Condition; 2] = [&mut first, &mut second];
+        let free = [Scalar::Level, Scalar::Parameter];
+        match solve(system, &mut trial, &mut there, &free, &mut held, &stopping) {
+            Ok(effort) => {
+                iterations += effort.iterations;
+                let place = (done > 0.0).then(|| (done, std::mem::take(x), *at));
+                (before, *x, *at, done) = (place, trial, there, next);
+                step *= if effort.iterations <= 5 { 2.0 } else { 1.0 };
+            }
+            Err(error) if !error.is_of_the_step() || step < SHORTEST => return Err(error),
+            Err(_) => step *= 0.5,
+        }
+    }
+    Ok(iterations)
+}
+
+impl HeldTone {
+    /// Coefficients of the tone of unit amplitude.
+    fn waveform(&self) -> Vec<f64> {
+        let mut waveform = vec![0.0; 2 * self.order + 1];
+        let (sine, cosine) = (self.phase % TAU).sin_cos();
+        (waveform[2 * self.order - 1], waveform[2 * self.order]) = (sine, cosine);
+        waveform
+    }
+}
+
+fn check(
+    assembly: &Assembly,
+    angular_frequency: f64,
+    node: usize,
+    tones: &[HeldTone; 2],
+    settings: &CurveSettings,
+) -> Result<(), HarmonicError> {
+    let refuse = |message| Err(HarmonicError::InvalidInput(message));
+    let positive = |value: f64| value > 0.0 && value.is_finite();
+    if !positive(angular_frequency) || tones.iter().any(|tone| !positive(tone.amplitude)) {
+        return refuse("the angular frequency and the amplitudes held must be positive");
+    }
+    if tones.iter().any(|tone| !(1..=settings.harmonics).contains(&tone.order) || !tone.phase.is_finite())
+        || tones[0].order == tones[1].order
+    {
+        return refuse("two different harmonics of the response can be held");
+    }
+    if assembly.is_condensed() {
+        return refuse("two tones are held of a system in modal coordinates alone");
+    }
+    if node >= assembly.nodes().len() {
+        return refuse("there is no such node to hold");
+    }
+    Ok(())
+}
