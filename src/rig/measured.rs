@@ -17,4 +17,12 @@ pub(super) struct ContactSamples {
     pub displacement: Vec<f64>,
     pub velocity: Vec<f64>,
     pub force: Vec<f64>,
+    /// Of a contact in two directions.
+    pub normal: Option<NormalSamples>,
+}
+
+/// Normal displacement (m), positive where it closes the contact, and normal load (N).
+pub(super) struct NormalSamples {
+    pub displacement: Vec<f64>,
+    pub load: Vec<f64>,
 }

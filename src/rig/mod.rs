@@ -2,11 +2,12 @@
 //!
 //! A model and a [`Plan`] come in, [`Record`]s go out, as if measured. `plan`: what is tested, and the chain of sensors.
 //! `bench`: the beam with its sensors as a system. `stepped_sine`: the motion at the shaker held, by harmonic balance.
-//! `random` and `ring_down`: in time, by `march`. `chain`: gains, delays and noise, and `spoiler` what they make of what was
+//! `dual_mode`: two harmonics held at once, on a system that any builder made. `random` and `ring_down`: in time, by `march`. `chain`: gains, delays and noise, and `spoiler` what they make of what was
 //! `measured`.
 
 mod bench;
 mod chain;
+mod dual_mode;
 mod error;
 mod march;
 mod measured;
@@ -18,6 +19,7 @@ mod stepped_sine;
 mod tested;
 
 pub use chain::{Chain, ChannelFault, NoiseLevel};
+pub use dual_mode::{DualMode, dual_mode_on};
 pub use error::RigError;
 pub use plan::{
     Accelerometer, Frequencies, Plan, RandomTest, Release, RingDown, SteppedSine, Test, TestKind,
@@ -100,7 +102,7 @@ pub fn test_with_truth_on(
             };
             let made = made.map_err(|error| error.of_record(name))?;
             let seed = records.len() as u64;
-            records.push(spoiler.tested(name, test, made, seed));
+            records.push(spoiler.tested(name, test.kind.regime(), test.use_for, made, seed));
         }
     }
     Ok(records)

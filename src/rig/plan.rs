@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::chain::Chain;
 use super::error::RigError;
-use crate::data::Use;
+use crate::data::{Regime, Use};
 use crate::model::{Model, PointMass, Structure};
 
 /// Tests on a rig.
@@ -233,6 +233,15 @@ impl RandomTest {
 }
 
 impl TestKind {
+    /// What is known of the motion before a record.
+    pub(super) fn regime(&self) -> Regime {
+        match self {
+            Self::SteppedSine(_) => Regime::Steady,
+            Self::Random(test) if test.lead == 0.0 => Regime::FromRest,
+            Self::Random(_) | Self::RingDown(_) => Regime::UnknownInitialState,
+        }
+    }
+
     /// Steady records one per amplitude and frequency; one of each other test.
     fn records(&self) -> usize {
         match self {

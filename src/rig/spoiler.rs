@@ -2,9 +2,9 @@
 
 use super::chain::{Chain, ChannelFault, NoiseLevel};
 use super::measured::{ContactSamples, Measured};
-use super::plan::{Accelerometer, Test, TestKind};
+use super::plan::Accelerometer;
 use super::tested::Tested;
-use crate::data::{Channel, ChannelName, Place, Record, Regime};
+use crate::data::{Channel, ChannelName, Place, Record, Regime, Use};
 use crate::numeric::random::Random;
 use crate::vocabulary::{self as v, Quantity};
 
@@ -29,12 +29,14 @@ impl<'p> Spoiler<'p> {
     }
 
     /// The record called `name`, the `number`-th of all, and the truth.
-    pub fn tested(&self, name: &str, test: &Test, measured: Measured, number: u64) -> Tested {
-        let regime = match &test.kind {
-            TestKind::SteppedSine(_) => Regime::Steady,
-            TestKind::Random(test) if test.lead == 0.0 => Regime::FromRest,
-            TestKind::Random(_) | TestKind::RingDown(_) => Regime::UnknownInitialState,
-        };
+    pub fn tested(
+        &self,
+        name: &str,
+        regime: Regime,
+        use_for: Option<Use>,
+        measured: Measured,
+        number: u64,
+    ) -> Tested {
         let contact = measured.contact.map(|contact| truth(name, regime, &measured.time, contact));
         let mut channels = vec![channel(&v::TIME, measured.time)];
         let place = |sensor: &Accelerometer| {
@@ -50,7 +52,7 @@ impl<'p> Spoiler<'p> {
             let noise = Some(deviation).filter(|noise| self.chain.noise_told && *noise > 0.0);
             channels.push(Channel { name, unit, values, noise });
         }
-        let record = Record { name: name.to_owned(), regime, use_for: test.use_for, channels };
+        let record = Record { name: name.to_owned(), regime, use_for, channels };
         Tested { record, contact }
     }
 }
@@ -58,12 +60,16 @@ impl<'p> Spoiler<'p> {
 /// What the contact did in the record called `name`.
 fn truth(name: &str, regime: Regime, time: &[f64], contact: ContactSamples) -> Record {
     let stem = name.strip_suffix(".csv").unwrap_or(name);
-    let channels = vec![
+    let mut channels = vec![
         channel(&v::TIME, time.to_vec()),
         channel(&v::DISPLACEMENT, contact.displacement),
         channel(&v::VELOCITY, contact.velocity),
         channel(&v::FORCE, contact.force),
     ];
+    if let Some(normal) = contact.normal {
+        channels.push(channel(&v::NORMAL_DISPLACEMENT, normal.displacement));
+        channels.push(channel(&v::NORMAL_LOAD, normal.load));
+    }
     Record { name: format!("{stem}-contact.csv"), regime, use_for: None, channels }
 }
 

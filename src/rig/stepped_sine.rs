@@ -41,6 +41,7 @@ pub(super) fn measured(
         displacement: sampled(&contact.displacement, 0.0),
         velocity: sampled(&time_derivative(&contact.displacement, 1, speed), 0.0),
         force: sampled(&contact.force, 0.0),
+        normal: None,
     });
     let time = (0..test.periods * test.samples_per_period).map(|k| k as f64 * step).collect();
     Ok(Measured { time, excitation: Some(excitation), accelerations, contact })

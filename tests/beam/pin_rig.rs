@@ -127,7 +127,6 @@ fn frequencies_tell_the_tangential_stiffness_and_not_the_normal_one() {
     let frequencies = own_frequencies(&truth, 3).unwrap();
     let fixed = MeasuredFrequencies { frequencies, deviation: 5e-4, modulus_deviation: 1e-9 };
     let moved = contact_stiffness(&off, &fixed).unwrap();
-    println!("{found:?}\n{moved:?}");
     assert!((moved.normal.value / normal - 1.0).abs() > 0.1, "{moved:?}");
     // So its interval is wide, that of the tangential stiffness is not.
     let narrow = found.tangential.interval.unwrap();

@@ -1,5 +1,8 @@
 //! The virtual rig: its records are what independent methods say, and its faults those that were asked for.
 
+#[path = "../common/mod.rs"]
+mod common;
+mod dual_mode;
 mod faults;
 mod random;
 mod ring_down;
