@@ -33,7 +33,7 @@ pub fn expand(
     motion: &SteadyMotion,
     harmonics: usize,
 ) -> Result<Expansion, IdentificationError> {
-    let fail = |message: String| IdentificationError(message);
+    let fail = |message: String| IdentificationError::Failed(message);
     let plain = Beam { static_correction: false, ..beam.clone() };
     let modal = ModalBeam::new(&plain).map_err(|error| fail(error.to_string()))?;
     let (sensors, count) = (modal.sensors.len(), modal.angular_frequency.len());
@@ -112,6 +112,6 @@ fn balanced(
     let found = inner
         .svd(true, true)
         .solve(&DVector::from_vec(right), 1e-12)
-        .map_err(|why| IdentificationError(why.to_owned()))?;
+        .map_err(|why| IdentificationError::Failed(why.to_owned()))?;
     Ok(std::iter::once(0.0).chain(found.iter().copied()).collect())
 }

@@ -40,7 +40,7 @@ pub fn harmonics(
     let unknowns = coefficient_count(count);
     if values.len() != times.len() || values.len() < 2 * unknowns {
         let message = format!("{} samples do not tell {count} harmonics", values.len());
-        return Err(IdentificationError(message));
+        return Err(IdentificationError::Failed(message));
     }
     let start = times[0];
     let function = |time: f64, k: usize| {
@@ -56,7 +56,8 @@ pub fn harmonics(
     let matrix = DMatrix::from_fn(values.len(), unknowns, |i, k| function(times[i], k));
     let measured = DVector::from_column_slice(values);
     let factor = (matrix.transpose() * &matrix).cholesky();
-    let apart = || IdentificationError(format!("the record is too short to tell {count} harmonics apart"));
+    let apart =
+        || IdentificationError::Failed(format!("the record is too short to tell {count} harmonics apart"));
     let factor = factor.ok_or_else(apart)?;
     let found = factor.solve(&(matrix.transpose() * &measured));
     let left = (&measured - &matrix * &found).norm_squared();

@@ -172,13 +172,14 @@ pub fn force_under(model: &Model, period: &ContactPeriod) -> Result<Vec<f64>, Id
 
 /// The contact of `model` under the motion of `period`.
 fn mapped(model: &Model, period: &ContactPeriod) -> Result<ContactMapping, IdentificationError> {
-    let contact = model.contact.ok_or_else(|| IdentificationError("the model has no contact".to_owned()))?;
-    let law = model.law().map_err(|error| IdentificationError(error.to_string()))?;
-    let law = law.ok_or_else(|| IdentificationError("the model has no contact".to_owned()))?;
+    let contact =
+        model.contact.ok_or_else(|| IdentificationError::Failed("the model has no contact".to_owned()))?;
+    let law = model.law().map_err(|error| IdentificationError::Failed(error.to_string()))?;
+    let law = law.ok_or_else(|| IdentificationError::Failed("the model has no contact".to_owned()))?;
     let set = HarmonicSet::full(period.displacement.len() / 2);
     let mut map = ContactMapping::new(set, Method::Exact);
     map.evaluate(law.as_ref(), contact.normal_load, 0.0, period.angular_frequency, &period.displacement)
-        .map_err(|error| IdentificationError(error.to_string()))?;
+        .map_err(|error| IdentificationError::Failed(error.to_string()))?;
     Ok(map)
 }
 
@@ -226,5 +227,5 @@ fn middle(parameter: &crate::contact::LawParameter, stiffness: f64) -> f64 {
 }
 
 pub(super) fn unfit(kind: &LawKind, why: &str) -> IdentificationError {
-    IdentificationError(format!("the law `{}` was not fitted: {why}", kind.name))
+    IdentificationError::Failed(format!("the law `{}` was not fitted: {why}", kind.name))
 }

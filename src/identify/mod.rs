@@ -41,5 +41,16 @@ pub use stiffness::{ContactStiffness, Estimate, MeasuredFrequencies, beam_freque
 
 /// Why nothing was identified.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{0}")]
-pub struct IdentificationError(pub String);
+pub enum IdentificationError {
+    /// The model, the options or the records do not serve.
+    #[error("{0}")]
+    Failed(String),
+    /// A record that laws were to be fitted to could not be used.
+    #[error("laws cannot be fitted to `{record}`: {reason}")]
+    NotIdentified {
+        /// Its name in the dataset.
+        record: String,
+        /// What stood in the way.
+        reason: String,
+    },
+}

@@ -35,7 +35,7 @@ pub fn poles(
     band: [f64; 2],
     order: usize,
 ) -> Result<Vec<Pole>, IdentificationError> {
-    let fail = |message: &str| Err(IdentificationError(message.to_owned()));
+    let fail = |message: &str| Err(IdentificationError::Failed(message.to_owned()));
     let Some(first) = responses.first() else { return fail("there is no frequency response") };
     if responses.iter().any(|response| response.frequencies != first.frequencies) {
         return fail("the frequency responses have different lines");
@@ -108,15 +108,19 @@ fn roots(
         let numerator = DMatrix::from_fn(z.len(), count, |i, k| basis[(i, k)] * Complex::from(weights[i]));
         let denominator = DMatrix::from_fn(z.len(), count, |i, k| -response.h1[lines[i]] * numerator[(i, k)]);
         let (r, s) = (numerator.adjoint() * &numerator, numerator.adjoint() * &denominator);
-        let solved =
-            r.lu().solve(&s).ok_or_else(|| IdentificationError("the lines tell no poles".to_owned()))?;
+        let solved = r
+            .lu()
+            .solve(&s)
+            .ok_or_else(|| IdentificationError::Failed("the lines tell no poles".to_owned()))?;
         reduced += denominator.adjoint() * &denominator - s.adjoint() * solved;
     }
     // The highest coefficient is one.
     let square = reduced.view((0, 0), (order, order)).into_owned();
     let right = -reduced.view((0, order), (order, 1)).into_owned();
-    let found =
-        square.lu().solve(&right).ok_or_else(|| IdentificationError("the lines tell no poles".to_owned()))?;
+    let found = square
+        .lu()
+        .solve(&right)
+        .ok_or_else(|| IdentificationError::Failed("the lines tell no poles".to_owned()))?;
     let companion = DMatrix::from_fn(order, order, |i, k| {
         let below = if i == k + 1 { 1.0 } else { 0.0 };
         if k + 1 == order { -found[(i, 0)] } else { Complex::from(below) }
@@ -163,8 +167,10 @@ fn residues(
     // Columns of one length: their units differ by ten orders.
     let lengths: Vec<f64> = matrix.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)).collect();
     let scaled = DMatrix::from_fn(matrix.nrows(), columns, |r, c| matrix[(r, c)] / lengths[c]);
-    let found =
-        scaled.svd(true, true).solve(&right, 1e-12).map_err(|why| IdentificationError(why.to_owned()))?;
+    let found = scaled
+        .svd(true, true)
+        .solve(&right, 1e-12)
+        .map_err(|why| IdentificationError::Failed(why.to_owned()))?;
     Ok((0..poles.len())
         .map(|k| Complex::new(found[2 * k] / lengths[2 * k], found[2 * k + 1] / lengths[2 * k + 1]))
         .collect())

@@ -53,7 +53,10 @@ pub fn resonance_of(
     let usable = frequencies.len() == values.len() && values.len() >= 4;
     let largest = (0..values.len()).max_by(|a, b| values[*a].norm().total_cmp(&values[*b].norm()));
     let Some(largest) = largest.filter(|_| usable) else {
-        return Err(IdentificationError(format!("{} points do not tell a resonance: four do", values.len())));
+        return Err(IdentificationError::Failed(format!(
+            "{} points do not tell a resonance: four do",
+            values.len()
+        )));
     };
     let (low, high) = frequencies.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), f| (l.min(*f), h.max(*f)));
     let width = high - low;
@@ -75,7 +78,7 @@ pub fn resonance_of(
     let options =
         Options { starts: 5, difference: Difference::Central, difference_step: 1e-6, ..Options::default() };
     let found = fit(residual, 2 * values.len(), &parameters, &options)
-        .map_err(|error| IdentificationError(format!("the resonance was not fitted: {error}")))?;
+        .map_err(|error| IdentificationError::Failed(format!("the resonance was not fitted: {error}")))?;
     let (frequency, damping_ratio) = (found.parameters[0], found.parameters[1]);
     let (_, parts) = projected(frequencies, values, frequency, damping_ratio)?;
     let model = |f: f64| mode(f, frequency, damping_ratio) * parts[0] + parts[1];
@@ -109,7 +112,8 @@ fn projected(
     let matrix = DMatrix::from_fn(values.len(), 2, column);
     let right = DVector::from_column_slice(values);
     let solved = (matrix.adjoint() * &matrix).lu().solve(&(matrix.adjoint() * &right));
-    let parts = solved.ok_or_else(|| IdentificationError("the points tell no resonance".to_owned()))?;
+    let parts =
+        solved.ok_or_else(|| IdentificationError::Failed("the points tell no resonance".to_owned()))?;
     let rest = right - matrix * &parts;
     Ok((rest.iter().flat_map(|r| [r.re, r.im]).collect(), [parts[0], parts[1]]))
 }

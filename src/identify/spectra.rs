@@ -53,7 +53,7 @@ pub fn frequency_response_of(
     length: usize,
 ) -> Result<FrequencyResponse, IdentificationError> {
     if force.len() != response.len() || length < 8 || force.len() < 2 * length {
-        return Err(IdentificationError(format!(
+        return Err(IdentificationError::Failed(format!(
             "{} samples are not two segments of {length}: a longer record or shorter segments are needed",
             force.len().min(response.len())
         )));

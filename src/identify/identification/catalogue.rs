@@ -105,8 +105,11 @@ fn fitted(found: &Identification, options: &IdentifyOptions) -> Result<Vec<usize
         let stem = |file: &str| file.strip_suffix(".csv").unwrap_or(file).to_owned();
         let known = found.records.iter().position(|record| stem(&record.name) == stem(name));
         known.ok_or_else(|| {
+            if let Some((record, reason)) = found.skipped.iter().find(|one| stem(&one.0) == stem(name)) {
+                return IdentificationError::NotIdentified { record: record.clone(), reason: reason.clone() };
+            }
             let names: Vec<&str> = found.records.iter().map(|record| record.name.as_str()).collect();
-            IdentificationError(format!(
+            IdentificationError::Failed(format!(
                 "laws cannot be fitted to `{name}`: the identified records are {}",
                 names.join(", ")
             ))

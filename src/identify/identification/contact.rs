@@ -120,7 +120,7 @@ fn inverted<'s>(
             most.into_iter().for_each(|most| failed[most] = Some(reason.clone()));
         }
         for (record, reason) in kept.iter().zip(&failed) {
-            let Some(IdentificationError(reason)) = reason else { continue };
+            let Some(IdentificationError::Failed(reason)) = reason else { continue };
             found.warnings.push(format!("{} could not be inverted: {reason}.", record.name));
             found.skipped.push((record.name.clone(), reason.clone()));
         }
@@ -145,7 +145,7 @@ fn together(
     for (words, beam) in &setup.beams {
         let beam = Beam { sensors: records[0].positions.clone(), ..beam.clone() };
         let modal = ModalBeam::with_changes(&beam, &setup.changes)
-            .map_err(|error| IdentificationError(error.to_string()))?;
+            .map_err(|error| IdentificationError::Failed(error.to_string()))?;
         tried.push((
             words,
             beam.static_correction,

@@ -180,15 +180,27 @@ pub(super) fn of_modes(setup: &Setup, record: &LinearRecord) -> Option<Level> {
     Some(Level { damping_ratio: Some(first.damping_ratio), ..level })
 }
 
-/// The rows of a table of frequency against amplitude.
-pub(super) fn of_backbone(setup: &Setup, record: &Record) -> Vec<Level> {
+/// The rows of a table of frequency against amplitude, that of a free decay among them.
+///
+/// # Errors
+/// An amplitude that is not that of the exciter.
+pub(super) fn of_backbone(setup: &Setup, record: &Record) -> Result<Vec<Level>, String> {
     let values = |name: &str| record.channel(name).map(|channel| channel.values.as_slice());
-    let (amplitudes, frequencies) =
-        (values("amplitude").unwrap_or_default(), values("frequency").unwrap_or_default());
-    let damping = values("damping_ratio");
+    let Some(amplitude) = record.channels_of("amplitude").next() else { return Ok(Vec::new()) };
+    let exciter = setup.beam.excitation_position;
+    if amplitude.position().is_some_and(|position| (position - exciter).abs() > 1e-9) {
+        return Err(format!(
+            "its amplitude is `{}`: levels are told at the exciter, x={exciter}",
+            amplitude.name
+        ));
+    }
+    let (amplitudes, frequencies) = (&amplitude.values, values("frequency").unwrap_or_default());
+    let (damping, intervals) = (values("damping_ratio"), values("frequency_interval"));
     let row = |(k, (amplitude, frequency)): (usize, (&f64, &f64))| Level {
         damping_ratio: damping.map(|damping| damping[k]),
+        frequency_interval: intervals
+            .map(|intervals| Interval { low: frequency - intervals[k], high: frequency + intervals[k] }),
         ..Level::new(setup, LevelSource::Table(record.name.clone()), *amplitude, *frequency)
     };
-    amplitudes.iter().zip(frequencies).enumerate().map(row).collect()
+    Ok(amplitudes.iter().zip(frequencies).enumerate().map(row).collect())
 }

@@ -22,6 +22,7 @@ mod unidentified;
 use super::{IdentificationError, IdentifiedLaw, Inversion};
 use crate::data::{Dataset, Record, Regime};
 use crate::fit::InterruptHook;
+use crate::fit::ring_down::tabulated;
 use crate::model::{Beam, Contact, Model, Structure};
 use crate::system::{Damping, StructureChanges};
 
@@ -138,6 +139,8 @@ pub fn identify(
 ) -> Result<Identification, IdentificationError> {
     let setup = Setup::new(model, options)?;
     let mut skipped = Vec::new();
+    // A free decay tells resonances over the amplitude, as a table does.
+    let (dataset, _) = tabulated(model, dataset);
     let of = |regime: fn(Regime) -> bool| dataset.records.iter().filter(move |r| regime(r.regime));
     let steady: Vec<&Record> = of(|regime| regime == Regime::Steady).collect();
     let free = of(|regime| matches!(regime, Regime::FromRest | Regime::UnknownInitialState));
@@ -153,7 +156,10 @@ pub fn identify(
     let (mut levels, chosen) = levels::of_records(&setup, all, &mut skipped);
     levels.extend(linear.iter().filter_map(|record| levels::of_modes(&setup, record)));
     for record in of(|regime| regime == Regime::Backbone) {
-        levels.extend(levels::of_backbone(&setup, record));
+        match levels::of_backbone(&setup, record) {
+            Ok(found) => levels.extend(found),
+            Err(reason) => skipped.push((record.name.clone(), reason)),
+        }
     }
     levels.sort_by(|a, b| a.amplitude.total_cmp(&b.amplitude));
     if chosen.is_empty() && levels.is_empty() && linear.is_empty() {
@@ -193,7 +199,7 @@ pub fn identify(
 
 fn check_interrupt(options: &IdentifyOptions) -> Result<(), IdentificationError> {
     match options.interrupt.is_some_and(|asked| asked()) {
-        true => Err(IdentificationError("interrupted".to_owned())),
+        true => Err(IdentificationError::Failed("interrupted".to_owned())),
         false => Ok(()),
     }
 }
@@ -205,7 +211,7 @@ fn nothing_usable(skipped: &[(String, String)]) -> IdentificationError {
         true => "the dataset has no record of the beam".to_owned(),
         false => format!("no record can be used{}", reasons.concat()),
     };
-    IdentificationError(format!(
+    IdentificationError::Failed(format!(
         "{missing}\nneeded are records of regime \"steady\" with `excitation [N]` and motions such as `acceleration:x=0.55 \
          [m/s^2]`, best at several levels; records under random excitation give the linear modes"
     ))
@@ -213,7 +219,7 @@ fn nothing_usable(skipped: &[(String, String)]) -> IdentificationError {
 
 impl Setup {
     fn new(model: &Model, options: &IdentifyOptions) -> Result<Self, IdentificationError> {
-        let fail = |message: &str| Err(IdentificationError(message.to_owned()));
+        let fail = |message: &str| Err(IdentificationError::Failed(message.to_owned()));
         let Structure::Beam(beam) = &model.structure else {
             return fail("a contact is identified behind a beam: the model's kind must be \"beam\"");
         };

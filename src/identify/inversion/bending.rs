@@ -28,7 +28,7 @@ impl<'p> Bending<'p> {
         let sensors = beam.sensors.len();
         let alike = accelerations.iter().zip(errors).all(|(a, e)| a.len() == e.len() && a.len() > 2);
         if accelerations.len() != sensors || errors.len() != sensors || !alike {
-            return Err(IdentificationError(format!(
+            return Err(IdentificationError::Failed(format!(
                 "{sensors} accelerations are needed, with an error each"
             )));
         }

@@ -69,7 +69,7 @@ impl<'p> Joint<'p> {
         let mut before = f64::INFINITY;
         for round in 0..ROUNDS {
             if interrupted() {
-                return Err(IdentificationError("interrupted".to_owned()));
+                return Err(IdentificationError::Failed("interrupted".to_owned()));
             }
             let solved = self.solve()?;
             let change = self.take(&solved);
@@ -80,7 +80,7 @@ impl<'p> Joint<'p> {
             }
             before = change;
         }
-        Err(IdentificationError(
+        Err(IdentificationError::Failed(
             "force and slope of the beam do not settle: the motion is too large for this beam".to_owned(),
         ))
     }
@@ -107,7 +107,7 @@ impl<'p> Joint<'p> {
         }
         let factor = curvature.clone().cholesky();
         let factor =
-            factor.ok_or_else(|| IdentificationError("the equations have no solution".to_owned()))?;
+            factor.ok_or_else(|| IdentificationError::Failed("the equations have no solution".to_owned()))?;
         let scaled = factor.solve(&gradient);
         let rest = |(r, (matrix, right)): (usize, &(DMatrix<f64>, DVector<f64>))| {
             let its = |k: usize| scaled[if k < shared { k } else { k + own * r }];

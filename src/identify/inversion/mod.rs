@@ -47,7 +47,7 @@ pub(super) fn invert_until(
     let records: Vec<Bending> =
         motions.iter().map(|motion| Bending::new(beam, motion, harmonics)).collect::<Result<_, _>>()?;
     if records.is_empty() {
-        return Err(IdentificationError("there is no steady record".to_owned()));
+        return Err(IdentificationError::Failed("there is no steady record".to_owned()));
     }
     // Before the motion is known roughly, no fault of the measuring chain explains what it does not.
     let certain = Doubts { excitation_gain: 0.0, sensor_gain: 0.0, sensor_mass: 0.0, ..*doubts };

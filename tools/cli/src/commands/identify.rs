@@ -5,7 +5,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use stickslip::data::{Dataset, Regime};
-use stickslip::identify::{ContactPeriod, Identification, IdentifyOptions, ModeCount, identify};
+use stickslip::identify::{
+    ContactPeriod, Identification, IdentificationError, IdentifyOptions, ModeCount, identify,
+};
 use stickslip::model::Model;
 use stickslip_report::identification::{
     IdentificationReport, identification_html, identification_json, identification_table,
@@ -27,10 +29,11 @@ Examples:
   stickslip export identified.toml -o Support.fmu
 
 Steady records give the contact's force and motion, all of them together; laws are fitted to some of them and predict the
-others. Records under random excitation give the linear modes. The law of the model's own contact is not used, its normal
+others. Records under random excitation give the linear modes, free decays and backbone tables the resonance over the
+amplitude. The law of the model's own contact is not used, its normal
 load is.
 
-Exit codes: 0 done; 1 failed; 2 bad input (nothing is written); 130 interrupted by Ctrl-C (nothing is written).")]
+Exit codes: 0 done; 1 failed, such as a record of --fit that cannot be inverted; 2 bad input (nothing is written); 130 interrupted by Ctrl-C (nothing is written).")]
 pub struct Identify {
     /// The model file of a beam, or an FMU that carries one
     model: PathBuf,
@@ -142,7 +145,10 @@ impl Identify {
             tell!("note: interrupted; nothing was written");
             return Ok(None);
         }
-        found.map(Some).map_err(|error| Failure::input(error.to_string()))
+        found.map(Some).map_err(|error| match error {
+            IdentificationError::NotIdentified { .. } => Failure::other(error.to_string()),
+            IdentificationError::Failed(message) => Failure::input(message),
+        })
     }
 
     /// Refuses tables that could not be written, before any work; their folder may still be missing.

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::fs;
 
+use stickslip::model::Model;
 use tempfile::TempDir;
 
 use crate::support::{error, read_json, stickslip};
@@ -148,5 +149,32 @@ fn what_is_taken_for_granted_can_be_said_and_is_told() {
         let refused = diagnosed(&["--assume", wrong]);
         assert_eq!(refused.status.code(), Some(2), "{wrong}");
         assert!(error(&refused).contains(hint), "{}", error(&refused));
+    }
+}
+
+#[test]
+fn an_effect_fitted_to_free_decays_predicts_the_stepped_sine() {
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/free-decay-and-sweep");
+    let [model, decays, sweeps] = ["model.toml", "decays", "sweeps"].map(|name| format!("{example}/{name}"));
+    let folder = tempfile::tempdir().unwrap();
+    let add = ["add", &model, "quadratic_damping", "--fit", &decays, "-o", "new.toml", "--json", "a.json"];
+    let output = stickslip(folder.path(), &add);
+    assert!(output.status.success(), "{}", error(&output));
+    let new = Model::parse(&fs::read_to_string(folder.path().join("new.toml")).unwrap()).unwrap();
+    for (path, truth, bound) in [
+        ("effect.1.quadratic_damping", 4.0, 0.1),
+        ("spring.1.damping", 2.0, 0.05),
+        ("contact.tangential_stiffness", 4e3, 0.02),
+        ("contact.friction_coefficient", 0.1, 0.03),
+    ] {
+        let found = new.get(path).unwrap();
+        assert!((found / truth - 1.0).abs() < bound, "{path}: {found}");
+    }
+    for (model, error) in [("new.toml", 0.05), (&model, 10.0)] {
+        let output = stickslip(folder.path(), &["compare", model, &sweeps, "--no-fit", "--json", "c.json"]);
+        assert!(output.status.success());
+        let found = read_json(&folder, "c.json")["stages"][0]["error"].as_f64().unwrap();
+        println!("{model}: {found}");
+        assert!(found < error && (error < 1.0 || found > 0.3), "{model}: {found}");
     }
 }

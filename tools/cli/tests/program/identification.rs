@@ -228,6 +228,16 @@ fn what_is_missing_is_named() {
         output.status.success()
             && stdout(&output).contains("level-20.csv: it has no `excitation [N]` column")
     );
+    // Asked to fit laws to it, the program cannot.
+    let output =
+        stickslip(folder.path(), &["identify", "model.toml", ".", "--fit", "level-20", "--json", "i.json"]);
+    assert_eq!(output.status.code(), Some(1), "{}", error(&output));
+    assert!(
+        error(&output).contains("`level-20.csv`: it has no `excitation [N]` column"),
+        "{}",
+        error(&output)
+    );
+    assert!(!folder.path().join("i.json").exists());
     // No steady record at all.
     rewrite("dataset.toml", &|text| {
         let first = text.split("\n[[record]]").take(2).collect::<Vec<_>>().join("\n[[record]]");
@@ -343,4 +353,26 @@ fn an_interrupt_ends_within_a_second_and_writes_nothing() {
     assert!(begin.elapsed() < Duration::from_secs(1), "{:?}", begin.elapsed());
     assert_eq!(output.status.code(), Some(130), "{output:?}");
     assert_eq!(entries(folder.path()), before);
+}
+
+#[test]
+fn a_free_decay_tells_resonance_and_damping_over_the_amplitude() {
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/frictional-support");
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| format!("{example}/{name}");
+    let rig = stickslip(folder.path(), &["rig", &path("ring-down.toml"), "-o", "decay"]);
+    assert!(rig.status.success(), "{}", error(&rig));
+    let output =
+        stickslip(folder.path(), &["identify", &path("published.toml"), "decay", "--json", "i.json"]);
+    assert!(output.status.success(), "{}", error(&output));
+    assert!(stdout(&output).contains("only resonances"), "{}", stdout(&output));
+    let json = read_json(&folder, "i.json");
+    let levels = json["levels"].as_array().unwrap();
+    let number = |level: &Value, name: &str| level[name].as_f64().unwrap();
+    // As the contact slips less and less the support is stiffer and takes less.
+    let (small, large) = (&levels[0], &levels[levels.len() - 1]);
+    assert!(levels.len() > 8 && number(large, "amplitude") > 20.0 * number(small, "amplitude"), "{levels:?}");
+    assert!(number(small, "frequency") > number(large, "frequency") + 2.0, "{levels:?}");
+    assert!(number(small, "damping_ratio") < 0.3 * number(large, "damping_ratio"), "{levels:?}");
+    assert!(large["frequency_interval"].is_object() || large["frequency_interval"].is_array(), "{large}");
 }
