@@ -144,6 +144,8 @@ pub enum Undecided {
     NotSettled,
     /// The motion is no response: a free vibration that artificial damping sustains.
     NoResponse,
+    /// A contact in two directions, or masses that move with ports: what disturbances of them do is not followed.
+    TwoDirections,
 }
 
 impl From<OscillatorError> for Undecided {

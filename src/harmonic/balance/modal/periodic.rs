@@ -174,6 +174,9 @@ impl PeriodicSystem for Balance {
     }
 
     fn stable(&mut self, point: &Point) -> Result<bool, Undecided> {
+        if self.has_two_directions() {
+            return Err(Undecided::TwoDirections);
+        }
         let displacement: Vec<&[f64]> =
             point.contacts.iter().map(|contact| contact.displacement.as_slice()).collect();
         decide_modal(&self.system, &self.modal_coefficients(), &displacement, point.angular_frequency)

@@ -2,11 +2,17 @@
 
 use nalgebra::Complex;
 
-use super::Balance;
+use super::{Acting, Balance};
 use crate::harmonic::Point;
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 
 impl Balance {
+    /// Whether a contact has two directions, or masses move with ports.
+    pub(super) fn has_two_directions(&self) -> bool {
+        let two = |acting: &Acting| matches!(acting, Acting::SlipSlap { .. } | Acting::Inertia { .. });
+        self.acting.iter().any(two)
+    }
+
     /// Estimated error of the nodes from harmonics above H, as a fraction of the amplitude of the node it is
     /// largest at.
     ///
@@ -19,6 +25,9 @@ impl Balance {
         point: &Point,
         solve: &mut dyn FnMut(&mut [f64]),
     ) -> f64 {
+        if self.has_two_directions() {
+            return f64::NAN; // not estimated: a point says that it is not resolved
+        }
         if !self.has_contact() {
             return 0.0;
         }

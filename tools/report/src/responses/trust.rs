@@ -79,6 +79,9 @@ pub fn reason(undecided: Undecided) -> &'static str {
             "it would take too long: the highest natural frequency is high, and the period long"
         }
         Undecided::NotSettled => "the multipliers do not converge",
+        Undecided::TwoDirections => {
+            "a contact slips and slaps at once: disturbances are not followed through it"
+        }
         _ => "there is no response to judge",
     }
 }
