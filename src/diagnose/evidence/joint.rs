@@ -169,11 +169,11 @@ impl<'a, 'd> Joint<'a, 'd> {
         let moved = self.moved(y)?;
         self.steps.resize(y.len(), FIRST_STEP);
         let (latent, weights, steps) = (self.latent, &y[self.unknowns.len()..], &self.steps);
-        self.slots.par_iter_mut().enumerate().try_for_each(|(k, slot)| {
-            slot.linearise(&model, &moved, y, steps)?;
+        self.slots.par_iter_mut().try_for_each(|slot| slot.linearise(&model, &moved, y, steps))?;
+        for (k, slot) in self.slots.iter_mut().enumerate() {
+            slot.take();
             latent.add(k, weights, &mut slot.linearised);
-            Ok::<(), String>(())
-        })?;
+        }
         self.simulations += self.slots.iter().map(|slot| 1 + moved.len() + slot.own.len()).sum::<usize>();
         Ok(())
     }
@@ -225,9 +225,14 @@ impl<'a, 'd> Joint<'a, 'd> {
                 return Ok(());
             }
             // Derivatives that were only corrected, or taken with other steps, tell no end.
-            self.points = Points::default();
+            self.forget_linearised();
             renewed = true;
         }
+    }
+
+    /// Has the next linearisation made by differences, wherever it is.
+    pub fn forget_linearised(&mut self) {
+        self.points = Points::default();
     }
 
     /// The last linearised point of every record, whitened.

@@ -15,6 +15,8 @@ pub(super) struct Slot<'d> {
     /// At the last point that was linearised.
     pub linearised: Vec<f64>,
     pub derivatives: Vec<Vec<f64>>,
+    /// Of a linearisation that is not yet [`Slot::take`]n.
+    next: (Vec<f64>, Vec<Vec<f64>>),
 }
 
 impl<'d> Slot<'d> {
@@ -27,6 +29,7 @@ impl<'d> Slot<'d> {
             predictions: Vec::new(),
             linearised: Vec::new(),
             derivatives: Vec::new(),
+            next: (Vec::new(), Vec::new()),
         }
     }
 
@@ -46,7 +49,8 @@ impl<'d> Slot<'d> {
         self.own.iter().zip(&y[self.offset..]).map(|(c, y)| c.value(*y)).collect()
     }
 
-    /// At `y`, with `moved` models and the `steps` of its own unknowns among those of all.
+    /// At `y`, with `moved` models and the `steps` of its own unknowns among those of all; counts once it is
+    /// [`Slot::take`]n, when all records could be linearised.
     pub fn linearise(
         &mut self,
         model: &Model,
@@ -69,7 +73,13 @@ impl<'d> Slot<'d> {
             nuisances[k] = coordinate.value(here + step);
             directions.push(Direction { model: model.clone(), nuisances, step });
         }
-        self.shown.linearise(model, &nuisances, &directions, &mut self.linearised, &mut self.derivatives)
+        self.shown.linearise(model, &nuisances, &directions, &mut self.next.0, &mut self.next.1)
+    }
+
+    /// Takes what was linearised last in the place of what was there before.
+    pub fn take(&mut self) {
+        std::mem::swap(&mut self.linearised, &mut self.next.0);
+        std::mem::swap(&mut self.derivatives, &mut self.next.1);
     }
 
     /// What `finer` steps in time change about the predictions at the point `y` that was linearised.
@@ -129,5 +139,37 @@ impl<'d> Slot<'d> {
             }
             *here = *tried;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{Channel, Record, Regime};
+
+    #[test]
+    fn a_linearisation_that_fails_leaves_the_last_one() {
+        let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+                    tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";
+        let model = Model::parse(text).unwrap();
+        let channel = |name: &str, unit, slope: f64| Channel {
+            name: name.into(),
+            unit,
+            values: (0..9).map(|i| slope * f64::from(i)).collect(),
+            noise: None,
+        };
+        let channels =
+            vec![channel("time", "s", 1e-3), channel("displacement", "m", 4e-6), channel("force", "N", 1.0)];
+        let record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels };
+        let mut slot = Slot::new(ObservedSimulation::new(&model, &record).unwrap());
+        slot.linearise(&model, &[(model.clone(), 1.0)], &[], &[]).unwrap();
+        slot.take();
+        let before = (slot.linearised.clone(), slot.derivatives.clone());
+        assert_eq!(before.0.len(), 9);
+        // A model that cannot be predicted: it has no contact.
+        let bare = Model { contact: None, ..model.clone() };
+        assert!(slot.linearise(&bare, &[(model.clone(), 1.0)], &[], &[]).is_err());
+        assert!(slot.linearise(&model, &[(bare, 1.0)], &[], &[]).is_err());
+        assert_eq!((slot.linearised, slot.derivatives), before);
     }
 }

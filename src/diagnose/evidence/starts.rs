@@ -74,6 +74,9 @@ impl Joint<'_, '_> {
             y[offset..offset + other.len()].copy_from_slice(&other);
             any = true;
         }
+        if any {
+            self.forget_linearised();
+        }
         Ok(any)
     }
 }
@@ -153,7 +156,10 @@ mod tests {
             y[..unknowns.len()].iter_mut().for_each(|y| *y *= -0.5);
             joint.minimise(&mut y, 0, 1e-3).unwrap();
             let before = joint.cost(&y).unwrap();
+            let there = y.clone();
             found += usize::from(joint.rescan(&mut y).unwrap());
+            // A simulation that took another's place was linearised nowhere, though the point be the same.
+            assert!(joint.sums(&there).is_some());
             let after = joint.cost(&y).unwrap();
             assert!(after <= before * (1.0 + 1e-12), "{before} {after}");
         }
