@@ -9,5 +9,6 @@ mod faults;
 mod loops;
 mod orders;
 mod run;
+mod slip_slap;
 mod system;
 mod watched;

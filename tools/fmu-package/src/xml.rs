@@ -19,13 +19,14 @@ pub(crate) fn exponents(unit: &str) -> Option<Exponents> {
 }
 
 /// Unit names of the project's vocabulary. All are SI without prefixes: factor 1, offset 0.
-const UNITS: [(&str, Exponents); 14] = [
+const UNITS: [(&str, Exponents); 16] = [
     ("1", [0, 0, 0, 0]),
     ("1/s", [0, 0, -1, 0]),
     ("J", [1, 2, -2, 0]),
     ("N", [1, 1, -2, 0]),
     ("N.m/rad", [1, 2, -2, -1]),
     ("N/m", [1, 0, -2, 0]),
+    ("N/m^3", [1, -2, -2, 0]),
     ("N.s/m", [1, 0, -1, 0]),
     ("Pa", [1, -1, -2, 0]),
     ("kg", [1, 0, 0, 0]),
@@ -34,6 +35,7 @@ const UNITS: [(&str, Exponents); 14] = [
     ("m/s", [0, 1, -1, 0]),
     ("m/s^2", [0, 1, -2, 0]),
     ("s", [0, 0, 1, 0]),
+    ("s/m", [0, -1, 1, 0]),
 ];
 
 /// Log categories with what they hold.

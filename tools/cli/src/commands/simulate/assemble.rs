@@ -68,6 +68,7 @@ pub(super) fn assemble(arguments: &Simulate) -> Result<Assembly, Failure> {
     let outputs = outputs(&structure, &parts)?;
     let records = arguments.record.iter().map(|name| find(&parts, name));
     let records = records.collect::<Result<Vec<_>, Failure>>()?;
+    let power = arguments.power.iter().map(|pair| pair_of(&parts, pair)).collect::<Result<Vec<_>, _>>()?;
     let names: Vec<String> = parts.iter().map(|part| part.name.clone()).collect();
     let logs = parts.iter().map(|part| (part.name.clone(), part.log())).collect();
     let mut system = System::new();
@@ -78,6 +79,11 @@ pub(super) fn assemble(arguments: &Simulate) -> Result<Assembly, Failure> {
         let ends = [from, to].map(|end| (names[end.component].as_str(), end.variable.as_str()));
         system.connect(ends[0], ends[1], linear.factor, linear.offset).map_err(refused)?;
     }
+    for ends in &power {
+        let [force, motion] =
+            ends.each_ref().map(|(part, variable)| (names[*part].as_str(), variable.as_str()));
+        system.declare_power(force, motion).map_err(refused)?;
+    }
     for ((component, variable), value) in &starts.numbers {
         system.start(&names[*component], variable, *value).map_err(refused)?;
     }
@@ -86,6 +92,14 @@ pub(super) fn assemble(arguments: &Simulate) -> Result<Assembly, Failure> {
     inputs::connect(&mut system, sources, &names)?;
     let Experiment { start, stop, step } = experiment;
     Ok(Assembly { title: structure.name.clone(), system, start, stop, step, remarks, outputs, logs })
+}
+
+/// The two inputs of `FORCE=MOTION`: the number of the part and the variable of each.
+fn pair_of(parts: &[Part], pair: &str) -> Result<[(usize, String); 2], Failure> {
+    let Some((force, motion)) = pair.split_once('=') else {
+        return Err(Failure::input(format!("--power {pair} should read FORCE=MOTION")));
+    };
+    Ok([find(parts, force)?, find(parts, motion)?])
 }
 
 /// A system of one FMU.

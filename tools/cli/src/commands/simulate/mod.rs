@@ -60,6 +60,10 @@ pub struct Simulate {
     /// `component.variable [unit]`; linear between its rows
     #[arg(long, value_name = "FILE.csv")]
     input: Option<PathBuf>,
+    /// Declares that the inputs FORCE and MOTION (`structure.force=contact.displacement`) exchange power, where several
+    /// such pairs join the same two FMUs and units cannot tell; can be given several times
+    #[arg(long, value_name = "FORCE=MOTION")]
+    power: Vec<String>,
     /// Records `component.variable` besides the outputs; can be given several times
     #[arg(long, value_name = "NAME")]
     record: Vec<String>,
