@@ -2,7 +2,10 @@
 
 use super::HarmonicError;
 use super::newton::problem::Stopping;
-use super::period::map::SAMPLES_IN_MOTION;
+
+/// Samples of a period where the limit itself moves, or the load that it follows: the force is then right to a few parts in ten
+/// thousand.
+pub(crate) const SAMPLES_IN_MOTION: usize = 1024;
 
 /// How a contact is carried over a period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

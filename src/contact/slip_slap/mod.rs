@@ -12,6 +12,7 @@ use std::sync::Arc;
 use super::{ContactLaw, Response, SlipState, StateTangents};
 pub(super) use normal::polynomial;
 pub use normal::{NormalDirection, NormalLaw};
+pub use way::SlipSlapInputs;
 use way::{MOTION, Piece, Way};
 
 /// A contact that slips along ξ and slaps along η.
@@ -66,15 +67,6 @@ use way::{MOTION, Piece, Way};
 pub struct SlipSlap {
     law: Arc<dyn ContactLaw>,
     normal: NormalDirection,
-}
-
-/// Motion at the end of a step: `[tangential ξ, normal η]`, η positive where it opens the contact.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct SlipSlapInputs {
-    /// ξ and η (m).
-    pub displacement: [f64; 2],
-    /// ξ̇ and η̇ (m/s).
-    pub velocity: [f64; 2],
 }
 
 /// Result of one step.

@@ -1,8 +1,16 @@
 //! The way of a step, and the instant at which the bodies part or meet.
 
-use super::normal::crossing;
-use super::{NormalDirection, SlipSlapInputs};
+use super::normal::{NormalDirection, crossing};
 use crate::contact::Inputs;
+
+/// Motion at the end of a step: `[tangential ξ, normal η]`, η positive where it opens the contact.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SlipSlapInputs {
+    /// ξ and η (m).
+    pub displacement: [f64; 2],
+    /// ξ̇ and η̇ (m/s).
+    pub velocity: [f64; 2],
+}
 
 /// Numbers that say where a way ends: ξ, η and their rates.
 pub(super) const MOTION: usize = 4;

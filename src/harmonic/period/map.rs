@@ -5,11 +5,9 @@ use super::reference::ReferenceCycle;
 use super::smooth::SmoothCycle;
 use super::{Cycle, CycleSummary, ForceMap, PeriodicContact};
 use crate::contact::Slider;
+use crate::harmonic::settings::SAMPLES_IN_MOTION;
 use crate::harmonic::{HarmonicError, Method};
 use crate::numeric::HarmonicSet;
-
-/// Samples of a period where the limit itself moves, or the load that it follows: the force is then right to a few parts in ten thousand.
-pub(crate) const SAMPLES_IN_MOTION: usize = 1024;
 
 /// A contact map by the given method: of the exact ones the one that fits the law.
 ///

@@ -19,4 +19,5 @@ mod interrupt;
 mod modes;
 mod rig;
 mod simulate;
+mod unruly_fmus;
 mod user_stories;

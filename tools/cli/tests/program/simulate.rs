@@ -8,11 +8,10 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::support::{read_json, stickslip};
-
 use crate::unruly;
 
 /// Runs and expects this exit code; standard output and error.
-fn ended(folder: &Path, code: i32, arguments: &[&str]) -> (String, String) {
+pub fn ended(folder: &Path, code: i32, arguments: &[&str]) -> (String, String) {
     let output = stickslip(folder, arguments);
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let (out, errors) = (text(&output.stdout), text(&output.stderr));
@@ -289,108 +288,6 @@ fn bad_input_is_reported_with_names_and_nothing_is_written() {
         assert!(errors.contains(message), "{arguments:?}: {errors}");
     }
     assert!(!path.join("r.xlsx").exists() && !path.join("r.csv").exists());
-}
-
-/// `Unruly.fmu` misbehaving; what the program said on both channels.
-fn unruly_ended(folder: &Path, code: i32, behaviour: &str, more: &[&str]) -> (String, String) {
-    let set = format!("behaviour={behaviour}");
-    let arguments = ["simulate", "Unruly.fmu", "--stop", "1", "--step", "0.1", "--set", "u=2", "--set", &set];
-    ended(folder, code, &[&arguments[..], &["--out", "r.csv"], more].concat())
-}
-
-#[test]
-fn an_fmu_that_is_not_of_this_program_crashes_alone_and_results_so_far_are_kept() {
-    let (folder, _file) = unruly::file();
-    // It aborts, segfaults, calls `_exit(7)` or `exit(0)`, fails, is lost, gives no number.
-    for behaviour in ["1", "2", "3", "11", "5", "6", "12"] {
-        for more in [&[][..], &["--isolate"]] {
-            let (out, errors) = unruly_ended(folder.path(), 1, behaviour, more);
-            assert!(out.contains("0.4 s") && out.contains("nruly"), "{behaviour}: {out}");
-            assert_eq!(errors.contains("--no-isolate"), more.is_empty(), "{errors}");
-            let csv = fs::read_to_string(folder.path().join("r.csv")).unwrap();
-            let last: Vec<f64> =
-                csv.lines().last().unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
-            assert_eq!(csv.lines().count(), 1 + 5, "{csv}");
-            assert!((last[0] - 0.4).abs() < 1e-12 && (last[1] - 0.8).abs() < 1e-12, "{last:?}");
-            fs::remove_file(folder.path().join("r.csv")).unwrap();
-        }
-    }
-    let (out, _) = unruly_ended(folder.path(), 1, "12", &[]);
-    assert!(out.contains("`y`") && out.contains("NaN"), "{out}");
-}
-
-#[test]
-fn an_fmu_in_this_process_that_calls_exit_is_no_success() {
-    let (folder, _file) = unruly::file();
-    let (_, errors) = unruly_ended(folder.path(), 1, "11", &["--no-isolate"]);
-    assert!(errors.contains("`exit`") && errors.contains("nothing was written"), "{errors}");
-    assert!(!folder.path().join("r.csv").exists());
-}
-
-#[test]
-fn nothing_temporary_is_left_after_a_crash() {
-    let (folder, _file) = unruly::file();
-    let temporary = folder.path().join("temporary");
-    fs::create_dir(&temporary).unwrap();
-    for behaviour in ["1", "2", "3", "11"] {
-        let set = format!("behaviour={behaviour}");
-        let status = std::process::Command::new(env!("CARGO_BIN_EXE_stickslip"))
-            .current_dir(folder.path())
-            .env("TMPDIR", &temporary)
-            .args(["simulate", "Unruly.fmu", "--no-isolate", "--stop", "1", "--step", "0.1", "--set", &set])
-            .output()
-            .unwrap()
-            .status;
-        assert!(!status.success(), "{behaviour}: {status}");
-        let begin = std::time::Instant::now();
-        while fs::read_dir(&temporary).unwrap().count() > 0 {
-            assert!(begin.elapsed().as_secs() < 20, "{behaviour}: temporary folders are left");
-            std::thread::sleep(std::time::Duration::from_millis(20));
-        }
-    }
-}
-
-#[test]
-fn a_mapping_of_booleans_between_real_variables_is_refused() {
-    let (folder, _file) = unruly::file();
-    let component = |name: &str| {
-        format!(
-            "<Component name=\"{name}\" source=\"Unruly.fmu\"><Connectors><Connector name=\"u\" kind=\"input\"/>\
-             <Connector name=\"y\" kind=\"output\"/></Connectors></Component>"
-        )
-    };
-    let system = format!(
-        "<SystemStructureDescription version=\"1.0\" name=\"s\"><System name=\"s\"><Elements>{}{}</Elements>\
-         <Connections><Connection startElement=\"one\" startConnector=\"y\" endElement=\"other\" endConnector=\"u\">\
-         <BooleanMappingTransformation><MapEntry source=\"true\" target=\"false\"/></BooleanMappingTransformation>\
-         </Connection></Connections></System></SystemStructureDescription>",
-        component("one"),
-        component("other")
-    );
-    fs::write(folder.path().join("s.ssd"), system).unwrap();
-    let arguments = ["simulate", "s.ssd", "--stop", "1", "--step", "0.1", "--out", "r.csv"];
-    let (_, errors) = ended(folder.path(), 2, &arguments);
-    assert!(errors.contains("BooleanMapping") && errors.contains("`one.y`"), "{errors}");
-    assert!(errors.contains("s.ssd:1") && !folder.path().join("r.csv").exists(), "{errors}");
-}
-
-#[test]
-fn a_run_that_fails_in_its_first_step_writes_nothing() {
-    let (folder, _file) = unruly::file();
-    let arguments =
-        ["simulate", "Unruly.fmu", "--stop", "1", "--step", "0.5", "--set", "behaviour=5", "--out", "r.csv"];
-    let (_, errors) = ended(folder.path(), 1, &arguments);
-    assert!(errors.contains("gave up") && errors.contains("nothing was written"), "{errors}");
-    assert!(!folder.path().join("r.csv").exists());
-}
-
-#[test]
-fn discarded_steps_are_repeated_shorter_or_reported() {
-    let (folder, _file) = unruly::file();
-    let arguments =
-        ["simulate", "Unruly.fmu", "--stop", "1", "--step", "0.1", "--set", "behaviour=4", "--out", "r.csv"];
-    let (out, _) = ended(folder.path(), 1, &arguments);
-    assert!(out.contains("gave up") && out.contains("0.45"), "{out}");
 }
 
 #[test]
