@@ -44,6 +44,10 @@ const EXPONENT: f64 = 1.5;
 /// Reads the keys of `[contact]`.
 pub(super) fn parse(table: &Table<'_>) -> Result<Option<Normal>, ModelError> {
     let name = table.string(LAW)?;
+    if let Some(name) = name.as_ref().filter(|name| !LAWS.contains(&name.value)) {
+        let message = format!("unknown {LAW} \"{}\"", name.value);
+        return Err(name.error(message).with_help(suggestion(name.value, &LAWS, "laws")));
+    }
     let given = name.as_ref().map(|name| name.value);
     for (quantity, law) in [(&v::NORMAL_CUBIC_STIFFNESS, "cubic"), (&v::NORMAL_EXPONENT, "hertz")] {
         if given != Some(law) {
@@ -60,11 +64,7 @@ pub(super) fn parse(table: &Table<'_>) -> Result<Option<Normal>, ModelError> {
     let law = match name.value {
         "linear" => NormalLaw::Linear,
         "cubic" => NormalLaw::Cubic { cubic_stiffness: table.quantity(&v::NORMAL_CUBIC_STIFFNESS)? },
-        "hertz" => NormalLaw::Hertz { exponent: number(&v::NORMAL_EXPONENT, EXPONENT)? },
-        other => {
-            let message = format!("unknown {LAW} \"{other}\"");
-            return Err(name.error(message).with_help(suggestion(other, &LAWS, "laws")));
-        }
+        _ => NormalLaw::Hertz { exponent: number(&v::NORMAL_EXPONENT, EXPONENT)? },
     };
     // Without it there is no law to speak of.
     table.quantity(&v::NORMAL_STIFFNESS)?;

@@ -59,6 +59,7 @@ fn its_numbers_are_parameters_by_path() {
 #[test]
 fn what_is_wrong_is_pointed_at() {
     refused("normal_law = \"herz\"", "\"herz\"", "did you mean `hertz`");
+    refused("normal_law = \"herz\"\nnormal_exponent = 1.5", "\"herz\"", "did you mean `hertz`");
     refused("normal_law = \"hertz\"\nnormal_exponent = 3.0", "3.0", "normal_exponent");
     refused("normal_law = \"cubic\"\nnormal_cubic_stiffness = -1.0", "-1.0", "at least 0");
     refused("normal_law = \"linear\"\nimpact_damping = -1.0", "-1.0", "at least 0");
