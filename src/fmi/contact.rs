@@ -1,7 +1,7 @@
 //! A contact whose displacement and normal load are prescribed from outside.
 
 use super::description::{DependencyKind, Description, Experiment, Variable};
-use super::lines::{Derivatives, Lines};
+use super::lines::{Derivatives, Lines, parts};
 use super::slip::SlipFraction;
 use super::{Behaviour, LoadRule};
 use crate::contact::{ContactLaw, Inputs, Response, StateSensitivity, Tangents};
@@ -110,13 +110,6 @@ impl ContactBehaviour {
         response
     }
 
-    /// The law's memory now, that before the last step, and the lines.
-    fn parts<'s>(&self, state: &'s mut [f64]) -> (&'s mut [f64], &'s mut [f64], &'s mut [f64]) {
-        let (memory, rest) = state.split_at_mut(self.next.len());
-        let (before, lines) = rest.split_at_mut(self.next.len());
-        (memory, before, lines)
-    }
-
     /// Goes back to before the last step.
     fn go_back(&mut self, state: &[f64]) {
         let (before, lines) = state[self.next.len()..].split_at(self.next.len());
@@ -139,7 +132,7 @@ impl Behaviour for ContactBehaviour {
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
         self.lines.hold(&values[..INPUTS]);
         let at = self.ends();
-        let (memory, before, lines) = self.parts(state);
+        let (memory, before, lines) = parts(state, self.next.len());
         self.law.set_state(0.0, at.normal_load, 0.0, memory);
         before.copy_from_slice(memory);
         self.lines.write(lines);
@@ -157,7 +150,7 @@ impl Behaviour for ContactBehaviour {
         step: f64,
         _tolerance: f64,
     ) -> Result<(), String> {
-        let (memory, before, lines) = self.parts(state);
+        let (memory, before, lines) = parts(state, self.next.len());
         before.copy_from_slice(memory);
         self.lines.read(lines);
         self.lines.go_on(&values[..INPUTS], slopes, step);

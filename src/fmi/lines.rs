@@ -36,6 +36,13 @@ const PER_LINE: usize = 6;
 /// Derivatives of an input with respect to time: the first, the second, the third.
 pub(super) type Derivatives = [f64; 3];
 
+/// Parts of a contact's state: its memory now and before the last step, each of `memory` numbers, and that step's lines.
+pub(super) fn parts(state: &mut [f64], memory: usize) -> (&mut [f64], &mut [f64], &mut [f64]) {
+    let (now, rest) = state.split_at_mut(memory);
+    let (before, lines) = rest.split_at_mut(memory);
+    (now, before, lines)
+}
+
 impl Lines {
     /// So many inputs, which `run` to their values or are held.
     pub fn new(inputs: usize, run: bool) -> Self {

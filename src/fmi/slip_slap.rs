@@ -4,7 +4,7 @@ mod carried;
 
 use super::Behaviour;
 use super::description::{DependencyKind, Description, Experiment, Variable};
-use super::lines::{Derivatives, Lines};
+use super::lines::{Derivatives, Lines, parts};
 use super::slip::SlipFraction;
 use crate::contact::{SlipSlap, SlipSlapInputs, SlipSlapResponse, SlipSlapWork};
 use crate::model::{Contact, Model};
@@ -127,13 +127,6 @@ impl SlipSlapBehaviour {
         response
     }
 
-    /// The contact's state now, that before the last step, and the lines.
-    fn parts<'s>(&self, state: &'s mut [f64]) -> (&'s mut [f64], &'s mut [f64], &'s mut [f64]) {
-        let (now, rest) = state.split_at_mut(self.next.len());
-        let (before, lines) = rest.split_at_mut(self.next.len());
-        (now, before, lines)
-    }
-
     /// Goes back to before the last step.
     fn go_back(&mut self, state: &[f64]) {
         let (before, lines) = state[self.next.len()..].split_at(self.next.len());
@@ -187,7 +180,7 @@ impl Behaviour for SlipSlapBehaviour {
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
         self.lines.hold(&values[..INPUTS]);
         let at = self.ends();
-        let (now, before, lines) = self.parts(state);
+        let (now, before, lines) = parts(state, self.next.len());
         self.contact.set_state([0.0; 2], 0.0, now);
         before.copy_from_slice(now);
         self.lines.write(lines);
@@ -206,7 +199,7 @@ impl Behaviour for SlipSlapBehaviour {
         step: f64,
         _tolerance: f64,
     ) -> Result<(), String> {
-        let (now, before, lines) = self.parts(state);
+        let (now, before, lines) = parts(state, self.next.len());
         before.copy_from_slice(now);
         self.lines.read(lines);
         self.lines.go_on(&values[..INPUTS], slopes, step);
