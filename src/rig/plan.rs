@@ -177,10 +177,10 @@ impl Plan {
         let Structure::Beam(beam) = &mut tested.structure else {
             return Err(RigError::Input("a rig tests a model of kind \"beam\"".into()));
         };
-        let added = self.sensors.iter().filter(|sensor| sensor.mass != 0.0);
         // Without a list of its own the beam's sensors are its point masses, old and new.
-        beam.point_masses
-            .extend(added.map(|sensor| PointMass { position: sensor.position, mass: sensor.mass }));
+        for &Accelerometer { position, mass } in &self.sensors {
+            beam.add_mass(PointMass { position, mass });
+        }
         Ok(tested)
     }
 

@@ -125,6 +125,24 @@ fn a_sensor_has_mass() {
     assert!(resonance(0.0) > expected + 0.2);
 }
 
+/// Sensors may be lighter than the model says, but not lighter than nothing.
+#[test]
+fn a_sensor_may_lack_mass_that_the_model_has() {
+    let tested = |mass: f64| {
+        let mut plan = Plan::of_sensors(&SENSORS);
+        plan.sensors[1].mass = mass;
+        plan.tests.push(test("held", TestKind::SteppedSine(SteppedSine::at(vec![20.0]))));
+        test_on(&published(6, |text| text), &plan, &mut |_| true)
+    };
+    let lighter =
+        published(6, |text| text.replace("position = 0.3\nmass = 0.005", "position = 0.3\nmass = 0.003"));
+    let sine = TestKind::SteppedSine(SteppedSine::at(vec![20.0]));
+    let expected = frequency(&record_of(&lighter, sine), 8);
+    assert!((frequency(&tested(-0.002).unwrap()[0], 8) / expected - 1.0).abs() < 1e-9);
+    let refused = tested(-0.006).unwrap_err().to_string();
+    assert!(refused.contains("mass") && refused.contains("-0.001"), "{refused}");
+}
+
 /// The law alone, moved as the rig says its contact moves, has the force that the rig says.
 #[test]
 fn the_truth_beside_a_record_is_what_the_law_does() {

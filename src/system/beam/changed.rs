@@ -18,17 +18,22 @@ impl Beam {
             let Place::Position(position) = *place else {
                 return Err(StructureError::NotOnTheBeam { place: place.to_string() });
             };
-            match changed.point_masses.iter_mut().find(|point| point.position == position) {
-                Some(point) => point.mass += mass,
-                None if *mass == 0.0 => {}
-                None => changed.point_masses.push(PointMass { position, mass: *mass }),
-            }
+            changed.add_mass(PointMass { position, mass: *mass });
         }
         if let Some(spring) = changes.clamp_stiffness {
             changed.clamp_stiffness =
                 Some(self.clamp_stiffness.map_or(spring, |own| spring * own / (spring + own)));
         }
         Ok(changed)
+    }
+
+    /// Puts a mass on the beam, to the one that stands there if one does.
+    pub(crate) fn add_mass(&mut self, added: PointMass) {
+        match self.point_masses.iter_mut().find(|point| point.position == added.position) {
+            Some(point) => point.mass += added.mass,
+            None if added.mass == 0.0 => {}
+            None => self.point_masses.push(added),
+        }
     }
 }
 

@@ -117,8 +117,12 @@ fn what_the_rig_knows_is_beside_the_dataset() {
         assert_eq!(output.status.code(), Some(0), "{}", error(&output));
         let read = |name: &str| fs::read_to_string(folder.path().join("measured").join(name)).unwrap();
         // The model with the accelerometer's mass, to whoever may know it, and to whoever scores.
-        let (weighed, listed) = (Model::parse(&read("truth/model.toml")).unwrap(), "beam.point_mass.4.mass");
-        assert_eq!((weighed.get(listed), weighed.get("beam.point_mass.4.position")), (Some(0.01), Some(0.3)));
+        let weighed = Model::parse(&read("truth/model.toml")).unwrap();
+        let untouched = Model::parse(&fs::read_to_string(folder.path().join("model.toml")).unwrap()).unwrap();
+        let at_the_middle = "beam.point_mass.2.mass";
+        let added = weighed.get(at_the_middle).unwrap() - untouched.get(at_the_middle).unwrap();
+        assert_eq!(weighed.get("beam.point_mass.2.position"), Some(0.3));
+        assert!((added - 0.01).abs() < 1e-15, "{added}");
         assert_eq!(folder.path().join("measured/model.toml").is_file(), model);
         assert!(!model || Model::parse(&read("model.toml")).unwrap() == weighed);
         // Gains as drawn are those that were printed.
