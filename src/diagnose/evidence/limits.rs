@@ -11,7 +11,7 @@ use super::probe::Prepared;
 use crate::diagnose::assumptions::Assumptions;
 use crate::diagnose::diagnosis::{Confounding, Detectable};
 use crate::model::Model;
-use crate::numeric::student::normal;
+use crate::numeric::student::normal_within;
 
 /// Fraction of a change that must be left when the base parameters have taken theirs; below, these data cannot show
 /// the effect, whatever its size.
@@ -157,10 +157,9 @@ fn relevant(change: &Change, assumed: &Assumptions) -> f64 {
 fn is_relevant(change: &Change, assumed: &Assumptions) -> f64 {
     let precision = 1.0 + change.left / (SMALL * SMALL);
     let (mean, deviation) = (-change.along / SMALL / precision, precision.sqrt().recip());
-    let bounds = change.prepared.coordinates[0].bounds();
-    let below = |y: f64| normal((y.clamp(bounds.0, bounds.1) - mean) / deviation);
-    let (whole, limit) = (below(bounds.1) - below(bounds.0), relevant(change, assumed));
-    let within = (below(limit) - below(-limit)) / whole;
+    let of = |(low, high): (f64, f64)| ((low - mean) / deviation, (high - mean) / deviation);
+    let limit = relevant(change, assumed);
+    let within = normal_within(of((-limit, limit)), of(change.prepared.coordinates[0].bounds()));
     if within.is_finite() { 1.0 - within.clamp(0.0, 1.0) } else { 1.0 }
 }
 
