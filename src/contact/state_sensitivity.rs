@@ -53,9 +53,9 @@ impl StateSensitivity {
     fn no_change(&mut self) {
         let n = self.memory.len();
         for buffer in [&mut self.change, &mut self.next, &mut self.next_change] {
-            buffer.clear();
             buffer.resize(n, 0.0);
         }
+        self.change.fill(0.0);
     }
 
     /// Change of the force (N) at `inputs` because of the memory alone.
@@ -70,6 +70,13 @@ impl StateSensitivity {
     /// The step to `inputs`, which change by `by`.
     pub fn step(&mut self, law: &dyn ContactLaw, inputs: Inputs, by: Inputs) -> Change {
         let change = self.look(law, inputs, by);
+        self.carry(law, inputs, by);
+        change
+    }
+
+    /// As [`StateSensitivity::step`], for what it makes of memory and change alone.
+    pub fn carry(&mut self, law: &dyn ContactLaw, inputs: Inputs, by: Inputs) {
+        law.step_and_tangents(&self.memory, inputs, &mut self.next, &mut self.tangents);
         let (t, n) = (&self.tangents, self.memory.len());
         for row in 0..n {
             self.next_change[row] = dot(&t.next_by_state[row * n..(row + 1) * n], &self.change)
@@ -77,22 +84,24 @@ impl StateSensitivity {
                 + t.next_by_velocity[row] * by.velocity
                 + t.next_by_normal_load[row] * by.normal_load;
         }
-        law.step(&self.memory, inputs, &mut self.next);
         std::mem::swap(&mut self.memory, &mut self.next);
         std::mem::swap(&mut self.change, &mut self.next_change);
-        change
     }
 
     /// What becomes of the change in a step to `inputs`, which change by `by`, if it were taken.
     pub fn look(&mut self, law: &dyn ContactLaw, inputs: Inputs, by: Inputs) -> Change {
-        let t = law.step(&self.memory, inputs, &mut self.next).tangents;
-        law.state_tangents(&self.memory, inputs, &mut self.tangents);
-        let force = t.displacement * by.displacement
-            + t.velocity * by.velocity
-            + t.normal_load * by.normal_load
-            + dot(&self.tangents.force_by_state, &self.change);
+        let force = self.force(law, inputs, by);
         let (tangent, dissipated_energy) = self.differences(law, inputs, by, force);
         Change { force, tangent, dissipated_energy }
+    }
+
+    /// As [`StateSensitivity::look`], for the force (N) alone.
+    pub fn force(&mut self, law: &dyn ContactLaw, inputs: Inputs, by: Inputs) -> f64 {
+        let t = law.step(&self.memory, inputs, &mut self.next).tangents;
+        t.displacement * by.displacement
+            + t.velocity * by.velocity
+            + t.normal_load * by.normal_load
+            + self.force_by_memory(law, inputs)
     }
 
     /// Changes of ∂force/∂displacement and of the dissipated energy, beside that of the force. No law knows these

@@ -50,34 +50,20 @@ const INPUTS: usize = 3;
 /// Part of the way on which a contact shows how it leaves.
 const AHEAD: f64 = 1e-9;
 
-/// The law and room for one step. The state is the law's memory now and before the last step, and that step's lines.
+/// How the inputs went over the last step, or go over the one under way.
 #[derive(Debug)]
-pub(super) struct ContactBehaviour {
-    law: Box<dyn ContactLaw>,
-    load: LoadRule,
-    slip: SlipFraction,
-    next: Vec<f64>,
-    sensitivity: StateSensitivity,
+struct Way {
     lines: Lines,
+    load: LoadRule,
 }
 
-impl ContactBehaviour {
-    pub(super) fn new(model: &Model) -> Result<Self, String> {
-        let law = model.law_of_any_values().map_err(|error| error.to_string())?;
-        let law = law.ok_or("a contact model needs a contact")?;
-        let next = vec![0.0; law.state_len()];
-        let lines = Lines::new(INPUTS, true);
-        let slip = SlipFraction::new(&*law, model.contact.map_or(0.0, |contact| contact.normal_load));
-        let sensitivity = StateSensitivity::default();
-        Ok(Self { law, load: LoadRule::new(model), slip, next, sensitivity, lines })
-    }
-
-    /// What acts at the start of the lines.
+impl Way {
+    /// What acts at the start.
     fn starts(&self) -> Inputs {
         self.acting(|line| line.start)
     }
 
-    /// What acts at their end.
+    /// What acts at the end.
     fn ends(&self) -> Inputs {
         self.acting(|line| line.end)
     }
@@ -90,17 +76,48 @@ impl ContactBehaviour {
         }
     }
 
-    /// What acts at a fraction of them.
+    /// What acts at a fraction of the way.
     fn at(&self, fraction: f64) -> Inputs {
         let at = self.acting(|line| line.at(fraction));
         Inputs { normal_load: at.normal_load.max(0.0), ..at }
     }
 
-    /// Where the displacement turns round on the way, if it does.
-    fn turns(&self) -> impl Iterator<Item = f64> + use<> {
-        let line = self.lines.all[DISPLACEMENT];
-        let curved = line.bow != 0.0 || line.skew != 0.0;
-        curved.then(|| line.turns()).into_iter().flatten()
+    /// Where the displacement turns round on the way; `None` if it is straight. (An iterator that is empty costs a
+    /// quarter of a step.)
+    fn turns(&self) -> Option<impl Iterator<Item = f64> + use<>> {
+        let line = &self.lines.all[DISPLACEMENT];
+        (line.bow != 0.0 || line.skew != 0.0).then(|| line.turns())
+    }
+
+    /// The change of what acts with that of the lines in `direction`.
+    fn change(&self, direction: &[Ramp], of: impl Fn(&Ramp) -> f64) -> Inputs {
+        let change = |input: usize| of(&self.lines.change(input, &direction[input]));
+        Inputs {
+            displacement: change(DISPLACEMENT),
+            velocity: change(VELOCITY),
+            normal_load: self.load.gain() * change(NORMAL_LOAD),
+        }
+    }
+}
+
+/// The law and room for one step. The state is the law's memory now and before the last step, and that step's lines.
+#[derive(Debug)]
+pub(super) struct ContactBehaviour {
+    law: Box<dyn ContactLaw>,
+    slip: SlipFraction,
+    next: Vec<f64>,
+    sensitivity: StateSensitivity,
+    way: Way,
+}
+
+impl ContactBehaviour {
+    pub(super) fn new(model: &Model) -> Result<Self, String> {
+        let law = model.law_of_any_values().map_err(|error| error.to_string())?;
+        let law = law.ok_or("a contact model needs a contact")?;
+        let next = vec![0.0; law.state_len()];
+        let way = Way { lines: Lines::new(INPUTS, true), load: LoadRule::new(model) };
+        let slip = SlipFraction::new(&*law, model.contact.map_or(0.0, |contact| contact.normal_load));
+        Ok(Self { law, slip, next, sensitivity: StateSensitivity::default(), way })
     }
 
     /// One step of the law in place.
@@ -114,7 +131,7 @@ impl ContactBehaviour {
     fn go_back(&mut self, state: &[f64]) {
         let (before, lines) = state[self.next.len()..].split_at(self.next.len());
         self.sensitivity.begin(before);
-        self.lines.read(lines);
+        self.way.lines.read(lines);
     }
 }
 
@@ -126,16 +143,16 @@ fn write_outputs(response: &Response, slip: SlipFraction, values: &mut [f64]) {
 
 impl Behaviour for ContactBehaviour {
     fn state_len(&self) -> usize {
-        2 * self.law.state_len() + self.lines.state_len()
+        2 * self.law.state_len() + self.way.lines.state_len()
     }
 
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
-        self.lines.hold(&values[..INPUTS]);
-        let at = self.ends();
+        self.way.lines.hold(&values[..INPUTS]);
+        let at = self.way.ends();
         let (memory, before, lines) = parts(state, self.next.len());
         self.law.set_state(0.0, at.normal_load, 0.0, memory);
         before.copy_from_slice(memory);
-        self.lines.write(lines);
+        self.way.lines.write(lines);
         let response = self.advance(memory, at);
         values[DISSIPATED_ENERGY] = response.dissipated_energy;
         write_outputs(&response, self.slip, values);
@@ -152,18 +169,19 @@ impl Behaviour for ContactBehaviour {
     ) -> Result<(), String> {
         let (memory, before, lines) = parts(state, self.next.len());
         before.copy_from_slice(memory);
-        self.lines.read(lines);
-        self.lines.go_on(&values[..INPUTS], slopes, step);
-        self.lines.write(lines);
-        if self.lines.jumped {
-            values[DISSIPATED_ENERGY] += self.advance(memory, self.starts()).dissipated_energy;
+        self.way.lines.go_on(lines, &values[..INPUTS], slopes, step);
+        self.way.lines.write(lines);
+        if self.way.lines.jumped {
+            values[DISSIPATED_ENERGY] += self.advance(memory, self.way.starts()).dissipated_energy;
         }
-        for fraction in self.turns() {
-            values[DISSIPATED_ENERGY] += self.advance(memory, self.at(fraction)).dissipated_energy;
+        if let Some(turns) = self.way.turns() {
+            for fraction in turns {
+                values[DISSIPATED_ENERGY] += self.advance(memory, self.way.at(fraction)).dissipated_energy;
+            }
         }
-        let response = self.advance(memory, self.ends());
+        let response = self.advance(memory, self.way.ends());
         values[DISSIPATED_ENERGY] += response.dissipated_energy;
-        values.iter_mut().zip(&self.lines.all).for_each(|(value, line)| *value = line.end);
+        values.iter_mut().zip(&self.way.lines.all).for_each(|(value, line)| *value = line.end);
         write_outputs(&response, self.slip, values);
         Ok(())
     }
@@ -171,19 +189,19 @@ impl Behaviour for ContactBehaviour {
     fn output_rates(&mut self, state: &[f64], rates: &mut [f64]) -> Result<(), String> {
         self.go_back(state);
         rates.fill(0.0);
-        let step = self.lines.step;
+        let step = self.way.lines.step;
         if step == 0.0 {
             return Ok(());
         }
-        let rate = |input: usize| self.lines.all[input].rise() / step;
-        let (starts, ends) = (self.starts(), self.ends());
+        let rate = |input: usize| self.way.lines.all[input].rise() / step;
+        let (starts, ends) = (self.way.starts(), self.way.ends());
         let mut memory = std::mem::take(&mut self.sensitivity.memory);
-        if self.lines.jumped {
+        if self.way.lines.jumped {
             self.law.advance(&mut memory, starts);
         }
         let mut dissipated = 0.0;
-        for fraction in self.turns() {
-            dissipated += self.law.step(&memory, self.at(fraction), &mut self.next).dissipated_energy;
+        for fraction in self.way.turns().into_iter().flatten() {
+            dissipated += self.law.step(&memory, self.way.at(fraction), &mut self.next).dissipated_energy;
             memory.copy_from_slice(&self.next);
         }
         let response = self.law.step(&memory, ends, &mut self.next);
@@ -191,7 +209,7 @@ impl Behaviour for ContactBehaviour {
         let Tangents { displacement, velocity, normal_load } = response.tangents;
         rates[FORCE - INPUTS] = displacement * rate(DISPLACEMENT)
             + velocity * rate(VELOCITY)
-            + normal_load * self.load.gain() * rate(NORMAL_LOAD);
+            + normal_load * self.way.load.gain() * rate(NORMAL_LOAD);
         rates[DISSIPATED_ENERGY - INPUTS] = (dissipated + response.dissipated_energy) / step;
         Ok(())
     }
@@ -199,48 +217,48 @@ impl Behaviour for ContactBehaviour {
     fn sensitivity(
         &mut self,
         state: &[f64],
+        unknowns: &[u32],
         direction: &[Ramp],
         _tolerance: f64,
         change: &mut [f64],
     ) -> Result<(), String> {
         self.go_back(state);
-        let by = |of: &dyn Fn(&Ramp) -> f64| {
-            let change = |input: usize| of(&self.lines.change(input, &direction[input]));
-            Inputs {
-                displacement: change(DISPLACEMENT),
-                velocity: change(VELOCITY),
-                normal_load: self.load.gain() * change(NORMAL_LOAD),
+        let Self { law, sensitivity: carried, way, .. } = self;
+        let law = &**law;
+        // A derivative of the energy costs several steps.
+        let energy = unknowns.contains(&(DISSIPATED_ENERGY as u32));
+        let mut dissipated = 0.0;
+        let mut pass = |inputs, by| {
+            if energy {
+                dissipated += carried.step(law, inputs, by).dissipated_energy;
+            } else {
+                carried.carry(law, inputs, by);
             }
         };
-        let (at_start, at_end) = (by(&|line| line.start), by(&|line| line.end));
-        let turns: [Option<(Inputs, Inputs)>; 2] = {
-            let mut turns = self.turns().map(|fraction| (self.at(fraction), by(&|line| line.at(fraction))));
-            [turns.next(), turns.next()]
-        };
-        let (starts, ends) = (self.starts(), self.ends());
-        let (law, carried) = (&*self.law, &mut self.sensitivity);
-        let mut dissipated = 0.0;
-        if self.lines.step == 0.0 {
-            carried.rest(law, ends.normal_load, at_end.normal_load);
-        } else if self.lines.jumped {
-            dissipated += carried.step(law, starts, at_start).dissipated_energy;
-        } else if self.lines.begin_anew() {
+        if way.lines.jumped {
+            pass(way.starts(), way.change(direction, |line| line.start));
+        } else if way.lines.step > 0.0 && way.lines.begin_anew() {
             // A jump that was none still changes: in the direction in which the contact then went.
-            let ahead = |start: f64, end: f64| start + AHEAD * (end - start);
-            let inputs = Inputs {
-                displacement: ahead(starts.displacement, ends.displacement),
-                velocity: ahead(starts.velocity, ends.velocity),
-                normal_load: ahead(starts.normal_load, ends.normal_load),
-            };
-            dissipated += carried.step(law, inputs, at_start).dissipated_energy;
+            let ahead = way.acting(|line| line.start + AHEAD * (line.end - line.start));
+            pass(ahead, way.change(direction, |line| line.start));
         }
-        for (inputs, by) in turns.into_iter().flatten() {
-            dissipated += carried.step(law, inputs, by).dissipated_energy;
+        if let Some(turns) = way.turns() {
+            for fraction in turns {
+                pass(way.at(fraction), way.change(direction, |line| line.at(fraction)));
+            }
         }
-        let end = carried.step(law, ends, at_end);
+        let (ends, by) = (way.ends(), way.change(direction, |line| line.end));
+        if way.lines.step == 0.0 {
+            carried.rest(law, ends.normal_load, by.normal_load);
+        }
         change.fill(0.0);
-        change[FORCE - INPUTS] = end.force;
-        change[DISSIPATED_ENERGY - INPUTS] = dissipated + end.dissipated_energy;
+        if energy {
+            let end = carried.look(law, ends, by);
+            change[FORCE - INPUTS] = end.force;
+            change[DISSIPATED_ENERGY - INPUTS] = dissipated + end.dissipated_energy;
+        } else {
+            change[FORCE - INPUTS] = carried.force(law, ends, by);
+        }
         Ok(())
     }
 }

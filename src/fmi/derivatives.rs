@@ -168,8 +168,8 @@ impl Instance {
             let sum = &mut self.direction[*reference as usize];
             *sum = Ramp::line(sum.start + line.start, sum.end + line.end);
         }
-        let changes =
-            self.behaviour.sensitivity(&self.state, &self.direction, self.tolerance, &mut self.rates);
+        let (state, direction) = (&self.state, &self.direction);
+        let changes = self.behaviour.sensitivity(state, unknowns, direction, self.tolerance, &mut self.rates);
         changes.map_err(Error::Derivative)?;
         self.read_outputs(unknowns, change)
     }

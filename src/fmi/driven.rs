@@ -216,8 +216,7 @@ impl Behaviour for DrivenSystem {
         tolerance: f64,
     ) -> Result<(), String> {
         Self::read(&mut self.motion, state)?;
-        self.read_last(state);
-        self.lines.go_on(values, slopes, step);
+        self.lines.go_on(&state[2 * self.room + 1..], values, slopes, step);
         self.act(Lines::along);
         let dissipated = self.dissipated();
         let steps = self.table.steps(step, tolerance, &self.integrator)?;
@@ -253,6 +252,7 @@ impl Behaviour for DrivenSystem {
     fn sensitivity(
         &mut self,
         state: &[f64],
+        _unknowns: &[u32],
         direction: &[Ramp],
         tolerance: f64,
         change: &mut [f64],

@@ -32,6 +32,8 @@ pub(super) struct Lines {
 /// Numbers of the step, and of each line: its start, its end, how it is bent, how it was given, what it came from.
 const OF_STEP: usize = 2;
 const PER_LINE: usize = 6;
+/// Which of a line's is its end.
+const END: usize = 1;
 
 /// Derivatives of an input with respect to time: the first, the second, the third.
 pub(super) type Derivatives = [f64; 3];
@@ -92,14 +94,15 @@ impl Lines {
         }
     }
 
-    /// Those of the next step, of `step` (s), with `values` set and derivatives in `slopes`, which is empty if there is
-    /// none.
-    pub fn go_on(&mut self, values: &[f64], slopes: &[Option<Derivatives>], step: f64) {
+    /// Those of the next step, of `step` (s), after those that a state has of the `last`, with `values` set and
+    /// derivatives in `slopes`, which is empty if there is none.
+    pub fn go_on(&mut self, last: &[f64], values: &[f64], slopes: &[Option<Derivatives>], step: f64) {
         (self.step, self.jumped) = (step, false);
         let lines = self.all.iter_mut().zip(&mut self.given).zip(&mut self.from);
-        for (input, ((line, given), from)) in lines.enumerate() {
-            let (value, slope) = (values[input], slopes.get(input).copied().flatten());
-            let ended = line.end;
+        let given = values.iter().zip(last[OF_STEP..].chunks_exact(PER_LINE));
+        for (input, (((line, given), from), (value, last))) in lines.zip(given).enumerate() {
+            let (value, slope) = (*value, slopes.get(input).copied().flatten());
+            let ended = last[END];
             (*given, *line) = match slope {
                 Some(slopes) => (Given::Sloped, Ramp::with_derivatives(value, slopes, step)),
                 None if self.run => (Given::Runs, Ramp::line(ended, value)),

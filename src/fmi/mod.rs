@@ -118,10 +118,11 @@ pub(crate) trait Behaviour: Debug + Send {
     fn output_rates(&mut self, state: &[f64], rates: &mut [f64]) -> Result<(), String>;
 
     /// Change of all outputs at the end of the last step, or at the start, when the lines of the inputs over it change
-    /// by `direction`. `tolerance` is that of the step.
+    /// by `direction`; those of which the table's row is not in `unknowns` may be left zero. `tolerance` is that of the step.
     fn sensitivity(
         &mut self,
         state: &[f64],
+        unknowns: &[u32],
         direction: &[Ramp],
         tolerance: f64,
         change: &mut [f64],

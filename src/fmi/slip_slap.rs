@@ -201,8 +201,7 @@ impl Behaviour for SlipSlapBehaviour {
     ) -> Result<(), String> {
         let (now, before, lines) = parts(state, self.next.len());
         before.copy_from_slice(now);
-        self.lines.read(lines);
-        self.lines.go_on(&values[..INPUTS], slopes, step);
+        self.lines.go_on(lines, &values[..INPUTS], slopes, step);
         self.lines.write(lines);
         let mut lost = [0.0; 2];
         let mut add = |response: &SlipSlapResponse| {
@@ -251,6 +250,7 @@ impl Behaviour for SlipSlapBehaviour {
     fn sensitivity(
         &mut self,
         state: &[f64],
+        _unknowns: &[u32],
         direction: &[Ramp],
         _tolerance: f64,
         change: &mut [f64],

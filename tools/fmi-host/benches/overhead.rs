@@ -41,6 +41,15 @@ type Instantiate = unsafe extern "C" fn(
     c_int,
 ) -> *mut c_void;
 type SetUp = unsafe extern "C" fn(*mut c_void, c_int, f64, f64, c_int, f64) -> c_int;
+type Derivative = unsafe extern "C" fn(
+    *mut c_void,
+    *const c_uint,
+    usize,
+    *const c_uint,
+    usize,
+    *const f64,
+    *mut f64,
+) -> c_int;
 type Plain = unsafe extern "C" fn(*mut c_void) -> c_int;
 
 /// Components of one standard model, and nothing but the C functions.
@@ -49,6 +58,7 @@ struct Bare {
     get: Get,
     set: Set,
     do_step: DoStep,
+    derivative: Derivative,
     displacement: c_uint,
     force: c_uint,
     _library: libloading::Library,
@@ -90,6 +100,7 @@ impl Bare {
                 get: *library.get::<Get>(b"fmi2GetReal").expect("a function"),
                 set: *library.get::<Set>(b"fmi2SetReal").expect("a function"),
                 do_step: *library.get::<DoStep>(b"fmi2DoStep").expect("a function"),
+                derivative: *library.get::<Derivative>(b"fmi2GetDirectionalDerivative").expect("a function"),
                 displacement: description.description().reference("displacement").expect("an input"),
                 force: description.description().reference("force").expect("an output"),
                 _library: library,
@@ -239,8 +250,9 @@ fn beyond_the_fmus(name: &str, count: usize) -> [Vec<f64>; 2] {
     [bare_times, times]
 }
 
-/// `fmi2DoStep` with the inputs held; `fmi2SetReal` of a displacement that sticks and slips; and both.
-fn steps_alone(name: &str) -> [Vec<f64>; 3] {
+/// `fmi2DoStep` with the inputs held; `fmi2SetReal` of a displacement that sticks and slips; both; and both with
+/// `fmi2GetDirectionalDerivative` of the force by the displacement.
+fn steps_alone(name: &str) -> [Vec<f64>; 4] {
     const CALLS: usize = 400;
     let bare = Bare::new(name, 1);
     let component = bare.components[0];
@@ -253,10 +265,10 @@ fn steps_alone(name: &str) -> [Vec<f64>; 3] {
         let fraction = (index % 64) as f64 / 32.0;
         30e-6 * if fraction < 1.0 { 2.0 * fraction - 1.0 } else { 3.0 - 2.0 * fraction }
     };
-    let mut times = [const { Vec::new() }; 3];
+    let mut times = [const { Vec::new() }; 4];
     for turn in 0..TURNS + UNTIMED {
         for (which, times) in times.iter_mut().enumerate() {
-            let (step, set) = [(true, false), (false, true), (true, true)][which];
+            let (step, set) = [(true, false), (false, true), (true, true), (true, true)][which];
             let begin = Instant::now();
             for index in 0..CALLS {
                 let value = value(index);
@@ -267,6 +279,14 @@ fn steps_alone(name: &str) -> [Vec<f64>; 3] {
                     }
                     if step {
                         assert_eq!((bare.do_step)(component, time(), STEP, 1), 0);
+                    }
+                    if which == 3 {
+                        let (force, displacement) = (&bare.force, &bare.displacement);
+                        let mut tangent = 0.0;
+                        let status =
+                            (bare.derivative)(component, force, 1, displacement, 1, &1.0, &mut tangent);
+                        assert_eq!(status, 0);
+                        black_box(tangent);
                     }
                 }
             }
@@ -286,11 +306,17 @@ fn shortest(times: &[f64]) -> f64 {
 fn main() {
     let wanted = std::env::args().nth(1).filter(|word| !word.starts_with('-')).unwrap_or_default();
     let models = ["JenkinsContact", "ValanisContact"];
-    println!("fmi2DoStep alone (ns)              held: shortest  median   moving: shortest  median");
+    println!(
+        "fmi2DoStep alone (ns)              held: shortest  median   moving: shortest  median   \
+         derivative: shortest  median"
+    );
     for name in models.into_iter().filter(|name| name.contains(&wanted)) {
-        let [held, set, both] = steps_alone(name).map(|times| (shortest(&times), median(times)));
-        let moving = (both.0 - set.0, both.1 - set.1);
-        println!("{name:<35}{:>14.1}{:>8.1}{:>18.1}{:>8.1}", held.0, held.1, moving.0, moving.1);
+        let [held, set, both, all] = steps_alone(name).map(|times| (shortest(&times), median(times)));
+        let (moving, more) = ((both.0 - set.0, both.1 - set.1), (all.0 - both.0, all.1 - both.1));
+        println!(
+            "{name:<35}{:>14.1}{:>8.1}{:>18.1}{:>8.1}{:>22.1}{:>8.1}",
+            held.0, held.1, moving.0, moving.1, more.0, more.1
+        );
     }
     println!(
         "\nper call (ns)                      bare: shortest  median   master: shortest  median   beyond: shortest  median"
