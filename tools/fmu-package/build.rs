@@ -11,7 +11,7 @@ fn main() {
     // A target directory of its own: the outer cargo holds the lock of the workspace's.
     let target_directory = PathBuf::from(variable("OUT_DIR")).join("library");
     let target = variable("TARGET");
-    for path in ["src", "fmu/src", "fmu/Cargo.toml", "Cargo.toml", "Cargo.lock"] {
+    for path in ["src", "fmu/src", "fmu/build.rs", "fmu/Cargo.toml", "Cargo.toml", "Cargo.lock"] {
         println!("cargo::rerun-if-changed={}", workspace.join(path).display());
     }
 
