@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::inversion::Bending;
+use super::inversion::{Bending, Structure};
 use super::{IdentificationError, SteadyMotion};
 use crate::numeric::fourier::coefficient_count;
 use crate::system::{Beam, ModalBeam};
@@ -40,7 +40,8 @@ pub fn expand(
     if count > sensors {
         return Err(fail(format!("{sensors} sensors do not tell {count} modes")));
     }
-    let bending = Bending::new(&modal, motion, harmonics)?;
+    let structure = Structure::from(&modal);
+    let bending = Bending::new(&structure, motion, harmonics)?;
     let shapes = DMatrix::from_fn(sensors, count, |k, i| modal.sensors[k].shape[i]);
     let svd = shapes.clone().svd(true, true);
     let conditioning = svd.singular_values.max() / svd.singular_values.min();
@@ -73,7 +74,7 @@ fn balanced(
     let unit = |k: usize| {
         let mut force = vec![0.0; count];
         force[k] = 1.0;
-        bending.modal_forces(&bending.samples(&force), &slopes).concat()
+        bending.modal_forces(&bending.structure.directions[0], &bending.samples(&force), &slopes).concat()
     };
     let own: Vec<Vec<f64>> = (0..count).map(unit).collect();
     let spring = beam.rotational_stiffness / (beam.offset * beam.offset);

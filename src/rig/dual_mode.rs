@@ -9,7 +9,7 @@ use super::plan::Accelerometer;
 use super::spoiler::Spoiler;
 use super::tested::Tested;
 use crate::data::Regime;
-use crate::harmonic::{Assembly, CurveSettings, DualTone, HeldTone, dual_tone_response};
+use crate::harmonic::{Assembly, CurveSettings, DualTone, HarmonicError, HeldTone, dual_tone_response};
 use crate::numeric::fourier::{time_derivative, value};
 use crate::system::{Element, System};
 
@@ -104,6 +104,25 @@ fn read_at(system: &System, positions: &[f64]) -> Result<System, RigError> {
     Ok(System { sensors, ..system.clone() })
 }
 
+/// The steady state in which both harmonics of the acceleration have these amplitudes (m/s²).
+pub(super) fn held(
+    assembly: &Assembly,
+    test: &DualMode,
+    amplitudes: [f64; 2],
+) -> Result<DualTone, HarmonicError> {
+    let tones = [(1, amplitudes[0]), (3, amplitudes[1])];
+    let tones = tones.map(|(order, amplitude)| HeldTone { order, amplitude, phase: 0.0 });
+    let settings = CurveSettings { harmonics: test.harmonics, ..CurveSettings::default() };
+    // After the sensors comes the port driven.
+    let driven = assembly.system.sensors.len();
+    dual_tone_response(assembly, TAU * test.frequency, driven, tones, &settings)
+}
+
+/// Coefficients of the force with tones of these amplitudes (N).
+pub(super) fn tones([first, third]: [f64; 2]) -> [f64; 7] {
+    [0.0, 0.0, first, 0.0, 0.0, 0.0, third]
+}
+
 fn measured(
     assembly: &Assembly,
     test: &DualMode,
@@ -111,12 +130,7 @@ fn measured(
     delays: &[f64],
 ) -> Result<Measured, RigError> {
     let sensors = assembly.system.sensors.len();
-    let tones = [(1, amplitudes[0]), (3, amplitudes[1])];
-    let tones = tones.map(|(order, amplitude)| HeldTone { order, amplitude, phase: 0.0 });
-    let settings = CurveSettings { harmonics: test.harmonics, ..CurveSettings::default() };
-    // After the sensors comes the port driven.
-    let held = dual_tone_response(assembly, TAU * test.frequency, sensors, tones, &settings)?;
-    let DualTone { point, force: [first, third] } = held;
+    let DualTone { point, force } = held(assembly, test, amplitudes)?;
     let speed = point.angular_frequency;
     let step = TAU / speed / test.samples_per_period as f64;
     let sampled = |coefficients: &[f64], delay: f64| -> Vec<f64> {
@@ -143,7 +157,7 @@ fn measured(
     });
     Ok(Measured {
         time: (0..test.periods * test.samples_per_period).map(|k| k as f64 * step).collect(),
-        excitation: Some(sampled(&[0.0, 0.0, first, 0.0, 0.0, 0.0, third], delays[0])),
+        excitation: Some(sampled(&tones(force), delays[0])),
         accelerations: accelerations.collect(),
         contact,
     })

@@ -2,7 +2,8 @@
 //!
 //! A model and a [`Plan`] come in, [`Record`]s go out, as if measured. `plan`: what is tested, and the chain of sensors.
 //! `bench`: the beam with its sensors as a system. `stepped_sine`: the motion at the shaker held, by harmonic balance.
-//! `dual_mode`: two harmonics held at once, on a system that any builder made. `random` and `ring_down`: in time, by `march`. `chain`: gains, delays and noise, and `spoiler` what they make of what was
+//! `dual_mode`: two harmonics held at once, on a system that any builder made; `separation`: the preload below which the pin leaves
+//! its support then. `random` and `ring_down`: in time, by `march`. `chain`: gains, delays and noise, and `spoiler` what they make of what was
 //! `measured`.
 
 mod bench;
@@ -14,6 +15,7 @@ mod measured;
 mod plan;
 mod random;
 mod ring_down;
+mod separation;
 mod spoiler;
 mod stepped_sine;
 mod tested;
@@ -24,6 +26,7 @@ pub use error::RigError;
 pub use plan::{
     Accelerometer, Frequencies, Plan, RandomTest, Release, RingDown, SteppedSine, Test, TestKind,
 };
+pub use separation::{Separation, Slap, separation_on, slap_in_time};
 pub use tested::Tested;
 
 use crate::data::Record;

@@ -6,6 +6,7 @@ mod dual_mode;
 mod faults;
 mod random;
 mod ring_down;
+mod slip_slap;
 mod steady;
 
 use stickslip::data::Record;

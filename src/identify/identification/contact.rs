@@ -1,17 +1,14 @@
 //! The contact in all steady records: receptances inverted, and the published way beside it.
 
-use nalgebra::DMatrix;
-
 use super::published::{Published, published};
-use super::steady::Steady;
 use super::{Identification, IdentifyOptions, Setup, check_interrupt};
 use crate::identify::inversion::invert_until;
+use crate::identify::steady::Steady;
 use crate::identify::{ContactPeriod, Doubts, IdentificationError, Inversion, SteadyMotion};
-use crate::numeric::fourier::{time_derivative, value};
 use crate::system::{Beam, ModalBeam};
 
 /// Standard errors of a 95 % interval.
-pub(super) const WIDE: f64 = 1.96;
+pub(in crate::identify) const WIDE: f64 = 1.96;
 /// Accelerations left unexplained, over what noise lets expect and as a part of the measured ones, that call for a warning.
 const MISFIT: f64 = 2.0;
 const UNEXPLAINED: f64 = 2e-3;
@@ -40,14 +37,6 @@ pub struct ContactRecord {
     pub warnings: Vec<String>,
 }
 
-impl ContactPeriod {
-    /// Displacement (m), velocity (m/s) and force (N) at `time` (s), counted as in the record.
-    pub fn at(&self, time: f64) -> [f64; 3] {
-        let phase = self.angular_frequency * time;
-        [&self.displacement, &self.velocity, &self.force].map(|coefficients| value(coefficients, phase))
-    }
-}
-
 /// Inverts `steady` and fills in what it tells.
 pub(super) fn identify_contact(
     setup: &Setup,
@@ -71,7 +60,7 @@ pub(super) fn identify_contact(
             amplitude: record.amplitude,
             force: record.force(),
             harmonics: record.shown,
-            intervals: intervals(period),
+            intervals: period.deviations().map(|deviation| WIDE * deviation),
             published: published(setup, record, period),
             warnings: warnings(period),
         });
@@ -146,55 +135,34 @@ fn together(
         let beam = Beam { sensors: records[0].positions.clone(), ..beam.clone() };
         let modal = ModalBeam::with_changes(&beam, &setup.changes)
             .map_err(|error| IdentificationError::Failed(error.to_string()))?;
-        tried.push((
-            words,
-            beam.static_correction,
-            invert_until(&modal, &motions, harmonics, doubts, &interrupted),
-        ));
+        let inversion = invert_until(&(&modal).into(), &motions, harmonics, doubts, &interrupted);
+        tried.push((words.as_str(), inversion));
         check_interrupt(options)?;
     }
-    likeliest(tried, found)
+    let (best, words, inversion) = likeliest(tried);
+    (found.beam, found.static_correction) = (words, setup.beams[best].1.static_correction);
+    inversion
 }
 
-/// The inversion that leaves least, the first one if none is clearly better.
-fn likeliest(
-    mut tried: Vec<(&String, bool, Result<Inversion, IdentificationError>)>,
-    found: &mut Identification,
-) -> Result<Inversion, IdentificationError> {
+/// The inversion that leaves least, the first one if none is clearly better: its place, and words on the beam.
+pub(in crate::identify) fn likeliest(
+    mut tried: Vec<(&str, Result<Inversion, IdentificationError>)>,
+) -> (usize, String, Result<Inversion, IdentificationError>) {
     let misfit = |result: &Result<Inversion, _>| result.as_ref().map_or(f64::INFINITY, |one| one.misfit);
     let told: Vec<String> =
-        tried.iter().map(|(words, _, result)| format!("{:.3} with {words}", misfit(result))).collect();
+        tried.iter().map(|(words, result)| format!("{:.3} with {words}", misfit(result))).collect();
     let best = (1..tried.len())
-        .fold(0, |best, k| if misfit(&tried[k].2) < CLEARLY * misfit(&tried[best].2) { k } else { best });
-    found.beam = format!(
+        .fold(0, |best, k| if misfit(&tried[k].1) < CLEARLY * misfit(&tried[best].1) { k } else { best });
+    let words = format!(
         "The beam has {}. What remains of the accelerations, over what their errors let expect: {}.",
         tried[best].0,
         told.join(", ")
     );
-    found.static_correction = tried[best].1;
-    tried.swap_remove(best).2
-}
-
-fn intervals(period: &ContactPeriod) -> [f64; 3] {
-    // Over a period each harmonic's variance counts by half.
-    let wide = |covariance: &DMatrix<f64>, order: i32| {
-        let faster = |k: usize| (k.div_ceil(2) as f64 * period.angular_frequency).powi(2 * order);
-        let variance = (1..covariance.nrows()).map(|k| 0.5 * covariance[(k, k)] * faster(k)).sum::<f64>();
-        WIDE * variance.max(0.0).sqrt()
-    };
-    let displacement = &period.displacement_covariance;
-    [wide(&period.covariance, 0), wide(displacement, 0), wide(displacement, 1)]
+    (best, words, tried.swap_remove(best).1)
 }
 
 fn warnings(period: &ContactPeriod) -> Vec<String> {
-    let work = work(period);
+    let work = period.work();
     let gives = format!("the contact gives {:.2e} J a period: phases of the channels do not fit", -work);
     if work < 0.0 { vec![gives] } else { Vec::new() }
-}
-
-/// Energy that the contact takes in a period (J).
-pub(super) fn work(period: &ContactPeriod) -> f64 {
-    let velocity = time_derivative(&period.displacement, 1, 1.0);
-    let count = period.force.len().min(velocity.len());
-    std::f64::consts::PI * (1..count).map(|k| period.force[k] * velocity[k]).sum::<f64>()
 }

@@ -4,11 +4,11 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use nalgebra::Complex;
 
-use super::steady::Steady;
 use super::{LinearRecord, Setup};
 use crate::data::Record;
 use crate::fit::Interval;
 use crate::identify::resonance_of;
+use crate::identify::steady::Steady;
 use crate::system::rotational_stiffness_from_frequency;
 
 /// Amplitudes of one level differ by this part at most.

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::Setup;
-use super::steady::motions;
 use crate::data::Record;
+use crate::identify::steady::motions;
 use crate::identify::{FrequencyResponse, Pole, frequency_response_of, poles};
 use crate::numeric::fourier::time_derivative;
 use crate::system::{Beam, ModalBeam, rotational_stiffness_from_frequency};

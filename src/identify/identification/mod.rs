@@ -1,6 +1,5 @@
 //! From a beam's model and its records to all that they tell of the contact: the stages in their order.
 //!
-//! - `steady`: a steady record becomes harmonics with their errors;
 //! - `levels`: resonance, damping and rotational stiffness at each amplitude (table 2 of the paper);
 //! - `linear`: frequency responses and modes from records under random excitation (table 1);
 //! - `contact`: the contact's force and motion in all steady records together; `published`: the published way beside it;
@@ -14,11 +13,11 @@ mod linear;
 mod published;
 #[cfg(test)]
 mod resonance_tests;
-mod steady;
 #[cfg(test)]
 mod tests;
 mod unidentified;
 
+use super::steady::steady;
 use super::{IdentificationError, IdentifiedLaw, Inversion};
 use crate::data::{Dataset, Record, Regime};
 use crate::fit::InterruptHook;
@@ -27,6 +26,7 @@ use crate::model::{Beam, Contact, Model, Structure};
 use crate::system::{Damping, StructureChanges};
 
 pub use contact::ContactRecord;
+pub(super) use contact::{WIDE, likeliest};
 pub use levels::{Level, LevelResponse, LevelSource};
 pub use linear::LinearRecord;
 pub use published::{AmplitudeMode, Published};
@@ -142,7 +142,7 @@ pub fn identify(
     // A free decay tells resonances over the amplitude, as a table does.
     let (dataset, _) = tabulated(model, dataset);
     let of = |regime: fn(Regime) -> bool| dataset.records.iter().filter(move |r| regime(r.regime));
-    let steady: Vec<&Record> = of(|regime| regime == Regime::Steady).collect();
+    let records: Vec<&Record> = of(|regime| regime == Regime::Steady).collect();
     let free = of(|regime| matches!(regime, Regime::FromRest | Regime::UnknownInitialState));
     let mut linear = Vec::new();
     for record in free {
@@ -152,7 +152,8 @@ pub fn identify(
         }
         check_interrupt(options)?;
     }
-    let all = steady::steady(model, &setup, &steady, options.harmonics, &mut skipped);
+    let (exciter, faults) = (setup.beam.excitation_position, model.changes().sensors);
+    let all = steady(exciter, &faults, &records, options.harmonics, &mut skipped);
     let (mut levels, chosen) = levels::of_records(&setup, all, &mut skipped);
     levels.extend(linear.iter().filter_map(|record| levels::of_modes(&setup, record)));
     for record in of(|regime| regime == Regime::Backbone) {
@@ -197,14 +198,14 @@ pub fn identify(
     Ok(found)
 }
 
-fn check_interrupt(options: &IdentifyOptions) -> Result<(), IdentificationError> {
+pub(super) fn check_interrupt(options: &IdentifyOptions) -> Result<(), IdentificationError> {
     match options.interrupt.is_some_and(|asked| asked()) {
         true => Err(IdentificationError::Failed("interrupted".to_owned())),
         false => Ok(()),
     }
 }
 
-fn nothing_usable(skipped: &[(String, String)]) -> IdentificationError {
+pub(super) fn nothing_usable(skipped: &[(String, String)]) -> IdentificationError {
     let reasons: Vec<String> =
         skipped.iter().map(|(record, reason)| format!("\n  {record}: {reason}")).collect();
     let missing = match reasons.is_empty() {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::Setup;
-use super::steady::Steady;
+use crate::identify::steady::Steady;
 use crate::identify::{ContactPeriod, expand};
 use crate::numeric::fourier::time_derivative;
 use crate::system::{Beam, ModalBeam, rotational_stiffness_from_frequency};

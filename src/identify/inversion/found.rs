@@ -2,11 +2,15 @@
 
 use nalgebra::DMatrix;
 
+use crate::numeric::fourier::{value, work_per_cycle};
+
 /// The contact over a period of each record, and the measuring chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inversion {
-    /// In the order of the records.
+    /// The contact along the beam, in the order of the records.
     pub periods: Vec<ContactPeriod>,
+    /// The contact across the beam in the same records: of a rig whose contact slaps, otherwise empty.
+    pub normal: Vec<ContactPeriod>,
     /// Logarithm of what the load cell shows over what there is (1), and its standard error.
     pub excitation_gain: [f64; 2],
     /// The same of every accelerometer.
@@ -19,7 +23,7 @@ pub struct Inversion {
     pub misfit: f64,
 }
 
-/// The contact over a period.
+/// The contact over a period, in one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactPeriod {
     /// Fundamental (rad/s).
@@ -40,4 +44,29 @@ pub struct ContactPeriod {
     pub modes: Vec<Vec<f64>>,
     /// Accelerations that the force does not explain, as a fraction of the measured ones.
     pub unexplained: f64,
+}
+
+impl ContactPeriod {
+    /// Displacement (m), velocity (m/s) and force (N) at `time` (s), counted as in the record.
+    pub fn at(&self, time: f64) -> [f64; 3] {
+        let phase = self.angular_frequency * time;
+        [&self.displacement, &self.velocity, &self.force].map(|coefficients| value(coefficients, phase))
+    }
+
+    /// Standard errors of force (N), displacement (m) and velocity (m/s), root mean square over the period, means left out.
+    pub fn deviations(&self) -> [f64; 3] {
+        // Over a period each harmonic's variance counts by half.
+        let deviation = |covariance: &DMatrix<f64>, order: i32| {
+            let faster = |k: usize| (k.div_ceil(2) as f64 * self.angular_frequency).powi(2 * order);
+            let variance = (1..covariance.nrows()).map(|k| 0.5 * covariance[(k, k)] * faster(k)).sum::<f64>();
+            variance.max(0.0).sqrt()
+        };
+        let displacement = &self.displacement_covariance;
+        [deviation(&self.covariance, 0), deviation(displacement, 0), deviation(displacement, 1)]
+    }
+
+    /// Energy that the contact takes in a period (J).
+    pub fn work(&self) -> f64 {
+        work_per_cycle(&self.force, &self.displacement)
+    }
 }

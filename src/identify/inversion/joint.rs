@@ -25,7 +25,7 @@ impl Doubts {
 /// All records with the unknowns that they share: the gain of the load cell, gains and masses of the sensors.
 pub(super) struct Joint<'p> {
     records: Vec<Bending<'p>>,
-    /// Per record: the force, and the modes under it.
+    /// Per record: the forces, direction after direction, and the modes under them.
     forces: Vec<Vec<f64>>,
     modes: Vec<Vec<Vec<f64>>>,
     /// Logarithms of the gains of the load cell and of the sensors, and masses (kg).
@@ -49,8 +49,9 @@ pub(super) struct Solved {
 
 impl<'p> Joint<'p> {
     pub fn new(records: Vec<Bending<'p>>, harmonics: usize, doubts: &Doubts) -> Self {
-        let sensors = records[0].beam.sensors.len();
-        let forces = vec![vec![0.0; coefficient_count(harmonics)]; records.len()];
+        let sensors = records[0].structure.sensors.len();
+        let own = records[0].structure.directions.len() * coefficient_count(harmonics);
+        let forces = vec![vec![0.0; own]; records.len()];
         let shared = vec![0.0; 1 + 2 * sensors];
         let modes = records.iter().map(|record| record.under_excitation(&shared)).collect();
         Self {
@@ -94,7 +95,8 @@ impl<'p> Joint<'p> {
         let mut gradient = DVector::<f64>::zeros(count);
         let mut blocks = Vec::new();
         for (r, record) in self.records.iter().enumerate() {
-            let (matrix, right) = record.equations(&self.modes[r], &self.shared, own);
+            let each = own / record.structure.directions.len();
+            let (matrix, right) = record.equations(&self.modes[r], &self.shared, each);
             let (matrix, right) = (matrix * self.trust, right * self.trust);
             let place = |k: usize| if k < shared { k } else { k + own * r };
             let matrix = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, k| matrix[(i, k)] * spread(k));
@@ -149,15 +151,18 @@ impl<'p> Joint<'p> {
         let (shared, own) = (self.spreads.len(), self.forces[0].len());
         let sensors = (shared - 1) / 2;
         let one = |k: usize| [solved.unknowns[k], solved.covariance[(k, k)].sqrt()];
-        let period = |(r, record): (usize, &Bending)| {
+        let period = |direction: usize, (r, record): (usize, &Bending)| {
             let place = |k: usize| if k < shared { k } else { k + own * r };
             let both = |i: usize, k: usize| solved.covariance[(place(i), place(k))];
             let covariance = DMatrix::from_fn(shared + own, shared + own, both);
-            record.period((&self.forces[r], &self.shared), &covariance, &self.modes[r], &solved.left[r])
+            let found = (self.forces[r].as_slice(), self.shared.as_slice());
+            record.period(direction, found, &covariance, &self.modes[r], &solved.left[r])
         };
+        let all = |direction| self.records.iter().enumerate().map(|one| period(direction, one)).collect();
         let eigenvalues = solved.curvature.symmetric_eigenvalues();
         Inversion {
-            periods: self.records.iter().enumerate().map(period).collect(),
+            periods: all(0),
+            normal: if self.records[0].structure.directions.len() > 1 { all(1) } else { Vec::new() },
             excitation_gain: one(0),
             sensor_gains: (1..=sensors).map(one).collect(),
             sensor_masses: (sensors + 1..shared).map(one).collect(),

@@ -21,6 +21,7 @@ mod plots;
 pub mod responses;
 mod ring_down;
 pub mod simulation;
+pub mod slip_slap;
 mod stages;
 mod summary;
 mod table;

@@ -10,6 +10,9 @@ mod terminal;
 mod words;
 
 pub use json::identification_json;
+pub(crate) use published::{half, over_period, points};
+pub(crate) use tables::{chain_blocks, table};
+pub(crate) use terminal::document_table;
 pub use terminal::identification_table;
 
 use stickslip::identify::{ContactPeriod, ContactRecord, Identification, IdentifiedLaw, force_under};

@@ -157,11 +157,11 @@ fn level(record: &ContactRecord) -> String {
     format!("{} m/s²", format::significant(record.amplitude, 3))
 }
 
-fn half(caption: String, y: Axis, lines: Vec<Line>) -> Plot {
+pub(crate) fn half(caption: String, y: Axis, lines: Vec<Line>) -> Plot {
     Plot { caption, half: true, x: Axis::new("time over period", "1"), panels: vec![Panel { y, lines }] }
 }
 
-fn over_period(name: &str, coefficients: &[f64], steps: usize, stroke: Stroke) -> Line {
+pub(crate) fn over_period(name: &str, coefficients: &[f64], steps: usize, stroke: Stroke) -> Line {
     let at = |k: usize| k as f64 / steps as f64;
     Line {
         name: name.to_owned(),
@@ -171,7 +171,7 @@ fn over_period(name: &str, coefficients: &[f64], steps: usize, stroke: Stroke) -
     }
 }
 
-fn points(name: &str, values: &[[f64; 2]], stroke: Stroke) -> Line {
+pub(crate) fn points(name: &str, values: &[[f64; 2]], stroke: Stroke) -> Line {
     Line {
         name: name.to_owned(),
         x: values.iter().map(|[x, _]| *x).collect(),

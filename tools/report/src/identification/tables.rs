@@ -1,6 +1,6 @@
 //! The tables of an identification.
 
-use stickslip::identify::{ContactPeriod, LinearRecord};
+use stickslip::identify::{ContactPeriod, Inversion, LinearRecord};
 
 use super::{IdentificationReport, name_of, samples, words};
 use crate::document::{Block, Cell, Table};
@@ -84,24 +84,10 @@ impl IdentificationReport<'_> {
 
     /// Gains and masses of the measuring chain.
     pub(super) fn chain(&self) -> Vec<Block> {
-        let Some(inversion) = &self.found.inversion else { return Vec::new() };
-        let row = |name: String, [value, deviation]: [f64; 2], factor: f64| {
-            vec![
-                Cell::text(name),
-                Cell::Number(factor * value, 3),
-                Cell::Number(1.96 * factor * deviation, 3),
-            ]
-        };
-        let mut rows =
-            vec![row("gain of the load cell, off by (%)".into(), inversion.excitation_gain, 100.0)];
-        for (k, gain) in inversion.sensor_gains.iter().enumerate() {
-            rows.push(row(format!("gain of sensor {}, off by (%)", k + 1), *gain, 100.0));
-        }
-        for (k, mass) in inversion.sensor_masses.iter().enumerate().filter(|(_, mass)| mass[1] > 0.0) {
-            rows.push(row(format!("mass at sensor {}, more by (g)", k + 1), *mass, 1e3));
-        }
-        let note = format!("Sensors are counted from the clamp. {}", self.found.beam);
-        vec![Block::Table(table("Measuring chain", &["", "Value", "±"], rows)), Block::Note(note)]
+        self.found
+            .inversion
+            .as_ref()
+            .map_or_else(Vec::new, |inversion| chain_blocks(inversion, &self.found.beam))
     }
 
     /// Table 2: frequency, damping and rotational stiffness over the amplitude.
@@ -152,7 +138,23 @@ impl IdentificationReport<'_> {
     }
 }
 
-pub(super) fn table(label: &str, heading: &[&str], rows: Vec<Vec<Cell>>) -> Table {
+/// Gains and masses of the measuring chain of `inversion`, with words on the `beam`.
+pub(crate) fn chain_blocks(inversion: &Inversion, beam: &str) -> Vec<Block> {
+    let row = |name: String, [value, deviation]: [f64; 2], factor: f64| {
+        vec![Cell::text(name), Cell::Number(factor * value, 3), Cell::Number(1.96 * factor * deviation, 3)]
+    };
+    let mut rows = vec![row("gain of the load cell, off by (%)".into(), inversion.excitation_gain, 100.0)];
+    for (k, gain) in inversion.sensor_gains.iter().enumerate() {
+        rows.push(row(format!("gain of sensor {}, off by (%)", k + 1), *gain, 100.0));
+    }
+    for (k, mass) in inversion.sensor_masses.iter().enumerate().filter(|(_, mass)| mass[1] > 0.0) {
+        rows.push(row(format!("mass at sensor {}, more by (g)", k + 1), *mass, 1e3));
+    }
+    let note = format!("Sensors are counted from the clamp. {beam}");
+    vec![Block::Table(table("Measuring chain", &["", "Value", "±"], rows)), Block::Note(note)]
+}
+
+pub(crate) fn table(label: &str, heading: &[&str], rows: Vec<Vec<Cell>>) -> Table {
     Table { label: label.into(), heading: heading.iter().map(|&text| text.to_owned()).collect(), rows }
 }
 

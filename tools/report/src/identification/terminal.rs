@@ -1,13 +1,18 @@
 //! An identification as text for a terminal.
 
 use super::IdentificationReport;
-use crate::document::{Block, Section, Table};
+use crate::document::{Block, Document, Section, Table};
+use crate::format::printable;
 use crate::table::{BOLD, RED, Text};
 
 /// The result, the page's tables and what could not be identified, in lines of at most `width` columns (at least 40 are
 /// used). With `color`, ANSI sequences are added.
 pub fn identification_table(report: &IdentificationReport, width: usize, color: bool) -> String {
-    let document = report.document();
+    document_table(&report.document(), width, color)
+}
+
+/// As [`identification_table`], of any such document.
+pub(crate) fn document_table(document: &Document, width: usize, color: bool) -> String {
     let mut out = Text::new(width, color);
     out.paragraph(&document.title, BOLD);
     out.paragraph(&document.lead, "");
@@ -31,7 +36,8 @@ pub fn identification_table(report: &IdentificationReport, width: usize, color: 
 }
 
 fn grid(out: &mut Text, table: &Table) {
-    let shown = table.rows.iter().map(|row| row.iter().map(|cell| cell.shown()).collect::<Vec<_>>());
+    let shown =
+        table.rows.iter().map(|row| row.iter().map(|cell| printable(&cell.shown())).collect::<Vec<_>>());
     let rows = std::iter::once(table.heading.clone()).chain(shown);
     let (left, cells): (Vec<String>, Vec<Vec<String>>) = rows
         .filter(|row| !row.is_empty())

@@ -2,6 +2,9 @@
 
 #[path = "../../../../tests/common/external.rs"]
 mod external;
+#[path = "../../../../tests/common/pin_rig.rs"]
+#[allow(dead_code, reason = "the tests of the library use more of it")]
+mod pin_rig;
 #[path = "../synthetic/mod.rs"]
 mod synthetic;
 
@@ -9,3 +12,4 @@ mod browser;
 mod comparison;
 mod diagnosis;
 mod responses;
+mod slip_slap;

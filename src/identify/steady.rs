@@ -2,13 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use super::Setup;
+use super::harmonics::shifted;
+use super::{Harmonics, SteadyMotion, harmonics};
 use crate::data::{Channel, Record};
 use crate::effects::SensorFault;
 use crate::fit::predict::period;
-use crate::identify::harmonics::shifted;
-use crate::identify::{Harmonics, SteadyMotion, harmonics};
-use crate::model::Model;
 use crate::numeric::fourier::{coefficient_count, time_derivative};
 use crate::numeric::whole_periods;
 
@@ -32,25 +30,27 @@ pub(super) struct Steady {
     /// Positions of the sensors (m).
     pub positions: Vec<f64>,
     pub motion: SteadyMotion,
-    /// First harmonic of the acceleration nearest to the excitation (m/s²), and its phase ahead of the excitation (rad).
+    /// Place of the sensor nearest to the excitation.
+    pub nearest: usize,
+    /// First harmonic of the acceleration there (m/s²), and its phase ahead of the excitation (rad).
     pub amplitude: f64,
     pub phase: f64,
 }
 
-/// The `records` that can be used, all with the same sensors and as many harmonics as stand out in any.
+/// The `records` that can be used, all with the same sensors and as many harmonics as stand out in any; `excitation` is where the
+/// force acts (m), `faults` are what is known of the channels.
 pub(super) fn steady(
-    model: &Model,
-    setup: &Setup,
+    excitation: f64,
+    faults: &[SensorFault],
     records: &[&Record],
     most: usize,
     skipped: &mut Vec<(String, String)>,
 ) -> Vec<Steady> {
     let sensors = |record: &Record| motions(record).into_iter().map(|(at, _, _)| at).collect::<Vec<f64>>();
     let positions = records.iter().map(|record| sensors(record)).max_by_key(Vec::len).unwrap_or_default();
-    let faults = model.changes().sensors;
     let mut found: Vec<Steady> = Vec::new();
     for record in records {
-        match Steady::new(setup, record, &positions, &faults, most) {
+        match Steady::new(excitation, record, &positions, faults, most) {
             Ok(steady) => found.push(steady),
             Err(reason) => skipped.push((record.name.clone(), reason)),
         }
@@ -81,7 +81,7 @@ pub(super) fn motions(record: &Record) -> Vec<(f64, &Channel, usize)> {
 
 impl Steady {
     fn new(
-        setup: &Setup,
+        exciter: f64,
         record: &Record,
         positions: &[f64],
         faults: &[SensorFault],
@@ -130,16 +130,16 @@ impl Steady {
         for (k, value) in driven.iter_mut().enumerate() {
             *value = if excited.contains(&k.div_ceil(2)) { *value } else { 0.0 };
         }
-        let near = |at: &f64| (at - setup.beam.excitation_position).abs();
-        let nearest =
-            (0..positions.len()).min_by(|a, b| near(&positions[*a]).total_cmp(&near(&positions[*b])));
-        let first: &[f64] = nearest.map_or(&[], |k| &accelerations[k]);
+        let near = |k: &usize| (positions[*k] - exciter).abs();
+        let nearest = (0..positions.len()).min_by(|a, b| near(a).total_cmp(&near(b))).unwrap_or(0);
+        let first = &accelerations[nearest];
         let angle = |values: &[f64]| (-values[2]).atan2(values[1]);
         Ok(Self {
             name: record.name.clone(),
             frequency,
             shown,
             positions: positions.to_vec(),
+            nearest,
             amplitude: first[1].hypot(first[2]),
             phase: angle(first) - angle(&driven),
             motion: SteadyMotion {
@@ -153,7 +153,7 @@ impl Steady {
 
     /// Amplitude of the first harmonic of the excitation (N).
     pub fn force(&self) -> f64 {
-        self.motion.excitation[1].hypot(self.motion.excitation[2])
+        amplitude(&self.motion.excitation, 1)
     }
 }
 
@@ -222,6 +222,11 @@ fn faultless(coefficients: &[f64], name: &str, faults: &[SensorFault], frequency
         out.iter_mut().for_each(|value| *value /= fault.gain);
     }
     out
+}
+
+/// Amplitude of a harmonic, 0 above those that there are.
+pub(super) fn amplitude(coefficients: &[f64], harmonic: usize) -> f64 {
+    coefficients.get(2 * harmonic - 1..=2 * harmonic).map_or(0.0, |pair| pair[0].hypot(pair[1]))
 }
 
 /// Root mean square without the mean.

@@ -1,0 +1,82 @@
+//! What dual-mode records do not tell of a contact, and why.
+
+use super::{STIFFNESS, SlipSlapIdentification};
+use crate::identify::Unidentified;
+use crate::identify::identification::WIDE;
+
+/// An interval wider than this part of the value tells no more than an order of magnitude.
+const VAGUE: f64 = 0.5;
+/// Relative change over that of the assumed normal stiffness that makes an echo of it.
+const ECHO: f64 = 0.5;
+/// Young's modulus is known to a tenth of a per cent at best: what that changes by more than this part is not told.
+const HANGS: f64 = 0.2;
+
+/// What may not be told, in the order of the changes, and what else goes with it.
+const NAMES: [&str; 4] =
+    ["tangential_force", "normal_force", "tangential_displacement", "normal_displacement"];
+
+pub(super) fn unidentified(found: &SlipSlapIdentification) -> Vec<Unidentified> {
+    let vague =
+        |(place, name): (usize, &&'static str)| Some(Unidentified { name, reason: vague(found, place)? });
+    let mut out: Vec<Unidentified> = NAMES.iter().enumerate().filter_map(vague).collect();
+    if out.iter().any(|one| one.name.starts_with("normal")) {
+        out.push(Unidentified {
+            name: "normal_stiffness",
+            reason: "the slope of the normal force over the normal displacement is as uncertain as these are"
+                .to_owned(),
+        });
+    }
+    out.extend(echo(found));
+    out.extend(mean_force(found));
+    out
+}
+
+/// Why a force or displacement is not told, if it is not.
+fn vague(found: &SlipSlapIdentification, place: usize) -> Option<String> {
+    let periods = if place.is_multiple_of(2) { &found.inversion.periods } else { &found.inversion.normal };
+    let size = |values: &[f64]| (0.5 * values[1..].iter().map(|x| x * x).sum::<f64>()).sqrt();
+    let wide = periods.iter().map(|period| {
+        let value = if place < 2 { &period.force } else { &period.displacement };
+        WIDE * period.deviations()[place / 2] / size(value)
+    });
+    let wide = wide.fold(0.0, f64::max);
+    let (modulus, stiffness) = (found.by_modulus[place], found.by_normal_stiffness[place]);
+    (wide > VAGUE || modulus > HANGS || stiffness > ECHO * STIFFNESS).then(|| {
+        format!(
+            "its 95 % interval is ± {:.0} % of it; Young’s modulus 0.1 % larger changes it by {:.1} %, an assumed normal stiffness 1 % \
+             larger by {:.2} %",
+            100.0 * wide,
+            100.0 * modulus,
+            100.0 * stiffness
+        )
+    })
+}
+
+/// The published way's normal displacement, where it gives back the normal stiffness that was assumed.
+fn echo(found: &SlipSlapIdentification) -> Option<Unidentified> {
+    let published = found.records.iter().filter_map(|record| record.published.as_ref());
+    let most = published.map(|published| published.echo).max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+    (most.abs() > ECHO).then(|| Unidentified {
+        name: "published_normal_displacement",
+        reason: format!(
+            "it changes by {most:.2} % where the assumed normal stiffness is 1 % larger: it gives that assumption back, and so does the \
+             slope of the normal force over it"
+        ),
+    })
+}
+
+/// The mean of the tangential force, where its interval holds zero.
+fn mean_force(found: &SlipSlapIdentification) -> Option<Unidentified> {
+    let periods = &found.inversion.periods;
+    let wide: Vec<f64> = periods.iter().map(|period| WIDE * period.covariance[(0, 0)].sqrt()).collect();
+    let means = periods.iter().zip(&wide).filter(|(period, wide)| period.force[0].abs() < **wide).count();
+    let widest = wide.iter().copied().fold(0.0, f64::max);
+    (means > 0).then(|| Unidentified {
+        name: "mean_force",
+        reason: format!(
+            "accelerometers show no mean, and what it does to the bending leaves zero in its interval in {means} of {} records \
+             (± {widest:.1} N at most)",
+            periods.len()
+        ),
+    })
+}

@@ -1,0 +1,68 @@
+//! Both forces for programs.
+
+use serde_json::{Map, Value, json};
+use stickslip::identify::{ContactPeriod, SlipSlapRecord};
+
+use super::SlipSlapReport;
+
+/// The identification under the schema `stickslip.slip-slap/1`; numbers in SI units, those that are not told `null`.
+///
+/// Forces and displacements are Fourier coefficients `[mean, cos, sin, …]`; `normal_force` is what presses the pin on its support.
+/// Intervals are half-widths of 95 % intervals, root mean square over the period, without the mean.
+pub fn slip_slap_json(report: &SlipSlapReport) -> Value {
+    let found = report.found;
+    let reasons = found.unidentified.iter().map(|one| (one.name.to_owned(), json!(one.reason)));
+    let skipped = found.skipped.iter().map(|(file, reason)| json!({ "file": file, "reason": reason }));
+    let coupling = found.coupling.as_ref().map(|coupling| {
+        json!({
+            "following": coupling.following, "low": coupling.interval[0], "high": coupling.interval[1],
+            "explained": coupling.explained, "left": coupling.left,
+        })
+    });
+    let separation = report.separation.iter().map(|one| {
+        json!({
+            "amplitudes": one.amplitudes, "least_normal_force": one.least_normal_force, "onset": one.onset,
+        })
+    });
+    json!({
+        "schema": "stickslip.slip-slap/1",
+        "method": "receptance-inversion",
+        "preload": found.preload,
+        "records": report.periods().map(|(record, periods)| one_record(record, periods)).collect::<Vec<_>>(),
+        "coupling": coupling,
+        "by_modulus": found.by_modulus,
+        "by_normal_stiffness": found.by_normal_stiffness,
+        "separates": report.least_normal_force() <= 0.0,
+        "separation": separation.collect::<Vec<_>>(),
+        "unidentified": found.unidentified.iter().map(|one| one.name).collect::<Vec<_>>(),
+        "unidentified_reasons": reasons.collect::<Map<_, _>>(),
+        "rig": found.rig,
+        "skipped": skipped.collect::<Vec<_>>(),
+        "warnings": found.warnings,
+    })
+}
+
+fn one_record(record: &SlipSlapRecord, [along, across]: [&ContactPeriod; 2]) -> Value {
+    let [sticks, partly, whole] = record.slopes.parts;
+    let direction = |period: &ContactPeriod, place: usize| {
+        json!({
+            "force": period.force, "force_interval": record.force_intervals[place],
+            "displacement": period.displacement, "displacement_interval": record.displacement_intervals[place],
+            "work": period.work(),
+        })
+    };
+    json!({
+        "file": record.name, "frequency": record.frequency, "accelerations": record.accelerations,
+        "excitation": record.forces, "unexplained": along.unexplained,
+        "tangential": direction(along, 0), "normal": direction(across, 1),
+        "normal_force": record.normal_force, "reversals": record.reversals,
+        "stuck_stiffness": record.slopes.stuck,
+        "sticks": sticks, "micro_slip": partly, "macro_slip": whole,
+        "published": record.published.as_ref().map(|published| {
+            json!({
+                "trusted": published.trusted(), "difference": published.difference,
+                "normal_ratio": published.modes.each_ref().map(|mode| mode.normal_ratio), "echo": published.echo,
+            })
+        }),
+    })
+}

@@ -1,0 +1,74 @@
+//! What the page of both forces of a contact promises.
+
+use stickslip::data::Dataset;
+use stickslip::identify::{IdentifyOptions, ModeCount, SlipSlapIdentification, identify_slip_slap};
+use stickslip::rig::{Chain, ChannelFault, DualMode, NoiseLevel, Separation, Slap, dual_mode_on};
+use stickslip::system::ModalPinRig;
+use stickslip_report::Settings;
+use stickslip_report::slip_slap::{SlipSlapReport, slip_slap_html, slip_slap_json, slip_slap_table};
+
+use crate::pin_rig::{contact, model_b};
+
+const HOSTILE: &str = "</script><script>alert(1)</script>\u{1b}[31m";
+
+/// A record of few harmonics and modes.
+fn found() -> SlipSlapIdentification {
+    let mut rig = model_b();
+    rig.beam.modes = 10;
+    let system = ModalPinRig::new(&rig).unwrap().system(Some(contact(&rig)));
+    let test = DualMode {
+        harmonics: 7,
+        periods: 4,
+        samples_per_period: 64,
+        ..DualMode::at(52.0, vec![[7.0, 17.0]])
+    };
+    let fault = ChannelFault { noise: NoiseLevel::Fraction(0.003), ..ChannelFault::default() };
+    let chain = Chain { accelerometers: vec![fault; 3], ..Chain::default() };
+    let tested = dual_mode_on(&system, &[0.55, 0.3, 0.05], &chain, &test).unwrap();
+    let mut records: Vec<_> = tested.into_iter().map(|tested| tested.record).collect();
+    records[0].name = HOSTILE.to_owned();
+    let options = IdentifyOptions { modes: ModeCount::Model, harmonics: 7, ..IdentifyOptions::default() };
+    identify_slip_slap(&rig, &Dataset { title: None, records }, &options).unwrap()
+}
+
+#[test]
+fn page_table_and_json_say_what_was_found_and_what_was_not() {
+    let found = found();
+    let separation = [Separation {
+        amplitudes: [7.0, 17.0],
+        least_normal_force: 59.0,
+        onset: Some(8.5),
+        forces: [1.0; 2],
+    }];
+    let slap = Slap {
+        preload: 6.5,
+        time: vec![0.0, 1.0],
+        normal_force: vec![3.0, 0.0],
+        separation: vec![0.0, 1e-6],
+        partings: 3,
+        impact_energy: 1e-3,
+    };
+    let report = SlipSlapReport {
+        title: HOSTILE.to_owned(),
+        found: &found,
+        truth: &[],
+        separation: &separation,
+        slap: Some(&slap),
+    };
+    let page = slip_slap_html(&report, &Settings::default());
+    let text = slip_slap_table(&report, 100, false);
+    assert!(!page.contains("<script>alert(1)"), "page");
+    assert!(!text.contains('\u{1b}'), "{text}");
+    for words in ["No separation occurs in these records", "Coupling", "normal_displacement", "do not trust"]
+    {
+        assert!(page.contains(words), "{words}");
+        assert!(text.replace('\n', " ").contains(words.split(' ').next().unwrap()), "{words}");
+    }
+    assert!(page.contains("leaves its support 3 times") && page.contains("8.5"));
+    let json = slip_slap_json(&report);
+    assert_eq!(json["schema"], "stickslip.slip-slap/1");
+    assert_eq!(json["separates"], false);
+    assert_eq!(json["records"][0]["published"]["trusted"], false);
+    assert!(json["unidentified"].as_array().unwrap().iter().any(|name| name == "normal_stiffness"));
+    assert_eq!(json["separation"][0]["onset"], 8.5);
+}
