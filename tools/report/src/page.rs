@@ -33,7 +33,7 @@ pub fn html(comparison: &Comparison, noise: &[Noise], settings: &Settings) -> St
     html_with(comparison, noise, &[], settings)
 }
 
-/// As [`html`], with `more` sections after those of the comparison.
+/// As [`html()`], with `more` sections after those of the comparison.
 pub fn html_with(comparison: &Comparison, noise: &[Noise], more: &[Section], settings: &Settings) -> String {
     let summary = summary::summarise(comparison);
     let levels = summary::levels(comparison);
