@@ -207,7 +207,8 @@ fn distrust(record: &SlipSlapRecord) -> Option<String> {
     let published = record.published.as_ref().filter(|published| !published.trusted())?;
     let ratio = published.modes.iter().map(|mode| mode.normal_ratio.abs()).fold(f64::INFINITY, f64::min);
     Some(format!(
-        "{}: do not trust the published way: its nonlinear modes move the contact across the beam by {:.2} % of their largest          deflection, too little to see a normal force by (its forces differ from the inverted ones by {:.0} % along and {:.0} % across \
+        "{}: do not trust the published way: its nonlinear modes move the contact across the beam by {:.2} % of their largest \
+         deflection, too little to see a normal force by (its forces differ from the inverted ones by {:.0} % along and {:.0} % across \
          the beam).",
         record.name,
         100.0 * ratio,
