@@ -18,6 +18,7 @@ use super::verdict::{self, Context, Decision};
 use crate::data::Dataset;
 use crate::effects::{Effect, Location, Scales};
 use crate::fit::InterruptHook;
+use crate::fit::checks::check;
 use crate::fit::compare::{RefitError, Stage};
 use crate::model::Model;
 
@@ -115,7 +116,8 @@ pub fn diagnose(
         crate::effects::find(id).ok_or_else(|| DiagnoseError::UnknownEffect(id.clone()))?;
     }
     let attempt = |dataset: &Dataset| diagnosis(model, dataset, options, watch);
-    let (found, skipped) = solvable::of(model, dataset, attempt)?;
+    let (mut found, skipped) = solvable::of(model, dataset, attempt)?;
+    found.comparison.findings = check(model, dataset);
     Ok(Diagnosis { skipped, ..found })
 }
 

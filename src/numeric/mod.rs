@@ -2,7 +2,7 @@
 //!
 //! Linear equations: [`lu`] (dense factors), [`elimination`] (small systems that may be singular),
 //! [`gmres`] (iterations with a product alone), `nonnegative` (least squares). Signals over a period: [`fourier`], the harmonics a signal may have
-//! ([`HarmonicSet`]), where it is largest ([`extremum`]), between samples (`band_limited`), and how many periods a record holds ([`periods`]). Roots:
+//! ([`HarmonicSet`]), where it is largest ([`extremum`]), between samples (`band_limited`), their lines under a window (`spectrum`), and how many periods a record holds ([`periods`]). Roots:
 //! [`bracket`]. Statistics: [`student`], [`random`]. Matrices: [`exponential`], [`balancing`]. Implicit derivatives: [`implicit`].
 
 pub(crate) mod balancing;
@@ -21,6 +21,8 @@ pub(crate) mod lu;
 pub(crate) mod nonnegative;
 mod periods;
 pub(crate) mod random;
+#[cfg(feature = "analysis")]
+pub(crate) mod spectrum;
 pub(crate) mod student;
 
 pub use harmonic_set::HarmonicSet;

@@ -134,7 +134,13 @@ fn untried_with(mut untried: Vec<Untried>, weighed: &Weighed, sensitivities: &Se
 
 fn comparison(dataset: &Dataset, stages: Vec<Stage>) -> Comparison {
     let title = dataset.title.clone().unwrap_or_default();
-    Comparison { title, records: dataset.records.clone(), ring_downs: Vec::new(), stages }
+    Comparison {
+        title,
+        records: dataset.records.clone(),
+        ring_downs: Vec::new(),
+        findings: Vec::new(),
+        stages,
+    }
 }
 
 /// What the test records say.

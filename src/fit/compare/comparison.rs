@@ -2,6 +2,7 @@
 
 use super::nested::Nested;
 use crate::data::Record;
+use crate::fit::checks::Finding;
 use crate::fit::ring_down::RingDown;
 
 /// Values of all tables together up to which the gain of a step is given with its uncertainty.
@@ -16,7 +17,8 @@ const FEW: usize = 40;
 /// #     tangential_stiffness = 2e3\nfriction_coefficient = 0.1\nnormal_load = 10.0")?;
 /// # let dataset = stickslip::data::Dataset { title: None, records: vec![] };
 /// let stages = vec![evaluate("as given", &model, &dataset)];
-/// let comparison = Comparison { title: "Loops".into(), records: dataset.records, ring_downs: vec![], stages };
+/// let records = dataset.records;
+/// let comparison = Comparison { title: "Loops".into(), records, ring_downs: vec![], findings: vec![], stages };
 /// assert_eq!(comparison.stages[0].name, "as given");
 /// # Ok::<(), stickslip::model::ModelError>(())
 /// ```
@@ -28,6 +30,8 @@ pub struct Comparison {
     pub records: Vec<Record>,
     /// Free decays whose tables are among the records, with their levels.
     pub ring_downs: Vec<RingDown>,
+    /// What is wrong with the measurements, or with the first model's units ([`check`](crate::fit::checks::check)).
+    pub findings: Vec<Finding>,
     /// The models in the order they were tried: baseline first.
     pub stages: Vec<Stage>,
 }

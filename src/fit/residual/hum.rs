@@ -1,10 +1,9 @@
 //! Lines of a residual's spectrum that stand alone, at the same frequency in several records, and are no harmonics of what
 //! drives them.
 
-use realfft::RealFftPlanner;
-
 use super::Compared;
 use super::abscissae::drive;
+use crate::numeric::spectrum::hann_lines;
 
 /// Lines on either side that a line must stand out of, and of those the ones that belong to it.
 const AROUND: usize = 24;
@@ -134,17 +133,6 @@ fn peak(lines: &[f64], k: usize) -> (f64, f64) {
 
 /// Amplitudes of the lines from 0 to the Nyquist frequency, the mean removed, under a Hann window; `None` where there are few.
 fn amplitudes(values: &[f64]) -> Option<Vec<f64>> {
-    let count = values.len();
-    if count < 4 * AROUND {
-        return None;
-    }
-    let mean = values.iter().sum::<f64>() / count as f64;
-    let window = |i: usize| 0.5 - 0.5 * (std::f64::consts::TAU * i as f64 / count as f64).cos();
-    let mut input: Vec<f64> =
-        values.iter().enumerate().map(|(i, value)| (value - mean) * window(i)).collect();
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(count);
-    let mut lines = transform.make_output_vec();
-    transform.process(&mut input, &mut lines).ok()?;
-    // The window's mean is a half: a sine of amplitude 1 is a line of height 1.
-    Some(lines.iter().map(|line| 4.0 * line.norm() / count as f64).collect())
+    let lines = (values.len() >= 4 * AROUND).then(|| hann_lines(values))??;
+    Some(lines.iter().map(|line| line.norm()).collect())
 }

@@ -17,7 +17,7 @@ pub use hum::Line;
 pub use shape::Shape;
 
 use super::compare::{RecordResult, Stage};
-use crate::data::Record;
+use crate::data::{Channel, Record};
 
 /// What the residuals of a dataset look like.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -145,6 +145,13 @@ pub fn appearance(records: &[Record], stage: &Stage) -> Appearance {
         found.shapes.extend(shapes);
     }
     found
+}
+
+/// Lines of a measured channel that its excitation does not make, as if nothing predicted it.
+pub(crate) fn lines(record: &Record, channel: &Channel) -> Vec<Line> {
+    let (name, measured) = (channel.name.as_str(), channel.values.as_slice());
+    let one = Compared { name, record, measured, predicted: &[], lacks: measured.to_vec() };
+    hum::of(&[one], channel.unit)
 }
 
 /// Compared channels that are samples in time, with their units.

@@ -10,6 +10,7 @@ pub mod diagnosis;
 pub mod document;
 mod explorer;
 mod figure;
+mod findings;
 mod floors;
 mod format;
 pub mod identification;
@@ -29,6 +30,7 @@ mod tables;
 
 pub use catalogue::{catalogue_table, effect_table};
 pub use contact_loop::contact_loop;
+pub use findings::findings;
 pub use json::json;
 pub use modes::{ModeReport, mode_html};
 pub use page::{html, html_with};

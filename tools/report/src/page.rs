@@ -25,7 +25,7 @@ const PLOTLY: &str = include_str!(concat!(env!("OUT_DIR"), "/plotly.min.js"));
 ///
 /// ```
 /// use stickslip::diagnose::{Comparison, Noise};
-/// let comparison = Comparison { title: "joint A".into(), records: vec![], ring_downs: vec![], stages: vec![] };
+/// let comparison = Comparison { title: "joint A".into(), records: vec![], ring_downs: vec![], findings: vec![], stages: vec![] };
 /// let page = stickslip_report::html(&comparison, &[], &stickslip_report::Settings::default());
 /// assert!(page.starts_with("<!DOCTYPE html>"));
 /// ```

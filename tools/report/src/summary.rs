@@ -236,8 +236,8 @@ pub fn summarise(comparison: &Comparison) -> Summary {
     };
     let scale = Scale::of(errors.iter().copied(), common.as_ref().map_or("1", |common| common.unit));
     let skipped = skipped(comparison);
-    let mut summary =
-        Summary { verdict: String::new(), notes: Vec::new(), skipped, common, errors, normalised, scale };
+    let notes = crate::findings(&comparison.findings);
+    let mut summary = Summary { verdict: String::new(), notes, skipped, common, errors, normalised, scale };
     for stage in &comparison.stages {
         let missing = (0..total).filter(|&record| failure(stage, record).is_some()).count();
         if missing > 0 {

@@ -10,7 +10,8 @@ use stickslip_report::diagnosis::added_json;
 
 use super::diagnose::{effect, failed, watched};
 use super::{
-    check_destinations, colored, dataset_file, dataset_files, list, read_levels, read_model, settings,
+    check_destinations, checked, colored, dataset_file, dataset_files, list, read_levels, read_model,
+    settings,
 };
 use crate::output::{Outputs, say};
 use crate::{Failure, ResultFiles, progress};
@@ -65,6 +66,7 @@ impl Add {
         check_destinations(&self.files, [&self.out], &read)?;
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
 
+        let findings = checked(&model, &dataset);
         let done = watched(|watch| add(&model, effect, location.clone(), &dataset, watch)).map_err(failed)?;
         if progress::interrupted() {
             tell!("note: interrupted; these are the results so far");
@@ -72,7 +74,8 @@ impl Add {
         let data = dataset.title.clone().unwrap_or_else(|| self.fit.display().to_string());
         let title = format!("{} added: {data}", effect.title);
         let noise = noise_of(&model, &dataset);
-        let comparison = Comparison { title, records: dataset.records, ring_downs, stages: done.stages };
+        let comparison =
+            Comparison { title, records: dataset.records, ring_downs, findings, stages: done.stages };
         say(&stickslip_report::terminal_table(&comparison, &noise, 80, colored()))?;
         let mut outputs = Outputs::default();
         outputs.add(&self.out, done.model.to_toml());

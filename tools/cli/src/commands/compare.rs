@@ -6,8 +6,8 @@ use stickslip::diagnose::{Comparison, evaluate, noise_of};
 use stickslip::model::Model;
 
 use super::{
-    check_destinations, colored, dataset_file, dataset_files, list, present, read_levels, read_model,
-    refitted, settings, tell_unused,
+    check_destinations, checked, colored, dataset_file, dataset_files, list, present, read_levels,
+    read_model, refitted, settings, tell_unused,
 };
 use crate::output::{Outputs, say};
 use crate::{Failure, ResultFiles};
@@ -42,6 +42,7 @@ impl Compare {
         read.extend(dataset_files(&self.dataset, &dataset));
         check_destinations(&self.files, &self.out, &read)?;
         tell_unused(&model, &dataset);
+        let findings = checked(&model, &dataset);
         let baseline = evaluate("baseline", &model, &dataset);
         let mut stages = vec![baseline];
         let mut outputs = Outputs::default();
@@ -56,7 +57,7 @@ impl Compare {
         let title = dataset.title.clone().unwrap_or_else(|| self.dataset.display().to_string());
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         let noise = noise_of(&model, &dataset);
-        let comparison = Comparison { title, records: dataset.records, ring_downs, stages };
+        let comparison = Comparison { title, records: dataset.records, ring_downs, findings, stages };
         present(&comparison, &noise, &[], &settings, &self.files, &mut outputs)?;
         if self.harmonics {
             say(&stickslip_report::harmonic_text(&comparison, 80, colored()))?;

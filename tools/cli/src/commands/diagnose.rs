@@ -12,7 +12,8 @@ use stickslip::fit::FitError;
 use stickslip_report::diagnosis::{Run, diagnosis_html, diagnosis_json, diagnosis_table};
 
 use super::{
-    check_destinations, dataset_file, dataset_files, list, read_levels, read_model, settings, tell_unused,
+    check_destinations, checked, dataset_file, dataset_files, list, read_levels, read_model, settings,
+    tell_unused,
 };
 use crate::output::{Outputs, say};
 use crate::{Failure, ResultFiles, progress};
@@ -65,6 +66,7 @@ impl Diagnose {
         let model = read_model(&self.model)?;
         let (dataset, _) = read_levels(&self.dataset, &model)?;
         tell_unused(&model, &dataset);
+        checked(&model, &dataset);
         let mut read = vec![self.model.clone()];
         read.extend(dataset_files(&self.dataset, &dataset));
         check_destinations(&self.files, &self.out, &read)?;

@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest as _, Sha256};
 use stickslip::data::Dataset;
 use stickslip::diagnose::{Comparison, Noise, Refit, RefitError, Watch, refit, unused_columns};
+use stickslip::fit::checks::{Finding, check};
 use stickslip::fit::ring_down::{RingDown, tabulated};
 use stickslip::fit::{Ending, FitError};
 use stickslip::model::Model;
@@ -154,6 +155,15 @@ fn refitted(name: &str, model: &Model, dataset: &Dataset) -> Result<Option<Refit
         }
     }
     Ok(done)
+}
+
+/// What is wrong with the dataset or with the model's units: said before a fit, which may take its time.
+fn checked(model: &Model, dataset: &Dataset) -> Vec<Finding> {
+    let found = check(model, dataset);
+    for sentence in stickslip_report::findings(&found) {
+        tell!("warning: {sentence}");
+    }
+    found
 }
 
 /// Names the columns of the dataset that a comparison with `model` does not use, each once.

@@ -9,6 +9,7 @@ mod unruly;
 mod support;
 
 mod bad_input;
+mod data_faults;
 mod demonstrations;
 mod diagnosis;
 mod frf;

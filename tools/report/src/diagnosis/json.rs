@@ -61,6 +61,7 @@ pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
         "residual": super::residual::to_json(diagnosis),
         "skipped": diagnosis.skipped.iter()
             .map(|one| json!({ "file": one.record, "reason": one.reason })).collect::<Vec<_>>(),
+        "checks": crate::findings::to_json(&diagnosis.comparison.findings),
         "split": split(diagnosis),
         "noise": noise(diagnosis),
         "stages": diagnosis.comparison.stages.iter().map(stage).collect::<Vec<_>>(),

@@ -191,6 +191,7 @@ pub fn warnings(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
     if run.interrupted {
         all.push("Interrupted: these are the results so far.".to_owned());
     }
+    all.extend(crate::findings(&diagnosis.comparison.findings));
     let skipped = |one: &Skipped| format!("{} is skipped: {}.", one.record, one.reason);
     all.extend(diagnosis.skipped.iter().map(skipped));
     let (samples, fitted) = (diagnosis.cost.samples, diagnosis.cost.fitted_samples);

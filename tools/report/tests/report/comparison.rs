@@ -48,7 +48,13 @@ fn examples() -> Vec<Comparison> {
     for stage in &mut all_failed.stages {
         stage.records.iter_mut().for_each(|record| *record = failed("no"));
     }
-    let empty = Comparison { title: String::new(), records: vec![], ring_downs: vec![], stages: vec![] };
+    let empty = Comparison {
+        title: String::new(),
+        records: vec![],
+        ring_downs: vec![],
+        findings: vec![],
+        stages: vec![],
+    };
     vec![backbone(), contact(1_000), beam_with_failure(), hostile(), one_stage, all_failed, empty]
 }
 
@@ -123,7 +129,13 @@ fn the_same_comparison_gives_the_same_bytes() {
 fn long_records_are_thinned_and_the_page_says_so() {
     let page = html(&contact(15_000), &settings());
     let library = html(
-        &Comparison { title: String::new(), records: vec![], ring_downs: vec![], stages: vec![] },
+        &Comparison {
+            title: String::new(),
+            records: vec![],
+            ring_downs: vec![],
+            findings: vec![],
+            stages: vec![],
+        },
         &settings(),
     )
     .len();

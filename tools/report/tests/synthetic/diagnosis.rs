@@ -355,5 +355,11 @@ pub fn large() -> Diagnosis {
     }
     let names = ["as given", "refitted", "+ micro-slip", "+ micro-slip + wear"];
     let stages = names.iter().zip(all).map(|(name, records)| stage(name, vec![], records, 12)).collect();
-    of(Comparison { title: "Beam, eight records".into(), records, ring_downs: vec![], stages })
+    of(Comparison {
+        title: "Beam, eight records".into(),
+        records,
+        ring_downs: vec![],
+        findings: vec![],
+        stages,
+    })
 }

@@ -116,6 +116,7 @@ pub fn backbone() -> Comparison {
     };
     Comparison {
         ring_downs: vec![],
+        findings: vec![],
         title: "Beam with a frictional support: first resonance".into(),
         records: vec![record],
         stages,
@@ -193,6 +194,7 @@ pub fn contact(samples: usize) -> Comparison {
         title: "Bolted lap joint, ten records from rest".into(),
         records,
         ring_downs: vec![],
+        findings: vec![],
         stages,
     }
 }
@@ -230,7 +232,7 @@ pub fn beam_with_failure() -> Comparison {
         });
     }
     let stages = vec![stage("baseline", vec![], first, 0), stage("refitted", vec![], last, 57)];
-    Comparison { title: "Beam, three sweeps".into(), records, ring_downs: vec![], stages }
+    Comparison { title: "Beam, three sweeps".into(), records, ring_downs: vec![], findings: vec![], stages }
 }
 
 /// Names that try to leave their place.

@@ -90,7 +90,13 @@ impl Demo {
         let summary = format!("best: {}, exported as an FMU", stages[best].name);
         let title = "Resonance of a beam on a frictional support, measured at eight levels".to_owned();
         let noise = noise_of(&models[best], &dataset);
-        let comparison = Comparison { title, records: dataset.records, ring_downs: Vec::new(), stages };
+        let comparison = Comparison {
+            title,
+            records: dataset.records,
+            ring_downs: Vec::new(),
+            findings: Vec::new(),
+            stages,
+        };
         let mut outputs = Outputs::default();
         let sections: Vec<Section> = unseen.iter().map(|unseen| unseen.section.clone()).collect();
         let files = ResultFiles {

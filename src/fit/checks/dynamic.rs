@@ -1,0 +1,149 @@
+//! Units that are off by powers of ten, where a structure and its model part: frequencies, and the response to the force.
+
+use std::f64::consts::TAU;
+
+use super::scale::APART;
+use super::{Fault, Finding, finding, quantile};
+use crate::data::Record;
+use crate::model::{Model, Structure};
+use crate::numeric::spectrum::hann_lines;
+use crate::system::{LinearStructure, NaturalModes};
+
+/// Ratio of frequencies that no change of parameters makes: stiffness off by 10³ makes 31.6.
+const FREQUENCIES: f64 = 20.0;
+/// Damping of every mode where only the size of a response matters.
+const DAMPED: f64 = 0.02;
+
+/// What a model says of its structure with the contact free and with the contact stuck.
+pub(super) struct Linear {
+    structure: LinearStructure,
+    modes: Vec<NaturalModes>,
+    key: &'static str,
+}
+
+impl Linear {
+    /// `None` for a contact alone, and for a model that makes no system or one too large to be solved at once.
+    pub fn of(model: &Model) -> Option<Self> {
+        let key = match model.structure {
+            Structure::Prescribed => return None,
+            Structure::Beam(_) => "beam.youngs_modulus",
+            _ => "spring",
+        };
+        let structure = model.system().ok()?.linear_part();
+        let mut stuck = structure.clone();
+        let stiffness = model.contact.map_or(0.0, |contact| contact.tangential_stiffness);
+        for row in &structure.contacts {
+            let pairs =
+                row.iter().flat_map(|(i, a)| row.iter().map(move |(j, b)| (*i, *j, a * stiffness * b)));
+            stuck.stiffness.extend(pairs);
+        }
+        let modes =
+            [&structure, &stuck].into_iter().map(|one| one.natural_modes().ok()).collect::<Option<_>>()?;
+        Some(Self { structure, modes, key })
+    }
+
+    /// Lowest and highest natural frequency (Hz), whatever the contact does.
+    fn frequencies(&self) -> Option<[f64; 2]> {
+        let all = self.modes.iter().flat_map(|modes| modes.angular_frequency.iter().copied());
+        let all: Vec<f64> = all.filter(|one| *one > 0.0).map(|one| one / TAU).collect();
+        Some([all.iter().copied().reduce(f64::min)?, all.iter().copied().reduce(f64::max)?])
+    }
+
+    /// Amplitude of the displacement at `output` (m) for a force of 1 N at `frequency` (Hz), the contact free and stuck.
+    fn responses(&self, output: &str, frequency: f64) -> Option<Vec<f64>> {
+        let row = &self.structure.outputs.iter().find(|one| one.name == output)?.row;
+        let speed = TAU * frequency;
+        let response = |modes: &NaturalModes| {
+            let (mut real, mut imaginary) = (0.0, 0.0);
+            for (mode, omega) in modes.angular_frequency.iter().enumerate() {
+                let along =
+                    |row: &[(usize, f64)]| row.iter().map(|(i, b)| b * modes.shapes[(*i, mode)]).sum::<f64>();
+                let (stiff, damped) = (omega * omega - speed * speed, 2.0 * DAMPED * omega * speed);
+                let part = along(row) * along(&self.structure.excitation) / (stiff * stiff + damped * damped);
+                (real, imaginary) = (real + part * stiff, imaginary - part * damped);
+            }
+            real.hypot(imaginary)
+        };
+        Some(self.modes.iter().map(response).collect())
+    }
+}
+
+/// The frequencies at which a structure moves against the model's natural ones.
+pub(super) fn of_frequencies(linear: &Linear, records: &[Record], found: &mut Vec<Finding>) {
+    let Some([lowest, highest]) = linear.frequencies() else { return };
+    let measured: Vec<f64> = records.iter().filter_map(frequency).collect();
+    let (Some(least), Some(most)) =
+        (measured.iter().copied().reduce(f64::min), measured.iter().copied().reduce(f64::max))
+    else {
+        return;
+    };
+    let mut add = |measured, modelled, cause| {
+        let what = "frequency of the motion";
+        let fault = Fault::Scale { what, measured, modelled, unit: "Hz", cause };
+        found.push(Finding { record: None, channel: Some(linear.key.to_owned()), fault });
+    };
+    if least > FREQUENCIES * highest {
+        add(
+            least,
+            highest,
+            "the model is far too soft or too heavy: is a stiffness or Young’s modulus in N/mm, N/mm² or GPa, or a \
+             mass in g?",
+        );
+    } else if most * FREQUENCIES < lowest {
+        add(
+            most,
+            lowest,
+            "the model is far too stiff or too light: is a mass in t, a length in mm, or the time in ms where s is said?",
+        );
+    }
+}
+
+/// The size of the response to the excitation, where it is largest, against what the model says.
+pub(super) fn of_response(linear: &Linear, record: &Record, found: &mut Vec<Finding>) {
+    let mut driven = record.channels_of("excitation");
+    let (Some(excitation), None, Some(step)) = (driven.next(), driven.next(), record.sample_step()) else {
+        return;
+    };
+    let Some(force) = hann_lines(&excitation.values) else { return };
+    for (order, quantity) in ["displacement", "velocity", "acceleration"].into_iter().enumerate() {
+        for channel in record.channels_of(quantity) {
+            let Some(moved) = hann_lines(&channel.values) else { continue };
+            let size = |k: &usize| force[*k].norm() * moved[*k].norm();
+            let Some(most) = (1..force.len()).max_by(|a, b| size(a).total_cmp(&size(b))) else { continue };
+            let frequency = most as f64 / (step * channel.values.len() as f64);
+            let measured = moved[most].norm() / force[most].norm();
+            let output = channel.name.split_once(':').map_or("", |(_, place)| place);
+            let Some(modelled) = linear.responses(output, frequency) else { continue };
+            let modelled = modelled.into_iter().map(|one| one * (TAU * frequency).powi(order as i32));
+            let (low, high) =
+                modelled.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
+            let (nearest, cause) = if measured > APART * high {
+                (high, "is it in mm or g where the column says otherwise, or the excitation in kN?")
+            } else if measured * APART < low {
+                (low, "is it in km or kN where the column says otherwise, or the excitation in mN?")
+            } else {
+                continue;
+            };
+            let unit = ["m/N", "m/s/N", "m/s^2/N"][order];
+            let what = "response to the excitation";
+            found.push(finding(
+                record,
+                &channel.name,
+                Fault::Scale { what, measured, modelled: nearest, unit, cause },
+            ));
+        }
+    }
+}
+
+/// The frequency (Hz) at which a record moves most: of a table the middle of its column.
+fn frequency(record: &Record) -> Option<f64> {
+    if let Some(column) = record.channel("frequency") {
+        return Some(quantile(&column.values, 0.5));
+    }
+    let step = record.sample_step()?;
+    let moved = ["acceleration", "velocity", "displacement"];
+    let channel = moved.iter().find_map(|quantity| record.channels_of(quantity).next())?;
+    let lines = hann_lines(&channel.values)?;
+    let most = (1..lines.len()).max_by(|a, b| lines[*a].norm().total_cmp(&lines[*b].norm()))?;
+    Some(most as f64 / (step * channel.values.len() as f64))
+}
