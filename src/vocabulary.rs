@@ -100,8 +100,10 @@ vocabulary! {
     ROTATIONAL_STIFFNESS = "rotational_stiffness" ["N.m/rad"] Some(0.0), None, false, 100.0, "Rotational spring at the pinned end";
     CLAMP_STIFFNESS = "clamp_stiffness" ["N.m/rad"] Some(0.0), None, true, 1e5, "Rotational spring in place of a rigid clamp";
     INERTIA = "inertia" ["kg.m^2"] Some(0.0), None, false, 1e-3, "Moment of inertia about its own axis";
+    TANGENTIAL_LEVER = "tangential_lever" ["m"] None, None, false, 0.006, "Distance of the friction's line of action from the neutral axis of the beam";
     NORMAL_LEVER = "normal_lever" ["m"] None, None, false, 0.006, "Distance of the normal force's line of action from the end of the beam";
     STRING_STIFFNESS = "stiffness" ["N/m"] Some(0.0), None, true, 1e6, "Axial stiffness of the string that a mass hangs from";
+    STRING_LENGTH = "length" ["m"] Some(0.0), None, true, 0.3, "Length of the string that a mass hangs from";
     // Oscillator: parameters.
     STIFFNESS = "stiffness" ["N/m"] Some(0.0), None, false, 1e4, "Stiffness of a spring";
     DAMPING = "damping" ["N.s/m"] Some(0.0), None, false, 1.0, "Damping of the damper beside a spring";

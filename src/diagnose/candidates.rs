@@ -6,11 +6,10 @@ use super::measurements::weighted_dataset::WeightedDataset;
 use crate::contact::{LAWS, Law, LawKind, LawParameter};
 use crate::data::{ChannelName, Dataset, Record, Regime};
 use crate::effects::{
-    AppliedEffect, CATALOGUE, Effect, EffectParameter, InTables, Kind, Location, Needs, PlaceKind, Range,
-    Scales,
+    AppliedEffect, CATALOGUE, Effect, EffectParameter, InTables, Location, Needs, PlaceKind, Range, Scales,
 };
 use crate::fit::predict::white_noise;
-use crate::model::{Model, Structure};
+use crate::model::{Model, PinnedBeam, Structure};
 use crate::vocabulary::{Quantity, Scale};
 
 /// An effect at a place, or a contact law that describes it.
@@ -154,7 +153,7 @@ fn of(model: &Model, bench: &WeightedDataset) -> (Vec<Candidate>, Vec<Untried>) 
 /// Why `effect` cannot be tried at all.
 fn refusal(effect: &Effect, model: &Model, dataset: &Dataset) -> Option<String> {
     if !effect.kinds.contains(&model.kind()) {
-        return Some(format!("a {} has no such effect", kind_name(model.kind())));
+        return Some(format!("a {} has no such effect", model.kind().name()));
     }
     let contact = model.contact.as_ref();
     if effect.part.needs_contact() && contact.is_none() {
@@ -184,14 +183,6 @@ fn refusal(effect: &Effect, model: &Model, dataset: &Dataset) -> Option<String> 
             Some("in a steady state it has no meaning; it needs records from rest".to_owned())
         }
         Needs::VaryingNormalLoad | Needs::Transient => None,
-    }
-}
-
-fn kind_name(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Contact => "contact",
-        Kind::Oscillator => "oscillator",
-        Kind::Beam => "beam",
     }
 }
 
@@ -232,7 +223,7 @@ fn places(effect: &Effect, model: &Model, bench: &WeightedDataset) -> Vec<Option
                 Structure::Oscillator(oscillator) => {
                     oscillator.masses.iter().map(|mass| Location::Mass(mass.name.clone())).collect()
                 }
-                Structure::Beam(beam) => {
+                Structure::Beam(beam) | Structure::PinRig(PinnedBeam { beam, .. }) => {
                     let sensors = channels().into_iter().filter_map(|name| {
                         ChannelName::parse(name).ok().and_then(|name| Location::of_channel(&name))
                     });

@@ -35,7 +35,7 @@ pub(super) static EFFECT: Effect = Effect {
     }],
     part: Part::Structure,
     place: PlaceKind::Structure,
-    kinds: &[Kind::Oscillator, Kind::Beam],
+    kinds: &[Kind::Oscillator, Kind::Beam, Kind::PinRig],
     needs: Needs::Nothing,
     in_tables: InTables::Shown,
     apply: |values, location, changes| {

@@ -116,6 +116,8 @@ pub enum Kind {
     Oscillator,
     /// The beam with a frictional support.
     Beam,
+    /// The beam whose pin slips and slaps.
+    PinRig,
 }
 
 impl Kind {
@@ -125,12 +127,13 @@ impl Kind {
             Self::Contact => "contact",
             Self::Oscillator => "oscillator",
             Self::Beam => "beam",
+            Self::PinRig => "pin_rig",
         }
     }
 }
 
 /// All kinds.
-pub const ALL_KINDS: &[Kind] = &[Kind::Contact, Kind::Oscillator, Kind::Beam];
+pub const ALL_KINDS: &[Kind] = &[Kind::Contact, Kind::Oscillator, Kind::Beam, Kind::PinRig];
 
 /// What a record must contain for an effect to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -20,7 +20,7 @@ pub(super) static EFFECT: Effect = Effect {
     }],
     part: Part::NormalDirection,
     place: PlaceKind::Nowhere,
-    kinds: &[Kind::Contact],
+    kinds: &[Kind::Contact, Kind::PinRig],
     needs: Needs::NormalMotion,
     in_tables: InTables::Shown,
     apply: |values, _, changes| changes.joint.impact_damping = values[0],

@@ -25,7 +25,7 @@ pub(super) static EFFECT: Effect = Effect {
     }],
     part: Part::Structure,
     place: PlaceKind::Nowhere,
-    kinds: &[Kind::Beam],
+    kinds: &[Kind::Beam, Kind::PinRig],
     needs: Needs::Nothing,
     in_tables: InTables::Shown,
     apply: |values, _, changes| changes.structure.clamp_stiffness = Some(values[0]),

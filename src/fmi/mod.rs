@@ -172,12 +172,16 @@ fn describe(model: &Model, parameters: Vec<Variable>) -> Result<Description, Str
         }
         (Structure::Prescribed, Some(contact)) => Ok(contact::describe(model, contact, parameters)),
         (Structure::Prescribed, None) => Err("a contact model needs a contact".to_owned()),
+        (Structure::PinRig(_), _) => Err(PIN_RIG.to_owned()),
         (Structure::Beam(beam), contact) => Ok(beam::describe(model, beam, contact.as_ref(), parameters)),
         (Structure::Oscillator(oscillator), contact) => {
             Ok(oscillator::describe(model, oscillator, contact.as_ref(), parameters))
         }
     }
 }
+
+const PIN_RIG: &str =
+    "a model of kind \"pin_rig\" makes no FMU: its contact and a beam can be coupled as two";
 
 /// The physics of a model.
 fn behaviour(model: &Model) -> Result<Box<dyn Behaviour>, String> {
@@ -186,6 +190,7 @@ fn behaviour(model: &Model) -> Result<Box<dyn Behaviour>, String> {
             Ok(Box::new(slip_slap::SlipSlapBehaviour::new(model)?))
         }
         (Structure::Prescribed, _) => Ok(Box::new(contact::ContactBehaviour::new(model)?)),
+        (Structure::PinRig(_), _) => Err(PIN_RIG.to_owned()),
         (Structure::Beam(beam), _) => beam::behaviour(beam, model),
         (Structure::Oscillator(oscillator), _) => oscillator::behaviour(model, oscillator),
     }

@@ -6,7 +6,7 @@ use super::{Model, Oscillator, Structure};
 use crate::contact::{ContactLaw, LawError};
 #[cfg(feature = "analysis")]
 use crate::harmonic::{Assembly, HarmonicError};
-use crate::system::{Core, Element, ModalBeam, Port, Row, StructureError, System};
+use crate::system::{Core, Element, ModalBeam, ModalPinRig, Port, Row, StructureError, System};
 
 /// Why a model makes no system.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -18,6 +18,9 @@ pub enum AssemblyError {
     /// The law cannot have these parameters.
     #[error(transparent)]
     Law(#[from] LawError),
+    /// A pin rig that was built without a contact.
+    #[error("the pin rests on nothing: the model has no contact")]
+    NoContact,
 }
 
 impl Model {
@@ -64,6 +67,13 @@ impl Model {
             }
             Structure::Beam(beam) => {
                 Ok(ModalBeam::with_changes(beam, &self.changes().structure)?.system(law()?)?)
+            }
+            Structure::PinRig(pinned) => {
+                let (Some(contact), Some(slip_slap)) = (&self.contact, self.slip_slap()?) else {
+                    return Err(AssemblyError::NoContact);
+                };
+                let rig = pinned.rig(contact, &self.changes().structure)?;
+                Ok(ModalPinRig::new(&rig)?.system(Some(Arc::new(slip_slap))))
             }
             Structure::Oscillator(oscillator) => {
                 let changes = self.changes().structure;

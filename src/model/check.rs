@@ -36,6 +36,7 @@ impl Model {
                 return Err(ParameterError::new("contact", "a model of kind \"contact\" needs [contact]"));
             }
             (Structure::Beam(beam), _) => check_beam(beam)?,
+            (Structure::PinRig(pinned), _) => check_beam(&pinned.beam).and_then(|()| pinned.check(self))?,
             (Structure::Oscillator(oscillator), contact) => oscillator.check(contact.is_some())?,
             (Structure::Prescribed, Some(_)) => {}
         }

@@ -14,7 +14,7 @@
 
 use super::error::ParameterError;
 use super::text::{line, quoted, write_quantity};
-use super::{Model, ModelError, Structure};
+use super::{Model, ModelError, PinnedBeam, Structure};
 use crate::document::{Table, suggestion};
 use crate::effects::{self, ALL_KINDS, AppliedEffect, CATALOGUE, Kind, Location, PlaceKind};
 use crate::vocabulary::{Quantity, Scale};
@@ -68,7 +68,7 @@ fn missing_place(error: ModelError, place: PlaceKind, kind: Kind) -> ModelError 
     }
     error.with_help(match (place, kind) {
         (PlaceKind::Channel, _) => "name the column of the measurement: channel = \"force\"",
-        (_, Kind::Beam) => "say where on the beam, in metres from the clamp: at = \"x=0.55\"",
+        (_, Kind::Beam | Kind::PinRig) => "say where on the beam, in metres from the clamp: at = \"x=0.55\"",
         _ => "name the mass: at = \"m1\"",
     })
 }
@@ -181,7 +181,10 @@ fn check_location(path: &str, location: &Location, structure: &Structure) -> Res
             Err(ParameterError::new(path, format!("there is no mass \"{name}\""))
                 .with_help(suggestion(name, &names, "names")))
         }
-        (Location::Position(position), Structure::Beam(beam)) => {
+        (
+            Location::Position(position),
+            Structure::Beam(beam) | Structure::PinRig(PinnedBeam { beam, .. }),
+        ) => {
             if (0.0..=beam.length).contains(position) {
                 return Ok(());
             }
@@ -190,7 +193,7 @@ fn check_location(path: &str, location: &Location, structure: &Structure) -> Res
                 format!("position {position} m is not on the beam, which runs from 0 to {length} m");
             Err(ParameterError::new(path, message))
         }
-        (Location::Mass(name), Structure::Beam(_)) => {
+        (Location::Mass(name), Structure::Beam(_) | Structure::PinRig(_)) => {
             Err(ParameterError::new(path, format!("\"{name}\" is no position on a beam"))
                 .with_help("metres from the clamp: at = \"x=0.55\""))
         }

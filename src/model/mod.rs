@@ -34,6 +34,7 @@ mod normal;
 mod oscillator;
 mod parameters;
 mod parse;
+mod pin_rig;
 mod slots;
 mod text;
 mod write;
@@ -44,6 +45,7 @@ pub use error::ParameterError;
 pub use normal::Normal;
 pub use oscillator::GROUND;
 pub use parameters::ModelParameter;
+pub use pin_rig::PinnedBeam;
 
 pub use crate::contact::Law;
 pub use crate::system::{Anchor, Beam, Damping, Mass, Oscillator, PointMass, Spring};
@@ -76,7 +78,7 @@ pub const SCHEMA: &str = "stickslip.model/1";
 pub struct Model {
     /// What the contact is attached to.
     pub structure: Structure,
-    /// The contact; a beam may have none (then its support may be a rotational spring).
+    /// The contact; a beam may have none (then its support may be a rotational spring), a pin rig has one.
     pub contact: Option<Contact>,
     /// `[[effect]]`: effects added, in order.
     pub effects: Vec<AppliedEffect>,
@@ -101,6 +103,7 @@ impl Model {
             Structure::Prescribed => Kind::Contact,
             Structure::Beam(_) => Kind::Beam,
             Structure::Oscillator(_) => Kind::Oscillator,
+            Structure::PinRig(_) => Kind::PinRig,
         }
     }
 }
@@ -129,6 +132,26 @@ pub enum Structure {
     Beam(Beam),
     /// `kind = "oscillator"`.
     Oscillator(Oscillator),
+    /// `kind = "pin_rig"`.
+    PinRig(PinnedBeam),
+}
+
+impl Structure {
+    /// The beam, of a structure that is one or has one.
+    pub fn beam(&self) -> Option<&Beam> {
+        match self {
+            Self::Beam(beam) | Self::PinRig(PinnedBeam { beam, .. }) => Some(beam),
+            Self::Prescribed | Self::Oscillator(_) => None,
+        }
+    }
+
+    /// As [`Structure::beam`], to be changed.
+    pub fn beam_mut(&mut self) -> Option<&mut Beam> {
+        match self {
+            Self::Beam(beam) | Self::PinRig(PinnedBeam { beam, .. }) => Some(beam),
+            Self::Prescribed | Self::Oscillator(_) => None,
+        }
+    }
 }
 
 /// `[contact]`.

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use super::error::ParameterError;
 use super::slots::Slot;
 use super::text::{line, write_quantity};
-use super::{Model, ModelError};
+use super::{Contact, Model, ModelError, Structure};
 use crate::contact::{LawError, NormalDirection, NormalLaw, SlipSlap};
 use crate::document::{Table, suggestion};
 use crate::vocabulary::{self as v, Quantity};
@@ -114,13 +114,16 @@ impl Normal {
 
 impl Model {
     /// The normal direction of a contact in two directions, with what the effects `normal_hardening` and `impact_damping`
-    /// add; `None` without `normal_law`.
+    /// add; `None` without `normal_law`, but of a pin rig, where it is a spring then.
     ///
     /// # Errors
     /// A number outside its bounds; hardening on Hertz' law, which hardens by itself.
     pub fn normal_direction(&self) -> Result<Option<NormalDirection>, LawError> {
-        let Some((contact, normal)) = self.contact.and_then(|contact| Some((contact, contact.normal?)))
-        else {
+        // The pin of a rig rests on a spring if on nothing else.
+        let spring = matches!(self.structure, Structure::PinRig(_))
+            .then_some(Normal { law: NormalLaw::Linear, impact_damping: 0.0 });
+        let of = |contact: Contact| Some((contact, contact.normal.or(spring)?));
+        let Some((contact, normal)) = self.contact.and_then(of) else {
             return Ok(None);
         };
         let joint = self.changes().joint;
@@ -150,7 +153,8 @@ impl Model {
     }
 
     /// The contact in two directions, if the model has one: its law of friction under the normal force of
-    /// [`Model::normal_direction`], effects included.
+    /// [`Model::normal_direction`], effects included. Without `normal_law` the friction of a pin rig is under a constant
+    /// load, or under the fraction of its change that the effect `normal_load_variation` says.
     ///
     /// # Errors
     /// A parameter outside its bounds, or a change that a law does not take.
@@ -180,6 +184,10 @@ impl Model {
         let (Some(normal), Some(law)) = (self.normal_direction()?, self.law_of_any_values()?) else {
             return Ok(None);
         };
-        Ok(Some(SlipSlap::new(Arc::from(law), normal)))
+        let contact = SlipSlap::new(Arc::from(law), normal);
+        Ok(Some(match self.contact.and_then(|contact| contact.normal) {
+            Some(_) => contact,
+            None => contact.with_load_gain(self.changes().joint.load_gain.unwrap_or(0.0)),
+        }))
     }
 }

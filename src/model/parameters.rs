@@ -6,9 +6,9 @@
 
 use super::error::ParameterError;
 use super::slots::Value;
-use super::{Beam, Model, Structure};
+use super::{Beam, Model};
 use crate::document::suggestion;
-use crate::vocabulary::{Quantity, Scale};
+use crate::vocabulary::{self as v, Quantity, Scale};
 
 /// One number of a model that may be read, set, or fitted.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,7 +114,7 @@ impl Model {
     }
 
     fn assign(&mut self, path: &str, value: f64) -> Result<(), ParameterError> {
-        if let ("support.clamp_stiffness", Structure::Beam(beam)) = (path, &mut self.structure) {
+        if let ("support.clamp_stiffness", Some(beam)) = (path, self.structure.beam_mut()) {
             beam.clamp_stiffness = Some(value);
             return Ok(());
         }
@@ -136,10 +136,8 @@ impl Model {
         use Scale::{Linear, Logarithmic};
         let tangential = self.contact.map_or(0.0, |contact| contact.tangential_stiffness);
         let residual = self.contact.map_or(0.0, |contact| contact.law.residual_stiffness());
-        let (length, farthest) = match &self.structure {
-            Structure::Beam(beam) => (beam.length, beam.farthest_position()),
-            Structure::Prescribed | Structure::Oscillator(_) => (0.0, 0.0),
-        };
+        let beam = self.structure.beam();
+        let (length, farthest) = beam.map_or((0.0, 0.0), |beam| (beam.length, beam.farthest_position()));
         if let Some(parameter) = self.contact.and_then(|contact| contact.law.kind.parameter(quantity.name)) {
             return (parameter.range)(tangential);
         }
@@ -159,8 +157,17 @@ impl Model {
             "damping" => (0.0, 1e3, Linear),
             "mass" => (value / 10.0, value * 10.0, Logarithmic),
             "position" => (0.0, length, Linear),
-            "length" => (farthest.max(value / 2.0), value * 2.0, Logarithmic),
-            "offset" => (-10.0 * value.abs(), 10.0 * value.abs(), Linear),
+            "length" if *quantity != v::STRING_LENGTH => {
+                (farthest.max(value / 2.0), value * 2.0, Logarithmic)
+            }
+            "offset" | "tangential_lever" | "normal_lever" => {
+                (-10.0 * value.abs(), 10.0 * value.abs(), Linear)
+            }
+            "normal_stiffness" if value > 0.0 => (value / 1e2, value * 1e2, Logarithmic),
+            "normal_exponent" => (1.0, 2.0, Linear),
+            name if name == v::IMPACT_DAMPING.name => (0.0, f64::max(1e3, 10.0 * value), Linear),
+            "inertia" if value > 0.0 => (value / 10.0, value * 10.0, Logarithmic),
+            "inertia" => (0.0, 1.0, Linear),
             // Geometry and material are known to better than a factor of two.
             _ => (value / 2.0, value * 2.0, Logarithmic),
         };

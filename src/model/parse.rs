@@ -1,13 +1,14 @@
 //! From the text of a `model.toml` to a [`Model`], every error with its bytes.
 
 use super::{
-    Beam, Contact, Damping, Law, Model, ModelError, PointMass, SCHEMA, Structure, effects, normal, oscillator,
+    Beam, Contact, Damping, Law, Model, ModelError, PointMass, SCHEMA, Structure, effects, normal,
+    oscillator, pin_rig,
 };
 use crate::contact::{LAWS, LawKind, LawParameter};
 use crate::document::{Document, Numbers, Table, suggestion};
 use crate::vocabulary as v;
 
-const KINDS: [&str; 3] = ["contact", "beam", "oscillator"];
+const KINDS: [&str; 4] = ["contact", "beam", "oscillator", "pin_rig"];
 const COMMON_CONTACT_KEYS: [&str; 5] =
     ["law", "tangential_stiffness", "friction_coefficient", "normal_load", "normal_stiffness"];
 const BEAM_KEYS: [&str; 11] = [
@@ -23,6 +24,7 @@ const BEAM_KEYS: [&str; 11] = [
     "stiffness_damping",
     "point_mass",
 ];
+const SUPPORT_KEYS: [&str; 3] = [v::OFFSET.name, v::ROTATIONAL_STIFFNESS.name, v::CLAMP_STIFFNESS.name];
 
 impl Model {
     /// Reads the text of a model file.
@@ -60,7 +62,17 @@ impl Model {
                 let keys =
                     ["beam", "support", "excitation", "sensor", "contact_point", "contact", "effect", "fit"];
                 root.allow(&[&["schema", "kind"][..], &keys[..]].concat())?;
-                Structure::Beam(beam(&root)?)
+                Structure::Beam(beam(&root, &BEAM_KEYS, &SUPPORT_KEYS)?)
+            }
+            "pin_rig" => {
+                refuse_foreign_tables(&root, kind.value)?;
+                let keys =
+                    ["beam", "pin", "string", "support", "excitation", "sensor", "contact", "effect", "fit"];
+                root.allow(&[&["schema", "kind"][..], &keys[..]].concat())?;
+                let keys: Vec<&str> =
+                    BEAM_KEYS.into_iter().filter(|key| *key != "static_correction").collect();
+                let beam = beam(&root, &keys, &[v::CLAMP_STIFFNESS.name])?;
+                Structure::PinRig(pin_rig::parse(&root, beam)?)
             }
             "oscillator" => {
                 refuse_foreign_tables(&root, kind.value)?;
@@ -109,12 +121,14 @@ fn check_schema(root: &Table<'_>) -> Result<(), ModelError> {
 }
 
 /// The tables that not every kind has, with the kinds that have them.
-const TABLES: [(&str, &[&str]); 7] = [
-    ("beam", &["beam"]),
-    ("support", &["beam"]),
-    ("sensor", &["beam"]),
+const TABLES: [(&str, &[&str]); 9] = [
+    ("beam", &["beam", "pin_rig"]),
+    ("support", &["beam", "pin_rig"]),
+    ("sensor", &["beam", "pin_rig"]),
     ("contact_point", &["beam"]),
-    ("excitation", &["beam", "oscillator"]),
+    ("pin", &["pin_rig"]),
+    ("string", &["pin_rig"]),
+    ("excitation", &["beam", "oscillator", "pin_rig"]),
     ("mass", &["oscillator"]),
     ("spring", &["oscillator"]),
 ];
@@ -135,7 +149,7 @@ fn contact(table: &Table<'_>, structure: &Structure) -> Result<Contact, ModelErr
     // An oscillator's contact says where it is.
     let mut keys = COMMON_CONTACT_KEYS.to_vec();
     match structure {
-        Structure::Prescribed => keys.extend(normal::KEYS),
+        Structure::Prescribed | Structure::PinRig(_) => keys.extend(normal::KEYS),
         Structure::Oscillator(_) => keys.push("at"),
         Structure::Beam(_) => {}
     }
@@ -158,8 +172,18 @@ fn contact(table: &Table<'_>, structure: &Structure) -> Result<Contact, ModelErr
         law,
         tangential_stiffness: table.quantity(&v::TANGENTIAL_STIFFNESS)?,
         friction_coefficient: table.quantity(&v::FRICTION_COEFFICIENT)?,
-        normal_load: table.quantity(&v::NORMAL_LOAD)?,
-        normal_stiffness: table.number(v::NORMAL_STIFFNESS.name)?.map_or(0.0, |stiffness| stiffness.value),
+        normal_load: match structure {
+            // The rig knows what presses its pin on the support.
+            Structure::PinRig(pinned) => {
+                table.number(v::NORMAL_LOAD.name)?.map_or_else(|| pinned.weight(), |load| load.value)
+            }
+            _ => table.quantity(&v::NORMAL_LOAD)?,
+        },
+        normal_stiffness: match structure {
+            // The pin rests on it.
+            Structure::PinRig(_) => table.quantity(&v::NORMAL_STIFFNESS)?,
+            _ => table.number(v::NORMAL_STIFFNESS.name)?.map_or(0.0, |stiffness| stiffness.value),
+        },
         normal: normal::parse(table)?,
     })
 }
@@ -180,9 +204,10 @@ fn refuse_keys_of_other_laws(table: &Table<'_>, law: &LawKind) -> Result<(), Mod
     Ok(())
 }
 
-fn beam(root: &Table<'_>) -> Result<Beam, ModelError> {
+/// The beam of a structure whose `[beam]` and `[support]` have these keys.
+fn beam(root: &Table<'_>, keys: &[&str], support_keys: &[&str]) -> Result<Beam, ModelError> {
     let table = root.table("beam")?.ok_or_else(|| root.missing("beam"))?;
-    table.allow(&BEAM_KEYS)?;
+    table.allow(keys)?;
     let point_masses = table.tables("point_mass")?.unwrap_or_default();
     let point_masses = point_masses.iter().map(point_mass).collect::<Result<Vec<_>, _>>()?;
     let sensors = match root.tables("sensor")? {
@@ -193,7 +218,7 @@ fn beam(root: &Table<'_>) -> Result<Beam, ModelError> {
     let excitation = root.table("excitation")?.ok_or_else(|| root.missing("excitation"))?;
     let support = root.table("support")?;
     if let Some(support) = &support {
-        support.allow(&["offset", "rotational_stiffness", "clamp_stiffness"])?;
+        support.allow(support_keys)?;
     }
     let spring = |name: &str| match &support {
         Some(support) => Ok(support.number(name)?.map(|stiffness| stiffness.value)),
@@ -209,7 +234,10 @@ fn beam(root: &Table<'_>) -> Result<Beam, ModelError> {
         static_correction: table.boolean("static_correction")?.is_some_and(|flag| flag.value),
         damping: damping(&table)?,
         point_masses,
-        offset: offset(root, support.as_ref())?,
+        offset: match support_keys.contains(&v::OFFSET.name) {
+            true => offset(root, support.as_ref())?,
+            false => 0.0,
+        },
         rotational_stiffness: spring(v::ROTATIONAL_STIFFNESS.name)?.unwrap_or(0.0),
         clamp_stiffness: spring(v::CLAMP_STIFFNESS.name)?,
         excitation_position: position(&excitation)?,

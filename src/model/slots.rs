@@ -1,6 +1,6 @@
 //! The one list of a model's numbers: path, quantity and place of each, in the file's order.
 
-use super::{Beam, Damping, Model, Oscillator, Structure};
+use super::{Beam, Damping, Model, Oscillator, PinnedBeam, Structure};
 use crate::effects::AppliedEffect;
 use crate::vocabulary::{self as v, Quantity};
 
@@ -30,7 +30,17 @@ impl Model {
         let mut slots = Vec::new();
         match &mut self.structure {
             Structure::Prescribed => {}
-            Structure::Beam(beam) => beam_slots(beam, &mut slots),
+            Structure::Beam(beam) => {
+                let Rest { offset, rotational, clamp, excitation } = beam_slots(beam, &mut slots);
+                slots.push(("support.offset".to_owned(), &v::OFFSET, offset));
+                slots.push(("support.rotational_stiffness".to_owned(), &v::ROTATIONAL_STIFFNESS, rotational));
+                clamp_and_excitation(clamp, excitation, &mut slots);
+            }
+            Structure::PinRig(PinnedBeam { beam, pin, string }) => {
+                let Rest { offset, clamp, excitation, .. } = beam_slots(beam, &mut slots);
+                PinnedBeam::slots(pin, string, offset, &mut slots);
+                clamp_and_excitation(clamp, excitation, &mut slots);
+            }
             Structure::Oscillator(oscillator) => oscillator_slots(oscillator, &mut slots),
         }
         if let Some(contact) = &mut self.contact {
@@ -55,8 +65,21 @@ impl Model {
     }
 }
 
-/// Adds the beam's parameters to `slots`.
-fn beam_slots<'a>(beam: &'a mut Beam, slots: &mut Vec<Slot<'a>>) {
+/// Places of a beam whose paths depend on the structure.
+struct Rest<'a> {
+    offset: &'a mut f64,
+    rotational: &'a mut f64,
+    clamp: Option<&'a mut f64>,
+    excitation: &'a mut f64,
+}
+
+fn clamp_and_excitation<'a>(clamp: Option<&'a mut f64>, excitation: &'a mut f64, slots: &mut Vec<Slot<'a>>) {
+    slots.extend(clamp.map(|clamp| ("support.clamp_stiffness".to_owned(), &v::CLAMP_STIFFNESS, clamp)));
+    slots.push(("excitation.position".to_owned(), &v::POSITION, excitation));
+}
+
+/// Adds the parameters of the beam and its masses to `slots`; returns the others.
+fn beam_slots<'a>(beam: &'a mut Beam, slots: &mut Vec<Slot<'a>>) -> Rest<'a> {
     let mut add = |table: &str, quantity: &'static Quantity, slot| {
         slots.push((format!("{table}.{}", quantity.name), quantity, slot));
     };
@@ -87,12 +110,12 @@ fn beam_slots<'a>(beam: &'a mut Beam, slots: &mut Vec<Slot<'a>>) {
         add(&table, &v::POSITION, &mut mass.position);
         add(&table, &v::MASS, &mut mass.mass);
     }
-    add("support", &v::OFFSET, &mut beam.offset);
-    add("support", &v::ROTATIONAL_STIFFNESS, &mut beam.rotational_stiffness);
-    if let Some(stiffness) = &mut beam.clamp_stiffness {
-        add("support", &v::CLAMP_STIFFNESS, stiffness);
+    Rest {
+        offset: &mut beam.offset,
+        rotational: &mut beam.rotational_stiffness,
+        clamp: beam.clamp_stiffness.as_mut(),
+        excitation: &mut beam.excitation_position,
     }
-    add("excitation", &v::POSITION, &mut beam.excitation_position);
 }
 
 /// Adds the oscillator's parameters to `slots`.

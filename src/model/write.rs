@@ -29,6 +29,25 @@ impl Model {
             Structure::Beam(beam) => {
                 line(&mut text, format_args!("kind = \"beam\""));
                 write_beam(&mut text, beam);
+                line(&mut text, format_args!("\n[support]"));
+                write_quantity(&mut text, &v::OFFSET, beam.offset);
+                if beam.rotational_stiffness != 0.0 {
+                    write_quantity(&mut text, &v::ROTATIONAL_STIFFNESS, beam.rotational_stiffness);
+                }
+                if let Some(stiffness) = beam.clamp_stiffness {
+                    write_quantity(&mut text, &v::CLAMP_STIFFNESS, stiffness);
+                }
+                write_places(&mut text, beam);
+            }
+            Structure::PinRig(pinned) => {
+                line(&mut text, format_args!("kind = \"pin_rig\""));
+                write_beam(&mut text, &pinned.beam);
+                pinned.write(&mut text);
+                if let Some(stiffness) = pinned.beam.clamp_stiffness {
+                    line(&mut text, format_args!("\n[support]"));
+                    write_quantity(&mut text, &v::CLAMP_STIFFNESS, stiffness);
+                }
+                write_places(&mut text, &pinned.beam);
             }
             Structure::Oscillator(oscillator) => {
                 line(&mut text, format_args!("kind = \"oscillator\""));
@@ -38,7 +57,7 @@ impl Model {
         if let Some(contact) = &self.contact {
             let at = match &self.structure {
                 Structure::Oscillator(oscillator) => oscillator.contact_name(),
-                Structure::Prescribed | Structure::Beam(_) => None,
+                Structure::Prescribed | Structure::Beam(_) | Structure::PinRig(_) => None,
             };
             write_contact(&mut text, contact, at);
         }
@@ -71,9 +90,13 @@ fn write_contact(text: &mut String, contact: &Contact, at: Option<&str>) {
     }
 }
 
+/// Whether its sensors are where its masses are.
+fn sensors_as_masses(beam: &Beam) -> bool {
+    beam.sensors.iter().eq(beam.point_masses.iter().map(|mass| &mass.position))
+}
+
 fn write_beam(text: &mut String, beam: &Beam) {
-    let as_masses = beam.sensors.iter().eq(beam.point_masses.iter().map(|mass| &mass.position));
-    if beam.sensors.is_empty() && !as_masses {
+    if beam.sensors.is_empty() && !sensors_as_masses(beam) {
         // Without this line the sensors would be where the masses are.
         line(text, format_args!("sensor = []"));
     }
@@ -100,17 +123,13 @@ fn write_beam(text: &mut String, beam: &Beam) {
         write_quantity(text, &v::POSITION, mass.position);
         write_quantity(text, &v::MASS, mass.mass);
     }
-    line(text, format_args!("\n[support]"));
-    write_quantity(text, &v::OFFSET, beam.offset);
-    if beam.rotational_stiffness != 0.0 {
-        write_quantity(text, &v::ROTATIONAL_STIFFNESS, beam.rotational_stiffness);
-    }
-    if let Some(stiffness) = beam.clamp_stiffness {
-        write_quantity(text, &v::CLAMP_STIFFNESS, stiffness);
-    }
+}
+
+/// Where it is excited, measured and pushed.
+fn write_places(text: &mut String, beam: &Beam) {
     line(text, format_args!("\n[excitation]"));
     write_quantity(text, &v::POSITION, beam.excitation_position);
-    if !as_masses {
+    if !sensors_as_masses(beam) {
         for position in &beam.sensors {
             line(text, format_args!("\n[[sensor]]"));
             write_quantity(text, &v::POSITION, *position);

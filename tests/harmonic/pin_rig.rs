@@ -11,6 +11,7 @@ use stickslip::system::{Core, PinRig, System};
 use stickslip::time::{ClassicalSteps, Energies, SteppedMotion};
 
 use crate::common::pin_rig::{model_b, observed};
+use stickslip::model::Model;
 
 const FREQUENCY: f64 = 52.0;
 /// 1.850 sin ωt + 6.200 sin 3ωt (N).
@@ -209,4 +210,22 @@ fn a_lower_preload_lets_the_pin_slap() {
     assert!((1e-8..1e-3).contains(&apart), "{apart} m apart");
     // Impacts take energy.
     assert!(motion.energies.impact > 0.0);
+}
+
+#[test]
+fn the_model_file_of_the_examples_has_the_reference_values() {
+    let model = Model::parse(include_str!("../../examples/slip-slap/model.toml")).unwrap();
+    let mut assembly = Assembly::new(model.system().unwrap());
+    assembly.waveform = FORCE.to_vec();
+    let at = TAU * FREQUENCY;
+    let point = periodic_response(&assembly, at, &Control::Level(1.0), &settings(), None).unwrap();
+    near("a1 (m/s²)", acceleration(&point, 1), 20.0, 0.2);
+    near("a3 (m/s²)", acceleration(&point, 3), 50.0, 0.2);
+    let [tangential, normal] = [&point.contacts[0], &point.contacts[1]];
+    let [low, high] = range(&tangential.force);
+    near("lowest S (N)", low, -31.5, 1.0);
+    near("highest S (N)", high, 53.0, 1.0);
+    near("N (N)", half_range(&normal.force), 24.3, 0.5);
+    near("ξ (µm)", 1e6 * half_range(&tangential.displacement), 18.9, 0.2);
+    near("η (µm)", 1e6 * half_range(&normal.displacement), 1.03, 0.03);
 }

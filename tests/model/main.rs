@@ -7,3 +7,4 @@ mod file;
 mod normal;
 mod oscillator;
 mod parameters;
+mod pin_rig;

@@ -54,20 +54,25 @@ pub(super) fn over(piece: &Piece, tangents: &StateTangents, carried: &mut Vec<f6
 pub(super) fn write(
     piece: &Piece,
     response: &Response,
-    work: &SlipSlapWork,
+    work: &mut SlipSlapWork,
     out: &mut SlipSlapTangents,
 ) -> [f64; MOTION] {
-    let (tangents, carried) = (&work.tangents, &work.carried);
+    let SlipSlapWork { tangents, carried, row: found, .. } = work;
     let n = tangents.force_by_state.len();
     let (columns, len) = (ENDS + n, MOTION + n);
     out.reset(len);
-    let force_by = |column: usize| {
-        let own = if column < ENDS { piece.force_by(response, column) } else { 0.0 };
-        own + product(&tangents.force_by_state, carried, columns, column)
+    // A law's memory is mostly numbers that know nothing of each other: what is zero is left out.
+    let carry = |found: &mut Vec<f64>, own: &dyn Fn(usize) -> f64, by: &[f64]| {
+        found.clear();
+        found.extend((0..ENDS).map(own));
+        found.resize(columns, 0.0);
+        for (by, row) in by.iter().zip(carried.chunks_exact(columns)).filter(|(by, _)| **by != 0.0) {
+            found.iter_mut().zip(row).for_each(|(found, carried)| *found += by * carried);
+        }
     };
-    for column in 0..len {
-        out.force_by_state[column] = force_by(MOTION + column);
-    }
+    carry(found, &|column| piece.force_by(response, column), &tangents.force_by_state);
+    out.force_by_state[..len].copy_from_slice(&found[MOTION..]);
+    let force_by = [found[0], found[1], found[2], found[3]];
     // The next motion is the one at the end of the way.
     for direction in 0..2 {
         out.next_by_displacement[2 * direction + direction] = 1.0;
@@ -75,20 +80,13 @@ pub(super) fn write(
     }
     for row in 0..n {
         let memory = &tangents.next_by_state[row * n..(row + 1) * n];
-        let next_by = |column: usize| {
-            let own = if column < ENDS { by_ends(piece, tangents, row, column) } else { 0.0 };
-            own + product(memory, carried, columns, column)
-        };
+        carry(found, &|column| by_ends(piece, tangents, row, column), memory);
         let place = MOTION + row;
-        for direction in 0..2 {
-            out.next_by_displacement[2 * place + direction] = next_by(direction);
-            out.next_by_velocity[2 * place + direction] = next_by(2 + direction);
-        }
-        for column in 0..len {
-            out.next_by_state[place * len + column] = next_by(MOTION + column);
-        }
+        out.next_by_displacement[2 * place..2 * place + 2].copy_from_slice(&found[..2]);
+        out.next_by_velocity[2 * place..2 * place + 2].copy_from_slice(&found[2..MOTION]);
+        out.next_by_state[place * len..(place + 1) * len].copy_from_slice(&found[MOTION..]);
     }
-    [0, 1, 2, 3].map(force_by)
+    force_by
 }
 
 impl SlipSlapTangents {

@@ -67,6 +67,8 @@ use way::{MOTION, Piece, Way};
 pub struct SlipSlap {
     law: Arc<dyn ContactLaw>,
     normal: NormalDirection,
+    /// Fraction of the change of N_c that reaches the friction.
+    load_gain: f64,
 }
 
 /// Result of one step.
@@ -111,12 +113,45 @@ pub struct SlipSlapWork {
     tangents: StateTangents,
     /// Its derivatives by inputs, own state and the law's memory before.
     carried: Vec<f64>,
+    /// One of its rows after the step.
+    row: Vec<f64>,
 }
 
 impl SlipSlap {
     /// The law of friction `law` under the normal force that `normal` gives.
     pub fn new(law: Arc<dyn ContactLaw>, normal: NormalDirection) -> Self {
-        Self { law, normal }
+        Self { law, normal, load_gain: 1.0 }
+    }
+
+    /// The same, but that only the fraction `load_gain` (1) of the change of N_c reaches the friction: its normal load is
+    /// `N0 + load_gain (N_c − N0)`. At zero that is friction under a constant load, as a model in one direction has it. At
+    /// less than one, friction goes on where the bodies are apart.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use stickslip::contact::{Jenkins, NormalDirection, NormalLaw, SlipSlap, SlipSlapInputs, SlipSlapWork};
+    /// let normal = NormalDirection::new(NormalLaw::Linear, 60.0, 2e7, 0.0)?;
+    /// let contact = SlipSlap::new(Arc::new(Jenkins::new(4e6, 0.5)?), normal).with_load_gain(0.0);
+    /// let (mut state, mut next) = (vec![0.0; contact.state_len()], vec![0.0; contact.state_len()]);
+    /// contact.set_state([0.0; 2], 0.0, &mut state);
+    /// // It opens while it slides, and the limit stays.
+    /// let inputs = SlipSlapInputs { displacement: [20e-6, 1e-6], velocity: [0.0; 2] };
+    /// let response = contact.step(&state, inputs, &mut next, &mut SlipSlapWork::default());
+    /// assert!((response.normal_force - 40.0).abs() < 1e-9 && (response.force[0] - 0.5 * 60.0).abs() < 1e-9);
+    /// # Ok::<(), stickslip::contact::LawError>(())
+    /// ```
+    #[must_use]
+    pub fn with_load_gain(self, load_gain: f64) -> Self {
+        Self { load_gain, ..self }
+    }
+
+    /// The normal load (N) of the friction under the normal force `force` (N).
+    fn acting(&self, force: f64) -> f64 {
+        // Written so that all of it is all of it, to the last bit.
+        if self.load_gain == 1.0 {
+            return force;
+        }
+        self.normal.preload() + self.load_gain * (force - self.normal.preload())
     }
 
     /// The law of friction.
@@ -138,7 +173,8 @@ impl SlipSlap {
     pub fn set_state(&self, displacement: [f64; 2], force: f64, state: &mut [f64]) {
         let (motion, memory) = state.split_at_mut(MOTION);
         motion.copy_from_slice(&[displacement[0], displacement[1], 0.0, 0.0]);
-        self.law.set_state(displacement[0], self.normal.force(displacement[1], 0.0), force, memory);
+        let load = self.acting(self.normal.force(displacement[1], 0.0));
+        self.law.set_state(displacement[0], load, force, memory);
     }
 
     /// One step from `state` to `inputs`; writes the next state.
@@ -149,7 +185,7 @@ impl SlipSlap {
         next: &mut [f64],
         work: &mut SlipSlapWork,
     ) -> SlipSlapResponse {
-        let way = Way::new(&self.normal, state, inputs);
+        let way = Way::new(self, state, inputs);
         let memory = &state[MOTION..];
         let (end, before) = self.walk(memory, &way, next, work);
         let mut by = [0, 1, 2, 3].map(|input| way.end.force_by(&end, input));
@@ -173,7 +209,7 @@ impl SlipSlap {
         out: &mut SlipSlapTangents,
         work: &mut SlipSlapWork,
     ) -> SlipSlapResponse {
-        let way = Way::new(&self.normal, state, inputs);
+        let way = Way::new(self, state, inputs);
         let memory = &state[MOTION..];
         let (end, before) = self.walk(memory, &way, next, work);
         let by = match &way.event {

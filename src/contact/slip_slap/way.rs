@@ -1,5 +1,6 @@
 //! The way of a step, and the instant at which the bodies part or meet.
 
+use super::SlipSlap;
 use super::normal::{NormalDirection, crossing};
 use crate::contact::Inputs;
 
@@ -39,7 +40,8 @@ pub(super) struct Piece {
 
 impl Way {
     /// From `state`, which begins with the motion.
-    pub fn new(direction: &NormalDirection, state: &[f64], inputs: SlipSlapInputs) -> Self {
+    pub fn new(contact: &SlipSlap, state: &[f64], inputs: SlipSlapInputs) -> Self {
+        let direction = &contact.normal;
         let from = [state[0], state[1], state[2], state[3]];
         let SlipSlapInputs { displacement, velocity } = inputs;
         let to = [displacement[0], displacement[1], velocity[0], velocity[1]];
@@ -47,14 +49,18 @@ impl Way {
         let before = direction.force(from[1], from[3]);
         let event = match (before > 0.0, normal[0] > 0.0) {
             (closed, after) if closed == after => None,
-            (parts, _) => Some(Piece::event(direction, from, to, parts)),
+            (parts, _) => {
+                let piece = Piece::event(direction, from, to, parts);
+                let inputs = Inputs { normal_load: contact.acting(0.0), ..piece.inputs };
+                Some(Piece { inputs, ..piece })
+            }
         };
         let mut by = [[0.0; ENDS]; 3];
         by[0][0] = 1.0;
         by[1][2] = 1.0;
-        by[2][1] = normal[1];
-        by[2][3] = normal[2];
-        let inputs = Inputs { displacement: to[0], velocity: to[2], normal_load: normal[0] };
+        by[2][1] = contact.load_gain * normal[1];
+        by[2][3] = contact.load_gain * normal[2];
+        let inputs = Inputs { displacement: to[0], velocity: to[2], normal_load: contact.acting(normal[0]) };
         Self { to, normal, event, end: Piece { inputs, by } }
     }
 }

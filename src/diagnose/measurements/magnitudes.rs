@@ -3,7 +3,7 @@
 use super::cycles;
 use crate::data::{Channel, Dataset, Record};
 use crate::effects::{Location, Scales};
-use crate::model::{Model, Structure};
+use crate::model::{Model, PinnedBeam, Structure};
 
 /// Magnitudes for the parameters of effects on `model` under `dataset`; what is unknown stays one.
 pub(in crate::diagnose) fn of(model: &Model, dataset: &Dataset) -> Scales {
@@ -56,7 +56,7 @@ pub(in crate::diagnose) fn of(model: &Model, dataset: &Dataset) -> Scales {
             largest(scales.structure_displacement, &mut scales.displacement);
             contact_motion(dataset, yielding, &mut scales);
         }
-        Structure::Beam(beam) => {
+        Structure::Beam(beam) | Structure::PinRig(PinnedBeam { beam, .. }) => {
             let area = beam.width * beam.thickness;
             let points: f64 = beam.point_masses.iter().map(|mass| mass.mass).sum();
             largest(beam.density * area * beam.length + points, &mut scales.structure_mass);

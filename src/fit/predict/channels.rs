@@ -17,15 +17,15 @@ fn roles(model: &Model, regime: Regime) -> Roles {
             inputs: &["time", "displacement", "velocity", "normal_load", "normal_displacement"],
             compared: &["force"],
         },
-        (Structure::Beam(_) | Structure::Oscillator(_), Regime::Backbone) => Roles {
+        (_, Regime::Backbone) => Roles {
             inputs: &["amplitude", "frequency_interval", "damping_interval"],
             compared: &["frequency", "damping_ratio"],
         },
-        (Structure::Oscillator(_) | Structure::Beam(_), Regime::SteppedSine) => Roles {
+        (_, Regime::SteppedSine) => Roles {
             inputs: &["frequency", "excitation"],
             compared: &["acceleration", "velocity", "displacement", "phase"],
         },
-        (Structure::Oscillator(_) | Structure::Beam(_), _) => Roles {
+        (_, _) => Roles {
             inputs: if model.changes().joint.load_gain.is_some() {
                 &["time", "excitation", "normal_load"]
             } else {

@@ -1,20 +1,18 @@
 //! A model as the sensors of a record see it, and under the normal load that was measured.
 
 use crate::harmonic::Assembly;
-use crate::model::{Beam, Model, Structure};
+use crate::model::Model;
 use crate::system::{Element, System};
 
 /// The system of `model`, a beam with sensors at `positions` (m), whatever sensors it lists.
 pub(super) fn observed_system(model: &Model, positions: &[f64]) -> Result<System, String> {
-    let system = match &model.structure {
-        Structure::Beam(beam) => {
-            // Nothing is known of forces at contact points, and models of measurements have none.
-            let beam = Beam { sensors: positions.to_vec(), contact_points: Vec::new(), ..beam.clone() };
-            Model { structure: Structure::Beam(beam), ..model.clone() }.system()
-        }
-        _ => model.system(),
-    };
-    system.map_err(|error| error.to_string())
+    let mut model = model.clone();
+    if let Some(beam) = model.structure.beam_mut() {
+        beam.sensors = positions.to_vec();
+        // Nothing is known of forces at contact points, and models of measurements have none.
+        beam.contact_points.clear();
+    }
+    model.system().map_err(|error| error.to_string())
 }
 
 /// The same in a steady state under what the contact, the first of the elements, follows of the measured normal load with

@@ -25,6 +25,7 @@ pub(super) fn simulation<'r>(
         return Err("it has no column that the model predicts".into());
     }
     Ok(match (record.regime, &model.structure) {
+        (_, Structure::PinRig(_)) => return Err(PIN_RIG.into()),
         (Regime::FromRest, _) => Box::new(FromRest::new(model, record, channels)?),
         (Regime::Steady, Structure::Prescribed) => Box::new(SteadyContact::new(record, channels)?),
         (Regime::Steady, Structure::Oscillator(_)) => {
@@ -51,6 +52,7 @@ pub(super) fn simulation<'r>(
     })
 }
 
+const PIN_RIG: &str = "records of a pin rig are not predicted";
 const BEAM_OF_UNKNOWN_START: &str = "a beam's record needs the regime `from-rest`, `steady` or `backbone`: the motion \
                                      at its start is not measured everywhere";
 const BACKBONE_OF_CONTACT: &str =

@@ -79,10 +79,17 @@ impl Pin {
     }
 }
 
+impl HangingString {
+    /// Weight of the hanging mass (N).
+    pub fn weight(&self) -> f64 {
+        self.mass * GRAVITY
+    }
+}
+
 impl PinRig {
     /// Weight of the hanging mass (N): what presses the pin on its support at rest.
     pub fn preload(&self) -> f64 {
-        self.string.mass * GRAVITY
+        self.string.weight()
     }
 
     pub(super) fn check(&self, modes: usize) -> Result<(), StructureError> {
@@ -95,7 +102,7 @@ impl PinRig {
         check("pin.inertia".into(), pin.inertia, &v::INERTIA)?;
         check("pin.normal_lever".into(), pin.normal_lever, &v::NORMAL_LEVER)?;
         check("string.stiffness".into(), string.stiffness, &v::STRING_STIFFNESS)?;
-        check("string.length".into(), string.length, &v::LENGTH)?;
+        check("string.length".into(), string.length, &v::STRING_LENGTH)?;
         check("string.mass".into(), string.mass, &v::MASS)?;
         check("string.inertia".into(), string.inertia, &v::INERTIA)?;
         check("contact.tangential_stiffness".into(), *tangential, &v::STIFFNESS)?;

@@ -29,7 +29,9 @@ mod native {
     pub fn run(model: &Model) -> Table {
         match (&model.structure, &model.contact) {
             (Structure::Beam(beam), contact) => self::beam(beam, contact.as_ref()),
-            (Structure::Oscillator(_), _) => unreachable!("no standard FMU is an oscillator"),
+            (Structure::Oscillator(_) | Structure::PinRig(_), _) => {
+                unreachable!("no standard FMU is an oscillator or a pin rig")
+            }
             (Structure::Prescribed, Some(contact)) if contact.normal.is_some() => slip_slap(model),
             (Structure::Prescribed, contact) => self::contact(&contact.expect("a contact model")),
         }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use stickslip::data::{Channel, Dataset, Record, Regime};
-use stickslip::model::{Beam, Model, Oscillator, Structure};
+use stickslip::model::{Beam, Model, Oscillator, PinnedBeam, Structure};
 
 use crate::error::{Excerpt, InputError, Problem};
 
@@ -21,7 +21,7 @@ pub fn check_columns(dataset: &Dataset, model: &Model) -> Result<(), InputError>
     for record in &dataset.records {
         let problem = match &model.structure {
             Structure::Prescribed => contact_problem(record),
-            Structure::Beam(beam) => beam_problem(record, beam),
+            Structure::Beam(beam) | Structure::PinRig(PinnedBeam { beam, .. }) => beam_problem(record, beam),
             Structure::Oscillator(oscillator) => oscillator_problem(record, oscillator),
         };
         let problem = problem.or_else(|| constant_problem(record, model));

@@ -1,6 +1,6 @@
 //! The catalogue of effects as text for a terminal.
 
-use stickslip::effects::{CATALOGUE, Effect, EffectParameter, Kind, Needs, PlaceKind, look_alikes};
+use stickslip::effects::{CATALOGUE, Effect, EffectParameter, Needs, PlaceKind, look_alikes};
 
 use crate::format;
 use crate::table::{BOLD, Text};
@@ -60,15 +60,7 @@ pub fn parameter(parameter: &EffectParameter) -> String {
 }
 
 fn place(effect: &Effect) -> String {
-    let kinds: Vec<&str> = effect
-        .kinds
-        .iter()
-        .map(|kind| match kind {
-            Kind::Contact => "contact",
-            Kind::Oscillator => "oscillator",
-            Kind::Beam => "beam",
-        })
-        .collect();
+    let kinds: Vec<&str> = effect.kinds.iter().map(|kind| kind.name()).collect();
     let place = match effect.place {
         PlaceKind::Nowhere => "It needs no place".to_owned(),
         PlaceKind::Structure => format!("At a mass or a position: {0}@m2, {0}@x=0.55", effect.id),

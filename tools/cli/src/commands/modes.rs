@@ -27,7 +27,7 @@ of the forced structure lie on them where damping is small.
 Exit codes: 0 done; 1 no vibration was found from some amplitude on (what was found is written); 2 bad input; 130
 interrupted by Ctrl-C (what was found is written).")]
 pub struct Modes {
-    /// The model file (an oscillator or a beam), or an FMU that carries one
+    /// The model file (an oscillator, a beam or a pin rig), or an FMU that carries one
     model: PathBuf,
     /// Which mode, counted from 1 by the frequencies of the structure with a contact that sticks
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
@@ -61,7 +61,7 @@ impl Modes {
         let model = read_model(&self.model)?;
         if model.structure == Structure::Prescribed {
             return Err(Failure::input(
-                "a contact alone has no modes; the kind must be \"oscillator\" or \"beam\"",
+                "a contact alone has no modes; the kind must be \"oscillator\", \"beam\" or \"pin_rig\"",
             ));
         }
         let assembly = Assembly::new(model.system().map_err(|error| Failure::input(error.to_string()))?);

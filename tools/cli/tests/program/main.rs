@@ -18,6 +18,7 @@ mod hidden_effects;
 mod identification;
 mod interrupt;
 mod modes;
+mod pin_rig;
 mod rig;
 mod simulate;
 mod unruly_fmus;

@@ -57,7 +57,7 @@ pub fn force(responses: &Responses) -> Vec<Plot> {
 /// Energy, equivalent stiffness and time in stick of the model's contact.
 pub fn contact(responses: &Responses) -> Vec<Plot> {
     let losses = &responses.losses;
-    if !losses.contact {
+    if losses.contact == 0 {
         return Vec::new();
     }
     let dissipated = |point: &Point| losses.of_contact(point);

@@ -9,9 +9,9 @@ use super::Responses;
 /// What of the model takes energy.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Losses {
-    /// Whether the model has a contact: it is the first of a point's. What comes behind it are nonlinearities of the
-    /// structure itself.
-    pub contact: bool,
+    /// How many of a point's contacts are the model's: the first, both directions of one that slips and slaps, or none. What
+    /// comes behind are nonlinearities of the structure itself.
+    pub contact: usize,
     /// Entries of the matrix of dampers (N s/m) between the nodes; `None` where the nodes do not tell what the
     /// dampers take.
     pub dampers: Option<Vec<(usize, usize, f64)>>,
@@ -22,17 +22,17 @@ pub struct Losses {
 impl Losses {
     /// The model's contact.
     pub(super) fn contact<'p>(&self, point: &'p Point) -> Option<&'p Contacting> {
-        point.contacts.first().filter(|_| self.contact)
+        point.contacts.first().filter(|_| self.contact > 0)
     }
 
     /// Energy (J) that the contact takes per cycle.
     pub(super) fn of_contact(&self, point: &Point) -> f64 {
-        self.contact(point).map_or(0.0, |contact| contact.dissipated_energy)
+        point.contacts.iter().take(self.contact).map(|contact| contact.dissipated_energy).sum()
     }
 
     /// Energy (J) that the structure's own nonlinearities take per cycle.
     pub(super) fn of_structure(&self, point: &Point) -> f64 {
-        let own = point.contacts.iter().skip(usize::from(self.contact));
+        let own = point.contacts.iter().skip(self.contact);
         own.map(|contact| contact.dissipated_energy).sum()
     }
 
@@ -57,7 +57,7 @@ impl Responses {
 
     /// Why a curve of a structure without dampers may have no end.
     pub(super) fn unbounded_hint(&self) -> &'static str {
-        match (self.losses.undamped && self.held.is_none(), self.losses.contact) {
+        match (self.losses.undamped && self.held.is_none(), self.losses.contact > 0) {
             (false, _) => "",
             (true, true) => {
                 " The structure has no dampers: near a resonance friction cannot dissipate the work of a force of \

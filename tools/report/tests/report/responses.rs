@@ -55,7 +55,7 @@ fn responses(curves: Vec<ResponseCurve>) -> Responses {
         harmonics: 7,
         tolerance: Some(1e-6),
         stability: true,
-        losses: Losses { contact: true, ..Losses::default() },
+        losses: Losses { contact: 1, ..Losses::default() },
         curves,
         seconds: 0.02,
     }
@@ -205,7 +205,7 @@ fn phases_are_negative_where_the_displacement_lags() {
 #[test]
 fn an_undamped_structure_may_have_no_end() {
     let stuck = |undamped: bool, contact: bool| {
-        let losses = Losses { contact, undamped, ..Losses::default() };
+        let losses = Losses { contact: usize::from(contact), undamped, ..Losses::default() };
         let example = Responses { losses, ..responses(vec![curve(1.0, Ending::Stuck)]) };
         responses_table(&example, 1000, false)
     };
@@ -228,7 +228,7 @@ fn why_stability_cannot_be_determined_is_reported() {
 fn the_structure_s_own_nonlinearities_are_no_contact() {
     let with = |contact: bool| {
         let mut example = changed(|point| point.contacts.push(point.contacts[0].clone()));
-        example.losses = Losses { contact, ..Losses::default() };
+        example.losses = Losses { contact: usize::from(contact), ..Losses::default() };
         let point = responses_json(&example, &Settings::default())["points"][0].clone();
         let number = |key: &str| point[key].as_f64().unwrap();
         assert!(point.get("contacts").is_none());

@@ -37,7 +37,7 @@ Examples:
 Exit codes: 0 done; 1 a curve ended before its end (what was found is written); 2 bad input (nothing is
 written); 130 interrupted by Ctrl-C (what was found is written).")]
 pub struct Frf {
-    /// The model file (an oscillator or a beam), or an FMU that carries one
+    /// The model file (an oscillator, a beam or a pin rig), or an FMU that carries one
     model: PathBuf,
     /// First frequency (in --unit)
     #[arg(long, value_name = "FREQUENCY", allow_negative_numbers = true, required_unless_present = "vary")]
@@ -115,7 +115,7 @@ impl Frf {
         let request = Request::new(&self, setup.nodes())?;
         let assembly = setup.assembly();
         let started = Instant::now();
-        let curves = follow_all(assembly, &request, setup.losses().contact)?;
+        let curves = follow_all(assembly, &request, setup.losses().contact > 0)?;
         let responses = Responses {
             title: format!("Response of {}", self.model.display()),
             unit: request.unit,

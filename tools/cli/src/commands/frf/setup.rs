@@ -13,8 +13,9 @@ use crate::Failure;
 pub struct Setup {
     assembly: Assembly,
     nodes: Vec<String>,
-    /// Whether the first law is that of the model's contact; the others are nonlinearities of the structure itself.
-    has_contact: bool,
+    /// How many of the first contacts are the model's, or its directions; the others are nonlinearities of the structure
+    /// itself.
+    contacts: usize,
 }
 
 impl Setup {
@@ -25,10 +26,10 @@ impl Setup {
             (Structure::Prescribed, _) => {
                 return Err(Failure::input(
                     "a contact whose displacement is prescribed has no frequency response; the model's kind must be \
-                     \"oscillator\" or \"beam\"",
+                     \"oscillator\", \"beam\" or \"pin_rig\"",
                 ));
             }
-            (Structure::Beam(_), Some(_)) => {
+            (Structure::Beam(_) | Structure::PinRig(_), Some(_)) => {
                 return Err(Failure::input(
                     "--excite names a mass of an oscillator; a beam is excited at its [excitation] position",
                 ));
@@ -45,7 +46,9 @@ impl Setup {
             (_, None) => model,
         };
         let assembly = Assembly::new(model.system().map_err(|error| Failure::input(error.to_string()))?);
-        Ok(Self { nodes: assembly.nodes(), assembly, has_contact: model.contact.is_some() })
+        let directions = if matches!(model.structure, Structure::PinRig(_)) { 2 } else { 1 };
+        let contacts = if model.contact.is_some() { directions } else { 0 };
+        Ok(Self { nodes: assembly.nodes(), assembly, contacts })
     }
 
     /// What takes energy.
@@ -53,10 +56,10 @@ impl Setup {
         let system = &self.assembly.system;
         let damping = system.linear_part().damping;
         // Behind the contact there may be drag.
-        let own = system.laws().count() > usize::from(self.has_contact);
+        let own = system.laws().count() > self.contacts;
         let undamped = damping.iter().all(|entry| entry.2 == 0.0) && !own;
         let dampers = matches!(system.core, Core::Matrices { .. }).then_some(damping);
-        Losses { contact: self.has_contact, dampers, undamped }
+        Losses { contact: self.contacts, dampers, undamped }
     }
 
     /// The system under a cosine of unit amplitude.
