@@ -1,31 +1,38 @@
 //! The program: compares models with measurements and exports them as FMUs.
 
-/// Writes a line to standard error; a closed terminal is no error, so that results are not lost.
+/// Writes a line to standard error, unless only errors are wanted; a closed terminal is no error, so that results are not lost.
 macro_rules! tell {
     ($($text:tt)*) => {{
         use std::io::Write as _;
-        let _ = writeln!(std::io::stderr(), $($text)*);
+        if !$crate::terminal::is_quiet() {
+            let _ = writeln!(std::io::stderr(), $($text)*);
+        }
     }};
 }
 
 mod commands;
 mod output;
 mod progress;
+mod terminal;
 
+use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory as _, Parser, Subcommand};
 
 /// Friction contacts: compare models with measurements, export them as FMUs.
 ///
 /// Exit codes: 0 done, 1 failed (a full disk, a solver that failed), 2 bad input or an output that could never be
 /// written (nothing was written), 130 interrupted. The results of `simulate` are written even if it ends early (1) or
 /// is interrupted (130) after its first step. `diagnose` ends with its verdict: 0 nothing missing, 10 effect found,
-/// 11 not distinguishable, 12 unexplained, 13 insufficient data.
+/// 11 not distinguishable, 12 unexplained, 13 insufficient data, 14 effect likely, its noise unknown.
 #[derive(Parser)]
 #[command(name = "stickslip", version)]
 struct Cli {
+    /// Show nothing but errors
+    #[arg(short, long, global = true)]
+    quiet: bool,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -57,6 +64,10 @@ enum Command {
     Export(commands::export::Export),
     /// Write the standard FMUs, and systems of them
     Fmu(commands::fmu::Fmu),
+    /// Print what makes a shell complete this program's commands
+    Completions(commands::manual::Completions),
+    /// Print a page of the manual
+    Man(commands::manual::Manual),
     #[command(name = commands::serve::NAME, hide = true)]
     ServeFmu(commands::serve::Serve),
     #[command(name = commands::sweep::NAME, hide = true)]
@@ -66,7 +77,7 @@ enum Command {
 /// Files for the results.
 #[derive(Args, Clone, Default)]
 struct ResultFiles {
-    /// Write the results as JSON
+    /// Write the results as JSON; `-` for standard output, and nothing else there
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Write the results as a self-contained HTML page
@@ -100,6 +111,9 @@ impl Failure {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    if cli.quiet {
+        terminal::be_quiet();
+    }
     // The process of one FMU is ended by its master, and the one that sweeps ends after it.
     if !matches!(cli.command, Some(Command::ServeFmu(_) | Command::Sweep(_))) {
         progress::catch_interrupts();
@@ -117,6 +131,8 @@ fn main() -> ExitCode {
         Command::Export(command) => command.run().map(|()| 0),
         Command::Fmu(command) => command.run().map(|()| 0),
         Command::Simulate(command) => command.run(),
+        Command::Completions(command) => command.run(Cli::command()).map(|()| 0),
+        Command::Man(command) => command.run(Cli::command()).map(|()| 0),
         Command::ServeFmu(command) => command.run().map(|()| 0),
         Command::Sweep(command) => command.run().map(|()| 0),
     };
@@ -124,7 +140,7 @@ fn main() -> ExitCode {
         Ok(_) if progress::interrupted() => ExitCode::from(130),
         Ok(code) => ExitCode::from(code),
         Err(failure) => {
-            tell!("{}", failure.message.trim_end());
+            let _ = writeln!(std::io::stderr(), "{}", failure.message.trim_end());
             ExitCode::from(failure.code)
         }
     }

@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use crate::Failure;
+use crate::{Failure, terminal};
 
 /// Files to be written together once everything has succeeded.
 #[derive(Default)]
@@ -20,7 +20,11 @@ impl Outputs {
     ) -> Result<(), Failure> {
         let mut places = Vec::new();
         for path in paths {
-            Self::check_one(path)?;
+            if is_standard_output(path) {
+                terminal::keep_for_data();
+            } else {
+                Self::check_one(path)?;
+            }
             Self::check_inputs(path, inputs)?;
             // The folder is there, so it has one true name.
             let place = (folder_of(path).canonicalize().ok(), path.file_name());
@@ -80,9 +84,11 @@ impl Outputs {
     /// Writes every file to a temporary neighbour first and renames them only when all are complete.
     /// Returns the paths.
     pub fn write(self) -> Result<Vec<PathBuf>, Failure> {
-        self.files.iter().try_for_each(|(path, _)| check_regular(path))?;
+        let (printed, files): (Vec<_>, Vec<_>) =
+            self.files.into_iter().partition(|(path, _)| is_standard_output(path));
+        files.iter().try_for_each(|(path, _)| check_regular(path))?;
         let mut ready = Vec::new();
-        for (path, bytes) in &self.files {
+        for (path, bytes) in &files {
             let failed =
                 |error: std::io::Error| Failure::other(format!("cannot write {}: {error}", path.display()));
             let mut file = tempfile::Builder::new()
@@ -98,7 +104,8 @@ impl Outputs {
                 Failure::other(format!("cannot write {}: {}", path.display(), error.error))
             })?;
         }
-        Ok(self.files.into_iter().map(|(path, _)| path).collect())
+        printed.iter().try_for_each(|(_, bytes)| say_always(bytes))?;
+        Ok(files.into_iter().map(|(path, _)| path).collect())
     }
 }
 
@@ -160,14 +167,20 @@ impl Folder {
 const INPUT_OUTPUT_ERROR: i32 = 5;
 
 /// Writes to standard output. A reader that has seen enough and closed the pipe, or the terminal, does not stop the
-/// program: the files are still to be written.
+/// program: the files are still to be written. Nothing is written where nothing but errors is wanted, or where standard output is
+/// kept for a result.
 pub fn say(text: &str) -> Result<(), Failure> {
+    if terminal::is_for_people() { say_always(text.as_bytes()) } else { Ok(()) }
+}
+
+/// As [`say`], whatever the terminal is for.
+pub fn say_always(text: &[u8]) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let gone = |error: &std::io::Error| {
         error.kind() == std::io::ErrorKind::BrokenPipe
             || cfg!(unix) && error.raw_os_error() == Some(INPUT_OUTPUT_ERROR)
     };
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(text).and_then(|()| out.flush()) {
         Err(error) if !gone(&error) => {
             Err(Failure::other(format!("cannot write to standard output: {error}")))
         }
@@ -200,6 +213,11 @@ impl PermissionsIfUnix for tempfile::Builder<'_, '_> {
         }
         self
     }
+}
+
+/// `-`, as everywhere.
+fn is_standard_output(path: &Path) -> bool {
+    path == Path::new("-")
 }
 
 /// A device or a pipe would be replaced by a file.

@@ -1,11 +1,12 @@
 //! Progress on the terminal, and signals that ask the program to end.
 
-use std::io::IsTerminal as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::terminal;
 
 fn flag() -> &'static AtomicBool {
     static INTERRUPTED: OnceLock<AtomicBool> = OnceLock::new();
@@ -66,6 +67,9 @@ pub fn interrupted() -> bool {
 
 /// A line that shows what is being worked on; invisible when standard error is not a terminal.
 pub fn spinner(what: &str) -> ProgressBar {
+    if terminal::is_quiet() || !terminal::moves_its_cursor() {
+        return ProgressBar::hidden();
+    }
     let bar = ProgressBar::new_spinner();
     if let Ok(style) = ProgressStyle::with_template("{spinner} {prefix}: {msg} [{elapsed}]") {
         bar.set_style(style);
@@ -89,13 +93,14 @@ const LINES: Duration = Duration::from_secs(10);
 impl Progress {
     /// Nothing done yet.
     pub fn new() -> Self {
-        let bar = ProgressBar::new(0);
+        let moves = terminal::moves_its_cursor();
+        let bar = if moves && !terminal::is_quiet() { ProgressBar::new(0) } else { ProgressBar::hidden() };
         if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} {msg} [{elapsed}]") {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(200));
         let start = Instant::now();
-        Self { bar, line: (!std::io::stderr().is_terminal()).then(|| Mutex::new(start)), start }
+        Self { bar, line: (!moves).then(|| Mutex::new(start)), start }
     }
 
     /// `done` of `of` parts are done; `what` says which is next.

@@ -9,6 +9,7 @@ pub mod export;
 pub mod fmu;
 pub mod frf;
 pub mod identify;
+pub mod manual;
 pub mod modes;
 pub mod rig;
 pub mod serve;
@@ -31,6 +32,7 @@ use stickslip_report::{InputFile, Settings};
 
 use crate::output::{Outputs, say};
 use crate::progress;
+use crate::terminal::{colored, errors_are_colored, quoted};
 use crate::{Failure, ResultFiles};
 
 /// Reads a model file, or the model inside an FMU that this program exported; the failure points at the line.
@@ -59,8 +61,7 @@ fn read_dataset(path: &Path, model: &Model) -> Result<Dataset, Failure> {
 }
 
 fn shown(error: stickslip_readers::InputError) -> Failure {
-    use std::io::IsTerminal as _;
-    Failure::rendered(error.render(std::io::stderr().is_terminal()))
+    Failure::rendered(error.render(errors_are_colored()))
 }
 
 /// Prints the comparison and puts the asked-for files among `outputs`, the page with `more` sections.
@@ -84,12 +85,6 @@ fn present(
     Ok(())
 }
 
-/// Whether standard output shows colours.
-fn colored() -> bool {
-    use std::io::IsTerminal as _;
-    std::io::stdout().is_terminal()
-}
-
 /// How the results came about: command line, version, and what was read. `files` are named as the user
 /// named them; a file beside a dataset gets the dataset's folder.
 fn settings(files: &[&Path]) -> Result<Settings, Failure> {
@@ -99,7 +94,7 @@ fn settings(files: &[&Path]) -> Result<Settings, Failure> {
         Ok(InputFile { name: path.display().to_string(), sha256: hexadecimal(&Sha256::digest(bytes)) })
     };
     let arguments: Vec<String> =
-        std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+        std::env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy())).collect();
     Ok(Settings {
         command: std::iter::once("stickslip".to_owned()).chain(arguments).collect::<Vec<_>>().join(" "),
         version: env!("CARGO_PKG_VERSION").to_owned(),

@@ -17,6 +17,7 @@ mod friction_damper;
 mod hidden_effects;
 mod identification;
 mod interrupt;
+mod manners;
 mod modes;
 mod pin_rig;
 mod rig;

@@ -141,8 +141,7 @@ impl Frf {
     }
 
     fn present(&self, responses: &Responses) -> Result<(), Failure> {
-        use std::io::IsTerminal as _;
-        say(&responses_table(responses, 80, std::io::stdout().is_terminal()))?;
+        say(&responses_table(responses, 80, crate::terminal::colored()))?;
         let settings = settings(&[Path::new(&self.model)])?;
         let mut outputs = Outputs::default();
         if let Some(path) = &self.files.json {
