@@ -113,6 +113,31 @@ impl Normal {
 }
 
 impl Model {
+    /// The same model under the normal load `preload` (N) at rest: a mass in proportion hangs on a pin rig, and Hertz' law, whose
+    /// constant stays, has another slope there. The other normal laws keep theirs.
+    ///
+    /// ```
+    /// use stickslip::model::Model;
+    /// let model = Model::parse(include_str!("../../examples/slip-slap/model.toml"))?;
+    /// let heavier = model.under_preload(8.0 * 68.67);
+    /// assert!((heavier.get("string.mass").unwrap() - 56.0).abs() < 1e-12);
+    /// assert!((heavier.get("contact.normal_stiffness").unwrap() - 2.0 * 2.37e7).abs() < 1.0);
+    /// # Ok::<(), stickslip::model::ModelError>(())
+    /// ```
+    pub fn under_preload(&self, preload: f64) -> Self {
+        let mut model = self.clone();
+        let Some(contact) = &mut model.contact else { return model };
+        let part = preload / contact.normal_load;
+        contact.normal_load = preload;
+        if let Some(Normal { law: NormalLaw::Hertz { exponent }, .. }) = contact.normal {
+            contact.normal_stiffness *= part.powf(1.0 - 1.0 / exponent);
+        }
+        if let Structure::PinRig(pinned) = &mut model.structure {
+            pinned.string.mass *= part;
+        }
+        model
+    }
+
     /// The normal direction of a contact in two directions, with what the effects `normal_hardening` and `impact_damping`
     /// add; `None` without `normal_law`, but of a pin rig, where it is a spring then.
     ///

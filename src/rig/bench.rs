@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use super::error::RigError;
-use super::plan::Accelerometer;
+use super::plan::{Accelerometer, no_beam};
 use crate::effects::{Location, Needs};
 use crate::harmonic::{
     Assembly, Control, CurveSettings, Point, Resonance, periodic_response, phase_resonance,
 };
-use crate::model::{Beam, Model, Structure};
+use crate::model::Model;
 use crate::system::{Core, System};
 
 /// Harmonics up to so many times the highest mode are balanced: the contact excites every mode, and accelerations show it.
@@ -27,9 +27,6 @@ pub(super) struct Bench {
 
 impl Bench {
     pub fn new(model: &Model, sensors: &[Accelerometer]) -> Result<Self, RigError> {
-        let Structure::Beam(beam) = &model.structure else {
-            return Err(RigError::Input("a rig tests a model of kind \"beam\"".into()));
-        };
         if let Some(fault) = model.effects.iter().find(|of| matches!(of.location, Some(Location::Channel(_))))
         {
             let message = format!(
@@ -38,12 +35,11 @@ impl Bench {
             );
             return Err(RigError::Input(message));
         }
-        let beam = Beam {
-            sensors: sensors.iter().map(|sensor| sensor.position).collect(),
-            contact_points: Vec::new(),
-            ..beam.clone()
-        };
-        let system = Model { structure: Structure::Beam(beam), ..model.clone() }.system()?;
+        let mut observed = model.clone();
+        let beam = observed.structure.beam_mut().ok_or_else(no_beam)?;
+        beam.sensors = sensors.iter().map(|sensor| sensor.position).collect();
+        beam.contact_points.clear();
+        let system = observed.system()?;
         let modes = match &system.core {
             Core::Modal { angular_frequency: all, .. } => [all[0], all[all.len() - 1]],
             Core::Matrices { .. } => return Err(RigError::Input("the beam has no modes of its own".into())),
@@ -73,7 +69,8 @@ impl Bench {
         CurveSettings { harmonics, ..CurveSettings::default() }
     }
 
-    fn steady(&self) -> Result<(), RigError> {
+    /// Refuses effects that have no steady state.
+    pub fn steady(&self) -> Result<(), RigError> {
         match self.transient {
             None => Ok(()),
             Some(id) => Err(RigError::Input(format!(

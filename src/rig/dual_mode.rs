@@ -123,7 +123,8 @@ pub(super) fn tones([first, third]: [f64; 2]) -> [f64; 7] {
     [0.0, 0.0, first, 0.0, 0.0, 0.0, third]
 }
 
-fn measured(
+/// The record of a test at one pair of amplitudes (m/s²).
+pub(super) fn measured(
     assembly: &Assembly,
     test: &DualMode,
     amplitudes: [f64; 2],

@@ -26,7 +26,7 @@ pub use error::RigError;
 pub use plan::{
     Accelerometer, Frequencies, Plan, RandomTest, Release, RingDown, SteppedSine, Test, TestKind,
 };
-pub use separation::{Separation, Slap, separation_on, slap_in_time};
+pub use separation::{Separation, Slap, separation_of, separation_on, slap_in_time};
 pub use tested::Tested;
 
 use crate::data::Record;
@@ -84,6 +84,7 @@ pub fn test_with_truth_on(
     watch: &mut dyn FnMut(&RigProgress) -> bool,
 ) -> Result<Vec<Tested>, RigError> {
     plan.check()?;
+    plan.tests.iter().try_for_each(|test| test.kind.check_on(model))?;
     let bench = Bench::new(&plan.beam_under_test(model)?, &plan.sensors)?;
     let spoiler = Spoiler::new(&plan.chain, &plan.sensors);
     let names = plan.record_names();
@@ -100,6 +101,9 @@ pub fn test_with_truth_on(
             let delays = spoiler.delays();
             let made = match &test.kind {
                 TestKind::SteppedSine(test) => stepped_sine::measured(&bench, test, index, delays),
+                TestKind::DualMode(test) => bench.steady().and_then(|()| {
+                    dual_mode::measured(&bench.assembly, test, test.amplitudes[index], delays)
+                }),
                 TestKind::Random(test) => random::measured(&bench, test, delays, &mut part),
                 TestKind::RingDown(test) => ring_down::measured(&bench, test, delays, &mut part),
             };

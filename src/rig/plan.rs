@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::chain::Chain;
+use super::dual_mode::DualMode;
 use super::error::RigError;
 use crate::data::{Regime, Use};
 use crate::model::{Model, PointMass, Structure};
@@ -43,6 +44,8 @@ pub struct Test {
 pub enum TestKind {
     /// Steady states under a sine.
     SteppedSine(SteppedSine),
+    /// Steady states under two tones.
+    DualMode(DualMode),
     /// A random force.
     Random(RandomTest),
     /// Free decay.
@@ -168,15 +171,13 @@ impl Plan {
         Self { sensors: sensors.collect(), chain: Chain::default(), tests: Vec::new() }
     }
 
-    /// The beam of `model` with the masses of the accelerometers on it.
+    /// The beam of `model`, or of a pin rig, with the masses of the accelerometers on it.
     ///
     /// # Errors
-    /// A model that is no beam.
+    /// A model without a beam.
     pub fn beam_under_test(&self, model: &Model) -> Result<Model, RigError> {
         let mut tested = model.clone();
-        let Structure::Beam(beam) = &mut tested.structure else {
-            return Err(RigError::Input("a rig tests a model of kind \"beam\"".into()));
-        };
+        let beam = tested.structure.beam_mut().ok_or_else(no_beam)?;
         // Without a list of its own the beam's sensors are its point masses, old and new.
         for &Accelerometer { position, mass } in &self.sensors {
             beam.add_mass(PointMass { position, mass });
@@ -232,11 +233,30 @@ impl RandomTest {
     }
 }
 
+/// Why a model is not tested.
+pub(super) fn no_beam() -> RigError {
+    RigError::Input("a rig tests a model of kind \"beam\" or \"pin_rig\"".into())
+}
+
 impl TestKind {
+    /// Refuses a test that cannot be made on `model`.
+    ///
+    /// # Errors
+    /// [`RigError::Input`].
+    pub fn check_on(&self, model: &Model) -> Result<(), RigError> {
+        match (self, &model.structure) {
+            (Self::DualMode(_), _) | (_, Structure::Beam(_)) => Ok(()),
+            (_, Structure::PinRig(_)) => {
+                Err(RigError::Input("a pin rig is tested in dual mode alone: [[dual_mode]]".into()))
+            }
+            _ => Err(no_beam()),
+        }
+    }
+
     /// What is known of the motion before a record.
     pub(super) fn regime(&self) -> Regime {
         match self {
-            Self::SteppedSine(_) => Regime::Steady,
+            Self::SteppedSine(_) | Self::DualMode(_) => Regime::Steady,
             Self::Random(test) if test.lead == 0.0 => Regime::FromRest,
             Self::Random(_) | Self::RingDown(_) => Regime::UnknownInitialState,
         }
@@ -246,6 +266,7 @@ impl TestKind {
     fn records(&self) -> usize {
         match self {
             Self::SteppedSine(test) => test.amplitudes.len() * test.frequencies.count(),
+            Self::DualMode(test) => test.amplitudes.len(),
             Self::Random(_) | Self::RingDown(_) => 1,
         }
     }
@@ -265,6 +286,15 @@ impl TestKind {
                     && test.amplitudes.iter().all(|amplitude| positive(*amplitude))
                     && test.harmonics != Some(0)
                     && (1.0..MOST_SAMPLES).contains(&samples)
+            }
+            Self::DualMode(test) => {
+                let samples = test.periods as f64 * test.samples_per_period as f64;
+                self.records() > 0
+                    && test.amplitudes.iter().flatten().all(|amplitude| positive(*amplitude))
+                    && positive(test.frequency)
+                    // Both tones are among them.
+                    && test.harmonics >= 3
+                    && (2.0..MOST_SAMPLES).contains(&samples)
             }
             Self::Random(test) => {
                 let [low, high] = test.band;

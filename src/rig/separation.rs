@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::dual_mode::{DualMode, held, tones};
 use super::error::RigError;
 use crate::harmonic::Assembly;
+use crate::model::Model;
 use crate::numeric::fourier::value;
 use crate::system::{Element, System};
 use crate::time::ClassicalSteps;
@@ -84,6 +85,15 @@ pub fn separation_on(
         Ok(found)
     };
     test.amplitudes.iter().map(one).collect()
+}
+
+/// The same of a pin rig that is a model, its contact included.
+///
+/// # Errors
+/// As [`separation_on`]; a model without a contact.
+pub fn separation_of(model: &Model, test: &DualMode) -> Result<Vec<Separation>, RigError> {
+    let contact = model.contact.ok_or_else(|| RigError::Input("the model has no contact".into()))?;
+    separation_on(&|preload| Ok(model.under_preload(preload).system()?), contact.normal_load, test)
 }
 
 /// The least force (N) that presses the pin on its support, and the tones of the force (N), while `amplitudes` are held.

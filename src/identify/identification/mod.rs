@@ -47,7 +47,7 @@ pub struct IdentifyOptions<'a> {
     pub harmonics: usize,
     /// Names of the records that laws are fitted to; the one with the largest motion of the contact if empty.
     pub fitted: Vec<String>,
-    /// Normal load (N) where the model has no contact.
+    /// Normal load (N) where the model has no contact; of a pin rig in place of the weight of the hanging mass.
     pub normal_load: Option<f64>,
     /// Asked often; `true` ends the work.
     pub interrupt: Option<InterruptHook<'a>>,

@@ -90,7 +90,8 @@ pub struct SlipSlapIdentification {
 /// Identifies both forces at the contact of `rig` from the steady records of `dataset`.
 ///
 /// The springs in place of the contact, `stuck_stiffness`, are taken off: they shape the modes and say how these are damped, and
-/// play no other part. Of the options the normal load and the records fitted to are not read.
+/// play no other part. The normal load of the options, or the weight of the hanging mass, presses the pin on its support at rest;
+/// the records fitted to are not read.
 ///
 /// # Errors
 /// No record that can be used, a rig without modes, forces that do not settle, an interrupt.
@@ -114,10 +115,11 @@ pub fn identify_slip_slap(
     };
     let by_modulus = by(&|rig| rig.beam.youngs_modulus *= 1.0 + MODULUS)?;
     let by_normal_stiffness = by(&|rig| rig.stuck_stiffness[1] *= 1.0 + STIFFNESS)?;
-    let preload = rig.preload();
+    let preload = preload_of(rig, options);
     let periods = inversion.periods.iter().zip(&inversion.normal).zip(loops::slopes(&inversion.periods));
     let found = used.iter().zip(periods);
-    let found = found.map(|(record, ((along, across), slopes))| told(rig, record, [along, across], slopes));
+    let found = found
+        .map(|(record, ((along, across), slopes))| told((rig, preload), record, [along, across], slopes));
     let records: Vec<SlipSlapRecord> = found.collect();
     check_interrupt(options)?;
     let mut identification = SlipSlapIdentification {
@@ -136,6 +138,11 @@ pub fn identify_slip_slap(
     Ok(identification)
 }
 
+/// What presses the pin on its support at rest (N).
+fn preload_of(rig: &PinRig, options: &IdentifyOptions) -> f64 {
+    options.normal_load.unwrap_or_else(|| rig.preload())
+}
+
 /// The inversion on the likeliest modes, and words on them.
 fn inverted(
     rig: &PinRig,
@@ -146,7 +153,7 @@ fn inverted(
         excitation_gain: options.excitation_gain,
         sensor_gain: options.sensor_gain,
         sensor_mass: options.sensor_mass,
-        force: rig.preload(),
+        force: preload_of(rig, options),
     };
     let motions: Vec<SteadyMotion> = records.iter().map(|record| record.motion.clone()).collect();
     let harmonics = motions[0].excitation.len() / 2;
@@ -182,7 +189,12 @@ fn modal(rig: &PinRig, modes: usize, positions: &[f64]) -> Result<ModalPinRig, I
 }
 
 /// What is told of one record.
-fn told(rig: &PinRig, record: &Steady, periods: [&ContactPeriod; 2], slopes: LoopSlopes) -> SlipSlapRecord {
+fn told(
+    (rig, preload): (&PinRig, f64),
+    record: &Steady,
+    periods: [&ContactPeriod; 2],
+    slopes: LoopSlopes,
+) -> SlipSlapRecord {
     let both = |coefficients: &[f64]| [1, 3].map(|harmonic| amplitude(coefficients, harmonic));
     let [low, high] = range(&periods[1].force);
     let deviations = periods.map(ContactPeriod::deviations);
@@ -192,7 +204,7 @@ fn told(rig: &PinRig, record: &Steady, periods: [&ContactPeriod; 2], slopes: Loo
         frequency: record.frequency,
         accelerations: both(&record.motion.accelerations[record.nearest]),
         forces: both(&record.motion.excitation),
-        normal_force: [rig.preload() - high, rig.preload() - low],
+        normal_force: [preload - high, preload - low],
         force_intervals: wide(0),
         displacement_intervals: wide(1),
         reversals: reversals(&periods[0].velocity),

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::terminal;
+use crate::{Failure, terminal};
 
 fn flag() -> &'static AtomicBool {
     static INTERRUPTED: OnceLock<AtomicBool> = OnceLock::new();
@@ -65,6 +65,27 @@ pub fn interrupted() -> bool {
     flag().load(Ordering::SeqCst)
 }
 
+/// Between two looks at whether work is done.
+const LOOK: Duration = Duration::from_millis(10);
+
+/// What `work` comes to, or nothing once the program is asked to end: a thread does it, and is left then. For work that does
+/// not look by itself often enough.
+///
+/// # Errors
+/// Work that ended in the middle.
+pub fn left_when_interrupted<T: Send + 'static>(
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<Option<T>, Failure> {
+    let work = std::thread::spawn(work);
+    while !work.is_finished() {
+        if interrupted() {
+            return Ok(None);
+        }
+        std::thread::sleep(LOOK);
+    }
+    work.join().map(Some).map_err(|_| Failure::other("a calculation ended in the middle"))
+}
+
 /// A line that shows what is being worked on; invisible when standard error is not a terminal.
 pub fn spinner(what: &str) -> ProgressBar {
     if terminal::is_quiet() || !terminal::moves_its_cursor() {
@@ -119,6 +140,11 @@ impl Progress {
 
     /// Takes the bar away.
     pub fn finish(self) {
+        self.clear();
+    }
+
+    /// The same, of a meter that others may still hold.
+    pub fn clear(&self) {
         self.bar.finish_and_clear();
     }
 }

@@ -1,6 +1,7 @@
 //! `stickslip rig`
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use stickslip::data::{Dataset, Record};
 use stickslip::rig::{RigError, RigProgress, Tested, test_with_truth_on};
@@ -20,7 +21,7 @@ Examples:
 
 Exit codes: 0 done; 1 failed; 2 bad input; 130 interrupted by Ctrl-C. Where it is not 0 nothing is written.")]
 pub struct Rig {
-    /// The plan: the model of a beam, its sensors, the tests
+    /// The plan: the model of a beam or a pin rig, its sensors, the tests
     plan: PathBuf,
     /// Folder for dataset.toml, a CSV file per record, and what the rig knows beside it in truth/; made, or empty
     #[arg(short, long, value_name = "DIR")]
@@ -35,13 +36,7 @@ impl Rig {
     pub fn run(self) -> Result<(), Failure> {
         let folder = Folder::check(&self.out)?;
         let plan = read_plan(&self.plan).map_err(shown)?;
-        let meter = Progress::new();
-        let made = test_with_truth_on(&plan.model, &plan.plan, &mut |at: &RigProgress| {
-            meter.show(at.record, (PARTS * at.done) as usize, PARTS as usize * at.of);
-            !progress::interrupted()
-        });
-        meter.finish();
-        let tested = match made {
+        let tested = match made(&plan)? {
             Ok(tested) => tested,
             Err(RigError::Interrupted) => {
                 tell!("note: interrupted; nothing was written");
@@ -59,6 +54,21 @@ impl Rig {
         folder.write(&files)?;
         say(&format!("wrote {} with {} records\n", self.out.display(), dataset.records.len()))
     }
+}
+
+/// The records of all tests.
+fn made(plan: &RigPlan) -> Result<Result<Vec<Tested>, RigError>, Failure> {
+    let (model, tests) = (plan.model.clone(), plan.plan.clone());
+    let meter = Arc::new(Progress::new());
+    let shown = Arc::clone(&meter);
+    let made = progress::left_when_interrupted(move || {
+        test_with_truth_on(&model, &tests, &mut |at: &RigProgress| {
+            shown.show(at.record, (PARTS * at.done) as usize, PARTS as usize * at.of);
+            !progress::interrupted()
+        })
+    })?;
+    meter.clear();
+    Ok(made.unwrap_or(Err(RigError::Interrupted)))
 }
 
 /// What the rig knows, in `truth/`: the chain as it was drawn, the beam that was tested, what the contact did. Beside the

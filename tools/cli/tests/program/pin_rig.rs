@@ -62,5 +62,77 @@ fn what_it_cannot_do_with_such_a_model_is_said() {
     let csv = format!("time [s],excitation [N],acceleration:x=0.3 [m/s^2]\n{rows}");
     fs::write(folder.path().join("data/a.csv"), csv).unwrap();
     said(&["compare", "model.toml", "data"], 1, &["records of a pin rig are not predicted"]);
-    said(&["identify", "model.toml", "data"], 2, &["the model's kind must be \"beam\""]);
+    said(&["identify", "model.toml", "data"], 2, &["steady"]);
+    said(&["identify", "model.toml", "data", "-o", "new.toml"], 2, &["--out", "two directions"]);
+    said(&["identify", "model.toml", "data", "--fit", "a"], 2, &["--fit", "two directions"]);
+}
+
+const PLAN: &str = r#"schema = "stickslip.rig/1"
+model = "model.toml"
+
+[sensors]
+positions = [0.55, 0.3, 0.05]
+
+[[dual_mode]]
+name = "level"
+first = [14.0, 20.0]
+third = [34.0, 50.0]
+frequency = 52.0
+periods = 2
+"#;
+
+/// Column `name` of a table.
+fn column(table: &str, name: &str) -> Vec<f64> {
+    let place = table.lines().next().unwrap().split(',').position(|head| head == name).expect(name);
+    table.lines().skip(1).map(|line| line.split(',').nth(place).unwrap().parse().unwrap()).collect()
+}
+
+/// Root mean square of the difference over that of the truth, means left out.
+fn error_of(found: &[f64], truth: &[f64]) -> f64 {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let (there, here) = (mean(truth), mean(found));
+    let off: f64 = found.iter().zip(truth).map(|(x, y)| ((x - here) - (y - there)).powi(2)).sum();
+    (off / truth.iter().map(|y| (y - there).powi(2)).sum::<f64>()).sqrt()
+}
+
+#[test]
+fn both_forces_are_identified_from_what_the_rig_writes() {
+    let folder = tempfile::tempdir().unwrap();
+    // With its many sliders.
+    let model = include_str!("../../../../examples/slip-slap/model.toml");
+    fs::write(folder.path().join("model.toml"), model).unwrap();
+    fs::write(folder.path().join("plan.toml"), PLAN).unwrap();
+    let output = stickslip(&folder, &["rig", "plan.toml", "-o", "measured"]);
+    assert!(output.status.success(), "{}", error(&output));
+    let asked = ["identify", "model.toml", "measured", "--sensor-gain", "0", "--excitation-gain", "0"];
+    let files = ["--csv", "contact", "--json", "found.json", "--report", "found.html"];
+    let output = stickslip(&folder, &[&asked[..], &files].concat());
+    assert!(output.status.success(), "{}", error(&output));
+    // What is an echo of assumptions is no column, and is named.
+    assert!(error(&output).contains("leave out `normal_displacement [m]`"), "{}", error(&output));
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    let table = read("contact/level-2-contact.csv");
+    assert!(table.starts_with("time [s],displacement [m],velocity [m/s],force [N],normal_force [N]\n"));
+    let truth = read("measured/truth/level-2-contact.csv");
+    // The truth has 256 samples a period, the table 512.
+    for (name, known, most) in [
+        ("force [N]", "force [N]", 0.05),
+        ("normal_force [N]", "normal_load [N]", 0.03),
+        ("displacement [m]", "displacement [m]", 0.02),
+    ] {
+        let found: Vec<f64> = column(&table, name).into_iter().step_by(2).collect();
+        let off = error_of(&found, &column(&truth, known)[..found.len()]);
+        assert!(off < most, "{name}: {off}");
+    }
+    let json = read_json(&folder, "found.json");
+    assert_eq!(json["schema"], "stickslip.identification/1");
+    assert_eq!(
+        (&json["records"][1]["file"], &json["method"]),
+        (&"level-2.csv".into(), &"receptance-inversion".into())
+    );
+    assert!(json["records"][0]["force_interval"].as_f64().unwrap() > 0.0);
+    assert!(json["unidentified"].as_array().unwrap().iter().any(|name| name == "normal_stiffness"));
+    let following = json["coupling"]["following"].as_f64().unwrap();
+    assert!((following - 1.0).abs() < 0.1, "{following}");
+    assert!(read("found.html").contains("Contact in two directions identified"));
 }

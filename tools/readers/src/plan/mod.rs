@@ -9,7 +9,7 @@ mod value;
 use std::path::{Path, PathBuf};
 
 use stickslip::document::{Document, DocumentError, Table};
-use stickslip::model::{Model, Structure};
+use stickslip::model::Model;
 use stickslip::rig::{Plan, Test};
 
 use crate::error::{InputError, Problem};
@@ -64,13 +64,13 @@ pub fn read_plan(path: impl AsRef<Path>) -> Result<RigPlan, InputError> {
             return Err(source.error(named.span, Problem::Unreadable { what, reason: error.to_string() }));
         }
     };
-    let Structure::Beam(beam) = &model.structure else {
+    let Some(beam) = model.structure.beam() else {
         return Err(at(named
-            .error("the model is no beam")
-            .with_help("a rig tests a model of kind \"beam\"")));
+            .error("the model has no beam")
+            .with_help("a rig tests a model of kind \"beam\" or \"pin_rig\"")));
     };
     let (mut plan, masses_told) = sensors::read(&root, beam).map_err(at)?;
-    plan.tests = read_tests(&root).map_err(at)?;
+    plan.tests = read_tests(&root, &model).map_err(at)?;
     Ok(RigPlan { title, model_file, model, plan, masses_told })
 }
 
@@ -85,7 +85,7 @@ fn check_top(root: &Table<'_>) -> Result<(), DocumentError> {
 }
 
 /// All tests in the file's order, whatever their kinds.
-fn read_tests(root: &Table<'_>) -> Result<Vec<Test>, DocumentError> {
+fn read_tests(root: &Table<'_>, model: &Model) -> Result<Vec<Test>, DocumentError> {
     let mut found: Vec<(usize, Test)> = Vec::new();
     for kind in tests::KINDS {
         let tables = root.tables(kind)?.unwrap_or_default();
@@ -94,7 +94,7 @@ fn read_tests(root: &Table<'_>) -> Result<Vec<Test>, DocumentError> {
             let test = tests::read(table, kind, number)?;
             let refused =
                 |error: stickslip::rig::RigError| DocumentError::new(error.to_string(), table.span());
-            test.check().map_err(refused)?;
+            test.check().and_then(|()| test.kind.check_on(model)).map_err(refused)?;
             if found.iter().any(|(_, other)| other.name == test.name) {
                 let message = format!("two tests are called \"{}\"", test.name);
                 return Err(DocumentError::new(message, table.span_of("name").or(table.span())));
@@ -103,7 +103,7 @@ fn read_tests(root: &Table<'_>) -> Result<Vec<Test>, DocumentError> {
         }
     }
     if found.is_empty() {
-        let help = "add at least one [[stepped_sine]], [[random]] or [[ring_down]]";
+        let help = "add at least one [[stepped_sine]], [[dual_mode]], [[random]] or [[ring_down]]";
         return Err(DocumentError::new("the plan has no test", None).with_help(help));
     }
     found.sort_by_key(|(place, _)| *place);

@@ -1,13 +1,13 @@
-//! `[[stepped_sine]]`, `[[random]]`, `[[ring_down]]`.
+//! `[[stepped_sine]]`, `[[dual_mode]]`, `[[random]]`, `[[ring_down]]`.
 
 use stickslip::document::{DocumentError, Table};
-use stickslip::rig::{Frequencies, RandomTest, Release, RingDown, SteppedSine, Test, TestKind};
+use stickslip::rig::{DualMode, Frequencies, RandomTest, Release, RingDown, SteppedSine, Test, TestKind};
 
 use super::value::{not_negative, positive, positive_list, required_positive, whole};
 use crate::dataset::USES;
 
 /// Keys of the tables of tests.
-pub(super) const KINDS: [&str; 3] = ["stepped_sine", "random", "ring_down"];
+pub(super) const KINDS: [&str; 4] = ["stepped_sine", "dual_mode", "random", "ring_down"];
 
 /// The test of a table, the `number`-th of its kind where there are several.
 pub(super) fn read(table: &Table<'_>, kind: &str, number: Option<usize>) -> Result<Test, DocumentError> {
@@ -23,12 +23,14 @@ pub(super) fn read(table: &Table<'_>, kind: &str, number: Option<usize>) -> Resu
             "periods",
             "samples_per_period",
         ],
+        "dual_mode" => &["first", "third", "frequency", "harmonics", "periods", "samples_per_period"],
         "random" => &["force", "band", "duration", "sampling", "lead", "seed"],
         _ => &["amplitude", "force", "duration", "sampling"],
     };
     table.allow(&[own, &["name", "use"]].concat())?;
     let kind_read = match kind {
         "stepped_sine" => TestKind::SteppedSine(stepped_sine(table)?),
+        "dual_mode" => TestKind::DualMode(dual_mode(table)?),
         "random" => TestKind::Random(random(table, number.unwrap_or(1))?),
         _ => TestKind::RingDown(ring_down(table)?),
     };
@@ -58,6 +60,28 @@ fn stepped_sine(table: &Table<'_>) -> Result<SteppedSine, DocumentError> {
     Ok(SteppedSine {
         frequencies: frequencies(table)?,
         harmonics: whole(table, "harmonics", 1)?,
+        periods: whole(table, "periods", 1)?.unwrap_or(standard.periods),
+        samples_per_period: whole(table, "samples_per_period", 8)?.unwrap_or(standard.samples_per_period),
+        ..standard
+    })
+}
+
+/// Both harmonics of the acceleration held, as many of the first as of the third.
+fn dual_mode(table: &Table<'_>) -> Result<DualMode, DocumentError> {
+    let amplitudes = |key: &str, which: &str| {
+        let help = format!("{which} harmonic of the acceleration held at the shaker [m/s^2]: one or a list");
+        positive_list(table, key)?.ok_or_else(|| table.missing(key).with_help(help))
+    };
+    let (first, third) = (amplitudes("first", "first")?, amplitudes("third", "third")?);
+    if first.len() != third.len() {
+        let message = format!("{} of `third` for {} of `first`", third.len(), first.len());
+        return Err(DocumentError::new(message, table.span_of("third"))
+            .with_help("both are held at once: as many of one as of the other"));
+    }
+    let pairs = first.into_iter().zip(third).map(|(first, third)| [first, third]).collect();
+    let standard = DualMode::at(required_positive(table, "frequency", "Hz")?, pairs);
+    Ok(DualMode {
+        harmonics: whole(table, "harmonics", 3)?.unwrap_or(standard.harmonics),
         periods: whole(table, "periods", 1)?.unwrap_or(standard.periods),
         samples_per_period: whole(table, "samples_per_period", 8)?.unwrap_or(standard.samples_per_period),
         ..standard

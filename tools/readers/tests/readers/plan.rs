@@ -109,6 +109,36 @@ fn what_is_wrong_is_said_at_its_line() {
     assert!(error.contains("no test") && error.contains("[[random]]"), "{error}");
 }
 
+/// A pin rig in place of the beam.
+fn on_a_rig(more: &str) -> TempDir {
+    let folder = folder(&format!("{HEAD}{more}"));
+    let rig = include_str!("../../../../examples/slip-slap/model.toml");
+    fs::write(folder.path().join("model.toml"), rig).unwrap();
+    folder
+}
+
+#[test]
+fn a_pin_rig_is_tested_in_dual_mode_alone() {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/slip-slap");
+    let plan = read_plan(examples.join("rig.toml")).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    let TestKind::DualMode(held) = &plan.plan.tests[0].kind else { panic!("dual mode") };
+    assert_eq!(held.amplitudes, [[14.0, 34.0], [17.5, 42.5], [20.0, 50.0]]);
+    assert_eq!((held.frequency, held.periods), (52.0, 8));
+    // Both harmonics of a list each, and on a beam, too.
+    let dual = "[[dual_mode]]\nfirst = 7\nthird = 17\nfrequency = 52\n";
+    assert!(read(&format!("{HEAD}{dual}")).is_ok());
+    says(&dual.replace("= 17", "= [17, 18]"), 3, &["2 of `third` for 1 of `first`"]);
+    says(&dual.replace("frequency", "frequencies"), 4, &["did you mean `frequency`"]);
+    says(&dual.replace("first = 7\n", ""), 1, &["`first` is missing", "m/s^2"]);
+    says(&format!("{dual}harmonics = 2\n"), 5, &["from 3"]);
+    let error = read_plan(on_a_rig(&format!("{dual}{RANDOM}")).path().join("plan.toml")).unwrap_err();
+    assert!(
+        error.line() == Some(7) && error.render(false).contains("[[dual_mode]]"),
+        "{}",
+        error.render(false)
+    );
+}
+
 #[test]
 fn a_model_that_is_missing_or_no_beam_is_said_where_it_is_named() {
     let error = read(&HEAD.replace("model.toml", "none.toml")).unwrap_err();

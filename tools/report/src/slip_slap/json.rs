@@ -5,7 +5,7 @@ use stickslip::identify::{ContactPeriod, SlipSlapRecord};
 
 use super::SlipSlapReport;
 
-/// The identification under the schema `stickslip.slip-slap/1`; numbers in SI units, those that are not told `null`.
+/// The identification under the schema `stickslip.identification/1`, without laws; numbers in SI units, those that are not told `null`.
 ///
 /// Forces and displacements are Fourier coefficients `[mean, cos, sin, …]`; `normal_force` is what presses the pin on its support.
 /// Intervals are half-widths of 95 % intervals, root mean square over the period, without the mean.
@@ -25,10 +25,12 @@ pub fn slip_slap_json(report: &SlipSlapReport) -> Value {
         })
     });
     json!({
-        "schema": "stickslip.slip-slap/1",
+        "schema": "stickslip.identification/1",
         "method": "receptance-inversion",
         "preload": found.preload,
-        "records": report.periods().map(|(record, periods)| one_record(record, periods)).collect::<Vec<_>>(),
+        "records": report.periods().map(|(record, periods)| report.one_record(record, periods)).collect::<Vec<_>>(),
+        "laws": [],
+        "best": null,
         "coupling": coupling,
         "by_modulus": found.by_modulus,
         "by_normal_stiffness": found.by_normal_stiffness,
@@ -42,27 +44,33 @@ pub fn slip_slap_json(report: &SlipSlapReport) -> Value {
     })
 }
 
-fn one_record(record: &SlipSlapRecord, [along, across]: [&ContactPeriod; 2]) -> Value {
-    let [sticks, partly, whole] = record.slopes.parts;
-    let direction = |period: &ContactPeriod, place: usize| {
-        json!({
-            "force": period.force, "force_interval": record.force_intervals[place],
-            "displacement": period.displacement, "displacement_interval": record.displacement_intervals[place],
-            "work": period.work(),
-        })
-    };
-    json!({
-        "file": record.name, "frequency": record.frequency, "accelerations": record.accelerations,
-        "excitation": record.forces, "unexplained": along.unexplained,
-        "tangential": direction(along, 0), "normal": direction(across, 1),
-        "normal_force": record.normal_force, "reversals": record.reversals,
-        "stuck_stiffness": record.slopes.stuck,
-        "sticks": sticks, "micro_slip": partly, "macro_slip": whole,
-        "published": record.published.as_ref().map(|published| {
+impl SlipSlapReport<'_> {
+    fn one_record(&self, record: &SlipSlapRecord, [along, across]: [&ContactPeriod; 2]) -> Value {
+        let own =
+            |warning: &&String| warning.strip_prefix(&record.name).is_some_and(|rest| rest.starts_with(':'));
+        let [sticks, partly, whole] = record.slopes.parts;
+        let direction = |period: &ContactPeriod, place: usize| {
             json!({
-                "trusted": published.trusted(), "difference": published.difference,
-                "normal_ratio": published.modes.each_ref().map(|mode| mode.normal_ratio), "echo": published.echo,
+                "force": period.force, "force_interval": record.force_intervals[place],
+                "displacement": period.displacement, "displacement_interval": record.displacement_intervals[place],
+                "work": period.work(),
             })
-        }),
-    })
+        };
+        json!({
+            "file": record.name, "frequency": record.frequency, "force_interval": record.force_intervals[0],
+            "normal_force_interval": record.force_intervals[1], "conditioning": self.found.inversion.conditioning,
+            "warnings": self.found.warnings.iter().filter(own).collect::<Vec<_>>(), "accelerations": record.accelerations,
+            "excitation": record.forces, "unexplained": along.unexplained,
+            "tangential": direction(along, 0), "normal": direction(across, 1),
+            "normal_force": record.normal_force, "reversals": record.reversals,
+            "stuck_stiffness": record.slopes.stuck,
+            "sticks": sticks, "micro_slip": partly, "macro_slip": whole,
+            "published": record.published.as_ref().map(|published| {
+                json!({
+                    "trusted": published.trusted(), "difference": published.difference,
+                    "normal_ratio": published.modes.each_ref().map(|mode| mode.normal_ratio), "echo": published.echo,
+                })
+            }),
+        })
+    }
 }

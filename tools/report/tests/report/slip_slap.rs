@@ -66,7 +66,7 @@ fn page_table_and_json_say_what_was_found_and_what_was_not() {
     }
     assert!(page.contains("leaves its support 3 times") && page.contains("8.5"));
     let json = slip_slap_json(&report);
-    assert_eq!(json["schema"], "stickslip.slip-slap/1");
+    assert_eq!(json["schema"], "stickslip.identification/1");
     assert_eq!(json["separates"], false);
     assert_eq!(json["records"][0]["published"]["trusted"], false);
     assert!(json["unidentified"].as_array().unwrap().iter().any(|name| name == "normal_stiffness"));

@@ -1,4 +1,6 @@
-//! `stickslip identify`
+//! `stickslip identify`: a contact behind a beam here, one in two directions in `slip_slap`.
+
+mod slip_slap;
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -8,7 +10,7 @@ use stickslip::data::{Dataset, Regime};
 use stickslip::identify::{
     ContactPeriod, Identification, IdentificationError, IdentifyOptions, ModeCount, identify,
 };
-use stickslip::model::Model;
+use stickslip::model::{Model, Structure};
 use stickslip_report::identification::{
     IdentificationReport, identification_html, identification_json, identification_table,
 };
@@ -26,16 +28,17 @@ const ROWS: usize = 512;
 Examples:
   stickslip identify beam.toml data/ --report contact.html --csv contact/
   stickslip identify beam.toml data/ --fit level-70 --json contact.json -o identified.toml
+  stickslip identify rig.toml data/ --report both.html --csv contact/ --separation
   stickslip export identified.toml -o Support.fmu
 
 Steady records give the contact's force and motion, all of them together; laws are fitted to some of them and predict the
 others. Records under random excitation give the linear modes, free decays and backbone tables the resonance over the
 amplitude. The law of the model's own contact is not used, its normal
-load is.
+load is. Of a pin rig dual-mode records give both forces of its contact, without laws.
 
 Exit codes: 0 done; 1 failed, such as a record of --fit that cannot be inverted; 2 bad input (nothing is written); 130 interrupted by Ctrl-C (nothing is written).")]
 pub struct Identify {
-    /// The model file of a beam, or an FMU that carries one
+    /// The model file of a beam or a pin rig, or an FMU that carries one
     model: PathBuf,
     /// The dataset: `dataset.toml` or the folder that holds it
     dataset: PathBuf,
@@ -67,6 +70,9 @@ pub struct Identify {
     /// Write the model with the law that predicts best
     #[arg(short, long, value_name = "NEW.toml")]
     out: Option<PathBuf>,
+    /// Of a pin rig, search on its model, contact included, the preload below which the pin leaves its support
+    #[arg(long)]
+    separation: bool,
     #[command(flatten)]
     files: ResultFiles,
 }
@@ -100,6 +106,12 @@ impl Identify {
         read.extend(dataset_files(&self.dataset, &dataset));
         self.check_tables(&dataset, &read)?;
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+        if let Structure::PinRig(pinned) = &model.structure {
+            return self.run_slip_slap((&model, pinned), &dataset, &settings);
+        }
+        if self.separation {
+            return Err(Failure::input("--separation: the model's kind must be \"pin_rig\""));
+        }
         let Some(found) = self.found(&model, &dataset)? else { return Ok(()) };
         let data = dataset.title.clone().unwrap_or_else(|| self.dataset.display().to_string());
         let report = IdentificationReport { title: format!("Contact identified: {data}"), found: &found };
@@ -127,28 +139,27 @@ impl Identify {
 
     /// What the records tell; `None` after an interrupt.
     fn found(&self, model: &Model, dataset: &Dataset) -> Result<Option<Identification>, Failure> {
-        let defaults = IdentifyOptions::default();
-        let options = IdentifyOptions {
-            excitation_gain: self.excitation_gain,
-            sensor_gain: self.sensor_gain,
-            sensor_mass: self.sensor_mass,
-            modes: self.modes.map_or(defaults.modes, |modes| modes.0),
-            harmonics: self.harmonics.into(),
-            fitted: self.fit.clone(),
-            normal_load: self.normal_load,
-            interrupt: Some(&progress::interrupted),
-        };
         let bar = progress::spinner("identify");
-        let found = identify(model, dataset, &options);
+        let found = identify(model, dataset, &self.options());
         bar.finish_and_clear();
         if progress::interrupted() {
             tell!("note: interrupted; nothing was written");
             return Ok(None);
         }
-        found.map(Some).map_err(|error| match error {
-            IdentificationError::NotIdentified { .. } => Failure::other(error.to_string()),
-            IdentificationError::Failed(message) => Failure::input(message),
-        })
+        found.map(Some).map_err(failure)
+    }
+
+    fn options(&self) -> IdentifyOptions<'static> {
+        IdentifyOptions {
+            excitation_gain: self.excitation_gain,
+            sensor_gain: self.sensor_gain,
+            sensor_mass: self.sensor_mass,
+            modes: self.modes.map_or(IdentifyOptions::default().modes, |modes| modes.0),
+            harmonics: self.harmonics.into(),
+            fitted: self.fit.clone(),
+            normal_load: self.normal_load,
+            interrupt: Some(&progress::interrupted),
+        }
     }
 
     /// Refuses tables that could not be written, before any work; their folder may still be missing.
@@ -171,16 +182,28 @@ impl Identify {
         }
     }
 
-    fn add_tables(&self, found: &Identification, outputs: &mut Outputs) -> Result<(), Failure> {
-        let Some((folder, inversion)) = self.csv.as_ref().zip(found.inversion.as_ref()) else {
-            return Ok(());
-        };
+    /// The folder of `--csv`, made where it is missing.
+    fn table_folder(&self) -> Result<Option<&Path>, Failure> {
+        let Some(folder) = &self.csv else { return Ok(None) };
         std::fs::create_dir_all(folder)
             .map_err(|error| Failure::input(format!("{} cannot be a folder: {error}", folder.display())))?;
+        Ok(Some(folder))
+    }
+
+    fn add_tables(&self, found: &Identification, outputs: &mut Outputs) -> Result<(), Failure> {
+        let Some(inversion) = &found.inversion else { return Ok(()) };
+        let Some(folder) = self.table_folder()? else { return Ok(()) };
         for (record, period) in found.records.iter().zip(&inversion.periods) {
             outputs.add(&table_of(folder, &record.name), table(period));
         }
         Ok(())
+    }
+}
+
+fn failure(error: IdentificationError) -> Failure {
+    match error {
+        IdentificationError::NotIdentified { .. } => Failure::other(error.to_string()),
+        IdentificationError::Failed(message) => Failure::input(message),
     }
 }
 
