@@ -44,13 +44,21 @@ impl Known {
     }
 }
 
+/// A solution with the equations about it.
+struct Settled {
+    known: Known,
+    about: Linearised,
+    predictions: Vec<f64>,
+}
+
 /// What does not change from one prediction of the record to the next.
 pub(super) struct SteadyRecord {
     pub forcing: SteadyProblem,
     pub measured: RecordHarmonics,
     start: Option<Start>,
-    /// Whether the start is one of this simulation's own solutions.
-    settled: bool,
+    /// Where the start is one of this simulation's own solutions: the equations as they stand there. A fit asks for
+    /// derivatives at the same place more than once.
+    settled: Option<Settled>,
     /// What was predicted last from the start, and its solution: a fit that accepts a step asks for the derivatives there
     /// next.
     last: Option<(Known, Start)>,
@@ -73,7 +81,7 @@ impl SteadyRecord {
             sensed_harmonics: SENSED * harmonics,
             tolerance: TOLERANCE,
         };
-        Ok(Self { forcing, measured, start: None, settled: false, last: None })
+        Ok(Self { forcing, measured, start: None, settled: None, last: None })
     }
 
     /// Starts from a solution of another simulation of the record.
@@ -84,7 +92,7 @@ impl SteadyRecord {
     /// Predictions of all channels, one after the other: of the response near the last one of this simulation where
     /// there is one, as the many steps that a fit tries need no search.
     pub fn predict(&mut self, at: &At, out: &mut Vec<f64>) -> Result<(), String> {
-        let Some(start) = self.start.as_ref().filter(|_| self.settled) else {
+        let Some(start) = self.start.as_ref().filter(|_| self.settled.is_some()) else {
             return self.nearest(at, &[], out).map(drop).map_err(text);
         };
         let mut steady = self.forcing.solve(at.assembly, &[], Some(start)).map_err(text)?;
@@ -102,13 +110,25 @@ impl SteadyRecord {
         predictions: &mut Vec<f64>,
         differences: &mut [Vec<f64>],
     ) -> Result<(), String> {
-        let solved = self.nearest(at, neighbours, predictions).map_err(text)?;
-        let (mut about, start) = solved.linearised().map_err(text)?;
-        self.differences(&mut about, at.assembly, neighbours, differences).map_err(text)?;
-        self.start = Some(start);
-        self.settled = true;
-        self.last = None;
-        Ok(())
+        let there =
+            |settled: &mut Settled| settled.known.is(at) && settled.about.covers(at.assembly, neighbours);
+        let (mut here, start) = match self.settled.take_if(there) {
+            Some(here) => (here, None),
+            None => {
+                let solved = self.nearest(at, neighbours, predictions).map_err(text)?;
+                let (about, start) = solved.linearised().map_err(text)?;
+                let predictions = predictions.clone();
+                (Settled { known: at.known(), about, predictions }, Some(start))
+            }
+        };
+        predictions.clone_from(&here.predictions);
+        let done = self.differences(&mut here.about, at.assembly, neighbours, differences);
+        if done.is_ok() || start.is_none() {
+            self.start = start.or(self.start.take());
+            self.settled = Some(here);
+            self.last = None;
+        }
+        done.map_err(text)
     }
 
     /// What the channels show to first order of `neighbours` less what they show of `assembly`, at whose motion the
@@ -185,7 +205,7 @@ impl SteadyRecord {
         let assembly = at.assembly;
         match origin {
             Origin::LastSolution => {
-                let last = self.last.as_ref().filter(|(known, _)| self.settled && known.is(at));
+                let last = self.last.as_ref().filter(|(known, _)| self.settled.is_some() && known.is(at));
                 let start = last.map(|(_, here)| here).or(self.start.as_ref())?;
                 Some(self.forcing.solve(assembly, others, Some(start)))
             }
@@ -197,7 +217,7 @@ impl SteadyRecord {
                 Some(start.and_then(|start| self.forcing.solve(assembly, others, Some(&start))))
             }
             Origin::Nothing => {
-                let needless = self.settled || self.start.is_some() && found;
+                let needless = self.settled.is_some() || self.start.is_some() && found;
                 (!needless).then(|| self.forcing.solve(assembly, others, None))
             }
         }

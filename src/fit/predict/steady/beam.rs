@@ -58,7 +58,7 @@ impl<'r> SteadyBeam<'r> {
                 }
                 let assembly = observed_assembly(model, &positions, steady.measured.load.as_deref(), 0.0)?;
                 // Without a start later predictions search on their own.
-                let at = At { model, nuisances: &[], assembly: &assembly };
+                let at = At { model, nuisances: &[0.0], assembly: &assembly };
                 let _ = steady.linearise(&at, &[], &mut Vec::new(), &mut []);
                 Solver::Balance(Box::new(steady))
             }

@@ -257,6 +257,36 @@ fn where_a_sticking_contact_was_left_is_found_and_a_slipping_one_forgets_it() {
     assert!((found[0] - OFFSET).abs() < 1e-3 * OFFSET, "{found:?}");
 }
 
+/// What stands where it was linearised last serves for other directions there, and nowhere else.
+#[test]
+fn derivatives_asked_for_again_are_those_of_a_new_simulation() {
+    let (here, record) = (model(""), record(12.0, 51.0));
+    let there = moved(&here, "contact.friction_coefficient", 0.02);
+    let along = |from: &Model, path: &str, offset: f64| Direction {
+        model: moved(from, path, 1e-6),
+        nuisances: vec![offset],
+        step: 1e-6,
+    };
+    let derivatives = |simulation: &mut dyn Simulation, model: &Model, offset: f64, path: &str| {
+        let (mut at, mut by) = (Vec::new(), Vec::new());
+        let direction = along(model, path, offset);
+        simulation.linearise(model, &[offset], &[direction], &mut at, &mut by).expect("a solution");
+        (at, by.swap_remove(0))
+    };
+    let size = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let apart =
+        |a: &[f64], b: &[f64]| size(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>()) / size(b);
+    let mut warm = simulation(&here, &record);
+    for (model, offset) in [(&here, 0.0), (&there, 0.0), (&there, 1e-7)] {
+        for path in ["beam.youngs_modulus", "contact.tangential_stiffness"] {
+            let (at, by) = derivatives(warm.as_mut(), model, offset, path);
+            let (new_at, new_by) = derivatives(simulation(model, &record).as_mut(), model, offset, path);
+            let errors = [apart(&at, &new_at), apart(&by, &new_by)];
+            assert!(errors[0] < 1e-6 && errors[1] < 1e-5, "{path} {offset}: {errors:?}");
+        }
+    }
+}
+
 /// A beam that stretches has two steady states above its resonance; the one that was measured is predicted.
 #[test]
 fn of_several_responses_the_measured_one_is_predicted() {

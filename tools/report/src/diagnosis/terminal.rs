@@ -40,11 +40,14 @@ fn heading(out: &mut Text, text: &str) {
 
 /// The parameters of what was found, with their intervals.
 fn found(out: &mut Text, diagnosis: &Diagnosis) {
+    // Of sets that hold nothing else: a larger one that predicts the same was weighed, and not found.
+    let found = |one: &&Candidate| one.effects.iter().all(|id| diagnosis.effects.contains(id));
     let fitted = |id: &&str| {
         let all = diagnosis.rounds.iter().rev().flatten().chain(&diagnosis.candidates);
-        all.filter(|one| one.effects.contains(id)).find(|one| !one.parameters.is_empty())
+        all.filter(found).filter(|one| one.effects.contains(id)).find(|one| !one.parameters.is_empty())
     };
-    let all: Vec<&Candidate> = diagnosis.effects.iter().filter_map(fitted).collect();
+    let mut all: Vec<&Candidate> = diagnosis.effects.iter().filter_map(fitted).collect();
+    all.dedup_by(|a, b| std::ptr::eq(*a, *b));
     if !all.is_empty() {
         heading(out, "Found (95 % intervals in brackets)");
     }
