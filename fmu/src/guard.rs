@@ -30,6 +30,8 @@ pub struct Component {
     pub instance: Instance,
     pub log: Log,
     pub last_step: Status,
+    /// A warning of the instance was passed on.
+    pub warned: bool,
     poisoned: bool,
 }
 
@@ -44,6 +46,11 @@ impl Failure {
     /// The call failed, the instance is as before.
     pub fn error(message: impl Into<String>) -> Self {
         Self { status: Status::Error, message: message.into() }
+    }
+
+    /// The call did what it should, with results that are not what they seem.
+    pub fn warning(message: impl Into<String>) -> Self {
+        Self { status: Status::Warning, message: message.into() }
     }
 
     /// The call cannot deliver, which is no fault of the importer.
@@ -63,7 +70,7 @@ impl From<Error> for Failure {
 
 impl Component {
     pub fn new(instance: Instance, log: Log) -> Self {
-        Self { magic: COMPONENT, instance, log, last_step: Status::Ok, poisoned: false }
+        Self { magic: COMPONENT, instance, log, last_step: Status::Ok, warned: false, poisoned: false }
     }
 
     /// After a jump to another state: the status of the step that led there.

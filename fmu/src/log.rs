@@ -35,8 +35,8 @@ impl Category {
 
 /// All categories, `logAll`.
 const ALL: u8 = 0b1_1111;
-/// What is reported although debug logging is off: why a call failed.
-const FAILURES: u8 = 0b1_1100;
+/// What is reported although debug logging is off: why a call failed, or gave a warning.
+const FAILURES: u8 = 0b1_1110;
 
 /// The importer's logger and what it wants to hear.
 pub struct Log {

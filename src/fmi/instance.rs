@@ -6,8 +6,10 @@ use super::lines::Derivatives;
 use super::parameter::{parameters, with_values};
 use super::stage::{Setup, Stage};
 use super::{Behaviour, behaviour, describe};
+use crate::contact::MEASURED;
 use crate::model::Model;
 use crate::time::Ramp;
+use crate::vocabulary as v;
 use uuid::Uuid;
 
 /// Relative tolerance of the integration inside, where the simulation sets none.
@@ -219,6 +221,41 @@ impl Instance {
         }
         self.time = Some(time + step);
         Ok(())
+    }
+
+    /// What is not as it should be at the end of the last step, although the simulation can go on: a contact beyond the
+    /// table of its measured law ([`Measured`](crate::contact::Measured)), where all of it slips.
+    ///
+    /// ```
+    /// use stickslip::fmi::{Instance, Setup};
+    /// let kept: String = (1..12).map(|k| format!("slope_kept_{k} = 0.8\n")).collect();
+    /// let mut contact = Instance::new(&format!(
+    ///     "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"measured\"\n\
+    ///      tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n{kept}"
+    /// ))?;
+    /// contact.set_up(Setup::default())?;
+    /// contact.enter_initialization()?;
+    /// contact.exit_initialization()?;
+    /// assert_eq!(contact.warning(), None);
+    /// let displacement = contact.description().reference("displacement").unwrap();
+    /// contact.set_real(&[displacement], &[1.0])?;
+    /// contact.do_step(0.0, 1e-3)?;
+    /// assert!(contact.warning().unwrap().contains("beyond the table"));
+    /// # Ok::<(), stickslip::fmi::Error>(())
+    /// ```
+    pub fn warning(&self) -> Option<String> {
+        let contact = self.model.contact.filter(|contact| contact.law.kind == MEASURED)?;
+        let slips = self.description.reference(v::SLIP_FRACTION.name)?;
+        let load = self.description.reference(v::NORMAL_LOAD.name);
+        let pressed = load.is_none_or(|row| self.values[row as usize] > 0.0);
+        (pressed && self.values[slips as usize] >= 1.0).then(|| {
+            format!(
+                "at {} s the contact has moved beyond the table of its law `{}`, where nothing was measured: its force stays \
+                 that of the table's end",
+                self.time(),
+                contact.law.kind.name
+            )
+        })
     }
 
     /// Ends the simulation; values can still be read.

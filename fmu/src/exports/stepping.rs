@@ -23,10 +23,22 @@ pub unsafe extern "C" fn fmi2DoStep(
             Err(Error::Step { .. }) => Status::Discard,
             Err(_) => Status::Error,
         };
-        Ok(outcome?)
+        outcome?;
+        warned_once(component)
     };
     // SAFETY: the importer's promise.
     unsafe { guarded(handle, Function::DoStep, body) }
+}
+
+/// The first warning of an instance; more of the same would fill the importer's log.
+fn warned_once(component: &mut Component) -> Result<(), Failure> {
+    if component.warned {
+        return Ok(());
+    }
+    let Some(warning) = component.instance.warning() else { return Ok(()) };
+    component.warned = true;
+    component.last_step = Status::Warning;
+    Err(Failure::warning(warning))
 }
 
 #[unsafe(no_mangle)]

@@ -7,3 +7,4 @@ mod lifecycle;
 mod panics;
 mod saved_states;
 mod values;
+mod warnings;
