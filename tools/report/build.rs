@@ -1,17 +1,35 @@
 //! Takes plotly.js out of the source of the crate that carries it. That crate, with thirty others below it, need not be
-//! compiled for a file: cargo says where it lies, and fetches it where it does not lie yet.
+//! compiled for a file: cargo says where it lies, and fetches it where it does not lie yet. It is packed, since every
+//! page carries it.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+use base64::prelude::{BASE64_STANDARD, Engine};
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=../../Cargo.lock");
     let script = source_of("plotly").join("resource/plotly.min.js");
     let folder = PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
-    if let Err(error) = std::fs::copy(&script, folder.join("plotly.min.js")) {
-        panic!("{} cannot be copied: {error}", script.display());
+    let text = std::fs::read_to_string(&script);
+    let text = text.unwrap_or_else(|error| panic!("{} cannot be read: {error}", script.display()));
+    let target = folder.join("plotly.packed");
+    if let Err(error) = std::fs::write(&target, packed(&text)) {
+        panic!("{} cannot be written: {error}", target.display());
     }
+}
+
+/// The licence at the head of `script` as it is, and all of it as the page's script unpacks it.
+fn packed(script: &str) -> String {
+    let (licence, _) = script.split_once("*/").expect("plotly.js begins with its licence");
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
+    encoder.write_all(script.as_bytes()).expect("memory takes everything");
+    let bytes = encoder.finish().expect("memory takes everything");
+    format!("{licence}*/\n{}", BASE64_STANDARD.encode(bytes))
 }
 
 /// The folder of the source of `package`, one of the workspace's dependencies.

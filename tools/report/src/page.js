@@ -1,5 +1,15 @@
 "use strict";
-(function () {
+// The script library lies in the page packed, a third of its size; the licence before it stays readable.
+async function unpack() {
+  const packed = document.getElementById("library").textContent.split("*/")[1];
+  const bytes = Uint8Array.from(atob(packed.trim()), (letter) => letter.charCodeAt(0));
+  const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const library = document.createElement("script");
+  library.textContent = await new Response(plain).text();
+  document.head.append(library);
+}
+
+function show() {
   const stored = JSON.parse(document.getElementById("figures").textContent);
   // On a small screen the buttons would cover the figure, and fingers zoom without them.
   const narrow = window.innerWidth < 600;
@@ -66,4 +76,9 @@
     Plotly.relayout(element, { width: element.closest(".half") ? 320 : 670 })));
   window.addEventListener("afterprint", () => drawn().forEach((element) =>
     Plotly.relayout(element, { width: null, autosize: true })));
-})();
+}
+
+unpack().then(show).catch((error) => {
+  console.error(error);
+  document.getElementById("undrawn").hidden = false;
+});

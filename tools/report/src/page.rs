@@ -13,8 +13,8 @@ use crate::{Settings, explorer, floors, format, plots, tables};
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
                       img-src data: blob:; base-uri 'none'; form-action 'none'";
 
-/// The script library that draws the figures.
-const PLOTLY: &str = include_str!(concat!(env!("OUT_DIR"), "/plotly.min.js"));
+/// The script library that draws the figures, packed: its licence, then what the page's script unpacks.
+const PLOTLY: &str = include_str!(concat!(env!("OUT_DIR"), "/plotly.packed"));
 
 /// One self-contained HTML page: it opens without a network, prints, and reads on a small screen.
 ///
@@ -96,10 +96,13 @@ impl Shell<'_> {
                         @for note in warnings { p.warning { (name(note)) } }
                         p.quiet { (name(scope)) @if let Some(date) = &settings.date { " " (name(date)) } }
                     }
+                    p.warning id="undrawn" hidden {
+                        "The figures could not be drawn; a browser from 2023 or later does. The tables are complete."
+                    }
                     noscript { p.warning { "The figures need JavaScript; the tables do not." } }
                     main { (sections) }
                     script type="application/json" id="figures" { (PreEscaped(figures.to_json())) }
-                    script { (PreEscaped(PLOTLY)) }
+                    script type="text/plain" id="library" { (PreEscaped(PLOTLY)) }
                     script {
                         (PreEscaped(include_str!("explorer.js")))
                         (PreEscaped(include_str!("page.js")))
