@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let model = Model::parse(&fs::read_to_string(root.join("examples/frictional-support/published.toml"))?)?;
     let mut page = format!(
         "# Coverage of the 95 % intervals of `identify`\n\nWritten by `cargo run --release -p stickslip --example \
-         identification_coverage`. {seeds} datasets of the virtual rig, three levels each, noise of 1 % of every channel (told), gains \
+         identification_coverage {seeds}`. {seeds} datasets of the virtual rig, three levels each, noise of 1 % of every channel (told), gains \
          drawn with a standard deviation of 1 %; in the second column masses at the sensors, too, of 1 g. Counted is how often the \
          truth lies inside; the goal is 90 to 99 %. `normal` are 1.96 standard errors of every coefficient of a contact's period but \
          the mean.\n\n| quantity |"

@@ -3,7 +3,7 @@
 //! They are told and decide nothing. `samples`: single samples and runs of them; `time`: time stamps, and records that were
 //! moving when they should not; `copies`: channels and records that are there twice; `hum`: the mains; `sign`: a force or an
 //! excitation of the other sign; `scale` and `dynamic`: units that are off by powers of ten, in the data or in the model, of contacts
-//! and of structures.
+//! and of structures; `table`: motions beyond a measured law.
 //!
 //! A finding is told where its reason is beyond doubt: the limits are far from what noise, friction and impacts do, so that
 //! clean data have none.
@@ -14,6 +14,7 @@ mod hum;
 mod samples;
 mod scale;
 mod sign;
+mod table;
 #[cfg(test)]
 mod tests;
 mod time;
@@ -122,6 +123,13 @@ pub enum Fault {
         /// The likely cause, in words.
         cause: &'static str,
     },
+    /// The contact moves farther than the table of its measured law goes.
+    BeyondTable {
+        /// Half of its motion (m).
+        moved: f64,
+        /// Where the table ends (m).
+        range: f64,
+    },
     /// A parameter of the model that no machine has.
     Implausible {
         /// Its value.
@@ -148,6 +156,7 @@ impl Fault {
             Self::GivenTwice { .. } => "given-twice",
             Self::ReversedSign { .. } => "reversed-sign",
             Self::Scale { .. } => "scale",
+            Self::BeyondTable { .. } => "beyond-table",
             Self::Implausible { .. } => "implausible",
         }
     }
@@ -197,6 +206,12 @@ impl Fault {
             Self::Scale { what, measured, modelled, unit, cause } => {
                 format!("the {what} is {measured:.2e} {unit} in the data and {modelled:.2e} {unit} in the model: {cause}")
             }
+            Self::BeyondTable { moved, range } => format!(
+                "the contact moves by ± {:.3} µm, the table of the model's measured law ends at {:.3} µm: what is foretold beyond is the \
+                 force at its end, which nobody has measured",
+                1e6 * moved,
+                1e6 * range
+            ),
             Self::Implausible { value, unit, cause } => format!("{value:e} {unit} is implausible: {cause}"),
         }
     }
@@ -268,6 +283,7 @@ fn of_signals(model: &Model, record: &Record, found: &mut Vec<Finding>) {
     hum::of(record, found);
     sign::of(record, found);
     scale::of_contact(model, record, found);
+    table::of(model, record, found);
 }
 
 /// A finding in a channel of a record.

@@ -21,6 +21,7 @@ use super::steady::steady;
 use super::{IdentificationError, IdentifiedLaw, Inversion};
 use crate::data::{Dataset, Record, Regime};
 use crate::fit::InterruptHook;
+use crate::fit::checks::check;
 use crate::fit::ring_down::tabulated;
 use crate::model::{Beam, Contact, Model, Structure};
 use crate::system::{Damping, StructureChanges};
@@ -181,7 +182,7 @@ pub fn identify(
         levels,
         unidentified: Vec::new(),
         skipped,
-        warnings: setup.warnings.clone(),
+        warnings: said_first(model, &dataset, &setup),
     };
     check_interrupt(options)?;
     if !chosen.is_empty() {
@@ -196,6 +197,12 @@ pub fn identify(
         );
     }
     Ok(found)
+}
+
+/// What is wrong with the measurements or the model before anything is identified, and what the model leaves out.
+fn said_first(model: &Model, dataset: &Dataset, setup: &Setup) -> Vec<String> {
+    let found = check(model, dataset).into_iter().map(|finding| finding.to_string());
+    found.chain(setup.warnings.iter().cloned()).collect()
 }
 
 pub(super) fn check_interrupt(options: &IdentifyOptions) -> Result<(), IdentificationError> {
