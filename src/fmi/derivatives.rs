@@ -58,7 +58,7 @@ impl Instance {
         same_length(references.len(), derivatives.len())?;
         self.check_orders(references, orders, INPUT_DERIVATIVE_ORDER)?;
         for (reference, derivative) in references.iter().zip(derivatives) {
-            let variable = &self.description.variables[*reference as usize];
+            let variable = &self.shared.description.variables[*reference as usize];
             let name = || variable.name.to_string();
             if variable.causality == Causality::Parameter {
                 return Err(Error::NoDerivative { name: name(), reason: "it is a parameter" });
@@ -150,7 +150,7 @@ impl Instance {
         self.check_rows(knowns, VariableType::Real)?;
         self.check_outputs(unknowns)?;
         for (reference, line) in knowns.iter().zip(direction.clone()) {
-            let variable = &self.description.variables[*reference as usize];
+            let variable = &self.shared.description.variables[*reference as usize];
             let name = || variable.name.to_string();
             if variable.causality != Causality::Input {
                 let reason = "outputs are differentiated by inputs, and it is none";
@@ -187,7 +187,7 @@ impl Instance {
 
     fn check_outputs(&self, references: &[u32]) -> Result<(), Error> {
         for reference in references {
-            let variable = &self.description.variables[*reference as usize];
+            let variable = &self.shared.description.variables[*reference as usize];
             if variable.causality != Causality::Output {
                 let reason = "it is no output";
                 return Err(Error::NoDerivative { name: variable.name.to_string(), reason });
@@ -201,7 +201,7 @@ impl Instance {
         self.check_rows(references, VariableType::Real)?;
         for (reference, order) in references.iter().zip(orders) {
             if !(1..=highest.cast_signed()).contains(order) {
-                let name = self.description.variables[*reference as usize].name.to_string();
+                let name = self.shared.description.variables[*reference as usize].name.to_string();
                 return Err(Error::DerivativeOrder { name, order: *order, highest });
             }
         }
@@ -213,7 +213,7 @@ impl Instance {
         for (row, slope) in self.slopes.iter().enumerate() {
             if let Some(slopes) = slope {
                 let reached = Ramp::with_derivatives(self.values[row], *slopes, step).end;
-                check_value(&self.description.variables[row], reached)?;
+                check_value(&self.shared.description.variables[row], reached)?;
             }
         }
         Ok(())

@@ -1,19 +1,22 @@
 //! A running model: values, state, and the way through the stages of a simulation.
 
-use super::description::{Causality, Description};
+use super::description::Description;
 use super::error::Error;
 use super::lines::Derivatives;
-use super::parameter::{parameters, with_values};
+use super::parameter::with_values;
 use super::stage::{Setup, Stage};
-use super::{Behaviour, behaviour, describe};
+use super::template::{Shared, Template};
+use super::{Behaviour, behaviour};
 use crate::contact::MEASURED;
 use crate::model::Model;
 use crate::time::Ramp;
 use crate::vocabulary as v;
+use std::sync::Arc;
 use uuid::Uuid;
 
 /// Relative tolerance of the integration inside, where the simulation sets none.
 const DEFAULT_TOLERANCE: f64 = 1e-6;
+
 /// A model that is being simulated.
 ///
 /// ```
@@ -43,13 +46,10 @@ const DEFAULT_TOLERANCE: f64 = 1e-6;
 /// ```
 #[derive(Debug)]
 pub struct Instance {
-    model: Model,
-    pub(super) description: Description,
-    pub(super) guid: Uuid,
-    pub(super) paths: Vec<String>,
+    pub(super) shared: Arc<Shared>,
     pub(super) behaviour: Box<dyn Behaviour>,
     /// Parameter values the behaviour was built from.
-    built: Vec<f64>,
+    built: Box<[f64]>,
     pub(super) stage: Stage,
     pub(super) values: Vec<f64>,
     pub(super) state: Vec<f64>,
@@ -68,17 +68,12 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// An instance of the model in `model_toml`, the text of a model file.
+    /// An instance of the model in `model_toml`, the text of a model file. Several cost least by a [`Template`].
     ///
     /// # Errors
     /// A text that is no model, with the line, or parameters that make none.
     pub fn new(model_toml: &str) -> Result<Self, Error> {
-        let model = Model::parse(model_toml).map_err(|error| {
-            let line = error.span.as_ref().and_then(|span| model_toml.get(..span.start));
-            let line = line.map(|before| format!("line {}: ", before.matches('\n').count() + 1));
-            Error::Model(format!("{}{}", line.unwrap_or_default(), error.message))
-        })?;
-        Self::from_model(&model)
+        Template::parse(model_toml)?.instance()
     }
 
     /// An instance of `model`.
@@ -96,20 +91,16 @@ impl Instance {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn from_model(model: &Model) -> Result<Self, Error> {
-        model.check().map_err(|error| Error::Model(error.to_string()))?;
-        let (paths, rows) = parameters(model);
-        let description = describe(model, rows).map_err(Error::Model)?;
-        let behaviour = behaviour(model).map_err(Error::Parameters)?;
-        let values: Vec<f64> = description.variables.iter().map(|variable| variable.start).collect();
+        Template::new(model.clone())?.instance()
+    }
+
+    /// At the beginning of a simulation.
+    pub(super) fn begin(shared: Arc<Shared>, behaviour: Box<dyn Behaviour>) -> Self {
+        let values: Vec<f64> = shared.starts().collect();
         let state = vec![0.0; behaviour.state_len()];
-        let guid = description.guid();
-        let count = |causality| description.references(causality).count();
-        let (inputs, outputs) = (count(Causality::Input), count(Causality::Output));
-        Ok(Self {
-            model: model.clone(),
-            guid,
-            built: values[values.len() - paths.len()..].to_vec(),
-            paths,
+        let Shared { inputs, outputs, .. } = *shared;
+        Self {
+            built: values[shared.first_parameter()..].into(),
             stage: Stage::Instantiated,
             stale: true,
             time: None,
@@ -119,21 +110,21 @@ impl Instance {
             sloped: false,
             rates: vec![0.0; outputs],
             direction: vec![Ramp::held(0.0); inputs],
-            description,
             behaviour,
             values,
             state,
-        })
+            shared,
+        }
     }
 
     /// The variable table.
     pub fn description(&self) -> &Description {
-        &self.description
+        &self.shared.description
     }
 
     /// Identity of the model ([`Description::guid`]).
     pub fn guid(&self) -> Uuid {
-        self.guid
+        self.shared.guid
     }
 
     /// Where the instance is in the simulation.
@@ -244,9 +235,9 @@ impl Instance {
     /// # Ok::<(), stickslip::fmi::Error>(())
     /// ```
     pub fn warning(&self) -> Option<String> {
-        let contact = self.model.contact.filter(|contact| contact.law.kind == MEASURED)?;
-        let slips = self.description.reference(v::SLIP_FRACTION.name)?;
-        let load = self.description.reference(v::NORMAL_LOAD.name);
+        let contact = self.shared.model.contact.filter(|contact| contact.law.kind == MEASURED)?;
+        let slips = self.shared.description.reference(v::SLIP_FRACTION.name)?;
+        let load = self.shared.description.reference(v::NORMAL_LOAD.name);
         let pressed = load.is_none_or(|row| self.values[row as usize] > 0.0);
         (pressed && self.values[slips as usize] >= 1.0).then(|| {
             format!(
@@ -272,9 +263,7 @@ impl Instance {
 
     /// Back to where the instance was made: all values at their start.
     pub fn reset(&mut self) {
-        for (value, variable) in self.values.iter_mut().zip(&self.description.variables) {
-            *value = variable.start;
-        }
+        self.values.iter_mut().zip(self.shared.starts()).for_each(|(value, start)| *value = start);
         self.state.fill(0.0);
         self.forget_slopes();
         self.stage = Stage::Instantiated;
@@ -321,8 +310,7 @@ impl Instance {
         if !self.stale {
             return Ok(());
         }
-        let first_parameter = self.values.len() - self.paths.len();
-        let parameters = self.values[first_parameter..].to_vec();
+        let parameters = self.values[self.shared.first_parameter()..].to_vec();
         self.build(&parameters)?;
         self.behaviour.start(&mut self.state, &mut self.values).map_err(Error::Parameters)?;
         self.stale = false;
@@ -335,9 +323,9 @@ impl Instance {
         if same {
             return Ok(());
         }
-        let first_parameter = self.values.len() - self.paths.len();
-        let rows = &self.description.variables[first_parameter..];
-        let model = with_values(&self.model, &self.paths, rows, parameters).map_err(Error::Parameters)?;
+        let Shared { model, description, paths, .. } = &*self.shared;
+        let rows = &description.variables[self.shared.first_parameter()..];
+        let model = with_values(model, paths, rows, parameters).map_err(Error::Parameters)?;
         let behaviour = behaviour(&model).map_err(Error::Parameters)?;
         if behaviour.state_len() != self.state.len() {
             return Err(Error::Parameters("these parameters change the size of the model".to_owned()));

@@ -76,6 +76,7 @@ mod slip;
 mod slip_slap;
 mod snapshot;
 mod stage;
+mod template;
 mod values;
 
 pub use derivatives::{DERIVATIVE_ORDER, INPUT_DERIVATIVE_ORDER};
@@ -87,6 +88,7 @@ pub use error::Error;
 pub use instance::Instance;
 pub use snapshot::{Snapshot, SnapshotError};
 pub use stage::{Setup, Stage};
+pub use template::Template;
 
 use crate::contact::JointChanges;
 use crate::model::{Model, Structure};

@@ -13,14 +13,14 @@ const PER_SLOPE: usize = 4;
 impl Instance {
     /// Saves everything that [`Instance::restore`] needs.
     pub fn snapshot(&self) -> Snapshot {
-        let mut snapshot = Snapshot { guid: self.guid, stage: self.stage, numbers: Vec::new() };
+        let mut snapshot = Snapshot { guid: self.shared.guid, stage: self.stage, numbers: Vec::new() };
         self.save(&mut snapshot);
         snapshot
     }
 
     /// Saves into an existing snapshot, without allocating if it is of the same model.
     pub fn save(&self, snapshot: &mut Snapshot) {
-        snapshot.guid = self.guid;
+        snapshot.guid = self.shared.guid;
         snapshot.stage = self.stage;
         let numbers = &mut snapshot.numbers;
         numbers.clear();
@@ -66,8 +66,8 @@ impl Instance {
     /// # Ok::<(), stickslip::fmi::Error>(())
     /// ```
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
-        if snapshot.guid != self.guid {
-            return Err(SnapshotError::OtherModel { found: snapshot.guid, expected: self.guid }.into());
+        if snapshot.guid != self.shared.guid {
+            return Err(SnapshotError::OtherModel { found: snapshot.guid, expected: self.shared.guid }.into());
         }
         let (values_len, state_len) = (self.values.len(), self.state.len());
         let expected = self.numbers();
@@ -86,7 +86,7 @@ impl Instance {
         // In the first two stages the parameters are still open and need not make a model.
         let stale = matches!(snapshot.stage, Stage::Instantiated | Stage::Initialization);
         if !stale {
-            self.build(&values[values_len - self.paths.len()..])?;
+            self.build(&values[self.shared.first_parameter()..])?;
         }
         self.values.copy_from_slice(values);
         self.state.copy_from_slice(state);

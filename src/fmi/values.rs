@@ -97,7 +97,7 @@ impl Instance {
     }
 
     fn variable(&self, reference: u32) -> Result<&Variable, Error> {
-        let variables = &self.description.variables;
+        let variables = &self.shared.description.variables;
         let unknown = || Error::UnknownReference { reference, largest: variables.len() - 1 };
         variables.get(reference as usize).ok_or_else(unknown)
     }

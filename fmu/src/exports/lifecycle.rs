@@ -3,8 +3,8 @@
 use crate::calls::Function;
 use crate::ffi::{self, Boolean, CO_SIMULATION, CallbackFunctions, FmiString, Handle, Real, Status};
 use crate::guard::{Component, Failure, catch, guarded, install_hook};
-use crate::location;
 use crate::log::{Category, Log};
+use crate::models;
 use std::ffi::{CStr, c_char, c_int};
 use stickslip::fmi::{Instance, Setup};
 
@@ -62,18 +62,9 @@ fn instantiate(
     if fmu_type != CO_SIMULATION {
         return Err(format!("fmuType is {fmu_type}; this FMU is for co-simulation ({CO_SIMULATION})"));
     }
-    let guid = guid.ok_or("the GUID is missing")?.to_string_lossy();
+    let guid = guid.ok_or("the GUID is missing")?;
     let location = location.ok_or("fmuResourceLocation is missing")?;
-    let file = location::directory(location.to_bytes())?.join("model.toml");
-    let text = std::fs::read_to_string(&file)
-        .map_err(|error| format!("{} cannot be read: {error}", file.display()))?;
-    let instance = Instance::new(&text).map_err(|error| format!("{}: {error}", file.display()))?;
-    let expected = instance.guid().to_string();
-    let given = guid.strip_prefix('{').and_then(|rest| rest.strip_suffix('}')).unwrap_or(&guid);
-    if !given.eq_ignore_ascii_case(&expected) {
-        return Err(format!("the GUID is {guid}, but {} has {{{expected}}}", file.display()));
-    }
-    Ok(instance)
+    models::template(guid, location)?.instance().map_err(|error| error.to_string())
 }
 
 #[unsafe(no_mangle)]

@@ -233,3 +233,41 @@ fn a_reset_forgets_values_parameters_and_history() {
     running.do_step(0.0, 1.0);
     assert_eq!(running.get(FORCE), 50.0);
 }
+
+/// The model that a GUID names is given to whoever asks for it again, and to nobody else.
+#[test]
+fn a_model_is_read_once_and_another_at_the_same_place_is_not_taken_for_it() {
+    let importer = Importer::new(JENKINS);
+    let uri = importer.resources.uri();
+    let instantiate = |guid: &CStr| unsafe {
+        let name = c"one".as_ptr();
+        fmi2Instantiate(name, CO_SIMULATION, guid.as_ptr(), uri.as_ptr(), &importer.callbacks, 0, 0)
+    };
+    let first = instantiate(&importer.guid);
+    assert!(!first.is_null());
+    let file = crate::location::directory(uri.to_bytes()).unwrap().join("model.toml");
+    std::fs::write(&file, VALANIS).unwrap();
+    let second = instantiate(&importer.guid);
+    assert!(!second.is_null(), "read a second time");
+    assert!(instantiate(c"{00000000-0000-0000-0000-000000000000}").is_null());
+    // The file is another model now, under a GUID of its own.
+    let other = CString::new(stickslip::fmi::Instance::new(VALANIS).unwrap().guid().to_string()).unwrap();
+    let third = instantiate(&other);
+    let name = |handle: Handle| {
+        let component = handle.cast::<crate::guard::Component>();
+        unsafe { (*component).instance.description().name }
+    };
+    assert_eq!([first, second, third].map(name), ["JenkinsContact", "JenkinsContact", "ValanisContact"]);
+    // Parameters of one instance are none of another's.
+    unsafe {
+        assert_eq!(fmi2SetReal(first, &FRICTION_COEFFICIENT, 1, &0.1), Status::Ok);
+        let mut value = 0.0;
+        let fourth = instantiate(&importer.guid);
+        for handle in [second, fourth] {
+            assert_eq!(fmi2EnterInitializationMode(handle), Status::Ok);
+            assert_eq!(fmi2GetReal(handle, &FRICTION_COEFFICIENT, 1, &mut value), Status::Ok);
+            assert_eq!(value, 0.5);
+        }
+        [first, second, third, fourth].into_iter().for_each(|handle| fmi2FreeInstance(handle));
+    }
+}

@@ -1,0 +1,101 @@
+//! What all instances of a model share: read and checked once.
+
+use super::description::{Causality, Description};
+use super::error::Error;
+use super::instance::Instance;
+use super::parameter::parameters;
+use super::{behaviour, describe};
+use crate::model::Model;
+use std::sync::Arc;
+use uuid::Uuid;
+
+/// A model that was read and checked, for as many instances as are wanted. A copy costs nothing: it is the same model.
+///
+/// ```
+/// use stickslip::fmi::Template;
+/// let template = Template::parse(
+///     r#"
+///     schema = "stickslip.model/1"
+///     kind = "contact"
+///     contact = { law = "jenkins", tangential_stiffness = 2e6, friction_coefficient = 0.5, normal_load = 100.0 }
+///     "#,
+/// )?;
+/// let contacts: Vec<_> = (0..100).map(|_| template.instance()).collect::<Result<_, _>>()?;
+/// assert_eq!(contacts[0].guid(), template.guid());
+/// # Ok::<(), stickslip::fmi::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Template(Arc<Shared>);
+
+/// The parts, for instances.
+#[derive(Debug)]
+pub(super) struct Shared {
+    pub model: Model,
+    pub description: Description,
+    pub guid: Uuid,
+    /// Where each parameter of the table stands in the model.
+    pub paths: Vec<String>,
+    /// Numbers of inputs and of outputs.
+    pub inputs: usize,
+    pub outputs: usize,
+}
+
+impl Shared {
+    /// The row of the first parameter.
+    pub fn first_parameter(&self) -> usize {
+        self.inputs + self.outputs
+    }
+
+    /// Values of all variables before anything was set.
+    pub fn starts(&self) -> impl Iterator<Item = f64> + '_ {
+        self.description.variables.iter().map(|variable| variable.start)
+    }
+}
+
+impl Template {
+    /// Reads `model_toml`, the text of a model file.
+    ///
+    /// # Errors
+    /// A text that is no model, with the line.
+    pub fn parse(model_toml: &str) -> Result<Self, Error> {
+        let model = Model::parse(model_toml).map_err(|error| {
+            let line = error.span.as_ref().and_then(|span| model_toml.get(..span.start));
+            let line = line.map(|before| format!("line {}: ", before.matches('\n').count() + 1));
+            Error::Model(format!("{}{}", line.unwrap_or_default(), error.message))
+        })?;
+        Self::new(model)
+    }
+
+    /// Checks `model`.
+    ///
+    /// # Errors
+    /// Values that make no model.
+    pub fn new(model: Model) -> Result<Self, Error> {
+        model.check().map_err(|error| Error::Model(error.to_string()))?;
+        let (paths, rows) = parameters(&model);
+        let description = describe(&model, rows).map_err(Error::Model)?;
+        let guid = description.guid();
+        let count = |causality| description.references(causality).count();
+        let (inputs, outputs) = (count(Causality::Input), count(Causality::Output));
+        Ok(Self(Arc::new(Shared { model, description, guid, paths, inputs, outputs })))
+    }
+
+    /// An instance, at the beginning of a simulation.
+    ///
+    /// # Errors
+    /// Parameters that make no model.
+    pub fn instance(&self) -> Result<Instance, Error> {
+        let behaviour = behaviour(&self.0.model).map_err(Error::Parameters)?;
+        Ok(Instance::begin(Arc::clone(&self.0), behaviour))
+    }
+
+    /// The variable table.
+    pub fn description(&self) -> &Description {
+        &self.0.description
+    }
+
+    /// Identity of the model ([`Description::guid`]).
+    pub fn guid(&self) -> Uuid {
+        self.0.guid
+    }
+}
