@@ -116,7 +116,7 @@ const BEAM_PARAMETERS: [&str; 10] = [
 ];
 
 /// Where the sensors sit, each place once; at the point masses if the model names none, and at the contact points.
-fn sensor_positions(beam: &Beam) -> Vec<f64> {
+pub(super) fn sensor_positions(beam: &Beam) -> Vec<f64> {
     let masses = beam.point_masses.iter().map(|point| &point.position);
     let fallback = masses.filter(|_| beam.sensors.is_empty());
     let mut positions: Vec<f64> = Vec::new();

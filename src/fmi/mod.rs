@@ -24,6 +24,12 @@
 //! Masses start at rest. As with a contact, the inputs set before a step are those reached at its end, on a straight
 //! line from the previous ones; outputs belong to the end of the step and change in [`Instance::do_step`] only.
 //!
+//! # Pin rigs
+//! A beam whose pin slips and slaps starts at rest under its load. The force set before a step is that reached at its end,
+//! on a straight line from the previous one; outputs belong to the end of the step and change in [`Instance::do_step`]
+//! only. A communication step is divided into equal steps of the
+//! [classical scheme](crate::time::ClassicalSteps), as many as the highest mode and the tolerance ask for.
+//!
 //! # Derivatives of inputs with respect to time
 //! FMI 2.0 (4.2.1) sets inputs and their derivatives "with respect to the beginning of a communication time step". With
 //! a first derivative d ([`Instance::set_input_derivatives`]) an input of any model therefore begins the step at the
@@ -56,7 +62,8 @@
 //! which the dependencies in [`Description`] are based: those of a beam have no path through the motion, the
 //! derivative has. In the initialization, and until the first step, it is the derivative of the initial outputs.
 //!
-//! Nothing is differenced but what no law tells, the dissipated energy and the curvature of a contact's loop. The step
+//! Nothing is differenced but what no law tells, the dissipated energy and the curvature of a contact's loop, and the
+//! steps of pin rigs, which are repeated with the inputs a little to either side. Elsewhere the step
 //! is repeated with its linearisation: modes, contact forces and the memory of the law carry the change along, through
 //! reversals and from stick to slip, and the step itself costs no more for it. On a kink it is one of the
 //! two derivatives. [`Instance::line_derivative`] changes starts and ends of the inputs' lines separately.
@@ -71,6 +78,7 @@ mod instance;
 mod lines;
 mod oscillator;
 mod parameter;
+mod pin_rig;
 mod saving;
 mod slip;
 mod slip_slap;
@@ -174,16 +182,13 @@ fn describe(model: &Model, parameters: Vec<Variable>) -> Result<Description, Str
         }
         (Structure::Prescribed, Some(contact)) => Ok(contact::describe(model, contact, parameters)),
         (Structure::Prescribed, None) => Err("a contact model needs a contact".to_owned()),
-        (Structure::PinRig(_), _) => Err(PIN_RIG.to_owned()),
+        (Structure::PinRig(rig), _) => Ok(pin_rig::describe(model, rig, parameters)),
         (Structure::Beam(beam), contact) => Ok(beam::describe(model, beam, contact.as_ref(), parameters)),
         (Structure::Oscillator(oscillator), contact) => {
             Ok(oscillator::describe(model, oscillator, contact.as_ref(), parameters))
         }
     }
 }
-
-const PIN_RIG: &str =
-    "a model of kind \"pin_rig\" makes no FMU: its contact and a beam can be coupled as two";
 
 /// The physics of a model.
 fn behaviour(model: &Model) -> Result<Box<dyn Behaviour>, String> {
@@ -192,7 +197,7 @@ fn behaviour(model: &Model) -> Result<Box<dyn Behaviour>, String> {
             Ok(Box::new(slip_slap::SlipSlapBehaviour::new(model)?))
         }
         (Structure::Prescribed, _) => Ok(Box::new(contact::ContactBehaviour::new(model)?)),
-        (Structure::PinRig(_), _) => Err(PIN_RIG.to_owned()),
+        (Structure::PinRig(rig), _) => Ok(Box::new(pin_rig::PinRigBehaviour::new(model, rig)?)),
         (Structure::Beam(beam), _) => beam::behaviour(beam, model),
         (Structure::Oscillator(oscillator), _) => oscillator::behaviour(model, oscillator),
     }

@@ -11,7 +11,8 @@ use std::borrow::Cow;
 pub(super) fn parameters(model: &Model) -> (Vec<String>, Vec<Variable>) {
     let is_parameter = |path: &str| {
         // Load and normal displacement come from outside; what sensors show is not in an FMU.
-        let about_the_load = model.contact.is_none_or(|contact| contact.normal.is_none())
+        let about_the_load = !matches!(model.structure, Structure::PinRig(_))
+            && model.contact.is_none_or(|contact| contact.normal.is_none())
             && ["contact.normal_load", "contact.normal_stiffness"].contains(&path);
         !about_the_load
             && !path.ends_with(".position")
@@ -27,8 +28,18 @@ pub(super) fn parameters(model: &Model) -> (Vec<String>, Vec<Variable>) {
             variable.description = Cow::Owned(description);
             return (parameter.path, variable);
         }
-        match (element, &model.structure) {
-            (Some(element), Structure::Beam(beam)) if parameter.path.ends_with(".mass") => {
+        if ["pin.", "string."].iter().any(|table| parameter.path.starts_with(table)) {
+            // Pin and string both have a mass and an inertia.
+            variable.name = Cow::Owned(parameter.path.clone());
+            return (parameter.path, variable);
+        }
+        let beam = match &model.structure {
+            Structure::Beam(beam) => Some(beam),
+            Structure::PinRig(rig) => Some(&rig.beam),
+            _ => None,
+        };
+        match (element, beam) {
+            (Some(element), Some(beam)) if parameter.path.ends_with(".mass") => {
                 let position = beam.point_masses[element - 1].position;
                 let before = &beam.point_masses[..element - 1];
                 let same = before.iter().filter(|point| point.position == position).count();
@@ -37,7 +48,9 @@ pub(super) fn parameters(model: &Model) -> (Vec<String>, Vec<Variable>) {
                 variable.name = Cow::Owned(format!("mass:x={position}{suffix}"));
                 variable.description = Cow::Owned(format!("Mass fixed to the beam at x = {position} m"));
             }
-            (Some(_), Structure::Oscillator(_)) => variable.name = Cow::Owned(parameter.path.clone()),
+            (Some(_), None) if matches!(model.structure, Structure::Oscillator(_)) => {
+                variable.name = Cow::Owned(parameter.path.clone())
+            }
             (Some(element), _) => {
                 variable.name = Cow::Owned(format!("{}:mode={element}", parameter.quantity.name));
                 variable.description = Cow::Owned(format!("Damping ratio of mode {element}"));

@@ -14,6 +14,9 @@ use crate::system::{Core, Element, System};
 const STAGES: [(f64, f64, usize); 4] =
     [(1.0 / 6.0, 0.0, 0), (1.0 / 3.0, 0.5, 1), (1.0 / 3.0, 0.5, 1), (1.0 / 6.0, 1.0, 2)];
 
+/// Longest step times the fastest rate: the scheme is stable to 2.8, and a contact may carry some times its load at rest.
+const LONGEST: f64 = 0.6;
+
 /// A modal [`System`] in equal steps: laws, contacts in two directions, springs, and masses that move with two ports.
 ///
 /// Within a step every law starts from its memory at the beginning of the step. Corners and reversals lie within steps, so
@@ -72,6 +75,28 @@ pub struct ContactInTwo {
     pub separation: f64,
     /// What it does.
     pub slip_state: SlipState,
+    /// ∂S/∂ξ (N/m) there.
+    pub tangent: f64,
+}
+
+impl SteppedMotion {
+    /// Numbers that [`SteppedMotion::write_state`] writes.
+    pub(crate) fn state_len(&self) -> usize {
+        2 * self.displacement.len() + self.memory.len()
+    }
+
+    /// Writes what the motion goes on from: modes and memories.
+    pub(crate) fn write_state(&self, state: &mut [f64]) {
+        let numbers = self.displacement.iter().chain(&self.velocity).chain(&self.memory);
+        state.iter_mut().zip(numbers).for_each(|(to, from)| *to = *from);
+    }
+
+    /// Takes over what a state has; energies begin anew, and contacts are known after the next step.
+    pub(crate) fn read_state(&mut self, state: &[f64]) {
+        let numbers = self.displacement.iter_mut().chain(&mut self.velocity).chain(&mut self.memory);
+        numbers.zip(state).for_each(|(to, from)| *to = *from);
+        self.energies = Energies::default();
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -224,6 +249,30 @@ impl ClassicalSteps {
         self.commit(motion);
     }
 
+    /// A step (s) that is short enough for the highest mode and for the impact damping of contacts under the load at rest.
+    pub fn longest_step(&self) -> f64 {
+        let highest = self.angular_frequency.iter().copied().fold(0.0, f64::max);
+        let damped = |element: &Acting| match element {
+            Acting::SlipSlap { ports: [_, normal], contact } => {
+                let direction = contact.normal();
+                let mobility: f64 = self.ports[*normal].row.iter().map(|b| b * b).sum();
+                direction.impact_damping() * direction.preload() * mobility
+            }
+            Acting::Law { .. } | Acting::Springs { .. } => 0.0,
+        };
+        LONGEST / (highest + self.elements.iter().map(damped).sum::<f64>())
+    }
+
+    /// Displacements (m) and velocities (m/s) of all ports where `motion` is.
+    pub fn motions_of_ports(&mut self, motion: &SteppedMotion, out: &mut Vec<(f64, f64)>) {
+        let mut buffers = std::mem::take(&mut self.buffers);
+        buffers.q.copy_from_slice(&motion.displacement);
+        buffers.v.copy_from_slice(&motion.velocity);
+        self.look(&mut buffers);
+        out.clone_from(&buffers.motions);
+        self.buffers = buffers;
+    }
+
     /// Accelerations (m/s²) of all ports where `motion` is, under a force (N) on the driven ports.
     pub fn accelerations_of_ports(&mut self, motion: &SteppedMotion, force: f64, out: &mut Vec<f64>) {
         let mut buffers = std::mem::take(&mut self.buffers);
@@ -340,6 +389,7 @@ impl ClassicalSteps {
                         normal_force: response.normal_force,
                         separation: response.separation,
                         slip_state: response.slip_state,
+                        tangent: response.by_displacement[0][0],
                     });
                     begin += next.len();
                 }

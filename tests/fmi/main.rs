@@ -9,3 +9,4 @@ mod input_derivatives;
 mod instance;
 mod orders;
 mod oscillator;
+mod pin_rig;

@@ -37,6 +37,14 @@ fn its_modes_and_its_response_agree_on_the_first_bending_mode() {
 }
 
 #[test]
+fn it_makes_an_fmu() {
+    let folder = folder();
+    let output = stickslip(&folder, &["export", "model.toml", "-o", "rig.fmu"]);
+    assert!(output.status.success(), "{}", error(&output));
+    assert!(fs::read(folder.path().join("rig.fmu")).unwrap().starts_with(b"PK"));
+}
+
+#[test]
 fn what_it_cannot_do_with_such_a_model_is_said() {
     let folder = folder();
     let said = |arguments: &[&str], code: i32, words: &[&str]| {
@@ -47,7 +55,6 @@ fn what_it_cannot_do_with_such_a_model_is_said() {
             assert!(text.contains(word), "{arguments:?}: {text}");
         }
     };
-    said(&["export", "model.toml", "-o", "rig.fmu"], 2, &["pin_rig", "no FMU"]);
     let asked = ["frf", "model.toml", "--from", "52", "--to", "54", "--excite", "m1"];
     said(&asked, 2, &["--excite names a mass of an oscillator"]);
     fs::create_dir(folder.path().join("data")).unwrap();
