@@ -42,6 +42,8 @@ enum Command {
     /// Compare six models of a frictional support with its measured resonance frequencies and
     /// export the best as an FMU (also `stickslip` without a command)
     Demo(commands::demo::Demo),
+    /// Make a dataset of text tables as laboratories export them, and tell what was guessed
+    Import(commands::import::Import),
     /// Compare a model with a dataset, refit it, and compare again
     Compare(commands::compare::Compare),
     /// Find the physical effect that the model lacks, from measurements
@@ -120,6 +122,7 @@ fn main() -> ExitCode {
     }
     let done = match cli.command.unwrap_or_else(|| Command::Demo(Default::default())) {
         Command::Demo(command) => command.run().map(|()| 0),
+        Command::Import(command) => command.run().map(|()| 0),
         Command::Compare(command) => command.run().map(|()| 0),
         Command::Diagnose(command) => command.run(),
         Command::Add(command) => command.run().map(|()| 0),

@@ -143,6 +143,14 @@ pub enum Problem {
     /// A record whose regime the model cannot have.
     #[error("{0}")]
     UnsuitableRegime(String),
+    /// A table that cannot be imported.
+    #[error("{message}")]
+    Import {
+        /// What is wrong.
+        message: String,
+        /// What to do.
+        help: String,
+    },
     /// A zip archive that is damaged or dangerous.
     #[error(transparent)]
     Archive(#[from] ArchiveProblem),
@@ -162,6 +170,7 @@ impl Problem {
                 format!("it looks like {guess}; save the file as UTF-8 (µ is then two bytes)")
             }
             Problem::Document(error) => return error.help.clone(),
+            Problem::Import { help, .. } => help.clone(),
             Problem::Ssp(problem) => return problem.help(),
             Problem::Empty => {
                 "the first line names the columns: `time [s],displacement [mm],force [N]`".into()

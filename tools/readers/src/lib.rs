@@ -5,12 +5,14 @@
 //! repaired silently. An [`InputError`] is data (file, line, what is wrong); [`InputError::render`] is
 //! the one place that turns it into the text a user sees, with the line it is about.
 //!
-//! Text is UTF-8; a byte order mark and CR-LF line ends are accepted.
+//! Text is UTF-8; a byte order mark and CR-LF line ends are accepted. Tables in other dialects are imported ([`import_file`]),
+//! and what was guessed is told.
 
 pub mod archive;
 mod columns;
 mod dataset;
 mod error;
+mod import;
 mod plan;
 mod signals;
 mod source;
@@ -27,6 +29,7 @@ use stickslip::model::Model;
 pub use columns::check_columns;
 pub use dataset::read_dataset;
 pub use error::{Excerpt, InputError, Problem};
+pub use import::{ImportOptions, Imported, import_file, import_table};
 pub use plan::{RigPlan, read_plan};
 pub use signals::{Signal, read_signals};
 pub use write::{dataset_toml, record_csv, truth_toml};

@@ -134,13 +134,13 @@ fn parse_field(field: &str, column: &Column) -> Result<f64, Problem> {
     }
 }
 
-fn within(quantity: &Quantity, value: f64) -> bool {
+pub(crate) fn within(quantity: &Quantity, value: f64) -> bool {
     let above = quantity.min.is_none_or(|min| if quantity.open { value > min } else { value >= min });
     let below = quantity.max.is_none_or(|max| if quantity.open { value < max } else { value <= max });
     above && below
 }
 
-fn bounds(quantity: &Quantity) -> String {
+pub(crate) fn bounds(quantity: &Quantity) -> String {
     let (lower, upper) = if quantity.open { ("above", "below") } else { ("at least", "at most") };
     let lower = quantity.min.map(|min| format!("{lower} {min}"));
     let upper = quantity.max.map(|max| format!("{upper} {max}"));

@@ -9,6 +9,7 @@ pub mod export;
 pub mod fmu;
 pub mod frf;
 pub mod identify;
+pub mod import;
 pub mod manual;
 pub mod modes;
 pub mod rig;

@@ -5,6 +5,7 @@ mod external;
 
 mod any_bytes;
 mod bad_input;
+mod dialects;
 mod examples;
 mod plan;
 mod shared_data;

@@ -1,0 +1,71 @@
+//! `stickslip import`
+
+use std::path::PathBuf;
+
+use stickslip::data::Dataset;
+use stickslip_readers::{ImportOptions, dataset_toml, import_file, record_csv};
+
+use super::shown;
+use crate::Failure;
+use crate::output::{Folder, say};
+
+/// Arguments of `stickslip import`.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  stickslip import messung.txt -o data
+  stickslip import run1.csv run2.csv -o data --column 'AI0=force [kN]'
+
+What was guessed is shown, and written into dataset.toml.
+Exit codes: 0 done; 1 failed; 2 bad input. Where it is not 0 nothing is written.")]
+pub struct Import {
+    /// Text tables, as a laboratory exports them
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// Folder for dataset.toml and a CSV file per record; made, or empty
+    #[arg(short, long, value_name = "DIR")]
+    out: PathBuf,
+    /// What a column is: its heading, or its number from 1, and `name [unit]`; may be given several times
+    #[arg(long = "column", value_name = "HEADING=NAME [UNIT]", value_parser = column)]
+    columns: Vec<(String, String)>,
+}
+
+fn column(text: &str) -> Result<(String, String), String> {
+    let (heading, name) = text.split_once('=').ok_or("write HEADING=NAME [UNIT]")?;
+    Ok((heading.trim().to_owned(), name.trim().to_owned()))
+}
+
+impl Import {
+    /// Reads all files and writes the dataset.
+    pub fn run(self) -> Result<(), Failure> {
+        let folder = Folder::check(&self.out)?;
+        let options = ImportOptions { columns: self.columns, ..ImportOptions::default() };
+        let mut records = Vec::new();
+        let mut told = String::new();
+        for path in &self.files {
+            let imported = import_file(path, &options).map_err(shown)?;
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            for note in &imported.notes {
+                told += &format!("{name}: {note}\n");
+            }
+            for record in imported.records {
+                if records.iter().any(|other: &stickslip::data::Record| other.name == record.name) {
+                    let message = format!("two files would become {}; rename one of them", record.name);
+                    return Err(Failure::input(message));
+                }
+                records.push(record);
+            }
+        }
+        let dataset = Dataset { title: None, records };
+        let mut files = vec![("dataset.toml".to_owned(), commented(&told) + &dataset_toml(&dataset))];
+        files.extend(dataset.records.iter().map(|record| (record.name.clone(), record_csv(record))));
+        folder.write(&files)?;
+        say(&format!("{told}wrote {} with {} records\n", self.out.display(), dataset.records.len()))
+    }
+}
+
+/// The notes as comments; a control character in a heading must not end one.
+fn commented(notes: &str) -> String {
+    let plain = |line: &str| line.replace(|letter: char| letter.is_control() && letter != '\t', " ");
+    notes.lines().map(|line| format!("# {}\n", plain(line))).collect()
+}

@@ -1,0 +1,215 @@
+//! Tables as laboratories export them: the same numbers, whatever the dialect, or a sentence that says what to do.
+
+use std::path::Path;
+
+use stickslip::data::Regime;
+use stickslip_readers::{ImportOptions, Imported, import_table};
+
+/// Time (ms), displacement (mm) and force (kN), as written in every file.
+fn rows() -> Vec<[f64; 3]> {
+    (0..40)
+        .map(|row| {
+            let phase = 0.3 * f64::from(row);
+            [0.5 * f64::from(row), (1e4 * phase.sin()).round() / 1e4, (1e5 * phase.cos()).round() / 1e8]
+        })
+        .collect()
+}
+
+fn body(separator: &str, decimal: &str, end: &str, quoted: bool) -> String {
+    let field = |value: &f64| {
+        let text = value.to_string().replace('.', decimal);
+        if quoted { format!("\"{text}\"") } else { text }
+    };
+    let line = |row: [f64; 3]| row.iter().map(field).collect::<Vec<_>>().join(separator) + end;
+    rows().into_iter().map(line).collect()
+}
+
+fn import(bytes: impl Into<Vec<u8>>) -> Result<Imported, String> {
+    import_with(bytes, &ImportOptions::default())
+}
+
+fn import_with(bytes: impl Into<Vec<u8>>, options: &ImportOptions) -> Result<Imported, String> {
+    import_table(Path::new("loop.txt"), bytes.into(), options).map_err(|error| error.render(false))
+}
+
+/// Asserts that the records together hold the rows, in SI, without those that are missing.
+fn holds_the_rows(imported: &Imported, missing: &[usize], what: &str) {
+    let sizes = [("time", 1e-3), ("displacement", 1e-3), ("force", 1e3)];
+    for (column, (name, size)) in sizes.into_iter().enumerate() {
+        let read: Vec<f64> = imported
+            .records
+            .iter()
+            .flat_map(|record| record.channel(name).expect(what).values.clone())
+            .collect();
+        let written = rows().into_iter().enumerate().filter(|(row, _)| !missing.contains(row));
+        let written: Vec<f64> = written.map(|(_, row)| row[column] * size).collect();
+        assert_eq!(read.len(), written.len(), "{what}: {name}");
+        let close = |(read, written): (&f64, &f64)| (read - written).abs() <= 1e-15 * written.abs();
+        assert!(read.iter().zip(&written).all(close), "{what}: {name}");
+    }
+}
+
+const HEADINGS: [[&str; 3]; 7] = [
+    ["time [ms]", "displacement [mm]", "force [kN]"],
+    ["Time (ms)", "Displacement (mm)", "Force (kN)"],
+    ["time_ms", "disp_mm", "force_kN"],
+    ["Zeit / ms", "Weg / mm", "Kraft / kN"],
+    ["t in ms", "x in mm", "F in kN"],
+    ["Time ms", "Slip mm", "Load Cell kN"],
+    ["TIME (msec)", "DISP (millimeter)", "FORCE (kilonewton)"],
+];
+
+fn encoded(text: &str, encoding: usize) -> Vec<u8> {
+    let wide = |bytes: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(bytes).collect::<Vec<u8>>();
+    match encoding {
+        0 => text.as_bytes().to_vec(),
+        1 => [b"\xef\xbb\xbf", text.as_bytes()].concat(),
+        2 => [b"\xff\xfe".to_vec(), wide(u16::to_le_bytes)].concat(),
+        3 => [b"\xfe\xff".to_vec(), wide(u16::to_be_bytes)].concat(),
+        _ => wide(u16::to_le_bytes),
+    }
+}
+
+#[test]
+fn every_dialect_gives_the_same_numbers() {
+    let dialects = [
+        (",", ".", false),
+        (";", ".", false),
+        (";", ",", false),
+        ("\t", ".", false),
+        ("\t", ",", false),
+        (",", ",", true),
+    ];
+    let mut files = 0;
+    for (separator, decimal, quoted) in dialects {
+        for heading in HEADINGS {
+            for (encoding, end) in [(0, "\n"), (1, "\r\n"), (2, "\r\n"), (3, "\n"), (4, "\r")] {
+                let text = heading.join(separator) + end + &body(separator, decimal, end, quoted);
+                let what = format!("{heading:?} {separator:?} {decimal:?} {encoding} {end:?}");
+                let imported =
+                    import(encoded(&text, encoding)).unwrap_or_else(|error| panic!("{what}: {error}"));
+                holds_the_rows(&imported, &[], &what);
+                assert_eq!(imported.records[0].regime, Regime::UnknownInitialState);
+                files += 1;
+            }
+        }
+    }
+    assert_eq!(files, 210);
+}
+
+#[test]
+fn preambles_rows_of_units_comments_and_blanks_are_passed_over_and_told() {
+    let comma = body(",", ".", "\n", false);
+    let semicolon = body(";", ",", "\r\n", false);
+    let files = [
+        format!("Test rig 3\nOperator,Meier\nRate,2000\n\ntime [ms],displacement [mm],force [kN]\n{comma}"),
+        format!("time,displacement,force\nms,mm,kN\n{comma}"),
+        format!("Zeit;Weg;Kraft\r\n[ms];[mm];[kN]\r\n{semicolon}"),
+        format!("Datum:;12.03.2026\r\nPrüfer:;Müller\r\nZeit (ms);Weg (mm);Kraft (kN);\r\n{semicolon}"),
+        format!("# time [ms],displacement [mm],force [kN]\n{comma}"),
+        format!("% time [ms],displacement [mm],force [kN]\n{comma}"),
+        format!("time [ms] displacement [mm] force [kN]\n{}", body("   ", ".", "\n", false)),
+        format!("Time Disp Force\n(ms) (mm) (kN)\n{}", body(" ", ".", "\n", false)),
+        format!("time [ms],displacement [mm],force [kN]\n{comma}End of data\n"),
+        format!("time [ms],displacement [mm],force [kN]\n\n{}", body(",", ".", ",\n", false)),
+    ];
+    for file in files {
+        let imported = import(file.clone()).unwrap_or_else(|error| panic!("{file}\n{error}"));
+        holds_the_rows(&imported, &[], &file);
+    }
+}
+
+#[test]
+fn windows_text_is_read_and_told() {
+    let text = format!("Prüfung\nZeit (ms);Weg (mm);Kraft (kN)\n{}", body(";", ",", "\n", false));
+    let bytes: Vec<u8> = text.chars().map(|letter| u8::try_from(u32::from(letter)).unwrap()).collect();
+    let imported = import(bytes).unwrap();
+    holds_the_rows(&imported, &[], "windows-1252");
+    assert!(imported.notes.iter().any(|note| note.contains("windows-1252")), "{:?}", imported.notes);
+}
+
+#[test]
+fn further_columns_are_told_and_not_used() {
+    let rows = body(",", ".", ",21.5,ok\n", false);
+    let imported =
+        import(format!("time [ms],displacement [mm],force [kN],Temp (°C),Comment\n{rows}")).unwrap();
+    holds_the_rows(&imported, &[], "further columns");
+    assert!(imported.notes.contains(&"not used: `Temp (°C)`, `Comment`".to_owned()), "{:?}", imported.notes);
+}
+
+#[test]
+fn a_record_is_cut_where_values_are_missing_and_nothing_is_filled_in() {
+    for gap in ["", "NaN", "nan", "#N/A", "inf", "OVERLOAD"] {
+        let mut lines: Vec<String> = body(",", ".", "\n", false).lines().map(str::to_owned).collect();
+        for line in &mut lines[18..20] {
+            *line = format!("{},{gap}", line.rsplit_once(',').unwrap().0);
+        }
+        let text = format!("time [ms],displacement [mm],force [kN]\n{}", lines.join("\n"));
+        let imported = import(text).unwrap();
+        holds_the_rows(&imported, &[18, 19], gap);
+        assert_eq!(imported.records.len(), 2);
+        assert!(
+            imported.notes.iter().any(|note| note.starts_with("2 rows lack a value")),
+            "{:?}",
+            imported.notes
+        );
+    }
+}
+
+#[test]
+fn several_records_in_one_file_are_several_records() {
+    let rows = body(",", ".", "\n", false);
+    let imported = import(format!("time [ms],displacement [mm],force [kN]\n{rows}{rows}")).unwrap();
+    let names: Vec<&str> = imported.records.iter().map(|record| record.name.as_str()).collect();
+    assert_eq!(names, ["loop-1.csv", "loop-2.csv"]);
+    assert!(imported.records[0].channels == imported.records[1].channels);
+}
+
+#[test]
+fn columns_are_what_the_user_says() {
+    let columns = [("AI0", "time [ms]"), ("AI1", "displacement [mm]"), ("3", "force [kN]")];
+    let columns = columns.map(|(heading, name)| (heading.to_owned(), name.to_owned())).to_vec();
+    let options = ImportOptions { columns, ..ImportOptions::default() };
+    let imported = import_with(format!("AI0,AI1,AI2\n{}", body(",", ".", "\n", false)), &options).unwrap();
+    holds_the_rows(&imported, &[], "columns by the user");
+    assert!(imported.notes.contains(&"`AI2` was read as force [kN]".to_owned()), "{:?}", imported.notes);
+}
+
+#[test]
+fn times_of_day_and_tables_over_frequency_are_understood() {
+    let text = "Time;Weg (mm);Kraft (N)\n23:59:59,5;0,1;1\n2026-03-13 00:00:00,5;0,2;2\n";
+    let record = &import(text).unwrap().records[0];
+    assert_eq!(record.channel("time").unwrap().values, [0.0, 1.0]);
+    let text = "Frequency (Hz),Excitation (N),acceleration:x=0.55 (g)\n50,1,1\n51,1,2\n";
+    assert_eq!(import(text).unwrap().records[0].regime, Regime::SteppedSine);
+    let text = "time [s],acceleration:x=0.55 [g],Force (N)\n0,1,1\n1,2,2\n";
+    let imported = import(text).unwrap();
+    assert!(imported.records[0].channel("excitation").is_some());
+    assert!(imported.notes.iter().any(|note| note.contains("structure")));
+}
+
+#[test]
+fn what_cannot_be_read_gets_a_sentence_that_says_what_to_do() {
+    let heading = "time [ms],displacement [mm],force [kN]\n";
+    let files: [(Vec<u8>, &str); 14] = [
+        (b"".to_vec(), "export the measurement again"),
+        (b"MATLAB 5.0 MAT-file, Platform".to_vec(), "writetable"),
+        (b"\x89HDF\r\n\x1a\n".to_vec(), "h5py"),
+        (b"PAR1\x15\x04".to_vec(), "read_parquet"),
+        (b"TDSm\x0e\0\0\0".to_vec(), "nptdms"),
+        (b"PK\x03\x04\x14\0".to_vec(), "save the sheet as CSV"),
+        (b"    -1\n    58\nx".to_vec(), "pyuff"),
+        (vec![1, 0, 3, 7, 0, 0, 2, 9], "export the measurement as CSV"),
+        (b"some words only\n".to_vec(), "export a table with one column per channel"),
+        (body(",", ".", "\n", false).into_bytes(), "write a first line"),
+        (format!("{heading}{}", body(",", ",", "\n", false)).into_bytes(), "separate columns by semicolons"),
+        (b"time,displacement,force\n0,0,0\n1,1,1\n".to_vec(), "write it in the heading, `time [s]`"),
+        (format!("{heading}0,0,0\n1,0,0\n1,0,0\n").into_bytes(), "more digits"),
+        (b"displacement [mm],force [kN]\n0,0\n1,1\n".to_vec(), "time [s]"),
+    ];
+    for (bytes, sentence) in files {
+        let shown = import(bytes.clone()).expect_err(sentence);
+        let words = shown.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains(sentence), "{:?}: {shown}", String::from_utf8_lossy(&bytes));
+    }
+}
