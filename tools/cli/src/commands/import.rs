@@ -60,7 +60,9 @@ impl Import {
         let mut files = vec![("dataset.toml".to_owned(), commented(&told) + &dataset_toml(&dataset))];
         files.extend(dataset.records.iter().map(|record| (record.name.clone(), record_csv(record))));
         folder.write(&files)?;
-        say(&format!("{told}wrote {} with {} records\n", self.out.display(), dataset.records.len()))
+        let count = dataset.records.len();
+        let records = if count == 1 { "record" } else { "records" };
+        say(&format!("{told}wrote {} with {count} {records}\n", self.out.display()))
     }
 }
 

@@ -16,6 +16,7 @@ mod frf;
 mod friction_damper;
 mod hidden_effects;
 mod identification;
+mod import;
 mod interrupt;
 mod manners;
 mod modes;
