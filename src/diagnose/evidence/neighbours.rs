@@ -36,6 +36,17 @@ fn best_within(sets: &[Set], k: usize) -> Option<usize> {
     better.max_by(|a, b| peak(&sets[*a]).total_cmp(&peak(&sets[*b])))
 }
 
+/// Whether `set` without its last member was far likelier than with `other` in a place besides.
+fn is_behind(sets: &[Set], set: &Set, place: usize, other: usize) -> bool {
+    let Some((_, before)) = set.members.split_last().filter(|(_, before)| place < before.len()) else {
+        return false;
+    };
+    let mut replaced = before.to_vec();
+    replaced[place] = other;
+    let of = |members: &[usize]| sets.iter().find(|set| !set.screened && set.has_just(members)).map(evidence);
+    of(before).zip(of(&replaced)).is_some_and(|(before, replaced)| replaced < before - BEHIND)
+}
+
 impl Search<'_, '_, '_> {
     /// Every subset of one less of the likely sets, fitted from the larger one's parameters: a smaller set that stuck
     /// would make the larger one look better than it is.
@@ -96,8 +107,9 @@ impl Search<'_, '_, '_> {
         Some(Set { members, discrepancy: None, posterior, screened: false })
     }
 
-    /// Adds the best set of a size in all forms that its members have.
-    pub(super) fn in_other_forms(&self, sets: &mut Vec<Set>, size: usize) {
+    /// Adds the best set of a size in all forms that its members have; where all was `adequate` before its last member,
+    /// without those that were far behind without that, if each takes a whole fit.
+    pub(super) fn in_other_forms(&self, sets: &mut Vec<Set>, size: usize, adequate: bool) {
         let fitted = sets.iter().filter(|set| set.members.len() == size && !set.screened);
         let Some(best) = fitted.max_by(|a, b| evidence(a).total_cmp(&evidence(b))) else { return };
         let forms = |(place, member): (usize, &usize)| {
@@ -106,7 +118,10 @@ impl Search<'_, '_, '_> {
                 (0..self.candidates.len()).filter(move |m| *m != member && self.are_forms(*m, member));
             others.map(move |other| (place, other))
         };
-        let wanted: Vec<(usize, usize)> = best.members.iter().enumerate().flat_map(forms).collect();
+        let settled = adequate && self.looks.is_some();
+        let open = |(place, other): &(usize, usize)| !settled || !is_behind(sets, best, *place, *other);
+        let wanted: Vec<(usize, usize)> =
+            best.members.iter().enumerate().flat_map(forms).filter(open).collect();
         let other = |(place, other): &(usize, usize)| self.in_another_form(&sets[0], best, *place, *other);
         let found: Vec<Set> = wanted.par_iter().filter_map(other).collect();
         found.into_iter().for_each(|set| keep(sets, set));
@@ -169,6 +184,7 @@ mod tests {
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::assumptions::Assumptions;
     use crate::diagnose::candidates::tried;
+    use crate::diagnose::evidence::posterior::Posterior;
     use crate::diagnose::evidence::{Measured, Question, again, first, weigh};
     use crate::diagnose::measurements::magnitudes;
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
@@ -213,6 +229,31 @@ mod tests {
 
     fn stuck(sets: &[Set]) -> Vec<usize> {
         (0..sets.len()).filter(|k| best_within(sets, *k).is_some()).collect()
+    }
+
+    #[test]
+    fn a_form_that_was_behind_is_not_tried_again_beside_one_more() {
+        let set = |members: &[usize], log_evidence: f64| {
+            let model = measured(&mut fastrand::Rng::with_seed(1)).0;
+            let posterior = Posterior {
+                model,
+                unknowns: Vec::new(),
+                y: Vec::new(),
+                log_evidence,
+                log_peak: log_evidence,
+                deviations: Vec::new(),
+                predictions: Vec::new(),
+                simulations: 0,
+            };
+            Set { members: members.to_vec(), discrepancy: None, posterior, screened: false }
+        };
+        let sets = [set(&[], 0.0), set(&[1], 900.0), set(&[2], 800.0), set(&[3], 895.0)];
+        let pair = set(&[1, 7], 901.0);
+        let behind = |place, other| is_behind(&sets, &pair, place, other);
+        assert!(behind(0, 2));
+        // Near, not tried yet, and the forms of the last member.
+        assert!(!behind(0, 3) && !behind(0, 4) && !behind(1, 2));
+        assert!(!is_behind(&sets, &sets[1], 0, 2));
     }
 
     #[test]

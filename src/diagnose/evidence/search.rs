@@ -74,14 +74,14 @@ impl Search<'_, '_, '_> {
             parents.sort_by(|a, b| evidence(&sets[*b]).total_cmp(&evidence(&sets[*a])));
             let Some(best) = parents.first().copied() else { break };
             let doubt = self.doubted(&sets[best]);
-            let adequate = doubt.as_ref().is_some_and(|doubt| evidence(doubt) < evidence(&sets[best]));
+            let adequate = is_adequate(self.data, &sets[best], doubt.as_ref());
             doubts.extend(doubt);
             self.different(&sets, &mut parents);
             parents.truncate(if adequate || size + 1 == self.most { 1 } else { PARENTS });
             let before = sets.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
             let found = self.grown(&sets, &parents, adequate);
             sets.extend(found);
-            self.in_other_forms(&mut sets, size + 1);
+            self.in_other_forms(&mut sets, size + 1, adequate);
             let grown = sets.iter().filter(|set| set.members.len() == size + 1);
             let best = grown.map(evidence).fold(f64::NEG_INFINITY, f64::max);
             if best < before || self.data.bench.interrupted() {
@@ -308,6 +308,14 @@ impl Search<'_, '_, '_> {
     }
 }
 
+/// Whether `set` lacks nothing that `doubt` stands for. Without a doubt there is nothing to explain where its residual
+/// is no larger than the noise that is known, by anything relevant.
+fn is_adequate(data: &Measured, set: &Set, doubt: Option<&Set>) -> bool {
+    let is_noise =
+        || data.noise_is_known() && data.excess(&set.posterior.predictions) < data.assumptions().relevant;
+    doubt.map_or_else(is_noise, |doubt| evidence(doubt) < evidence(set))
+}
+
 /// Adds `set`, or puts it in the place of a less likely one of the same members.
 pub(super) fn keep(sets: &mut Vec<Set>, set: Set) {
     match sets.iter_mut().find(|known| known.has_just(&set.members)) {
@@ -338,4 +346,69 @@ fn moved(data: &Measured, set: &mut Set) -> bool {
 
 pub(in crate::diagnose) fn evidence(set: &Set) -> f64 {
     set.posterior.log_evidence
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{Channel, Dataset, Record, Regime};
+    use crate::diagnose::assumptions::Assumptions;
+    use crate::diagnose::diagnosis::{Noise, NoiseSource};
+    use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+
+    /// A set that predicts `predictions` of one record with a log evidence of zero.
+    fn set(model: &Model, predictions: Vec<f64>) -> Set {
+        let posterior = Posterior {
+            model: model.clone(),
+            unknowns: Vec::new(),
+            y: Vec::new(),
+            log_evidence: 0.0,
+            log_peak: 0.0,
+            deviations: Vec::new(),
+            predictions: vec![predictions],
+            simulations: 0,
+        };
+        Set { members: Vec::new(), discrepancy: None, posterior, screened: false }
+    }
+
+    #[test]
+    fn without_a_doubt_a_residual_of_the_size_of_the_noise_is_adequate() {
+        let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+                    tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";
+        let model = Model::parse(text).unwrap();
+        let force: Vec<f64> = (0..200).map(|i| (0.1 * f64::from(i)).sin()).collect();
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let channels = vec![
+            channel("time", "s", (0..200).map(|i| 1e-3 * f64::from(i)).collect()),
+            channel("displacement", "m", force.iter().map(|f| 1e-6 * f).collect()),
+            channel("force", "N", force.clone()),
+        ];
+        let record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels };
+        let dataset = Dataset { title: None, records: vec![record] };
+        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
+        let told = Noise {
+            record: 0,
+            channel: "force".to_owned(),
+            deviation: Some(0.02),
+            log_error: 0.0,
+            source: NoiseSource::Stated,
+        };
+        let (known, unknown) =
+            (Measured::new(&bench, &[0], &[told], &[]), Measured::new(&bench, &[0], &[], &[]));
+        let off = |by: f64| {
+            let signs = [by, -by].into_iter().cycle();
+            set(&model, force.iter().zip(signs).map(|(force, by)| force + by).collect())
+        };
+        assert!(is_adequate(&known, &off(0.02), None));
+        assert!(!is_adequate(&known, &off(0.05), None));
+        assert!(!is_adequate(&unknown, &off(0.02), None));
+        // One that is seen decides.
+        let doubt = |log_evidence| {
+            let mut doubt = off(0.02);
+            doubt.posterior.log_evidence = log_evidence;
+            doubt
+        };
+        assert!(!is_adequate(&known, &off(0.02), Some(&doubt(1.0))));
+        assert!(is_adequate(&known, &off(0.05), Some(&doubt(-1.0))));
+    }
 }
