@@ -5,7 +5,7 @@
 //! excitation of the other sign; `scale` and `dynamic`: units that are off by powers of ten, in the data or in the model, of contacts
 //! and of structures; `table`: motions beyond a measured law.
 //!
-//! A finding is told where its reason is beyond doubt: the limits are far from what noise, friction and impacts do, so that
+//! A finding is told only where nothing else makes what is seen: the limits are far from what noise, friction and impacts do, so that
 //! clean data have none.
 
 mod copies;

@@ -7,7 +7,7 @@ use crate::data::{Channel, Record};
 use crate::fit::residual::reversals;
 use crate::numeric::spectrum::hann_lines;
 
-/// Energy over the largest that force and motion could have, below which it is beyond doubt; and where the slope of the force
+/// Energy over the largest that force and motion could have, below which nothing else explains it; and where the slope of the force
 /// over the displacement is negative, too.
 const FEEDS: [f64; 2] = [-0.3, -0.02];
 /// The same of an excitation: what a delay of the chain makes is less.

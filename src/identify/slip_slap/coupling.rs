@@ -39,7 +39,7 @@ pub struct Coupling {
     pub interval: [f64; 2],
     /// Fraction of what a constant limit leaves of S that a following one explains, by squares; 0 where the interval holds 0.
     pub explained: f64,
-    /// What is left of S over S, root mean square: by a constant limit, and by the one that follows.
+    /// Residual of S over S, root mean square: by a constant limit, and by the one that follows.
     pub left: [f64; 2],
 }
 
