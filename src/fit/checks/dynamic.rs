@@ -118,9 +118,12 @@ pub(super) fn of_response(linear: &Linear, record: &Record, found: &mut Vec<Find
             let (low, high) =
                 modelled.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
             let (nearest, cause) = if measured > APART * high {
-                (high, "is it in mm or g where the column says otherwise, or the excitation in kN?")
+                (
+                    high,
+                    "is it in mm where the column says m, or the excitation in kN where its column says N?",
+                )
             } else if measured * APART < low {
-                (low, "is it in km or kN where the column says otherwise, or the excitation in mN?")
+                (low, "is it in m where the column says mm, or the excitation in N where its column says kN?")
             } else {
                 continue;
             };

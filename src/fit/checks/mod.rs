@@ -281,7 +281,7 @@ fn of_signals(model: &Model, record: &Record, found: &mut Vec<Finding>) {
     time::of(record, found);
     samples::of(record, found);
     hum::of(record, found);
-    sign::of(record, found);
+    sign::of(model, record, found);
     scale::of_contact(model, record, found);
     table::of(model, record, found);
 }

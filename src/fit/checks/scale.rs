@@ -53,21 +53,26 @@ pub(super) fn of_contact(model: &Model, record: &Record, found: &mut Vec<Finding
     // The loop's height and width over those at which the model just slips.
     let (height, width) = (force / (2.0 * limit), displacement * stiffness / (2.0 * limit));
     let ratio = height / width.min(1.0);
-    let mut add = |channel: &str, what, measured, modelled, unit, cause| {
-        found.push(finding(record, channel, Fault::Scale { what, measured, modelled, unit, cause }));
-    };
-    let (slip, stiff) = (limit / stiffness, "slip displacement");
-    if ratio > APART && height > 3.0 {
-        let cause = "is the force in mN, or `contact.normal_load` in kN? N is expected";
-        add("force", "friction limit", 0.5 * force, limit, "N", cause);
+    let (channel, cause) = if ratio > APART && height > 3.0 {
+        ("force", "is the force in N where the column says kN, or `contact.normal_load` in kN? N is expected")
     } else if ratio < 1.0 / APART {
-        let cause = "is the force in kN, or `contact.normal_load` in mN? N is expected";
-        add("force", "friction limit", 0.5 * force, limit, "N", cause);
+        ("force", "is the force in kN where the column says N, or `contact.normal_load` in mN? N is expected")
     } else if ratio > APART {
-        let cause = "is the displacement in mm where m is said twice, or `contact.tangential_stiffness` in N/mm? m and N/m are expected";
-        add("displacement", stiff, 0.5 * displacement, slip, "m", cause);
+        (
+            "displacement",
+            "is the displacement in m where the column says mm, or `contact.tangential_stiffness` in N/mm? N/m is expected",
+        )
     } else if width > FAR {
-        let cause = "is the displacement in mm where the column says m, or `contact.tangential_stiffness` in N/mm? m and N/m are expected";
-        add("displacement", stiff, 0.5 * displacement, slip, "m", cause);
-    }
+        (
+            "displacement",
+            "is the displacement in mm where the column says m, or `contact.tangential_stiffness` a thousand times too large?",
+        )
+    } else {
+        return;
+    };
+    let (what, measured, modelled, unit) = match channel {
+        "force" => ("friction limit", 0.5 * force, limit, "N"),
+        _ => ("slip displacement", 0.5 * displacement, limit / stiffness, "m"),
+    };
+    found.push(finding(record, channel, Fault::Scale { what, measured, modelled, unit, cause }));
 }

@@ -5,6 +5,7 @@ use realfft::num_complex::Complex;
 use super::{Fault, Finding, finding};
 use crate::data::{Channel, Record};
 use crate::fit::residual::reversals;
+use crate::model::Model;
 use crate::numeric::spectrum::hann_lines;
 
 /// Energy over the largest that force and motion could have, below which nothing else explains it; and where the slope of the force
@@ -15,7 +16,7 @@ const DRIVES: f64 = -0.3;
 /// Lines below this part of the frequency that moves most are the chain's drift.
 const SLOW: f64 = 0.3;
 
-pub(super) fn of(record: &Record, found: &mut Vec<Finding>) {
+pub(super) fn of(model: &Model, record: &Record, found: &mut Vec<Finding>) {
     if let (Some(force), Some(displacement)) = (record.channel("force"), record.channel("displacement")) {
         if let Some(fraction) = of_contact(&force.values, &displacement.values) {
             found.push(finding(record, "force", Fault::ReversedSign { fraction }));
@@ -23,7 +24,8 @@ pub(super) fn of(record: &Record, found: &mut Vec<Finding>) {
         return;
     }
     let driven = record.channels_of("excitation").next();
-    let Some((excitation, moved)) = driven.and_then(|one| Some((one, at_the_drive(record, one)?))) else {
+    let Some((excitation, moved)) = driven.and_then(|one| Some((one, at_the_drive(model, record, one)?)))
+    else {
         return;
     };
     if let Some(fraction) = of_structure(record, excitation, moved) {
@@ -48,10 +50,11 @@ fn of_contact(force: &[f64], displacement: &[f64]) -> Option<f64> {
     (turns.len() > 2 && (fraction < FEEDS[0] || fraction < FEEDS[1] && slope < 0.0)).then_some(fraction)
 }
 
-/// The channel that shows the motion where `excitation` acts: at the same mass, or the only one of a beam.
-fn at_the_drive<'r>(record: &'r Record, excitation: &Channel) -> Option<&'r Channel> {
+/// The channel that shows the motion where `excitation` acts: at the same mass, or where the model excites its beam.
+fn at_the_drive<'r>(model: &Model, record: &'r Record, excitation: &Channel) -> Option<&'r Channel> {
     let quantities = ["acceleration", "velocity", "displacement"];
-    let place = excitation.name.split_once(':').map(|(_, place)| place);
+    let place = excitation.name.split_once(':').map(|(_, place)| place.to_owned());
+    let place = place.or_else(|| Some(format!("x={}", model.structure.beam()?.excitation_position)));
     let named = place.and_then(|place| {
         quantities.iter().find_map(|quantity| record.channel(&format!("{quantity}:{place}")))
     });
