@@ -148,7 +148,7 @@ fn diagnosis(
     }
     let (tried, untried) = candidates::tried(model, &bench, options.effects.as_deref());
     progress.expect(1 + tried.len());
-    let (base, through) = base(&mut bench, model, &parts.seen(), &measured)?;
+    let Base { first, whole: base, through } = base(&mut bench, model, &parts.seen(), &measured)?;
     let seen = parts.seen();
     let training = Fitted { records: &seen, noise: &measured, through: &through };
     let data = training.of(&bench);
@@ -165,6 +165,9 @@ fn diagnosis(
     if let Ok(refined) = evidence::refined(&data, &weighed.sets[decision.best].posterior) {
         weighed.sets[decision.best].posterior = refined;
     }
+    if weighed.weights[0] < 1.0 - options.assumptions.certain {
+        weighed.refitted_as(first, &data);
+    }
     let mut diagnosis = verdict::of(&context, &weighed, decision, &test, (baseline, measured, untried));
     let reasons = &mut diagnosis.reasons;
     reasons.extend(split::copies(dataset));
@@ -178,13 +181,22 @@ fn diagnosis(
     Ok(diagnosis)
 }
 
-/// The model refitted as it is to `records`, and what the noise of the inputs makes of every record's channels.
+/// The model refitted as it is to some records.
+struct Base {
+    /// As if the residual were white.
+    first: Posterior,
+    whole: Posterior,
+    /// What the noise of the inputs makes of every record's channels.
+    through: Vec<Vec<f64>>,
+}
+
+/// `model` refitted to `records`.
 fn base(
     bench: &mut WeightedDataset,
     model: &Model,
     records: &[usize],
     measured: &[Noise],
-) -> Result<(Posterior, Vec<Vec<f64>>), DiagnoseError> {
+) -> Result<Base, DiagnoseError> {
     let first = {
         let about = bench.linearised_at_measurement();
         let about = about.as_ref().map(|bench| Measured::new(bench, records, measured, &[]));
@@ -193,8 +205,8 @@ fn base(
     let first = first.map_err(|reason| unpredictable(bench, model, reason))?;
     bench.reseed(&first.model);
     let through = inputs::through(&first.model, bench);
-    let base = evidence::again(&Measured::new(bench, records, measured, &through), &first);
-    Ok((base.map_err(|reason| unpredictable(bench, model, reason))?, through))
+    let whole = evidence::again(&Measured::new(bench, records, measured, &through), &first);
+    Ok(Base { first, whole: whole.map_err(|reason| unpredictable(bench, model, reason))?, through })
 }
 
 /// The bench and the magnitudes, or why the model cannot be refitted to the dataset.
@@ -296,7 +308,7 @@ fn added(
     let progress = Progress { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(2) };
     let measured = noise_of(model, dataset);
     let mut bench = bench;
-    let (base, through) = base(&mut bench, model, &fit, &measured)?;
+    let Base { whole: base, through, .. } = base(&mut bench, model, &fit, &measured)?;
     progress.tell("refitted");
     let forms = Candidate::forms(effect, location.as_ref(), model);
     let training = Fitted { records: &fit, noise: &measured, through: &through };

@@ -9,4 +9,5 @@ mod few_points;
 mod laws;
 mod noise;
 mod oscillator;
+mod pairs;
 mod skipped;

@@ -166,6 +166,13 @@ impl<'a, 'd> Measured<'a, 'd> {
         (sum / f64::max(count, 1.0)).sqrt()
     }
 
+    /// The size of what `predictions` leave of the measurements.
+    pub fn left(&self, predictions: &[Vec<f64>]) -> f64 {
+        let of =
+            |(k, p): (usize, &Vec<f64>)| p.iter().zip(&self.lane(k).measured).map(|(p, m)| p - m).collect();
+        self.size(&predictions.iter().enumerate().map(of).collect::<Vec<_>>())
+    }
+
     /// Whether something is known of the noise of every channel.
     pub fn noise_is_known(&self) -> bool {
         self.channels

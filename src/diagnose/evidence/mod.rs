@@ -57,6 +57,17 @@ pub(super) struct Weighed {
     pub silent: Vec<Candidate>,
 }
 
+impl Weighed {
+    /// Tells the model without effects as `fitted`, where that leaves less: a residual that is no noise draws a fit that
+    /// takes it for one away from what was measured.
+    pub fn refitted_as(&mut self, fitted: Posterior, data: &Measured) {
+        let known = &mut self.sets[0].posterior;
+        if data.left(&fitted.predictions) < data.left(&known.predictions) {
+            *known = fitted;
+        }
+    }
+}
+
 /// `model` refitted as it is: from where it is or, where motions are solved for, from what fits best about those that
 /// were measured.
 pub(super) fn first(

@@ -68,6 +68,7 @@ impl Search<'_, '_, '_> {
     pub fn run(&self, base: Posterior) -> Vec<Set> {
         let mut sets = vec![Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false }];
         let mut doubts: Vec<Set> = Vec::new();
+        let mut stalled = false;
         for size in 0..self.most {
             let mut parents: Vec<usize> =
                 (0..sets.len()).filter(|k| sets[*k].members.len() == size).collect();
@@ -77,14 +78,19 @@ impl Search<'_, '_, '_> {
             let adequate = is_adequate(self.data, &sets[best], doubt.as_ref());
             doubts.extend(doubt);
             self.different(&sets, &mut parents);
+            let closest = self.closest(parents.iter().map(|k| (*k, &sets[*k])));
             parents.truncate(if adequate || size + 1 == self.most { 1 } else { PARENTS });
+            parents.extend(closest.filter(|k| !adequate && !parents.contains(k)));
             let before = sets.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
             let found = self.grown(&sets, &parents, adequate);
             sets.extend(found);
             self.in_other_forms(&mut sets, size + 1, adequate);
             let grown = sets.iter().filter(|set| set.members.len() == size + 1);
             let best = grown.map(evidence).fold(f64::NEG_INFINITY, f64::max);
-            if best < before || self.data.bench.interrupted() {
+            // Two effects can explain together what neither explains alone, and half of what is missing may look less like
+            // noise than all of it: a search that has not arrived goes one member on.
+            let stalls = best < before && (adequate || std::mem::replace(&mut stalled, true));
+            if stalls || self.data.bench.interrupted() {
                 break;
             }
         }
@@ -120,13 +126,18 @@ impl Search<'_, '_, '_> {
                 probe.evidence > UNLIKELY && probe.distance > IRRELEVANT * self.data.assumptions().relevant;
             (few || probe.gain > WORTH) && (!adequate || likely)
         };
-        for &parent in parents {
-            let starts = self.starts(self.data, &sets[parent], worthy);
-            wanted.extend(starts.into_iter().map(|probe| (parent, probe)));
+        let mut from: Vec<Set> = parents.iter().map(|parent| sets[*parent].clone()).collect();
+        if !adequate && self.looks.is_none() {
+            let as_white: Vec<Set> = from.par_iter().filter_map(|set| self.as_white(set)).collect();
+            from.extend(as_white);
+        }
+        for (k, parent) in from.iter().enumerate() {
+            let starts = self.starts(self.data, parent, worthy);
+            wanted.extend(starts.into_iter().map(|probe| (k, probe)));
         }
         let looks = self.looks.unwrap_or(self.data);
         let seen: Vec<Option<Set>> =
-            wanted.par_iter().map(|(parent, probe)| self.glanced(looks, &sets[*parent], probe)).collect();
+            wanted.par_iter().map(|(parent, probe)| self.glanced(looks, &from[*parent], probe)).collect();
         let led = parents.iter().filter(|_| !adequate).flat_map(|parent| self.led(&sets[*parent]));
         let mut found = best_of_each(seen.into_iter().flatten().chain(led));
         let twice = found.len().min(TWICE);
@@ -136,12 +147,31 @@ impl Search<'_, '_, '_> {
         let (others, least) = if self.looks.is_some() { (&sets[..0], LED) } else { (sets, 0) };
         let best = found.iter().chain(others).map(evidence).fold(f64::NEG_INFINITY, f64::max);
         let near = found.iter().take(FULL).take_while(|set| evidence(set) > best - BEHIND).count();
-        let near = near.max(least.min(found.len()));
+        let mut near = near.max(least.min(found.len()));
+        if let Some(closest) = self.closest(found.iter().enumerate()).filter(|k| !adequate && *k >= near) {
+            found.swap(near, closest);
+            near += 1;
+        }
         found[..near].par_iter_mut().for_each(|set| self.finish(set));
         if self.looks.is_some() {
             found.retain(|set| !set.screened);
         }
         found
+    }
+
+    /// The one of `sets` that leaves the smallest residual.
+    fn closest<'k>(&self, sets: impl Iterator<Item = (usize, &'k Set)>) -> Option<usize> {
+        let left = sets.map(|(k, set)| (k, self.data.left(&set.posterior.predictions)));
+        left.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
+    }
+
+    /// `set` fitted as if its residual were white: one that is far from what was measured is drawn to parameters that make
+    /// its residual smooth, which promises nothing of what would make it small.
+    fn as_white(&self, set: &Set) -> Option<Set> {
+        let mut white = set.clone();
+        let moved = moved(self.data, &mut white);
+        (moved && self.data.left(&white.posterior.predictions) < self.data.left(&set.posterior.predictions))
+            .then_some(white)
     }
 
     /// Promising amounts of one more member beside `parent`, at most two of each.
