@@ -22,11 +22,13 @@ pub(super) struct Reached {
 /// A series in `a xⁿ` serves up to here, which takes at most 50 terms; quadrature beyond.
 const NEAR: f64 = 0.5;
 
-/// Terms of a power series in the way, the size of the last one that is left, and the place from where such series serve
+/// Terms of a power series in the way at most, the size of the last one that is left over the place, and the place from where such series serve
 /// for any way: where x is 0 the curve is not analytic.
 const TERMS: usize = 20;
 const LAST: f64 = 1e-17;
 const ANY: f64 = 0.25;
+/// As many ways downwards do not reach zero, and a series serves.
+const AWAY: f64 = 4.0;
 
 /// Slope below which the gap to the limit falls exponentially to eight digits.
 const NEARLY: f64 = 1e-8;
@@ -85,16 +87,12 @@ impl Saturation {
         }
         let (mut gap, mut left, mut lost) = (1.0 - x, w, 0.0);
         while left > 0.0 && gap > 0.25 * f64::EPSILON {
-            let series = self.gap_series(gap);
-            let reach = |k: usize| (LAST / series[k].abs()).powf(1.0 / k as f64);
-            let part = reach(TERMS - 1).min(reach(TERMS - 2)).min(left);
-            let (mut next, mut mean) = (0.0, 0.0);
-            for (k, c) in series.iter().enumerate().rev() {
-                next = next * part + c;
-                mean = mean * part + c / (k + 1) as f64;
-            }
+            let logarithm = self.n * (-gap).ln_1p();
+            let (slope, power) = (-logarithm.exp_m1(), logarithm.exp());
+            let (part, change, mean) = self.advance(1.0 - gap, [slope, power], 1.0, left);
+            let next = gap - change;
             // ∫ x dw − ∫ x dx.
-            lost += part * (1.0 - mean) - 0.5 * (gap - next) * (2.0 - gap - next);
+            lost += part * (1.0 - gap + mean) - 0.5 * (gap - next) * (2.0 - gap - next);
             (gap, left) = (next, left - part);
         }
         let end = (1.0 - gap).clamp(x, 1.0);
@@ -102,24 +100,42 @@ impl Saturation {
         Some(Reached { x: end, by_start: self.left_of_gap(x, end, w), lost: (lost + left).max(0.0) })
     }
 
-    /// Coefficients of `1 − x` over the way from where it is `gap`: of `s = 1 − xⁿ` and `x' = s` follows
-    /// `x s' = −n s xⁿ`.
-    fn gap_series(&self, gap: f64) -> [f64; TERMS] {
-        let (mut gaps, mut slopes, mut rates) = ([0.0; TERMS], [0.0; TERMS], [0.0; TERMS]);
-        let logarithm = self.n * (-gap).ln_1p();
-        let (slope, power) = (-logarithm.exp_m1(), logarithm.exp());
-        (gaps[0], slopes[0]) = (gap, slope);
+    /// From `x` over the way `left`, or as much of it as a series allows: that part, the change of x upwards (`sign` 1) or
+    /// downwards (−1), and the mean change. `s = 1 − a xⁿ` there and `a xⁿ` are given; from `x' = ±s` follows
+    /// `x s' = ∓n s (1 − s)`.
+    fn advance(&self, x: f64, [slope, power]: [f64; 2], sign: f64, left: f64) -> (f64, f64, f64) {
+        // Coefficients of s and of ±x, and of the derivative of s.
+        let (mut slopes, mut places, mut rates) = ([0.0; TERMS], [0.0; TERMS], [0.0; TERMS]);
+        slopes[0] = slope;
+        let (mut part, mut small, mut terms) = (left, 0, TERMS);
         for k in 0..TERMS - 1 {
             let next = (k + 1) as f64;
-            gaps[k + 1] = -slopes[k] / next;
+            places[k + 1] = slopes[k] / next;
+            // Two small terms one after the other are no chance.
+            small = if places[k + 1].abs() * left.powi(k as i32 + 1) < LAST * x { small + 1 } else { 0 };
+            if small == 2 {
+                terms = k + 2;
+                break;
+            }
             let own = if k == 0 { power } else { power - slope };
-            let carried: f64 = (1..=k)
-                .map(|j| self.n * slopes[j] * slopes[k - j] * f64::from(j < k) + gaps[j] * rates[k + 1 - j])
-                .sum();
-            rates[k + 1] = (carried - self.n * own * slopes[k]) / (1.0 - gap);
+            let pairs = |j: usize| {
+                let own = if j < k { self.n * slopes[j] * slopes[k - j] } else { 0.0 };
+                own - places[j] * rates[k + 1 - j]
+            };
+            let carried: f64 = (1..=k).map(pairs).sum();
+            rates[k + 1] = sign * (carried - self.n * own * slopes[k]) / x;
             slopes[k + 1] = rates[k + 1] / next;
         }
-        gaps
+        if terms == TERMS {
+            let reach = |k: usize| (LAST * x / places[k].abs()).powf(1.0 / k as f64);
+            part = reach(TERMS - 1).min(reach(TERMS - 2)).min(left);
+        }
+        let (mut change, mut mean) = (0.0, 0.0);
+        for k in (1..terms).rev() {
+            change = (change + places[k]) * part;
+            mean = (mean + places[k] / (k + 1) as f64) * part;
+        }
+        (part, change, mean)
     }
 
     /// `∂end/∂x` of a way `w` upwards from `x`: near the limit the gap falls exponentially, where its rounded values have
@@ -134,6 +150,9 @@ impl Saturation {
         if self.a == 0.0 {
             let end = (x - w).max(0.0);
             return (Reached { x: end, by_start: 1.0, lost: 0.0 }, (w - x).max(0.0));
+        }
+        if w >= 0.0 && x > AWAY * w {
+            return (self.fall_by_series(x, w), 0.0);
         }
         let whole = self.way(x) - w;
         if whole <= 0.0 {
@@ -152,6 +171,19 @@ impl Saturation {
         let end = end.min(x);
         let lost = (self.lost(x) - self.lost(end)).abs();
         (Reached { x: end, by_start: self.slope(end) / self.slope(x), lost }, 0.0)
+    }
+
+    /// The same by power series in the way, where that is short of zero.
+    fn fall_by_series(&self, x: f64, w: f64) -> Reached {
+        let (mut end, mut left, mut lost) = (x, w, 0.0);
+        while left > 0.0 {
+            let power = self.a * end.powf(self.n);
+            let (part, change, mean) = self.advance(end, [1.0 - power, power], -1.0, left);
+            // ∫ x dx − ∫ x dw.
+            lost += 0.5 * change * (2.0 * end - change) - part * (end - mean);
+            (end, left) = (end - change, left - part);
+        }
+        Reached { x: end, by_start: self.slope(end) / self.slope(x), lost: lost.max(0.0) }
     }
 
     /// `∫₀ˣ dt/(1 − a tⁿ)`, infinite at the limit.
@@ -255,6 +287,24 @@ mod tests {
                 }
             }
             assert!(short > 20, "{short}");
+        }
+    }
+
+    #[test]
+    fn a_short_way_down_ends_where_the_whole_integrals_say() {
+        for n in [1.0, 1.3, 2.0, 4.5, 20.0] {
+            for a in [-1.0, -0.3, -1e-3] {
+                let down = Saturation { n, a };
+                for x in [1e-6, 1e-3, 0.1, 0.4, 0.7, 0.99, 1.0] {
+                    for w in [1e-9, 1e-4, 0.003, 0.03, 0.1, 0.2, 0.249].map(|part| part * x) {
+                        let (reached, rest) = down.fall(x, w);
+                        let way = down.way(x) - down.way(reached.x);
+                        assert!(rest == 0.0 && (way - w).abs() < 1e-15 * x, "{n} {a} {x} {w}: {way}");
+                        let lost = (down.lost(x) - down.lost(reached.x)).abs();
+                        assert!((reached.lost - lost).abs() < 1e-15 * x * x, "{n} {a} {x} {w}: {lost}");
+                    }
+                }
+            }
         }
     }
 

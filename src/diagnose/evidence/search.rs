@@ -50,6 +50,8 @@ const FULL: usize = 5;
 const PARENTS: usize = 2;
 /// Sets that are fitted in full at least where first looks are about the measured motions.
 const LED: usize = 3;
+/// Fraction of a residual that leads where it is not of the likeliest.
+const CLOSER: f64 = 0.95;
 
 /// What is searched.
 pub(in crate::diagnose) struct Search<'s, 'a, 'd> {
@@ -128,8 +130,7 @@ impl Search<'_, '_, '_> {
         };
         let mut from: Vec<Set> = parents.iter().map(|parent| sets[*parent].clone()).collect();
         if !adequate && self.looks.is_none() {
-            let as_white: Vec<Set> = from.par_iter().filter_map(|set| self.as_white(set)).collect();
-            from.extend(as_white);
+            from.par_iter_mut().for_each(|set| self.whiten(set));
         }
         for (k, parent) in from.iter().enumerate() {
             let starts = self.starts(self.data, parent, worthy);
@@ -159,19 +160,25 @@ impl Search<'_, '_, '_> {
         found
     }
 
-    /// The one of `sets` that leaves the smallest residual.
-    fn closest<'k>(&self, sets: impl Iterator<Item = (usize, &'k Set)>) -> Option<usize> {
-        let left = sets.map(|(k, set)| (k, self.data.left(&set.posterior.predictions)));
-        left.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
+    /// Size of the residual of a set.
+    fn left(&self, set: &Set) -> f64 {
+        self.data.left(&set.posterior.predictions)
     }
 
-    /// `set` fitted as if its residual were white: one that is far from what was measured is drawn to parameters that make
-    /// its residual smooth, which promises nothing of what would make it small.
-    fn as_white(&self, set: &Set) -> Option<Set> {
+    /// The one of `sets` that leaves the smallest residual, if that of the first is larger.
+    fn closest<'k>(&self, sets: impl Iterator<Item = (usize, &'k Set)>) -> Option<usize> {
+        let left: Vec<(usize, f64)> = sets.map(|(k, set)| (k, self.left(set))).collect();
+        let closest = left.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        (closest.1 < CLOSER * left[0].1).then_some(closest.0)
+    }
+
+    /// Fits `set` as if its residual were white, if it leaves less then: one that is far from what was measured is
+    /// drawn to parameters that make its residual smooth, which promises nothing of what would make it small.
+    fn whiten(&self, set: &mut Set) {
         let mut white = set.clone();
-        let moved = moved(self.data, &mut white);
-        (moved && self.data.left(&white.posterior.predictions) < self.data.left(&set.posterior.predictions))
-            .then_some(white)
+        if moved(self.data, &mut white) && self.left(&white) < CLOSER * self.left(set) {
+            *set = white;
+        }
     }
 
     /// Promising amounts of one more member beside `parent`, at most two of each.

@@ -119,17 +119,13 @@ impl Decision {
             let scored = context.bench.score(&weighed.sets[k].posterior.model, &test.records).ok()?;
             Some(test.log_score(&scored.into_iter().map(|one| one.predictions).collect::<Vec<_>>()))
         };
-        if self.best != 0
-            && let (Some(with), Some(without)) = (score(self.best), score(0))
-            && with < without - against
-        {
-            (self.verdict, self.best) = (Verdict::InsufficientData, 0);
-            self.taken_back = Some(TakenBack::Worse);
-            return self;
-        }
+        let scores = (self.best != 0).then(|| score(self.best).zip(score(0))).flatten();
         if self.is_contradicted(context, weighed, test, all).unwrap_or(false) {
             self.verdict = Verdict::Unexplained;
             self.taken_back = Some(TakenBack::Unexplained);
+        } else if scores.is_some_and(|(with, without)| with < without - against) {
+            (self.verdict, self.best) = (Verdict::InsufficientData, 0);
+            self.taken_back = Some(TakenBack::Worse);
         }
         self
     }
