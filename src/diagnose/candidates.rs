@@ -151,13 +151,16 @@ fn of(model: &Model, bench: &WeightedDataset) -> (Vec<Candidate>, Vec<Untried>) 
 }
 
 /// Why `effect` cannot be tried at all.
-fn refusal(effect: &Effect, model: &Model, dataset: &Dataset) -> Option<String> {
+fn refusal(effect: &'static Effect, model: &Model, dataset: &Dataset) -> Option<String> {
     if !effect.kinds.contains(&model.kind()) {
         return Some(format!("a {} has no such effect", model.kind().name()));
     }
     let contact = model.contact.as_ref();
     if effect.part.needs_contact() && contact.is_none() {
         return Some("the model has no contact".to_owned());
+    }
+    if let Structure::PinRig(_) = model.structure {
+        return on_pin_rig(effect, model);
     }
     match effect.needs {
         Needs::Nothing => None,
@@ -184,6 +187,22 @@ fn refusal(effect: &Effect, model: &Model, dataset: &Dataset) -> Option<String> 
         }
         Needs::VaryingNormalLoad | Needs::Transient => None,
     }
+}
+
+/// The same on a pin rig, whose contact makes its normal load itself: none need be measured, and an effect is left out
+/// where the contact has it by itself.
+fn on_pin_rig(effect: &'static Effect, model: &Model) -> Option<String> {
+    if effect.needs == Needs::Transient {
+        return Some(
+            "in a steady state it has no meaning; no other records of a pin rig are predicted".to_owned(),
+        );
+    }
+    let starts = effect.parameters.iter().map(|parameter| (parameter.range)(&Scales::default()).starts[0]);
+    let applied = AppliedEffect { effect, location: None, values: starts.collect() };
+    let mut with = model.clone();
+    with.effects.push(applied);
+    let refused = with.check().err().filter(|_| effect.part.is_contact());
+    refused.map(|refused| refused.message)
 }
 
 /// Whether the measured normal load varies by more than its noise.
@@ -262,4 +281,31 @@ fn unseen(dataset: &Dataset, candidate: &Candidate) -> Option<&'static str> {
     };
     let reasons: Vec<Option<&str>> = dataset.records.iter().filter(measured).map(reason).collect();
     reasons.iter().all(Option::is_some).then(|| reasons.first().copied().flatten()).flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::find;
+
+    #[test]
+    fn what_the_contact_of_a_rig_has_by_itself_is_not_tried() {
+        let example = include_str!("../../examples/slip-slap/model.toml");
+        let hertz = Model::parse(example).unwrap();
+        let why = |model: &Model, id: &str| on_pin_rig(find(id).unwrap(), model);
+        assert!(why(&hertz, "normal_load_variation").unwrap().contains("`normal_law`"));
+        assert!(why(&hertz, "normal_hardening").unwrap().contains("Hertz"));
+        assert!(why(&hertz, "wear").unwrap().contains("steady"));
+        assert_eq!(why(&hertz, "impact_damping"), None);
+        let constant: Vec<&str> = example
+            .lines()
+            .filter(|line| {
+                !["normal_law", "normal_exponent", "impact"].iter().any(|key| line.starts_with(key))
+            })
+            .collect();
+        let constant = Model::parse(&constant.join("\n")).unwrap();
+        for id in ["normal_load_variation", "normal_hardening", "impact_damping", "hanging_mass"] {
+            assert_eq!(why(&constant, id), None, "{id}");
+        }
+    }
 }

@@ -45,7 +45,7 @@ pub(super) static EFFECT: Effect = Effect {
     ],
     part: Part::HungAtContact,
     place: PlaceKind::Nowhere,
-    kinds: &[Kind::Oscillator, Kind::Beam],
+    kinds: &[Kind::Oscillator, Kind::Beam, Kind::PinRig],
     needs: Needs::Nothing,
     in_tables: InTables::Shown,
     apply: |values, _, changes| {

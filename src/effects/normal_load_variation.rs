@@ -6,8 +6,8 @@ use crate::vocabulary::{self as v, Scale};
 pub(super) static EFFECT: Effect = Effect {
     id: "normal_load_variation",
     title: "Varying normal load",
-    summary: "The friction limit follows the measured normal load N0 + gain (N(t) − N0), with lift-off at zero and \
-          below",
+    summary: "The friction limit follows the normal load N0 + gain (N(t) − N0), with lift-off at zero and below; N(t) is \
+          the measured load or, on a pin rig, the model's own normal force",
     explanation: "Vibration, thermal growth or a second direction of motion changes the pressure on the contact while \
           it slides. The limit rises and falls with it. Where the load vanishes, the bodies separate: the force \
           is zero, and the contact starts without history when they touch again.",

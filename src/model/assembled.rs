@@ -72,8 +72,10 @@ impl Model {
                 let (Some(contact), Some(slip_slap)) = (&self.contact, self.slip_slap()?) else {
                     return Err(AssemblyError::NoContact);
                 };
-                let rig = pinned.rig(contact, &self.changes().structure)?;
-                Ok(ModalPinRig::new(&rig)?.system(Some(Arc::new(slip_slap))))
+                let changes = self.changes().structure;
+                let rig = pinned.rig(contact, &changes)?;
+                let hung = &changes.hanging_masses;
+                Ok(ModalPinRig::new(&rig)?.with_hung(hung)?.system(Some(Arc::new(slip_slap))))
             }
             Structure::Oscillator(oscillator) => {
                 let changes = self.changes().structure;

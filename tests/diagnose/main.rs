@@ -10,4 +10,5 @@ mod laws;
 mod noise;
 mod oscillator;
 mod pairs;
+mod pin_rig;
 mod skipped;

@@ -8,3 +8,4 @@ mod catalogue;
 mod instance;
 mod model;
 mod oscillator;
+mod pin_rig;

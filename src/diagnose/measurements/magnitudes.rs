@@ -32,6 +32,10 @@ pub(in crate::diagnose) fn of(model: &Model, dataset: &Dataset) -> Scales {
         })
     };
     largest(extreme("excitation"), &mut scales.structure_force);
+    if let (Structure::PinRig(_), Some(contact)) = (&model.structure, &model.contact) {
+        // It is not measured there: that by which the load presses the contact together.
+        largest(contact.normal_load / contact.normal_stiffness, &mut scales.normal_displacement);
+    }
     largest(extreme("normal_displacement"), &mut scales.normal_displacement);
     largest(
         scales.normal_displacement * scales.frequency * std::f64::consts::TAU,

@@ -26,7 +26,7 @@ impl Linear {
     pub fn of(model: &Model) -> Option<Self> {
         let key = match model.structure {
             Structure::Prescribed => return None,
-            Structure::Beam(_) => "beam.youngs_modulus",
+            Structure::Beam(_) | Structure::PinRig(_) => "beam.youngs_modulus",
             _ => "spring",
         };
         let structure = model.system().ok()?.linear_part();

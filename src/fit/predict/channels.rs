@@ -26,7 +26,7 @@ fn roles(model: &Model, regime: Regime) -> Roles {
             compared: &["acceleration", "velocity", "displacement", "phase"],
         },
         (_, _) => Roles {
-            inputs: if model.changes().joint.load_gain.is_some() {
+            inputs: if follows_measured_load(model) {
                 &["time", "excitation", "normal_load"]
             } else {
                 &["time", "excitation"]
@@ -34,6 +34,11 @@ fn roles(model: &Model, regime: Regime) -> Roles {
             compared: &["acceleration", "velocity", "displacement"],
         },
     }
+}
+
+/// Whether the model's friction follows the load that was measured. That of a pin rig follows the rig's own.
+fn follows_measured_load(model: &Model) -> bool {
+    model.changes().joint.load_gain.is_some() && !matches!(model.structure, Structure::PinRig(_))
 }
 
 /// The channels of `record` that a model of this structure predicts. A contact's normal load is one where the

@@ -1,7 +1,7 @@
 //! A model as the sensors of a record see it, and under the normal load that was measured.
 
 use crate::harmonic::Assembly;
-use crate::model::Model;
+use crate::model::{Model, Structure};
 use crate::system::{Element, System};
 
 /// The system of `model`, a beam with sensors at `positions` (m), whatever sensors it lists.
@@ -25,6 +25,10 @@ pub(super) fn observed_assembly(
 ) -> Result<Assembly, String> {
     const CONTACT: usize = 0;
     let mut assembly = Assembly::new(observed_system(model, positions)?);
+    // A contact in two directions makes its load itself.
+    if let Structure::PinRig(_) = model.structure {
+        return Ok(assembly);
+    }
     let joint = model.changes().joint;
     if let Some(Element::Law { normal_load, .. }) =
         assembly.system.elements.first_mut().filter(|_| model.contact.is_some())

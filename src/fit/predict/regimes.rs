@@ -25,6 +25,8 @@ pub(super) fn simulation<'r>(
         return Err("it has no column that the model predicts".into());
     }
     Ok(match (record.regime, &model.structure) {
+        (Regime::Steady, Structure::PinRig(_)) => Box::new(SteadyBeam::new(model, record, channels, seed)?),
+        (Regime::SteppedSine, Structure::PinRig(_)) => Box::new(SteppedSine::new(model, record, channels)?),
         (_, Structure::PinRig(_)) => return Err(PIN_RIG.into()),
         (Regime::FromRest, _) => Box::new(FromRest::new(model, record, channels)?),
         (Regime::Steady, Structure::Prescribed) => Box::new(SteadyContact::new(record, channels)?),
@@ -52,7 +54,8 @@ pub(super) fn simulation<'r>(
     })
 }
 
-const PIN_RIG: &str = "records of a pin rig are not predicted";
+const PIN_RIG: &str =
+    "a pin rig's record needs the regime `steady`, under a force that repeats, or `stepped-sine`";
 const BEAM_OF_UNKNOWN_START: &str = "a beam's record needs the regime `from-rest`, `steady` or `backbone`: the motion \
                                      at its start is not measured everywhere";
 const BACKBONE_OF_CONTACT: &str =

@@ -11,6 +11,8 @@ mod damper_tests;
 pub(crate) mod map;
 mod motion;
 pub(crate) mod pair;
+#[cfg(test)]
+mod pair_tests;
 mod piecewise;
 mod reference;
 pub(crate) mod sampled;

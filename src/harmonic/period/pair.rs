@@ -2,7 +2,8 @@
 //!
 //! The period is sampled, and marched from the largest tangential displacement, to which a contact without history is
 //! loaded at once, until the state reproduces itself: what slips forgets within a period, and what sticks all through
-//! keeps what the first loading left.
+//! keeps what the first loading left. A law that slips gradually has one number that forgets slowly in small motions, by the
+//! same factor in every period: its end is foretold from two periods (Aitken's extrapolation).
 
 use nalgebra::DMatrix;
 
@@ -15,6 +16,10 @@ use crate::numeric::fourier::{Basis, coefficient_count, differentiate};
 /// Change of the state in a period, as a fraction of its parts' largest values, that counts as none.
 const CLOSED: f64 = 1e-10;
 const MAX_CYCLES: usize = 100;
+/// Part of a change that may point elsewhere than the one before for its end to be foretold; and the part by which a number
+/// that does not forget, but sticks, at least changes from period to period.
+const ASTRAY: f64 = 0.1;
+const STUCK: f64 = 1e-9;
 
 /// One of the two directions.
 #[derive(Debug, Clone)]
@@ -161,13 +166,67 @@ impl PairCycle {
         let origin = (0..self.samples).max_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(0);
         contact.set_state([0.0; 2], 0.0, &mut self.state);
         self.step(contact, angular_frequency, origin, derivatives);
+        if derivatives {
+            // What slips in the first period alone, and sticks from then on, is known by this period alone.
+            self.march(contact, angular_frequency, origin, true);
+        }
+        self.close(contact, angular_frequency, origin)?;
+        if derivatives {
+            self.close_derivatives(contact, angular_frequency, origin);
+        }
+        self.project(derivatives);
+        Ok(())
+    }
+
+    /// Marches until the state reproduces itself.
+    fn close(
+        &mut self,
+        contact: &SlipSlap,
+        angular_frequency: f64,
+        origin: usize,
+    ) -> Result<(), HarmonicError> {
+        let mut before: Vec<f64> = Vec::new();
         for _ in 0..MAX_CYCLES {
-            if self.march(contact, angular_frequency, origin, derivatives) <= CLOSED {
-                self.project(derivatives);
+            if self.march(contact, angular_frequency, origin, false) <= CLOSED {
                 return Ok(());
             }
+            let change: Vec<f64> =
+                self.state.iter().zip(&self.begin).map(|(end, begin)| end - begin).collect();
+            let scale = &self.scale;
+            let weighted = |list: &[f64]| -> Vec<f64> {
+                let by = |(x, scale): (&f64, &f64)| if *scale > 0.0 { x / scale } else { 0.0 };
+                list.iter().zip(scale).map(by).collect()
+            };
+            before = match left(&weighted(&before), &weighted(&change)) {
+                Some(left) => {
+                    add(left, &change, &mut self.state);
+                    Vec::new()
+                }
+                None => change,
+            };
         }
         Err(HarmonicError::ContactNotPeriodic { cycles: MAX_CYCLES })
+    }
+
+    /// Marches on from a state that reproduces itself until the derivatives do.
+    fn close_derivatives(&mut self, contact: &SlipSlap, angular_frequency: f64, origin: usize) {
+        let mut before: Vec<f64> = Vec::new();
+        for _ in 0..MAX_CYCLES {
+            let begin = self.carried.clone();
+            self.march(contact, angular_frequency, origin, true);
+            let change: Vec<f64> = self.carried.iter().zip(&begin).map(|(end, begin)| end - begin).collect();
+            let size = |list: &[f64]| list.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            if size(&change) <= CLOSED * size(&self.carried) {
+                return;
+            }
+            before = match left(&before, &change) {
+                Some(left) => {
+                    add(left, &change, &mut self.carried);
+                    Vec::new()
+                }
+                None => change,
+            };
+        }
     }
 
     /// Marches a period from sample `origin`; returns the change of the state.
@@ -266,6 +325,21 @@ impl PairCycle {
             }
         }
     }
+}
+
+/// How many times the last `change` is still to come, where every change is by the same factor smaller than the one `before`;
+/// `None` where it is not so.
+fn left(before: &[f64], change: &[f64]) -> Option<f64> {
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let square = product(before, before);
+    if square == 0.0 {
+        return None;
+    }
+    let factor = product(change, before) / square;
+    let astray: f64 = change.iter().zip(before).map(|(x, b)| (x - factor * b).powi(2)).sum();
+    let steady =
+        astray <= (ASTRAY * ASTRAY) * product(change, change) && (0.0..1.0 - STUCK).contains(&factor);
+    steady.then(|| factor / (1.0 - factor))
 }
 
 fn add(factor: f64, from: &[f64], to: &mut [f64]) {

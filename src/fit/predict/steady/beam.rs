@@ -9,7 +9,7 @@ use crate::fit::predict::observed_system::{observed_assembly, observed_system};
 use crate::fit::predict::simulation::{Direction, Seed, Simulation};
 use crate::harmonic::Assembly;
 use crate::harmonic::steady::Start;
-use crate::model::Model;
+use crate::model::{Model, Structure};
 use crate::system::Core;
 
 /// Farthest static offset of a contact, in elastic displacements at the limit (m): from there on it slips wherever it
@@ -44,7 +44,7 @@ impl<'r> SteadyBeam<'r> {
         let positions: Vec<f64> =
             channels.iter().map(|channel| position(channel)).collect::<Result<_, _>>()?;
         let highest = match &observed_system(model, &positions)?.core {
-            Core::Modal { angular_frequency, .. } => angular_frequency.last().copied().unwrap_or(0.0),
+            Core::Modal { angular_frequency, .. } => angular_frequency.iter().copied().fold(0.0, f64::max),
             Core::Matrices { .. } => 0.0,
         };
         let mut steady = SteadyRecord::new(record, &channels, highest)?;
@@ -89,6 +89,10 @@ impl Simulation for SteadyBeam<'_> {
     }
 
     fn nuisances(&mut self, model: &Model) -> Result<Vec<Parameter>, String> {
+        // The static force of a contact in two directions is that of a first loading.
+        if let Structure::PinRig(_) = model.structure {
+            return Ok(Vec::new());
+        }
         let elastic = model
             .contact
             .map(|contact| contact.friction_coefficient * contact.normal_load / contact.tangential_stiffness);

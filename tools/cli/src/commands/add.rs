@@ -125,7 +125,9 @@ fn location(
         (Location::Mass(name), Structure::Oscillator(oscillator)) => {
             !oscillator.masses.iter().any(|mass| mass.name == *name)
         }
-        (Location::Position(at), Structure::Beam(beam)) => !(0.0..=beam.length).contains(at),
+        (Location::Position(at), structure) if structure.beam().is_some() => {
+            structure.beam().is_none_or(|beam| !(0.0..=beam.length).contains(at))
+        }
         (Location::Channel(name), _) => {
             !dataset.records.iter().any(|record| record.channels.iter().any(|channel| channel.name == *name))
         }
@@ -156,8 +158,9 @@ fn places(effect: &Effect, model: &Model, dataset: &Dataset) -> Vec<String> {
         (_, Structure::Oscillator(oscillator)) => {
             oscillator.masses.iter().map(|mass| format!("{id}@{}", mass.name)).collect()
         }
-        (_, Structure::Beam(beam)) => vec![format!("{id}@x=0 … {id}@x={}", beam.length)],
-        _ => Vec::new(),
+        (_, structure) => {
+            structure.beam().map(|beam| format!("{id}@x=0 … {id}@x={}", beam.length)).into_iter().collect()
+        }
     };
     let mut seen = Vec::new();
     all.retain(|place| {

@@ -68,7 +68,7 @@ fn what_it_cannot_do_with_such_a_model_is_said() {
         .collect();
     let csv = format!("time [s],excitation [N],acceleration:x=0.3 [m/s^2]\n{rows}");
     fs::write(folder.path().join("data/a.csv"), csv).unwrap();
-    said(&["compare", "model.toml", "data"], 1, &["records of a pin rig are not predicted"]);
+    said(&["compare", "model.toml", "data"], 1, &["needs the regime `steady`"]);
     said(&["identify", "model.toml", "data"], 2, &["steady"]);
     said(&["identify", "model.toml", "data", "-o", "new.toml"], 2, &["--out", "two directions"]);
     said(&["identify", "model.toml", "data", "--fit", "a"], 2, &["--fit", "two directions"]);
@@ -142,4 +142,51 @@ fn both_forces_are_identified_from_what_the_rig_writes() {
     let following = json["coupling"]["following"].as_f64().unwrap();
     assert!((following - 1.0).abs() < 0.1, "{following}");
     assert!(read("found.html").contains("Contact in two directions identified"));
+}
+
+/// From the rig's plan to the model with the effect that was missing: what the guide says of a constant load.
+#[test]
+fn a_constant_load_is_diagnosed_and_the_effect_added() {
+    let folder = tempfile::tempdir().unwrap();
+    let following = model()
+        .replace("\"jenkins\"", "\"valanis\"\nsmoothness = 0.3")
+        .replace("\"hertz\"", "\"linear\"")
+        .lines()
+        .filter(|line| !line.starts_with("normal_exponent") && !line.starts_with("impact_damping"))
+        .map(|line| format!("{line}\n"))
+        .collect::<String>();
+    let constant = following.replace("normal_law = \"linear\"\n", "");
+    let plan = PLAN
+        .replace("[14.0, 20.0]", "[8.0, 12.0, 16.0, 20.0]")
+        .replace("[34.0, 50.0]", "[20.0, 29.0, 39.0, 50.0]")
+        .replace("0.3, 0.05]\n", "0.3, 0.05]\nnoise = 0.01\nnoise_told = true\nseed = 3\n");
+    for (name, text) in [("truth.toml", &following), ("model.toml", &constant)] {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    fs::write(folder.path().join("plan.toml"), plan.replace("model.toml", "truth.toml")).unwrap();
+    let output = stickslip(&folder, &["rig", "plan.toml", "-o", "measured"]);
+    assert!(output.status.success(), "{}", error(&output));
+    let asked = ["diagnose", "model.toml", "measured", "--effects", "normal_load_variation"];
+    let output = stickslip(&folder, &[&asked[..], &["--json", "d.json", "-o", "found.toml"]].concat());
+    // 10: something is missing.
+    assert_eq!(output.status.code(), Some(10), "{}{}", error(&output), stdout(&output));
+    let found = read_json(&folder, "d.json");
+    assert_eq!(found["verdict"], "effect-found", "{found:#}");
+    assert_eq!(found["effects"], serde_json::json!(["normal_load_variation"]));
+    let gain = found["parameters"]["effect.1.load_gain"]["value"].as_f64().unwrap();
+    assert!((gain - 1.0).abs() < 0.05, "{gain}");
+    // The error of the test records falls to the noise, from several times as much.
+    let told = |name: &str| found["error"][name].as_f64().unwrap();
+    assert!(told("untouched") < 1.2 * told("noise_floor"), "{}", found["error"]);
+    assert!(told("untouched_refitted") > 3.0 * told("noise_floor"), "{}", found["error"]);
+    let asked = ["add", "model.toml", "normal_load_variation", "--fit", "measured", "-o", "new.toml"];
+    let output = stickslip(&folder, &asked);
+    assert!(output.status.success(), "{}", error(&output));
+    let error_of = |model: &str| {
+        let output = stickslip(&folder, &["compare", model, "measured", "--no-fit", "--json", "c.json"]);
+        assert!(output.status.success(), "{}", error(&output));
+        read_json(&folder, "c.json")["error"]["baseline"].as_f64().unwrap()
+    };
+    assert!(error_of("new.toml") < 0.015 && error_of("found.toml") < 0.015);
+    assert!(error_of("model.toml") > 0.05);
 }
