@@ -66,7 +66,8 @@ pub(super) fn describe(
         let initially = [CONTACT_FORCE].into_iter().chain(axial());
         variables.extend([
             Variable::output(&v::DISPLACEMENT).depends([(CONTACT_FORCE, Fixed)], initially),
-            Variable::output(&v::VELOCITY),
+            // By the rate of the force, which a held one changes by its jump over the step.
+            Variable::output(&v::VELOCITY).depends([(CONTACT_FORCE, Dependent)], []),
         ]);
     }
     for position in sensors {

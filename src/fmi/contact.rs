@@ -29,6 +29,8 @@ pub(super) fn describe(model: &Model, contact: &Contact, parameters: Vec<Variabl
         inputs.insert(1, VELOCITY);
     }
     let on = || inputs.iter().map(|input| (*input, DependencyKind::Dependent));
+    // A velocity slides nothing but by the friction that it weakens.
+    let slides = || on().filter(|(input, _)| *input != VELOCITY || joint.weakening.is_some());
     let initially = || inputs.iter().copied().chain(PARAMETERS..PARAMETERS + parameters.len());
     let mut variables = vec![
         Variable::input(&v::DISPLACEMENT, 0.0),
@@ -36,8 +38,8 @@ pub(super) fn describe(model: &Model, contact: &Contact, parameters: Vec<Variabl
         Variable::input(&v::NORMAL_LOAD, contact.normal_load),
         Variable::output(&v::FORCE).depends(on(), initially()),
         Variable::output(&v::DISSIPATED_ENERGY).depends(on(), initially()),
-        Variable::output(&v::SLIP_STATE).integer().depends(on(), initially()),
-        Variable::output(&v::SLIP_FRACTION).discrete().depends(on(), initially()),
+        Variable::output(&v::SLIP_STATE).integer().depends(slides(), initially()),
+        Variable::output(&v::SLIP_FRACTION).discrete().depends(slides(), initially()),
     ];
     variables.extend(parameters);
     let experiment = Experiment { start: 0.0, stop: 1.0, tolerance: 1e-6, step: 1e-3 };

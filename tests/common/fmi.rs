@@ -8,6 +8,7 @@ pub const SLIP_SLAP: &str = include_str!("../../modelDescription/SlipSlapContact
 pub const MODAL: &str = include_str!("../../modelDescription/ModalBeam.toml");
 pub const TWO_CONTACTS: &str = include_str!("../../modelDescription/ModalBeamTwoContacts.toml");
 pub const FRICTIONAL: &str = include_str!("../../modelDescription/FrictionalBeam.toml");
+pub const PIN_RIG: &str = include_str!("../../examples/slip-slap/model.toml");
 pub const OSCILLATOR: &str = include_str!("../../examples/friction-vibration/model.toml");
 
 /// A contact with every effect whose force is smooth between events.
@@ -61,6 +62,7 @@ pub const OF_AN_OSCILLATOR: Waves = &[
     ("excitation:m2", [0.1, 1.3, 0.0, 0.0]),
     ("normal_load", [0.3, 0.2, 0.0, 1.0]),
 ];
+pub const OF_A_PIN_RIG: Waves = &[("excitation", [400.0, 400.0, 0.2, 0.0])];
 
 pub fn cases() -> Vec<Case<'static>> {
     let case = |name, model: &str, (step, steps, tolerance), waves| Case {
@@ -117,6 +119,13 @@ pub struct Run<'a> {
 
 impl<'a> Run<'a> {
     pub fn new(case: &'a Case<'a>) -> Self {
+        let mut run = Self::at_initialization(case);
+        run.instance.exit_initialization().unwrap();
+        run
+    }
+
+    /// Before the end of the initialization, with the inputs set.
+    pub fn at_initialization(case: &'a Case<'a>) -> Self {
         let instance = Instance::new(&case.model).unwrap_or_else(|error| panic!("{}: {error}", case.name));
         let description = instance.description();
         let inputs: Vec<u32> =
@@ -132,7 +141,6 @@ impl<'a> Run<'a> {
         run.instance.set_up(setup).unwrap();
         run.instance.enter_initialization().unwrap();
         run.set(&run.waves(0.0, 0));
-        run.instance.exit_initialization().unwrap();
         run
     }
 
@@ -143,6 +151,12 @@ impl<'a> Run<'a> {
             amplitude * omega.powi(order) * angle.sin() + if order == 0 { mean } else { 0.0 }
         };
         self.case.waves.iter().map(|(_, numbers)| wave(*numbers)).collect()
+    }
+
+    /// The lowest value of an input.
+    pub fn lowest(&self, input: usize) -> f64 {
+        let row = &self.instance.description().variables[self.inputs[input] as usize];
+        row.allowed_range().0.unwrap_or(f64::NEG_INFINITY)
     }
 
     pub fn set(&mut self, values: &[f64]) {
