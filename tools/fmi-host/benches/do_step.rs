@@ -5,7 +5,7 @@
 use divan::Bencher;
 use stickslip::fmi::Instance;
 use stickslip_fmi_host::{Library, Slave};
-use stickslip_fmu_package::{library, library_extension, standard_models};
+use stickslip_fmu_package::{library, standard_models};
 use tempfile::TempDir;
 
 fn main() {
@@ -19,8 +19,8 @@ const CALLS: u32 = 1000;
 fn slave(index: usize) -> (TempDir, Slave) {
     let (name, model_toml) = standard_models()[index];
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let file = folder.path().join(format!("{name}.{}", library_extension()));
-    std::fs::write(&file, library()).expect("written");
+    let file = folder.path().join(format!("{name}.{}", library().extension));
+    std::fs::write(&file, library().bytes).expect("written");
     std::fs::write(folder.path().join("model.toml"), model_toml).expect("written");
     let guid = Instance::new(model_toml).expect("a standard model").guid().to_string();
     let library = Library::load(&file).expect("a library");

@@ -17,7 +17,7 @@ use stickslip::cosim::{
 };
 use stickslip::fmi::Instance;
 use stickslip_fmi_host::Fmu;
-use stickslip_fmu_package::{library, library_extension, standard_models, write_fmu};
+use stickslip_fmu_package::{library, standard_models, write_fmu};
 use tempfile::TempDir;
 
 const STEP: f64 = 1e-4;
@@ -69,8 +69,8 @@ impl Bare {
     fn new(name: &str, count: usize) -> Self {
         let model_toml = model(name);
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let file = folder.path().join(format!("{name}.{}", library_extension()));
-        std::fs::write(&file, library()).expect("written");
+        let file = folder.path().join(format!("{name}.{}", library().extension));
+        std::fs::write(&file, library().bytes).expect("written");
         std::fs::write(folder.path().join("model.toml"), model_toml).expect("written");
         let description = Instance::new(model_toml).expect("a model");
         let text = |text: String| CString::new(text).expect("no zero byte");

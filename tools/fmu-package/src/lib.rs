@@ -47,19 +47,34 @@ pub enum Error {
     Write(#[from] std::io::Error),
 }
 
-/// The generic shared library for the platform this crate was built for.
-pub fn library() -> &'static [u8] {
-    include_bytes!(env!("STICKSLIP_FMU_LIBRARY"))
+/// The generic shared library for one platform.
+#[derive(Debug, Clone, Copy)]
+pub struct Library {
+    /// Its folder in `binaries/`: `linux64`, `win64`, `darwin64`, `aarch64-linux` ...
+    pub platform: &'static str,
+    /// Its file extension, without the dot.
+    pub extension: &'static str,
+    /// The file.
+    pub bytes: &'static [u8],
 }
 
-/// The folder of [`library`] in `binaries/`: `linux64`, `win64`, `darwin64`, `aarch64-linux` ...
-pub fn platform() -> &'static str {
-    env!("STICKSLIP_FMU_PLATFORM")
+/// What an FMU carries: the library for the platform this crate was built for, which stands first, and all others that
+/// `cargo xtask dist` builds.
+static LIBRARIES: &[Library] = &include!(concat!(env!("OUT_DIR"), "/libraries.rs"));
+
+/// The libraries that every FMU carries, one for each platform.
+///
+/// ```
+/// use stickslip_fmu_package::{libraries, library};
+/// assert!(libraries().iter().any(|other| other.platform == library().platform));
+/// ```
+pub fn libraries() -> &'static [Library] {
+    LIBRARIES
 }
 
-/// File extension of [`library`], without the dot.
-pub fn library_extension() -> &'static str {
-    env!("STICKSLIP_FMU_EXTENSION")
+/// The library for the platform this crate was built for.
+pub fn library() -> Library {
+    LIBRARIES[0]
 }
 
 /// Names (which are model identifiers) and model files of the standard models.
@@ -82,10 +97,8 @@ pub fn write_fmu(model_identifier: &str, model_toml: &str) -> Result<Vec<u8>, Er
     check_identifier(model_identifier)?;
     let instance = Instance::new(model_toml)?;
     let description = instance.description();
-    let binary = format!("binaries/{}/{model_identifier}.{}", platform(), library_extension());
     let mut entries: Vec<(String, Vec<u8>, u32)> = vec![
         ("modelDescription.xml".into(), model_description_xml(model_identifier, description).into(), 0o644),
-        (binary, library().to_vec(), 0o755),
         (MODEL_FILE.into(), model_toml.into(), 0o644),
         (
             "documentation/index.html".into(),
@@ -103,6 +116,9 @@ pub fn write_fmu(model_identifier: &str, model_toml: &str) -> Result<Vec<u8>, Er
             0o644,
         ),
     ];
+    for Library { platform, extension, bytes } in libraries() {
+        entries.push((format!("binaries/{platform}/{model_identifier}.{extension}"), bytes.to_vec(), 0o755));
+    }
     entries.sort_by(|left, right| left.0.cmp(&right.0));
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, content, mode) in entries {

@@ -1,9 +1,10 @@
 //! Development tasks: `cargo xtask check`, `cargo xtask test`, `cargo xtask golden`, `cargo xtask figures`,
-//! `cargo xtask hidden-effects`, `cargo xtask cosimulation`.
+//! `cargo xtask hidden-effects`, `cargo xtask cosimulation`, `cargo xtask dist`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
+mod dist;
 mod figures;
 mod public;
 mod tally;
@@ -22,6 +23,9 @@ const USAGE: &str = "usage: cargo xtask TASK
                   those of another set and benches/hidden-effects-set-2.md; with a selection of cases (--help lists
                   the arguments) only what it says, and the table under target/
   cosimulation    errors of coupled slaves over the communication step; write benches/cosimulation.md and .svg
+  dist            build the program whose FMUs run on Linux (x86-64 and aarch64) and Windows, and have them loaded and
+                  stepped where wine and qemu-user are installed; with --reproduce, build the libraries twice, from two
+                  folders, and compare their bytes
 ";
 
 fn main() -> ExitCode {
@@ -38,6 +42,8 @@ fn main() -> ExitCode {
             figures::figures(&root(), std::env::args().nth(2).as_deref()).map(|text| print!("{text}"))
         }
         "cosimulation" => cargo(&["bench", "--package", "stickslip", "--bench", "coupling_errors"], &[]),
+        "dist" if std::env::args().any(|word| word == "--reproduce") => dist::reproduced(),
+        "dist" => dist::dist(&mut tally),
         "hidden-effects" => hidden_effects(std::env::args().skip(2).collect()),
         _ => Err(USAGE.to_owned()),
     };

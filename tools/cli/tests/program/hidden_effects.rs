@@ -10,7 +10,7 @@ use serde_json::Value;
 use stickslip::contact::Inputs;
 use stickslip::model::Model;
 use stickslip_fmi_host::{Library, Slave};
-use stickslip_fmu_package::{library_extension, platform};
+use stickslip_fmu_package::library;
 use stickslip_hidden_effects::cases::case::{Case, Kind, Noise, Strength};
 use stickslip_hidden_effects::cases::files;
 use stickslip_hidden_effects::motion::drive::Drive;
@@ -225,8 +225,9 @@ fn native(model: &Model, columns: &BTreeMap<String, Vec<f64>>) -> Vec<f64> {
 /// The same through the functions of the exported FMU.
 fn through_fmu(path: &Path, columns: &BTreeMap<String, Vec<f64>>) -> Vec<f64> {
     let unpacked = tempfile::tempdir().unwrap();
-    let file = unpacked.path().join(format!("New.{}", library_extension()));
-    fs::write(&file, entry(path, &format!("binaries/{}/New.{}", platform(), library_extension()))).unwrap();
+    let file = unpacked.path().join(format!("New.{}", library().extension));
+    fs::write(&file, entry(path, &format!("binaries/{}/New.{}", library().platform, library().extension)))
+        .unwrap();
     fs::write(unpacked.path().join("model.toml"), entry(path, "resources/model.toml")).unwrap();
     let description = String::from_utf8(entry(path, "modelDescription.xml")).unwrap();
     let reference = |name: &str| -> u32 {

@@ -14,7 +14,7 @@ use crate::support::unpack;
 fn the_library_exports_the_44_functions_and_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("library.so");
-    std::fs::write(&file, library()).unwrap();
+    std::fs::write(&file, library().bytes).unwrap();
     let output =
         Command::new("nm").args(["-D", "--defined-only"]).arg(&file).output().expect("nm (binutils)");
     assert!(output.status.success());

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use stickslip::fmi::Instance;
 use stickslip_fmi_host::{Error, Library, Slave};
-use stickslip_fmu_package::{library, library_extension, standard_models};
+use stickslip_fmu_package::{library, standard_models};
 use tempfile::TempDir;
 
 pub struct Unpacked {
@@ -15,8 +15,8 @@ pub struct Unpacked {
 pub fn unpack(name: &str) -> Unpacked {
     let (_, model_toml) = standard_models().into_iter().find(|(other, _)| *other == name).unwrap();
     let folder = tempfile::Builder::new().prefix("with space and ü ").tempdir().unwrap();
-    let file = folder.path().join(format!("{name}.{}", library_extension()));
-    std::fs::write(&file, library()).unwrap();
+    let file = folder.path().join(format!("{name}.{}", library().extension));
+    std::fs::write(&file, library().bytes).unwrap();
     std::fs::write(folder.path().join("model.toml"), model_toml).unwrap();
     let guid = format!("{{{}}}", Instance::new(model_toml).unwrap().guid());
     Unpacked { library: Library::load(&file).unwrap(), folder, guid }

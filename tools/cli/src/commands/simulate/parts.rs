@@ -129,7 +129,7 @@ pub fn instantiate(
 
 /// Whether it holds other code than what this program exports.
 fn foreign(fmu: &Fmu) -> bool {
-    !fmu.has_library(stickslip_fmu_package::library())
+    !fmu.has_library(stickslip_fmu_package::library().bytes)
 }
 
 /// This program, to run one FMU.
