@@ -173,6 +173,26 @@ impl<'a, 'd> Measured<'a, 'd> {
         self.size(&predictions.iter().enumerate().map(of).collect::<Vec<_>>())
     }
 
+    /// The size of that part of it that follows from its own past.
+    pub fn foretold(&self, predictions: &[Vec<f64>]) -> f64 {
+        let of =
+            |(k, p): (usize, &Vec<f64>)| p.iter().zip(&self.lane(k).measured).map(|(p, m)| p - m).collect();
+        let mut left: Vec<Vec<f64>> = predictions.iter().enumerate().map(of).collect();
+        for process in 0..self.processes {
+            let own = |channels: &[MeasuredChannel]| -> Vec<std::ops::Range<usize>> {
+                channels.iter().filter(|c| c.process == process).map(|c| c.range.clone()).collect()
+            };
+            let series = self.channels.iter().zip(&left);
+            let series =
+                series.flat_map(|(channels, left)| own(channels).into_iter().map(|range| &left[range]));
+            let part = (1.0 - Autoregression::fit(series).fraction).max(0.0).sqrt();
+            for (channels, left) in self.channels.iter().zip(&mut left) {
+                own(channels).into_iter().for_each(|range| left[range].iter_mut().for_each(|x| *x *= part));
+            }
+        }
+        self.size(&left)
+    }
+
     /// Whether something is known of the noise of every channel.
     pub fn noise_is_known(&self) -> bool {
         self.channels
@@ -338,6 +358,8 @@ impl NoiseModel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::{Channel, Dataset, Record, Regime};
+    use crate::model::Model;
 
     const COUNT: usize = 1000;
 
@@ -366,6 +388,34 @@ mod tests {
         for size in [1e-4, 0.005, 0.01, 0.0105] {
             assert!(gain(size) < 0.0, "{size}: {}", gain(size));
         }
+    }
+
+    #[test]
+    fn of_white_noise_nothing_is_foretold_and_of_a_wave_all() {
+        let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+                    tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";
+        let model = Model::parse(text).unwrap();
+        let values = |of: &mut dyn FnMut(f64) -> f64| (0..COUNT).map(|i| of(i as f64)).collect::<Vec<f64>>();
+        let force = values(&mut |i| (0.1 * i).sin());
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let channels = vec![
+            channel("time", "s", values(&mut |i| 1e-3 * i)),
+            channel("displacement", "m", values(&mut |i| 1e-6 * (0.1 * i).sin())),
+            channel("force", "N", force.clone()),
+        ];
+        let record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels };
+        let dataset = Dataset { title: None, records: vec![record] };
+        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
+        let data = Measured::new(&bench, &[0], &[], &[]);
+        let mut numbers = fastrand::Rng::with_seed(7).fork();
+        let foretold = |of: &mut dyn FnMut(f64) -> f64| {
+            let off: Vec<f64> = values(of).iter().zip(&force).map(|(off, force)| force + off).collect();
+            data.foretold(&[off.clone()]) / data.left(&[off])
+        };
+        let white = foretold(&mut |_| 0.02 * (numbers.f64() - 0.5));
+        assert!(white < 0.1, "{white}");
+        let wave = foretold(&mut |i| 0.02 * (0.05 * i).sin());
+        assert!(wave > 0.95, "{wave}");
     }
 
     #[test]

@@ -31,6 +31,8 @@ pub(in crate::diagnose) enum TakenBack {
     Unexplained,
     /// The training records themselves: an effect's size has no interval, reaches none, or lies beyond any expectation.
     Undetermined,
+    /// The noise is unknown, and more follows from its own past in the residual than the effects explain.
+    Outweighed,
     /// Nothing is seen, and too little could have been: some effect may well be there and matter.
     Unseen,
 }
@@ -111,6 +113,11 @@ impl Decision {
             self.taken_back = Some(TakenBack::Undetermined);
             return self;
         }
+        if self.verdict == Verdict::EffectFound && is_outweighed(context, weighed, self.best) {
+            (self.verdict, self.best) = (Verdict::InsufficientData, 0);
+            self.taken_back = Some(TakenBack::Outweighed);
+            return self;
+        }
         if !self.verdict.stands() || test.records.is_empty() {
             return self;
         }
@@ -169,6 +176,13 @@ impl Decision {
         }
         self
     }
+}
+
+/// Whether nothing is known of the noise, and what `set` leaves shows more of a cause than its effects explain: noise may be
+/// coloured, but then nobody can tell it from what else is missing.
+fn is_outweighed(context: &Context, weighed: &Weighed, set: usize) -> bool {
+    let [with, without] = [set, 0].map(|k| &weighed.sets[k].posterior.predictions);
+    !context.data.noise_is_known() && context.data.foretold(with) > context.data.distance(with, without)
 }
 
 /// What a set says that is certain.

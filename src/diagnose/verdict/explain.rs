@@ -170,6 +170,11 @@ fn taken_back(explained: &Explained) -> Option<String> {
             "an effect would be named, but the size that it would have has no interval, or one that holds none at all"
                 .to_owned()
         }
+        TakenBack::Outweighed => {
+            "the noise is unknown, and what the likeliest effects leave follows from its own past by more than they explain: \
+             coloured noise, or something else that is missing. State the noise, or repeat a record to measure it"
+                .to_owned()
+        }
         TakenBack::Unexplained => format!(
             "with the test records something is missing that the training records do not show; it is largest in `{}`",
             worst(explained)
