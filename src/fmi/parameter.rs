@@ -16,7 +16,7 @@ pub(super) fn parameters(model: &Model) -> (Vec<String>, Vec<Variable>) {
             && ["contact.normal_load", "contact.normal_stiffness"].contains(&path);
         !about_the_load
             && !path.ends_with(".position")
-            && effect(model, path).is_none_or(|applied| applied.effect.part.is_in_fmu())
+            && effect(model, path).is_none_or(|applied| in_fmu(model, applied))
     };
     let list = model.parameters().into_iter().filter(|parameter| is_parameter(&parameter.path));
     list.map(|parameter| {
@@ -64,6 +64,12 @@ pub(super) fn parameters(model: &Model) -> (Vec<String>, Vec<Variable>) {
         (parameter.path, variable)
     })
     .unzip()
+}
+
+/// Whether an FMU of `model` has the effect. The normal direction of a pin rig is within.
+fn in_fmu(model: &Model, applied: &AppliedEffect) -> bool {
+    let within = matches!(model.structure, Structure::PinRig(_)) && applied.effect.part.is_contact();
+    within || applied.effect.part.is_in_fmu()
 }
 
 /// The effect that the parameter at `path` belongs to.

@@ -1,4 +1,5 @@
-//! A beam whose pin slips and slaps on its support, driven by the force of its exciter.
+//! A beam whose pin slips and slaps on its support, driven by the force of its exciter; or without the contact, whose forces
+//! then come from outside.
 
 use super::Behaviour;
 use super::beam::sensor_positions;
@@ -10,12 +11,13 @@ use crate::system::Element;
 use crate::time::{ClassicalSteps, Energies, Ramp, SteppedMotion};
 use crate::vocabulary as v;
 
-// Rows of the table.
-const INPUTS: usize = 1;
-/// Outputs, from here: those of the contact, then displacement, velocity and acceleration of every sensor.
+/// Inputs of a rig with a contact of its own: the force of its exciter; and of one without: those of the contact besides.
+const INPUTS: [usize; 2] = [1, 3];
+/// Outputs of a contact of its own come first, then the pin's motion, then that of every sensor.
+const OF_CONTACT: usize = 8;
+const OF_PIN: usize = 4;
 const DISSIPATED_ENERGY: usize = 4;
 const IMPACT_ENERGY: usize = 5;
-const OF_CONTACT: usize = 12;
 
 /// Tolerance that the longest step meets; the error falls with the square of the step.
 const TOLERANCE_OF_LONGEST: f64 = 1e-6;
@@ -30,41 +32,55 @@ const AHEAD: f64 = 1e-3;
 /// Inputs and outputs of a rig, followed by `parameters`.
 pub(super) fn describe(model: &Model, rig: &PinnedBeam, parameters: Vec<Variable>) -> Description {
     let sensors = sensor_positions(&rig.beam);
-    let first_parameter = INPUTS + OF_CONTACT + 3 * sensors.len();
+    let own = model.contact.is_some();
+    let inputs = INPUTS[usize::from(!own)];
+    let of_contact = if own { OF_CONTACT } else { 0 };
+    let first_parameter = inputs + of_contact + OF_PIN + 3 * sensors.len();
     let of_parameters = || first_parameter..first_parameter + parameters.len();
-    // The force runs to its value within the step, and whatever it moves moves everything.
-    let on = || [(0, DependencyKind::Dependent)];
+    // Forces run to their values within the step, and whatever they move moves everything.
+    let on = || (0..inputs).map(|input| (input, DependencyKind::Dependent));
     let moved = |quantity| Variable::output(quantity).depends(on(), []);
     // At rest the normal force is that of the load.
     let loaded = |quantity| Variable::output(quantity).depends(on(), of_parameters());
-    let mut variables = vec![
-        Variable::input(&v::EXCITATION, 0.0),
-        moved(&v::FORCE),
-        loaded(&v::OPENING_FORCE),
-        loaded(&v::NORMAL_FORCE),
-        loaded(&v::SEPARATION),
-        moved(&v::DISSIPATED_ENERGY),
-        moved(&v::IMPACT_ENERGY),
-        loaded(&v::SLIP_STATE).integer(),
-        loaded(&v::SLIP_FRACTION).discrete(),
-        moved(&v::DISPLACEMENT),
-        moved(&v::VELOCITY),
-        moved(&v::OPENING),
-        moved(&v::OPENING_VELOCITY),
-    ];
+    let mut variables = vec![Variable::input(&v::EXCITATION, 0.0)];
+    if own {
+        variables.extend([
+            moved(&v::FORCE),
+            loaded(&v::OPENING_FORCE),
+            loaded(&v::NORMAL_FORCE),
+            loaded(&v::SEPARATION),
+            moved(&v::DISSIPATED_ENERGY),
+            moved(&v::IMPACT_ENERGY),
+            loaded(&v::SLIP_STATE).integer(),
+            loaded(&v::SLIP_FRACTION).discrete(),
+        ]);
+    } else {
+        let given = [&v::CONTACT_FORCE, &v::OPENING_FORCE];
+        variables.extend(given.map(|force| Variable::input(force, 0.0)));
+    }
+    variables.extend([&v::DISPLACEMENT, &v::VELOCITY, &v::OPENING, &v::OPENING_VELOCITY].map(moved));
     for position in sensors {
+        // What is given at the start pushes at once.
+        let initially = if own { 0..1 } else { 0..inputs };
         variables.extend([
             Variable::sensor(&v::DISPLACEMENT, "displacement", position).depends(on(), []),
             Variable::sensor(&v::VELOCITY, "velocity", position).depends(on(), []),
             Variable::sensor(&v::ACCELERATION, "acceleration", position)
-                .depends(on(), [0].into_iter().chain(of_parameters())),
+                .depends(on(), initially.chain(of_parameters())),
         ]);
     }
     variables.extend(parameters);
+    let (name, summary) = if own {
+        ("SlipSlapBeam", "Beam whose pin slips and slaps on its support under a mass on a string")
+    } else {
+        ("PinnedBeam", "Beam with a pin and a mass on a string, loaded by both forces of a contact from outside")
+    };
+    // The pin follows a contact from outside as fast as the stiffness of its support makes it.
+    let step = if own { 1e-4 } else { 1e-5 };
     Description {
-        name: "SlipSlapBeam",
-        summary: "Beam whose pin slips and slaps on its support under a mass on a string",
-        experiment: Experiment { start: 0.0, stop: 0.2, tolerance: 1e-6, step: 1e-4 },
+        name,
+        summary,
+        experiment: Experiment { start: 0.0, stop: 0.2, tolerance: 1e-6, step },
         variables,
         model: model.to_toml(),
     }
@@ -77,9 +93,10 @@ pub(super) fn describe(model: &Model, rig: &PinnedBeam, parameters: Vec<Variable
 #[derive(Debug)]
 pub(super) struct PinRigBehaviour {
     steps: ClassicalSteps,
-    slip: SlipFraction,
-    /// Load at rest (N).
-    load: f64,
+    /// Of a contact of its own.
+    slip: Option<SlipFraction>,
+    /// Force (N) that is small against those in the contact, to difference with.
+    small: f64,
     /// Ports of the contact, and how many sensors come first.
     ports: [usize; 2],
     sensors: usize,
@@ -101,22 +118,25 @@ impl PinRigBehaviour {
         let beam = crate::system::Beam { sensors: sensor_positions(&rig.beam), ..rig.beam.clone() };
         model.structure = crate::model::Structure::PinRig(PinnedBeam { beam, ..rig.clone() });
         let system = model.system().map_err(|error| error.to_string())?;
-        let found = system.elements.iter().find_map(|element| match element {
-            Element::SlipSlap { ports, contact } => Some((*ports, contact)),
+        let port = |name: &str| system.port(name).ok_or_else(|| format!("the rig has no port `{name}`"));
+        let ports = [port("contact")?, port("contact.normal")?];
+        let slip = system.elements.iter().find_map(|element| match element {
+            Element::SlipSlap { contact, .. } => {
+                Some(SlipFraction::new(&**contact.law(), contact.normal().preload()))
+            }
             _ => None,
         });
-        let (ports, contact) = found.ok_or("the pin rests on nothing: the model has no contact")?;
-        let load = contact.normal().preload();
-        let slip = SlipFraction::new(&**contact.law(), load);
+        let load = model.contact.map_or_else(|| rig.weight(), |contact| contact.normal_load);
+        let inputs = INPUTS[usize::from(slip.is_none())];
         let mut steps = ClassicalSteps::new(&system).map_err(|error| error.to_string())?;
         Ok(Self {
             motion: steps.rest(),
             steps,
             slip,
-            load,
+            small: DIFFERENCE * if load > 0.0 { load } else { 1.0 },
             ports,
             sensors: system.sensors.len(),
-            lines: Lines::new(INPUTS, true),
+            lines: Lines::new(inputs, true),
             motions: Vec::new(),
             accelerations: Vec::new(),
             row: Vec::new(),
@@ -134,37 +154,45 @@ impl PinRigBehaviour {
         Ok(count as usize)
     }
 
-    /// Takes the motion in `count` steps along `force` over the length of the lines.
-    fn go(&mut self, force: &Ramp, count: usize) {
+    fn inputs(&self) -> usize {
+        self.lines.all.len()
+    }
+
+    /// Takes the motion in `count` steps along `lines`, over their length.
+    fn go(&mut self, lines: &[Ramp], count: usize) {
         let step = self.lines.step / count as f64;
         for k in 0..count {
-            let at = |part: f64| force.at((k as f64 + part) / count as f64);
-            self.steps.advance(&mut self.motion, step, [at(0.0), at(0.5), at(1.0)]);
+            let at = |line: &Ramp| [0.0, 0.5, 1.0].map(|part| line.at((k as f64 + part) / count as f64));
+            let mut outside = [[0.0; 3]; 2];
+            outside.iter_mut().zip(&lines[1..]).for_each(|(to, line)| *to = at(line));
+            let given = &outside[..lines.len() - 1];
+            self.steps.advance_under(&mut self.motion, step, at(&lines[0]), given);
         }
     }
 
-    /// Outputs of the motion under `force` (N); its energies are those since it was read.
-    fn observe(&mut self, force: f64) -> Result<(), String> {
+    /// Outputs of the motion under `forces` (N); its energies are those since it was read.
+    fn observe(&mut self, forces: &[f64]) -> Result<(), String> {
         self.steps.motions_of_ports(&self.motion, &mut self.motions);
-        self.steps.accelerations_of_ports(&self.motion, force, &mut self.accelerations);
-        let contact = self.motion.contacts.first().ok_or("the motion has no contact")?;
-        let Energies { friction, impact, .. } = self.motion.energies;
-        let [tangential, normal] = self.ports.map(|port| self.motions[port]);
+        let (force, outside) = forces.split_first().ok_or("the rig has no input")?;
+        self.steps.accelerations_of_ports(&self.motion, *force, outside, &mut self.accelerations);
         self.row.clear();
-        self.row.extend([
-            contact.force[0],
-            contact.force[1],
-            contact.normal_force,
-            contact.separation,
-            friction,
-            impact,
-            f64::from(contact.slip_state as i32),
-            self.slip.of(contact.tangent, contact.slip_state),
-            tangential.0,
-            tangential.1,
-            normal.0,
-            normal.1,
-        ]);
+        if let Some(slip) = &self.slip {
+            let contact = self.motion.contacts.first().ok_or("the motion has no contact")?;
+            let Energies { friction, impact, .. } = self.motion.energies;
+            self.row.extend([
+                contact.force[0],
+                contact.force[1],
+                contact.normal_force,
+                contact.separation,
+                friction,
+                impact,
+                f64::from(contact.slip_state as i32),
+                slip.of(contact.tangent, contact.slip_state),
+            ]);
+        }
+        for port in self.ports {
+            self.row.extend([self.motions[port].0, self.motions[port].1]);
+        }
         let sensors = self.motions.iter().zip(&self.accelerations).take(self.sensors);
         self.row.extend(
             sensors.flat_map(|((displacement, velocity), acceleration)| {
@@ -178,15 +206,30 @@ impl PinRigBehaviour {
         }
     }
 
-    /// Outputs at the end of the lines, from the motion in `state` along `force`.
-    fn repeat(&mut self, state: &[f64], force: &Ramp, count: usize) -> Result<(), String> {
+    /// Outputs at the end of `lines`, from the motion in `state`.
+    fn repeat(&mut self, state: &[f64], lines: &[Ramp], count: usize) -> Result<(), String> {
         if self.lines.step > 0.0 {
             self.motion.read_state(&state[self.motion.state_len()..]);
-            self.go(force, count);
+            self.go(lines, count);
         } else {
             self.motion = self.steps.rest();
         }
-        self.observe(force.end)
+        self.observe(&ends(lines))
+    }
+
+    /// The energies that have been lost, of a contact of its own.
+    fn lost(&self) -> [f64; KEPT] {
+        if self.slip.is_none() {
+            return [0.0; KEPT];
+        }
+        [self.row[DISSIPATED_ENERGY], self.row[IMPACT_ENERGY]]
+    }
+
+    /// Sets the rates or changes that no output of a contact of its own has: its state, and the part that slips.
+    fn clear_states(&self, values: &mut [f64]) {
+        if self.slip.is_some() {
+            values[IMPACT_ENERGY + 1..OF_CONTACT].fill(0.0);
+        }
     }
 }
 
@@ -196,10 +239,11 @@ impl Behaviour for PinRigBehaviour {
     }
 
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
-        self.lines.hold(&values[..INPUTS]);
+        let inputs = self.inputs();
+        self.lines.hold(&values[..inputs]);
         self.motion = self.steps.rest();
-        self.observe(values[0])?;
-        values[INPUTS..][..self.row.len()].copy_from_slice(&self.row);
+        self.observe(&values[..inputs])?;
+        values[inputs..][..self.row.len()].copy_from_slice(&self.row);
         let (now, before, last) = parts(state, self.motion.state_len());
         self.motion.write_state(now);
         before.copy_from_slice(now);
@@ -218,16 +262,19 @@ impl Behaviour for PinRigBehaviour {
     ) -> Result<(), String> {
         let (now, before, last) = parts(state, self.motion.state_len());
         self.motion.read_state(now);
-        self.lines.go_on(&last[KEPT..], &values[..INPUTS], slopes, step);
-        let (force, count) = (self.lines.all[0], self.count(tolerance)?);
-        self.go(&force, count);
-        self.observe(force.end)?;
-        let lost = [self.row[DISSIPATED_ENERGY], self.row[IMPACT_ENERGY]];
-        for (row, lost) in [DISSIPATED_ENERGY, IMPACT_ENERGY].into_iter().zip(lost) {
-            self.row[row] = values[INPUTS + row] + lost;
+        let inputs = self.inputs();
+        self.lines.go_on(&last[KEPT..], &values[..inputs], slopes, step);
+        let (lines, count) = (self.lines.all.clone(), self.count(tolerance)?);
+        self.go(&lines, count);
+        self.observe(&ends(&lines))?;
+        let lost = self.lost();
+        if self.slip.is_some() {
+            for (row, lost) in [DISSIPATED_ENERGY, IMPACT_ENERGY].into_iter().zip(lost) {
+                self.row[row] = values[inputs + row] + lost;
+            }
         }
-        values[0] = force.end;
-        values[INPUTS..][..self.row.len()].copy_from_slice(&self.row);
+        values[..inputs].copy_from_slice(&ends(&lines));
+        values[inputs..][..self.row.len()].copy_from_slice(&self.row);
         before.copy_from_slice(now);
         self.motion.write_state(now);
         last[..KEPT].copy_from_slice(&lost);
@@ -240,24 +287,31 @@ impl Behaviour for PinRigBehaviour {
         self.lines.read(&last[KEPT..]);
         rates.fill(0.0);
         let step = self.lines.step;
-        let beyond = self.lines.beyond(0);
-        let slope = if step > 0.0 { (beyond.end - beyond.start) / step } else { 0.0 };
+        let lines: Vec<Ramp> = (0..self.inputs()).map(|input| self.lines.beyond(input)).collect();
         // From where the contact stands still, or it would be taken to have come from elsewhere.
         self.motion.read_state(motion);
         let ahead = AHEAD * self.steps.longest_step();
-        let force = [0.0, 0.5, 1.0].map(|part| beyond.start + slope * part * ahead);
+        let part = if step > 0.0 { ahead / step } else { 0.0 };
+        let forces: Vec<[f64; 3]> = lines
+            .iter()
+            .map(|line| [0.0, 0.5, 1.0].map(|place| line.start + (line.end - line.start) * part * place))
+            .collect();
+        let at = |place: usize| forces.iter().map(|force| force[place]).collect::<Vec<_>>();
         let mut from = self.motion.clone();
-        self.steps.advance(&mut from, 0.0, [beyond.start; 3]);
+        let still: Vec<[f64; 3]> = forces.iter().map(|force| [force[0]; 3]).collect();
+        self.steps.advance_under(&mut from, 0.0, still[0], &still[1..]);
         std::mem::swap(&mut self.motion, &mut from);
-        self.observe(beyond.start)?;
+        self.observe(&at(0))?;
         rates.iter_mut().zip(&self.row).for_each(|(rate, value)| *rate = -value);
-        self.steps.advance(&mut self.motion, ahead, force);
-        self.observe(force[2])?;
+        self.steps.advance_under(&mut self.motion, ahead, forces[0], &forces[1..]);
+        self.observe(&at(2))?;
         rates.iter_mut().zip(&self.row).for_each(|(rate, value)| *rate = (*rate + value) / ahead);
-        let lasting = if step > 0.0 { step } else { f64::INFINITY };
-        rates[DISSIPATED_ENERGY] = last[0] / lasting;
-        rates[IMPACT_ENERGY] = last[1] / lasting;
-        rates[IMPACT_ENERGY + 1..][..2].fill(0.0);
+        if self.slip.is_some() {
+            let lasting = if step > 0.0 { step } else { f64::INFINITY };
+            rates[DISSIPATED_ENERGY] = last[0] / lasting;
+            rates[IMPACT_ENERGY] = last[1] / lasting;
+        }
+        self.clear_states(rates);
         Ok(())
     }
 
@@ -271,25 +325,32 @@ impl Behaviour for PinRigBehaviour {
     ) -> Result<(), String> {
         self.lines.read(&state[2 * self.motion.state_len() + KEPT..]);
         change.fill(0.0);
-        let by = self.lines.change(0, &direction[0]);
-        let size = [by.start, by.end, by.bow, by.skew].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let by: Vec<Ramp> =
+            direction.iter().enumerate().map(|(input, way)| self.lines.change(input, way)).collect();
+        let sizes = by.iter().flat_map(|by| [by.start, by.end, by.bow, by.skew]);
+        let size = sizes.fold(0.0, |most: f64, x| most.max(x.abs()));
         if size == 0.0 {
             return Ok(());
         }
-        let (line, count) = (self.lines.all[0], self.count(tolerance)?);
-        let load = if self.load > 0.0 { self.load } else { 1.0 };
-        let span = DIFFERENCE * load / size;
+        let (lines, count) = (self.lines.all.clone(), self.count(tolerance)?);
+        let span = self.small / size;
         for part in [span, -span] {
-            let moved = Ramp {
+            let moved = lines.iter().zip(&by).map(|(line, by)| Ramp {
                 start: line.start + part * by.start,
                 end: line.end + part * by.end,
                 bow: line.bow + part * by.bow,
                 skew: line.skew + part * by.skew,
-            };
+            });
+            let moved: Vec<Ramp> = moved.collect();
             self.repeat(state, &moved, count)?;
             change.iter_mut().zip(&self.row).for_each(|(sum, value)| *sum += value / (2.0 * part));
         }
-        change[IMPACT_ENERGY + 1..][..2].fill(0.0);
+        self.clear_states(change);
         Ok(())
     }
+}
+
+/// Where lines end.
+fn ends(lines: &[Ramp]) -> Vec<f64> {
+    lines.iter().map(|line| line.end).collect()
 }

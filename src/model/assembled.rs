@@ -18,9 +18,6 @@ pub enum AssemblyError {
     /// The law cannot have these parameters.
     #[error(transparent)]
     Law(#[from] LawError),
-    /// A pin rig that was built without a contact.
-    #[error("the pin rests on nothing: the model has no contact")]
-    NoContact,
 }
 
 impl Model {
@@ -69,13 +66,13 @@ impl Model {
                 Ok(ModalBeam::with_changes(beam, &self.changes().structure)?.system(law()?)?)
             }
             Structure::PinRig(pinned) => {
-                let (Some(contact), Some(slip_slap)) = (&self.contact, self.slip_slap()?) else {
-                    return Err(AssemblyError::NoContact);
-                };
                 let changes = self.changes().structure;
-                let rig = pinned.rig(contact, &changes)?;
-                let hung = &changes.hanging_masses;
-                Ok(ModalPinRig::new(&rig)?.with_hung(hung)?.system(Some(Arc::new(slip_slap))))
+                let rig = pinned.rig(self.contact.as_ref(), &changes)?;
+                let modal = ModalPinRig::new(&rig)?.with_hung(&changes.hanging_masses)?;
+                Ok(match self.slip_slap()? {
+                    Some(contact) => modal.system(Some(Arc::new(contact))),
+                    None => modal.system_from_outside(),
+                })
             }
             Structure::Oscillator(oscillator) => {
                 let changes = self.changes().structure;

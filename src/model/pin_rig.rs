@@ -45,9 +45,19 @@ pub struct PinnedBeam {
     pub pin: Pin,
     /// String and hanging mass.
     pub string: HangingString,
+    /// Stiffness (N/m) along and across of the springs by which the modes know of a contact that is not the model's own, but
+    /// forces from outside; they are taken away again. `None` of a model with a contact, whose springs are its own.
+    pub outside: Option<[f64; 2]>,
 }
 
-const PIN_KEYS: [&str; 4] = [v::MASS.name, v::INERTIA.name, v::TANGENTIAL_LEVER.name, v::NORMAL_LEVER.name];
+const PIN_KEYS: [&str; 6] = [
+    v::MASS.name,
+    v::INERTIA.name,
+    v::TANGENTIAL_LEVER.name,
+    v::NORMAL_LEVER.name,
+    v::TANGENTIAL_STIFFNESS.name,
+    v::NORMAL_STIFFNESS.name,
+];
 const STRING_KEYS: [&str; 4] =
     [v::STRING_STIFFNESS.name, v::STRING_LENGTH.name, v::MASS.name, v::INERTIA.name];
 
@@ -62,6 +72,9 @@ pub(super) fn parse(root: &Table<'_>, beam: Beam) -> Result<PinnedBeam, ModelErr
     };
     let pin = table("pin", &PIN_KEYS)?;
     let string = table("string", &STRING_KEYS)?;
+    let springs = [&v::TANGENTIAL_STIFFNESS, &v::NORMAL_STIFFNESS];
+    let given = springs.iter().any(|spring| pin.keys().iter().any(|key| key.value == spring.name));
+    let outside = given.then(|| Ok::<_, ModelError>([pin.quantity(springs[0])?, pin.quantity(springs[1])?]));
     Ok(PinnedBeam {
         beam: Beam { offset: pin.quantity(&v::TANGENTIAL_LEVER)?, ..beam },
         pin: Pin {
@@ -75,6 +88,7 @@ pub(super) fn parse(root: &Table<'_>, beam: Beam) -> Result<PinnedBeam, ModelErr
             mass: string.quantity(&v::MASS)?,
             inertia: or_zero(&string, &v::INERTIA)?,
         },
+        outside: outside.transpose()?,
     })
 }
 
@@ -84,17 +98,22 @@ impl PinnedBeam {
         self.string.weight()
     }
 
-    /// The rig with the springs of `contact` in its base linear system, and with `changes`: masses on the beam, and its
-    /// clamp.
+    /// The rig with the springs of `contact`, or of [`PinnedBeam::outside`], in its base linear system, and with `changes`:
+    /// masses on the beam, and its clamp.
     ///
     /// # Errors
     /// [`StructureError::NotOnTheBeam`] for a mass that is not at a position.
-    pub fn rig(&self, contact: &Contact, changes: &StructureChanges) -> Result<PinRig, StructureError> {
+    pub fn rig(
+        &self,
+        contact: Option<&Contact>,
+        changes: &StructureChanges,
+    ) -> Result<PinRig, StructureError> {
+        let springs = contact.map(|contact| [contact.tangential_stiffness, contact.normal_stiffness]);
         Ok(PinRig {
             beam: self.beam.changed(changes)?,
             pin: self.pin,
             string: self.string,
-            stuck_stiffness: [contact.tangential_stiffness, contact.normal_stiffness],
+            stuck_stiffness: springs.or(self.outside).unwrap_or_default(),
         })
     }
 
@@ -104,6 +123,10 @@ impl PinnedBeam {
         write_quantity(text, &v::INERTIA, self.pin.inertia);
         write_quantity(text, &v::TANGENTIAL_LEVER, self.beam.offset);
         write_quantity(text, &v::NORMAL_LEVER, self.pin.normal_lever);
+        if let Some([along, across]) = self.outside {
+            write_quantity(text, &v::TANGENTIAL_STIFFNESS, along);
+            write_quantity(text, &v::NORMAL_STIFFNESS, across);
+        }
         line(text, format_args!("\n[string]"));
         write_quantity(text, &v::STRING_STIFFNESS, self.string.stiffness);
         write_quantity(text, &v::STRING_LENGTH, self.string.length);
@@ -115,6 +138,7 @@ impl PinnedBeam {
     pub(super) fn slots<'a>(
         pin: &'a mut Pin,
         string: &'a mut HangingString,
+        outside: &'a mut Option<[f64; 2]>,
         offset: &'a mut f64,
         slots: &mut Vec<Slot<'a>>,
     ) {
@@ -125,6 +149,10 @@ impl PinnedBeam {
         add("pin", &v::INERTIA, &mut pin.inertia);
         add("pin", &v::TANGENTIAL_LEVER, offset);
         add("pin", &v::NORMAL_LEVER, &mut pin.normal_lever);
+        if let Some([along, across]) = outside {
+            add("pin", &v::TANGENTIAL_STIFFNESS, along);
+            add("pin", &v::NORMAL_STIFFNESS, across);
+        }
         add("string", &v::STRING_STIFFNESS, &mut string.stiffness);
         add("string", &v::STRING_LENGTH, &mut string.length);
         add("string", &v::MASS, &mut string.mass);
@@ -133,10 +161,21 @@ impl PinnedBeam {
 
     /// What a rig's contact must have, and what its beam cannot.
     pub(super) fn check(&self, model: &Model) -> Result<(), ParameterError> {
-        let Some(contact) = &model.contact else {
-            let message = "a model of kind \"pin_rig\" needs [contact]";
-            return Err(ParameterError::new("contact", message).with_help("its pin rests on a support"));
-        };
+        match (&model.contact, self.outside) {
+            (None, None) => {
+                let message = "a model of kind \"pin_rig\" needs [contact]";
+                return Err(ParameterError::new("contact", message).with_help(
+                    "its pin rests on a support; where that is another program's, [pin] has tangential_stiffness and \
+                     normal_stiffness",
+                ));
+            }
+            (Some(_), Some(_)) => {
+                let message = "the contact has the stiffness of both directions";
+                return Err(ParameterError::new("pin.tangential_stiffness", message)
+                    .with_help("take both out of [pin]: they stand for a contact that is another program's"));
+            }
+            _ => {}
+        }
         let Beam { rotational_stiffness, static_correction, contact_points, .. } = &self.beam;
         if *rotational_stiffness != 0.0 || *static_correction || !contact_points.is_empty() {
             let message = "rotational spring, static correction and contact points are of kind \"beam\"";
@@ -148,7 +187,7 @@ impl PinnedBeam {
             changes.joint.load_gain.is_some()
         };
         let varying = model.effects.iter().position(varies);
-        if let (Some(place), Some(_)) = (varying, &contact.normal) {
+        if let (Some(place), Some(_)) = (varying, model.contact.and_then(|contact| contact.normal)) {
             let message = "the load follows the normal force already: the contact has a `normal_law`";
             return Err(ParameterError::new(format!("effect.{}.id", place + 1), message)
                 .with_help("take out the effect or `normal_law`"));

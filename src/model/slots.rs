@@ -36,9 +36,9 @@ impl Model {
                 slots.push(("support.rotational_stiffness".to_owned(), &v::ROTATIONAL_STIFFNESS, rotational));
                 clamp_and_excitation(clamp, excitation, &mut slots);
             }
-            Structure::PinRig(PinnedBeam { beam, pin, string }) => {
+            Structure::PinRig(PinnedBeam { beam, pin, string, outside }) => {
                 let Rest { offset, clamp, excitation, .. } = beam_slots(beam, &mut slots);
-                PinnedBeam::slots(pin, string, offset, &mut slots);
+                PinnedBeam::slots(pin, string, outside, offset, &mut slots);
                 clamp_and_excitation(clamp, excitation, &mut slots);
             }
             Structure::Oscillator(oscillator) => oscillator_slots(oscillator, &mut slots),

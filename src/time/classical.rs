@@ -16,6 +16,10 @@ const STAGES: [(f64, f64, usize); 4] =
 
 /// Longest step times the fastest rate: the scheme is stable to 2.8, and a contact may carry some times its load at rest.
 const LONGEST: f64 = 0.6;
+/// What a step times the rate of a contact's normal direction comes to at most: the scheme is stable up to 2.7.
+const STABLE: f64 = 1.5;
+/// Most parts of a step.
+const MOST_PARTS: f64 = 256.0;
 
 /// A modal [`System`] in equal steps: laws, contacts in two directions, springs, and masses that move with two ports.
 ///
@@ -52,7 +56,7 @@ pub struct SteppedMotion {
 /// Energies (J).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Energies {
-    /// Work of the exciters.
+    /// Work of the exciters, and of forces from outside.
     pub work: f64,
     /// Dissipated by the modes' damping.
     pub viscous: f64,
@@ -104,6 +108,8 @@ enum Acting {
     Law { port: usize, law: Arc<dyn ContactLaw>, normal_load: f64 },
     SlipSlap { ports: [usize; 2], contact: Arc<SlipSlap> },
     Springs { ports: [usize; 2], stiffness: [[f64; 2]; 2] },
+    /// The force given from outside, counted among those.
+    Outside { port: usize, place: usize },
 }
 
 #[derive(Debug, Clone, Default)]
@@ -117,14 +123,14 @@ struct Buffers {
     rates: [[Vec<f64>; 2]; 4],
     next: Vec<f64>,
     work: SlipSlapWork,
+    outside: Vec<f64>,
 }
 
 impl ClassicalSteps {
     /// The scheme for `system`.
     ///
     /// # Errors
-    /// A system without modal coordinates, with flexibilities in series with ports, forces from outside or more than one
-    /// [`Element::Inertia`].
+    /// A system without modal coordinates, with flexibilities in series with ports or more than one [`Element::Inertia`].
     pub fn new(system: &System) -> Result<Self, SystemError> {
         let Core::Modal { angular_frequency, damping_ratio } = &system.core else {
             return Err(SystemError::NotLinear);
@@ -141,7 +147,7 @@ impl ClassicalSteps {
         for port in &system.driven {
             driven.iter_mut().zip(&ports[*port].row).for_each(|(sum, b)| *sum += b);
         }
-        let (mut elements, mut inertia) = (Vec::new(), None);
+        let (mut elements, mut inertia, mut outside) = (Vec::new(), None, 0);
         for element in &system.elements {
             match element {
                 Element::Law { port, law, normal_load } => {
@@ -156,7 +162,11 @@ impl ClassicalSteps {
                 Element::Inertia { ports, mass: [[a, b], [c, d]] } if inertia.is_none() => {
                     inertia = Some((*ports, Matrix2::new(*a, *b, *c, *d)));
                 }
-                Element::Inertia { .. } | Element::Outside { .. } => return Err(SystemError::InertiaAtPorts),
+                Element::Inertia { .. } => return Err(SystemError::InertiaAtPorts),
+                Element::Outside { port } => {
+                    elements.push(Acting::Outside { port: *port, place: outside });
+                    outside += 1;
+                }
             }
         }
         let zero = || vec![0.0; size];
@@ -197,7 +207,7 @@ impl ClassicalSteps {
                     memory.resize(begin + contact.state_len(), 0.0);
                     contact.set_state([0.0; 2], 0.0, &mut memory[begin..]);
                 }
-                Acting::Springs { .. } => {}
+                Acting::Springs { .. } | Acting::Outside { .. } => {}
             }
         }
         let mut motion = SteppedMotion {
@@ -220,6 +230,63 @@ impl ClassicalSteps {
 
     /// Goes on by `step` (s) under a force (N) on the driven ports at its start, middle and end.
     pub fn advance(&mut self, motion: &mut SteppedMotion, step: f64, force: [f64; 3]) {
+        self.advance_under(motion, step, force, &[]);
+    }
+
+    /// As [`ClassicalSteps::advance`], under restoring forces (N) from outside at start, middle and end besides, in the order
+    /// of the elements; zero where there are none.
+    ///
+    /// In an impact that presses a contact together so much harder than its load at rest that the scheme would not be stable,
+    /// the step is divided.
+    pub fn advance_under(
+        &mut self,
+        motion: &mut SteppedMotion,
+        step: f64,
+        force: [f64; 3],
+        outside: &[[f64; 3]],
+    ) {
+        let parts = self.parts(motion, step);
+        if parts == 1 {
+            return self.advance_once(motion, step, force, outside);
+        }
+        for k in 0..parts {
+            let at = |line: [f64; 3]| {
+                [0.0, 0.5, 1.0].map(|part| parabola(line, (f64::from(k) + part) / f64::from(parts)))
+            };
+            let outside: Vec<[f64; 3]> = outside.iter().map(|line| at(*line)).collect();
+            self.advance_once(motion, step / f64::from(parts), at(force), &outside);
+        }
+    }
+
+    /// How many steps are to be made of one.
+    fn parts(&mut self, motion: &SteppedMotion, step: f64) -> u32 {
+        if !self.elements.iter().any(|element| matches!(element, Acting::SlipSlap { .. })) {
+            return 1;
+        }
+        let mut buffers = std::mem::take(&mut self.buffers);
+        buffers.q.copy_from_slice(&motion.displacement);
+        buffers.v.copy_from_slice(&motion.velocity);
+        self.look(&mut buffers);
+        let rate = |element: &Acting| match element {
+            Acting::SlipSlap { ports: [_, normal], contact } => {
+                let (displacement, velocity) = buffers.motions[*normal];
+                let mobility: f64 = self.ports[*normal].row.iter().map(|b| b * b).sum();
+                contact.normal().rate(displacement.min(displacement + step * velocity), mobility)
+            }
+            _ => 0.0,
+        };
+        let rate = self.elements.iter().map(rate).fold(0.0, f64::max);
+        self.buffers = buffers;
+        (step * rate / STABLE).ceil().clamp(1.0, MOST_PARTS) as u32
+    }
+
+    fn advance_once(
+        &mut self,
+        motion: &mut SteppedMotion,
+        step: f64,
+        force: [f64; 3],
+        outside: &[[f64; 3]],
+    ) {
         let size = motion.displacement.len();
         let mut buffers = std::mem::take(&mut self.buffers);
         for (stage, (weight, fraction, at)) in STAGES.into_iter().enumerate() {
@@ -231,9 +298,11 @@ impl ClassicalSteps {
             }
             let mut rates = std::mem::take(&mut buffers.rates[stage]);
             rates[0].copy_from_slice(&buffers.v);
+            buffers.outside.clear();
+            buffers.outside.extend(outside.iter().map(|line| line[at]));
             self.accelerations(&motion.memory, force[at], &mut buffers, &mut rates[1]);
             let part = weight * step;
-            motion.energies.work += part * force[at] * dot(&self.driven, &buffers.v);
+            motion.energies.work += part * (force[at] * dot(&self.driven, &buffers.v) + self.power(&buffers));
             for (i, v) in buffers.v.iter().enumerate() {
                 let rate = 2.0 * self.damping_ratio[i] * self.angular_frequency[i];
                 motion.energies.viscous += part * rate * v * v;
@@ -258,7 +327,7 @@ impl ClassicalSteps {
                 let mobility: f64 = self.ports[*normal].row.iter().map(|b| b * b).sum();
                 direction.impact_damping() * direction.preload() * mobility
             }
-            Acting::Law { .. } | Acting::Springs { .. } => 0.0,
+            _ => 0.0,
         };
         LONGEST / (highest + self.elements.iter().map(damped).sum::<f64>())
     }
@@ -273,9 +342,17 @@ impl ClassicalSteps {
         self.buffers = buffers;
     }
 
-    /// Accelerations (m/s²) of all ports where `motion` is, under a force (N) on the driven ports.
-    pub fn accelerations_of_ports(&mut self, motion: &SteppedMotion, force: f64, out: &mut Vec<f64>) {
+    /// Accelerations (m/s²) of all ports where `motion` is, under a force (N) on the driven ports and forces from `outside`.
+    pub fn accelerations_of_ports(
+        &mut self,
+        motion: &SteppedMotion,
+        force: f64,
+        outside: &[f64],
+        out: &mut Vec<f64>,
+    ) {
         let mut buffers = std::mem::take(&mut self.buffers);
+        buffers.outside.clear();
+        buffers.outside.extend(outside);
         buffers.q.copy_from_slice(&motion.displacement);
         buffers.v.copy_from_slice(&motion.velocity);
         let mut modal = std::mem::take(&mut buffers.rates[0][1]);
@@ -327,7 +404,7 @@ impl ClassicalSteps {
 
     /// Restoring forces at all ports, but those of inertia.
     fn forces(&self, memory: &[f64], buffers: &mut Buffers) {
-        let Buffers { motions, forces, next, work, .. } = buffers;
+        let Buffers { motions, forces, next, work, outside, .. } = buffers;
         forces.fill(0.0);
         let mut begin = 0;
         for element in &self.elements {
@@ -351,8 +428,22 @@ impl ClassicalSteps {
                         forces[*to] += row[0] * motions[ports[0]].0 + row[1] * motions[ports[1]].0;
                     }
                 }
+                Acting::Outside { port, place } => {
+                    forces[*port] += outside.get(*place).copied().unwrap_or(0.0);
+                }
             }
         }
+    }
+
+    /// Power (W) of the forces from outside at the motion last looked at.
+    fn power(&self, buffers: &Buffers) -> f64 {
+        let of = |element: &Acting| match element {
+            Acting::Outside { port, place } => {
+                -buffers.outside.get(*place).copied().unwrap_or(0.0) * buffers.motions[*port].1
+            }
+            _ => 0.0,
+        };
+        self.elements.iter().map(of).sum()
     }
 
     /// Takes the memories on to where `motion` has come.
@@ -393,11 +484,17 @@ impl ClassicalSteps {
                     });
                     begin += next.len();
                 }
-                Acting::Springs { .. } => {}
+                Acting::Springs { .. } | Acting::Outside { .. } => {}
             }
         }
         self.buffers = buffers;
     }
+}
+
+/// Value at `part` of the way of the parabola through these at its start, middle and end.
+fn parabola([start, middle, end]: [f64; 3], part: f64) -> f64 {
+    let bow = middle - 0.5 * (start + end);
+    start + part * (end - start) + 4.0 * part * (1.0 - part) * bow
 }
 
 fn inputs_at(motions: &[(f64, f64)], [a, b]: [usize; 2]) -> SlipSlapInputs {

@@ -8,6 +8,7 @@ mod curves;
 mod faults;
 mod loops;
 mod orders;
+mod pin_rig;
 mod run;
 mod slip_slap;
 mod system;

@@ -111,3 +111,36 @@ fn energy_balances_to_1e_6_a_cycle_with_every_effect() {
     assert!(fine < 2e-6, "two cycles leave {fine}");
     assert!(fine < coarse / 8.0, "{coarse} {fine}");
 }
+
+/// Load at rest (N) of a pin that slaps.
+const PRELOAD: f64 = 3.0;
+
+/// A pin that is thrown at its support presses on it many times harder than at rest, and is damped as much more: in steps that
+/// are right at rest the scheme follows it all the same.
+#[test]
+fn a_hard_slap_is_followed_in_steps_that_are_right_at_rest() {
+    let mut model = rig();
+    model.set("contact.normal_load", PRELOAD).unwrap();
+    model.set("contact.impact_damping", 1000.0).unwrap();
+    let system = model.system().unwrap();
+    // Largest normal force (N), energy of the impacts (J), and times that the bodies part.
+    let run = |finer: f64| {
+        let mut steps = ClassicalSteps::new(&system).unwrap();
+        let mut motion = steps.rest();
+        let step = steps.longest_step() / finer;
+        let force = |time: f64| 400.0 * (TAU * 52.0 * time).sin();
+        let (mut most, mut partings) = (0.0_f64, 0);
+        for k in 0..(0.02 / step) as usize {
+            let time = k as f64 * step;
+            let apart = motion.contacts[0].separation > 0.0;
+            steps.advance(&mut motion, step, [0.0, 0.5, 1.0].map(|part| force(time + part * step)));
+            most = most.max(motion.contacts[0].normal_force);
+            partings += usize::from(motion.contacts[0].separation > 0.0 && !apart);
+        }
+        (most, motion.energies.impact, partings)
+    };
+    let (coarse, fine) = (run(1.0), run(32.0));
+    eprintln!("{coarse:?} {fine:?}");
+    assert!(fine.0 > 100.0 * PRELOAD && fine.2 >= 1, "{fine:?}");
+    assert!((coarse.1 / fine.1 - 1.0).abs() < 0.1, "{coarse:?} {fine:?}");
+}

@@ -129,7 +129,7 @@ fn its_numbers_are_parameters_by_path() {
 #[test]
 fn its_system_is_that_of_the_builder() {
     let model = read(RIG);
-    let PinnedBeam { beam, pin, string } = pinned(&model).clone();
+    let PinnedBeam { beam, pin, string, .. } = pinned(&model).clone();
     let rig = PinRig { beam, pin, string, stuck_stiffness: [3.95e6, 2.37e7] };
     let normal = NormalDirection::new(NormalLaw::Hertz { exponent: 1.5 }, 60.0, 2.37e7, 30.0).unwrap();
     let law = Arc::new(Jenkins::new(3.95e6, 0.6).unwrap());

@@ -176,6 +176,15 @@ impl NormalDirection {
         }
     }
 
+    /// The fastest that a body of the `mobility` (1/kg) answers at η (m): by the damping and by the slope of the law (1/s).
+    pub(crate) fn rate(&self, displacement: f64, mobility: f64) -> f64 {
+        if displacement >= self.static_approach {
+            return 0.0;
+        }
+        let (force, slope) = self.elastic(displacement);
+        self.impact_damping * force * mobility + (slope * mobility).sqrt()
+    }
+
     /// Energy (J) that the elastic law keeps at η (m): what it gives back until the bodies part.
     pub fn stored_energy(&self, displacement: f64) -> f64 {
         let (open, x) = (-self.static_approach, -displacement);

@@ -11,6 +11,15 @@ use crate::system::beam::damping_ratios;
 use crate::system::{Core, Element, HangingMass, Port, Row, StructureError, System};
 use crate::vocabulary;
 
+/// What the pin rests on.
+enum Support {
+    Contact(Arc<SlipSlap>),
+    /// The springs that the modes have.
+    Springs,
+    /// Forces from outside.
+    Outside,
+}
+
 /// A pin rig reduced to the modes of its base linear system, in which the contact is two springs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalPinRig {
@@ -109,6 +118,15 @@ impl ModalPinRig {
     /// The springs in the modes are taken away again where there is a contact. The mass's inertia along the beam is `m ḧ` of
     /// `h = hanging − shortening`; what is linear of it is in the modes.
     pub fn system(&self, contact: Option<Arc<SlipSlap>>) -> System {
+        self.on(contact.map_or(Support::Springs, Support::Contact))
+    }
+
+    /// The same whose contact is not its own: both forces come from outside, S before N, and the springs are taken away.
+    pub fn system_from_outside(&self) -> System {
+        self.on(Support::Outside)
+    }
+
+    fn on(&self, support: Support) -> System {
         let row = |shape: &[f64]| -> Row { shape.iter().copied().enumerate().collect() };
         let mut ports: Vec<Port> =
             self.sensors.iter().map(|(x, shape)| Port::linear(&format!("x={x}"), row(shape))).collect();
@@ -125,12 +143,15 @@ impl ModalPinRig {
         let shortening = add("shortening", &[], -1.0);
         let [along, across] = self.stuck_stiffness;
         let springs = |ports: [usize; 2], stiffness| Element::Springs { ports, stiffness };
-        let mut elements = match contact {
-            Some(contact) => vec![
-                Element::SlipSlap { ports: [tangential, normal], contact },
-                springs([stuck, normal], [[-along, 0.0], [0.0, -across]]),
-            ],
-            None => vec![springs([tangential, stuck], [[along, 0.0], [0.0, -along]])],
+        let without = || springs([stuck, normal], [[-along, 0.0], [0.0, -across]]);
+        let mut elements = match support {
+            Support::Contact(contact) => {
+                vec![Element::SlipSlap { ports: [tangential, normal], contact }, without()]
+            }
+            Support::Outside => {
+                vec![Element::Outside { port: tangential }, Element::Outside { port: normal }, without()]
+            }
+            Support::Springs => vec![springs([tangential, stuck], [[along, 0.0], [0.0, -along]])],
         };
         let mass = self.hanging_mass;
         elements.push(Element::Inertia { ports: [hanging, shortening], mass: [[0.0, -mass], [-mass, mass]] });

@@ -87,7 +87,7 @@ impl Identify {
         dataset: &Dataset,
     ) -> Result<Option<SlipSlapIdentification>, Failure> {
         let contact = model.contact.as_ref().ok_or_else(|| Failure::input("the model has no contact"))?;
-        let rig = pinned.rig(contact, &model.changes().structure);
+        let rig = pinned.rig(Some(contact), &model.changes().structure);
         let rig = rig.map_err(|error| Failure::input(error.to_string()))?;
         let mut options = self.options();
         options.normal_load = options.normal_load.or(Some(contact.normal_load));
