@@ -73,7 +73,10 @@ pub(super) fn describe(model: &Model, rig: &PinnedBeam, parameters: Vec<Variable
     let (name, summary) = if own {
         ("SlipSlapBeam", "Beam whose pin slips and slaps on its support under a mass on a string")
     } else {
-        ("PinnedBeam", "Beam with a pin and a mass on a string, loaded by both forces of a contact from outside")
+        (
+            "PinnedBeam",
+            "Beam with a pin and a mass on a string, loaded by both forces of a contact from outside",
+        )
     };
     // The pin follows a contact from outside as fast as the stiffness of its support makes it.
     let step = if own { 1e-4 } else { 1e-5 };

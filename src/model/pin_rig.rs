@@ -171,8 +171,9 @@ impl PinnedBeam {
             }
             (Some(_), Some(_)) => {
                 let message = "the contact has the stiffness of both directions";
-                return Err(ParameterError::new("pin.tangential_stiffness", message)
-                    .with_help("take both out of [pin]: they stand for a contact that is another program's"));
+                return Err(ParameterError::new("pin.tangential_stiffness", message).with_help(
+                    "take both out of [pin]: they stand for a contact that is another program's",
+                ));
             }
             _ => {}
         }

@@ -105,11 +105,24 @@ impl SteppedMotion {
 
 #[derive(Debug, Clone)]
 enum Acting {
-    Law { port: usize, law: Arc<dyn ContactLaw>, normal_load: f64 },
-    SlipSlap { ports: [usize; 2], contact: Arc<SlipSlap> },
-    Springs { ports: [usize; 2], stiffness: [[f64; 2]; 2] },
+    Law {
+        port: usize,
+        law: Arc<dyn ContactLaw>,
+        normal_load: f64,
+    },
+    SlipSlap {
+        ports: [usize; 2],
+        contact: Arc<SlipSlap>,
+    },
+    Springs {
+        ports: [usize; 2],
+        stiffness: [[f64; 2]; 2],
+    },
     /// The force given from outside, counted among those.
-    Outside { port: usize, place: usize },
+    Outside {
+        port: usize,
+        place: usize,
+    },
 }
 
 #[derive(Debug, Clone, Default)]
@@ -280,13 +293,7 @@ impl ClassicalSteps {
         (step * rate / STABLE).ceil().clamp(1.0, MOST_PARTS) as u32
     }
 
-    fn advance_once(
-        &mut self,
-        motion: &mut SteppedMotion,
-        step: f64,
-        force: [f64; 3],
-        outside: &[[f64; 3]],
-    ) {
+    fn advance_once(&mut self, motion: &mut SteppedMotion, step: f64, force: [f64; 3], outside: &[[f64; 3]]) {
         let size = motion.displacement.len();
         let mut buffers = std::mem::take(&mut self.buffers);
         for (stage, (weight, fraction, at)) in STAGES.into_iter().enumerate() {

@@ -97,7 +97,6 @@ fn strong_coupling_of_beam_and_contact_converges_with_order_two_to_the_whole() {
     let (coarse, fine) = (level(1.0), level(8.0));
     for (signal, (_, name)) in OBSERVED.iter().enumerate() {
         let order = (coarse[signal] / fine[signal]).log2() / 3.0;
-        eprintln!("{name}: {:e} to {:e}, {order}", coarse[signal], fine[signal]);
         assert!(order > 1.7, "{name}: {:e} to {:e}, {order}", coarse[signal], fine[signal]);
     }
     // Without iteration the works of both sides differ, and the difference falls with the step.

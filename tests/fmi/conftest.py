@@ -13,7 +13,10 @@ import pytest
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-MODELS = ["JenkinsContact", "ValanisContact", "SlipSlapContact", "ModalBeam", "ModalBeamTwoContacts", "FrictionalBeam"]
+MODELS = [
+    "JenkinsContact", "ValanisContact", "SlipSlapContact", "ModalBeam", "ModalBeamTwoContacts", "FrictionalBeam",
+    "PinnedBeam", "SlipSlapBeam",
+]
 
 
 def fmu_folder() -> Path:

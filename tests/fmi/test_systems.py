@@ -28,6 +28,7 @@ STEP, STOP, EXCITATION = 1e-4, 0.02, 20.0
 SYSTEMS = {
     "BeamWithValanis": (STEP, ["contact"], {"beam.excitation": EXCITATION}),
     "BeamWithJenkins": (STEP, ["contact"], {"beam.excitation": EXCITATION}),
+    "BeamWithSlipSlap": (1e-5, ["contact"], {"beam.excitation": 60.0}),
     "BeamWithTwoContacts": (1e-5, ["contact", "damper"], {"beam.excitation": EXCITATION, "damper.normal_load": 15.0}),
 }
 
@@ -124,7 +125,8 @@ def ecos(script: str, *arguments) -> list[list[float]]:
     return [[float(cell) for cell in row] for row in rows]
 
 
-@pytest.mark.parametrize("name", SYSTEMS)
+# It sets the excitation after the initialization: to a beam with a pin, whose inputs run to their values, that is another force.
+@pytest.mark.parametrize("name", [name for name in SYSTEMS if name != "BeamWithSlipSlap"])
 def test_ecos_runs_the_same_package_to_the_same_trajectories(systems, name, tmp_path):
     step, contacts, values = SYSTEMS[name]
     count = round(STOP / step)

@@ -203,3 +203,31 @@ fn effects_change_the_rig_and_its_contact() {
     let built_in = read(&RIG.replace("mass = 0.005 }", "mass = 0.015 }"));
     assert_eq!(model.system().unwrap().core, built_in.system().unwrap().core);
 }
+
+/// A rig whose contact is another program's: its springs stand in [pin], and its forces come from outside.
+#[test]
+fn a_rig_without_a_contact_takes_both_forces_from_outside() {
+    let text = include_str!("../../modelDescription/PinnedBeam.toml");
+    let model = read(text);
+    assert_eq!(Model::parse(&model.to_toml()).unwrap(), model);
+    assert_eq!(model.get("pin.normal_stiffness"), Some(2.37e7));
+    let system = model.system().unwrap();
+    let given: Vec<&str> = system
+        .elements
+        .iter()
+        .filter_map(|element| match element {
+            Element::Outside { port } => Some(system.ports[*port].name.as_str()),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(given, ["contact", "contact.normal"]);
+    let missing = Model::parse(&text.replace("normal_stiffness = 2.37e7", "")).unwrap_err();
+    assert!(missing.to_string().contains("normal_stiffness"), "{missing}");
+    refused(
+        "normal_lever = 0.0085",
+        "normal_lever = 0.0085\ntangential_stiffness = 1e6\nnormal_stiffness = 1e7",
+        19,
+        "1e6",
+        &["contact"],
+    );
+}

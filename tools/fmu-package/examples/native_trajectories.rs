@@ -12,7 +12,7 @@ mod native {
     use stickslip::contact::{Inputs, SlipSlapInputs, SlipSlapWork};
     use stickslip::model::{Beam, Contact, Model, Structure};
     use stickslip::system::ModalBeam;
-    use stickslip::time::{Integrator, Outputs, Ramp, Settings};
+    use stickslip::time::{ClassicalSteps, Integrator, Outputs, Ramp, Settings};
 
     /// Column names and rows.
     pub type Table = (Vec<String>, Vec<Vec<f64>>);
@@ -29,9 +29,8 @@ mod native {
     pub fn run(model: &Model) -> Table {
         match (&model.structure, &model.contact) {
             (Structure::Beam(beam), contact) => self::beam(beam, contact.as_ref()),
-            (Structure::Oscillator(_) | Structure::PinRig(_), _) => {
-                unreachable!("no standard FMU is an oscillator or a pin rig")
-            }
+            (Structure::PinRig(_), contact) => pin_rig(model, contact.is_some()),
+            (Structure::Oscillator(_), _) => unreachable!("no standard FMU is an oscillator"),
             (Structure::Prescribed, Some(contact)) if contact.normal.is_some() => slip_slap(model),
             (Structure::Prescribed, contact) => self::contact(&contact.expect("a contact model")),
         }
@@ -164,6 +163,63 @@ mod native {
             for (index, _) in &places {
                 let sensor = &outputs.sensors[*index];
                 row.extend([sensor.displacement, sensor.velocity, sensor.acceleration]);
+            }
+            rows.push(row);
+        }
+        (names, rows)
+    }
+
+    /// A pin rig shaken with two tones, its forces running to their values over each step; those from outside those of two
+    /// springs that move by themselves.
+    fn pin_rig(model: &Model, has_contact: bool) -> Table {
+        let system = model.system().expect("a standard model");
+        let mut steps = ClassicalSteps::new(&system).expect("a standard model");
+        let mut motion = steps.rest();
+        let inputs: &[&str] =
+            if has_contact { &["excitation"] } else { &["excitation", "contact_force", "opening_force"] };
+        let of_contact = ["force", "opening_force", "normal_force", "dissipated_energy", "impact_energy"];
+        let of_contact: &[&str] = if has_contact { &of_contact } else { &[] };
+        let of_pin = ["displacement", "velocity", "opening", "opening_velocity"];
+        let names = [inputs, of_contact, &of_pin].concat().into_iter().map(String::from);
+        let mut names: Vec<String> = names.collect();
+        for sensor in &system.sensors {
+            let place = &system.ports[*sensor].name;
+            names.extend(["displacement", "velocity", "acceleration"].map(|name| format!("{name}:{place}")));
+        }
+        let (count, step) = (1000, if has_contact { 1e-4 } else { 1e-5 });
+        let parts = (step / steps.longest_step()).ceil().max(1.0);
+        let given = |time: f64| {
+            let wave =
+                |size: f64, frequency: f64| size * (2.0 * std::f64::consts::PI * frequency * time).sin();
+            let all = [wave(1.85, 52.0) + wave(6.2, 156.0), wave(10.0, 130.0), wave(5.0, 170.0)];
+            all[..inputs.len()].to_vec()
+        };
+        let contact = system.port("contact").expect("a rig");
+        let normal = system.port("contact.normal").expect("a rig");
+        let (mut motions, mut accelerations, mut rows) = (Vec::new(), Vec::new(), Vec::new());
+        for index in 0..=count {
+            let time = f64::from(index) * step;
+            let (from, to) = (given(time - step), given(time));
+            for part in 0..if index == 0 { 0 } else { parts as usize } {
+                let line = |input: usize| {
+                    [0.0, 0.5, 1.0]
+                        .map(|place| from[input] + (to[input] - from[input]) * (part as f64 + place) / parts)
+                };
+                let outside: Vec<[f64; 3]> = (1..inputs.len()).map(line).collect();
+                steps.advance_under(&mut motion, step / parts, line(0), &outside);
+            }
+            steps.motions_of_ports(&motion, &mut motions);
+            steps.accelerations_of_ports(&motion, to[0], &to[1..], &mut accelerations);
+            let mut row = vec![time];
+            row.extend(&to);
+            if has_contact {
+                let now = motion.contacts[0];
+                let lost = motion.energies;
+                row.extend([now.force[0], now.force[1], now.normal_force, lost.friction, lost.impact]);
+            }
+            row.extend([contact, normal].into_iter().flat_map(|port| [motions[port].0, motions[port].1]));
+            for sensor in &system.sensors {
+                row.extend([motions[*sensor].0, motions[*sensor].1, accelerations[*sensor]]);
             }
             rows.push(row);
         }

@@ -78,7 +78,7 @@ pub fn library() -> Library {
 }
 
 /// Names (which are model identifiers) and model files of the standard models.
-pub fn standard_models() -> [(&'static str, &'static str); 6] {
+pub fn standard_models() -> [(&'static str, &'static str); 8] {
     [
         ("JenkinsContact", include_str!("../../../modelDescription/JenkinsContact.toml")),
         ("ValanisContact", include_str!("../../../modelDescription/ValanisContact.toml")),
@@ -86,6 +86,8 @@ pub fn standard_models() -> [(&'static str, &'static str); 6] {
         ("ModalBeam", include_str!("../../../modelDescription/ModalBeam.toml")),
         ("ModalBeamTwoContacts", include_str!("../../../modelDescription/ModalBeamTwoContacts.toml")),
         ("FrictionalBeam", include_str!("../../../modelDescription/FrictionalBeam.toml")),
+        ("PinnedBeam", include_str!("../../../modelDescription/PinnedBeam.toml")),
+        ("SlipSlapBeam", include_str!("../../../modelDescription/SlipSlapBeam.toml")),
     ]
 }
 

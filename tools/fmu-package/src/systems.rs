@@ -15,42 +15,54 @@ struct Standard {
     description: &'static str,
     beam: &'static str,
     contacts: &'static [Contact],
+    /// Of the exciter (N), at the start.
+    excitation: f64,
 }
 
 /// A contact on the beam.
 struct Contact {
     name: &'static str,
     fmu: &'static str,
-    /// The beam's output that moves it.
-    motion: &'static str,
-    /// The beam's input that takes its force.
-    force: &'static str,
+    /// The beam's outputs that move it, its own inputs, and their units.
+    motions: &'static [(&'static str, &'static str, &'static str)],
+    /// Its own forces, and the beam's inputs that take them.
+    forces: &'static [(&'static str, &'static str)],
     /// Its normal load (N) where it is not that of the FMU.
     normal_load: Option<f64>,
 }
 
 /// The beam's support.
 const fn support(fmu: &'static str) -> Contact {
-    Contact { name: "contact", fmu, motion: "displacement", force: "contact_force", normal_load: None }
+    Contact {
+        name: "contact",
+        fmu,
+        motions: &[("displacement", "displacement", "m")],
+        forces: &[("force", "contact_force")],
+        normal_load: None,
+    }
 }
 
 /// Force of the exciter (N) that the systems start with: enough to make the contact slip.
 const EXCITATION: f64 = 20.0;
+/// The same of the beam with a pin, which a step of the force shakes less.
+const EXCITATION_OF_PIN: f64 = 60.0;
 /// Normal load of the friction damper (N): a tenth of the support's, so that it slips.
 const DAMPER_LOAD: f64 = 15.0;
 
-const SYSTEMS: [Standard; 3] = [
+const SYSTEMS: [Standard; 4] = [
     Standard {
         name: "BeamWithValanis",
         description: "Beam in modal coordinates whose support is a contact with Valanis' law",
         beam: "ModalBeam",
         contacts: &[support("ValanisContact")],
+        excitation: EXCITATION,
     },
     Standard {
         name: "BeamWithJenkins",
         description: "Beam in modal coordinates whose support is a contact with Jenkins' element",
         beam: "ModalBeam",
         contacts: &[support("JenkinsContact")],
+        excitation: EXCITATION,
     },
     Standard {
         name: "BeamWithTwoContacts",
@@ -61,11 +73,30 @@ const SYSTEMS: [Standard; 3] = [
             Contact {
                 name: "damper",
                 fmu: "JenkinsContact",
-                motion: "displacement:x=0.3",
-                force: "contact_force:x=0.3",
+                motions: &[("displacement:x=0.3", "displacement", "m")],
+                forces: &[("force", "contact_force:x=0.3")],
                 normal_load: Some(DAMPER_LOAD),
             },
         ],
+        excitation: EXCITATION,
+    },
+    Standard {
+        name: "BeamWithSlipSlap",
+        description: "Beam with a pin and a mass on a string, whose support slips and slaps",
+        beam: "PinnedBeam",
+        contacts: &[Contact {
+            name: "contact",
+            fmu: "SlipSlapContact",
+            motions: &[
+                ("displacement", "displacement", "m"),
+                ("velocity", "velocity", "m/s"),
+                ("opening", "opening", "m"),
+                ("opening_velocity", "opening_velocity", "m/s"),
+            ],
+            forces: &[("force", "contact_force"), ("opening_force", "opening_force")],
+            normal_load: None,
+        }],
+        excitation: EXCITATION_OF_PIN,
     },
 ];
 
@@ -119,20 +150,28 @@ fn outline(system: &Standard) -> Result<Outline, Error> {
     let (mut beam, mut connections) = (Vec::new(), Vec::new());
     let mut contacts = Vec::new();
     let value = |name: String, value| OutlineParameter { name, value, unit: "N".to_owned() };
-    let mut parameters = vec![value("beam.excitation".to_owned(), EXCITATION)];
-    for Contact { name, fmu, motion, force, normal_load } in system.contacts {
+    let mut parameters = vec![value("beam.excitation".to_owned(), system.excitation)];
+    for Contact { name, fmu, motions, forces, normal_load } in system.contacts {
         parameters.extend(normal_load.map(|load| value(format!("{name}.normal_load"), load)));
-        beam.push(connector(force, true, "N"));
-        beam.push(connector(motion, false, "m"));
-        let own = vec![connector("displacement", true, "m"), connector("force", false, "N")];
-        contacts.push(component(name, fmu, own));
+        let mut own = Vec::new();
         // Without transformations, which not every program makes.
-        for (start, end) in
-            [(end("beam", motion), end(name, "displacement")), (end(name, "force"), end("beam", force))]
-        {
+        let mut connect = |start, end| {
             connections.push(OutlineConnection { start, end, transformation: None });
+        };
+        for (of_beam, of_contact, unit) in *motions {
+            beam.push(connector(of_beam, false, unit));
+            own.push(connector(of_contact, true, unit));
+            connect(end("beam", of_beam), end(name, of_contact));
         }
+        for (of_contact, of_beam) in *forces {
+            beam.push(connector(of_beam, true, "N"));
+            own.push(connector(of_contact, false, "N"));
+            connect(end(name, of_contact), end("beam", of_beam));
+        }
+        contacts.push(component(name, fmu, own));
     }
+    let used = |unit: &str| system.contacts.iter().flat_map(|one| one.motions).any(|(.., of)| *of == unit);
+    let units = ["N", "m", "m/s"].into_iter().filter(|unit| *unit == "N" || used(unit)).map(unit).collect();
     let experiment = Instance::new(model(system.beam)?)?.description().experiment;
     Ok(Outline {
         name: system.name.to_owned(),
@@ -141,7 +180,7 @@ fn outline(system: &Standard) -> Result<Outline, Error> {
         components: std::iter::once(component("beam", system.beam, beam)).chain(contacts).collect(),
         connections,
         parameters,
-        units: ["N", "m"].into_iter().map(unit).collect(),
+        units,
         experiment: (experiment.start, experiment.stop),
     })
 }

@@ -19,21 +19,26 @@ pub(crate) fn exponents(unit: &str) -> Option<Exponents> {
 }
 
 /// Unit names of the project's vocabulary. All are SI without prefixes: factor 1, offset 0.
-const UNITS: [(&str, Exponents); 16] = [
+const UNITS: [(&str, Exponents); 21] = [
     ("1", [0, 0, 0, 0]),
+    ("1/m", [0, -1, 0, 0]),
     ("1/s", [0, 0, -1, 0]),
+    ("Hz", [0, 0, -1, 0]),
     ("J", [1, 2, -2, 0]),
     ("N", [1, 1, -2, 0]),
     ("N.m/rad", [1, 2, -2, -1]),
     ("N/m", [1, 0, -2, 0]),
     ("N/m^3", [1, -2, -2, 0]),
     ("N.s/m", [1, 0, -1, 0]),
+    ("N.s^2/m^2", [1, -1, 0, 0]),
     ("Pa", [1, -1, -2, 0]),
     ("kg", [1, 0, 0, 0]),
+    ("kg.m^2", [1, 2, 0, 0]),
     ("kg/m^3", [1, -3, 0, 0]),
     ("m", [0, 1, 0, 0]),
     ("m/s", [0, 1, -1, 0]),
     ("m/s^2", [0, 1, -2, 0]),
+    ("rad", [0, 0, 0, 1]),
     ("s", [0, 0, 1, 0]),
     ("s/m", [0, -1, 1, 0]),
 ];
@@ -226,5 +231,20 @@ impl Xml {
         self.event(Event::Start(Self::tag(element)));
         content(self);
         self.event(Event::End(BytesEnd::new(name)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use stickslip::vocabulary::ALL;
+
+    use super::exponents;
+
+    /// A validator refuses an FMU that names a unit that it does not define.
+    #[test]
+    fn every_quantity_has_a_unit_that_is_defined() {
+        for quantity in ALL {
+            assert!(exponents(quantity.unit).is_some(), "{}: {}", quantity.name, quantity.unit);
+        }
     }
 }

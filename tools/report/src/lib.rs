@@ -29,7 +29,7 @@ mod table;
 mod tables;
 
 pub use catalogue::{catalogue_table, effect_table};
-pub use contact_loop::contact_loop;
+pub use contact_loop::{contact_loop, slip_slap_loops};
 pub use findings::findings;
 pub use json::json;
 pub use modes::{ModeReport, mode_html};

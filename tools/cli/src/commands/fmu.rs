@@ -12,7 +12,8 @@ pub struct Fmu {
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
     /// Standard models (JenkinsContact, ValanisContact, SlipSlapContact, ModalBeam, ModalBeamTwoContacts,
-    /// FrictionalBeam) and systems of them as .ssp (BeamWithValanis, BeamWithJenkins, BeamWithTwoContacts) to write; all when none is named
+    /// FrictionalBeam, PinnedBeam, SlipSlapBeam) and systems of them as .ssp (BeamWithValanis, BeamWithJenkins, BeamWithTwoContacts,
+    /// BeamWithSlipSlap) to write; all when none is named
     #[arg(value_name = "MODEL")]
     models: Vec<String>,
 }

@@ -54,9 +54,18 @@ fn standard_fmus_are_written_by_name_or_all() {
         .iter()
         .map(|path| path.file_name().unwrap().to_string_lossy().into_owned())
         .collect();
-    let systems = ["BeamWithJenkins.ssp", "BeamWithTwoContacts.ssp", "BeamWithValanis.ssp"];
+    let systems =
+        ["BeamWithJenkins.ssp", "BeamWithSlipSlap.ssp", "BeamWithTwoContacts.ssp", "BeamWithValanis.ssp"];
     let beams = ["FrictionalBeam.fmu", "JenkinsContact.fmu", "ModalBeam.fmu", "ModalBeamTwoContacts.fmu"];
-    assert_eq!(names, [&systems[..], &beams, &["SlipSlapContact.fmu", "ValanisContact.fmu"]].concat());
+    assert_eq!(
+        names,
+        [
+            &systems[..],
+            &beams,
+            &["PinnedBeam.fmu", "SlipSlapBeam.fmu", "SlipSlapContact.fmu", "ValanisContact.fmu"]
+        ]
+        .concat()
+    );
     assert!(stickslip(folder.path(), &["fmu", "--out", "one", "ModalBeam"]).status.success());
     assert_eq!(entries(&folder.path().join("one")).len(), 1);
     let unknown = stickslip(folder.path(), &["fmu", "--out", "none", "Modalbeam"]);

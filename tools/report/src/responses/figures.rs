@@ -132,11 +132,16 @@ pub fn errors(responses: &Responses) -> Vec<Plot> {
     vec![plot]
 }
 
-/// Force against displacement of the contacts at the peaks.
+/// Force against displacement of the contacts at the peaks, the normal direction of those that have one beside it.
 pub fn loops(responses: &Responses) -> Vec<Plot> {
-    let all: Vec<_> = responses.curves.iter().flat_map(|one| &one.loops).collect();
+    [false, true].into_iter().filter_map(|is_normal| loops_along(responses, is_normal)).collect()
+}
+
+fn loops_along(responses: &Responses, is_normal: bool) -> Option<Plot> {
+    let all = responses.curves.iter().flat_map(|one| &one.loops);
+    let all: Vec<_> = all.filter(|one| one.is_normal == is_normal).collect();
     if all.is_empty() {
-        return Vec::new();
+        return None;
     }
     let step = all.len().div_ceil(LOOPS);
     let shown: Vec<_> = all.iter().step_by(step).collect();
@@ -146,19 +151,25 @@ pub fn loops(responses: &Responses) -> Vec<Plot> {
         y: one.force.clone(),
         stroke: Stroke::solid(palette(index, shown.len())),
     });
+    let (what, axis) = if is_normal {
+        (
+            "Normal force of the contact, the load at rest taken off, against its opening",
+            "opening of the contact",
+        )
+    } else {
+        ("Restoring force of the contact against its displacement", "displacement of the contact")
+    };
     let mut caption =
-        "Restoring force of the contact against its displacement over one period at the peaks, \
-                       by the contact law along the displacement found."
-            .to_owned();
+        format!("{what} over one period at the peaks, by the contact law along the displacement found.");
     if step > 1 {
         caption.push_str(&format!(" {} of {} loops are drawn.", shown.len(), all.len()));
     }
-    vec![Plot {
+    Some(Plot {
         caption,
         half: false,
-        x: Axis::new("displacement of the contact", "m"),
+        x: Axis::new(axis, "m"),
         panels: vec![Panel { y: Axis::new("force", "N"), lines: lines.collect() }],
-    }]
+    })
 }
 
 /// What a panel shows at a point of a curve (SI).

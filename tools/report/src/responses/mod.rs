@@ -106,6 +106,8 @@ pub struct ContactLoop {
     pub displacement: Vec<f64>,
     /// Restoring force (N), as many.
     pub force: Vec<f64>,
+    /// Whether it is the normal direction of a contact in two.
+    pub is_normal: bool,
 }
 
 /// The unit of frequency at the user's side.

@@ -40,8 +40,12 @@ fn curve(level: f64, ending: Ending) -> ResponseCurve {
     let peaks =
         vec![Peak { node: 0, angular_frequency: 1.0, amplitude: 10.0 * level, level, parameter: 1.0 }];
     let folds = vec![Fold { angular_frequency: 1.2, level, parameter: 1.0, amplitude: vec![2.0] }];
-    let loops =
-        vec![ContactLoop { name: "at 1".into(), displacement: vec![-1.0, 1.0], force: vec![-1.0, 1.0] }];
+    let loops = vec![ContactLoop {
+        name: "at 1".into(),
+        displacement: vec![-1.0, 1.0],
+        force: vec![-1.0, 1.0],
+        is_normal: false,
+    }];
     let curve = Curve { nodes: vec![HOSTILE.into()], points, peaks, folds, ending };
     ResponseCurve { level, curve, phase_resonances: Vec::new(), loops, failure: None, seconds: 0.01 }
 }

@@ -1,15 +1,16 @@
 //! Loops of the contacts at the peaks of a curve.
 
 use stickslip::harmonic::{Assembly, Control, Curve, Peak, Point, periodic_response};
-use stickslip_report::contact_loop;
+use stickslip::system::Element;
 use stickslip_report::responses::ContactLoop;
+use stickslip_report::{contact_loop, slip_slap_loops};
 
 use super::Request;
 
 /// Peaks nearer to each other than this fraction of their frequency are one resonance.
 const SAME: f64 = 0.03;
 
-/// The loops of the model's contact, the first, at the peaks of a curve, one for each resonance.
+/// The loops of the model's contact at the peaks of a curve, one for each resonance, of both directions where it has two.
 pub fn at_peaks(
     assembly: &Assembly,
     request: &Request,
@@ -24,17 +25,36 @@ pub fn at_peaks(
         let exact =
             periodic_response(assembly, peak.angular_frequency, control, &request.alone(), Some(near));
         let point = exact.as_ref().unwrap_or(near);
-        let (Some((_, law, normal_load)), Some(at)) = (assembly.system.laws().next(), point.contacts.first())
-        else {
-            continue;
-        };
         let name = format!("{level} {unit}, {}", request.unit.shown(point.angular_frequency));
-        loops.extend(
-            contact_loop(law.as_ref(), normal_load, point.angular_frequency, &at.displacement)
-                .map(|(displacement, force)| ContactLoop { name, displacement, force }),
-        );
+        loops.extend(of_contact(assembly, point).into_iter().enumerate().map(
+            |(direction, (displacement, force))| ContactLoop {
+                name: name.clone(),
+                displacement,
+                force,
+                is_normal: direction == 1,
+            },
+        ));
     }
     loops
+}
+
+/// Displacement (m) and force (N) of the model's contact over a period, and those of its normal direction if it has one.
+fn of_contact(assembly: &Assembly, point: &Point) -> Vec<(Vec<f64>, Vec<f64>)> {
+    let speed = point.angular_frequency;
+    let in_two = assembly.system.elements.iter().find_map(|element| match element {
+        Element::SlipSlap { contact, .. } => Some(contact),
+        _ => None,
+    });
+    match (in_two, assembly.system.laws().next(), point.contacts.as_slice()) {
+        (Some(contact), _, [along, across, ..]) => {
+            let both = [along.displacement.as_slice(), across.displacement.as_slice()];
+            slip_slap_loops(contact, speed, both).map(Vec::from).unwrap_or_default()
+        }
+        (None, Some((_, law, normal_load)), [at, ..]) => {
+            contact_loop(law.as_ref(), normal_load, speed, &at.displacement).into_iter().collect()
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// Of peaks of several nodes close together the first.
