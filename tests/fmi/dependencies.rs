@@ -17,6 +17,12 @@ const SLIPPING: [(&str, [f64; 4]); 3] = [
     ("contact_force:x=0.2", [8.0, 260.0, 0.9, -3.0]),
 ];
 
+const OF_A_PINNED_BEAM: [(&str, [f64; 4]); 3] = [
+    ("excitation", [6.0, 900.0, 0.3, 0.0]),
+    ("contact_force", [10.0, 800.0, 0.7, 0.0]),
+    ("opening_force", [8.0, 1100.0, 0.1, 0.0]),
+];
+
 type Pairs = BTreeSet<(String, String)>;
 
 /// Every model whose table is made in a way of its own.
@@ -33,6 +39,15 @@ fn all() -> Vec<Case<'static>> {
         tolerance: 1e-6,
         span: 1e-5,
         waves: OF_A_PIN_RIG,
+    });
+    all.push(Case {
+        name: "PinnedBeam",
+        model: include_str!("../../modelDescription/PinnedBeam.toml").to_owned(),
+        step: 1e-5,
+        steps: 40,
+        tolerance: 1e-6,
+        span: 1e-5,
+        waves: &OF_A_PINNED_BEAM,
     });
     all
 }
@@ -150,7 +165,7 @@ fn differentiable(run: &mut Run) -> Pairs {
 /// Structures whose inputs run to their values within a step: there all outputs are declared that a step of any length
 /// moves, since a master that couples them strongly has to repeat the step for these.
 fn moves_within_the_step(case: &Case) -> bool {
-    case.name.starts_with("Oscillator") || case.name == "SlipSlapBeam"
+    case.name.starts_with("Oscillator") || ["PinnedBeam", "SlipSlapBeam"].contains(&case.name)
 }
 
 #[test]
