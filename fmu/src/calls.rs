@@ -1,4 +1,4 @@
-//! The call table of FMI 2.0.4, section 4.2.4, for co-simulation without asynchronous steps.
+//! The call tables of FMI 2.0.4, sections 3.2.3 and 4.2.4, for model exchange and for co-simulation without asynchronous steps.
 
 use stickslip::fmi::Stage;
 
@@ -15,7 +15,7 @@ impl State {
     fn column(self) -> usize {
         match self {
             State::Stage(stage) => stage as usize,
-            State::Poisoned => 5,
+            State::Poisoned => 7,
         }
     }
 }
@@ -34,59 +34,60 @@ macro_rules! calls {
         #[cfg(test)]
         pub const FUNCTIONS: &[Function] = &[$(Function::$function),*];
 
-        const LEGAL: [[bool; 6]; TABLE.len()] = [$(columns($columns)),*];
+        const LEGAL: [[bool; 8]; TABLE.len()] = [$(columns($columns)),*];
     };
 }
 
-// Columns: Instantiated, Initialization, step Complete, step Failed, Terminated, Poisoned.
+// Columns: Instantiated, Initialization, step Complete, step Failed, Terminated, Event, continuous tiMe, Poisoned. The first
+// two and the fifth are those of both interfaces, of which an instance has one.
 // `StepInProgress` and `StepCanceled` do not occur: steps are synchronous.
 calls! {
-    //                                                                    INCFTP
-    GetTypesPlatform             "fmi2GetTypesPlatform"                  "xxxxxx"
-    GetVersion                   "fmi2GetVersion"                        "xxxxxx"
-    SetDebugLogging              "fmi2SetDebugLogging"                   "xxxxx."
-    Instantiate                  "fmi2Instantiate"                       "xxxxxx"
-    FreeInstance                 "fmi2FreeInstance"                      "xxxxxx"
-    SetupExperiment              "fmi2SetupExperiment"                   "x....."
-    EnterInitializationMode      "fmi2EnterInitializationMode"           "x....."
-    ExitInitializationMode       "fmi2ExitInitializationMode"            ".x...."
-    Terminate                    "fmi2Terminate"                         "..xx.."
-    Reset                        "fmi2Reset"                             "xxxxx."
-    GetReal                      "fmi2GetReal"                           ".xxxx."
-    GetInteger                   "fmi2GetInteger"                        ".xxxx."
-    GetBoolean                   "fmi2GetBoolean"                        ".xxxx."
-    GetString                    "fmi2GetString"                         ".xxxx."
-    SetReal                      "fmi2SetReal"                           "xxx..."
-    SetInteger                   "fmi2SetInteger"                        "xxx..."
-    SetBoolean                   "fmi2SetBoolean"                        "xxx..."
-    SetString                    "fmi2SetString"                         "xxx..."
-    GetFMUstate                  "fmi2GetFMUstate"                       "xxxxx."
-    SetFMUstate                  "fmi2SetFMUstate"                       "xxxxx."
-    FreeFMUstate                 "fmi2FreeFMUstate"                      "xxxxxx"
-    SerializedFMUstateSize       "fmi2SerializedFMUstateSize"            "xxxxx."
-    SerializeFMUstate            "fmi2SerializeFMUstate"                 "xxxxx."
-    DeSerializeFMUstate          "fmi2DeSerializeFMUstate"               "xxxxx."
-    GetDirectionalDerivative     "fmi2GetDirectionalDerivative"          ".xxxx."
-    SetRealInputDerivatives      "fmi2SetRealInputDerivatives"           "xxx..."
-    GetRealOutputDerivatives     "fmi2GetRealOutputDerivatives"          "..xxx."
-    DoStep                       "fmi2DoStep"                            "..x..."
-    CancelStep                   "fmi2CancelStep"                        "......"
-    GetStatus                    "fmi2GetStatus"                         "..xxx."
-    GetRealStatus                "fmi2GetRealStatus"                     "..xxx."
-    GetIntegerStatus             "fmi2GetIntegerStatus"                  "..xxx."
-    GetBooleanStatus             "fmi2GetBooleanStatus"                  "..xxx."
-    GetStringStatus              "fmi2GetStringStatus"                   "..xxx."
+    //                                                                    INCFTEMP
+    GetTypesPlatform             "fmi2GetTypesPlatform"                  "xxxxxxxx"
+    GetVersion                   "fmi2GetVersion"                        "xxxxxxxx"
+    SetDebugLogging              "fmi2SetDebugLogging"                   "xxxxxxx."
+    Instantiate                  "fmi2Instantiate"                       "xxxxxxxx"
+    FreeInstance                 "fmi2FreeInstance"                      "xxxxxxxx"
+    SetupExperiment              "fmi2SetupExperiment"                   "x......."
+    EnterInitializationMode      "fmi2EnterInitializationMode"           "x......."
+    ExitInitializationMode       "fmi2ExitInitializationMode"            ".x......"
+    Terminate                    "fmi2Terminate"                         "..xx.xx."
+    Reset                        "fmi2Reset"                             "xxxxxxx."
+    GetReal                      "fmi2GetReal"                           ".xxxxxx."
+    GetInteger                   "fmi2GetInteger"                        ".xxxxxx."
+    GetBoolean                   "fmi2GetBoolean"                        ".xxxxxx."
+    GetString                    "fmi2GetString"                         ".xxxxxx."
+    SetReal                      "fmi2SetReal"                           "xxx..xx."
+    SetInteger                   "fmi2SetInteger"                        "xxx..x.."
+    SetBoolean                   "fmi2SetBoolean"                        "xxx..x.."
+    SetString                    "fmi2SetString"                         "xxx..x.."
+    GetFMUstate                  "fmi2GetFMUstate"                       "xxxxxxx."
+    SetFMUstate                  "fmi2SetFMUstate"                       "xxxxxxx."
+    FreeFMUstate                 "fmi2FreeFMUstate"                      "xxxxxxxx"
+    SerializedFMUstateSize       "fmi2SerializedFMUstateSize"            "xxxxxxx."
+    SerializeFMUstate            "fmi2SerializeFMUstate"                 "xxxxxxx."
+    DeSerializeFMUstate          "fmi2DeSerializeFMUstate"               "xxxxxxx."
+    GetDirectionalDerivative     "fmi2GetDirectionalDerivative"          ".xxxx..."
+    SetRealInputDerivatives      "fmi2SetRealInputDerivatives"           "xxx....."
+    GetRealOutputDerivatives     "fmi2GetRealOutputDerivatives"          "..xxx..."
+    DoStep                       "fmi2DoStep"                            "..x....."
+    CancelStep                   "fmi2CancelStep"                        "........"
+    GetStatus                    "fmi2GetStatus"                         "..xxx..."
+    GetRealStatus                "fmi2GetRealStatus"                     "..xxx..."
+    GetIntegerStatus             "fmi2GetIntegerStatus"                  "..xxx..."
+    GetBooleanStatus             "fmi2GetBooleanStatus"                  "..xxx..."
+    GetStringStatus              "fmi2GetStringStatus"                   "..xxx..."
     // Model exchange only.
-    EnterEventMode               "fmi2EnterEventMode"                    "......"
-    NewDiscreteStates            "fmi2NewDiscreteStates"                 "......"
-    EnterContinuousTimeMode      "fmi2EnterContinuousTimeMode"           "......"
-    CompletedIntegratorStep      "fmi2CompletedIntegratorStep"           "......"
-    SetTime                      "fmi2SetTime"                           "......"
-    SetContinuousStates          "fmi2SetContinuousStates"               "......"
-    GetDerivatives               "fmi2GetDerivatives"                    "......"
-    GetEventIndicators           "fmi2GetEventIndicators"                "......"
-    GetContinuousStates          "fmi2GetContinuousStates"               "......"
-    GetNominalsOfContinuousStates "fmi2GetNominalsOfContinuousStates"    "......"
+    EnterEventMode               "fmi2EnterEventMode"                    "......x."
+    NewDiscreteStates            "fmi2NewDiscreteStates"                 ".....x.."
+    EnterContinuousTimeMode      "fmi2EnterContinuousTimeMode"           ".....x.."
+    CompletedIntegratorStep      "fmi2CompletedIntegratorStep"           "......x."
+    SetTime                      "fmi2SetTime"                           ".....xx."
+    SetContinuousStates          "fmi2SetContinuousStates"               "......x."
+    GetDerivatives               "fmi2GetDerivatives"                    ".x..xxx."
+    GetEventIndicators           "fmi2GetEventIndicators"                ".x..xxx."
+    GetContinuousStates          "fmi2GetContinuousStates"               ".x..xxx."
+    GetNominalsOfContinuousStates "fmi2GetNominalsOfContinuousStates"    ".x..xxx."
 }
 
 impl Function {
@@ -108,9 +109,6 @@ impl Function {
                 "the instance failed inside an earlier call and can only be freed".to_owned()
             }
             (Self::CancelStep, _) => "steps are synchronous, there is none to cancel".to_owned(),
-            _ if self as usize >= Self::EnterEventMode as usize => {
-                "a function of model exchange; this FMU is for co-simulation".to_owned()
-            }
             (_, State::Stage(stage)) => format!("not allowed in state {}", state_name(stage)),
         }
     }
@@ -123,15 +121,17 @@ fn state_name(stage: Stage) -> &'static str {
         Stage::StepComplete => "step complete",
         Stage::StepFailed => "step failed",
         Stage::Terminated => "terminated",
+        Stage::Event => "event mode",
+        Stage::ContinuousTime => "continuous-time mode",
     }
 }
 
-const fn columns(text: &str) -> [bool; 6] {
+const fn columns(text: &str) -> [bool; 8] {
     let bytes = text.as_bytes();
-    assert!(bytes.len() == 6);
-    let mut legal = [false; 6];
+    assert!(bytes.len() == 8);
+    let mut legal = [false; 8];
     let mut column = 0;
-    while column < 6 {
+    while column < 8 {
         legal[column] = bytes[column] == b'x';
         column += 1;
     }

@@ -32,6 +32,8 @@ pub enum Status {
     Pending = 5,
 }
 
+/// `fmi2ModelExchange` of `fmi2Type`.
+pub const MODEL_EXCHANGE: c_int = 0;
 /// `fmi2CoSimulation` of `fmi2Type`.
 pub const CO_SIMULATION: c_int = 1;
 

@@ -1,4 +1,4 @@
-//! FMI 2.0 co-simulation: the shared library inside every FMU.
+//! FMI 2.0, co-simulation and model exchange: the shared library inside every FMU.
 //!
 //! The library is generic. At the first `fmi2Instantiate` of a model it reads `resources/model.toml`, rebuilds the
 //! description of the model and compares its GUID with the importer's. All else is translation

@@ -1,5 +1,6 @@
 //! A contact whose displacement and normal load are prescribed from outside.
 
+use super::continuous::{self, ContinuousTime, Instant};
 use super::description::{DependencyKind, Description, Experiment, Variable};
 use super::lines::{Derivatives, Lines, parts};
 use super::slip::SlipFraction;
@@ -43,7 +44,7 @@ pub(super) fn describe(model: &Model, contact: &Contact, parameters: Vec<Variabl
     ];
     variables.extend(parameters);
     let experiment = Experiment { start: 0.0, stop: 1.0, tolerance: 1e-6, step: 1e-3 };
-    Description { name, summary, experiment, variables, model: model.to_toml() }
+    Description { name, summary, experiment, variables, continuous: None, model: model.to_toml() }
 }
 
 /// Inputs: displacement, velocity, normal load.
@@ -143,7 +144,56 @@ fn write_outputs(response: &Response, slip: SlipFraction, values: &mut [f64]) {
     values[SLIP_FRACTION] = slip.of(response.tangents.displacement, response.slip_state);
 }
 
+impl ContinuousTime for ContactBehaviour {
+    fn modes(&self) -> usize {
+        0
+    }
+
+    fn indicators(&self) -> usize {
+        continuous::OF_CONTACT
+    }
+
+    fn read(&mut self, _state: &[f64], _continuous: &mut [f64]) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn look(
+        &mut self,
+        state: &[f64],
+        accepted: &[f64],
+        values: &mut [f64],
+        at: Instant<'_>,
+    ) -> Result<(), String> {
+        self.way.lines.hold(&values[..INPUTS]);
+        let inputs = self.way.ends();
+        let response = self.law.step(&state[..self.next.len()], inputs, &mut self.next);
+        values[DISSIPATED_ENERGY] = accepted[DISSIPATED_ENERGY] + response.dissipated_energy;
+        write_outputs(&response, self.slip, values);
+        let moved = [DISPLACEMENT, NORMAL_LOAD].iter().any(|input| values[*input] != accepted[*input]);
+        if !moved {
+            // A slider at its limit that has not moved since would be said to stick.
+            values[SLIP_STATE..=SLIP_FRACTION].copy_from_slice(&accepted[SLIP_STATE..=SLIP_FRACTION]);
+        }
+        continuous::indicators(inputs.velocity, values[SLIP_STATE], inputs.normal_load, at.indicators);
+        Ok(())
+    }
+
+    fn accept(&mut self, state: &mut [f64], values: &[f64], _continuous: &[f64]) -> Result<(), String> {
+        self.way.lines.hold(&values[..INPUTS]);
+        let (memory, before, lines) = parts(state, self.next.len());
+        before.copy_from_slice(memory);
+        self.way.lines.write(lines);
+        let inputs = self.way.ends();
+        self.advance(memory, inputs);
+        Ok(())
+    }
+}
+
 impl Behaviour for ContactBehaviour {
+    fn continuous_time(&mut self) -> Option<&mut dyn ContinuousTime> {
+        Some(self)
+    }
+
     fn state_len(&self) -> usize {
         2 * self.law.state_len() + self.way.lines.state_len()
     }

@@ -1,5 +1,6 @@
 //! The variable table of a model: what XML, documentation, value dispatch and GUID are made from.
 
+use super::continuous::ContinuousForm;
 use crate::vocabulary::Quantity;
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -26,6 +27,8 @@ pub enum Causality {
     Input,
     /// Computed by the model.
     Output,
+    /// A continuous state, or its derivative.
+    Local,
 }
 
 /// When a variable may change.
@@ -122,6 +125,17 @@ impl Variable {
         Self::new(quantity, Causality::Output, 0.0)
     }
 
+    /// A continuous state, or its derivative.
+    pub(super) fn local(quantity: &'static Quantity) -> Self {
+        Self::new(quantity, Causality::Local, 0.0)
+    }
+
+    /// Adds continuous states to what an output depends on.
+    pub(super) fn depend_on_states(&mut self, states: &[usize]) {
+        let states = states.iter().map(|row| Dependency { on: *row as u32, kind: DependencyKind::Dependent });
+        self.dependencies.extend(states);
+    }
+
     /// A continuous output of a sensor at `position` (m from the clamp).
     pub(crate) fn sensor(quantity: &'static Quantity, noun: &str, position: f64) -> Self {
         Self {
@@ -185,13 +199,13 @@ impl Variable {
         match self.causality {
             Causality::Parameter => Some(Initial::Exact),
             Causality::Input => None,
-            Causality::Output => Some(Initial::Calculated),
+            Causality::Output | Causality::Local => Some(Initial::Calculated),
         }
     }
 
     /// The start value, where the table must give one.
     pub fn start(&self) -> Option<f64> {
-        (self.causality != Causality::Output).then_some(self.start)
+        matches!(self.causality, Causality::Input | Causality::Parameter).then_some(self.start)
     }
 
     /// Finite and within the bounds?
@@ -253,8 +267,10 @@ pub struct Description {
     pub summary: &'static str,
     /// Default experiment.
     pub experiment: Experiment,
-    /// The table. First the inputs, then the outputs, then the parameters.
+    /// The table. First the inputs, then the outputs, then the parameters, then what [`Description::continuous`] needs.
     pub variables: Vec<Variable>,
+    /// What importers that integrate themselves are given; `None` where a model has steps of its own only.
+    pub continuous: Option<ContinuousForm>,
     /// The model file in its normal form: what no variable shows (the number of modes, positions)
     /// distinguishes models too.
     pub(crate) model: String,
@@ -270,6 +286,9 @@ impl Description {
     /// Everything about the model as text, the same for the same model on any machine.
     fn canonical(&self) -> String {
         let mut text = format!("stickslip slave/1\n{}\n{}\n", self.name, self.model);
+        if let Some(ContinuousForm { modes, indicators }) = self.continuous {
+            let _ = writeln!(text, "continuous {modes} {indicators}");
+        }
         for (reference, variable) in self.variables.iter().enumerate() {
             let Variable { name, description, quantity, variable_type, causality, .. } = variable;
             let _ = writeln!(

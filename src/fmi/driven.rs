@@ -1,5 +1,6 @@
 //! The behaviour of a model with a structure: a system whose ports are driven from outside.
 
+use super::continuous::{self, ContinuousTime, Instant};
 use super::lines::{Derivatives, Lines};
 use super::slip::SlipFraction;
 use super::{Behaviour, LoadRule};
@@ -29,6 +30,10 @@ pub(super) struct Table {
     /// The longest of equal steps (s), where the steps are not under control of their error.
     pub longest: Option<f64>,
 }
+
+/// Outputs of a contact, and which of them is its slip state.
+const OF_CONTACT: usize = 4;
+const SLIP_STATE: usize = 2;
 
 /// Integrator and work space.
 ///
@@ -188,13 +193,72 @@ impl DrivenSystem {
         if self.motion.write_state(&mut now[..length]) { Ok(()) } else { Err(wrong_length()) }
     }
 
+    /// The motion with these modes, its contacts taken there from where `state` has them, under the inputs in `values`.
+    fn settle(&mut self, state: &[f64], values: &[f64], modes: &[f64]) -> Result<(), String> {
+        self.lines.hold(&values[..self.table.inputs]);
+        self.act(Lines::along);
+        Self::read(&mut self.motion, state)?;
+        self.motion.modal_state_mut().copy_from_slice(modes);
+        self.integrator.settle(&mut self.motion, &self.acting).map_err(|error| error.to_string())
+    }
+
     /// Energy (J) that the contact has taken since the start.
     fn dissipated(&self) -> f64 {
         if self.motion.contacts() == 0 { 0.0 } else { self.motion.contact(0).dissipated_energy }
     }
 }
 
+impl ContinuousTime for DrivenSystem {
+    fn modes(&self) -> usize {
+        self.motion.modes()
+    }
+
+    fn indicators(&self) -> usize {
+        if self.table.load.is_some() { continuous::OF_CONTACT } else { 0 }
+    }
+
+    fn read(&mut self, state: &[f64], continuous: &mut [f64]) -> Result<(), String> {
+        Self::read(&mut self.motion, state)?;
+        continuous.copy_from_slice(self.motion.modal_state());
+        Ok(())
+    }
+
+    fn look(
+        &mut self,
+        state: &[f64],
+        accepted: &[f64],
+        values: &mut [f64],
+        at: Instant<'_>,
+    ) -> Result<(), String> {
+        self.settle(state, values, at.continuous)?;
+        self.write_outputs(values)?;
+        at.accelerations.copy_from_slice(self.integrator.modal_accelerations());
+        if let (Some(load), Some(contact)) = (self.table.load, self.outputs.contacts.first()) {
+            let inputs = self.table.inputs;
+            let moved = values[..inputs] != accepted[..inputs]
+                || accepted.get(values.len()..values.len() + at.continuous.len()) != Some(at.continuous);
+            let slip = inputs + SLIP_STATE..inputs + OF_CONTACT;
+            if !moved {
+                // A slider at its limit that has not moved since would be said to stick.
+                values[slip.clone()].copy_from_slice(&accepted[slip.clone()]);
+            }
+            let normal_load = self.load.acting(values[load]);
+            continuous::indicators(contact.velocity, values[slip.start], normal_load, at.indicators);
+        }
+        Ok(())
+    }
+
+    fn accept(&mut self, state: &mut [f64], values: &[f64], continuous: &[f64]) -> Result<(), String> {
+        self.settle(state, values, continuous)?;
+        self.store(state, 0.0)
+    }
+}
+
 impl Behaviour for DrivenSystem {
+    fn continuous_time(&mut self) -> Option<&mut dyn ContinuousTime> {
+        Some(self)
+    }
+
     fn state_len(&self) -> usize {
         2 * self.room + 1 + self.lines.state_len()
     }

@@ -1,5 +1,6 @@
 //! A running model: values, state, and the way through the stages of a simulation.
 
+use super::continuous::Continuous;
 use super::description::Description;
 use super::error::Error;
 use super::lines::Derivatives;
@@ -60,8 +61,10 @@ pub struct Instance {
     /// Room for derivatives of all outputs, and for a direction of all inputs.
     pub(super) rates: Vec<f64>,
     pub(super) direction: Vec<Ramp>,
-    /// Outputs are older than inputs or parameters (only before the first step).
+    /// Outputs are older than inputs or parameters (before the first step, and where the importer integrates).
     pub(super) stale: bool,
+    /// Of an instance that its importer integrates.
+    pub(super) continuous: Option<Continuous>,
     pub(super) time: Option<f64>,
     pub(super) tolerance: f64,
     pub(super) stop: f64,
@@ -100,9 +103,10 @@ impl Instance {
         let state = vec![0.0; behaviour.state_len()];
         let Shared { inputs, outputs, .. } = *shared;
         Self {
-            built: values[shared.first_parameter()..].into(),
+            built: values[shared.parameters()].into(),
             stage: Stage::Instantiated,
             stale: true,
+            continuous: None,
             time: None,
             tolerance: DEFAULT_TOLERANCE,
             stop: f64::INFINITY,
@@ -183,6 +187,9 @@ impl Instance {
     pub fn exit_initialization(&mut self) -> Result<(), Error> {
         self.require(Stage::Initialization)?;
         self.refresh()?;
+        if self.is_continuous() {
+            return self.begin_event();
+        }
         self.stage = Stage::StepComplete;
         Ok(())
     }
@@ -254,8 +261,12 @@ impl Instance {
     /// # Errors
     /// Only after the initialization.
     pub fn terminate(&mut self) -> Result<(), Error> {
-        if !matches!(self.stage, Stage::StepComplete | Stage::StepFailed) {
+        if matches!(self.stage, Stage::Instantiated | Stage::Initialization | Stage::Terminated) {
             return Err(Error::Stage(self.stage));
+        }
+        if matches!(self.stage, Stage::Event | Stage::ContinuousTime) {
+            // What can still be read belongs to the last inputs and states.
+            self.refresh()?;
         }
         self.stage = Stage::Terminated;
         Ok(())
@@ -273,7 +284,7 @@ impl Instance {
         self.tolerance = DEFAULT_TOLERANCE;
     }
 
-    fn require(&self, stage: Stage) -> Result<(), Error> {
+    pub(super) fn require(&self, stage: Stage) -> Result<(), Error> {
         if self.stage == stage { Ok(()) } else { Err(Error::Stage(self.stage)) }
     }
 
@@ -310,11 +321,16 @@ impl Instance {
         if !self.stale {
             return Ok(());
         }
-        let parameters = self.values[self.shared.first_parameter()..].to_vec();
+        if matches!(self.stage, Stage::Event | Stage::ContinuousTime) {
+            self.look()?;
+            self.stale = false;
+            return Ok(());
+        }
+        let parameters = self.values[self.shared.parameters()].to_vec();
         self.build(&parameters)?;
         self.behaviour.start(&mut self.state, &mut self.values).map_err(Error::Parameters)?;
         self.stale = false;
-        Ok(())
+        if self.is_continuous() { self.begin_continuous() } else { Ok(()) }
     }
 
     /// Builds the behaviour from `parameters`, unless it was built from the same.
@@ -324,10 +340,12 @@ impl Instance {
             return Ok(());
         }
         let Shared { model, description, paths, .. } = &*self.shared;
-        let rows = &description.variables[self.shared.first_parameter()..];
+        let rows = &description.variables[self.shared.parameters()];
         let model = with_values(model, paths, rows, parameters).map_err(Error::Parameters)?;
-        let behaviour = behaviour(&model).map_err(Error::Parameters)?;
-        if behaviour.state_len() != self.state.len() {
+        let mut behaviour = behaviour(&model).map_err(Error::Parameters)?;
+        let modes = behaviour.continuous_time().map(|form| form.modes());
+        let same = modes == description.continuous.map(|form| form.modes);
+        if !same || behaviour.state_len() != self.state.len() {
             return Err(Error::Parameters("these parameters change the size of the model".to_owned()));
         }
         self.behaviour = behaviour;

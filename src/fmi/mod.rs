@@ -1,4 +1,4 @@
-//! Models as co-simulation slaves, without any version of FMI: a variable table and an instance.
+//! Models as co-simulation slaves, and for importers that integrate, without any version of FMI: a variable table and an instance.
 //!
 //! # One table
 //! [`Description`] lists the variables of a model once. The `modelDescription.xml` of an FMU, its
@@ -29,6 +29,15 @@
 //! on a straight line from the previous one; outputs belong to the end of the step and change in [`Instance::do_step`]
 //! only. A communication step is divided into equal steps of the
 //! [classical scheme](crate::time::ClassicalSteps), as many as the highest mode and the tolerance ask for.
+//!
+//! # Where the importer integrates
+//! Contacts in one direction, beams and oscillators have a continuous-time form as well
+//! ([`Template::continuous_instance`]; FMI's model exchange): continuous states are displacements and velocities of the
+//! modes, and a contact alone has none. What a contact remembers is discrete: it stays as it was at the last accepted
+//! instant ([`Instance::completed_step`], events), from which every look at inputs and states goes. Event indicators
+//! change their sign at reversals (the velocity), at stick and slip, and at lift-off (the normal load). A contact alone
+//! has reversals between accepted instants only where its `velocity` comes in beside its displacement. Rates of inputs
+//! are unknown there: the `velocity` at the end of a beam lacks the part that goes with the rate of the force.
 //!
 //! # Derivatives of inputs with respect to time
 //! FMI 2.0 (4.2.1) sets inputs and their derivatives "with respect to the beginning of a communication time step". With
@@ -70,6 +79,7 @@
 
 mod beam;
 mod contact;
+mod continuous;
 mod derivatives;
 mod description;
 mod driven;
@@ -87,6 +97,7 @@ mod stage;
 mod template;
 mod values;
 
+pub use continuous::ContinuousForm;
 pub use derivatives::{DERIVATIVE_ORDER, INPUT_DERIVATIVE_ORDER};
 pub use description::{
     Causality, Dependency, DependencyKind, Description, Experiment, Initial, Variability, Variable,
@@ -123,6 +134,11 @@ pub(crate) trait Behaviour: Debug + Send {
         step: f64,
         tolerance: f64,
     ) -> Result<(), String>;
+
+    /// The continuous-time form, where there is one.
+    fn continuous_time(&mut self) -> Option<&mut dyn continuous::ContinuousTime> {
+        None
+    }
 
     /// Derivatives of all outputs with respect to time at the end of the last step.
     fn output_rates(&mut self, state: &[f64], rates: &mut [f64]) -> Result<(), String>;

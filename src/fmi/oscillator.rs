@@ -72,7 +72,7 @@ pub(super) fn describe(
         None => ("Oscillator", "Masses and springs"),
     };
     let experiment = Experiment { start: 0.0, stop: 1.0, tolerance: 1e-6, step: 1e-3 };
-    Description { name, summary, experiment, variables, model: model.to_toml() }
+    Description { name, summary, experiment, variables, continuous: None, model: model.to_toml() }
 }
 
 /// The physics of an oscillator: every mass is driven and read.

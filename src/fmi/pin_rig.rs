@@ -85,6 +85,7 @@ pub(super) fn describe(model: &Model, rig: &PinnedBeam, parameters: Vec<Variable
         summary,
         experiment: Experiment { start: 0.0, stop: 0.2, tolerance: 1e-6, step },
         variables,
+        continuous: None,
         model: model.to_toml(),
     }
 }

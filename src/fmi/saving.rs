@@ -34,11 +34,13 @@ impl Instance {
         }));
         let known = f64::from(u8::from(self.time.is_some()));
         numbers.extend_from_slice(&[self.time.unwrap_or(0.0), known, self.tolerance, self.stop]);
+        numbers.extend(self.continuous.iter().flat_map(|continuous| &continuous.accepted));
     }
 
     /// Numbers in a snapshot.
     fn numbers(&self) -> usize {
-        self.values.len() + self.state.len() + PER_SLOPE * self.slopes.len() + CLOCK
+        let accepted = self.continuous.as_ref().map_or(0, |continuous| continuous.accepted.len());
+        self.values.len() + self.state.len() + PER_SLOPE * self.slopes.len() + CLOCK + accepted
     }
 
     /// Makes the instance continue where `snapshot` was saved, bit by bit.
@@ -76,17 +78,25 @@ impl Instance {
         }
         let (values, rest) = snapshot.numbers.split_at(values_len);
         let (state, rest) = rest.split_at(state_len);
-        let (slopes, clock) = rest.split_at(PER_SLOPE * self.slopes.len());
+        let (slopes, rest) = rest.split_at(PER_SLOPE * self.slopes.len());
+        let (clock, accepted) = rest.split_at(CLOCK);
         // Bytes may come from anywhere. Only the stop time may be infinite.
         let [_, _, tolerance, stop] = *clock else { return Err(SnapshotError::Corrupt.into()) };
-        let finite = snapshot.numbers[..expected - 1].iter().all(|number| number.is_finite());
-        if !finite || tolerance <= 0.0 || stop.is_nan() {
+        let stop_at = expected - accepted.len() - 1;
+        let mut others = snapshot.numbers[..stop_at].iter().chain(accepted);
+        let finite = others.all(|number| number.is_finite());
+        let of_this_kind = match snapshot.stage {
+            Stage::Event | Stage::ContinuousTime => self.is_continuous(),
+            Stage::StepComplete | Stage::StepFailed => !self.is_continuous(),
+            Stage::Instantiated | Stage::Initialization | Stage::Terminated => true,
+        };
+        if !finite || !of_this_kind || tolerance <= 0.0 || stop.is_nan() {
             return Err(SnapshotError::Corrupt.into());
         }
         // In the first two stages the parameters are still open and need not make a model.
         let stale = matches!(snapshot.stage, Stage::Instantiated | Stage::Initialization);
         if !stale {
-            self.build(&values[self.shared.first_parameter()..])?;
+            self.build(&values[self.shared.parameters()])?;
         }
         self.values.copy_from_slice(values);
         self.state.copy_from_slice(state);
@@ -95,7 +105,10 @@ impl Instance {
         }
         self.sloped = self.slopes.iter().any(Option::is_some);
         self.stage = snapshot.stage;
-        self.stale = stale;
+        self.stale = stale || matches!(snapshot.stage, Stage::Event | Stage::ContinuousTime);
+        if let Some(continuous) = &mut self.continuous {
+            continuous.accepted.copy_from_slice(accepted);
+        }
         self.time = (clock[1] != 0.0).then_some(clock[0]);
         self.tolerance = tolerance;
         self.stop = stop;

@@ -66,6 +66,7 @@ pub(super) fn describe(model: &Model, _contact: &Contact, parameters: Vec<Variab
         summary: "Contact in two directions: friction under the normal force that the normal motion makes",
         experiment,
         variables,
+        continuous: None,
         model: model.to_toml(),
     }
 }

@@ -14,7 +14,8 @@ const CHECKSUM: usize = 8;
 pub struct Snapshot {
     pub(super) guid: Uuid,
     pub(super) stage: Stage,
-    /// Values of all variables, then the behaviour's state, derivatives pending for the inputs, time, tolerance and limits.
+    /// Values of all variables, then the behaviour's state, derivatives pending for the inputs, time, tolerance and
+    /// limits; where the importer integrates, the values at the last accepted instant.
     pub(super) numbers: Vec<f64>,
 }
 

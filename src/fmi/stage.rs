@@ -15,12 +15,23 @@ pub enum Stage {
     StepFailed = 3,
     /// The simulation is over.
     Terminated = 4,
+    /// Between continuous times, where the importer integrates.
+    Event = 5,
+    /// The importer integrates.
+    ContinuousTime = 6,
 }
 
 impl Stage {
     /// Every stage.
-    pub const ALL: [Self; 5] =
-        [Self::Instantiated, Self::Initialization, Self::StepComplete, Self::StepFailed, Self::Terminated];
+    pub const ALL: [Self; 7] = [
+        Self::Instantiated,
+        Self::Initialization,
+        Self::StepComplete,
+        Self::StepFailed,
+        Self::Terminated,
+        Self::Event,
+        Self::ContinuousTime,
+    ];
 
     pub(super) fn from_number(number: u32) -> Option<Self> {
         Self::ALL.into_iter().find(|stage| *stage as u32 == number)

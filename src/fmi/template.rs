@@ -1,11 +1,13 @@
 //! What all instances of a model share: read and checked once.
 
+use super::continuous::{Continuous, ContinuousForm};
 use super::description::{Causality, Description};
 use super::error::Error;
 use super::instance::Instance;
 use super::parameter::parameters;
 use super::{behaviour, describe};
 use crate::model::Model;
+use std::ops::Range;
 use std::sync::Arc;
 use uuid::Uuid;
 
@@ -41,9 +43,10 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    /// The row of the first parameter.
-    pub fn first_parameter(&self) -> usize {
-        self.inputs + self.outputs
+    /// The rows of the parameters.
+    pub fn parameters(&self) -> Range<usize> {
+        let first = self.inputs + self.outputs;
+        first..first + self.paths.len()
     }
 
     /// Values of all variables before anything was set.
@@ -73,7 +76,11 @@ impl Template {
     pub fn new(model: Model) -> Result<Self, Error> {
         model.check().map_err(|error| Error::Model(error.to_string()))?;
         let (paths, rows) = parameters(&model);
-        let description = describe(&model, rows).map_err(Error::Model)?;
+        let mut description = describe(&model, rows).map_err(Error::Model)?;
+        if let Some(form) = behaviour(&model).map_err(Error::Parameters)?.continuous_time() {
+            let form = ContinuousForm { modes: form.modes(), indicators: form.indicators() };
+            description = description.with_continuous_form(form);
+        }
         let guid = description.guid();
         let count = |causality| description.references(causality).count();
         let (inputs, outputs) = (count(Causality::Input), count(Causality::Output));
@@ -87,6 +94,17 @@ impl Template {
     pub fn instance(&self) -> Result<Instance, Error> {
         let behaviour = behaviour(&self.0.model).map_err(Error::Parameters)?;
         Ok(Instance::begin(Arc::clone(&self.0), behaviour))
+    }
+
+    /// An instance that its importer integrates, at the beginning of a simulation.
+    ///
+    /// # Errors
+    /// Parameters that make no model; [`Error::Interface`] for a model that has no such form.
+    pub fn continuous_instance(&self) -> Result<Instance, Error> {
+        let form = self.0.description.continuous.ok_or(Error::Interface)?;
+        let mut instance = self.instance()?;
+        instance.continuous = Some(Continuous::new(&self.0.description, form));
+        Ok(instance)
     }
 
     /// The variable table.

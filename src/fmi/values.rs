@@ -23,6 +23,10 @@ impl Instance {
         same_length(references.len(), values.len())?;
         references.iter().try_for_each(|reference| self.variable(*reference).map(drop))?;
         self.refresh()?;
+        let first_local = self.shared.parameters().end;
+        if !self.is_continuous() && references.iter().any(|reference| *reference as usize >= first_local) {
+            self.show_modes()?;
+        }
         for (reference, value) in references.iter().zip(values) {
             *value = self.values[*reference as usize];
         }
@@ -105,11 +109,17 @@ impl Instance {
     pub(super) fn check_settable(&self, variable: &Variable) -> Result<(), Error> {
         let open = matches!(self.stage, Stage::Instantiated | Stage::Initialization);
         let reason = match variable.causality {
-            Causality::Input if open || self.stage == Stage::StepComplete => None,
+            Causality::Input
+                if open
+                    || matches!(self.stage, Stage::StepComplete | Stage::Event | Stage::ContinuousTime) =>
+            {
+                None
+            }
             Causality::Input => Some("the simulation cannot go on from here"),
             Causality::Parameter if open => None,
             Causality::Parameter => Some("a fixed parameter is settled when the initialization ends"),
             Causality::Output => Some("it is an output"),
+            Causality::Local => Some("it is a continuous state or a derivative of one"),
         };
         match reason {
             Some(reason) => Err(Error::NotSettable { name: variable.name.to_string(), reason }),

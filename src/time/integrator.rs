@@ -186,7 +186,6 @@ impl Integrator {
     }
 
     /// Moves the laws at once to where the modes of `motion` now are, after those were changed by hand.
-    #[cfg(feature = "analysis")]
     pub(crate) fn settle(&mut self, motion: &mut Motion, inputs: &[Ramp]) -> Result<(), IntegrationError> {
         self.begin(motion, 1.0, inputs, &Settings::default())?;
         if !self.solver.settle() {
@@ -194,6 +193,11 @@ impl Integrator {
         }
         self.solver.unload(motion);
         Ok(())
+    }
+
+    /// Accelerations of the modes of the motion that [`Integrator::outputs`] was asked for last.
+    pub(crate) fn modal_accelerations(&self) -> &[f64] {
+        self.solver.accelerations()
     }
 
     /// Advances `motion` by `duration` (s) under `inputs`; returns the number of steps that took.

@@ -181,12 +181,10 @@ impl Motion {
     }
 
     /// Modal displacements, then velocities.
-    #[cfg(feature = "analysis")]
     pub(crate) fn modal_state(&self) -> &[f64] {
         &self.values[..2 * self.modes]
     }
 
-    #[cfg(feature = "analysis")]
     pub(crate) fn modal_state_mut(&mut self) -> &mut [f64] {
         &mut self.values[..2 * self.modes]
     }

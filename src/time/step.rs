@@ -119,7 +119,6 @@ impl StepSolver {
     }
 
     /// Takes all laws to where the modal state of node 0 is. False if a law fails.
-    #[cfg(feature = "analysis")]
     pub fn settle(&mut self) -> bool {
         self.begin_at(&Span::START, |_, _| true)
     }

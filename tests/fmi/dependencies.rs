@@ -52,14 +52,19 @@ fn all() -> Vec<Case<'static>> {
     all
 }
 
-/// The pairs of output and input in the table.
+/// The pairs of output and input in the table, without continuous states.
 fn declared(run: &Run) -> Pairs {
     let variables = &run.instance.description().variables;
     let rows = variables.iter().filter(|row| row.causality == Causality::Output);
     let pair = |row: &stickslip::fmi::Variable, on: u32| {
         (row.name.to_string(), variables[on as usize].name.to_string())
     };
-    rows.flat_map(|row| row.dependencies.iter().map(move |dependency| pair(row, dependency.on))).collect()
+    let of_inputs = |on: u32| variables[on as usize].causality == Causality::Input;
+    rows.flat_map(|row| {
+        let all = row.dependencies.iter().map(|dependency| dependency.on).filter(|on| of_inputs(*on));
+        all.map(|on| pair(row, on)).collect::<Vec<_>>()
+    })
+    .collect()
 }
 
 /// Derivatives of the continuous outputs by every input, of a step of `part` of the communication step from here, in which

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod continuous;
 mod dependencies;
 mod derivatives;
 mod input_derivatives;

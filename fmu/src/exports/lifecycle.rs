@@ -1,7 +1,9 @@
 //! Creation, initialization, logging, and the end.
 
 use crate::calls::Function;
-use crate::ffi::{self, Boolean, CO_SIMULATION, CallbackFunctions, FmiString, Handle, Real, Status};
+use crate::ffi::{
+    self, Boolean, CO_SIMULATION, CallbackFunctions, FmiString, Handle, MODEL_EXCHANGE, Real, Status,
+};
 use crate::guard::{Component, Failure, catch, guarded, install_hook};
 use crate::log::{Category, Log};
 use crate::models;
@@ -59,12 +61,20 @@ fn instantiate(
     if name.is_none_or(CStr::is_empty) {
         return Err("the instance name is missing".to_owned());
     }
-    if fmu_type != CO_SIMULATION {
-        return Err(format!("fmuType is {fmu_type}; this FMU is for co-simulation ({CO_SIMULATION})"));
-    }
     let guid = guid.ok_or("the GUID is missing")?;
     let location = location.ok_or("fmuResourceLocation is missing")?;
-    models::template(guid, location)?.instance().map_err(|error| error.to_string())
+    let template = models::template(guid, location)?;
+    let instance = match fmu_type {
+        CO_SIMULATION => template.instance(),
+        MODEL_EXCHANGE if template.description().continuous.is_some() => template.continuous_instance(),
+        MODEL_EXCHANGE => return Err("this model is for co-simulation only".to_owned()),
+        other => {
+            return Err(format!(
+                "fmuType is {other}; {MODEL_EXCHANGE} is model exchange, {CO_SIMULATION} co-simulation"
+            ));
+        }
+    };
+    instance.map_err(|error| error.to_string())
 }
 
 #[unsafe(no_mangle)]
@@ -112,7 +122,7 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
 }
 
 /// A function without arguments, which is also an event.
-unsafe fn transition(
+pub(super) unsafe fn transition(
     handle: Handle,
     function: Function,
     change: impl FnOnce(&mut Instance) -> Result<(), stickslip::fmi::Error>,

@@ -29,6 +29,8 @@ fn legal(state: State) -> Vec<Function> {
         vec![F::GetTypesPlatform, F::GetVersion, F::Instantiate, F::FreeInstance, F::FreeFMUstate];
     let State::Stage(stage) = state else { return legal };
     legal.extend(anywhere);
+    let look =
+        [F::GetDerivatives, F::GetEventIndicators, F::GetContinuousStates, F::GetNominalsOfContinuousStates];
     match stage {
         Stage::Instantiated => {
             legal.extend(set);
@@ -36,6 +38,7 @@ fn legal(state: State) -> Vec<Function> {
         }
         Stage::Initialization => {
             legal.extend(get.into_iter().chain(set));
+            legal.extend(look);
             legal.push(F::ExitInitializationMode);
         }
         Stage::StepComplete => {
@@ -47,8 +50,18 @@ fn legal(state: State) -> Vec<Function> {
             legal.extend([F::Terminate, F::GetRealOutputDerivatives]);
         }
         Stage::Terminated => {
-            legal.extend(get.into_iter().chain(status));
+            legal.extend(get.into_iter().chain(status).chain(look));
             legal.push(F::GetRealOutputDerivatives);
+        }
+        Stage::Event => {
+            legal.extend([F::GetReal, F::GetInteger, F::GetBoolean, F::GetString].into_iter().chain(look));
+            legal.extend([F::SetReal, F::SetInteger, F::SetBoolean, F::SetString]);
+            legal.extend([F::NewDiscreteStates, F::EnterContinuousTimeMode, F::SetTime, F::Terminate]);
+        }
+        Stage::ContinuousTime => {
+            legal.extend([F::GetReal, F::GetInteger, F::GetBoolean, F::GetString].into_iter().chain(look));
+            legal.extend([F::SetReal, F::SetTime, F::SetContinuousStates, F::CompletedIntegratorStep]);
+            legal.extend([F::EnterEventMode, F::Terminate]);
         }
     }
     legal
@@ -56,10 +69,16 @@ fn legal(state: State) -> Vec<Function> {
 
 /// A component in `state`.
 fn in_state(importer: &Importer, state: State) -> Running<'_> {
-    let running = importer.component();
+    let continuous = matches!(state, State::Stage(Stage::Event | Stage::ContinuousTime));
+    let running = if continuous { importer.continuous() } else { importer.component() };
     let handle = running.handle;
     unsafe {
         match state {
+            State::Stage(Stage::Event) => running.initialize(),
+            State::Stage(Stage::ContinuousTime) => {
+                running.initialize();
+                fmi2EnterContinuousTimeMode(handle);
+            }
             State::Stage(Stage::Instantiated) => {}
             State::Stage(Stage::Initialization) => {
                 fmi2EnterInitializationMode(handle);

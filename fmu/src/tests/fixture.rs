@@ -4,7 +4,9 @@ use crate::exports::lifecycle::*;
 use crate::exports::states::*;
 use crate::exports::stepping::fmi2DoStep;
 use crate::exports::values::*;
-use crate::ffi::{CO_SIMULATION, CallbackFunctions, FmiString, Handle, Logger, StateHandle, Status};
+use crate::ffi::{
+    CO_SIMULATION, CallbackFunctions, FmiString, Handle, Logger, MODEL_EXCHANGE, StateHandle, Status,
+};
 use crate::guard::Component;
 use std::ffi::{CStr, CString, c_int, c_void};
 use std::path::PathBuf;
@@ -119,6 +121,17 @@ impl Importer {
     /// An instantiated component.
     pub fn component(&self) -> Running<'_> {
         let handle = self.instantiate(0);
+        assert!(!handle.is_null(), "{:?}", self.messages.lock().unwrap());
+        Running { handle, importer: self }
+    }
+
+    /// A component that its importer integrates.
+    pub fn continuous(&self) -> Running<'_> {
+        let (name, uri) = (c"one".as_ptr(), self.resources.uri());
+        // SAFETY: the strings outlive the call.
+        let handle = unsafe {
+            fmi2Instantiate(name, MODEL_EXCHANGE, self.guid.as_ptr(), uri.as_ptr(), &self.callbacks, 0, 0)
+        };
         assert!(!handle.is_null(), "{:?}", self.messages.lock().unwrap());
         Running { handle, importer: self }
     }

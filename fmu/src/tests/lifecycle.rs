@@ -30,7 +30,7 @@ fn what_cannot_be_instantiated_gives_null_and_one_message() {
     let cases = [
         (null(), CO_SIMULATION, guid, uri, "instance name"),
         (c"".as_ptr(), CO_SIMULATION, guid, uri, "instance name"),
-        (name, 0, guid, uri, "fmuType is 0"),
+        (name, 2, guid, uri, "fmuType is 2"),
         (name, 77, guid, uri, "fmuType is 77"),
         (name, CO_SIMULATION, null(), uri, "GUID is missing"),
         (name, CO_SIMULATION, wrong, uri, "GUID is {00000000"),

@@ -42,6 +42,7 @@ impl NativeSlave {
                     fmi::Causality::Parameter => Causality::Parameter,
                     fmi::Causality::Input => Causality::Input,
                     fmi::Causality::Output => Causality::Output,
+                    fmi::Causality::Local => Causality::Local,
                 },
                 unit: Some(row.quantity.unit.to_owned()),
                 start: row.start(),

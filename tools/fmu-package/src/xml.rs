@@ -68,9 +68,12 @@ pub fn model_description_xml(model_identifier: &str, description: &Description) 
         ("license", "MIT OR Apache-2.0".to_owned()),
         ("generationTool", concat!("stickslip ", env!("CARGO_PKG_VERSION")).to_owned()),
         ("variableNamingConvention", "flat".to_owned()),
-        ("numberOfEventIndicators", "0".to_owned()),
+        ("numberOfEventIndicators", description.continuous.map_or(0, |form| form.indicators).to_string()),
     ];
     xml.inside(("fmiModelDescription", root), |xml| {
+        if description.continuous.is_some() {
+            xml.empty(("ModelExchange", model_exchange(model_identifier)));
+        }
         xml.empty(("CoSimulation", co_simulation(model_identifier)));
         xml.inside(("UnitDefinitions", vec![]), |xml| units(xml, description));
         xml.inside(("LogCategories", vec![]), |xml| {
@@ -90,21 +93,41 @@ pub fn model_description_xml(model_identifier: &str, description: &Description) 
         ));
         xml.inside(("ModelVariables", vec![]), |xml| {
             for (reference, variable) in description.variables.iter().enumerate() {
-                scalar_variable(xml, reference, variable);
+                scalar_variable(xml, description, reference, variable);
             }
         });
         xml.inside(("ModelStructure", vec![]), |xml| {
             xml.inside(("Outputs", vec![]), |xml| {
                 unknowns(xml, description, |variable| &variable.dependencies)
             });
+            let derivatives = description.state_derivatives();
+            if !derivatives.is_empty() {
+                xml.inside(("Derivatives", vec![]), |xml| whole(xml, derivatives.clone()));
+            }
             xml.inside(("InitialUnknowns", vec![]), |xml| {
-                unknowns(xml, description, |variable| &variable.initial_dependencies)
+                unknowns(xml, description, |variable| &variable.initial_dependencies);
+                whole(xml, description.states().start..derivatives.end);
             });
         });
     });
     let mut text = String::from_utf8(xml.0.into_inner()).unwrap_or_default();
     text.push('\n');
     text
+}
+
+fn model_exchange(model_identifier: &str) -> Vec<(&'static str, String)> {
+    let flags = [
+        ("needsExecutionTool", false),
+        ("completedIntegratorStepNotNeeded", false),
+        ("canBeInstantiatedOnlyOncePerProcess", false),
+        ("canNotUseMemoryManagementFunctions", true),
+        ("canGetAndSetFMUstate", true),
+        ("canSerializeFMUstate", true),
+        ("providesDirectionalDerivative", false),
+    ];
+    let mut attributes = vec![("modelIdentifier", model_identifier.to_owned())];
+    attributes.extend(flags.map(|(name, flag)| (name, flag.to_string())));
+    attributes
 }
 
 fn co_simulation(model_identifier: &str) -> Vec<(&'static str, String)> {
@@ -138,11 +161,12 @@ fn units(xml: &mut Xml, description: &Description) {
     }
 }
 
-fn scalar_variable(xml: &mut Xml, reference: usize, variable: &Variable) {
+fn scalar_variable(xml: &mut Xml, description: &Description, reference: usize, variable: &Variable) {
     let causality = match variable.causality {
         Causality::Parameter => "parameter",
         Causality::Input => "input",
         Causality::Output => "output",
+        Causality::Local => "local",
     };
     let variability = match variable.variability() {
         Variability::Fixed => "fixed",
@@ -175,9 +199,21 @@ fn scalar_variable(xml: &mut Xml, reference: usize, variable: &Variable) {
         of_type.push(("nominal", number(variable.quantity.nominal)));
     }
     of_type.extend(variable.start().map(|start| ("start", number(start))));
+    let (states, derivatives) = (description.states(), description.state_derivatives());
+    if derivatives.contains(&(reference as u32)) {
+        let state = states.start + reference as u32 - derivatives.start;
+        of_type.push(("derivative", (state + 1).to_string()));
+    }
     xml.inside(("ScalarVariable", attributes), |xml| {
         xml.empty((if real { "Real" } else { "Integer" }, of_type));
     });
+}
+
+/// Unknowns that depend on anything.
+fn whole(xml: &mut Xml, rows: std::ops::Range<u32>) {
+    for row in rows {
+        xml.empty(("Unknown", vec![("index", (row + 1).to_string())]));
+    }
 }
 
 fn unknowns(xml: &mut Xml, description: &Description, of: impl Fn(&Variable) -> &Vec<Dependency>) {

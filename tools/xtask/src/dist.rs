@@ -32,17 +32,17 @@ pub fn dist(tally: &mut Tally) -> Result<(), String> {
 /// Builds the libraries twice, from copies of the sources in two folders, and compares their bytes.
 pub fn reproduced() -> Result<(), String> {
     let python = tools()?;
+    let folders = ["first", "second one"].map(|name| target().join("reproduced").join(name));
+    // All sources first: they must be of one moment.
+    folders.iter().try_for_each(|folder| copy_sources(&folder.join("sources")))?;
     let mut found = Vec::new();
-    for name in ["first", "second one"] {
-        let folder = target().join("reproduced").join(name);
-        let sources = folder.join("sources");
-        copy_sources(&sources)?;
+    for folder in &folders {
         let build = ["build", "--locked", "--package", "stickslip-fmu-package"];
         let mut command = with_tools(cargo_command(&build), &python);
-        command.arg("--target-dir").arg(&folder).current_dir(sources);
+        command.arg("--target-dir").arg(folder).current_dir(folder.join("sources"));
         eprintln!("$ {command:?}");
         match command.status() {
-            Ok(status) if status.success() => found.push(libraries(&folder)?),
+            Ok(status) if status.success() => found.push(libraries(folder)?),
             other => return Err(format!("the libraries do not build: {other:?}")),
         }
     }
