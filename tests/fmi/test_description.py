@@ -38,6 +38,21 @@ def test_capabilities_and_default_experiment_are_complete(model):
     assert None not in given
 
 
+def test_model_exchange_has_a_derivative_for_every_state_and_indicators_for_every_contact(model):
+    description = model.description
+    if description.modelExchange is None:
+        assert model.name == "SlipSlapContact"
+        return
+    assert description.modelExchange.canGetAndSetFMUstate and description.modelExchange.needsCompletedIntegratorStep
+    modes = sum(v.name.startswith("modal_displacement") for v in description.modelVariables)
+    assert description.numberOfContinuousStates == 2 * modes
+    assert (modes > 0) == ("Beam" in model.name)
+    for unknown in description.derivatives:
+        assert unknown.variable.derivative is not None
+    has_contact = any(v.name == "slip_state" for v in description.modelVariables)
+    assert description.numberOfEventIndicators == (3 if has_contact else 0)
+
+
 def test_every_variable_has_a_description_and_every_real_a_unit(model):
     for variable in model.description.modelVariables:
         assert variable.description, variable.name
@@ -48,7 +63,9 @@ def test_every_variable_has_a_description_and_every_real_a_unit(model):
 def test_declared_dependencies_are_those_that_act(model):
     """At the end of the initialization: an input or parameter that changes an output is declared."""
     variables = model.description.modelVariables
-    declared = {u.variable.name: {v.name for v in u.dependencies} for u in model.description.initialUnknowns}
+    # Continuous states and their derivatives are declared to depend on anything.
+    outputs_declared = [u for u in model.description.initialUnknowns if u.variable.causality == "output"]
+    declared = {u.variable.name: {v.name for v in u.dependencies} for u in outputs_declared}
     knowns = [v for v in variables if v.causality in ("input", "parameter")]
 
     def outputs(changed, value):
