@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::continuous::ContinuousForm;
 use super::description::{DependencyKind, Description, Experiment, Variable};
 use super::driven::{DrivenSystem, Table};
 use super::{Behaviour, LoadRule};
@@ -85,7 +86,14 @@ pub(super) fn describe(
     let (name, summary) = name_and_summary(contact.is_some(), beam.contact_points.len());
     let step = if beam.contact_points.is_empty() { STEPS.0 } else { STEPS.1 };
     let experiment = Experiment { start: 0.0, stop: 0.2, tolerance: 1e-6, step };
-    Description { name, summary, experiment, variables, continuous: None, model: model.to_toml() }
+    Description {
+        name,
+        summary,
+        experiment,
+        variables,
+        continuous: ContinuousForm::default(),
+        model: model.to_toml(),
+    }
 }
 
 /// Name and summary of the slave of a beam with a contact of its own or without, and so many contact points.

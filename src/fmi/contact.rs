@@ -1,6 +1,6 @@
 //! A contact whose displacement and normal load are prescribed from outside.
 
-use super::continuous::{self, ContinuousTime, Instant};
+use super::continuous::{self, ContinuousForm, ContinuousTime, Instant};
 use super::description::{DependencyKind, Description, Experiment, Variable};
 use super::lines::{Derivatives, Lines, parts};
 use super::slip::SlipFraction;
@@ -44,7 +44,14 @@ pub(super) fn describe(model: &Model, contact: &Contact, parameters: Vec<Variabl
     ];
     variables.extend(parameters);
     let experiment = Experiment { start: 0.0, stop: 1.0, tolerance: 1e-6, step: 1e-3 };
-    Description { name, summary, experiment, variables, continuous: None, model: model.to_toml() }
+    Description {
+        name,
+        summary,
+        experiment,
+        variables,
+        continuous: ContinuousForm::default(),
+        model: model.to_toml(),
+    }
 }
 
 /// Inputs: displacement, velocity, normal load.
@@ -170,10 +177,7 @@ impl ContinuousTime for ContactBehaviour {
         values[DISSIPATED_ENERGY] = accepted[DISSIPATED_ENERGY] + response.dissipated_energy;
         write_outputs(&response, self.slip, values);
         let moved = [DISPLACEMENT, NORMAL_LOAD].iter().any(|input| values[*input] != accepted[*input]);
-        if !moved {
-            // A slider at its limit that has not moved since would be said to stick.
-            values[SLIP_STATE..=SLIP_FRACTION].copy_from_slice(&accepted[SLIP_STATE..=SLIP_FRACTION]);
-        }
+        continuous::keep_slip(moved, SLIP_STATE, values, accepted);
         continuous::indicators(inputs.velocity, values[SLIP_STATE], inputs.normal_load, at.indicators);
         Ok(())
     }
@@ -190,10 +194,6 @@ impl ContinuousTime for ContactBehaviour {
 }
 
 impl Behaviour for ContactBehaviour {
-    fn continuous_time(&mut self) -> Option<&mut dyn ContinuousTime> {
-        Some(self)
-    }
-
     fn state_len(&self) -> usize {
         2 * self.law.state_len() + self.way.lines.state_len()
     }

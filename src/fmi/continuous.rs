@@ -51,15 +51,28 @@ pub(crate) struct Instant<'a> {
     pub indicators: &'a mut [f64],
 }
 
-/// The indicators of a contact: velocity (m/s), slip, and normal load (N); `slip_state` as in the table. That of slip is 1
-/// or -1: where the importer brackets its change, the force is continuous.
-pub(super) fn indicators(velocity: f64, slip_state: f64, normal_load: f64, out: &mut [f64]) {
+/// The indicators of a contact: velocity (m/s), slip, and how much is `pressed`, above zero as long as the bodies meet;
+/// `slip_state` as in the table. That of slip is 1 or -1: where the importer brackets its change, the force is continuous.
+pub(super) fn indicators(velocity: f64, slip_state: f64, pressed: f64, out: &mut [f64]) {
     let sticks = if slip_state == f64::from(SlipState::Stick as i32) { 1.0 } else { -1.0 };
-    out.copy_from_slice(&[velocity, sticks, normal_load]);
+    out.copy_from_slice(&[velocity, sticks, pressed]);
+}
+
+/// Slip state and slip fraction, from row `slip_state`, of a contact that has not `moved` since the accepted instant stay:
+/// a slider at its limit would be said to stick.
+pub(super) fn keep_slip(moved: bool, slip_state: usize, values: &mut [f64], accepted: &[f64]) {
+    if !moved {
+        values[slip_state..slip_state + 2].copy_from_slice(&accepted[slip_state..slip_state + 2]);
+    }
+}
+
+/// Above zero the normal force (N), below zero the distance (m) of bodies that are apart.
+pub(super) fn pressed(normal_force: f64, separation: f64) -> f64 {
+    if separation > 0.0 { -separation } else { normal_force }
 }
 
 /// What a description has for importers that integrate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ContinuousForm {
     /// Modes, whose displacements, velocities and accelerations are the last rows of the table.
     pub modes: usize,
@@ -70,7 +83,7 @@ pub struct ContinuousForm {
 impl Description {
     /// Adds the rows of `form`.
     pub(super) fn with_continuous_form(mut self, form: ContinuousForm) -> Self {
-        self.continuous = Some(form);
+        self.continuous = form;
         let states: Vec<usize> = (0..2 * form.modes).map(|row| self.variables.len() + row).collect();
         for row in self.variables.iter_mut().filter(|row| row.causality == Causality::Output) {
             row.depend_on_states(&states);
@@ -88,7 +101,7 @@ impl Description {
 
     /// Rows of the continuous states: displacements of all modes, then their velocities.
     pub fn states(&self) -> Range<u32> {
-        let modes = self.continuous.map_or(0, |form| form.modes as u32);
+        let modes = self.continuous.modes as u32;
         let end = self.variables.len() as u32 - modes;
         end - 2 * modes..end
     }
@@ -110,8 +123,11 @@ pub(super) struct Continuous {
 }
 
 impl Continuous {
-    pub fn new(description: &Description, form: ContinuousForm) -> Self {
-        Self { accepted: vec![0.0; description.variables.len()], indicators: vec![0.0; form.indicators] }
+    pub fn new(description: &Description) -> Self {
+        Self {
+            accepted: vec![0.0; description.variables.len()],
+            indicators: vec![0.0; description.continuous.indicators],
+        }
     }
 }
 
@@ -267,10 +283,9 @@ impl Instance {
         let Self { continuous: Some(continuous), behaviour, state, values, shared, .. } = self else {
             return Ok(());
         };
-        let Some(form) = behaviour.continuous_time() else { return Err(Error::Interface) };
         let states = shared.description.states();
         let rows = &mut values[states.start as usize..states.end as usize];
-        form.read(state, rows).map_err(Error::Parameters)?;
+        behaviour.read(state, rows).map_err(Error::Parameters)?;
         continuous.accepted.copy_from_slice(values);
         self.look()
     }
@@ -279,16 +294,15 @@ impl Instance {
     pub(super) fn show_modes(&mut self) -> Result<(), Error> {
         let time = self.time();
         let Self { behaviour, state, values, shared, .. } = self;
-        let Some(form) = behaviour.continuous_time() else { return Err(Error::Interface) };
         let first = shared.description.states().start as usize;
         // The outputs are those of the step, and stay.
         let (table, rows) = values.split_at_mut(first);
-        let (states, accelerations) = rows.split_at_mut(2 * form.modes());
-        form.read(state, states).map_err(|reason| Error::Step { time, reason })?;
-        let mut indicators = vec![0.0; form.indicators()];
+        let (states, accelerations) = rows.split_at_mut(2 * behaviour.modes());
+        behaviour.read(state, states).map_err(|reason| Error::Step { time, reason })?;
+        let mut indicators = vec![0.0; behaviour.indicators()];
         let at = Instant { continuous: states, accelerations, indicators: &mut indicators };
         let mut copy = table.to_vec();
-        form.look(state, table, &mut copy, at).map_err(|reason| Error::Step { time, reason })
+        behaviour.look(state, table, &mut copy, at).map_err(|reason| Error::Step { time, reason })
     }
 
     /// Before the instant is accepted: outputs and derivatives from inputs and continuous states.
@@ -297,13 +311,12 @@ impl Instance {
         let Self { continuous: Some(continuous), behaviour, state, values, shared, .. } = self else {
             return Ok(());
         };
-        let Some(form) = behaviour.continuous_time() else { return Err(Error::Interface) };
         let first = shared.description.states().start as usize;
         let (table, rows) = values.split_at_mut(first);
-        let (states, accelerations) = rows.split_at_mut(2 * form.modes());
+        let (states, accelerations) = rows.split_at_mut(2 * behaviour.modes());
         let Continuous { accepted, indicators } = continuous;
         let at = Instant { continuous: states, accelerations, indicators };
-        form.look(state, accepted, table, at).map_err(|reason| Error::Step { time, reason })
+        behaviour.look(state, accepted, table, at).map_err(|reason| Error::Step { time, reason })
     }
 
     fn accept(&mut self) -> Result<(), Error> {
@@ -312,10 +325,9 @@ impl Instance {
         let Self { continuous: Some(continuous), behaviour, state, values, shared, .. } = self else {
             return Err(Error::Interface);
         };
-        let Some(form) = behaviour.continuous_time() else { return Err(Error::Interface) };
         let states = shared.description.states();
         let continuous_states = &values[states.start as usize..states.end as usize];
-        form.accept(state, values, continuous_states).map_err(|reason| Error::Step { time, reason })?;
+        behaviour.accept(state, values, continuous_states).map_err(|reason| Error::Step { time, reason })?;
         continuous.accepted.copy_from_slice(values);
         Ok(())
     }

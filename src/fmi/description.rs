@@ -269,8 +269,8 @@ pub struct Description {
     pub experiment: Experiment,
     /// The table. First the inputs, then the outputs, then the parameters, then what [`Description::continuous`] needs.
     pub variables: Vec<Variable>,
-    /// What importers that integrate themselves are given; `None` where a model has steps of its own only.
-    pub continuous: Option<ContinuousForm>,
+    /// What importers that integrate themselves are given.
+    pub continuous: ContinuousForm,
     /// The model file in its normal form: what no variable shows (the number of modes, positions)
     /// distinguishes models too.
     pub(crate) model: String,
@@ -286,9 +286,8 @@ impl Description {
     /// Everything about the model as text, the same for the same model on any machine.
     fn canonical(&self) -> String {
         let mut text = format!("stickslip slave/1\n{}\n{}\n", self.name, self.model);
-        if let Some(ContinuousForm { modes, indicators }) = self.continuous {
-            let _ = writeln!(text, "continuous {modes} {indicators}");
-        }
+        let ContinuousForm { modes, indicators } = self.continuous;
+        let _ = writeln!(text, "continuous {modes} {indicators}");
         for (reference, variable) in self.variables.iter().enumerate() {
             let Variable { name, description, quantity, variable_type, causality, .. } = variable;
             let _ = writeln!(

@@ -31,8 +31,7 @@ pub(super) struct Table {
     pub longest: Option<f64>,
 }
 
-/// Outputs of a contact, and which of them is its slip state.
-const OF_CONTACT: usize = 4;
+/// Which output of a contact is its slip state.
 const SLIP_STATE: usize = 2;
 
 /// Integrator and work space.
@@ -237,13 +236,9 @@ impl ContinuousTime for DrivenSystem {
             let inputs = self.table.inputs;
             let moved = values[..inputs] != accepted[..inputs]
                 || accepted.get(values.len()..values.len() + at.continuous.len()) != Some(at.continuous);
-            let slip = inputs + SLIP_STATE..inputs + OF_CONTACT;
-            if !moved {
-                // A slider at its limit that has not moved since would be said to stick.
-                values[slip.clone()].copy_from_slice(&accepted[slip.clone()]);
-            }
+            continuous::keep_slip(moved, inputs + SLIP_STATE, values, accepted);
             let normal_load = self.load.acting(values[load]);
-            continuous::indicators(contact.velocity, values[slip.start], normal_load, at.indicators);
+            continuous::indicators(contact.velocity, values[inputs + SLIP_STATE], normal_load, at.indicators);
         }
         Ok(())
     }
@@ -255,10 +250,6 @@ impl ContinuousTime for DrivenSystem {
 }
 
 impl Behaviour for DrivenSystem {
-    fn continuous_time(&mut self) -> Option<&mut dyn ContinuousTime> {
-        Some(self)
-    }
-
     fn state_len(&self) -> usize {
         2 * self.room + 1 + self.lines.state_len()
     }

@@ -43,7 +43,7 @@ pub enum Error {
         /// What is allowed.
         bounds: String,
     },
-    /// A call for importers that integrate, to an instance for co-simulation or a model that has no such form.
+    /// A call for importers that integrate, to an instance for co-simulation.
     #[error("a function of model exchange, which this instance is not for: it is for co-simulation")]
     Interface,
     /// The model file cannot be read.

@@ -342,10 +342,8 @@ impl Instance {
         let Shared { model, description, paths, .. } = &*self.shared;
         let rows = &description.variables[self.shared.parameters()];
         let model = with_values(model, paths, rows, parameters).map_err(Error::Parameters)?;
-        let mut behaviour = behaviour(&model).map_err(Error::Parameters)?;
-        let modes = behaviour.continuous_time().map(|form| form.modes());
-        let same = modes == description.continuous.map(|form| form.modes);
-        if !same || behaviour.state_len() != self.state.len() {
+        let behaviour = behaviour(&model).map_err(Error::Parameters)?;
+        if behaviour.modes() != description.continuous.modes || behaviour.state_len() != self.state.len() {
             return Err(Error::Parameters("these parameters change the size of the model".to_owned()));
         }
         self.behaviour = behaviour;

@@ -31,11 +31,11 @@
 //! [classical scheme](crate::time::ClassicalSteps), as many as the highest mode and the tolerance ask for.
 //!
 //! # Where the importer integrates
-//! Contacts in one direction, beams and oscillators have a continuous-time form as well
-//! ([`Template::continuous_instance`]; FMI's model exchange): continuous states are displacements and velocities of the
+//! Every model has a continuous-time form as well ([`Template::continuous_instance`]; FMI's model exchange): continuous states are displacements and velocities of the
 //! modes, and a contact alone has none. What a contact remembers is discrete: it stays as it was at the last accepted
 //! instant ([`Instance::completed_step`], events), from which every look at inputs and states goes. Event indicators
-//! change their sign at reversals (the velocity), at stick and slip, and at lift-off (the normal load). A contact alone
+//! change their sign at reversals (the velocity), at stick and slip, and at lift-off (the normal load; of a contact in two
+//! directions its normal force, and below zero the distance). A contact alone
 //! has reversals between accepted instants only where its `velocity` comes in beside its displacement. Rates of inputs
 //! are unknown there: the `velocity` at the end of a beam lacks the part that goes with the rate of the force.
 //!
@@ -116,7 +116,7 @@ use std::fmt::Debug;
 
 /// The physics behind an instance. It holds parameters and work space; what it remembers from step to
 /// step is in `state` and `values`, which belong to the instance, so that saving an instance is a copy.
-pub(crate) trait Behaviour: Debug + Send {
+pub(crate) trait Behaviour: continuous::ContinuousTime + Debug + Send {
     /// Length of the state.
     fn state_len(&self) -> usize;
 
@@ -134,11 +134,6 @@ pub(crate) trait Behaviour: Debug + Send {
         step: f64,
         tolerance: f64,
     ) -> Result<(), String>;
-
-    /// The continuous-time form, where there is one.
-    fn continuous_time(&mut self) -> Option<&mut dyn continuous::ContinuousTime> {
-        None
-    }
 
     /// Derivatives of all outputs with respect to time at the end of the last step.
     fn output_rates(&mut self, state: &[f64], rates: &mut [f64]) -> Result<(), String>;

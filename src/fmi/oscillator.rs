@@ -1,5 +1,6 @@
 //! Masses and springs with a frictional contact, or without.
 
+use super::continuous::ContinuousForm;
 use super::description::{DependencyKind, Description, Experiment, Variable};
 use super::driven::{DrivenSystem, Table};
 use super::{Behaviour, LoadRule};
@@ -72,7 +73,14 @@ pub(super) fn describe(
         None => ("Oscillator", "Masses and springs"),
     };
     let experiment = Experiment { start: 0.0, stop: 1.0, tolerance: 1e-6, step: 1e-3 };
-    Description { name, summary, experiment, variables, continuous: None, model: model.to_toml() }
+    Description {
+        name,
+        summary,
+        experiment,
+        variables,
+        continuous: ContinuousForm::default(),
+        model: model.to_toml(),
+    }
 }
 
 /// The physics of an oscillator: every mass is driven and read.

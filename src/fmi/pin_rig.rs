@@ -3,6 +3,7 @@
 
 use super::Behaviour;
 use super::beam::sensor_positions;
+use super::continuous::{self, ContinuousForm, ContinuousTime, Instant};
 use super::description::{DependencyKind, Description, Experiment, Variable};
 use super::lines::{Derivatives, Lines, parts};
 use super::slip::SlipFraction;
@@ -85,7 +86,7 @@ pub(super) fn describe(model: &Model, rig: &PinnedBeam, parameters: Vec<Variable
         summary,
         experiment: Experiment { start: 0.0, stop: 0.2, tolerance: 1e-6, step },
         variables,
-        continuous: None,
+        continuous: ContinuousForm::default(),
         model: model.to_toml(),
     }
 }
@@ -234,6 +235,59 @@ impl PinRigBehaviour {
         if self.slip.is_some() {
             values[IMPACT_ENERGY + 1..OF_CONTACT].fill(0.0);
         }
+    }
+}
+
+impl ContinuousTime for PinRigBehaviour {
+    fn modes(&self) -> usize {
+        self.motion.displacement.len()
+    }
+
+    fn indicators(&self) -> usize {
+        continuous::OF_CONTACT
+    }
+
+    fn read(&mut self, state: &[f64], continuous: &mut [f64]) -> Result<(), String> {
+        // A motion's state begins with its modes.
+        continuous.copy_from_slice(&state[..continuous.len()]);
+        Ok(())
+    }
+
+    fn look(
+        &mut self,
+        state: &[f64],
+        accepted: &[f64],
+        values: &mut [f64],
+        at: Instant<'_>,
+    ) -> Result<(), String> {
+        self.motion.read_state(&state[..self.motion.state_len()]);
+        self.steps.move_to(&mut self.motion, at.continuous);
+        self.observe(values[0])?;
+        at.accelerations.copy_from_slice(self.steps.modal_accelerations());
+        for row in [DISSIPATED_ENERGY, IMPACT_ENERGY] {
+            self.row[row] += accepted[INPUTS + row];
+        }
+        values[INPUTS..][..self.row.len()].copy_from_slice(&self.row);
+        let modes = values.len()..values.len() + at.continuous.len();
+        let slip_state = INPUTS + IMPACT_ENERGY + 1;
+        continuous::keep_slip(accepted.get(modes) != Some(at.continuous), slip_state, values, accepted);
+        let contact = self.motion.contacts.first().ok_or("the motion has no contact")?;
+        let pressed = continuous::pressed(contact.normal_force, contact.separation);
+        let velocity = self.motions[self.ports[0]].1;
+        continuous::indicators(velocity, values[slip_state], pressed, at.indicators);
+        Ok(())
+    }
+
+    fn accept(&mut self, state: &mut [f64], values: &[f64], continuous: &[f64]) -> Result<(), String> {
+        self.lines.hold(&values[..INPUTS]);
+        let (now, before, last) = parts(state, self.motion.state_len());
+        self.motion.read_state(now);
+        self.steps.move_to(&mut self.motion, continuous);
+        self.motion.write_state(now);
+        before.copy_from_slice(now);
+        last[..KEPT].fill(0.0);
+        self.lines.write(&mut last[KEPT..]);
+        Ok(())
     }
 }
 

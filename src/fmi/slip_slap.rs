@@ -3,6 +3,7 @@
 mod carried;
 
 use super::Behaviour;
+use super::continuous::{self, ContinuousForm, ContinuousTime, Instant};
 use super::description::{DependencyKind, Description, Experiment, Variable};
 use super::lines::{Derivatives, Lines, parts};
 use super::slip::SlipFraction;
@@ -66,7 +67,7 @@ pub(super) fn describe(model: &Model, _contact: &Contact, parameters: Vec<Variab
         summary: "Contact in two directions: friction under the normal force that the normal motion makes",
         experiment,
         variables,
-        continuous: None,
+        continuous: ContinuousForm::default(),
         model: model.to_toml(),
     }
 }
@@ -171,6 +172,51 @@ fn inputs(of: impl Fn(usize) -> f64) -> SlipSlapInputs {
 fn along(response: &SlipSlapResponse, row: usize, by: SlipSlapInputs) -> f64 {
     let sum = |tangents: &[f64; 2], by: [f64; 2]| tangents[0] * by[0] + tangents[1] * by[1];
     sum(&response.by_displacement[row], by.displacement) + sum(&response.by_velocity[row], by.velocity)
+}
+
+impl ContinuousTime for SlipSlapBehaviour {
+    fn modes(&self) -> usize {
+        0
+    }
+
+    fn indicators(&self) -> usize {
+        continuous::OF_CONTACT
+    }
+
+    fn read(&mut self, _state: &[f64], _continuous: &mut [f64]) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn look(
+        &mut self,
+        state: &[f64],
+        accepted: &[f64],
+        values: &mut [f64],
+        at: Instant<'_>,
+    ) -> Result<(), String> {
+        let inputs = inputs(|input| values[input]);
+        let now = &state[..self.next.len()];
+        let response = self.contact.step(now, inputs, &mut self.next, &mut self.work);
+        values[DISSIPATED_ENERGY] = accepted[DISSIPATED_ENERGY] + response.friction_energy;
+        values[IMPACT_ENERGY] = accepted[IMPACT_ENERGY] + response.impact_energy;
+        self.write_outputs(&response, values);
+        let moved =
+            [DISPLACEMENT, OPENING, OPENING_VELOCITY].iter().any(|row| values[*row] != accepted[*row]);
+        continuous::keep_slip(moved, SLIP_STATE, values, accepted);
+        let pressed = continuous::pressed(response.normal_force, response.separation);
+        continuous::indicators(inputs.velocity[0], values[SLIP_STATE], pressed, at.indicators);
+        Ok(())
+    }
+
+    fn accept(&mut self, state: &mut [f64], values: &[f64], _continuous: &[f64]) -> Result<(), String> {
+        self.lines.hold(&values[..INPUTS]);
+        let inputs = self.ends();
+        let (now, before, lines) = parts(state, self.next.len());
+        before.copy_from_slice(now);
+        self.lines.write(lines);
+        self.advance(now, inputs);
+        Ok(())
+    }
 }
 
 impl Behaviour for SlipSlapBehaviour {

@@ -76,11 +76,9 @@ impl Template {
     pub fn new(model: Model) -> Result<Self, Error> {
         model.check().map_err(|error| Error::Model(error.to_string()))?;
         let (paths, rows) = parameters(&model);
-        let mut description = describe(&model, rows).map_err(Error::Model)?;
-        if let Some(form) = behaviour(&model).map_err(Error::Parameters)?.continuous_time() {
-            let form = ContinuousForm { modes: form.modes(), indicators: form.indicators() };
-            description = description.with_continuous_form(form);
-        }
+        let form = behaviour(&model).map_err(Error::Parameters)?;
+        let form = ContinuousForm { modes: form.modes(), indicators: form.indicators() };
+        let description = describe(&model, rows).map_err(Error::Model)?.with_continuous_form(form);
         let guid = description.guid();
         let count = |causality| description.references(causality).count();
         let (inputs, outputs) = (count(Causality::Input), count(Causality::Output));
@@ -98,12 +96,35 @@ impl Template {
 
     /// An instance that its importer integrates, at the beginning of a simulation.
     ///
+    /// ```
+    /// use stickslip::fmi::Template;
+    /// let template = Template::parse(
+    ///     r#"
+    ///     schema = "stickslip.model/1"
+    ///     kind = "contact"
+    ///     contact = { law = "jenkins", tangential_stiffness = 2e6, friction_coefficient = 0.5, normal_load = 100.0 }
+    ///     "#,
+    /// )?;
+    /// let mut contact = template.continuous_instance()?;
+    /// contact.enter_initialization()?;
+    /// contact.exit_initialization()?;
+    /// contact.enter_continuous_time()?;
+    /// let row = |name| template.description().reference(name).unwrap();
+    /// // A look leaves no trace until it is accepted.
+    /// let mut force = [0.0];
+    /// for (displacement, expected) in [(60e-6, 50.0), (20e-6, 40.0)] {
+    ///     contact.set_real(&[row("displacement")], &[displacement])?;
+    ///     contact.get_real(&[row("force")], &mut force)?;
+    ///     assert!((force[0] - expected).abs() < 1e-9);
+    /// }
+    /// # Ok::<(), stickslip::fmi::Error>(())
+    /// ```
+    ///
     /// # Errors
-    /// Parameters that make no model; [`Error::Interface`] for a model that has no such form.
+    /// Parameters that make no model.
     pub fn continuous_instance(&self) -> Result<Instance, Error> {
-        let form = self.0.description.continuous.ok_or(Error::Interface)?;
         let mut instance = self.instance()?;
-        instance.continuous = Some(Continuous::new(&self.0.description, form));
+        instance.continuous = Some(Continuous::new(&self.0.description));
         Ok(instance)
     }
 

@@ -325,6 +325,19 @@ impl ClassicalSteps {
         self.commit(motion);
     }
 
+    /// Moves the modes at once, displacements then velocities, and the contacts with them.
+    pub(crate) fn move_to(&mut self, motion: &mut SteppedMotion, modes: &[f64]) {
+        let (displacement, velocity) = modes.split_at(motion.displacement.len());
+        motion.displacement.copy_from_slice(displacement);
+        motion.velocity.copy_from_slice(velocity);
+        self.commit(motion);
+    }
+
+    /// Accelerations of the modes where [`ClassicalSteps::accelerations_of_ports`] was asked last.
+    pub(crate) fn modal_accelerations(&self) -> &[f64] {
+        &self.buffers.rates[0][1]
+    }
+
     /// A step (s) that is short enough for the highest mode and for the impact damping of contacts under the load at rest.
     pub fn longest_step(&self) -> f64 {
         let highest = self.angular_frequency.iter().copied().fold(0.0, f64::max);

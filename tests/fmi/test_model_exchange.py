@@ -61,6 +61,23 @@ def test_lift_off_and_meeting_again_are_events():
     assert events >= 8, events
 
 
+def test_a_contact_in_two_directions_slips_parts_and_meets_again_as_the_slave_does():
+    period = 0.01
+    time = np.linspace(0.0, 4 * period, 4001)
+    omega = 2 * np.pi / period
+    opening = 1.2e-5 * np.sin(0.6 * omega * time)
+    columns = [time, 4e-5 * np.sin(omega * time), 4e-5 * omega * np.cos(omega * time)]
+    columns += [opening, np.gradient(opening, time)]
+    names = [(name, float) for name in ("time", "displacement", "velocity", "opening", "opening_velocity")]
+    motion = np.array(list(zip(*columns)), dtype=names)
+    signals = ["force", "normal_force", "separation", "dissipated_energy"]
+    errors, events = distances(
+        "SlipSlapContact", signals, input=motion, stop_time=4 * period, output_interval=1e-5, step_size=1e-5, lag=1e-5,
+    )  # fmt: skip
+    assert (errors < 2e-3).all(), dict(zip(signals, errors))
+    assert events >= 8, events
+
+
 def test_a_frictional_beam_struck_by_a_force_rings_down_as_the_slave_does():
     names = ["force", "dissipated_energy", "displacement", "displacement:x=0.55", "velocity:x=0.55"]
     errors, events = distances(

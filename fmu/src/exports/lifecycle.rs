@@ -66,8 +66,7 @@ fn instantiate(
     let template = models::template(guid, location)?;
     let instance = match fmu_type {
         CO_SIMULATION => template.instance(),
-        MODEL_EXCHANGE if template.description().continuous.is_some() => template.continuous_instance(),
-        MODEL_EXCHANGE => return Err("this model is for co-simulation only".to_owned()),
+        MODEL_EXCHANGE => template.continuous_instance(),
         other => {
             return Err(format!(
                 "fmuType is {other}; {MODEL_EXCHANGE} is model exchange, {CO_SIMULATION} co-simulation"

@@ -10,17 +10,12 @@ pub fn documentation_html(model_identifier: &str, description: &Description, mod
          <style>body{{font:16px/1.4 sans-serif;max-width:60em;margin:2em auto;padding:0 1em}}\
          table{{border-collapse:collapse}}td,th{{border:1px solid #999;padding:.2em .6em;text-align:left}}\
          pre{{background:#eee;padding:1em}}</style></head>\n<body>\n<h1>{name}</h1>\n<p>{summary}. FMI 2.0 \
-         for {interfaces}.</p>\n<p>A force of a contact is restoring: positive when it resists positive \
+         for co-simulation and model exchange.</p>\n<p>A force of a contact is restoring: positive when it resists positive \
          displacement, so that its work over a cycle is dissipated. All values are in SI units.</p>\n<p>The \
          inputs set before a step from t to t + h hold for the step and are those reached at t + h; the \
          outputs then belong to t + h. The step size may vary.</p>\n",
         name = escape(model_identifier),
         summary = escape(description.summary),
-        interfaces = if description.continuous.is_some() {
-            "co-simulation and model exchange"
-        } else {
-            "co-simulation"
-        },
     );
     for (title, causality) in
         [("Inputs", Causality::Input), ("Outputs", Causality::Output), ("Parameters", Causality::Parameter)]

@@ -68,12 +68,10 @@ pub fn model_description_xml(model_identifier: &str, description: &Description) 
         ("license", "MIT OR Apache-2.0".to_owned()),
         ("generationTool", concat!("stickslip ", env!("CARGO_PKG_VERSION")).to_owned()),
         ("variableNamingConvention", "flat".to_owned()),
-        ("numberOfEventIndicators", description.continuous.map_or(0, |form| form.indicators).to_string()),
+        ("numberOfEventIndicators", description.continuous.indicators.to_string()),
     ];
     xml.inside(("fmiModelDescription", root), |xml| {
-        if description.continuous.is_some() {
-            xml.empty(("ModelExchange", model_exchange(model_identifier)));
-        }
+        xml.empty(("ModelExchange", model_exchange(model_identifier)));
         xml.empty(("CoSimulation", co_simulation(model_identifier)));
         xml.inside(("UnitDefinitions", vec![]), |xml| units(xml, description));
         xml.inside(("LogCategories", vec![]), |xml| {
