@@ -26,7 +26,7 @@ pub use error::DiagnoseError;
 pub use measurements::noise::noise_of;
 
 pub use crate::fit::compare::{
-    ChannelResult, Comparison, Parameter, RecordResult, Refit, RefitError, Skipped, Stage, StepGain, Watch,
-    evaluate, refit,
+    ChannelResult, Comparison, Fitted, Parameter, RecordResult, Refit, RefitError, Skipped, Stage, StepGain,
+    Watch, evaluate, refit,
 };
 pub use crate::fit::predict::unused_columns;

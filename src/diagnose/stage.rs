@@ -17,8 +17,12 @@ pub(super) fn stage(
     let mut stage = evaluate_from(name, &fitted.model, dataset, |record| bench.lanes[record].seed.clone());
     stage.evaluations = fitted.simulations;
     for parameter in &mut stage.parameters {
-        let changed = fitted.unknowns.iter().any(|unknown| unknown.path == parameter.path);
-        parameter.fitted_from = if changed { start.get(&parameter.path) } else { None };
+        parameter.fitted = fitted.fitted(&parameter.path, start.get(&parameter.path));
     }
+    let unseen =
+        stage.parameters.iter().filter(|one| one.fitted.as_ref().is_some_and(|fitted| fitted.unseen));
+    stage.notes = unseen
+        .map(|one| format!("no fitted record depends on `{}`, which keeps its value {}", one.path, one.value))
+        .collect();
     stage
 }

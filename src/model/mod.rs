@@ -35,6 +35,7 @@ mod oscillator;
 mod parameters;
 mod parse;
 mod pin_rig;
+mod reference;
 mod slots;
 mod text;
 mod write;
@@ -46,6 +47,7 @@ pub use normal::Normal;
 pub use oscillator::GROUND;
 pub use parameters::ModelParameter;
 pub use pin_rig::PinnedBeam;
+pub use reference::{ReferenceKey, ReferenceTable, reference};
 
 pub use crate::contact::Law;
 pub use crate::system::{Anchor, Beam, Damping, Mass, Oscillator, PointMass, Spring};

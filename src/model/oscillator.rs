@@ -26,6 +26,9 @@ use crate::vocabulary::{self as v, Quantity};
 /// The name that stands for the ground in `between`.
 pub const GROUND: &str = "ground";
 
+pub(super) const MASS_KEYS: [&str; 2] = ["name", "mass"];
+pub(super) const SPRING_KEYS: [&str; 3] = ["between", "stiffness", "damping"];
+
 /// Most names a message lists.
 const MOST_LISTED: usize = 12;
 
@@ -56,13 +59,13 @@ pub(super) fn parse(root: &Table<'_>) -> Result<Oscillator, ModelError> {
 }
 
 fn mass(table: &Table<'_>) -> Result<Mass, ModelError> {
-    table.allow(&["name", "mass"])?;
+    table.allow(&MASS_KEYS)?;
     let name = table.required_string("name")?.value.to_owned();
     Ok(Mass { name, mass: table.quantity(&v::MASS)? })
 }
 
 fn spring(table: &Table<'_>, masses: &BTreeMap<&str, usize>) -> Result<Spring, ModelError> {
-    table.allow(&["between", "stiffness", "damping"])?;
+    table.allow(&SPRING_KEYS)?;
     let example = "between = [\"ground\", \"m1\"]";
     let ends = table.strings("between")?.ok_or_else(|| table.missing("between").with_help(example))?;
     let [first, second] = ends.as_slice() else {

@@ -8,10 +8,10 @@ use crate::contact::{LAWS, LawKind, LawParameter};
 use crate::document::{Document, Numbers, Table, suggestion};
 use crate::vocabulary as v;
 
-const KINDS: [&str; 4] = ["contact", "beam", "oscillator", "pin_rig"];
-const COMMON_CONTACT_KEYS: [&str; 5] =
+pub(super) const KINDS: [&str; 4] = ["contact", "beam", "oscillator", "pin_rig"];
+pub(super) const COMMON_CONTACT_KEYS: [&str; 5] =
     ["law", "tangential_stiffness", "friction_coefficient", "normal_load", "normal_stiffness"];
-const BEAM_KEYS: [&str; 11] = [
+pub(super) const BEAM_KEYS: [&str; 11] = [
     "length",
     "width",
     "thickness",
@@ -24,7 +24,8 @@ const BEAM_KEYS: [&str; 11] = [
     "stiffness_damping",
     "point_mass",
 ];
-const SUPPORT_KEYS: [&str; 3] = [v::OFFSET.name, v::ROTATIONAL_STIFFNESS.name, v::CLAMP_STIFFNESS.name];
+pub(super) const SUPPORT_KEYS: [&str; 3] =
+    [v::OFFSET.name, v::ROTATIONAL_STIFFNESS.name, v::CLAMP_STIFFNESS.name];
 
 impl Model {
     /// Reads the text of a model file.
@@ -121,7 +122,7 @@ fn check_schema(root: &Table<'_>) -> Result<(), ModelError> {
 }
 
 /// The tables that not every kind has, with the kinds that have them.
-const TABLES: [(&str, &[&str]); 9] = [
+pub(super) const TABLES: [(&str, &[&str]); 9] = [
     ("beam", &["beam", "pin_rig"]),
     ("support", &["beam", "pin_rig"]),
     ("sensor", &["beam", "pin_rig"]),

@@ -50,7 +50,7 @@ pub struct PinnedBeam {
     pub outside: Option<[f64; 2]>,
 }
 
-const PIN_KEYS: [&str; 6] = [
+pub(super) const PIN_KEYS: [&str; 6] = [
     v::MASS.name,
     v::INERTIA.name,
     v::TANGENTIAL_LEVER.name,
@@ -58,7 +58,7 @@ const PIN_KEYS: [&str; 6] = [
     v::TANGENTIAL_STIFFNESS.name,
     v::NORMAL_STIFFNESS.name,
 ];
-const STRING_KEYS: [&str; 4] =
+pub(super) const STRING_KEYS: [&str; 4] =
     [v::STRING_STIFFNESS.name, v::STRING_LENGTH.name, v::MASS.name, v::INERTIA.name];
 
 /// Reads the tables of the rig, to the beam that is read already.

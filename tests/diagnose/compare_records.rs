@@ -150,7 +150,12 @@ fn a_refit_finds_the_contact_that_made_the_loops() {
     assert!(stage.error < 1e-4, "{}", stage.error);
     assert!((model.get("contact.tangential_stiffness").unwrap() / STIFFNESS - 1.0).abs() < 1e-3);
     assert!((model.get("contact.friction_coefficient").unwrap() / 0.5 - 1.0).abs() < 1e-3);
-    assert!(stage.parameters.iter().any(|parameter| parameter.fitted_from == Some(1.2e6)));
+    assert!(
+        stage
+            .parameters
+            .iter()
+            .any(|parameter| parameter.fitted.as_ref().is_some_and(|fitted| fitted.from == Some(1.2e6)))
+    );
 }
 
 /// A contact that is said to stick throughout has a friction coefficient that changes nothing: no derivative leads back
@@ -243,4 +248,32 @@ fn a_beam_from_rest_ends_in_the_steady_state_of_harmonic_balance() {
     assert_eq!(stage.records[0].failure, None);
     // Truncation at 30 harmonics, and the rest of the transient.
     assert!(stage.error < 5e-3, "{}", stage.error);
+}
+/// Noise with a memory of ten samples: intervals that take every sample for new information would be three times too short.
+#[test]
+fn intervals_of_a_refit_hold_the_truth_under_noise_with_a_memory() {
+    let mut inside = 0;
+    for seed in 0..40 {
+        let mut numbers = fastrand::Rng::with_seed(seed);
+        let mut noise = 0.0;
+        let mut record = measured_loop(0.0, 4, Regime::FromRest);
+        for force in &mut record.channels[2].values {
+            noise = 0.9 * noise + (12.0_f64).sqrt() * (numbers.f64() - 0.5);
+            *force += noise;
+        }
+        let mut start = contact();
+        start.set("contact.tangential_stiffness", 1.1 * STIFFNESS).unwrap();
+        let stage = refit("refitted", &start, &dataset(vec![record]), Watch::default()).unwrap().stage;
+        let of = |path: &str| {
+            stage.parameters.iter().find(|one| one.path == path).unwrap().fitted.clone().unwrap()
+        };
+        for (path, truth) in
+            [("contact.tangential_stiffness", STIFFNESS), ("contact.friction_coefficient", 0.5)]
+        {
+            let [low, high] = of(path).interval.unwrap();
+            inside += usize::from(low < truth && truth < high);
+        }
+    }
+    println!("{inside} of 80 intervals hold the truth");
+    assert!(inside >= 70, "{inside} of 80");
 }

@@ -242,6 +242,7 @@ mod tests {
                 log_evidence,
                 log_peak: log_evidence,
                 deviations: Vec::new(),
+                correlations: Vec::new(),
                 predictions: Vec::new(),
                 simulations: 0,
             };

@@ -7,6 +7,7 @@ use super::latent::Latent;
 use super::measured::{Measured, NoisePrior};
 use super::unknown::Unknown;
 use crate::diagnose::diagnosis::Estimate;
+use crate::fit::compare::Fitted;
 use crate::model::Model;
 
 /// A hypothesis at its most probable parameters.
@@ -21,6 +22,8 @@ pub(in crate::diagnose) struct Posterior {
     pub log_peak: f64,
     /// Standard deviations of the unknowns' coordinates.
     pub deviations: Vec<f64>,
+    /// Correlations of the unknowns' coordinates, row-major.
+    pub correlations: Vec<f64>,
     /// Per record.
     pub predictions: Vec<Vec<f64>>,
     pub simulations: usize,
@@ -30,6 +33,8 @@ pub(in crate::diagnose) struct Posterior {
 const INTERVAL: f64 = 1.96;
 /// Posterior over prior deviation above which the data say nothing of a number.
 const UNDETERMINED: f64 = 0.95;
+/// The same above which nothing in the data depends on it.
+const UNSEEN: f64 = 0.999_999;
 
 impl Posterior {
     /// Whether the size of what candidate `owner` brought is told apart from none, and lies where physics bounds it if
@@ -52,6 +57,22 @@ impl Posterior {
             Estimate { name, ..estimate }
         };
         pairs.map(|(_, estimate)| short(estimate)).collect()
+    }
+
+    /// What the fit says of the unknown called `path`, which was `from` before; `None` for what was not fitted.
+    pub fn fitted(&self, path: &str, from: Option<f64>) -> Option<Fitted> {
+        let index = self.unknowns.iter().position(|unknown| unknown.path == path)?;
+        let paths: Vec<&str> = self.unknowns.iter().map(|unknown| unknown.path.as_str()).collect();
+        let row = self.correlations.chunks(paths.len()).nth(index).unwrap_or_default();
+        let estimate = self.estimates().swap_remove(index);
+        let at_bound = self.unknowns[index].coordinate.is_at_bound(self.y[index]);
+        Some(Fitted {
+            from,
+            interval: estimate.low.zip(estimate.high).filter(|_| !at_bound).map(|(low, high)| [low, high]),
+            at_bound,
+            unseen: self.deviations[index] > UNSEEN,
+            correlated: Fitted::told(index, &paths, row),
+        })
     }
 
     /// Every unknown with its 95 % interval.
@@ -178,13 +199,16 @@ fn posterior(
         return Err("the evidence is not finite".to_owned());
     }
     let inverse = factor.inverse();
+    let own = |i: usize| inverse[(i, i)].sqrt();
+    let pairs = (0..unknowns.len()).flat_map(|i| (0..unknowns.len()).map(move |k| (i, k)));
     Ok(Posterior {
         model: joint.model(y)?,
         unknowns: unknowns.to_vec(),
         y: y[..joint.shared()].to_vec(),
         log_evidence,
         log_peak,
-        deviations: (0..unknowns.len()).map(|i| inverse[(i, i)].sqrt()).collect(),
+        deviations: (0..unknowns.len()).map(own).collect(),
+        correlations: pairs.map(|(i, k)| inverse[(i, k)] / (own(i) * own(k))).collect(),
         predictions: joint.predictions(),
         simulations: joint.simulations,
     })

@@ -402,6 +402,7 @@ mod tests {
             log_evidence: 0.0,
             log_peak: 0.0,
             deviations: Vec::new(),
+            correlations: Vec::new(),
             predictions: vec![predictions],
             simulations: 0,
         };

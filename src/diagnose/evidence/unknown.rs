@@ -134,6 +134,12 @@ impl Coordinate {
         (a.max(-self.farthest()), b.min(self.farthest()))
     }
 
+    /// Whether the value at `y` is one of the bounds.
+    pub fn is_at_bound(&self, y: f64) -> bool {
+        let value = self.value(y);
+        value == self.lower || value == self.upper
+    }
+
     /// How far from 0 a coordinate is looked at.
     pub fn farthest(&self) -> f64 {
         FARTHEST[usize::from(self.measure != Measure::Logarithmic)]

@@ -139,6 +139,7 @@ fn comparison(dataset: &Dataset, stages: Vec<Stage>) -> Comparison {
         records: dataset.records.clone(),
         ring_downs: Vec::new(),
         findings: Vec::new(),
+        notes: Vec::new(),
         stages,
     }
 }

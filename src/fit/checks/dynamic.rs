@@ -42,6 +42,15 @@ impl Linear {
         Some(Self { structure, modes, key })
     }
 
+    /// Natural frequencies (Hz) with the contact free, and stuck, in rising order.
+    pub fn natural_frequencies(&self) -> [Vec<f64>; 2] {
+        [0, 1].map(|which| {
+            let mut all: Vec<f64> = self.modes[which].angular_frequency.iter().map(|one| one / TAU).collect();
+            all.sort_by(f64::total_cmp);
+            all
+        })
+    }
+
     /// Lowest and highest natural frequency (Hz), whatever the contact does.
     fn frequencies(&self) -> Option<[f64; 2]> {
         let all = self.modes.iter().flat_map(|modes| modes.angular_frequency.iter().copied());

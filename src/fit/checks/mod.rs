@@ -229,6 +229,21 @@ impl std::fmt::Display for Finding {
     }
 }
 
+/// The natural frequencies (Hz) of a structure whose contact is free, and of the one whose contact sticks; `None` for a contact
+/// alone, and for a model that makes no system.
+///
+/// ```
+/// # let text = "schema = \"stickslip.model/1\"\nkind = \"oscillator\"\nmass = [{ name = \"m1\", mass = 1.0 }]\n\
+/// #     spring = [{ between = [\"ground\", \"m1\"], stiffness = 39.47841760435743 }]";
+/// // One kilogram on 4 π² N/m.
+/// let [free, _] = stickslip::fit::checks::natural_frequencies(&stickslip::model::Model::parse(text)?).unwrap();
+/// assert!((free[0] - 1.0).abs() < 1e-9);
+/// # Ok::<(), stickslip::model::ModelError>(())
+/// ```
+pub fn natural_frequencies(model: &Model) -> Option<[Vec<f64>; 2]> {
+    Some(dynamic::Linear::of(model)?.natural_frequencies())
+}
+
 /// What is wrong with `dataset`, and with `model` beside it: the model first, then record by record.
 ///
 /// ```

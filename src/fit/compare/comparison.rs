@@ -18,7 +18,7 @@ const FEW: usize = 40;
 /// # let dataset = stickslip::data::Dataset { title: None, records: vec![] };
 /// let stages = vec![evaluate("as given", &model, &dataset)];
 /// let records = dataset.records;
-/// let comparison = Comparison { title: "Loops".into(), records, ring_downs: vec![], findings: vec![], stages };
+/// let comparison = Comparison { title: "Loops".into(), records, ring_downs: vec![], findings: vec![], notes: vec![], stages };
 /// assert_eq!(comparison.stages[0].name, "as given");
 /// # Ok::<(), stickslip::model::ModelError>(())
 /// ```
@@ -32,6 +32,8 @@ pub struct Comparison {
     pub ring_downs: Vec<RingDown>,
     /// What is wrong with the measurements, or with the first model's units ([`check`](crate::fit::checks::check)).
     pub findings: Vec<Finding>,
+    /// What else a reader must know of how it was made: columns that were not used, what was guessed.
+    pub notes: Vec<String>,
     /// The models in the order they were tried: baseline first.
     pub stages: Vec<Stage>,
 }
@@ -50,6 +52,8 @@ pub struct Stage {
     pub records: Vec<RecordResult>,
     /// Model evaluations spent on the fit; 0 where nothing was fitted.
     pub evaluations: usize,
+    /// What a reader must know of the fit: that it was interrupted, that a parameter changes nothing.
+    pub notes: Vec<String>,
 }
 
 /// What a fitted stage gains over a fitted one before it that has fewer free parameters.
@@ -76,8 +80,7 @@ impl Comparison {
         let tables = self.records.iter().all(|record| record.regime.is_table());
         let fitted: Vec<(usize, usize, f64, usize)> = (self.stages.iter().enumerate())
             .filter_map(|(index, stage)| {
-                let free =
-                    stage.parameters.iter().filter(|parameter| parameter.fitted_from.is_some()).count();
+                let free = stage.parameters.iter().filter(|parameter| parameter.fitted.is_some()).count();
                 let (squares, values) = stage.squares()?;
                 (free > 0).then_some((index, free, squares, values))
             })
@@ -130,8 +133,45 @@ pub struct Parameter {
     pub unit: &'static str,
     /// Value used.
     pub value: f64,
-    /// Value before the fit, where it was fitted.
-    pub fitted_from: Option<f64>,
+    /// How it was fitted; `None` where it was not.
+    pub fitted: Option<Fitted>,
+}
+
+/// What a fit says of a parameter.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Fitted {
+    /// Value before the fit, in the parameter's unit; `None` for one that is new in the model.
+    pub from: Option<f64>,
+    /// Ends of its 95 % interval, in the parameter's unit; `None` where the data do not determine it.
+    pub interval: Option<[f64; 2]>,
+    /// Whether it ended at a bound: its interval is unknown, and the data may ask for more.
+    pub at_bound: bool,
+    /// Whether no fitted record depends on it: it keeps its value.
+    pub unseen: bool,
+    /// Paths of the parameters whose estimates are correlated with this one by [`Fitted::TOLD`] or more in size, and the
+    /// correlation (1), the largest first: these data determine a combination of them better than each.
+    pub correlated: Vec<(String, f64)>,
+}
+
+impl Fitted {
+    /// Correlations of this size and larger are told (1).
+    pub const TOLD: f64 = 0.9;
+
+    /// From a fitted value that was `from` before; nothing else is known.
+    pub fn from(from: f64) -> Self {
+        Self { from: Some(from), ..Self::default() }
+    }
+
+    /// The correlations to be told of number `index` among `paths`, where `row` holds its correlation with each.
+    pub(crate) fn told(index: usize, paths: &[&str], row: &[f64]) -> Vec<(String, f64)> {
+        let others = paths.iter().zip(row).enumerate().filter(|(other, _)| *other != index);
+        let mut told: Vec<(String, f64)> = others
+            .filter(|(_, (_, correlation))| correlation.abs() >= Self::TOLD)
+            .map(|(_, (path, correlation))| ((*path).to_owned(), *correlation))
+            .collect();
+        told.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+        told
+    }
 }
 
 /// One record as a stage predicts it.

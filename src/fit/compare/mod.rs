@@ -41,12 +41,15 @@
 //! ```
 
 mod comparison;
+mod intervals;
 mod nested;
 mod refit;
 mod score;
+mod visibility;
 
-pub use comparison::{ChannelResult, Comparison, Parameter, RecordResult, Skipped, Stage, StepGain};
+pub use comparison::{ChannelResult, Comparison, Fitted, Parameter, RecordResult, Skipped, Stage, StepGain};
 pub use refit::{Refit, RefitError, Watch, refit};
+pub use visibility::{Visibility, visibility};
 
 use rayon::prelude::*;
 
@@ -99,8 +102,15 @@ pub(crate) fn evaluate_from(
             unit: parameter.quantity.unit,
             value: parameter.value,
             path: parameter.path,
-            fitted_from: None,
+            fitted: None,
         })
         .collect();
-    Stage { name: name.to_owned(), parameters, error: score::total(&records), records, evaluations: 0 }
+    Stage {
+        name: name.to_owned(),
+        parameters,
+        error: score::total(&records),
+        records,
+        evaluations: 0,
+        notes: Vec::new(),
+    }
 }

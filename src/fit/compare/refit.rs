@@ -1,6 +1,6 @@
 //! Refits the free parameters of a model to a dataset.
 
-use super::{Skipped, Stage, evaluate, score};
+use super::{Skipped, Stage, evaluate, intervals, score};
 use crate::data::{Dataset, Record, Use};
 use crate::fit::least_squares::fit_reviving;
 use crate::fit::{self, Ending, FitError, InterruptHook, Options, ProgressHook};
@@ -144,11 +144,28 @@ pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Resu
     let best = with(&fit.parameters).map_err(|reason| FitError::NoStart { first: Some(reason) })?;
     let mut stage = evaluate(name, &best, dataset);
     stage.evaluations = fit.evaluations;
-    for parameter in &mut stage.parameters {
-        parameter.fitted_from = free.iter().find(|free| free.path == parameter.path).map(|free| free.value);
+    for (free, fitted) in free.iter().zip(intervals::fitted(&free, &fit, &unseen)) {
+        let here = stage.parameters.iter_mut().filter(|parameter| parameter.path == free.path);
+        here.for_each(|parameter| parameter.fitted = Some(fitted.clone()));
     }
-    let unseen = unseen.into_iter().map(|index| free[index].path.clone()).collect();
+    let unseen: Vec<String> = unseen.into_iter().map(|index| free[index].path.clone()).collect();
+    stage.notes = notes(fit.ending, &best, &unseen);
     Ok(Refit { model: best, stage, ending: fit.ending, unseen, skipped })
+}
+
+/// What a reader must know of a fit that ended as `ending`.
+fn notes(ending: Ending, best: &Model, unseen: &[String]) -> Vec<String> {
+    let ended = match ending {
+        Ending::Converged => None,
+        Ending::Interrupted => Some("the fit was interrupted; these are the results so far"),
+        Ending::StepLimit => Some("the fit was still improving when its steps ran out"),
+        Ending::Stalled => Some("the fit ended where no step lowered the error, short of convergence"),
+    };
+    let stays = |path: &String| {
+        let value = best.get(path).unwrap_or(f64::NAN);
+        format!("no fitted record depends on `{path}`, which keeps its value {value}")
+    };
+    ended.map(str::to_owned).into_iter().chain(unseen.iter().map(stays)).collect()
 }
 
 /// The records that a model predicts, and the others.

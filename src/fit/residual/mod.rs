@@ -123,7 +123,7 @@ struct Compared<'r> {
 ///     ChannelResult { name: "force".into(), unit: "N", error: 1.0, rms: 1.4, predicted: vec![0.0; 1000] };
 /// let result = RecordResult { error: 1.0, channels: vec![force], failure: None };
 /// let stage = Stage {
-///     name: "as given".into(), parameters: vec![], error: 1.0, records: vec![result; 2], evaluations: 0
+///     name: "as given".into(), parameters: vec![], error: 1.0, records: vec![result; 2], evaluations: 0, notes: vec![]
 /// };
 /// let found = appearance(&[record.clone(), record], &stage);
 /// let Hint::Hum(line) = &found.hints[0] else { panic!() };

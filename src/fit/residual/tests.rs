@@ -42,8 +42,14 @@ fn of(mut lacks: impl FnMut(usize, f64, f64, f64) -> f64) -> (Vec<Record>, Stage
         let force = ChannelResult { name: "force".into(), unit: "N", error: 1.0, rms: 1.0, predicted };
         results.push(RecordResult { error: 1.0, channels: vec![force], failure: None });
     }
-    let stage =
-        Stage { name: "refitted".into(), parameters: vec![], error: 1.0, records: results, evaluations: 0 };
+    let stage = Stage {
+        name: "refitted".into(),
+        parameters: vec![],
+        error: 1.0,
+        records: results,
+        evaluations: 0,
+        notes: vec![],
+    };
     (records, stage)
 }
 

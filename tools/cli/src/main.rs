@@ -42,8 +42,12 @@ enum Command {
     /// Compare six models of a frictional support with its measured resonance frequencies and
     /// export the best as an FMU (also `stickslip` without a command)
     Demo(commands::demo::Demo),
-    /// Make a dataset of text tables as laboratories export them, and tell what was guessed
+    /// Make a dataset of files as laboratories export them, and tell what was guessed
     Import(commands::import::Import),
+    /// Write a model file to begin with, and a folder for measurements
+    New(commands::new::New),
+    /// Look at a model, and at measurements beside it, before anything is fitted
+    Check(commands::check::Check),
     /// Compare a model with a dataset, refit it, and compare again
     Compare(commands::compare::Compare),
     /// Find the physical effect that the model lacks, from measurements
@@ -87,6 +91,17 @@ struct ResultFiles {
     report: Option<PathBuf>,
 }
 
+/// What is said of measurements that come without a `dataset.toml`.
+#[derive(Args, Clone, Default)]
+struct LoneFile {
+    /// Of a file without dataset.toml: what a column is, by its heading or its number from 1; may be given several times
+    #[arg(long = "column", value_name = "HEADING=NAME [UNIT]", value_parser = commands::import::column)]
+    columns: Vec<(String, stickslip_readers::ColumnRule)>,
+    /// Of a file without dataset.toml: how its records begin; `unknown-initial-state` unless it is a table
+    #[arg(long, value_name = "REGIME", value_parser = commands::import::regime)]
+    regime: Option<stickslip::data::Regime>,
+}
+
 /// Why the program ends without success; the message is complete.
 #[derive(Debug)]
 struct Failure {
@@ -111,8 +126,19 @@ impl Failure {
     }
 }
 
+/// A panic of foreign code that reads a broken file becomes an error with its sentence: nothing else is said of it.
+fn keep_quiet_about_foreign_code() {
+    let other = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if std::thread::current().name() != Some(stickslip_readers::GUARDED) {
+            other(panic);
+        }
+    }));
+}
+
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    keep_quiet_about_foreign_code();
     if cli.quiet {
         terminal::be_quiet();
     }
@@ -123,6 +149,8 @@ fn main() -> ExitCode {
     let done = match cli.command.unwrap_or_else(|| Command::Demo(Default::default())) {
         Command::Demo(command) => command.run().map(|()| 0),
         Command::Import(command) => command.run().map(|()| 0),
+        Command::New(command) => command.run().map(|()| 0),
+        Command::Check(command) => command.run(),
         Command::Compare(command) => command.run().map(|()| 0),
         Command::Diagnose(command) => command.run(),
         Command::Add(command) => command.run().map(|()| 0),

@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use crate::{Failure, terminal};
+use crate::{Failure, progress, terminal};
 
 /// Files to be written together once everything has succeeded.
 #[derive(Default)]
@@ -84,6 +84,7 @@ impl Outputs {
     /// Writes every file to a temporary neighbour first and renames them only when all are complete.
     /// Returns the paths.
     pub fn write(self) -> Result<Vec<PathBuf>, Failure> {
+        progress::begin_to_write();
         let (printed, files): (Vec<_>, Vec<_>) =
             self.files.into_iter().partition(|(path, _)| is_standard_output(path));
         files.iter().try_for_each(|(path, _)| check_regular(path))?;
@@ -144,6 +145,7 @@ impl Folder {
 
     /// Writes every file to a temporary neighbour, which takes the folder's place when all are complete.
     pub fn write(&self, files: &[(String, impl AsRef<[u8]>)]) -> Result<(), Failure> {
+        progress::begin_to_write();
         let failed =
             |error: std::io::Error| Failure::other(format!("cannot write {}: {error}", self.path.display()));
         let temporary = self.temporary().map_err(failed)?;

@@ -13,11 +13,20 @@ fn flag() -> &'static AtomicBool {
     INTERRUPTED.get_or_init(|| AtomicBool::new(false))
 }
 
+/// Whether there are results already, which are to be kept.
+static RESULTS: AtomicBool = AtomicBool::new(false);
+/// Whether results are being written.
+static WRITING: AtomicBool = AtomicBool::new(false);
+
+/// Work that has no results yet is left so long after an interrupt.
+const NOTICE: Duration = Duration::from_millis(800);
 /// After an interrupt, a note says after this time what the program waits for.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// Results that are not ready so long after an interrupt are not waited for.
+const LONGEST: Duration = Duration::from_secs(5);
 
-/// From here on the first Ctrl-C (or SIGTERM or SIGHUP) asks long work to stop with what it has; the second ends the
-/// program.
+/// From here on the first Ctrl-C (or SIGTERM or SIGHUP) asks long work to stop with what it has, and ends the program within
+/// a second where there are no results yet; the second one ends the program in any case.
 pub fn catch_interrupts() {
     on_signals(|| {
         if flag().swap(true, Ordering::SeqCst) {
@@ -25,13 +34,26 @@ pub fn catch_interrupts() {
             std::process::exit(130);
         }
         std::thread::spawn(|| {
-            std::thread::sleep(PATIENCE);
+            std::thread::sleep(NOTICE);
+            leave_unless(RESULTS.load(Ordering::SeqCst));
+            std::thread::sleep(PATIENCE - NOTICE);
             tell!(
                 "note: interrupted; still waiting for a calculation or an FMU to come back; Ctrl-C again ends at once, \
                  without results"
             );
+            std::thread::sleep(LONGEST - PATIENCE);
+            leave_unless(false);
         });
     });
+}
+
+/// Ends the program without results, unless it is `on_its_way` to its end or writes them.
+fn leave_unless(on_its_way: bool) {
+    if !on_its_way && !WRITING.load(Ordering::SeqCst) {
+        tell!("interrupted in the middle of a calculation: there are no results");
+        stickslip_readers::archive::remove_unpacked();
+        std::process::exit(130);
+    }
 }
 
 #[cfg(unix)]
@@ -63,6 +85,22 @@ fn on_signals(handle: impl Fn() + Send + 'static) {
 /// Whether the program was asked to end.
 pub fn interrupted() -> bool {
     flag().load(Ordering::SeqCst)
+}
+
+/// From here on there are results, which an interrupt keeps: the work is given a little time to come back with them.
+pub fn results_exist() {
+    RESULTS.store(true, Ordering::SeqCst);
+}
+
+/// The same as [`interrupted`], asked by work that has made a step that is worth keeping.
+pub fn interrupted_after_a_step() -> bool {
+    results_exist();
+    interrupted()
+}
+
+/// From here on an interrupt waits: results are being written, whole or not at all.
+pub fn begin_to_write() {
+    WRITING.store(true, Ordering::SeqCst);
 }
 
 /// Between two looks at whether work is done.

@@ -9,11 +9,13 @@
 //! and what was guessed is told.
 
 pub mod archive;
+mod bounded;
 mod columns;
 mod dataset;
 mod error;
 mod import;
 mod plan;
+mod rules;
 mod signals;
 mod source;
 pub mod ssp;
@@ -27,9 +29,9 @@ use std::path::Path;
 use stickslip::model::Model;
 
 pub use columns::check_columns;
-pub use dataset::read_dataset;
+pub use dataset::{read_dataset, read_dataset_told, regime, regimes};
 pub use error::{Excerpt, InputError, Problem};
-pub use import::{ImportOptions, Imported, import_file, import_table};
+pub use import::{ColumnRule, GUARDED, ImportOptions, Imported, import_file, import_table};
 pub use plan::{RigPlan, read_plan};
 pub use signals::{Signal, read_signals};
 pub use write::{dataset_toml, record_csv, truth_toml};

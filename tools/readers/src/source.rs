@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use stickslip::document::DocumentError;
 
+use crate::bounded;
 use crate::error::{Excerpt, InputError, Problem};
 
 /// The text of a file, without its byte order mark.
@@ -16,12 +17,12 @@ pub(crate) struct Source {
 
 impl Source {
     pub(crate) fn read(path: &Path) -> Result<Self, InputError> {
-        Source::from_bytes(path, bytes_of(path)?)
+        Source::from_bytes(path, bounded::read(path)?)
     }
 
     /// An XML file, which may be UTF-16 too.
     pub(crate) fn read_xml(path: &Path) -> Result<Self, InputError> {
-        Source::from_xml_bytes(path, bytes_of(path)?)
+        Source::from_xml_bytes(path, bounded::read(path)?)
     }
 
     /// As [`Source::read_xml`], of its bytes.
@@ -77,14 +78,6 @@ impl Source {
     pub(crate) fn document_error(&self, error: DocumentError) -> InputError {
         self.error(error.span.clone().unwrap_or(0..0), Problem::Document(error))
     }
-}
-
-fn bytes_of(path: &Path) -> Result<Vec<u8>, InputError> {
-    std::fs::read(path).map_err(|error| InputError {
-        path: path.to_owned(),
-        excerpt: None,
-        problem: Box::new(Problem::Unreadable { what: "the file".to_owned(), reason: error.to_string() }),
-    })
 }
 
 fn not_utf8(path: &Path, bytes: &[u8], wrong: usize) -> InputError {

@@ -2,7 +2,8 @@
 
 use stickslip::diagnose::{Comparison, Noise, NoiseSource};
 
-use crate::summary;
+use crate::format;
+use crate::summary::{self, Summary};
 
 /// The noise of channel `name` of record `record`, in its unit.
 pub fn deviation(noise: &[Noise], record: usize, name: &str) -> Option<f64> {
@@ -33,6 +34,81 @@ pub fn total(comparison: &Comparison, noise: &[Noise]) -> Option<f64> {
         }
     }
     (count > 0).then(|| (squares / count as f64).sqrt())
+}
+
+/// Beyond noise by less than this, in fractions of it: what remains of the model's own error is a fifth of the noise.
+const SLACK: f64 = 0.02;
+/// Normalised errors up to this are rounding: the data are a model's own.
+const ROUNDING: f64 = 1e-9;
+/// Less than this fraction of the noise: the noise is smaller than it is said to be.
+const LESS: f64 = 0.7;
+
+/// The error that remains in the last stage over that of noise alone, and the largest ratio that noise explains.
+struct Ratio {
+    value: f64,
+    noise: f64,
+    largest: f64,
+}
+
+/// Over the records that every stage predicts; `None` where the noise is unknown.
+fn ratio(comparison: &Comparison, summary: &Summary, noise: &[Noise]) -> Option<Ratio> {
+    let left_out = |record: usize| summary.skipped.iter().any(|(skipped, _)| *skipped == record);
+    let (mut squares, mut channels, mut values, mut doubt) = (0.0, 0_usize, 0_usize, 0.0_f64);
+    for record in (0..comparison.records.len()).filter(|record| !left_out(*record)) {
+        for (name, _) in summary::compared_channels(comparison, record) {
+            let known = noise.iter().find(|one| one.record == record && one.channel == name)?;
+            squares += fraction(comparison, noise, record, &name)?.powi(2);
+            channels += 1;
+            values += summary::channel(&comparison.records[record], &name)?.values.len();
+            doubt = doubt.max(known.log_error);
+        }
+    }
+    let noise = (squares / channels as f64).sqrt();
+    let value = summary.normalised.last()? / noise;
+    // Two standard deviations of what the noise is known by, and of what a mean square of so many values scatters.
+    let largest = 1.0 + SLACK + 2.0 * doubt + 2.0 / (2.0 * values as f64).sqrt();
+    value.is_finite().then_some(Ratio { value, noise, largest })
+}
+
+/// `verdict` followed by what the noise says of it.
+pub fn with_noise(verdict: &str, comparison: &Comparison, summary: &Summary, noise: &[Noise]) -> String {
+    let Some(remains) = summary.normalised.last().filter(|error| **error > ROUNDING) else {
+        return verdict.to_owned();
+    };
+    let Some(ratio) = ratio(comparison, summary, noise) else {
+        return format!(
+            "{verdict} How much of it is noise is unknown: state `noise` in dataset.toml, or measure it again."
+        );
+    };
+    let times = format::significant(ratio.value, 3);
+    let sentence = if ratio.value > ratio.largest {
+        "the model lacks something that these data show; `stickslip diagnose` looks for it"
+    } else if ratio.value < LESS {
+        "less than the noise: it is smaller than it is said to be, or the fit follows it; check `noise` in dataset.toml"
+    } else {
+        "no more than noise: these data show nothing that the model lacks"
+    };
+    format!(
+        "{verdict} What remains ({}) is {times} times the noise ({}, {}): {sentence}.",
+        format::error(*remains),
+        format::error(ratio.noise),
+        sources(noise)
+    )
+}
+
+/// The same as JSON.
+pub fn to_json(comparison: &Comparison, summary: &Summary, noise: &[Noise]) -> serde_json::Value {
+    let verdict = |ratio: &Ratio| match ratio.value {
+        value if value > ratio.largest => "more-than-noise",
+        value if value < LESS => "less-than-noise",
+        _ => "noise",
+    };
+    match ratio(comparison, summary, noise) {
+        Some(ratio) => {
+            serde_json::json!({ "ratio": ratio.value, "largest": ratio.largest, "verdict": verdict(&ratio) })
+        }
+        None => serde_json::json!({ "ratio": null, "largest": null, "verdict": "unknown" }),
+    }
 }
 
 /// How the noise is known, as a sentence about all of it.

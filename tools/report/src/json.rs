@@ -6,18 +6,21 @@ use stickslip::diagnose::{Comparison, Noise, NoiseSource, RecordResult, Stage, S
 use stickslip::fit::ring_down::{Level, RingDown};
 
 use crate::explorer::Harmonics;
-use crate::{floors, summary, tables};
+use crate::{fitted, floors, summary, tables};
 
 /// The comparison without its arrays, schema `stickslip.comparison/1`.
 ///
 /// ```json
 /// {"schema": "stickslip.comparison/1", "title": "...", "verdict": "...",
-///  "error": {"baseline": 0.41, "refitted": 0.38},
+///  "error": {"baseline": 0.41, "refitted": 0.38, "noise_floor": 0.02}, "against_noise": {"ratio": 19.0, "verdict": "more-than-noise"},
+///  "gains": [{"stage": "refitted", "before": 0.41, "after": 0.38}],
 ///  "skipped": [{"file": "open.csv", "reason": "..."}],
 ///  "checks": [{"file": "r0.csv", "channel": "force", "fault": "reversed-sign", "message": "..."}],
 ///  "rms": {"channel": "frequency", "unit": "Hz", "baseline": 1.8, "refitted": 0.1},
 ///  "stages": [{"name": "baseline", "error": 0.41, "evaluations": 0,
-///    "parameters": {"contact.normal_load": {"value": 162.0, "unit": "N", "fitted_from": null}},
+///    "parameters": {"contact.normal_load": {"value": 162.0, "unit": "N", "fitted": true, "fitted_from": 150.0,
+///      "low": 160.0, "high": 164.0, "at_bound": false, "unseen": false,
+///      "correlated": [{"with": "contact.friction_coefficient", "correlation": -0.99}]}},
 ///    "records": [{"file": "r0.csv", "regime": "from-rest", "use": "fit", "error": 0.4, "failure": null,
 ///      "channels": {"force": {"unit": "N", "error": 0.4, "rms": 31.0}}}]}],
 ///  "steps": [{"from": "Jenkins", "to": "Valanis", "parameters": [2, 3], "f": 8.1, "chance": 0.036, "aicc": -2.3}],
@@ -37,6 +40,10 @@ pub fn json(comparison: &Comparison, noise: &[Noise]) -> Value {
         .skipped
         .iter()
         .map(|(record, reason)| json!({ "file": comparison.records[*record].name, "reason": reason }));
+    let gains =
+        comparison.stages.windows(2).zip(summary.normalised.windows(2)).map(
+            |(stages, errors)| json!({ "stage": stages[1].name, "before": errors[0], "after": errors[1] }),
+        );
     let rms = summary.common.as_ref().map(|common| {
         json!({
             "channel": common.name, "unit": common.unit,
@@ -46,7 +53,9 @@ pub fn json(comparison: &Comparison, noise: &[Noise]) -> Value {
     json!({
         "schema": "stickslip.comparison/1",
         "title": comparison.title,
-        "verdict": summary.verdict.replace('\u{a0}', " "),
+        "verdict": floors::with_noise(&summary.verdict, comparison, &summary, noise).replace('\u{a0}', " "),
+        "against_noise": floors::to_json(comparison, &summary, noise),
+        "gains": gains.collect::<Vec<_>>(),
         "notes": summary.notes.iter().map(|note| note.replace('\u{a0}', " ")).collect::<Vec<_>>(),
         "skipped": skipped.collect::<Vec<_>>(),
         "checks": crate::findings::to_json(&comparison.findings),
@@ -121,12 +130,7 @@ fn stage(comparison: &Comparison, stage: &Stage) -> Value {
     let parameters: Map<String, Value> = stage
         .parameters
         .iter()
-        .map(|parameter| {
-            let value = json!({
-                "value": parameter.value, "unit": parameter.unit, "fitted_from": parameter.fitted_from,
-            });
-            (parameter.path.clone(), value)
-        })
+        .map(|parameter| (parameter.path.clone(), fitted::to_json(parameter)))
         .collect();
     let records =
         comparison.records.iter().zip(&stage.records).map(|(measured, result)| record(measured, result));

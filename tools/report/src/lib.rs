@@ -4,6 +4,7 @@
 
 mod branches;
 mod catalogue;
+pub mod check;
 mod contact_loop;
 mod decimate;
 pub mod diagnosis;
@@ -11,6 +12,7 @@ pub mod document;
 mod explorer;
 mod figure;
 mod findings;
+mod fitted;
 mod floors;
 mod format;
 pub mod identification;
@@ -19,8 +21,10 @@ mod modes;
 mod page;
 mod parameter;
 mod plots;
+mod reference;
 pub mod responses;
 mod ring_down;
+mod samples;
 pub mod simulation;
 pub mod slip_slap;
 mod stages;
@@ -35,6 +39,8 @@ pub use json::json;
 pub use modes::{ModeReport, mode_html};
 pub use page::{html, html_with};
 pub use parameter::{ParameterReport, parameter_html};
+pub use reference::file_reference;
+pub use samples::samples_csv;
 pub use table::{harmonic_text, terminal_table};
 
 /// How a report was made, so that somebody else can make it again.

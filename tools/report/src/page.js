@@ -26,6 +26,8 @@ function show() {
         if (typeof trace[axis] === "number") trace[axis] = stored.columns[trace[axis]];
       }
     }
+    // The page's own ground shows, light or dark.
+    figure.layout.paper_bgcolor = figure.layout.plot_bgcolor = "rgba(0,0,0,0)";
     if (narrow) {
       figure.layout.margin.r = 12;
       // Numbers would not fit into the fields of a map: a scale takes their place.

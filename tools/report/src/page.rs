@@ -25,7 +25,7 @@ const PLOTLY: &str = include_str!(concat!(env!("OUT_DIR"), "/plotly.packed"));
 ///
 /// ```
 /// use stickslip::diagnose::{Comparison, Noise};
-/// let comparison = Comparison { title: "joint A".into(), records: vec![], ring_downs: vec![], findings: vec![], stages: vec![] };
+/// let comparison = Comparison { title: "joint A".into(), records: vec![], ring_downs: vec![], findings: vec![], notes: vec![], stages: vec![] };
 /// let page = stickslip_report::html(&comparison, &[], &stickslip_report::Settings::default());
 /// assert!(page.starts_with("<!DOCTYPE html>"));
 /// ```
@@ -39,6 +39,7 @@ pub fn html_with(comparison: &Comparison, noise: &[Noise], more: &[Section], set
     let levels = summary::levels(comparison);
     let mut figures = Figures::default();
     let sections = html! {
+        (crate::fitted::section(comparison))
         (stage_section(&mut figures, comparison, &summary, &levels, noise))
         @for one in &comparison.ring_downs { (crate::ring_down::section(one)) }
         @for table in &levels { (backbone_section(&mut figures, comparison, table)) }
@@ -52,7 +53,7 @@ pub fn html_with(comparison: &Comparison, noise: &[Noise], more: &[Section], set
     Shell {
         title: &comparison.title,
         badge: None,
-        verdict: &summary.verdict,
+        verdict: &floors::with_noise(&summary.verdict, comparison, &summary, noise),
         warnings: &summary.notes,
         scope: &scope(comparison, &levels),
         sections,
@@ -94,7 +95,8 @@ impl Shell<'_> {
                         @if let Some((text, class)) = badge { p { span class=(format!("badge {class}")) { (text) } } }
                         p.verdict { (name(verdict)) }
                         @for note in warnings { p.warning { (name(note)) } }
-                        p.quiet { (name(scope)) @if let Some(date) = &settings.date { " " (name(date)) } }
+                        p.quiet { (name(scope)) " " (made(settings)) }
+                        (contents(&sections))
                     }
                     p.warning id="undrawn" hidden {
                         "The figures could not be drawn; a browser from 2023 or later does. The tables are complete."
@@ -111,6 +113,34 @@ impl Shell<'_> {
             }
         };
         page.into_string()
+    }
+}
+
+/// Version and date, in a sentence.
+fn made(settings: &Settings) -> String {
+    let version = Some(format!("stickslip {}", settings.version)).filter(|_| !settings.version.is_empty());
+    let parts: Vec<String> = version.into_iter().chain(settings.date.as_deref().map(name)).collect();
+    if parts.is_empty() { String::new() } else { format!("{}.", parts.join(", ")) }
+}
+
+/// Sections up to which a page needs no list of them.
+const FEW: usize = 2;
+
+/// Links to the sections, by their headings.
+fn contents(sections: &Markup) -> Markup {
+    let heading = |part: &str| {
+        let (id, rest) = part.split_once('"')?;
+        let title = rest.split_once("<h2>")?.1.split_once("</h2>")?.0;
+        // Another section may begin before a heading does.
+        (!rest.split_once("<h2>")?.0.contains("<section")).then(|| (id.to_owned(), title.to_owned()))
+    };
+    let all: Vec<(String, String)> = sections.0.split("<section id=\"").skip(1).filter_map(heading).collect();
+    html! {
+        @if all.len() > FEW {
+            nav.contents aria-label="Contents" {
+                ul { @for (id, title) in &all { li { a href={ "#" (id) } { (PreEscaped(title)) } } } }
+            }
+        }
     }
 }
 

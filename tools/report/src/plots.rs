@@ -56,20 +56,20 @@ pub fn waterfall_of(
         Some(stage) => wrapped(&format!("{}  {stage}", row + 1), 20),
         None => "remaining".to_owned(),
     });
-    let measure: Vec<&str> = (0..values.len())
-        .map(|row| match row {
-            0 => "absolute",
-            row if row == errors.len() => "total",
-            _ => "relative",
-        })
-        .collect();
+    // A change begins where the error of the stage before it ends.
+    let whole = |row: usize| row == 0 || row == errors.len();
+    let base = (0..values.len()).map(|row| if whole(row) { 0.0 } else { errors[row - 1] * scale.factor });
+    let colours = (0..values.len()).map(|row| match values[row] {
+        _ if whole(row) => "#5a6572",
+        value if value > 0.0 => "#D55E00",
+        _ => "#009E73",
+    });
     let rows: Vec<String> = rows.collect();
     let trace = json!({
-        "type": "waterfall", "orientation": "h", "measure": measure, "y": rows, "text": text,
+        "type": "bar", "orientation": "h", "y": rows, "text": text, "base": base.collect::<Vec<_>>(),
         "x": figures.column(values.iter().map(|value| value * scale.factor)),
         "textposition": "none", "showlegend": false, "hoverinfo": "text",
-        "increasing": { "marker": { "color": "#D55E00" } }, "decreasing": { "marker": { "color": "#009E73" } },
-        "totals": { "marker": { "color": "#5a6572" } }, "connector": { "line": { "color": "#aab2bd", "width": 1 } },
+        "marker": { "color": colours.collect::<Vec<_>>() },
     });
     let mut layout = figure::single(&scale.label(name), "");
     layout["yaxis"]["autorange"] = json!("reversed");

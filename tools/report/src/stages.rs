@@ -193,13 +193,18 @@ fn breakable(path: &str) -> Markup {
 fn value(parameter: &Parameter) -> Markup {
     let now = format::engineering(parameter.value, parameter.unit);
     html! {
-        @match parameter.fitted_from {
+        @match &parameter.fitted {
             None => { (now) }
-            Some(before) => {
+            Some(fitted) => {
                 strong { (now) }
                 span.before {
-                    (format::engineering(before, parameter.unit)) " → "
-                    (format::change(before, parameter.value).unwrap_or_else(|| "fitted".to_owned()))
+                    @match fitted.from {
+                        None => { "new" }
+                        Some(before) => {
+                            (format::engineering(before, parameter.unit)) " → "
+                            (format::change(before, parameter.value).unwrap_or_else(|| "fitted".to_owned()))
+                        }
+                    }
                 }
             }
         }

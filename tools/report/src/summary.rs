@@ -12,6 +12,9 @@ pub struct CommonChannel {
     pub unit: &'static str,
 }
 
+/// Stages up to which the gain of each is told in the verdict.
+const FEW: usize = 4;
+
 /// The verdict in words, with the numbers behind it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
@@ -236,7 +239,8 @@ pub fn summarise(comparison: &Comparison) -> Summary {
     };
     let scale = Scale::of(errors.iter().copied(), common.as_ref().map_or("1", |common| common.unit));
     let skipped = skipped(comparison);
-    let notes = crate::findings(&comparison.findings);
+    let mut notes = crate::findings(&comparison.findings);
+    notes.extend(stage_notes(comparison));
     let mut summary = Summary { verdict: String::new(), notes, skipped, common, errors, normalised, scale };
     for stage in &comparison.stages {
         let missing = (0..total).filter(|&record| failure(stage, record).is_some()).count();
@@ -302,8 +306,31 @@ fn verdict(comparison: &Comparison, shared: usize, summary: &mut Summary) {
         let name = &comparison.stages[stage].name;
         format!("The smallest error is not the last stage’s: “{name}” has {}{rms}.", print(error))
     });
-    summary.verdict = verdict;
+    summary.verdict = verdict + &in_steps(comparison, summary, &print);
     summary.notes.extend(note);
+}
+
+/// What each stage gains, where there are a few between the first and the last.
+fn in_steps(comparison: &Comparison, summary: &Summary, print: &dyn Fn(f64) -> String) -> String {
+    let count = comparison.stages.len();
+    if !(3..=FEW).contains(&count) || summary.errors.iter().any(|error| !error.is_finite()) {
+        return String::new();
+    }
+    let step = |index: usize| {
+        let [before, after] = [summary.errors[index - 1], summary.errors[index]];
+        let change = format::change(before, after).unwrap_or_else(|| "no change".to_owned());
+        format!("{} {} → {} ({change})", comparison.stages[index].name, print(before), print(after))
+    };
+    format!(" Step by step: {}.", (1..count).map(step).collect::<Vec<_>>().join("; "))
+}
+
+/// What must be known of how the stages were made.
+pub fn stage_notes(comparison: &Comparison) -> Vec<String> {
+    let of = |stage: &Stage| {
+        stage.notes.iter().map(|note| format!("“{}”: {note}.", stage.name)).collect::<Vec<_>>()
+    };
+    let general = comparison.notes.iter().map(|note| format!("{note}."));
+    general.chain(comparison.stages.iter().flat_map(of)).collect()
 }
 
 fn nothing_shared(comparison: &Comparison) -> String {

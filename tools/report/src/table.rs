@@ -26,11 +26,12 @@ pub fn terminal_table(comparison: &Comparison, noise: &[Noise], width: usize, co
     let levels = summary::levels(comparison);
     let mut out = Text::new(width, color);
     out.paragraph(&comparison.title, BOLD);
-    out.paragraph(&summary.verdict, "");
+    out.paragraph(&floors::with_noise(&summary.verdict, comparison, &summary, noise), "");
     for note in &summary.notes {
         out.paragraph(note, RED);
     }
     stages(&mut out, comparison, &summary);
+    fitted(&mut out, comparison);
     steps(&mut out, comparison);
     comparison.ring_downs.iter().for_each(|one| ring_down(&mut out, one));
     for table in &levels {
@@ -137,6 +138,15 @@ impl Text {
 }
 
 const FAILED: &str = "failed";
+
+/// What a fit made of each parameter.
+pub(crate) fn fitted(out: &mut Text, comparison: &Comparison) {
+    if let Some((heading, lines)) = crate::fitted::sentences(comparison) {
+        out.line("");
+        out.paragraph(&heading, BOLD);
+        lines.iter().for_each(|line| out.paragraph(line, ""));
+    }
+}
 
 /// What each step rests on, where the values are few.
 fn steps(out: &mut Text, comparison: &Comparison) {

@@ -89,7 +89,7 @@ fn test_fmus(tally: &mut Tally) -> Result<(), String> {
     let program = built("stickslip");
     let mut pytest = Command::new(python);
     pytest
-        .args(["-m", "pytest", "--quiet", "-rs", "tests/fmi"])
+        .args(["-m", "pytest", "--quiet", "-rs", "tests/fmi", "tests/formats"])
         .env("STICKSLIP_FMUS", &fmus)
         .env("STICKSLIP", &program)
         .env("PYTHONDONTWRITEBYTECODE", "1")

@@ -10,11 +10,11 @@ use stickslip_report::diagnosis::added_json;
 
 use super::diagnose::{effect, failed, watched};
 use super::{
-    check_destinations, checked, colored, dataset_file, dataset_files, list, read_levels, read_model,
-    settings,
+    Measured, check_destinations, checked, colored, dataset_file, list, read_measured, read_model, settings,
+    tables, unused,
 };
 use crate::output::{Outputs, say};
-use crate::{Failure, ResultFiles, progress};
+use crate::{Failure, LoneFile, ResultFiles, progress};
 
 /// Arguments of `stickslip add`.
 #[derive(clap::Args)]
@@ -37,6 +37,11 @@ pub struct Add {
     /// The new model
     #[arg(short, long, value_name = "NEW.toml")]
     out: PathBuf,
+    /// Write measured, predicted and residual values of every record, `RECORD-compared.csv`, to this folder
+    #[arg(long, value_name = "DIR")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    lone: LoneFile,
     #[command(flatten)]
     files: ResultFiles,
 }
@@ -51,7 +56,8 @@ impl Add {
         };
         let effect = effect(id)?;
         let model = read_model(&self.model)?;
-        let (dataset, ring_downs) = read_levels(&self.fit, &model)?;
+        let Measured { dataset, ring_downs, mut notes, files } =
+            read_measured(&self.fit, &model, &self.lone)?;
         check_kind(effect, &model)?;
         let location = location(effect, place, &model, &dataset)?;
         if model.effects.iter().any(|other| other.effect == effect && other.location == location) {
@@ -62,11 +68,14 @@ impl Add {
             )));
         }
         let mut read = vec![self.model.clone()];
-        read.extend(dataset_files(&self.fit, &dataset));
-        check_destinations(&self.files, [&self.out], &read)?;
+        read.extend(files);
+        let folder = self.csv.as_deref();
+        let out = Some(self.out.clone());
+        tables::check(&self.files, &out, folder, tables::compared(folder, &dataset.records), &read)?;
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
 
         let findings = checked(&model, &dataset);
+        notes.extend(unused(&model, &dataset));
         let done = watched(|watch| add(&model, effect, location.clone(), &dataset, watch)).map_err(failed)?;
         if progress::interrupted() {
             tell!("note: interrupted; these are the results so far");
@@ -75,9 +84,10 @@ impl Add {
         let title = format!("{} added: {data}", effect.title);
         let noise = noise_of(&model, &dataset);
         let comparison =
-            Comparison { title, records: dataset.records, ring_downs, findings, stages: done.stages };
+            Comparison { title, records: dataset.records, ring_downs, findings, notes, stages: done.stages };
         say(&stickslip_report::terminal_table(&comparison, &noise, 80, colored()))?;
         let mut outputs = Outputs::default();
+        tables::add(folder, &comparison, &mut outputs)?;
         outputs.add(&self.out, done.model.to_toml());
         if let Some(path) = &self.files.json {
             let place = location.as_ref().map(ToString::to_string);

@@ -6,18 +6,18 @@ use stickslip::diagnose::{Comparison, evaluate, noise_of};
 use stickslip::model::Model;
 
 use super::{
-    check_destinations, checked, colored, dataset_file, dataset_files, list, present, read_levels,
-    read_model, refitted, settings, tell_unused,
+    Measured, check_destinations, checked, colored, dataset_file, list, present, read_measured, read_model,
+    refitted, settings, tables, unused,
 };
 use crate::output::{Outputs, say};
-use crate::{Failure, ResultFiles};
+use crate::{Failure, LoneFile, ResultFiles};
 
 /// Arguments of `stickslip compare`.
 #[derive(clap::Args)]
 pub struct Compare {
     /// The model file, or an FMU that carries one
     model: PathBuf,
-    /// The dataset: `dataset.toml` or the folder that holds it
+    /// The dataset: `dataset.toml`, the folder that holds it, or a file of measurements (see `stickslip import`)
     dataset: PathBuf,
     /// Compare the model as it is; do not refit it
     #[arg(long)]
@@ -28,6 +28,11 @@ pub struct Compare {
     /// Write the refitted model
     #[arg(short, long, value_name = "NEW.toml", conflicts_with = "no_fit")]
     out: Option<PathBuf>,
+    /// Write measured, predicted and residual values of every record, `RECORD-compared.csv`, to this folder
+    #[arg(long, value_name = "DIR")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    lone: LoneFile,
     #[command(flatten)]
     files: ResultFiles,
 }
@@ -37,11 +42,13 @@ impl Compare {
     pub fn run(self) -> Result<(), Failure> {
         check_destinations(&self.files, &self.out, &[self.model.clone(), dataset_file(&self.dataset)])?;
         let model = read_model(&self.model)?;
-        let (dataset, ring_downs) = read_levels(&self.dataset, &model)?;
+        let Measured { dataset, ring_downs, mut notes, files } =
+            read_measured(&self.dataset, &model, &self.lone)?;
         let mut read = vec![self.model.clone()];
-        read.extend(dataset_files(&self.dataset, &dataset));
-        check_destinations(&self.files, &self.out, &read)?;
-        tell_unused(&model, &dataset);
+        read.extend(files);
+        let folder = self.csv.as_deref();
+        tables::check(&self.files, &self.out, folder, tables::compared(folder, &dataset.records), &read)?;
+        notes.extend(unused(&model, &dataset));
         let findings = checked(&model, &dataset);
         let baseline = evaluate("baseline", &model, &dataset);
         let mut stages = vec![baseline];
@@ -57,8 +64,9 @@ impl Compare {
         let title = dataset.title.clone().unwrap_or_else(|| self.dataset.display().to_string());
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         let noise = noise_of(&model, &dataset);
-        let comparison = Comparison { title, records: dataset.records, ring_downs, findings, stages };
+        let comparison = Comparison { title, records: dataset.records, ring_downs, findings, notes, stages };
         present(&comparison, &noise, &[], &settings, &self.files, &mut outputs)?;
+        tables::add(folder, &comparison, &mut outputs)?;
         if self.harmonics {
             say(&stickslip_report::harmonic_text(&comparison, 80, colored()))?;
         }

@@ -12,11 +12,11 @@ use stickslip::fit::FitError;
 use stickslip_report::diagnosis::{Run, diagnosis_html, diagnosis_json, diagnosis_table};
 
 use super::{
-    check_destinations, checked, dataset_file, dataset_files, list, read_levels, read_model, settings,
-    tell_unused,
+    Measured, check_destinations, checked, dataset_file, list, read_measured, read_model, settings, tables,
+    unused,
 };
 use crate::output::{Outputs, say};
-use crate::{Failure, ResultFiles, progress};
+use crate::{Failure, LoneFile, ResultFiles, progress};
 
 /// NAME=VALUE of an assumption.
 fn assumption(text: &str) -> Result<(String, f64), String> {
@@ -51,6 +51,11 @@ pub struct Diagnose {
     /// Write the model with the effects found, refitted
     #[arg(short, long, value_name = "NEW.toml")]
     out: Option<PathBuf>,
+    /// Write measured, predicted and residual values of every record, `RECORD-compared.csv`, to this folder
+    #[arg(long, value_name = "DIR")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    lone: LoneFile,
     #[command(flatten)]
     files: ResultFiles,
 }
@@ -64,16 +69,18 @@ impl Diagnose {
         }
         let options = self.options()?;
         let model = read_model(&self.model)?;
-        let (dataset, _) = read_levels(&self.dataset, &model)?;
-        tell_unused(&model, &dataset);
+        let Measured { dataset, mut notes, files, .. } = read_measured(&self.dataset, &model, &self.lone)?;
         checked(&model, &dataset);
         let mut read = vec![self.model.clone()];
-        read.extend(dataset_files(&self.dataset, &dataset));
-        check_destinations(&self.files, &self.out, &read)?;
+        read.extend(files);
+        let folder = self.csv.as_deref();
+        tables::check(&self.files, &self.out, folder, tables::compared(folder, &dataset.records), &read)?;
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
 
         let start = Instant::now();
-        let diagnosis = watched(|watch| diagnose(&model, &dataset, &options, watch)).map_err(failed)?;
+        let mut diagnosis = watched(|watch| diagnose(&model, &dataset, &options, watch)).map_err(failed)?;
+        notes.extend(unused(&model, &dataset));
+        diagnosis.comparison.notes = notes;
         let mut outputs = Outputs::default();
         let run = Run {
             model: self.model.display().to_string(),
@@ -90,6 +97,7 @@ impl Diagnose {
         if let Some(path) = &self.files.report {
             outputs.add(path, diagnosis_html(&diagnosis, &run, &settings));
         }
+        tables::add(folder, &diagnosis.comparison, &mut outputs)?;
         list(&outputs.write()?)?;
         Ok(diagnosis.exit_code())
     }
@@ -130,7 +138,12 @@ pub fn effect(id: &str) -> Result<&'static Effect, Failure> {
 /// Runs `work` with its progress on the terminal.
 pub fn watched<T>(work: impl FnOnce(DiagnoseWatch) -> T) -> T {
     let meter = progress::Progress::new();
-    let show = |what: &str, done: usize, of: usize| meter.show(what, done, of);
+    let show = |what: &str, done: usize, of: usize| {
+        if done > 0 {
+            progress::results_exist();
+        }
+        meter.show(what, done, of);
+    };
     let done = work(DiagnoseWatch { progress: Some(&show), interrupt: Some(&progress::interrupted) });
     meter.finish();
     done

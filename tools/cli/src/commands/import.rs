@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use stickslip::data::Dataset;
-use stickslip_readers::{ImportOptions, dataset_toml, import_file, record_csv};
+use stickslip::data::{Dataset, Regime};
+use stickslip_readers::{ColumnRule, ImportOptions, dataset_toml, import_file, record_csv};
 
 use super::shown;
 use crate::Failure;
@@ -15,31 +15,49 @@ use crate::output::{Folder, say};
 Examples:
   stickslip import messung.txt -o data
   stickslip import run1.csv run2.csv -o data --column 'AI0=force [kN]'
+  stickslip import series.tdms -o data --regime steady --column 'AI1=-acceleration:x=0.55 [g]'
 
 What was guessed is shown, and written into dataset.toml.
 Exit codes: 0 done; 1 failed; 2 bad input. Where it is not 0 nothing is written.")]
 pub struct Import {
-    /// Text tables, as a laboratory exports them
+    /// Tables, as a laboratory exports them: CSV and other text, MAT, HDF5, UFF 58, TDMS, Parquet
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// Folder for dataset.toml and a CSV file per record; made, or empty
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
-    /// What a column is: its heading, or its number from 1, and `name [unit]`; may be given several times
+    /// What a column is: its heading, or its number from 1, and `name [unit]`, with a minus before it where the sign is to be
+    /// turned; may be given several times
     #[arg(long = "column", value_name = "HEADING=NAME [UNIT]", value_parser = column)]
-    columns: Vec<(String, String)>,
+    columns: Vec<(String, ColumnRule)>,
+    /// How all records begin, or which table they are
+    #[arg(long, value_name = "REGIME", value_parser = regime)]
+    regime: Option<Regime>,
 }
 
-fn column(text: &str) -> Result<(String, String), String> {
+/// `HEADING=NAME [UNIT]`, the sign turned by a minus before the name.
+pub fn column(text: &str) -> Result<(String, ColumnRule), String> {
     let (heading, name) = text.split_once('=').ok_or("write HEADING=NAME [UNIT]")?;
-    Ok((heading.trim().to_owned(), name.trim().to_owned()))
+    let name = name.trim();
+    let rule = match name.strip_prefix('-') {
+        Some(name) => ColumnRule { factor: -1.0, ..ColumnRule::of(name.trim()) },
+        None => ColumnRule::of(name),
+    };
+    Ok((heading.trim().to_owned(), rule))
+}
+
+/// A regime as `dataset.toml` spells it.
+pub fn regime(text: &str) -> Result<Regime, String> {
+    stickslip_readers::regime(text)
+        .ok_or_else(|| format!("legal are {}", stickslip_readers::regimes().join(", ")))
 }
 
 impl Import {
     /// Reads all files and writes the dataset.
     pub fn run(self) -> Result<(), Failure> {
         let folder = Folder::check(&self.out)?;
-        let options = ImportOptions { columns: self.columns, ..ImportOptions::default() };
+        let options =
+            ImportOptions { columns: self.columns, regime: self.regime, ..ImportOptions::default() };
         let mut records = Vec::new();
         let mut told = String::new();
         for path in &self.files {

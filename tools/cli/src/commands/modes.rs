@@ -72,7 +72,7 @@ impl Modes {
         let bar = progress::spinner("modes");
         let found = nonlinear_mode(&assembly, &range, &asked, &mut |point| {
             bar.set_message(format!("amplitude {:.3e} m", point.amplitude));
-            !progress::interrupted()
+            !progress::interrupted_after_a_step()
         });
         bar.finish_and_clear();
         let mode = found.map_err(|error| match error {

@@ -20,6 +20,8 @@ mod import;
 mod interrupt;
 mod manners;
 mod modes;
+mod new;
+mod numbers;
 mod pin_rig;
 mod rig;
 mod simulate;

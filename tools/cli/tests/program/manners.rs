@@ -1,5 +1,6 @@
 //! What the program prints where, and how it is used from a shell.
 
+use std::fs;
 use std::process::{Command, Output};
 
 use serde_json::Value;
@@ -87,4 +88,68 @@ fn the_command_in_a_report_is_quoted_for_a_shell() {
     assert_eq!(output.status.code(), Some(0), "{}", error(&output));
     let page = std::fs::read_to_string(folder.path().join("it's.html")).unwrap();
     assert!(page.contains("compare model.toml 'my data' --report 'it'\\''s.html'"));
+}
+
+/// Runs the program, sends SIGTERM after `wait`, and gives the time that it takes from there, and its exit code.
+#[cfg(unix)]
+fn answered(
+    folder: &std::path::Path,
+    arguments: &[&str],
+    wait: std::time::Duration,
+) -> (std::time::Duration, Option<i32>) {
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_stickslip"))
+        .current_dir(folder)
+        .args(arguments)
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(wait);
+    assert!(child.try_wait().unwrap().is_none(), "{arguments:?} ended before it was asked to");
+    let begin = std::time::Instant::now();
+    let sent = std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    let code = child.wait().unwrap().code();
+    (begin.elapsed(), code)
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_is_answered_in_the_middle_of_a_solve_that_does_not_look_up() {
+    let folder = tempfile::tempdir().unwrap();
+    // Ten thousand masses: their matrices alone take minutes.
+    let mut model =
+        "schema = \"stickslip.model/1\"\nkind = \"oscillator\"\nexcitation = { at = \"m1\" }\n".to_owned();
+    for mass in 1..=10_000 {
+        let before = if mass == 1 { "ground".to_owned() } else { format!("m{}", mass - 1) };
+        model += &format!(
+            "[[mass]]\nname = \"m{mass}\"\nmass = 1.0\n[[spring]]\nbetween = [\"{before}\", \"m{mass}\"]\nstiffness = 1e4\ndamping = 1.0\n"
+        );
+    }
+    fs::write(folder.path().join("many.toml"), model).unwrap();
+    let frf = ["frf", "many.toml", "--from", "1", "--to", "30", "--force", "1"];
+    let (time, code) = answered(folder.path(), &frf, std::time::Duration::from_secs(3));
+    assert!(code == Some(130) && time.as_secs_f64() < 2.0, "{code:?} after {time:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_and_files_without_end_are_refused_at_once() {
+    let folder = example();
+    let made = std::process::Command::new("mkfifo").arg(folder.path().join("fifo.csv")).status().unwrap();
+    assert!(made.success());
+    // Large on paper only: a hole.
+    fs::File::create(folder.path().join("large.csv")).unwrap().set_len(1_200_000_000).unwrap();
+    for file in ["fifo.csv", "/dev/zero", "large.csv"] {
+        let begin = std::time::Instant::now();
+        for arguments in
+            [&["compare", "model.toml", file][..], &["import", file, "-o", "out"], &["compare", file, "data"]]
+        {
+            let output = stickslip(&folder, arguments);
+            assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", error(&output));
+            let told = error(&output);
+            assert!(told.contains("pipe or a device") || told.contains("up to 300 MB"), "{told}");
+        }
+        assert!(begin.elapsed().as_secs_f64() < 2.0);
+    }
 }

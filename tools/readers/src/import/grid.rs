@@ -2,20 +2,8 @@
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
+use super::raw::RawColumn;
 use super::{Refusal, refuse};
-
-/// A column as it stands in the file; what is no number is NaN.
-pub(super) struct RawColumn {
-    pub(super) heading: String,
-    /// What stands below the heading, in a row of units.
-    pub(super) unit: Option<String>,
-    pub(super) values: Vec<f64>,
-    /// Cells that hold words, and the first of them with its line.
-    pub(super) words: usize,
-    pub(super) first_word: Option<(String, u64)>,
-    /// Cells of the form 12:30:00.5, read as seconds of the day.
-    pub(super) clock: bool,
-}
 
 #[derive(Clone, Copy, PartialEq)]
 struct Dialect {
@@ -57,8 +45,7 @@ pub(super) fn read(text: &str, notes: &mut Vec<String>) -> Result<Vec<RawColumn>
         ));
     }
     tell_dialect(dialect, notes);
-    let rows = rows_of(text, dialect);
-    columns(&rows, dialect, notes)
+    columns(rows_of(text, dialect), dialect, notes)
 }
 
 fn tell_dialect(dialect: Dialect, notes: &mut Vec<String>) {
@@ -78,7 +65,8 @@ fn tell_dialect(dialect: Dialect, notes: &mut Vec<String>) {
 /// (`1,5;2,5` holds two numbers between commas, too, but then also a word, `5;2`.)
 fn numbers_in(text: &str, dialect: Dialect) -> usize {
     let mut lengths = std::collections::BTreeMap::<usize, usize>::new();
-    for row in rows_of(text, dialect) {
+    let (mut rows, mut row) = (rows_of(text, dialect), StringRecord::new());
+    while rows.read(&mut row) {
         let is_number = |field: &&str| number(field, dialect.decimal).is_some();
         let numbers = row.iter().filter(is_number).count();
         let words = row.iter().filter(|field| !is_number(field) && !is_gap(field)).count();
@@ -89,42 +77,69 @@ fn numbers_in(text: &str, dialect: Dialect) -> usize {
     lengths.into_values().max().unwrap_or(0)
 }
 
-fn rows_of(text: &str, dialect: Dialect) -> Vec<StringRecord> {
+/// The rows of a text, one at a time.
+enum Rows<'t> {
+    /// Fields with separators, which may be quoted.
+    Separated(Box<csv::Reader<&'t [u8]>>),
+    /// Fields between any number of blanks.
+    Blank(std::iter::Zip<std::str::Split<'t, [char; 2]>, std::ops::RangeFrom<u64>>),
+}
+
+fn rows_of(text: &str, dialect: Dialect) -> Rows<'_> {
     if dialect.separator == b' ' {
-        return text
-            .split(['\n', '\r'])
-            .zip(1u64..)
-            .filter(|(line, _)| !line.trim().is_empty())
-            .map(|(line, at)| {
-                let mut row: StringRecord = line.split_whitespace().collect::<Vec<_>>().into();
-                let mut position = csv::Position::new();
-                position.set_line(at);
-                row.set_position(Some(position));
-                row
-            })
-            .collect();
+        return Rows::Blank(text.split(['\n', '\r']).zip(1..));
     }
     let mut reader = ReaderBuilder::new();
     reader.has_headers(false).flexible(true).trim(Trim::All).delimiter(dialect.separator);
-    // The text is UTF-8 and rows may be ragged: no row can fail.
-    reader.from_reader(text.as_bytes()).records().map_while(Result::ok).collect()
+    Rows::Separated(Box::new(reader.from_reader(text.as_bytes())))
 }
 
-fn columns(
-    rows: &[StringRecord],
-    dialect: Dialect,
-    notes: &mut Vec<String>,
-) -> Result<Vec<RawColumn>, Refusal> {
+impl Rows<'_> {
+    /// Reads the next row into `row`; `false` at the end.
+    fn read(&mut self, row: &mut StringRecord) -> bool {
+        match self {
+            // The text is UTF-8 and rows may be ragged: no row can fail.
+            Self::Separated(reader) => reader.read_record(row).unwrap_or(false),
+            Self::Blank(lines) => {
+                let Some((line, at)) = lines.find(|(line, _)| !line.trim().is_empty()) else { return false };
+                row.clear();
+                line.split_whitespace().for_each(|field| row.push_field(field));
+                let mut position = csv::Position::new();
+                position.set_line(at);
+                row.set_position(Some(position));
+                true
+            }
+        }
+    }
+}
+
+/// Rows up to the first of numbers that are kept while it is looked for.
+const HEAD: usize = 10_000;
+
+/// The rows up to the first two of numbers, or all, and the index of the first of numbers.
+fn head(rows: &mut Rows, dialect: Dialect) -> Result<(Vec<StringRecord>, usize), Refusal> {
     let numeric =
         |row: &StringRecord| row.iter().filter(|field| number(field, dialect.decimal).is_some()).count() >= 2;
+    let (mut kept, mut row) = (Vec::<StringRecord>::new(), StringRecord::new());
     // Preambles hold numbers, too: the data begin where two rows of one length follow each other, or with the last row.
-    let first = (0..rows.len())
-        .find(|&at| {
-            numeric(&rows[at])
-                && rows.get(at + 1).is_none_or(|next| numeric(next) && next.len() == rows[at].len())
-        })
-        .or_else(|| rows.iter().rposition(numeric))
-        .unwrap_or(0);
+    while rows.read(&mut row) {
+        let two = kept.last().is_some_and(|last| numeric(last) && numeric(&row) && last.len() == row.len());
+        kept.push(row.clone());
+        if two {
+            let first = kept.len() - 2;
+            return Ok((kept, first));
+        }
+        if kept.len() > HEAD {
+            let message = format!("no rows of numbers were found in the first {HEAD} lines");
+            return Err(refuse(message, "export a table with one column per channel"));
+        }
+    }
+    let first = kept.iter().rposition(numeric).unwrap_or(0);
+    Ok((kept, first))
+}
+
+fn columns(mut left: Rows, dialect: Dialect, notes: &mut Vec<String>) -> Result<Vec<RawColumn>, Refusal> {
+    let (rows, first) = head(&mut left, dialect)?;
     let width = rows[first].len();
     let mut above = first;
     let mut names = None;
@@ -158,26 +173,20 @@ fn columns(
     if above > 0 {
         notes.push(format!("{above} lines above the names of the columns were not used"));
     }
-    let mut columns = empty_columns(names, units.as_deref(), rows.len() - first);
-    fill(&rows[first..], dialect, &mut columns, notes)?;
+    let mut columns = empty_columns(names, units.as_deref());
+    fill(&rows[first..], left, dialect, &mut columns, notes)?;
     Ok(columns)
 }
 
-fn empty_columns(names: Vec<String>, units: Option<&[String]>, rows: usize) -> Vec<RawColumn> {
+fn empty_columns(names: Vec<String>, units: Option<&[String]>) -> Vec<RawColumn> {
+    let unit = |index: usize| {
+        let unit = units.and_then(|units| units.get(index)).map(|unit| bare(unit).to_owned());
+        unit.filter(|unit| !unit.is_empty())
+    };
     names
         .into_iter()
         .enumerate()
-        .map(|(index, heading)| RawColumn {
-            heading,
-            unit: units
-                .and_then(|units| units.get(index))
-                .map(|unit| bare(unit).to_owned())
-                .filter(|unit| !unit.is_empty()),
-            values: Vec::with_capacity(rows),
-            words: 0,
-            first_word: None,
-            clock: false,
-        })
+        .map(|(index, heading)| RawColumn::new(&heading, unit(index), Vec::new()))
         .collect()
 }
 
@@ -221,48 +230,58 @@ fn is_unit(field: &str) -> bool {
     field.is_empty() || stickslip::data::unit_size(&super::heading::unit_spelling(unit)).is_some()
 }
 
+/// The numbers of the rows at the `start`, and of all that are `left`.
 fn fill(
-    rows: &[StringRecord],
+    start: &[StringRecord],
+    mut left: Rows,
     dialect: Dialect,
     columns: &mut [RawColumn],
     notes: &mut Vec<String>,
 ) -> Result<(), Refusal> {
     let mut skipped = 0;
-    for row in rows {
-        let line = row.position().map_or(0, csv::Position::line);
-        if !row.iter().any(|field| number(field, dialect.decimal).is_some()) {
-            skipped += 1;
-            continue;
-        }
-        if row.iter().skip(columns.len()).any(|field| !field.is_empty()) {
-            let message =
-                format!("line {line} has {} fields, but the heading has {}", row.len(), columns.len());
-            return Err(refuse(message, "every row needs one field per column; export the file again"));
-        }
-        for (index, column) in columns.iter_mut().enumerate() {
-            let field = row.get(index).unwrap_or("");
-            let value = match number(field, dialect.decimal) {
-                Some(value) => value,
-                None if is_gap(field) => f64::NAN,
-                None => match clock(field, dialect.decimal) {
-                    Some(seconds) => {
-                        column.clock = true;
-                        seconds
-                    }
-                    None => {
-                        column.words += 1;
-                        column.first_word.get_or_insert_with(|| (field.to_owned(), line));
-                        f64::NAN
-                    }
-                },
-            };
-            column.values.push(value);
-        }
+    for row in start {
+        skipped += usize::from(!fill_row(row, dialect, columns)?);
+    }
+    let mut row = StringRecord::new();
+    while left.read(&mut row) {
+        skipped += usize::from(!fill_row(&row, dialect, columns)?);
     }
     if skipped > 0 {
         notes.push(format!("{skipped} lines below the first row hold no number and were not used"));
     }
     Ok(())
+}
+
+/// `false` for a row without any number, which gives no values.
+fn fill_row(row: &StringRecord, dialect: Dialect, columns: &mut [RawColumn]) -> Result<bool, Refusal> {
+    if !row.iter().any(|field| number(field, dialect.decimal).is_some()) {
+        return Ok(false);
+    }
+    let line = row.position().map_or(0, csv::Position::line);
+    if row.iter().skip(columns.len()).any(|field| !field.is_empty()) {
+        let message = format!("line {line} has {} fields, but the heading has {}", row.len(), columns.len());
+        return Err(refuse(message, "every row needs one field per column; export the file again"));
+    }
+    for (index, column) in columns.iter_mut().enumerate() {
+        let field = row.get(index).unwrap_or("");
+        let value = match number(field, dialect.decimal) {
+            Some(value) => value,
+            None if is_gap(field) => f64::NAN,
+            None => match clock(field, dialect.decimal) {
+                Some(seconds) => {
+                    column.clock = true;
+                    seconds
+                }
+                None => {
+                    column.words += 1;
+                    column.first_word.get_or_insert_with(|| (field.to_owned(), line));
+                    f64::NAN
+                }
+            },
+        };
+        column.values.push(value);
+    }
+    Ok(true)
 }
 
 /// A finite number; the exponent may be Fortran's D.

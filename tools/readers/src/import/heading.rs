@@ -2,7 +2,9 @@
 
 use stickslip::data::{ChannelName, Place, unit_factor};
 
-use super::grid::{RawColumn, bare};
+use super::columns::{self, ColumnRule, Delayed};
+use super::grid::bare;
+use super::raw::RawColumn;
 use super::{ImportOptions, Refusal, refuse};
 use crate::table::Column;
 
@@ -26,72 +28,63 @@ const WORDS: &[(&str, &[&str])] = &[
 /// Words beside the quantity that change nothing.
 const FILLERS: [&str; 9] = ["sensor", "channel", "ch", "signal", "measured", "in", "raw", "value", "data"];
 
+/// The quantity that a heading names, whatever its unit.
+pub(super) fn quantity_of(heading: &str) -> Option<&'static str> {
+    let (words, unit) = split_unit(heading);
+    let name = ChannelName::parse(words)
+        .ok()
+        .or_else(|| guess(words, unit.map(|unit| unit_spelling(&unit))).map(|found| found.0));
+    name.map(|name| name.quantity.name)
+}
+
 /// The known columns with their values in SI.
 pub(super) fn recognise(
     raw: Vec<RawColumn>,
     options: &ImportOptions,
     notes: &mut Vec<String>,
-) -> Result<Vec<Column>, Refusal> {
+) -> Result<Vec<Delayed>, Refusal> {
     let listed = raw.iter().map(|column| format!("`{}`", column.heading)).collect::<Vec<_>>().join(", ");
-    check_options(&raw, options, &listed)?;
-    let mut columns: Vec<Column> = Vec::new();
+    let mut columns: Vec<Delayed> = Vec::new();
     let mut unused = Vec::new();
     for (index, raw) in raw.into_iter().enumerate() {
         let heading = raw.heading.clone();
-        let Some((name, unit)) = meaning(&raw, index, options)? else {
+        let rule = columns::rule(options, index, &raw).cloned().unwrap_or_default();
+        let Some((name, unit)) = meaning(&raw, &rule)? else {
             unused.push(format!("`{heading}`"));
             continue;
         };
-        if columns.iter().any(|column| column.name == name) {
+        if columns.iter().any(|other| other.column.name == name) {
             return Err(refuse(
                 format!("two columns would be `{name}`, the second is `{heading}`"),
                 "say which is which, with the place where it was measured: \
                  --column 'HEADING=acceleration:x=0.55 [g]'",
             ));
         }
-        columns.push(convert(raw, name, &unit, notes)?);
+        let column = convert(raw, name, &unit, &rule, notes)?;
+        columns.push(Delayed { column, delay: rule.delay });
     }
     if !unused.is_empty() {
         notes.push(format!("not used: {}", unused.join(", ")));
     }
     if columns.is_empty() {
-        return Err(refuse(
-            format!("no column has a known name: {listed}"),
-            "say what they are: --column 'HEADING=force [kN]'",
-        ));
+        let help = "say what they are: --column 'HEADING=force [kN]'";
+        return Err(Refusal {
+            is_other: true,
+            ..refuse(format!("no column has a known name: {listed}"), help)
+        });
     }
     tell_force(&mut columns, options, notes);
     Ok(columns)
 }
 
-fn check_options(raw: &[RawColumn], options: &ImportOptions, listed: &str) -> Result<(), Refusal> {
-    let known = |key: &str| raw.iter().enumerate().any(|(index, column)| is_meant(key, index, column));
-    match options.columns.iter().find(|(key, _)| !known(key)) {
-        Some((key, _)) => {
-            Err(refuse(format!("there is no column `{key}`"), format!("the columns are {listed}")))
-        }
-        None => Ok(()),
-    }
-}
-
-fn is_meant(key: &str, index: usize, column: &RawColumn) -> bool {
-    key == column.heading || key.parse() == Ok(index + 1)
-}
-
 /// Name and unit of a column; `None` where it has no known name.
-fn meaning(
-    raw: &RawColumn,
-    index: usize,
-    options: &ImportOptions,
-) -> Result<Option<(ChannelName, String)>, Refusal> {
-    let told = options.columns.iter().find(|(key, _)| is_meant(key, index, raw)).map(|(_, is)| is.as_str());
+fn meaning(raw: &RawColumn, rule: &ColumnRule) -> Result<Option<(ChannelName, String)>, Refusal> {
+    let told = rule.name.as_deref();
     let (words, unit) = split_unit(told.unwrap_or(&raw.heading));
     let unit = unit.or_else(|| raw.unit.clone()).map(|unit| unit_spelling(&unit));
     let name = match (told, ChannelName::parse(words)) {
         (_, Ok(name)) => Some((name, unit)),
-        (Some(_), Err(error)) => {
-            return Err(refuse(error.to_string(), "write --column 'HEADING=force [kN]'"));
-        }
+        (Some(_), Err(_)) => Some((columns::named(words)?, unit)),
         (None, Err(_)) => guess(words, unit),
     };
     let Some((name, unit)) = name else { return Ok(None) };
@@ -181,13 +174,15 @@ fn convert(
     raw: RawColumn,
     name: ChannelName,
     unit: &str,
+    rule: &ColumnRule,
     notes: &mut Vec<String>,
 ) -> Result<Column, Refusal> {
     let factor = unit_factor(unit, name.quantity).map_err(|error| {
         refuse(format!("column `{}`: {error}", raw.heading), "correct the unit in the heading")
     })?;
     let written = format!("{name} [{unit}]");
-    if raw.heading != written {
+    // `force [kN]`, or `force` with its unit among the properties.
+    if raw.heading != written && !(raw.heading == name.to_string() && raw.unit.as_deref() == Some(unit)) {
         notes.push(format!("`{}` was read as {written}", raw.heading));
     }
     if let Some((word, line)) = &raw.first_word {
@@ -210,19 +205,24 @@ fn convert(
             *value += days - start;
         }
     }
-    values.iter_mut().for_each(|value| *value *= factor);
+    if rule.factor != 1.0 {
+        notes.push(format!("`{}` was multiplied by {}", raw.heading, rule.factor));
+    }
+    let factor = factor * rule.factor.abs();
+    values.iter_mut().for_each(|value| *value *= factor * rule.factor.signum());
     Ok(Column { name, factor, values })
 }
 
 /// A force beside accelerations, without a displacement, is that on a structure.
-fn tell_force(columns: &mut [Column], options: &ImportOptions, notes: &mut Vec<String>) {
-    let has = |name: &str| columns.iter().any(|column| column.name.quantity.name == name);
+fn tell_force(columns: &mut [Delayed], options: &ImportOptions, notes: &mut Vec<String>) {
+    let has = |name: &str| columns.iter().any(|one| one.column.name.quantity.name == name);
     let guessed = has("acceleration") && !has("displacement");
     if !options.structure.unwrap_or(guessed) || has("excitation") {
         return;
     }
     let force = columns
         .iter_mut()
+        .map(|one| &mut one.column)
         .find(|column| column.name.quantity.name == "force" && column.name.place == Place::Unnamed);
     if let (Some(force), Ok(excitation)) = (force, ChannelName::parse("excitation")) {
         force.name = excitation;

@@ -116,10 +116,9 @@ fn regime_of(
         (false, true, true, false) => Regime::Backbone,
         _ => {
             let names: Vec<String> = columns.iter().map(|column| format!("`{}`", column.name)).collect();
-            return Err(refuse(
-                format!("there is no column of time; known are {}", names.join(", ")),
-                "export the time stamps as a column `time [s]`, or say which it is: --column 'HEADING=time [s]'",
-            ));
+            let message = format!("there is no column of time; known are {}", names.join(", "));
+            let help = "export the time stamps as a column `time [s]`, or say which it is: --column 'HEADING=time [s]'";
+            return Err(Refusal { is_other: true, ..refuse(message, help) });
         }
     };
     if options.regime.is_none() {

@@ -6,27 +6,6 @@ use super::{Refusal, refuse};
 
 /// First bytes of formats that are no text, and what to do with them.
 const FORMATS: &[(&[u8], &str, &str)] = &[
-    (
-        b"MATLAB 5.0 MAT",
-        "a MAT file (version 5)",
-        "in MATLAB: `writetable(table(time, displacement, force), 'loop.csv')`",
-    ),
-    (
-        b"MATLAB 7.3 MAT",
-        "a MAT file (version 7.3)",
-        "in MATLAB: `writetable(table(time, displacement, force), 'loop.csv')`",
-    ),
-    (
-        b"\x89HDF\r\n",
-        "an HDF5 file",
-        "in Python: `pandas.DataFrame({'time [s]': file['time'][:], …}).to_csv('loop.csv', index=False)` of `h5py.File(…)`",
-    ),
-    (b"PAR1", "a Parquet file", "in Python: `pandas.read_parquet('…').to_csv('loop.csv', index=False)`"),
-    (
-        b"TDSm",
-        "a TDMS file",
-        "in Python: `nptdms.TdmsFile.read('…').as_dataframe(time_index=True).to_csv('loop.csv')`",
-    ),
     (b"PK\x03\x04", "a workbook or another zip archive", "save the sheet as CSV (UTF-8)"),
     (b"\xd0\xcf\x11\xe0", "an old Excel workbook", "save the sheet as CSV (UTF-8)"),
     (
@@ -36,16 +15,6 @@ const FORMATS: &[(&[u8], &str, &str)] = &[
     ),
     (b"\x1f\x8b", "a gzip archive", "unpack it with `gunzip` first"),
     (b"RIFF", "a sound file (WAV)", "convert it to CSV with a column `time [s]`"),
-    (
-        b"    -1\n    58",
-        "a universal file (UFF 58)",
-        "in Python: `pyuff.UFF('…').read_sets()`, then write `x` and `data` as columns of a CSV file",
-    ),
-    (
-        b"    -1\r\n    58",
-        "a universal file (UFF 58)",
-        "in Python: `pyuff.UFF('…').read_sets()`, then write `x` and `data` as columns of a CSV file",
-    ),
 ];
 
 pub(super) fn decode(bytes: Vec<u8>, notes: &mut Vec<String>) -> Result<String, Refusal> {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use stickslip::data::Regime;
-use stickslip_readers::{ImportOptions, Imported, import_table};
+use stickslip_readers::{ColumnRule, ImportOptions, Imported, import_table};
 
 /// Time (ms), displacement (mm) and force (kN), as written in every file.
 fn rows() -> Vec<[f64; 3]> {
@@ -168,7 +168,7 @@ fn several_records_in_one_file_are_several_records() {
 #[test]
 fn columns_are_what_the_user_says() {
     let columns = [("AI0", "time [ms]"), ("AI1", "displacement [mm]"), ("3", "force [kN]")];
-    let columns = columns.map(|(heading, name)| (heading.to_owned(), name.to_owned())).to_vec();
+    let columns = columns.map(|(heading, name)| (heading.to_owned(), ColumnRule::of(name))).to_vec();
     let options = ImportOptions { columns, ..ImportOptions::default() };
     let imported = import_with(format!("AI0,AI1,AI2\n{}", body(",", ".", "\n", false)), &options).unwrap();
     holds_the_rows(&imported, &[], "columns by the user");
@@ -193,9 +193,9 @@ fn what_cannot_be_read_gets_a_sentence_that_says_what_to_do() {
     let heading = "time [ms],displacement [mm],force [kN]\n";
     let files: [(Vec<u8>, &str); 14] = [
         (b"".to_vec(), "export the measurement again"),
-        (b"MATLAB 5.0 MAT-file, Platform".to_vec(), "writetable"),
-        (b"\x89HDF\r\n\x1a\n".to_vec(), "h5py"),
-        (b"PAR1\x15\x04".to_vec(), "read_parquet"),
+        (b"MATLAB 5.0 MAT-file, Platform".to_vec(), "-v7"),
+        (b"\x89HDF\r\n\x1a\n".to_vec(), "one dataset per channel"),
+        (b"PAR1\x15\x04".to_vec(), "to_parquet"),
         (b"TDSm\x0e\0\0\0".to_vec(), "nptdms"),
         (b"PK\x03\x04\x14\0".to_vec(), "save the sheet as CSV"),
         (b"    -1\n    58\nx".to_vec(), "pyuff"),

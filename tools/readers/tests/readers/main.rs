@@ -7,6 +7,7 @@ mod any_bytes;
 mod bad_input;
 mod dialects;
 mod examples;
+mod formats;
 mod plan;
 mod shared_data;
 mod ssp;

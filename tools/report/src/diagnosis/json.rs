@@ -46,6 +46,7 @@ pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
         "next_experiment": next,
         "seconds": run.seconds,
         "reasons": diagnosis.reasons,
+        "notes": super::words::warnings(diagnosis, run),
         "surrogates": diagnosis.surrogates,
         "group_details": diagnosis.groups.iter().map(group).collect::<Vec<_>>(),
         "chi_square": diagnosis.chi_square,
@@ -188,14 +189,8 @@ fn noise(diagnosis: &Diagnosis) -> Vec<Value> {
 }
 
 fn stage(stage: &Stage) -> Value {
-    let parameters: Map<String, Value> = stage
-        .parameters
-        .iter()
-        .map(|one| {
-            let value = json!({ "value": one.value, "unit": one.unit, "fitted_from": one.fitted_from });
-            (one.path.clone(), value)
-        })
-        .collect();
+    let parameters: Map<String, Value> =
+        stage.parameters.iter().map(|one| (one.path.clone(), crate::fitted::to_json(one))).collect();
     json!({ "name": stage.name, "error": stage.error, "evaluations": stage.evaluations, "parameters": parameters })
 }
 

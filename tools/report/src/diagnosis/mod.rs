@@ -12,6 +12,8 @@ pub use json::{added_json, diagnosis_json};
 pub use page::diagnosis_html;
 pub use terminal::diagnosis_table;
 
+pub(crate) use words::interval;
+
 use stickslip::diagnose::DiagnoseOptions;
 
 /// How a diagnosis was asked for and what it took: what its result does not say itself.

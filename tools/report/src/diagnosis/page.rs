@@ -20,6 +20,7 @@ pub fn diagnosis_html(diagnosis: &Diagnosis, run: &Run, settings: &Settings) -> 
     };
     let sections = html! {
         (sections::next(diagnosis, run))
+        (crate::fitted::section(&diagnosis.comparison))
         (fall(&mut drawn, diagnosis))
         (sections::why(diagnosis))
         (sections::effects(diagnosis))

@@ -23,6 +23,7 @@ pub fn diagnosis_table(diagnosis: &Diagnosis, run: &Run, width: usize, color: bo
         out.paragraph(&format!("- {step}"), "");
     }
     found(&mut out, diagnosis);
+    crate::table::fitted(&mut out, &diagnosis.comparison);
     why(&mut out, diagnosis);
     listed(&mut out, "Residual: measured minus predicted", &residual::told(diagnosis));
     listed(&mut out, "Detection limits: sizes that would have been found", &limits(diagnosis));

@@ -4,7 +4,7 @@ use stickslip::diagnose::{Candidate, Diagnosis, Estimate, NoiseSource, Skipped, 
 use stickslip::effects;
 
 use super::Run;
-use crate::format;
+use crate::{format, summary};
 
 /// The name of an effect for people.
 pub fn title(id: &str) -> String {
@@ -192,6 +192,7 @@ pub fn warnings(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
         all.push("Interrupted: these are the results so far.".to_owned());
     }
     all.extend(crate::findings(&diagnosis.comparison.findings));
+    all.extend(summary::stage_notes(&diagnosis.comparison));
     let skipped = |one: &Skipped| format!("{} is skipped: {}.", one.record, one.reason);
     all.extend(diagnosis.skipped.iter().map(skipped));
     let (samples, fitted) = (diagnosis.cost.samples, diagnosis.cost.fitted_samples);
@@ -270,7 +271,7 @@ pub fn estimate(estimate: &Estimate) -> String {
 }
 
 /// Both ends with the unit once where it is the same.
-fn interval(low: f64, high: f64, unit: &str) -> String {
+pub fn interval(low: f64, high: f64, unit: &str) -> String {
     let (low, high) = (format::engineering(low, unit), format::engineering(high, unit));
     match (low.split_once('\u{a0}'), high.split_once('\u{a0}')) {
         (Some((number, of)), Some((_, same))) if of == same => format!("{number} … {high}"),

@@ -53,6 +53,7 @@ fn examples() -> Vec<Comparison> {
         records: vec![],
         ring_downs: vec![],
         findings: vec![],
+        notes: vec![],
         stages: vec![],
     };
     vec![backbone(), contact(1_000), beam_with_failure(), hostile(), one_stage, all_failed, empty]
@@ -63,7 +64,9 @@ fn page_fetches_nothing() {
     for comparison in examples() {
         let page = html(&comparison, &settings());
         let markup = markup(&page);
-        for attribute in [" src=", " href=", "@import", "url(", "<link", "<iframe", "<object", "<base"] {
+        for attribute in
+            [" src=", " href=\"h", " href=\"/", "@import", "url(", "<link", "<iframe", "<object", "<base"]
+        {
             let place = markup.find(attribute);
             // Inside text a name may spell anything; only a bracket makes it an element.
             let in_tag = place.is_some_and(|at| {
@@ -73,7 +76,11 @@ fn page_fetches_nothing() {
             assert!(!in_tag, "{attribute} in {}", comparison.title);
         }
         assert!(markup.contains("default-src 'none'"));
-        assert_eq!(page.matches("plotly.js v3").count(), 1, "the library is embedded once");
+        assert_eq!(
+            page.matches("plotly.js v3").count(),
+            1,
+            "the library is embedded once"
+        );
         assert!(page.len() < 3_000_000, "the library is packed, and MathJax left out");
         assert_eq!(markup.matches("<script").count(), 3, "figures, plotly.js, the page's own");
     }
@@ -102,7 +109,10 @@ fn names_from_files_stay_text() {
     let page = html(&hostile(), &settings());
     let markup = markup(&page);
     assert_eq!(markup.matches("<script").count(), 3, "figures, plotly.js, the page's own");
-    assert!(!markup.contains("<img") && !markup.contains("<a "), "no element from a name");
+    assert!(
+        !markup.contains("<img") && !markup.replace("<a href=\"#", "").contains("<a "),
+        "no element from a name"
+    );
     assert!(!markup.contains("\" onmouseover"), "no attribute from a name");
     assert!(markup.contains("&lt;/script&gt;&lt;script&gt;alert(1)"));
     assert!(!page.contains('\u{1b}') && !page.contains('\u{202e}'));
@@ -134,6 +144,7 @@ fn long_records_are_thinned_and_the_page_says_so() {
             records: vec![],
             ring_downs: vec![],
             findings: vec![],
+            notes: vec![],
             stages: vec![],
         },
         &settings(),
@@ -255,7 +266,10 @@ fn a_contact_is_seen_in_every_view() {
 fn the_verdict_is_what_the_numbers_say() {
     let verdict = |comparison: &Comparison| json(comparison)["verdict"].as_str().unwrap().to_owned();
     let falls = backbone();
-    assert_eq!(verdict(&falls), "The error falls from 1.81 Hz to 0.10 Hz RMS (−94 %).");
+    assert_eq!(
+        verdict(&falls),
+        "The error falls from 1.81 Hz to 0.10 Hz RMS (−94 %). How much of it is noise is unknown: state `noise` in dataset.toml, or measure it again."
+    );
 
     let mut rises = backbone();
     rises.stages.reverse();
@@ -282,7 +296,7 @@ fn the_verdict_is_what_the_numbers_say() {
         "{}",
         verdict(&partial)
     );
-    assert!(verdict(&partial).ends_with("over the 2 records that every stage predicts."));
+    assert!(verdict(&partial).contains("over the 2 records that every stage predicts."));
 }
 
 #[test]
@@ -396,7 +410,7 @@ fn gaps_and_short_predictions_do_not_panic() {
         vec![Record { name: "x".into(), regime: Regime::Backbone, use_for: None, channels: vec![] }];
     bare.stages.iter_mut().for_each(|stage| stage.records.clear());
     for comparison in [comparison, levels, bare] {
-        assert!(html(&comparison, &settings()).len() > 1_000_000);
+        assert!(html(&comparison, &settings()).len() > 600_000);
         assert!(!terminal_table(&comparison, 80, true).is_empty());
         assert!(!json(&comparison).to_string().contains("NaN"));
     }

@@ -360,6 +360,7 @@ pub fn large() -> Diagnosis {
         records,
         ring_downs: vec![],
         findings: vec![],
+        notes: vec![],
         stages,
     })
 }

@@ -6,7 +6,7 @@ pub mod diagnosis;
 use std::f64::consts::TAU;
 
 use stickslip::data::{Channel, Record, Regime, Use};
-use stickslip::diagnose::{ChannelResult, Comparison, Parameter, RecordResult, Stage};
+use stickslip::diagnose::{ChannelResult, Comparison, Fitted, Parameter, RecordResult, Stage};
 use stickslip_report::{InputFile, Settings};
 
 /// A first resonance (Hz) measured at held acceleration, and two published predictions of it.
@@ -38,7 +38,7 @@ pub fn channel(name: &str, unit: &'static str, values: Vec<f64>) -> Channel {
 }
 
 pub fn parameter(path: &str, unit: &'static str, value: f64, fitted_from: Option<f64>) -> Parameter {
-    Parameter { path: path.into(), unit, value, fitted_from }
+    Parameter { path: path.into(), unit, value, fitted: fitted_from.map(Fitted::from) }
 }
 
 /// The result of predicting `measured`, with the errors that belong to it.
@@ -70,7 +70,7 @@ pub fn stage(
 ) -> Stage {
     let good = || records.iter().filter(|record| record.failure.is_none());
     let error = (good().map(|record| record.error.powi(2)).sum::<f64>() / good().count() as f64).sqrt();
-    Stage { name: name.into(), parameters, error, records, evaluations }
+    Stage { name: name.into(), parameters, error, records, evaluations, notes: vec![] }
 }
 
 /// The backbone of a clamped beam with a frictional support, five stages.
@@ -117,6 +117,7 @@ pub fn backbone() -> Comparison {
     Comparison {
         ring_downs: vec![],
         findings: vec![],
+        notes: vec![],
         title: "Beam with a frictional support: first resonance".into(),
         records: vec![record],
         stages,
@@ -195,6 +196,7 @@ pub fn contact(samples: usize) -> Comparison {
         records,
         ring_downs: vec![],
         findings: vec![],
+        notes: vec![],
         stages,
     }
 }
@@ -232,7 +234,14 @@ pub fn beam_with_failure() -> Comparison {
         });
     }
     let stages = vec![stage("baseline", vec![], first, 0), stage("refitted", vec![], last, 57)];
-    Comparison { title: "Beam, three sweeps".into(), records, ring_downs: vec![], findings: vec![], stages }
+    Comparison {
+        title: "Beam, three sweeps".into(),
+        records,
+        ring_downs: vec![],
+        findings: vec![],
+        notes: vec![],
+        stages,
+    }
 }
 
 /// Names that try to leave their place.

@@ -95,6 +95,7 @@ impl Demo {
             records: dataset.records,
             ring_downs: Vec::new(),
             findings: Vec::new(),
+            notes: Vec::new(),
             stages,
         };
         let mut outputs = Outputs::default();

@@ -201,7 +201,7 @@ fn follow(
                 let place = request.unit.shown(point.angular_frequency);
                 bar.set_message(format!("{which}{count} points, at {place}"));
             }
-            !progress::interrupted()
+            !progress::interrupted_after_a_step()
         },
     );
     let (mut curve, failure) = match found {

@@ -150,7 +150,7 @@ fn follow(model: &Model, assembly: &Assembly, request: &Request) -> Result<Curve
     let mut watch = |point: &Point| {
         let value = if force.is_some() { point.parameter } else { point.level };
         bar.set_message(format!("{path} = {value}"));
-        !progress::interrupted()
+        !progress::interrupted_after_a_step()
     };
     let found = match (force, tracking) {
         (None, None) => {

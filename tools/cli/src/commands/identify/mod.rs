@@ -15,7 +15,9 @@ use stickslip_report::identification::{
     IdentificationReport, identification_html, identification_json, identification_table,
 };
 
-use super::{check_destinations, colored, dataset_file, dataset_files, list, read_model, settings, shown};
+use super::{
+    check_destinations, colored, dataset_file, dataset_files, list, read_model, settings, shown, tables,
+};
 use crate::output::{Outputs, say};
 use crate::{Failure, ResultFiles, progress};
 
@@ -101,7 +103,8 @@ impl Identify {
     pub fn run(self) -> Result<(), Failure> {
         check_destinations(&self.files, &self.out, &[self.model.clone(), dataset_file(&self.dataset)])?;
         let model = read_model(&self.model)?;
-        let dataset = stickslip_readers::read_dataset(&self.dataset).map_err(shown)?;
+        let (dataset, notes) = stickslip_readers::read_dataset_told(&self.dataset).map_err(shown)?;
+        notes.iter().for_each(|note| tell!("note: {note}"));
         let mut read = vec![self.model.clone()];
         read.extend(dataset_files(&self.dataset, &dataset));
         self.check_tables(&dataset, &read)?;
@@ -164,30 +167,17 @@ impl Identify {
 
     /// Refuses tables that could not be written, before any work; their folder may still be missing.
     fn check_tables(&self, dataset: &Dataset, inputs: &[PathBuf]) -> Result<(), Failure> {
-        let Some(folder) = &self.csv else { return check_destinations(&self.files, &self.out, inputs) };
-        if folder.is_dir() {
-            let steady = dataset.records.iter().filter(|record| record.regime == Regime::Steady);
-            let tables: Vec<PathBuf> = steady.map(|record| table_of(folder, &record.name)).collect();
-            return check_destinations(&self.files, self.out.iter().chain(&tables), inputs);
-        }
-        check_destinations(&self.files, &self.out, inputs)?;
-        let present = folder.ancestors().find(|above| above.exists());
-        match present.filter(|above| !above.is_dir()) {
-            Some(file) => Err(Failure::input(format!(
-                "--csv: {} cannot be a folder: {} is a file",
-                folder.display(),
-                file.display()
-            ))),
-            None => Ok(()),
-        }
+        let steady = dataset.records.iter().filter(|record| record.regime == Regime::Steady);
+        let folder = self.csv.as_deref();
+        let all =
+            folder.into_iter().flat_map(|folder| steady.clone().map(|record| table_of(folder, &record.name)));
+        tables::check(&self.files, &self.out, folder, all, inputs)
     }
 
     /// The folder of `--csv`, made where it is missing.
     fn table_folder(&self) -> Result<Option<&Path>, Failure> {
         let Some(folder) = &self.csv else { return Ok(None) };
-        std::fs::create_dir_all(folder)
-            .map_err(|error| Failure::input(format!("{} cannot be a folder: {error}", folder.display())))?;
-        Ok(Some(folder))
+        tables::made(folder).map(Some)
     }
 
     fn add_tables(&self, found: &Identification, outputs: &mut Outputs) -> Result<(), Failure> {
@@ -208,8 +198,7 @@ fn failure(error: IdentificationError) -> Failure {
 }
 
 fn table_of(folder: &Path, record: &str) -> PathBuf {
-    let stem = Path::new(record).file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    folder.join(format!("{stem}-contact.csv"))
+    tables::table_of(folder, record, "contact")
 }
 
 /// One period, its end left out, in the record's own time.

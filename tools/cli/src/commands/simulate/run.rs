@@ -62,7 +62,7 @@ pub(super) fn simulate(master: Master, settings: &Settings, every: u64) -> Simul
             shown = part;
             meter.show(&format!("t = {:.6} s", point.time), part, PARTS);
         }
-        if progress::interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if progress::interrupted_after_a_step() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     meter.finish();
     match ended {
