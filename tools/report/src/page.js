@@ -13,7 +13,8 @@ function show() {
   const stored = JSON.parse(document.getElementById("figures").textContent);
   // On a small screen the buttons would cover the figure, and fingers zoom without them.
   const narrow = window.innerWidth < 600;
-  const config = { responsive: true, displaylogo: false, displayModeBar: narrow ? false : "hover",
+  // The library's own buttons that would send a figure somewhere are off: a page fetches and sends nothing.
+  const config = { responsive: true, displaylogo: false, displayModeBar: narrow ? false : "hover", showSendToCloud: false,
     modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d", "zoomIn2d", "zoomOut2d"] };
 
   function draw(element) {
@@ -28,6 +29,7 @@ function show() {
     }
     // The page's own ground shows, light or dark.
     figure.layout.paper_bgcolor = figure.layout.plot_bgcolor = "rgba(0,0,0,0)";
+    figure.layout.modebar = { bgcolor: "rgba(0,0,0,0)" };
     if (narrow) {
       figure.layout.margin.r = 12;
       // Numbers would not fit into the fields of a map: a scale takes their place.

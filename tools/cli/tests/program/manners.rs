@@ -129,7 +129,8 @@ fn a_signal_is_answered_in_the_middle_of_a_solve_that_does_not_look_up() {
     fs::write(folder.path().join("many.toml"), model).unwrap();
     let frf = ["frf", "many.toml", "--from", "1", "--to", "30", "--force", "1"];
     let (time, code) = answered(folder.path(), &frf, std::time::Duration::from_secs(3));
-    assert!(code == Some(130) && time.as_secs_f64() < 2.0, "{code:?} after {time:?}");
+    // A second, and what a machine takes that does other things, too; the solve takes minutes.
+    assert!(code == Some(130) && time.as_secs_f64() < 10.0, "{code:?} after {time:?}");
 }
 
 #[cfg(unix)]

@@ -51,7 +51,9 @@ pub(super) fn rule<'o>(
 }
 
 fn is_meant(key: &str, index: usize, column: &RawColumn) -> bool {
-    key == column.heading || key.parse() == Ok(index + 1)
+    key == column.heading
+        || key == super::heading::without_unit(&column.heading)
+        || key.parse() == Ok(index + 1)
 }
 
 /// Refuses a rule for a column that no table has.

@@ -28,6 +28,11 @@ const WORDS: &[(&str, &[&str])] = &[
 /// Words beside the quantity that change nothing.
 const FILLERS: [&str; 9] = ["sensor", "channel", "ch", "signal", "measured", "in", "raw", "value", "data"];
 
+/// The words of a heading without its unit: `Kraft` of `Kraft (kN)`.
+pub(super) fn without_unit(heading: &str) -> &str {
+    split_unit(heading).0
+}
+
 /// The quantity that a heading names, whatever its unit.
 pub(super) fn quantity_of(heading: &str) -> Option<&'static str> {
     let (words, unit) = split_unit(heading);

@@ -76,6 +76,7 @@ fn page_fetches_nothing() {
             assert!(!in_tag, "{attribute} in {}", comparison.title);
         }
         assert!(markup.contains("default-src 'none'"));
+        assert!(page.contains("showSendToCloud: false"), "the library's button that shares a figure is off");
         assert_eq!(
             page.matches("plotly.js v3").count(),
             1,
