@@ -244,7 +244,7 @@ impl ContinuousTime for PinRigBehaviour {
     }
 
     fn indicators(&self) -> usize {
-        continuous::OF_CONTACT
+        if self.slip.is_some() { continuous::OF_CONTACT } else { 0 }
     }
 
     fn read(&mut self, state: &[f64], continuous: &mut [f64]) -> Result<(), String> {
@@ -260,18 +260,23 @@ impl ContinuousTime for PinRigBehaviour {
         values: &mut [f64],
         at: Instant<'_>,
     ) -> Result<(), String> {
+        let inputs = self.inputs();
         self.motion.read_state(&state[..self.motion.state_len()]);
         self.steps.move_to(&mut self.motion, at.continuous);
-        self.observe(values[0])?;
+        self.observe(&values[..inputs])?;
         at.accelerations.copy_from_slice(self.steps.modal_accelerations());
-        for row in [DISSIPATED_ENERGY, IMPACT_ENERGY] {
-            self.row[row] += accepted[INPUTS + row];
+        if self.slip.is_some() {
+            for row in [DISSIPATED_ENERGY, IMPACT_ENERGY] {
+                self.row[row] += accepted[inputs + row];
+            }
         }
-        values[INPUTS..][..self.row.len()].copy_from_slice(&self.row);
+        values[inputs..][..self.row.len()].copy_from_slice(&self.row);
+        let Some(contact) = self.motion.contacts.first().filter(|_| self.slip.is_some()) else {
+            return Ok(());
+        };
         let modes = values.len()..values.len() + at.continuous.len();
-        let slip_state = INPUTS + IMPACT_ENERGY + 1;
+        let slip_state = inputs + IMPACT_ENERGY + 1;
         continuous::keep_slip(accepted.get(modes) != Some(at.continuous), slip_state, values, accepted);
-        let contact = self.motion.contacts.first().ok_or("the motion has no contact")?;
         let pressed = continuous::pressed(contact.normal_force, contact.separation);
         let velocity = self.motions[self.ports[0]].1;
         continuous::indicators(velocity, values[slip_state], pressed, at.indicators);
@@ -279,7 +284,7 @@ impl ContinuousTime for PinRigBehaviour {
     }
 
     fn accept(&mut self, state: &mut [f64], values: &[f64], continuous: &[f64]) -> Result<(), String> {
-        self.lines.hold(&values[..INPUTS]);
+        self.lines.hold(&values[..self.lines.all.len()]);
         let (now, before, last) = parts(state, self.motion.state_len());
         self.motion.read_state(now);
         self.steps.move_to(&mut self.motion, continuous);

@@ -410,7 +410,7 @@ mod tests {
         let mut numbers = fastrand::Rng::with_seed(7).fork();
         let foretold = |of: &mut dyn FnMut(f64) -> f64| {
             let off: Vec<f64> = values(of).iter().zip(&force).map(|(off, force)| force + off).collect();
-            data.foretold(&[off.clone()]) / data.left(&[off])
+            data.foretold(std::slice::from_ref(&off)) / data.left(&[off])
         };
         let white = foretold(&mut |_| 0.02 * (numbers.f64() - 0.5));
         assert!(white < 0.1, "{white}");

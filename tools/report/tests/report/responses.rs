@@ -95,11 +95,7 @@ fn examples() -> Vec<Responses> {
 fn names_stay_text_and_nothing_is_fetched() {
     for example in examples() {
         let page = responses_html(&example, &Settings::default());
-        assert_eq!(
-            page.matches("plotly.js v3").count(),
-            1,
-            "the library is embedded once"
-        );
+        assert_eq!(page.matches("plotly.js v3").count(), 1, "the library is embedded once");
         assert!(page.contains("default-src 'none'"));
         assert!(!page.contains("<script>alert(1)") && !page.contains('\u{1b}'));
         for width in [40, 80] {
