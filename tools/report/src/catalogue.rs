@@ -1,6 +1,6 @@
 //! The catalogue of effects as text for a terminal.
 
-use stickslip::effects::{CATALOGUE, Effect, EffectParameter, Needs, PlaceKind, look_alikes};
+use stickslip::effects::{CATALOGUE, Effect, EffectParameter, Needs, Part, PlaceKind, look_alikes};
 
 use crate::format;
 use crate::table::{BOLD, Text};
@@ -66,7 +66,12 @@ fn place(effect: &Effect) -> String {
         PlaceKind::Structure => format!("At a mass or a position: {0}@m2, {0}@x=0.55", effect.id),
         PlaceKind::Channel => format!("On a measured channel: {0}@force, {0}@displacement:m1", effect.id),
     };
-    let fmu = if effect.part.is_in_fmu() { "FMUs include it" } else { "FMUs do not include it" };
+    let fmu = match effect.part {
+        part if part.is_in_fmu() => "FMUs include it",
+        // Of a rig it is within.
+        Part::NormalDirection => "FMUs of pin rigs include it, others do not",
+        _ => "FMUs do not include it",
+    };
     format!("{place}. In models of kind {}. {fmu}.", kinds.join(", "))
 }
 
