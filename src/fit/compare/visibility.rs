@@ -1,7 +1,8 @@
 //! How far the predictions of a dataset depend on each parameter that a fit may change: what a dataset can show.
 
-use super::{Fitted, evaluate};
-use crate::data::Dataset;
+use super::{Fitted, RecordResult, evaluate};
+use crate::data::{Dataset, Record};
+use crate::fit::predict::deviation;
 use crate::fit::{FitError, InterruptHook};
 use crate::model::Model;
 
@@ -96,14 +97,15 @@ pub fn visibility(
 /// Predictions of every compared channel over its standard deviation; `None` for a record that is not predicted.
 fn predictions(model: &Model, dataset: &Dataset) -> Vec<Option<Vec<f64>>> {
     let stage = evaluate("", model, dataset);
-    let of = |record: &super::RecordResult| {
-        let scaled = record.channels.iter().flat_map(|channel| {
-            let deviation = channel.rms / channel.error;
-            channel.predicted.iter().map(move |value| value / deviation)
-        });
-        record.failure.is_none().then(|| scaled.collect())
+    let of = |(record, result): (&Record, &RecordResult)| {
+        let mut scaled = Vec::new();
+        for channel in &result.channels {
+            let deviation = deviation(record.channel(&channel.name)?).ok()?;
+            scaled.extend(channel.predicted.iter().map(|value| value / deviation));
+        }
+        result.failure.is_none().then_some(scaled)
     };
-    stage.records.iter().map(of).collect()
+    dataset.records.iter().zip(&stage.records).map(of).collect()
 }
 
 /// The change of all predictions that both have; `None` where the change is not finite or a record is lost.
