@@ -110,7 +110,7 @@ def arguments(command, chance):
         "compare": ["compare", "model.toml", "data", "--json", "out.json", "--report", "out.html", "--csv", "out"],
         "diagnose": ["diagnose", "model.toml", "data", "--effects", "backlash,wear", "--max-effects", "1", "--json", "out.json"],
         "add": ["add", "model.toml", chance.choice(["backlash", "wear", "contact_damping"]), "--fit", "data", "-o", "new.toml"],
-        "check": ["check", chance.choice(["model.toml", "oscillator.toml"]), *chance.choice([["data"], []]), "--json", "out.json"],
+        "check": ["check", *chance.choice([["model.toml", "data"], ["model.toml"], oscillator]), "--json", "out.json"],
         "import": ["import", f"files/{lone}", "-o", "imported"],
         "lone": ["compare", "model.toml", f"files/{lone}", "--no-fit"],
         "export": ["export", chance.choice(["model.toml", "oscillator.toml"]), "-o", "X.fmu"],

@@ -67,7 +67,12 @@ where
         }
         best.evaluations = evaluations;
     }
-    let unseen = (0..parameters.len()).filter(|index| is_unseen(&best, *index, parameters.len())).collect();
+    // What ended at zero is small, and need not be without effect.
+    let idle = |index: &usize| best.jacobian.chunks_exact(parameters.len()).all(|row| row[*index] == 0.0);
+    let unseen = (0..parameters.len())
+        .filter(|index| is_unseen(&best, *index, parameters.len()))
+        .filter(|index| best.parameters[*index] != 0.0 || idle(index))
+        .collect();
     Ok((best, unseen))
 }
 

@@ -158,3 +158,18 @@ fn a_parameter_that_the_data_do_not_show_keeps_its_value_and_the_results_say_so(
         assert!(one["unseen"].as_bool().unwrap() && one["low"].is_null(), "{one}");
     }
 }
+
+#[test]
+fn what_ends_at_its_bound_is_told_and_not_taken_for_what_changes_nothing() {
+    let folder = example();
+    noisy_loop(folder.path(), 50e-6);
+    let model = CONTACT.replace("jenkins\"", "valanis\"\nsmoothness = 0.5\nresidual_stiffness = 1e4");
+    fs::write(folder.path().join("model.toml"), model).unwrap();
+    let output = stickslip(&folder, &["compare", "model.toml", "data", "--json", "c.json"]);
+    assert!(output.status.success(), "{}", error(&output));
+    let json = read_json(&folder, "c.json");
+    let one = &json["stages"][1]["parameters"]["contact.smoothness"];
+    // A slider alone is Valanis' law at a smoothness of one, which no fit goes to.
+    assert_eq!((one["at_bound"].as_bool(), one["unseen"].as_bool()), (Some(true), Some(false)), "{one}");
+    assert!(stdout(&output).contains("ended at its"), "{}", stdout(&output));
+}
