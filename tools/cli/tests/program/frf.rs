@@ -65,7 +65,7 @@ fn the_peaks_are_those_of_an_exact_time_integration() {
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(said.contains("0.5408") && said.contains("rad/s") && said.contains("wrote frf.json"), "{said}");
     let page = fs::read_to_string(folder.path().join("frf.html")).unwrap();
-    assert_eq!(page.matches("plotly.js (cartesian").count(), 1);
+    assert_eq!(page.matches("plotly.js v3").count(), 1);
     assert!(page.contains("Loops at the peaks") && page.contains("Truncation error"));
 }
 
