@@ -1,11 +1,13 @@
 //! Queries of records and channels.
 
 use super::{Channel, ChannelName, Record};
+#[cfg(feature = "analysis")]
 use crate::vocabulary as v;
 
 /// Samples may stand this fraction of a step off an even grid: time stamps are printed with few digits.
 const EVENNESS: f64 = 0.05;
 /// Standard deviations of a normal number in half of a 95 % interval.
+#[cfg(feature = "analysis")]
 const NORMAL_95: f64 = 1.96;
 
 impl Record {
@@ -36,6 +38,7 @@ impl Record {
     }
 
     /// Standard deviation of each value of `channel`, where the record has its 95 % intervals beside it.
+    #[cfg(feature = "analysis")]
     pub(crate) fn deviations(&self, channel: &Channel) -> Option<Vec<f64>> {
         let intervals = match channel.quantity() {
             "frequency" => &v::FREQUENCY_INTERVAL,
@@ -50,6 +53,7 @@ impl Record {
     }
 
     /// Standard deviation of the noise of `channel` in all, as stated or by its intervals.
+    #[cfg(feature = "analysis")]
     pub(crate) fn stated_noise(&self, channel: &Channel) -> Option<f64> {
         let of_rows = || {
             let deviations = self.deviations(channel)?;
@@ -61,6 +65,7 @@ impl Record {
 
     /// How much more or less each value of `channel` weighs than its noise in all says: that over its own; all the same
     /// where nothing tells them apart.
+    #[cfg(feature = "analysis")]
     pub(crate) fn weights(&self, channel: &Channel) -> Vec<f64> {
         match (self.deviations(channel), self.stated_noise(channel)) {
             (Some(own), Some(all)) => own.iter().map(|own| all / own).collect(),

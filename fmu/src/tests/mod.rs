@@ -4,6 +4,7 @@ mod call_table;
 mod derivatives;
 mod fixture;
 mod lifecycle;
+mod model_exchange;
 mod panics;
 mod saved_states;
 mod values;
