@@ -127,12 +127,16 @@ impl Decision {
             Some(test.log_score(&scored.into_iter().map(|one| one.predictions).collect::<Vec<_>>()))
         };
         let scores = (self.best != 0).then(|| score(self.best).zip(score(0))).flatten();
+        let is_worse = scores.is_some_and(|(with, without)| with < without - against);
         if self.is_contradicted(context, weighed, test, all).unwrap_or(false) {
             self.verdict = Verdict::Unexplained;
             self.taken_back = Some(TakenBack::Unexplained);
-        } else if scores.is_some_and(|(with, without)| with < without - against) {
-            (self.verdict, self.best) = (Verdict::InsufficientData, 0);
+        } else if is_worse {
+            self.verdict = Verdict::InsufficientData;
             self.taken_back = Some(TakenBack::Worse);
+        }
+        if is_worse {
+            self.best = 0;
         }
         self
     }

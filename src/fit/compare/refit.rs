@@ -140,9 +140,7 @@ pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Resu
         })
         .collect();
     let options = Options { progress: watch.progress, interrupt: watch.interrupt, ..Options::default() };
-    let (fit, mut unseen) = fit_reviving(residual, count, &parameters, &options)?;
-    // At a bound a parameter is held: the data have asked for it.
-    unseen.retain(|index| !fit.uncertainty.at_bound[*index]);
+    let (fit, unseen) = fit_reviving(residual, count, &parameters, &options)?;
     let best = with(&fit.parameters).map_err(|reason| FitError::NoStart { first: Some(reason) })?;
     let mut stage = evaluate(name, &best, dataset);
     stage.evaluations = fit.evaluations;

@@ -67,21 +67,28 @@ where
         }
         best.evaluations = evaluations;
     }
-    // What ended at zero is small, and need not be without effect.
-    let idle = |index: &usize| best.jacobian.chunks_exact(parameters.len()).all(|row| row[*index] == 0.0);
+    // What ended at zero or at a bound need not be without effect: all of what it was could change something.
+    let idle = |index: &usize| {
+        let change = column(&best, *index, parameters.len()) * parameters[*index].start.abs();
+        change < UNSEEN * (count as f64).sqrt()
+    };
     let unseen = (0..parameters.len())
         .filter(|index| is_unseen(&best, *index, parameters.len()))
-        .filter(|index| best.parameters[*index] != 0.0 || idle(index))
+        .filter(|index| !(best.parameters[*index] == 0.0 || best.uncertainty.at_bound[*index]) || idle(index))
         .collect();
     Ok((best, unseen))
 }
 
 /// Whether the residuals at the end of `fit` do not depend on the `index`-th of `count` parameters.
 fn is_unseen(fit: &Fit, index: usize, count: usize) -> bool {
-    let column: f64 = fit.jacobian.chunks_exact(count).map(|row| row[index].powi(2)).sum();
-    let change = column.sqrt() * fit.parameters[index].abs();
+    let change = column(fit, index, count) * fit.parameters[index].abs();
     let norm = fit.root_mean_square * (fit.residuals.len() as f64).sqrt();
     !fit.jacobian.is_empty() && change < UNSEEN * norm
+}
+
+/// Norm of the residuals' derivatives by the `index`-th of `count` parameters.
+fn column(fit: &Fit, index: usize, count: usize) -> f64 {
+    fit.jacobian.chunks_exact(count).map(|row| row[index].powi(2)).sum::<f64>().sqrt()
 }
 
 /// Other values of a parameter, within its bounds.
