@@ -105,7 +105,7 @@ pub fn check_json(report: &CheckReport) -> Value {
     };
     json!({
         "schema": "stickslip.check/1", "title": report.title, "model": facts(&report.facts),
-        "checks": crate::findings::to_json(&report.findings), "data": facts(&report.data),
+        "checks": crate::comparison::findings::to_json(&report.findings), "data": facts(&report.data),
         "visible": report.visible.iter().map(visible).collect::<Map<_, _>>(), "limits": report.limits,
     })
 }

@@ -5,8 +5,9 @@ use stickslip::data::{Record, Regime, Use};
 use stickslip::diagnose::{Comparison, Noise, NoiseSource, RecordResult, Stage, StepGain};
 use stickslip::fit::ring_down::{Level, RingDown};
 
+use crate::comparison::{fitted, floors, summary};
 use crate::explorer::Harmonics;
-use crate::{fitted, floors, summary, tables};
+use crate::tables;
 
 /// The comparison without its arrays, schema `stickslip.comparison/1`.
 ///
@@ -58,7 +59,7 @@ pub fn json(comparison: &Comparison, noise: &[Noise]) -> Value {
         "gains": gains.collect::<Vec<_>>(),
         "notes": summary.notes.iter().map(|note| note.replace('\u{a0}', " ")).collect::<Vec<_>>(),
         "skipped": skipped.collect::<Vec<_>>(),
-        "checks": crate::findings::to_json(&comparison.findings),
+        "checks": crate::comparison::findings::to_json(&comparison.findings),
         "error": { "baseline": summary.normalised.first(), "refitted": summary.normalised.last(),
             "noise_floor": floors::total(comparison, noise) },
         "rms": rms,

@@ -5,15 +5,13 @@
 mod branches;
 mod catalogue;
 pub mod check;
+mod comparison;
 mod contact_loop;
 mod decimate;
 pub mod diagnosis;
 pub mod document;
 mod explorer;
 mod figure;
-mod findings;
-mod fitted;
-mod floors;
 mod format;
 pub mod identification;
 mod json;
@@ -23,24 +21,20 @@ mod parameter;
 mod plots;
 mod reference;
 pub mod responses;
-mod ring_down;
-mod samples;
 pub mod simulation;
 pub mod slip_slap;
-mod stages;
-mod summary;
 mod table;
 mod tables;
 
 pub use catalogue::{catalogue_table, effect_table};
+pub use comparison::findings::findings;
+pub use comparison::samples::samples_csv;
 pub use contact_loop::{contact_loop, slip_slap_loops};
-pub use findings::findings;
 pub use json::json;
 pub use modes::{ModeReport, mode_html};
 pub use page::{html, html_with};
 pub use parameter::{ParameterReport, parameter_html};
 pub use reference::file_reference;
-pub use samples::samples_csv;
 pub use table::{harmonic_text, terminal_table};
 
 /// How a report was made, so that somebody else can make it again.

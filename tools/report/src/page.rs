@@ -3,11 +3,12 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use stickslip::diagnose::{Comparison, Noise};
 
+use crate::comparison::floors;
+use crate::comparison::stages::{self, name};
+use crate::comparison::summary::{self, Levels, Summary};
 use crate::document::{self, Section};
 use crate::figure::{Captioned, Figures};
-use crate::stages::{self, name};
-use crate::summary::{self, Levels, Summary};
-use crate::{Settings, explorer, floors, format, plots, tables};
+use crate::{Settings, explorer, format, plots, tables};
 
 /// Nothing may be fetched, from anywhere: the browser enforces what the page promises.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
@@ -39,9 +40,9 @@ pub fn html_with(comparison: &Comparison, noise: &[Noise], more: &[Section], set
     let levels = summary::levels(comparison);
     let mut figures = Figures::default();
     let sections = html! {
-        (crate::fitted::section(comparison))
+        (crate::comparison::fitted::section(comparison))
         (stage_section(&mut figures, comparison, &summary, &levels, noise))
-        @for one in &comparison.ring_downs { (crate::ring_down::section(one)) }
+        @for one in &comparison.ring_downs { (crate::comparison::ring_down::section(one)) }
         @for table in &levels { (backbone_section(&mut figures, comparison, table)) }
         (record_section(&mut figures, comparison, noise))
         @if comparison.stages.iter().any(|stage| !stage.parameters.is_empty()) {

@@ -3,9 +3,9 @@
 use serde_json::{Value, json};
 use stickslip::diagnose::Comparison;
 
+use crate::comparison::summary::{Levels, Summary};
 use crate::figure::{self, BLACK, Figures, Style};
 use crate::format::Scale;
-use crate::summary::{Levels, Summary};
 
 /// How a measurement is drawn wherever it appears.
 pub const MEASURED: Style = Style { colour: BLACK, dash: "solid", symbol: "circle-open" };

@@ -3,11 +3,12 @@
 use stickslip::diagnose::{Comparison, Noise};
 use stickslip::fit::ring_down::RingDown;
 
+use crate::comparison::floors;
+use crate::comparison::summary::{self, Levels, Summary};
 use crate::explorer::Harmonics;
 use crate::format::{self, Scale, printable};
 use crate::plots::{error_name, prose};
-use crate::summary::{self, Levels, Summary};
-use crate::{floors, tables};
+use crate::tables;
 
 pub(crate) const BOLD: &str = "\u{1b}[1m";
 pub(crate) const RED: &str = "\u{1b}[31m";
@@ -141,7 +142,7 @@ const FAILED: &str = "failed";
 
 /// What a fit made of each parameter.
 pub(crate) fn fitted(out: &mut Text, comparison: &Comparison) {
-    if let Some((heading, lines)) = crate::fitted::sentences(comparison) {
+    if let Some((heading, lines)) = crate::comparison::fitted::sentences(comparison) {
         out.line("");
         out.paragraph(&heading, BOLD);
         lines.iter().for_each(|line| out.paragraph(line, ""));
@@ -210,7 +211,7 @@ fn bar(fraction: f64, width: usize) -> String {
 
 /// The levels that a free decay was cut into.
 fn ring_down(out: &mut Text, ring_down: &RingDown) {
-    let (heading, header, rows) = crate::ring_down::table(ring_down);
+    let (heading, header, rows) = crate::comparison::ring_down::table(ring_down);
     out.line("");
     out.paragraph(&heading, BOLD);
     let mut left = vec![header[0].clone()];

@@ -4,12 +4,12 @@ use maud::{Markup, html};
 use stickslip::data::Record;
 use stickslip::diagnose::{Comparison, Noise};
 
+use crate::comparison::floors;
+use crate::comparison::stages::{key, name, regime};
+use crate::comparison::summary;
 use crate::explorer::{Harmonics, by_harmonic};
-use crate::floors;
 use crate::format::{self, Scale};
 use crate::plots::prose;
-use crate::stages::{key, name, regime};
-use crate::summary;
 
 /// Normalised error of every stage in every channel of every record, beside the level of the record and what the
 /// noise alone would leave.

@@ -62,7 +62,7 @@ pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
         "residual": super::residual::to_json(diagnosis),
         "skipped": diagnosis.skipped.iter()
             .map(|one| json!({ "file": one.record, "reason": one.reason })).collect::<Vec<_>>(),
-        "checks": crate::findings::to_json(&diagnosis.comparison.findings),
+        "checks": crate::comparison::findings::to_json(&diagnosis.comparison.findings),
         "split": split(diagnosis),
         "noise": noise(diagnosis),
         "stages": diagnosis.comparison.stages.iter().map(stage).collect::<Vec<_>>(),
@@ -189,8 +189,11 @@ fn noise(diagnosis: &Diagnosis) -> Vec<Value> {
 }
 
 fn stage(stage: &Stage) -> Value {
-    let parameters: Map<String, Value> =
-        stage.parameters.iter().map(|one| (one.path.clone(), crate::fitted::to_json(one))).collect();
+    let parameters: Map<String, Value> = stage
+        .parameters
+        .iter()
+        .map(|one| (one.path.clone(), crate::comparison::fitted::to_json(one)))
+        .collect();
     json!({ "name": stage.name, "error": stage.error, "evaluations": stage.evaluations, "parameters": parameters })
 }
 

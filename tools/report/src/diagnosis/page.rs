@@ -4,10 +4,11 @@ use maud::{Markup, html};
 use stickslip::diagnose::Diagnosis;
 
 use super::{Run, figures, residual, sections, terminal, words};
+use crate::comparison::stages::{self, name};
+use crate::comparison::summary;
 use crate::figure::Figures;
 use crate::page::{Shell, backbone_section, failures, figure_element, settings_section, worst_first};
-use crate::stages::{self, name};
-use crate::{Settings, explorer, format, summary, tables};
+use crate::{Settings, explorer, format, tables};
 
 /// One self-contained HTML page, verdict first; see [`crate::html`] for what that means.
 ///
@@ -20,7 +21,7 @@ pub fn diagnosis_html(diagnosis: &Diagnosis, run: &Run, settings: &Settings) -> 
     };
     let sections = html! {
         (sections::next(diagnosis, run))
-        (crate::fitted::section(&diagnosis.comparison))
+        (crate::comparison::fitted::section(&diagnosis.comparison))
         (fall(&mut drawn, diagnosis))
         (sections::why(diagnosis))
         (sections::effects(diagnosis))

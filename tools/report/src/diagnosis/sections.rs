@@ -7,9 +7,9 @@ use stickslip::effects::{self, Effect};
 
 use super::page::list;
 use super::{Run, terminal, words};
+use crate::comparison::stages::name;
 use crate::format;
 use crate::plots::prose;
-use crate::stages::name;
 
 /// What to do.
 pub fn next(diagnosis: &Diagnosis, run: &Run) -> Markup {

@@ -4,7 +4,8 @@ use stickslip::diagnose::{Candidate, Diagnosis, Estimate, NoiseSource, Skipped, 
 use stickslip::effects;
 
 use super::Run;
-use crate::{format, summary};
+use crate::comparison::summary;
+use crate::format;
 
 /// The name of an effect for people.
 pub fn title(id: &str) -> String {

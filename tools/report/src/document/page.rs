@@ -4,9 +4,9 @@ use maud::{Markup, html};
 
 use super::{Block, Cell, Document, Plot, Section, Table};
 use crate::Settings;
+use crate::comparison::stages::name;
 use crate::figure::{Captioned, Figures};
 use crate::page::{Shell, figure_element, settings_section};
-use crate::stages::name;
 
 /// One self-contained HTML page; see [`crate::html`] for what that means.
 pub fn document_html(document: &Document, settings: &Settings) -> String {

@@ -7,7 +7,7 @@ use stickslip::harmonic::{fourier, whole_periods};
 
 use super::residual;
 use super::views::{deviation, short};
-use crate::summary;
+use crate::comparison::summary;
 
 /// Harmonics in the table.
 const HARMONICS: usize = 9;

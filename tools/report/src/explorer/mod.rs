@@ -15,13 +15,13 @@ use stickslip::diagnose::{Comparison, Noise};
 use stickslip::fit::residual::causes;
 
 use self::store::Store;
+use crate::comparison::floors;
+use crate::comparison::stages::{self, name};
+use crate::comparison::summary;
 use crate::decimate::{keep_extremes, worst_cycles};
 use crate::figure::{self, Figures};
-use crate::floors;
 use crate::format::{self, Scale};
 use crate::plots::prose;
-use crate::stages::{self, name};
-use crate::summary;
 
 /// Samples of a record that are stored at most, and at least when many records share the page.
 const SAMPLES: (usize, usize) = (2_500, 200);

@@ -48,7 +48,7 @@ fn every_fitted_parameter_is_told_with_its_old_value_and_interval_everywhere() {
     let page = fs::read_to_string(folder.path().join("r.html")).unwrap();
     let at = |text: &str| page.find(text).unwrap_or_else(|| panic!("no {text}"));
     assert!(at("What was fitted") < at("Error of each stage"));
-    // The verdict against the noise: what is left is noise, and before the fit it was not.
+    // The verdict against the noise: the residual is noise, and before the fit it was not.
     assert_eq!(json["against_noise"]["verdict"], "noise", "{}", json["against_noise"]);
     assert!(json["verdict"].as_str().unwrap().contains("no more than noise"));
     let as_it_is = stickslip(&folder, &["compare", "model.toml", "data", "--no-fit", "--json", "-"]);

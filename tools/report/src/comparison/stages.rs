@@ -4,10 +4,10 @@ use maud::{Markup, html};
 use stickslip::data::{Regime, Use};
 use stickslip::diagnose::{Comparison, Parameter};
 
+use crate::comparison::summary::{self, Levels, Summary};
 use crate::figure;
 use crate::format::{self, Scale};
 use crate::plots::{error_name, prose};
-use crate::summary::{self, Levels, Summary};
 
 /// A name from a file as the page shows it; the template escapes it.
 pub fn name(text: &str) -> String {

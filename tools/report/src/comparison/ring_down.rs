@@ -3,8 +3,8 @@
 use maud::{Markup, html};
 use stickslip::fit::ring_down::RingDown;
 
+use crate::comparison::stages::name;
 use crate::format::{self, Scale};
-use crate::stages::name;
 
 /// Heading, names of the columns and rows.
 pub fn table(ring_down: &RingDown) -> (String, [String; 4], Vec<[String; 4]>) {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use stickslip::diagnose::Comparison;
 
-use crate::summary;
+use crate::comparison::summary;
 
 /// The compared channels of `record` (index) as CSV: what they are over (`time [s]`, `amplitude [...]`), then for each
 /// channel `NAME measured`, `NAME predicted` by the last stage that predicts it, and `NAME residual`, measured minus

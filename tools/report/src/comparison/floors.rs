@@ -2,8 +2,8 @@
 
 use stickslip::diagnose::{Comparison, Noise, NoiseSource};
 
+use crate::comparison::summary::{self, Summary};
 use crate::format;
-use crate::summary::{self, Summary};
 
 /// The noise of channel `name` of record `record`, in its unit.
 pub fn deviation(noise: &[Noise], record: usize, name: &str) -> Option<f64> {

@@ -4,9 +4,9 @@ use maud::{Markup, html};
 use serde_json::{Value, json};
 use stickslip::diagnose::{Comparison, Fitted, Parameter, Stage};
 
+use crate::comparison::stages::name;
 use crate::diagnosis::interval;
 use crate::format;
-use crate::stages::name;
 
 /// The last stage of which parameters were fitted.
 fn last(comparison: &Comparison) -> Option<&Stage> {
