@@ -152,16 +152,8 @@ fn write_outputs(response: &Response, slip: SlipFraction, values: &mut [f64]) {
 }
 
 impl ContinuousTime for ContactBehaviour {
-    fn modes(&self) -> usize {
-        0
-    }
-
     fn indicators(&self) -> usize {
         continuous::OF_CONTACT
-    }
-
-    fn read(&mut self, _state: &[f64], _continuous: &mut [f64]) -> Result<(), String> {
-        Ok(())
     }
 
     fn look(

@@ -18,14 +18,18 @@ pub(super) const OF_CONTACT: usize = 3;
 
 /// The physics behind the continuous-time form; `state` is the behaviour's, and holds the last accepted instant.
 pub(crate) trait ContinuousTime {
-    /// Number of modes: each has a displacement and a velocity as continuous states.
-    fn modes(&self) -> usize;
+    /// Number of modes: each has a displacement and a velocity as continuous states. A contact alone has none.
+    fn modes(&self) -> usize {
+        0
+    }
 
     /// Number of event indicators.
     fn indicators(&self) -> usize;
 
     /// Writes the displacements and velocities of all modes at the last accepted instant.
-    fn read(&mut self, state: &[f64], continuous: &mut [f64]) -> Result<(), String>;
+    fn read(&mut self, _state: &[f64], _continuous: &mut [f64]) -> Result<(), String> {
+        Ok(())
+    }
 
     /// Writes the outputs to `values` for the inputs in it and these continuous states. `accepted` are all values at the
     /// last accepted instant.

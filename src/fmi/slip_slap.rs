@@ -175,16 +175,8 @@ fn along(response: &SlipSlapResponse, row: usize, by: SlipSlapInputs) -> f64 {
 }
 
 impl ContinuousTime for SlipSlapBehaviour {
-    fn modes(&self) -> usize {
-        0
-    }
-
     fn indicators(&self) -> usize {
         continuous::OF_CONTACT
-    }
-
-    fn read(&mut self, _state: &[f64], _continuous: &mut [f64]) -> Result<(), String> {
-        Ok(())
     }
 
     fn look(

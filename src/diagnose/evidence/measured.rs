@@ -166,18 +166,21 @@ impl<'a, 'd> Measured<'a, 'd> {
         (sum / f64::max(count, 1.0)).sqrt()
     }
 
-    /// The size of what `predictions` leave of the measurements.
-    pub fn left(&self, predictions: &[Vec<f64>]) -> f64 {
+    /// `predictions` minus measurements.
+    fn residuals(&self, predictions: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let of =
             |(k, p): (usize, &Vec<f64>)| p.iter().zip(&self.lane(k).measured).map(|(p, m)| p - m).collect();
-        self.size(&predictions.iter().enumerate().map(of).collect::<Vec<_>>())
+        predictions.iter().enumerate().map(of).collect()
+    }
+
+    /// The size of what `predictions` leave of the measurements.
+    pub fn left(&self, predictions: &[Vec<f64>]) -> f64 {
+        self.size(&self.residuals(predictions))
     }
 
     /// The size of that part of it that follows from its own past.
     pub fn foretold(&self, predictions: &[Vec<f64>]) -> f64 {
-        let of =
-            |(k, p): (usize, &Vec<f64>)| p.iter().zip(&self.lane(k).measured).map(|(p, m)| p - m).collect();
-        let mut left: Vec<Vec<f64>> = predictions.iter().enumerate().map(of).collect();
+        let mut left = self.residuals(predictions);
         for process in 0..self.processes {
             let own = |channels: &[MeasuredChannel]| -> Vec<std::ops::Range<usize>> {
                 channels.iter().filter(|c| c.process == process).map(|c| c.range.clone()).collect()
@@ -240,9 +243,7 @@ impl<'a, 'd> Measured<'a, 'd> {
 
     /// The same where the noise is known otherwise.
     pub fn log_score_under(&self, priors: &[Vec<NoisePrior>], predictions: &[Vec<f64>]) -> f64 {
-        let residual =
-            |(k, p): (usize, &Vec<f64>)| p.iter().zip(&self.lane(k).measured).map(|(p, m)| p - m).collect();
-        let residuals: Vec<Vec<f64>> = predictions.iter().enumerate().map(residual).collect();
+        let residuals = self.residuals(predictions);
         let mut noise = NoiseModel::white(self);
         noise.renew(self, priors, &residuals, true);
         let square = |(k, r): (usize, &Vec<f64>)| noise.whiten(self, k, r).iter().map(|x| x * x).sum::<f64>();
