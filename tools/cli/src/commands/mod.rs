@@ -235,8 +235,12 @@ fn refitted(name: &str, model: &Model, dataset: &Dataset) -> Result<Option<Refit
         Err(error) => return Err(Failure::other(format!("{name}: {error}"))),
         Ok(done) => Some(done),
     };
-    if done.is_none() {
-        tell!("note: {name}: interrupted before the first result");
+    match &done {
+        None => tell!("note: {name}: interrupted before the first result"),
+        Some(_) if progress::interrupted() => {
+            tell!("note: {name}: interrupted; these are the results so far");
+        }
+        Some(_) => {}
     }
     Ok(done)
 }

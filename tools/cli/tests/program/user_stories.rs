@@ -116,7 +116,7 @@ fn an_interrupted_refit_writes_what_it_has() {
     ] {
         fs::write(folder.path().join(name), text).unwrap();
     }
-    // So many modes that the refit takes a minute.
+    // So many modes that the refit takes seconds.
     let slow = include_str!("../../../../examples/frictional-support/valanis.toml")
         .replace("modes = 4", "modes = 40");
     assert!(slow.contains("modes = 40"));
