@@ -55,7 +55,7 @@ pub(super) fn about(data: &Measured, posterior: &Posterior) -> Result<Doubt, Str
     }
     let force = force(data, posterior)?;
     // What the noise may be beside it then stands for all that is missing: it does not follow the motion.
-    if data.distance(&force.predictions, &posterior.predictions) < data.assumptions().relevant {
+    if data.relevance(&force.predictions, &posterior.predictions) < data.assumptions().relevant {
         return residual(data, posterior).or(Ok(force));
     }
     Ok(force)

@@ -92,7 +92,7 @@ fn projected<'c>(
         .flat_map(|(k, residuals)| joint.noise.whiten(data, k, residuals))
         .collect();
     let project = |(prepared, change): (&'c Prepared, Vec<Vec<f64>>)| {
-        let distance = data.size(&change);
+        let distance = data.largest(&change);
         let white: Vec<Vec<f64>> =
             change.iter().enumerate().map(|(k, change)| joint.noise.whiten(data, k, change)).collect();
         let mut cross = DVector::zeros(n);

@@ -1,6 +1,7 @@
 //! The measurements that hypotheses are fitted to, and what is known of their noise.
 
 use super::autoregression::Autoregression;
+use super::joint::minus;
 use crate::diagnose::assumptions::Assumptions;
 use crate::diagnose::diagnosis::Noise;
 use crate::diagnose::measurements::weighted_dataset::{RecordResiduals, WeightedDataset};
@@ -149,27 +150,41 @@ impl<'a, 'd> Measured<'a, 'd> {
 
     /// Root mean square over all channels of the difference of two predictions, as a fraction of the channel.
     pub fn distance(&self, a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
-        let pairs = a.iter().zip(b);
-        self.size(&pairs.map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect()).collect::<Vec<_>>())
+        self.size(&apart(a, b))
     }
 
     /// The same of a change of predictions.
     pub fn size(&self, change: &[Vec<f64>]) -> f64 {
-        let (mut sum, mut count) = (0.0, 0.0);
-        for (change, channels) in change.iter().zip(&self.channels) {
-            for channel in channels {
-                let square: f64 = change[channel.range.clone()].iter().map(|x| x * x).sum();
-                sum += square / (channel.range.len() as f64 * channel.size * channel.size);
-                count += 1.0;
-            }
-        }
-        (sum / f64::max(count, 1.0)).sqrt()
+        let (sum, count) = (0..change.len())
+            .map(|k| (self.square(k, &change[k]), self.channels[k].len()))
+            .fold((0.0, 0), |(sum, count), (square, channels)| (sum + square, count + channels));
+        (sum / count.max(1) as f64).sqrt()
+    }
+
+    /// How much the difference of two predictions matters: its size in the record where it is largest. Records that show
+    /// nothing of an effect make it no smaller where it is seen.
+    pub fn relevance(&self, a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+        self.largest(&apart(a, b))
+    }
+
+    /// The same of a change of predictions.
+    pub fn largest(&self, change: &[Vec<f64>]) -> f64 {
+        let of = |k: usize| (self.square(k, &change[k]) / self.channels[k].len().max(1) as f64).sqrt();
+        (0..change.len()).map(of).fold(0.0, f64::max)
+    }
+
+    /// Sum over the channels of record `k` of the mean square of `change`, as a fraction of the channel's.
+    fn square(&self, k: usize, change: &[f64]) -> f64 {
+        let of = |channel: &MeasuredChannel| {
+            let square: f64 = change[channel.range.clone()].iter().map(|x| x * x).sum();
+            square / (channel.range.len() as f64 * channel.size * channel.size)
+        };
+        self.channels[k].iter().map(of).sum()
     }
 
     /// `predictions` minus measurements.
     fn residuals(&self, predictions: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let of =
-            |(k, p): (usize, &Vec<f64>)| p.iter().zip(&self.lane(k).measured).map(|(p, m)| p - m).collect();
+        let of = |(k, predicted): (usize, &Vec<f64>)| minus(predicted, &self.lane(k).measured);
         predictions.iter().enumerate().map(of).collect()
     }
 
@@ -257,6 +272,11 @@ impl<'a, 'd> Measured<'a, 'd> {
         let (sum, count) = fractions.fold((0.0, 0), |(sum, count), x| (sum + x * x, count + 1));
         (count > 0 && self.noise_is_known()).then(|| (sum / f64::from(count)).sqrt())
     }
+}
+
+/// The difference of two predictions.
+fn apart(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    a.iter().zip(b).map(|(a, b)| minus(a, b)).collect()
 }
 
 fn prior(own: Option<&Noise>, size: f64, more: f64, assumed: &Assumptions) -> NoisePrior {

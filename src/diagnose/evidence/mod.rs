@@ -143,7 +143,7 @@ pub(super) fn doubt(data: &Measured, of: &Posterior) -> Result<f64, String> {
     let doubt = discrepancy::about(data, of)?;
     // A residual's smallest size is a relevant one.
     let force = doubt.kind == Discrepancy::Force;
-    let small = force && data.distance(&doubt.predictions, &of.predictions) < data.assumptions().relevant;
+    let small = force && data.relevance(&doubt.predictions, &of.predictions) < data.assumptions().relevant;
     Ok(if small { f64::NEG_INFINITY } else { doubt.log_evidence - of.log_evidence })
 }
 

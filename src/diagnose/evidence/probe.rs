@@ -212,7 +212,7 @@ pub(super) fn around(
     let mut found = Vec::new();
     for ((mut probe, _), change) in probes.into_iter().zip(changes) {
         let Some(change) = change else { continue };
-        let distance = data.size(&change);
+        let distance = data.largest(&change);
         let (mut square, mut along) = (0.0, 0.0);
         let mut cross = DVector::zeros(n);
         for (k, change) in change.iter().enumerate() {

@@ -24,7 +24,7 @@ pub(super) fn of(data: &Measured, sets: &[Set], candidates: &[Prepared]) -> Vec<
             }
             let below = (0..sets.len()).filter(|j| is_one_less(&sets[*j], &sets[k]));
             let near = below
-                .map(|j| (j, data.distance(&sets[k].posterior.predictions, &sets[j].posterior.predictions)))
+                .map(|j| (j, data.relevance(&sets[k].posterior.predictions, &sets[j].posterior.predictions)))
                 .min_by(|a, b| a.1.total_cmp(&b.1));
             if let Some((j, distance)) = near
                 && distance < data.assumptions().relevant
@@ -60,4 +60,64 @@ fn is_one_less(smaller: &Set, larger: &Set) -> bool {
     smaller.size() + 1 == larger.size()
         && (smaller.discrepancy.is_none() || larger.discrepancy.is_some())
         && smaller.members.iter().all(|member| larger.members.contains(member))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{Channel, Dataset, Record, Regime};
+    use crate::diagnose::assumptions::Assumptions;
+    use crate::diagnose::evidence::Posterior;
+    use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+    use crate::model::Model;
+
+    /// The weight of a set that is far likelier than none and moves the predictions of the first of `count` records by a
+    /// `fraction` of their size.
+    fn weight(count: usize, fraction: f64) -> f64 {
+        let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+                    tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";
+        let model = Model::parse(text).unwrap();
+        let force: Vec<f64> = (0..200).map(|i| (0.1 * f64::from(i)).sin()).collect();
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let record = |k: usize| {
+            let channels = vec![
+                channel("time", "s", (0..200).map(|i| 1e-3 * f64::from(i)).collect()),
+                channel("displacement", "m", force.iter().map(|f| 1e-6 * f).collect()),
+                channel("force", "N", force.clone()),
+            ];
+            Record { name: k.to_string(), regime: Regime::FromRest, use_for: None, channels }
+        };
+        let dataset = Dataset { title: None, records: (0..count).map(record).collect() };
+        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
+        let data = Measured::new(&bench, &(0..count).collect::<Vec<_>>(), &[], &[]);
+        let size = data.channels[0][0].size;
+        let set = |discrepancy, log_evidence, moved: f64| {
+            let mut predictions = vec![force.clone(); count];
+            predictions[0].iter_mut().for_each(|f| *f += moved * size);
+            let (unknowns, y, deviations, correlations) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+            let (model, log_peak, simulations) = (model.clone(), log_evidence, 0);
+            let posterior = Posterior {
+                model,
+                unknowns,
+                y,
+                log_evidence,
+                log_peak,
+                deviations,
+                correlations,
+                predictions,
+                simulations,
+            };
+            Set { members: Vec::new(), discrepancy, posterior, screened: false }
+        };
+        let sets = [set(None, 0.0, 0.0), set(Some(Discrepancy::Force), 50.0, fraction)];
+        of(&data, &sets, &[])[1]
+    }
+
+    #[test]
+    fn what_matters_in_one_record_matters_beside_any_number_of_others() {
+        for count in [1, 2, 8, 32] {
+            assert!(weight(count, 0.011) > 0.99, "{count}");
+            assert!(weight(count, 0.009) < 0.01, "{count}");
+        }
+    }
 }
