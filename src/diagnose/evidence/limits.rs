@@ -92,7 +92,8 @@ fn projected<'c>(
         .flat_map(|(k, residuals)| joint.noise.whiten(data, k, residuals))
         .collect();
     let project = |(prepared, change): (&'c Prepared, Vec<Vec<f64>>)| {
-        let distance = data.largest(&change);
+        // Of what nothing is seen, over all records together: in the quietest of them almost anything could matter.
+        let distance = data.size(&change);
         let white: Vec<Vec<f64>> =
             change.iter().enumerate().map(|(k, change)| joint.noise.whiten(data, k, change)).collect();
         let mut cross = DVector::zeros(n);
