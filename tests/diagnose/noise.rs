@@ -236,3 +236,32 @@ fn a_ramp_is_as_good_as_a_steady_level() {
     let found = diagnosed(records);
     assert_eq!((found.verdict, found.effects), (Verdict::EffectFound, vec!["residual_stiffness"]));
 }
+
+/// One period each at eight levels on a joint with a spring beside it, and a slow wandering of the force (N) that nobody
+/// has told of.
+fn wandering(deviation: f64) -> Vec<Record> {
+    let memory: f64 = 0.99;
+    let joint = |i: usize| Test { amplitude: 1e-5 * (2.0 + i as f64), spring: 1e5, ..PLAIN };
+    let mut records: Vec<Record> =
+        (0..8).map(|i| short(joint(i).record(&format!("r{i}"), i as u64, 0.3))).collect();
+    for (i, record) in records.iter_mut().enumerate() {
+        let (mut state, mut noise) = (0.0, noise(100 + i as u64));
+        for force in &mut record.channels[1].values {
+            state = memory * state + (1.0 - memory * memory).sqrt() * noise();
+            *force += deviation * state;
+        }
+    }
+    records
+}
+
+#[test]
+fn what_wanders_more_than_an_effect_explains_is_not_taken_for_noise_by_a_guess() {
+    let found = diagnosed(wandering(2.0));
+    assert_eq!((found.verdict, found.effects), (Verdict::EffectFound, vec!["residual_stiffness"]));
+    for deviation in [6.0, 8.0, 10.0] {
+        let found = diagnosed(wandering(deviation));
+        assert_eq!(found.verdict, Verdict::InsufficientData, "{deviation}");
+        assert!(found.effects.is_empty() && found.groups.is_empty(), "{found:?}");
+        assert!(found.reasons.iter().any(|reason| reason.contains("by more than they explain")), "{found:?}");
+    }
+}
