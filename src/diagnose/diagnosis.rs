@@ -63,6 +63,8 @@ pub struct Diagnosis {
     pub comparison: Comparison,
     /// The model of the last stage.
     pub model: Model,
+    /// What fits of that model from other starts say of its parameters.
+    pub agreement: Agreement,
     /// Refits made, and simulations of a whole dataset in them.
     pub cost: Cost,
 }
@@ -271,6 +273,16 @@ pub enum NoiseSource {
     Carried,
     /// Unknown.
     Unknown,
+}
+
+/// How many fits of the model told, from other starts, ended at the same predictions: a minimum is the best one as far as
+/// others were looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Agreement {
+    /// Fits from other starts.
+    pub starts: usize,
+    /// Those of them that ended there.
+    pub agreeing: usize,
 }
 
 /// What the diagnosis cost.

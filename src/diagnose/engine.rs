@@ -161,10 +161,7 @@ fn diagnosis(
     let test = Measured::new(&bench, &parts.test, &measured, &through);
     let all = Measured::new(&bench, &parts.all(), &measured, &through);
     let decision = Decision::of(&context, &weighed).confirmed(&context, &weighed, &test, &all);
-    // Only what is told, after the decision: all sets were compared in the same steps.
-    if let Ok(refined) = evidence::refined(&data, &weighed.sets[decision.best].posterior) {
-        weighed.sets[decision.best].posterior = refined;
-    }
+    weighed.assure(decision.best, &data);
     if weighed.weights[0] < 1.0 - options.assumptions.certain {
         weighed.refitted_as(first, &data);
     }

@@ -18,7 +18,7 @@ mod verdict;
 
 pub use assumptions::{Assumptions, NotAssumed};
 pub use diagnosis::{
-    Candidate, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group, Noise,
+    Agreement, Candidate, Confounding, Cost, Detectable, Diagnosis, Errors, Estimate, Evidence, Group, Noise,
     NoiseSource, Step, Untried, Verdict,
 };
 pub use engine::{Added, DiagnoseHook, DiagnoseOptions, DiagnoseWatch, add, diagnose};

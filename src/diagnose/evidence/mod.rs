@@ -4,11 +4,12 @@
 //! lacks. Its `unknown`s have priors in units of the problem (`Assumptions` hold all that decides), the noise is
 //! `autoregression` with a size per record (`measured`). `joint` is the sum of squares of all that is unknown, over
 //! `slot`s of one record each (`starts`: their unknown past) and with what a discrepancy adds (`latent`); `posterior`
-//! is its minimum with the volume around it, `probe` what amounts of each candidate would change to first order,
-//! `refined` frees the decided one of the error of the steps in time. `search` grows sets from none, and `neighbours`
-//! makes sure of the likely ones; `weights` makes probabilities of their evidence, `limits` tells what could not have
-//! been seen.
+//! is its minimum with the volume around it, `probe` what amounts of each candidate would change to first order. `search`
+//! grows sets from none, and `neighbours` makes sure of the likely ones; `weights` makes probabilities of their evidence,
+//! `limits` tells what could not have been seen. Of the decided one `agreement` looks for a better minimum, and `refined`
+//! takes off the error of the steps in time.
 
+mod agreement;
 mod autoregression;
 mod discrepancy;
 mod joint;
@@ -30,7 +31,6 @@ pub(super) use limits::{Sensitivities, around};
 pub(super) use measured::Measured;
 pub(super) use posterior::Posterior;
 pub(super) use probe::Prepared;
-pub(super) use refined::refined;
 pub(super) use search::{Search, Set};
 
 use latent::Latent;
@@ -38,6 +38,7 @@ use posterior::{Start, fit, screen};
 use unknown::Unknown;
 
 use super::candidates::Candidate;
+use super::diagnosis::Agreement;
 use super::measurements::weighted_dataset::WeightedDataset;
 use crate::data::Dataset;
 use crate::effects::Scales;
@@ -55,9 +56,23 @@ pub(super) struct Weighed {
     pub candidates: Vec<Prepared>,
     /// What changes nothing in these data, whatever its size.
     pub silent: Vec<Candidate>,
+    /// What other starts say of the set that is told.
+    pub agreement: Agreement,
 }
 
 impl Weighed {
+    /// Makes sure of the parameters of the set that was `decided` for: no better fit lies near, and the steps in time are no
+    /// part of them. Only of what is told, after the decision: all sets were compared in the same steps.
+    pub fn assure(&mut self, decided: usize, data: &Measured) {
+        let posterior = &mut self.sets[decided].posterior;
+        if !data.bench.interrupted() {
+            (*posterior, self.agreement) = agreement::agreement(data, posterior);
+        }
+        if let Ok(refined) = refined::refined(data, posterior) {
+            *posterior = refined;
+        }
+    }
+
     /// Tells the model without effects as `fitted`, where that leaves less: a residual that is no noise draws a fit that
     /// takes it for one away from what was measured.
     pub fn refitted_as(&mut self, fitted: Posterior, data: &Measured) {
@@ -122,7 +137,7 @@ pub(super) fn weigh(
     let named: Vec<Set> = sane.iter().map(|k| sets[*k].clone()).collect();
     let mut within = vec![0.0; sets.len()];
     sane.iter().zip(weights::of(data, &named, &candidates)).for_each(|(k, weight)| within[*k] = weight);
-    Ok(Weighed { sets, weights, within, candidates, silent })
+    Ok(Weighed { sets, weights, within, candidates, silent, agreement: Agreement::default() })
 }
 
 /// The best fit with one of `candidates` beside `base`, from every start that promises something.

@@ -13,7 +13,7 @@ use crate::model::Structure;
 const FINER: usize = 8;
 
 /// `posterior` moved to where simulations in finer steps fit best, to first order.
-pub(in crate::diagnose) fn refined(data: &Measured, posterior: &Posterior) -> Result<Posterior, String> {
+pub(super) fn refined(data: &Measured, posterior: &Posterior) -> Result<Posterior, String> {
     if posterior.model.structure == Structure::Prescribed {
         return Ok(posterior.clone());
     }

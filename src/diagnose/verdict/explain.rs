@@ -3,7 +3,7 @@
 use super::confound;
 use super::decision::TakenBack;
 use super::{Context, Decision, Tested, Weighed};
-use crate::diagnose::diagnosis::{Detectable, Errors, Evidence, Verdict};
+use crate::diagnose::diagnosis::{Agreement, Detectable, Errors, Evidence, Verdict};
 use crate::diagnose::evidence::{Discrepancy, Sensitivities};
 use crate::diagnose::features;
 use crate::effects;
@@ -75,10 +75,22 @@ pub(super) fn reasons(explained: &Explained) -> Vec<String> {
     }
     reasons.extend(decision.groups.iter().map(|group| group.reason.clone()));
     reasons.extend(opposed(explained));
+    reasons.extend(agreed(weighed.agreement));
     if context.bench.interrupted() {
         reasons.push("the search was interrupted: effects that were not tried may fit better".to_owned());
     }
     reasons
+}
+
+/// What fits from other starts say of the parameters told.
+fn agreed(agreement: Agreement) -> Option<String> {
+    let Agreement { starts, agreeing } = agreement;
+    let fits = if starts == 1 { "the fit from another start ends" } else { "the fits from other starts end" };
+    match starts - agreeing {
+        _ if starts == 0 => None,
+        0 => Some(format!("{fits} at the same parameters ({starts} of {starts})")),
+        others => Some(format!("{others} of {starts} fits from other starts end elsewhere, and are worse")),
+    }
 }
 
 /// Whether what is missing beside the likeliest set is a residual of its own, on a contact that is moved as measured.
@@ -119,7 +131,7 @@ fn decided(explained: &Explained) -> String {
             percent(errors.last)
         ),
         Verdict::Unexplained if is_disturbed(explained) => format!(
-            "{suggest}with a probability of {p}, the residual is more than the noise that was told,  {} of the channels' \
+            "{suggest}with a probability of {p}, the residual is more than the noise that was told, {} of the channels' \
              standard deviation in all, and it does not follow the motion: the noise is larger than told, or the measurement \
              is disturbed; it is largest in `{}`",
             percent(errors.refitted),

@@ -13,7 +13,7 @@ pub(super) use context::Context;
 pub(super) use decision::Decision;
 
 use super::candidates::Candidate as Form;
-use super::diagnosis::{Candidate, Cost, Diagnosis, Errors, Noise, Step, Untried, Verdict};
+use super::diagnosis::{Agreement, Candidate, Cost, Diagnosis, Errors, Noise, Step, Untried, Verdict};
 use super::evidence::{self, Measured, Sensitivities, Set, Weighed};
 use super::measurements::split::Parts;
 use super::measurements::weighted_dataset::Scored;
@@ -83,6 +83,7 @@ pub(super) fn of(
         skipped: Vec::new(),
         comparison: comparison(context.dataset, stages),
         model: best.posterior.model.clone().with_new_free(context.model),
+        agreement: weighed.agreement,
         cost: cost(context),
     }
 }
@@ -321,6 +322,7 @@ pub(super) fn insufficient(
         skipped: Vec::new(),
         comparison: comparison(dataset, vec![baseline]),
         model: model.clone(),
+        agreement: Agreement::default(),
         cost: Cost::default(),
     }
 }

@@ -74,6 +74,7 @@ pub fn diagnosis_json(diagnosis: &Diagnosis, run: &Run) -> Value {
             "max_effects": run.options.max_effects,
             "assumptions": run.options.assumptions.named().into_iter().collect::<std::collections::BTreeMap<_, _>>(),
         },
+        "starts": { "tried": diagnosis.agreement.starts, "agreeing": diagnosis.agreement.agreeing },
         "cost": cost(diagnosis, run),
         "interrupted": run.interrupted,
     })

@@ -2,8 +2,8 @@
 
 use stickslip::data::Use;
 use stickslip::diagnose::{
-    Candidate, Comparison, Confounding, Cost, Detectable, DiagnoseOptions, Diagnosis, Errors, Estimate,
-    Evidence, Group, Noise, NoiseSource, Step, Untried, Verdict,
+    Agreement, Candidate, Comparison, Confounding, Cost, Detectable, DiagnoseOptions, Diagnosis, Errors,
+    Estimate, Evidence, Group, Noise, NoiseSource, Step, Untried, Verdict,
 };
 use stickslip::effects::CATALOGUE;
 use stickslip::fit::residual::appearance;
@@ -214,6 +214,7 @@ fn of(comparison: Comparison) -> Diagnosis {
             .collect(),
         comparison,
         model: Model::parse(MODEL).unwrap(),
+        agreement: Agreement { starts: 2, agreeing: 2 },
         cost: Cost { refits: 34, simulations: 19_200, samples: 9600, fitted_samples: 9600 },
     }
 }

@@ -1,0 +1,97 @@
+//! Whether fits from elsewhere end where a hypothesis is: a minimum is the best one as far as others were looked for.
+
+use rayon::prelude::*;
+
+use super::again;
+use super::measured::Measured;
+use super::posterior::{Posterior, Start, screen};
+use crate::diagnose::diagnosis::Agreement;
+
+/// Multiples of what was found, of the model's own parameters from those given and of what effects brought, that other fits
+/// start at.
+const STARTS: [[f64; 2]; 2] = [[0.0, 0.5], [-1.0, 2.0]];
+
+/// Fits `posterior` from elsewhere; a better fit takes its place.
+pub(super) fn agreement(data: &Measured, posterior: &Posterior) -> (Posterior, Agreement) {
+    let ends = STARTS.par_iter().filter_map(|multiples| end(data, posterior, *multiples));
+    let ends: Vec<Posterior> = ends.collect();
+    let best = ends.iter().map(|end| &end.predictions).chain([&posterior.predictions]);
+    let best = best.min_by(|a, b| data.left(a).total_cmp(&data.left(b)));
+    let is_elsewhere = |end: &&Posterior| {
+        best == Some(&end.predictions) && !is_same(data, &end.predictions, &posterior.predictions)
+    };
+    let better = ends.iter().find(is_elsewhere).and_then(|end| again(data, end).ok());
+    let better = better.filter(|better| better.log_peak > posterior.log_peak);
+    let told = better.unwrap_or_else(|| posterior.clone());
+    let agreeing = ends.iter().filter(|end| is_same(data, &end.predictions, &told.predictions)).count();
+    (told, Agreement { starts: ends.len(), agreeing })
+}
+
+/// Where a fit from `multiples` of `posterior` ends.
+fn end(data: &Measured, posterior: &Posterior, [own, brought]: [f64; 2]) -> Option<Posterior> {
+    let Posterior { model, unknowns, y, .. } = posterior;
+    let start = unknowns.iter().zip(y).map(|(unknown, y)| {
+        let (low, high) = unknown.coordinate.bounds();
+        (y * if unknown.owner.is_none() { own } else { brought }).clamp(low, high)
+    });
+    let start: Vec<f64> = start.collect();
+    screen(data, &Start { model, unknowns, y: &start }, true).ok()
+}
+
+/// Whether two predictions differ by nothing that matters.
+fn is_same(data: &Measured, a: &[Vec<f64>], b: &[Vec<f64>]) -> bool {
+    data.relevance(a, b) < data.assumptions().relevant
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{Channel, Dataset, Record, Regime};
+    use crate::diagnose::Assumptions;
+    use crate::diagnose::evidence::first;
+    use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+    use crate::fit::predict::predict;
+    use crate::model::Model;
+
+    fn model(stiffness: f64, friction: f64) -> Model {
+        Model::parse(&format!(
+            "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+             tangential_stiffness = {stiffness}\nfriction_coefficient = {friction}\nnormal_load = 100.0\n"
+        ))
+        .unwrap()
+    }
+
+    #[test]
+    fn a_fit_that_stuck_is_freed_and_one_that_did_not_is_agreed_with() {
+        let truth = model(2e6, 0.5);
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let mut record = Record {
+            name: "r".into(),
+            regime: Regime::FromRest,
+            use_for: None,
+            channels: vec![
+                channel("time", "s", (0..300).map(|i| 1e-3 * f64::from(i)).collect()),
+                channel("displacement", "m", (0..300).map(|i| 8e-5 * (0.1 * f64::from(i)).sin()).collect()),
+                channel("force", "N", vec![0.0; 300]),
+            ],
+        };
+        let clean = predict(&truth, &record).unwrap()[0].values.clone();
+        record.channels[2].values =
+            clean.iter().enumerate().map(|(i, f)| f + 0.3 * (3.0 * i as f64).sin()).collect();
+        let dataset = Dataset { title: None, records: vec![record] };
+        let given = model(2.4e6, 0.4);
+        let bench = WeightedDataset::new(&given, &dataset, Assumptions::default(), None).unwrap();
+        let data = Measured::new(&bench, &[0], &[], &[]);
+        let found = first(&data, None, &given).and_then(|first| again(&data, &first)).unwrap();
+        let (same, agreement_of) = agreement(&data, &found);
+        assert_eq!((same.y, agreement_of), (found.y.clone(), Agreement { starts: 2, agreeing: 2 }));
+        // Where it started, and taken for an end.
+        let unknowns = found.unknowns.clone();
+        let mut stuck =
+            screen(&data, &Start { model: &given, unknowns: &unknowns, y: &[0.0, 0.0] }, false).unwrap();
+        stuck.predictions[0].iter_mut().for_each(|f| *f *= 0.7);
+        stuck.log_peak = f64::NEG_INFINITY;
+        let (freed, _) = agreement(&data, &stuck);
+        assert!(data.relevance(&freed.predictions, &found.predictions) < 1e-3);
+    }
+}
