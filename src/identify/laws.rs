@@ -1,7 +1,8 @@
 //! Contact laws fitted to the identified force at some levels, and predicted at the others.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
+use super::weights::{ROUGHLY, closeness, difference, factor};
 use super::{ContactPeriod, IdentificationError};
 use crate::contact::LawKind;
 use crate::fit::{Difference, Fit, InterruptHook, Options, Parameter, Scale, fit};
@@ -12,9 +13,6 @@ use crate::model::{Contact, Law, Model, ModelParameter, Structure};
 const STARTS: usize = 8;
 /// Fits, each with the covariance of the law before.
 const ROUNDS: usize = 3;
-/// How close any law follows a contact, as a part of the force's root mean square: a record without noise would otherwise
-/// hold a law to all of the force but its size, which the gains leave open.
-const CLOSE: f64 = 1e-3;
 const STEP: f64 = 1e-4;
 
 /// A law with the parameters that describe the identified contact best.
@@ -61,18 +59,19 @@ pub fn fit_law(
     let mut model = first_guess(kind, normal_load, &seen)?;
     let free: Vec<_> = model.parameters().into_iter().filter(|parameter| parameter.free).collect();
     let count: usize = seen.iter().map(|period| period.force.len()).sum();
-    let mut factors = seen
-        .iter()
-        .map(|period| factor(kind, period, period.covariance.clone()))
-        .collect::<Result<Vec<_>, IdentificationError>>()?;
     let mut found = None;
     for round in 0..ROUNDS {
-        if round > 0 {
-            factors = seen
-                .iter()
-                .map(|period| factor(kind, period, difference(&model, period)?))
-                .collect::<Result<_, IdentificationError>>()?;
-        }
+        let expected = match round {
+            0 => seen.iter().map(|period| period.covariance.clone()).collect(),
+            _ => seen.iter().map(|period| difference(&model, period)).collect::<Result<Vec<_>, _>>()?,
+        };
+        let close = match round {
+            0 => ROUGHLY,
+            _ => closeness(&left(&model, &seen)?, &seen, &expected, count.saturating_sub(free.len())),
+        };
+        let factors =
+            seen.iter().zip(expected).map(|(period, expected)| factor(kind, period, expected, close));
+        let factors = factors.collect::<Result<Vec<_>, IdentificationError>>()?;
         let residual = |values: &[f64], out: &mut [f64]| -> Result<(), IdentificationError> {
             let tried = with(kind, &model, &free, values)?;
             let mut rest = out;
@@ -122,28 +121,6 @@ fn with(
     Ok(new)
 }
 
-/// Covariance of the law's force under the identified motion less the identified force.
-pub(super) fn difference(model: &Model, period: &ContactPeriod) -> Result<DMatrix<f64>, IdentificationError> {
-    let map = mapped(model, period)?;
-    let count = period.force.len();
-    let slopes = map.jacobian().rows(0, count).into_owned();
-    let cross = &slopes * &period.cross_covariance;
-    let own = &slopes * &period.displacement_covariance * slopes.transpose();
-    Ok(&period.covariance + own - &cross - cross.transpose())
-}
-
-/// The factor that makes what a law leaves of `period` white.
-pub(super) fn factor(
-    kind: &LawKind,
-    period: &ContactPeriod,
-    mut covariance: DMatrix<f64>,
-) -> Result<DMatrix<f64>, IdentificationError> {
-    let square = 0.5 * period.force[1..].iter().map(|value| value * value).sum::<f64>();
-    (0..covariance.nrows()).for_each(|k| covariance[(k, k)] += CLOSE * CLOSE * square);
-    let factor = covariance.cholesky().ok_or_else(|| unfit(kind, "the force has no covariance"))?;
-    Ok(factor.l())
-}
-
 /// A fitted parameter. Its interval counts on the errors that the identification tells where the residuals are smaller.
 fn told(parameter: &ModelParameter, k: usize, found: &Fit) -> IdentifiedParameter {
     let value = found.parameters[k];
@@ -170,8 +147,17 @@ pub fn force_under(model: &Model, period: &ContactPeriod) -> Result<Vec<f64>, Id
     Ok(mapped(model, period)?.force()[..period.force.len()].to_vec())
 }
 
+/// What `model` leaves of the force of each of `periods` (N).
+fn left(model: &Model, periods: &[&ContactPeriod]) -> Result<Vec<DVector<f64>>, IdentificationError> {
+    let of = |period: &&ContactPeriod| {
+        let force = force_under(model, period)?;
+        Ok(DVector::from_fn(force.len(), |k, _| force[k] - period.force[k]))
+    };
+    periods.iter().map(of).collect()
+}
+
 /// The contact of `model` under the motion of `period`.
-fn mapped(model: &Model, period: &ContactPeriod) -> Result<ContactMapping, IdentificationError> {
+pub(super) fn mapped(model: &Model, period: &ContactPeriod) -> Result<ContactMapping, IdentificationError> {
     let contact =
         model.contact.ok_or_else(|| IdentificationError::Failed("the model has no contact".to_owned()))?;
     let law = model.law().map_err(|error| IdentificationError::Failed(error.to_string()))?;

@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::laws::{difference, error_of, factor, force_under, unfit};
+use super::laws::{error_of, force_under, unfit};
+use super::weights::{ROUGHLY, closeness, difference, factor};
 use super::{ContactPeriod, IdentificationError, IdentifiedLaw, IdentifiedParameter};
 use crate::contact::{MEASURED, Measured};
 use crate::model::{Contact, Law, Model, ModelParameter, Structure};
@@ -41,14 +42,15 @@ pub fn tabulate(
     }
     let (end, columns) = best_knots(&seen, range, normal_load)?;
     let mut covariances: Vec<DMatrix<f64>> = seen.iter().map(|period| period.covariance.clone()).collect();
-    let mut found = None;
+    let (mut found, mut close) = (None, ROUGHLY);
     for _ in 0..ROUNDS {
-        let table = Table::of(&seen, &columns, &covariances)?;
+        let table = Table::of(&seen, &columns, &covariances, close)?;
         let model = table.model(end, normal_load)?;
         covariances = seen
             .iter()
             .map(|period| difference(&model, period))
             .collect::<Result<_, IdentificationError>>()?;
+        close = closeness(&table.left(&seen, &columns), &seen, &covariances, table.freedom);
         found = Some((table, model));
     }
     let (table, model) = found.ok_or_else(|| unfit(MEASURED, "no round"))?;
@@ -70,7 +72,7 @@ fn best_knots(
         let end = range * Measured::SPACING.powf(f64::from(place) / f64::from(PLACES));
         let columns = seen.iter().map(|period| branches(period, end, normal_load));
         let columns = columns.collect::<Result<Vec<_>, IdentificationError>>()?;
-        let left = Table::of(seen, &columns, &covariances)?.left;
+        let left = Table::of(seen, &columns, &covariances, ROUGHLY)?.misfit;
         if best.as_ref().is_none_or(|(least, _, _)| left < *least) {
             best = Some((left, end, columns));
         }
@@ -119,7 +121,9 @@ struct Table {
     free: Vec<usize>,
     covariance: DMatrix<f64>,
     /// Mean square of what it leaves, over the errors.
-    left: f64,
+    misfit: f64,
+    /// Coefficients beyond those that the falls above zero take.
+    freedom: usize,
 }
 
 impl Table {
@@ -127,6 +131,7 @@ impl Table {
         seen: &[&ContactPeriod],
         columns: &[DMatrix<f64>],
         covariances: &[DMatrix<f64>],
+        close: f64,
     ) -> Result<Self, IdentificationError> {
         let singular = || unfit(MEASURED, "its force has no covariance");
         let rows = columns.iter().map(DMatrix::nrows).sum();
@@ -134,7 +139,7 @@ impl Table {
         let mut right = DVector::zeros(rows);
         let mut row = 0;
         for ((period, columns), covariance) in seen.iter().zip(columns).zip(covariances) {
-            let factor = factor(MEASURED, period, covariance.clone())?;
+            let factor = factor(MEASURED, period, covariance.clone(), close)?;
             let white = factor.solve_lower_triangular(columns).ok_or_else(singular)?;
             let force = DVector::from_column_slice(&period.force);
             let target = factor.solve_lower_triangular(&force).ok_or_else(singular)?;
@@ -144,11 +149,20 @@ impl Table {
         }
         let (falls, free) = nonnegative(&matrix, &right).ok_or_else(|| unfit(MEASURED, "no best table"))?;
         let inner = matrix.select_columns(&free);
-        let freedom = rows.saturating_sub(free.len()).max(1) as f64;
-        let left = (&matrix * &falls - right).norm_squared() / freedom;
+        let freedom = rows.saturating_sub(free.len()).max(1);
+        let misfit = (&matrix * &falls - right).norm_squared() / freedom as f64;
         let covariance = (inner.transpose() * &inner).cholesky().ok_or_else(singular)?.inverse();
         let falls = std::array::from_fn(|k| falls[k]);
-        Ok(Self { falls, free, covariance: covariance * left.max(1.0), left })
+        Ok(Self { falls, free, covariance: covariance * misfit.max(1.0), misfit, freedom })
+    }
+
+    /// What it leaves of the force of each period (N).
+    fn left(&self, seen: &[&ContactPeriod], columns: &[DMatrix<f64>]) -> Vec<DVector<f64>> {
+        let falls = DVector::from_column_slice(&self.falls);
+        let of = |(period, columns): (&&ContactPeriod, &DMatrix<f64>)| {
+            columns * &falls - DVector::from_column_slice(&period.force)
+        };
+        seen.iter().zip(columns).map(of).collect()
     }
 
     fn model(&self, range: f64, normal_load: f64) -> Result<Model, IdentificationError> {

@@ -8,6 +8,7 @@
 //! - `inversion`: the force that makes the linear beam move as measured, and the contact's displacement under it;
 //! - `expansion`: the published way to the same, in two modes;
 //! - `laws`: contact laws fitted at some levels and predicted at the others; `measured`: the map itself as one;
+//!   `weights`: what they may leave;
 //! - `spectra`, `poles`, `resonance`: frequency responses, linear modes, and one resonance from a few points;
 //! - `stiffness`: of the pin rig's contact, from natural frequencies;
 //! - `identification`: all of them, from a model and a dataset;
@@ -28,6 +29,7 @@ mod slip_slap;
 mod spectra;
 mod steady;
 mod stiffness;
+mod weights;
 
 pub use expansion::{Expansion, expand};
 pub use harmonics::{Harmonics, harmonics};

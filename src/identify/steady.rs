@@ -59,8 +59,9 @@ pub(super) fn steady(
     let shown = found.iter().map(|steady| steady.shown).max().unwrap_or(0).min(fewest);
     for steady in &mut found {
         let count = coefficient_count(shown);
-        let SteadyMotion { accelerations, errors, excitation, .. } = &mut steady.motion;
-        accelerations.iter_mut().chain(errors).chain([excitation]).for_each(|values| values.truncate(count));
+        let SteadyMotion { accelerations, errors, excitation, excitation_errors, .. } = &mut steady.motion;
+        let driven = [excitation, excitation_errors];
+        accelerations.iter_mut().chain(errors).chain(driven).for_each(|values| values.truncate(count));
     }
     found
 }
@@ -127,8 +128,11 @@ impl Steady {
         // What noise alone makes of an excitation would move a mode that is lightly damped.
         let excited = standing_out(&force, excitation.noise);
         let mut driven = faultless(&force.coefficients, "excitation", faults, frequency);
-        for (k, value) in driven.iter_mut().enumerate() {
-            *value = if excited.contains(&k.div_ceil(2)) { *value } else { 0.0 };
+        let mut excitation_errors = force.errors.clone();
+        for (k, (value, error)) in driven.iter_mut().zip(&mut excitation_errors).enumerate() {
+            if !excited.contains(&k.div_ceil(2)) {
+                (*value, *error) = (0.0, 0.0);
+            }
         }
         let near = |k: &usize| (positions[*k] - exciter).abs();
         let nearest = (0..positions.len()).min_by(|a, b| near(a).total_cmp(&near(b))).unwrap_or(0);
@@ -145,6 +149,7 @@ impl Steady {
             motion: SteadyMotion {
                 angular_frequency: TAU * frequency,
                 excitation: driven,
+                excitation_errors,
                 accelerations,
                 errors,
             },

@@ -19,6 +19,10 @@ pub(in crate::identify) struct Bending<'p> {
     pub motion: &'p SteadyMotion,
     /// Harmonics of the modes.
     pub kept: usize,
+    /// Coefficients of a force in one direction.
+    count: usize,
+    /// Places of the excitation's coefficients that are not certain.
+    doubted: Vec<usize>,
     basis: Basis,
     springs: Springs,
 }
@@ -40,7 +44,17 @@ impl<'p> Bending<'p> {
         }
         // A product of force and slope has the harmonics of both.
         let springs = Springs::new(structure, motion.angular_frequency, kept);
-        Ok(Self { structure, motion, kept, basis: Basis::new(kept, 8 * (kept + 1)), springs })
+        let certain = |k: usize| motion.excitation_errors.get(k).is_none_or(|error| *error <= 0.0);
+        let doubted = (1..coefficient_count(kept)).filter(|k| !certain(*k)).collect();
+        let (count, basis) = (coefficient_count(harmonics), Basis::new(kept, 8 * (kept + 1)));
+        Ok(Self { structure, motion, kept, count, doubted, basis, springs })
+    }
+
+    /// Standard deviations beforehand of this record's own unknowns, if that of the contact's force is `force` (N): its
+    /// coefficients, direction after direction, and how much more than was shown the uncertain coefficients of the excitation are.
+    pub fn spreads(&self, force: f64) -> Vec<f64> {
+        let forces = std::iter::repeat_n(force, self.structure.directions.len() * self.count);
+        forces.chain(self.doubted.iter().map(|k| self.motion.excitation_errors[*k])).collect()
     }
 
     pub fn samples(&self, coefficients: &[f64]) -> Vec<f64> {
@@ -104,15 +118,26 @@ impl<'p> Bending<'p> {
         self.moved(&self.modal_forces(direction, &self.samples(force), slopes))
     }
 
-    /// What a unit of each coefficient of the contact's forces does to every mode, direction after direction.
-    fn under_units(&self, slopes: &[Vec<f64>], count: usize) -> Vec<Vec<Vec<f64>>> {
+    /// What a unit of each of the record's own unknowns does to every mode.
+    fn under_units(&self, slopes: &[Vec<f64>], shared: &[f64]) -> Vec<Vec<Vec<f64>>> {
         let unit = |direction: &Direction, k: usize| {
-            let mut force = vec![0.0; count];
+            let mut force = vec![0.0; self.count];
             force[k] = 1.0;
             self.under_contact(direction, &force, slopes)
         };
-        let all = |direction| (0..count).map(move |k| unit(direction, k));
-        self.structure.directions.iter().flat_map(all).collect()
+        let all = |direction| (0..self.count).map(move |k| unit(direction, k));
+        let contact = self.structure.directions.iter().flat_map(all);
+        contact.chain(self.under_doubted(shared)).collect()
+    }
+
+    /// What a unit more of each uncertain coefficient of the excitation does to every mode.
+    fn under_doubted(&self, shared: &[f64]) -> Vec<Vec<Vec<f64>>> {
+        let unit = |k: &usize| {
+            let mut force = vec![0.0; coefficient_count(self.kept)];
+            force[*k] = (-shared[0]).exp();
+            self.under(&force, &self.structure.excitation_shape)
+        };
+        self.doubted.iter().map(unit).collect()
     }
 
     /// What a unit of each shared unknown does to the modes about `shared`: the excitation less than was shown, and inertia
@@ -182,17 +207,21 @@ impl<'p> Bending<'p> {
         out
     }
 
-    /// The modes under forces of the contact and the shared unknowns, the slopes as they are in `modes`.
-    pub fn modes_under(&self, forces: &[f64], shared: &[f64], modes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    /// The modes under the record's `own` and the shared unknowns, the slopes as they are in `modes`.
+    pub fn modes_under(&self, own: &[f64], shared: &[f64], modes: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let slopes = self.slopes(modes);
         let directions = &self.structure.directions;
-        let each = directions.iter().zip(forces.chunks_exact(forces.len() / directions.len()));
+        let (forces, more) = own.split_at(directions.len() * self.count);
+        let each = directions.iter().zip(forces.chunks_exact(self.count));
         let mut parts = each.map(|(direction, force)| self.under_contact(direction, force, &slopes));
         let mut out = parts.next().unwrap_or_default();
         parts.for_each(|part| add(&mut out, 1.0, &part));
         add(&mut out, 1.0, &self.under_known(shared, modes, &slopes));
         let first_mass = 1 + self.structure.sensors.len();
         for (factor, part) in shared.iter().zip(self.under_shared(shared)).skip(first_mass) {
+            add(&mut out, *factor, &part);
+        }
+        for (factor, part) in more.iter().zip(self.under_doubted(shared)) {
             add(&mut out, *factor, &part);
         }
         out
@@ -211,14 +240,8 @@ impl<'p> Bending<'p> {
         out
     }
 
-    /// The equations of the shared unknowns and of the forces' coefficients, `count` in each direction, about `shared` and `modes`, linear, over
-    /// the errors.
-    pub fn equations(
-        &self,
-        modes: &[Vec<f64>],
-        shared: &[f64],
-        count: usize,
-    ) -> (DMatrix<f64>, DVector<f64>) {
+    /// The equations of the shared unknowns and of the record's own, about `shared` and `modes`, linear, over the errors.
+    pub fn equations(&self, modes: &[Vec<f64>], shared: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
         let slopes = self.slopes(modes);
         let sensors = self.motion.accelerations.iter().zip(&self.motion.errors).enumerate();
         let rows = sensors.flat_map(|(k, (a, e))| (1..a.len()).map(move |i| (Some(k), a[i] / e[i])));
@@ -230,7 +253,7 @@ impl<'p> Bending<'p> {
         for (i, k) in sensor.iter().enumerate().filter_map(|(i, k)| Some((i, (*k)?))) {
             columns[1 + k][i] = moved[i];
         }
-        columns.extend(self.under_units(&slopes, count).iter().map(|part| self.shown(part)));
+        columns.extend(self.under_units(&slopes, shared).iter().map(|part| self.shown(part)));
         let without = self.shown(&self.under_known(shared, modes, &slopes));
         let shift = |i: usize| sensor[i].map_or(0.0, |k| shared[1 + k]);
         let gain = |i: usize| shift(i).exp();
@@ -241,7 +264,7 @@ impl<'p> Bending<'p> {
 
     /// What a unit of each unknown of [`equations`](Self::equations) does to the coefficients of the contact's displacement in
     /// direction `place`.
-    fn displacements(&self, place: usize, modes: &[Vec<f64>], shared: &[f64], count: usize) -> DMatrix<f64> {
+    fn displacements(&self, place: usize, modes: &[Vec<f64>], shared: &[f64]) -> DMatrix<f64> {
         let (direction, slopes) = (&self.structure.directions[place], self.slopes(modes));
         let moved = |parts: &[Vec<f64>], pull: Vec<f64>| {
             let parts: Vec<_> = parts.iter().map(|part| self.samples(part)).collect();
@@ -253,11 +276,11 @@ impl<'p> Bending<'p> {
         let mut columns: Vec<DVector<f64>> =
             self.under_shared(shared).iter().map(|parts| moved(parts, self.samples(&[0.0]))).collect();
         let unit = |(k, parts): (usize, &Vec<Vec<f64>>)| {
-            let mut force = vec![0.0; count];
-            force[k % count] = if k / count == place { 1.0 } else { 0.0 };
+            let mut force = vec![0.0; self.count];
+            force[k % self.count] = if k / self.count == place { 1.0 } else { 0.0 };
             moved(parts, self.samples(&force))
         };
-        columns.extend(self.under_units(&slopes, count).iter().enumerate().map(unit));
+        columns.extend(self.under_units(&slopes, shared).iter().enumerate().map(unit));
         DMatrix::from_columns(&columns)
     }
 
@@ -272,19 +295,19 @@ impl<'p> Bending<'p> {
         self.projected(&pull.iter().enumerate().map(displacement).collect::<Vec<_>>())
     }
 
-    /// The contact in direction `place` under `forces` and `modes`; `covariance` is that of the shared unknowns and of the forces.
+    /// The contact in direction `place` under the record's `own` unknowns and `modes`; `covariance` is that of the shared and of these.
     pub fn period(
         &self,
         place: usize,
-        (forces, shared): (&[f64], &[f64]),
+        (own, shared): (&[f64], &[f64]),
         covariance: &DMatrix<f64>,
         modes: &[Vec<f64>],
         left: &DVector<f64>,
     ) -> ContactPeriod {
-        let count = forces.len() / self.structure.directions.len();
-        let force = &forces[place * count..][..count];
-        let derivatives = self.displacements(place, modes, shared, count);
-        let own = (shared.len() + place * count, count);
+        let (start, count) = (place * self.count, self.count);
+        let force = &own[start..][..count];
+        let derivatives = self.displacements(place, modes, shared);
+        let first = shared.len() + start;
         let displacement = self.displacement(place, modes, &self.samples(force));
         let pairs = self.motion.accelerations.iter().zip(&self.motion.errors);
         let measured: f64 =
@@ -293,10 +316,10 @@ impl<'p> Bending<'p> {
             angular_frequency: self.motion.angular_frequency,
             velocity: time_derivative(&displacement, 1, self.motion.angular_frequency),
             displacement,
-            cross_covariance: (&derivatives * covariance).columns(own.0, own.1).into_owned(),
+            cross_covariance: (&derivatives * covariance).columns(first, count).into_owned(),
             displacement_covariance: &derivatives * covariance * derivatives.transpose(),
             force: force.to_vec(),
-            covariance: covariance.view((own.0, own.0), (own.1, own.1)).into_owned(),
+            covariance: covariance.view((first, first), (count, count)).into_owned(),
             modes: modes.to_vec(),
             unexplained: left.norm() / measured.sqrt(),
         }

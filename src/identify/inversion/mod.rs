@@ -71,7 +71,7 @@ pub(super) fn invert_until(
     }
     // Before the motion is known roughly, no fault of the measuring chain explains what it does not.
     let certain = Doubts { excitation_gain: 0.0, sensor_gain: 0.0, sensor_mass: 0.0, ..*doubts };
-    let mut joint = Joint::new(records, harmonics, &certain);
+    let mut joint = Joint::new(records, &certain);
     joint.settle(interrupted)?;
     joint.spreads = doubts.spreads(structure.sensors.len());
     let solved = joint.settle(interrupted)?;

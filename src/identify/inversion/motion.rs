@@ -7,6 +7,8 @@ pub struct SteadyMotion {
     pub angular_frequency: f64,
     /// Coefficients `[a0, c1, s1, …]` of the excitation (N).
     pub excitation: Vec<f64>,
+    /// Standard error of each of these; 0 for what is certain.
+    pub excitation_errors: Vec<f64>,
     /// Of the acceleration at each of the beam's sensors (m/s²), as many harmonics each; means are not read.
     pub accelerations: Vec<Vec<f64>>,
     /// Standard error of each of these.
