@@ -21,18 +21,19 @@ pub struct ResonanceFit {
     /// What the fit leaves, root mean square over that of the points.
     pub error: f64,
     /// R and C of the fitted response, in the points' unit.
-    pub parts: [Complex<f64>; 2],
+    pub parts: [f64; 2],
 }
 
 impl ResonanceFit {
     /// The fitted response at `frequency` (Hz).
     pub fn value(&self, frequency: f64) -> Complex<f64> {
-        mode(frequency, self.frequency, self.damping_ratio) * self.parts[0] + self.parts[1]
+        mode(frequency, self.frequency, self.damping_ratio) * self.parts[0] + Complex::from(self.parts[1])
     }
 }
 
 /// Fits `ω² R / (ω₁² − ω² + 2iζω₁ω) + C`, an accelerance of one mode beside the others' constant part, to complex `values` at
-/// `frequencies` (Hz).
+/// `frequencies` (Hz). R and C are real, as those of modes that move in phase: were they complex, they would take up what the
+/// frequency does to a contact in a narrow band, and the resonance would not be where force and velocity are in phase.
 ///
 /// # Errors
 /// Fewer than four points, or points without a resonance.
@@ -81,7 +82,7 @@ pub fn resonance_of(
         .map_err(|error| IdentificationError::Failed(format!("the resonance was not fitted: {error}")))?;
     let (frequency, damping_ratio) = (found.parameters[0], found.parameters[1]);
     let (_, parts) = projected(frequencies, values, frequency, damping_ratio)?;
-    let model = |f: f64| mode(f, frequency, damping_ratio) * parts[0] + parts[1];
+    let model = |f: f64| mode(f, frequency, damping_ratio) * parts[0] + Complex::from(parts[1]);
     let between = (0..=400).map(|k| low + width * f64::from(k) / 400.0);
     let interval = |k: usize| found.uncertainty.interval.get(k).copied().flatten();
     Ok(ResonanceFit {
@@ -105,15 +106,16 @@ fn projected(
     values: &[Complex<f64>],
     natural: f64,
     damping: f64,
-) -> Result<(Vec<f64>, [Complex<f64>; 2]), IdentificationError> {
-    let column = |i: usize, k: usize| {
-        if k == 0 { mode(frequencies[i], natural, damping) } else { Complex::from(1.0) }
-    };
-    let matrix = DMatrix::from_fn(values.len(), 2, column);
-    let right = DVector::from_column_slice(values);
-    let solved = (matrix.adjoint() * &matrix).lu().solve(&(matrix.adjoint() * &right));
+) -> Result<(Vec<f64>, [f64; 2]), IdentificationError> {
+    let both =
+        |values: Vec<Complex<f64>>| values.into_iter().flat_map(|value| [value.re, value.im]).collect();
+    let mode: Vec<f64> = both(frequencies.iter().map(|f| mode(*f, natural, damping)).collect());
+    let column = |i: usize, k: usize| if k == 0 { mode[i] } else { 1.0 - (i % 2) as f64 };
+    let matrix = DMatrix::from_fn(mode.len(), 2, column);
+    let right = DVector::from_vec(both(values.to_vec()));
+    let solved = (matrix.transpose() * &matrix).lu().solve(&(matrix.transpose() * &right));
     let parts =
         solved.ok_or_else(|| IdentificationError::Failed("the points tell no resonance".to_owned()))?;
     let rest = right - matrix * &parts;
-    Ok((rest.iter().flat_map(|r| [r.re, r.im]).collect(), [parts[0], parts[1]]))
+    Ok((rest.as_slice().to_vec(), [parts[0], parts[1]]))
 }

@@ -4,6 +4,7 @@
 mod common;
 mod dual_mode;
 mod faults;
+mod levels;
 mod random;
 mod ring_down;
 mod slip_slap;
