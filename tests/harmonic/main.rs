@@ -9,6 +9,7 @@ mod corners;
 mod curves;
 mod cycle;
 mod cycle_laws;
+mod dual_mode;
 mod held_response;
 mod joint;
 mod laws;

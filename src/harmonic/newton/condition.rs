@@ -40,10 +40,42 @@ impl Condition for HeldAmplitude {
         let squares: f64 = value[..parts].iter().map(|value| factor * value * value).sum();
         let mut weights = [0.0; 2];
         weights.iter_mut().zip(&value[..parts]).for_each(|(weight, value)| *weight = factor * value);
-        row.seen = Some(Seen { node: self.node, order: self.order, weights });
+        row.seen.push(Seen { node: self.node, order: self.order, weights });
         row.by_scalars[Scalar::AngularFrequency.index()] +=
             self.derivative as f64 * squares / at.angular_frequency;
         0.5 * (squares - 1.0)
+    }
+}
+
+/// Two harmonics of an output keep the ratio of two amplitudes: what remains of both being held where they may grow together.
+#[derive(Debug, Clone)]
+pub(crate) struct HeldRatio {
+    /// Which output.
+    pub node: usize,
+    /// Which harmonics, at least 1.
+    pub orders: [usize; 2],
+    /// Their displacements (m) stand to each other as these.
+    pub amplitudes: [f64; 2],
+}
+
+impl Condition for HeldRatio {
+    /// The logarithm of the ratio over that of the amplitudes.
+    fn evaluate(
+        &mut self,
+        system: &mut dyn PeriodicSystem,
+        _x: &[f64],
+        _at: &Operating,
+        row: &mut ConditionRow,
+    ) -> f64 {
+        let mut logarithms = [0.0; 2];
+        for (k, sign) in [-1.0, 1.0].into_iter().enumerate() {
+            let value = system.output(self.node, self.orders[k]);
+            let square: f64 = value.iter().map(|part| part * part).sum();
+            logarithms[k] = 0.5 * (square / self.amplitudes[k].powi(2)).ln();
+            let weights = value.map(|part| sign * part / square);
+            row.seen.push(Seen { node: self.node, order: self.orders[k], weights });
+        }
+        logarithms[1] - logarithms[0]
     }
 }
 
@@ -93,7 +125,7 @@ impl Condition for Phase {
         let across = (c * self.direction[1] - s * self.direction[0]) / size;
         let weights =
             [(self.direction[1] - across * c / size) / size, (-self.direction[0] - across * s / size) / size];
-        row.seen = Some(Seen { node: self.node, order: self.order, weights });
+        row.seen.push(Seen { node: self.node, order: self.order, weights });
         across
     }
 }

@@ -11,8 +11,8 @@ pub(crate) struct ConditionRow {
     pub by_unknowns: Vec<f64>,
     /// By the scalars, in the order of [`Scalar`].
     pub by_scalars: [f64; 4],
-    /// What it sees of an output, beside the above.
-    pub seen: Option<Seen>,
+    /// What it sees of outputs, beside the above.
+    pub seen: Vec<Seen>,
 }
 
 /// Weights of the cosine and the sine of an output's harmonic in a gradient: their derivatives take an effort that a
@@ -242,7 +242,7 @@ impl Newton {
             row.by_unknowns.clear();
             row.by_unknowns.resize(x.len(), 0.0);
             row.by_scalars = [0.0; 4];
-            row.seen = None;
+            row.seen.clear();
             self.residual.push(condition.evaluate(system, x, at, row));
         }
         Ok(())
@@ -251,13 +251,14 @@ impl Newton {
     /// Completes the conditions' gradients by what they see of the outputs.
     fn look(&mut self, system: &mut dyn PeriodicSystem) {
         for row in &mut self.rows {
-            let Some(Seen { node, order, weights }) = row.seen.take() else { continue };
-            system.observe(node, order, &mut self.observation);
-            for (part, weight) in weights.into_iter().enumerate().filter(|(_, weight)| *weight != 0.0) {
-                let gradient = row.by_unknowns.iter_mut().zip(&self.observation.by_unknowns[part]);
-                gradient.for_each(|(r, d)| *r += weight * d);
-                let gradient = row.by_scalars.iter_mut().zip(&self.observation.by_scalars[part]);
-                gradient.for_each(|(r, d)| *r += weight * d);
+            for Seen { node, order, weights } in row.seen.drain(..) {
+                system.observe(node, order, &mut self.observation);
+                for (part, weight) in weights.into_iter().enumerate().filter(|(_, weight)| *weight != 0.0) {
+                    let gradient = row.by_unknowns.iter_mut().zip(&self.observation.by_unknowns[part]);
+                    gradient.for_each(|(r, d)| *r += weight * d);
+                    let gradient = row.by_scalars.iter_mut().zip(&self.observation.by_scalars[part]);
+                    gradient.for_each(|(r, d)| *r += weight * d);
+                }
             }
         }
     }

@@ -16,6 +16,7 @@ mod pair_tests;
 mod piecewise;
 mod reference;
 pub(crate) mod sampled;
+mod slow;
 mod smooth;
 mod turning;
 mod waves;

@@ -2,13 +2,13 @@
 //!
 //! The period is sampled, and marched from the largest tangential displacement, to which a contact without history is
 //! loaded at once, until the state reproduces itself: what slips forgets within a period, and what sticks all through
-//! keeps what the first loading left. A law that slips gradually has one number that forgets slowly in small motions, by the
-//! same factor in every period: its end is foretold from two periods (Aitken's extrapolation).
+//! keeps what the first loading left. What forgets slowly is put ahead ([`SlowEnd`]).
 
 use nalgebra::DMatrix;
 
 use super::CycleSummary;
 use super::sampled::differentiate_functions;
+use super::slow::SlowEnd;
 use crate::contact::{SlipSlap, SlipSlapInputs, SlipSlapTangents, SlipSlapWork, SlipState};
 use crate::harmonic::HarmonicError;
 use crate::numeric::fourier::{Basis, coefficient_count, differentiate};
@@ -16,10 +16,6 @@ use crate::numeric::fourier::{Basis, coefficient_count, differentiate};
 /// Change of the state in a period, as a fraction of its parts' largest values, that counts as none.
 const CLOSED: f64 = 1e-10;
 const MAX_CYCLES: usize = 100;
-/// Part of a change that may point elsewhere than the one before for its end to be foretold; and the part by which a number
-/// that does not forget, but sticks, at least changes from period to period.
-const ASTRAY: f64 = 0.1;
-const STUCK: f64 = 1e-9;
 
 /// One of the two directions.
 #[derive(Debug, Clone)]
@@ -185,47 +181,30 @@ impl PairCycle {
         angular_frequency: f64,
         origin: usize,
     ) -> Result<(), HarmonicError> {
-        let mut before: Vec<f64> = Vec::new();
+        let mut slow = SlowEnd::default();
         for _ in 0..MAX_CYCLES {
             if self.march(contact, angular_frequency, origin, false) <= CLOSED {
                 return Ok(());
             }
-            let change: Vec<f64> =
-                self.state.iter().zip(&self.begin).map(|(end, begin)| end - begin).collect();
-            let scale = &self.scale;
-            let weighted = |list: &[f64]| -> Vec<f64> {
-                let by = |(x, scale): (&f64, &f64)| if *scale > 0.0 { x / scale } else { 0.0 };
-                list.iter().zip(scale).map(by).collect()
-            };
-            before = match left(&weighted(&before), &weighted(&change)) {
-                Some(left) => {
-                    add(left, &change, &mut self.state);
-                    Vec::new()
-                }
-                None => change,
-            };
+            slow.look_ahead(&self.begin, &mut self.state, &self.scale);
         }
         Err(HarmonicError::ContactNotPeriodic { cycles: MAX_CYCLES })
     }
 
     /// Marches on from a state that reproduces itself until the derivatives do.
     fn close_derivatives(&mut self, contact: &SlipSlap, angular_frequency: f64, origin: usize) {
-        let mut before: Vec<f64> = Vec::new();
+        let mut slow = SlowEnd::default();
         for _ in 0..MAX_CYCLES {
             let begin = self.carried.clone();
             self.march(contact, angular_frequency, origin, true);
-            let change: Vec<f64> = self.carried.iter().zip(&begin).map(|(end, begin)| end - begin).collect();
-            let size = |list: &[f64]| list.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            if size(&change) <= CLOSED * size(&self.carried) {
+            let largest =
+                |list: &mut dyn Iterator<Item = f64>| list.fold(0.0_f64, |most, x| most.max(x.abs()));
+            let change = largest(&mut self.carried.iter().zip(&begin).map(|(end, begin)| end - begin));
+            let size = largest(&mut self.carried.iter().copied());
+            if change <= CLOSED * size {
                 return;
             }
-            before = match left(&before, &change) {
-                Some(left) => {
-                    add(left, &change, &mut self.carried);
-                    Vec::new()
-                }
-                None => change,
-            };
+            slow.look_ahead(&begin, &mut self.carried, &vec![size; begin.len()]);
         }
     }
 
@@ -325,21 +304,6 @@ impl PairCycle {
             }
         }
     }
-}
-
-/// How many times the last `change` is still to come, where every change is by the same factor smaller than the one `before`;
-/// `None` where it is not so.
-fn left(before: &[f64], change: &[f64]) -> Option<f64> {
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let square = product(before, before);
-    if square == 0.0 {
-        return None;
-    }
-    let factor = product(change, before) / square;
-    let astray: f64 = change.iter().zip(before).map(|(x, b)| (x - factor * b).powi(2)).sum();
-    let steady =
-        astray <= (ASTRAY * ASTRAY) * product(change, change) && (0.0..1.0 - STUCK).contains(&factor);
-    steady.then(|| factor / (1.0 - factor))
 }
 
 fn add(factor: f64, from: &[f64], to: &mut [f64]) {

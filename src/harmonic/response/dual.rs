@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 
 use crate::harmonic::balance::assembly::Assembly;
 use crate::harmonic::balance::balance_of;
+use crate::harmonic::continuation::{Advance, Location, Path, Route, Verdict};
 use crate::harmonic::newton::Point;
-use crate::harmonic::newton::condition::HeldAmplitude;
+use crate::harmonic::newton::condition::{HeldAmplitude, HeldRatio};
 use crate::harmonic::newton::problem::{Condition, Stopping, solve};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem, Scalar};
 use crate::harmonic::{CurveSettings, HarmonicError};
@@ -17,6 +18,9 @@ const FIRST: f64 = 0.05;
 const SHORTEST: f64 = 1e-3;
 /// Newton steps for one place on the way.
 const MOST_ITERATIONS: usize = 12;
+/// Points of a way around folds, and how many times the tones may grow on it.
+const MOST_POINTS: usize = 2000;
+const FARTHEST: f64 = 100.0;
 
 /// A harmonic of the acceleration that is held, by a tone of the force of the same order.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,49 +75,118 @@ pub fn dual_tone_response(
     // The linear response grows with its tones: to the beginning of the way in proportion.
     (at.level, at.parameter) = (FIRST * first, FIRST * second);
     system.guess(&at, &mut x)?;
-    let effort = raise(system, &mut x, &mut at, (node, &tones), settings)?;
+    let held = Held { node, tones };
+    let (effort, reached) = held.raise(system, &mut x, &mut at, settings)?;
+    let effort = if reached { effort } else { effort + held.follow(system, &mut x, &mut at, settings)? };
     let mut point = system.describe(&x, &at)?;
     point.iterations = effort;
     Ok(DualTone { point, force: [at.level, at.parameter] })
 }
 
-/// Raises both amplitudes from [`FIRST`] to the whole; returns the Newton steps it took.
-fn raise(
-    system: &mut dyn PeriodicSystem,
-    x: &mut Vec<f64>,
-    at: &mut Operating,
-    (node, tones): (usize, &[HeldTone; 2]),
-    settings: &CurveSettings,
-) -> Result<usize, HarmonicError> {
-    let stopping = Stopping { max_iterations: MOST_ITERATIONS, ..settings.stopping() };
-    let (mut done, mut step, mut iterations) = (0.0, FIRST, 0);
-    // The last two places give the direction to the next.
-    let mut before: Option<(f64, Vec<f64>, Operating)> = None;
-    while done < 1.0 {
-        let next = f64::min(done + step, 1.0);
-        let (mut trial, mut there) = (x.clone(), *at);
-        if let Some((earlier, x_before, at_before)) = &before {
-            let ahead = (next - done) / (done - earlier);
-            trial.iter_mut().zip(x_before).for_each(|(x, before)| *x += ahead * (*x - before));
-            there.level += ahead * (at.level - at_before.level);
-            there.parameter += ahead * (at.parameter - at_before.parameter);
-        }
-        let [mut first, mut second] =
-            tones.map(|tone| HeldAmplitude::new(node, tone.order, 2, next * tone.amplitude));
-        let mut held: [&mut dyn Condition; 2] = [&mut first, &mut second];
-        let free = [Scalar::Level, Scalar::Parameter];
-        match solve(system, &mut trial, &mut there, &free, &mut held, &stopping) {
-            Ok(effort) => {
-                iterations += effort.iterations;
-                let place = (done > 0.0).then(|| (done, std::mem::take(x), *at));
-                (before, *x, *at, done) = (place, trial, there, next);
-                step *= if effort.iterations <= 5 { 2.0 } else { 1.0 };
-            }
-            Err(error) if !error.is_of_the_step() || step < SHORTEST => return Err(error),
-            Err(_) => step *= 0.5,
-        }
+/// What is held, and where.
+struct Held {
+    node: usize,
+    tones: [HeldTone; 2],
+}
+
+impl Held {
+    /// Conditions for `fraction` of both amplitudes.
+    fn conditions(&self, fraction: f64) -> [HeldAmplitude; 2] {
+        self.tones.map(|tone| HeldAmplitude::new(self.node, tone.order, 2, fraction * tone.amplitude))
     }
-    Ok(iterations)
+
+    /// Raises both amplitudes from [`FIRST`] to the whole, as long as the tones grow smoothly with them; returns the Newton steps it
+    /// took and whether the end was reached.
+    fn raise(
+        &self,
+        system: &mut dyn PeriodicSystem,
+        x: &mut Vec<f64>,
+        at: &mut Operating,
+        settings: &CurveSettings,
+    ) -> Result<(usize, bool), HarmonicError> {
+        let stopping = Stopping { max_iterations: MOST_ITERATIONS, ..settings.stopping() };
+        let (mut done, mut step, mut iterations) = (0.0, FIRST, 0);
+        // The last two places give the direction to the next.
+        let mut before: Option<(f64, Vec<f64>, Operating)> = None;
+        while done < 1.0 {
+            let next = f64::min(done + step, 1.0);
+            let (mut trial, mut there) = (x.clone(), *at);
+            if let Some((earlier, x_before, at_before)) = &before {
+                let ahead = (next - done) / (done - earlier);
+                trial.iter_mut().zip(x_before).for_each(|(x, before)| *x += ahead * (*x - before));
+                there.level += ahead * (at.level - at_before.level);
+                there.parameter += ahead * (at.parameter - at_before.parameter);
+            }
+            let [mut first, mut second] = self.conditions(next);
+            let mut held: [&mut dyn Condition; 2] = [&mut first, &mut second];
+            let free = [Scalar::Level, Scalar::Parameter];
+            match solve(system, &mut trial, &mut there, &free, &mut held, &stopping) {
+                Ok(effort) => {
+                    iterations += effort.iterations;
+                    let place = (done > 0.0).then(|| (done, std::mem::take(x), *at));
+                    (before, *x, *at, done) = (place, trial, there, next);
+                    step *= if effort.iterations <= 5 { 2.0 } else { 1.0 };
+                }
+                Err(error) if !error.is_of_the_step() || done == 0.0 && step < SHORTEST => return Err(error),
+                Err(_) if step < SHORTEST => return Ok((iterations, false)),
+                Err(_) => step *= 0.5,
+            }
+        }
+        Ok((iterations, true))
+    }
+
+    /// Follows the responses whose two harmonics keep their ratio by arc length from `x` and `at` on, around folds, to the first
+    /// of the amplitudes wanted; returns the Newton steps it took.
+    fn follow(
+        &self,
+        system: &mut dyn PeriodicSystem,
+        x: &mut Vec<f64>,
+        at: &mut Operating,
+        settings: &CurveSettings,
+    ) -> Result<usize, HarmonicError> {
+        let Self { node, tones: [first, second] } = self;
+        let of = |tone: &HeldTone| tone.amplitude / (tone.order as f64 * at.angular_frequency).powi(2);
+        let wanted = of(first);
+        let ratio =
+            HeldRatio { node: *node, orders: [first.order, second.order], amplitudes: [wanted, of(second)] };
+        let ahead = |system: &mut dyn PeriodicSystem| {
+            let [c, s] = system.output(*node, first.order);
+            c.hypot(s) / wanted - 1.0
+        };
+        let route = Route {
+            along: Scalar::Level,
+            from: at.level,
+            to: FARTHEST * at.level,
+            stopping: settings.stopping(),
+            max_step: settings.max_step,
+        };
+        let mut path = Path::new(system, route, &[Scalar::Parameter], vec![Box::new(ratio)], x.clone(), *at)?;
+        let mut iterations = 0;
+        let mut passed = -1.0;
+        for _ in 0..MOST_POINTS {
+            let before = passed;
+            let advance = path.advance(&mut |system, _, _, _| {
+                passed = ahead(system);
+                Ok(Verdict::Keep(0.0))
+            })?;
+            iterations += path.present.iterations;
+            if passed >= 0.0 {
+                let found = path.locate((before, passed), &mut |system, _| ahead(system));
+                let Location { x: there, at: then, .. } = found.unwrap_or_else(|_| path.present.clone());
+                drop(path);
+                (*x, *at) = (there, then);
+                let [mut first, mut second] = self.conditions(1.0);
+                let mut held: [&mut dyn Condition; 2] = [&mut first, &mut second];
+                let free = [Scalar::Level, Scalar::Parameter];
+                let effort = solve(system, x, at, &free, &mut held, &settings.stopping())?;
+                return Ok(iterations + effort.iterations);
+            }
+            if advance != Advance::Going {
+                break;
+            }
+        }
+        Err(HarmonicError::NotConverged { residual: -passed, iterations })
+    }
 }
 
 impl HeldTone {

@@ -251,7 +251,7 @@ impl Condition for InQuadrature {
         let value = factor * system.output(self.node, 1)[self.part];
         let mut weights = [0.0; 2];
         weights[self.part] = factor;
-        row.seen = Some(Seen { node: self.node, order: 1, weights });
+        row.seen.push(Seen { node: self.node, order: 1, weights });
         row.by_scalars[Scalar::AngularFrequency.index()] += 2.0 * value / at.angular_frequency;
         value - self.part as f64
     }
