@@ -7,6 +7,7 @@ mod common;
 mod continuous;
 mod dependencies;
 mod derivatives;
+mod energy;
 mod input_derivatives;
 mod instance;
 mod orders;

@@ -101,7 +101,9 @@ fn both_forces_come_back_at_every_level() {
     // Forces hang little on what is assumed of the beam; the normal displacement does, however exact the records are.
     assert!(found.by_modulus[0] < 0.05 && found.by_modulus[1] < 0.01, "{:?}", found.by_modulus);
     assert!(found.by_normal_stiffness.iter().all(|change| *change < 1e-3), "{:?}", found.by_normal_stiffness);
-    for name in ["normal_displacement", "normal_stiffness", "published_normal_displacement"] {
+    for name in
+        ["normal_displacement", "normal_stiffness", "normal_hardening", "published_normal_displacement"]
+    {
         assert!(found.unidentified.iter().any(|one| one.name == name), "{:?}", found.unidentified);
     }
     // The least normal force of the reference values: the pin stays on its support.
@@ -146,6 +148,11 @@ fn loops_show_micro_slip_macro_slip_and_hardening() {
         assert!(sticks > 0.1 && partly > 0.5 && (sticks + partly + whole - 1.0).abs() < 1e-9);
         let [soft, hard] = record.normal_slopes;
         assert!(2.0e7 < soft && soft < 2.37e7 && 2.37e7 < hard && hard < 2.7e7, "{soft} {hard}");
+        // A large loop and two within it, in both directions.
+        assert_eq!(record.loops(), [3, 3]);
+        // What a modulus 0.1 % larger leaves of the hardening is less than half.
+        let [here, stiffer] = record.hardening();
+        assert!((0.08..0.16).contains(&here) && stiffer < 0.5 * here, "{here} {stiffer}");
     }
     assert!(records[0].slopes.parts[2] < 1e-3 && records[2].slopes.parts[2] > 0.01);
 }
@@ -227,7 +234,7 @@ fn coupling_is_none_of_a_constant_limit_and_one_of_coulombs() {
         let options = IdentifyOptions { modes: ModeCount::Fixed(30), ..IdentifyOptions::default() };
         let found = identify_slip_slap(&rig, &Dataset { title: None, records }, &options).unwrap();
         // Each loop holds two more of the third harmonic.
-        assert!(found.records.iter().all(|record| record.reversals == 6));
+        assert!(found.records.iter().all(|record| record.reversals[0] == 6));
         let coupling = found.coupling.unwrap();
         assert!((coupling.following - following).abs() < 0.1, "{following}: {coupling:?}");
         let [low, high] = coupling.interval;

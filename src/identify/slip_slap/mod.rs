@@ -50,13 +50,16 @@ pub struct SlipSlapRecord {
     pub force_intervals: [f64; 2],
     /// Of the tangential and the normal displacement (m).
     pub displacement_intervals: [f64; 2],
-    /// Reversals of the tangential displacement in a period: two of a simple loop, and two more for each loop inside it.
-    pub reversals: usize,
+    /// Reversals of the tangential and the normal displacement in a period: two of a simple loop, and two more for each loop inside
+    /// it. Two tones ω and 3ω alone turn six times at most: three loops.
+    pub reversals: [usize; 2],
     /// How S answers to ξ along the loop.
     pub slopes: LoopSlopes,
     /// Slopes of N over η (N/m) where less presses than in the mean and where more does: to be read only where the normal
     /// displacement is identified.
     pub normal_slopes: [f64; 2],
+    /// The same, if Young's modulus were 0.1 % larger.
+    pub normal_slopes_by_modulus: [f64; 2],
     /// The published way, where the rig has the modes for it.
     pub published: Option<PublishedSlipSlap>,
 }
@@ -108,31 +111,33 @@ pub fn identify_slip_slap(
         return Err(nothing_usable(&skipped));
     }
     let (words, inversion) = inverted(rig, &used, options)?;
-    let by = |change: &dyn Fn(&mut PinRig)| -> Result<[f64; 4], IdentificationError> {
+    let by = |change: &dyn Fn(&mut PinRig)| -> Result<Inversion, IdentificationError> {
         let mut changed = rig.clone();
         change(&mut changed);
-        Ok(changes(&inversion, &inverted(&changed, &used, options)?.1))
+        Ok(inverted(&changed, &used, options)?.1)
     };
-    let by_modulus = by(&|rig| rig.beam.youngs_modulus *= 1.0 + MODULUS)?;
-    let by_normal_stiffness = by(&|rig| rig.stuck_stiffness[1] *= 1.0 + STIFFNESS)?;
+    let stiffer = by(&|rig| rig.beam.youngs_modulus *= 1.0 + MODULUS)?;
+    let by_normal_stiffness = changes(&inversion, &by(&|rig| rig.stuck_stiffness[1] *= 1.0 + STIFFNESS)?);
     let preload = preload_of(rig, options);
     let periods = inversion.periods.iter().zip(&inversion.normal).zip(loops::slopes(&inversion.periods));
-    let found = used.iter().zip(periods);
-    let found = found
-        .map(|(record, ((along, across), slopes))| told((rig, preload), record, [along, across], slopes));
+    let found = used.iter().zip(periods).zip(&stiffer.normal);
+    let found = found.map(|((record, ((along, across), slopes)), stiffer)| SlipSlapRecord {
+        normal_slopes_by_modulus: loops::normal_slopes(stiffer),
+        ..told((rig, preload), record, [along, across], slopes)
+    });
     let records: Vec<SlipSlapRecord> = found.collect();
     check_interrupt(options)?;
     let mut identification = SlipSlapIdentification {
         warnings: records.iter().filter_map(distrust).collect(),
         records,
         coupling: coupling::coupling(&inversion.periods, &inversion.normal, preload),
-        inversion,
         preload,
         rig: words,
-        by_modulus,
+        by_modulus: changes(&inversion, &stiffer),
         by_normal_stiffness,
         unidentified: Vec::new(),
         skipped,
+        inversion,
     };
     identification.unidentified = unidentified::unidentified(&identification);
     Ok(identification)
@@ -207,10 +212,24 @@ fn told(
         normal_force: [preload - high, preload - low],
         force_intervals: wide(0),
         displacement_intervals: wide(1),
-        reversals: reversals(&periods[0].velocity),
+        reversals: periods.map(|period| reversals(&period.velocity)),
         slopes,
         normal_slopes: loops::normal_slopes(periods[1]),
+        normal_slopes_by_modulus: [f64::NAN; 2],
         published: published::published(rig, record, periods).ok(),
+    }
+}
+
+impl SlipSlapRecord {
+    /// Loops that the hysteresis along and across the beam consists of: a large one, and those within it.
+    pub fn loops(&self) -> [usize; 2] {
+        self.reversals.map(|reversals| reversals / 2)
+    }
+
+    /// By which part the normal force is stiffer where more presses than in the mean than where less does; and if Young's modulus
+    /// were 0.1 % larger.
+    pub fn hardening(&self) -> [f64; 2] {
+        [self.normal_slopes, self.normal_slopes_by_modulus].map(|[less, more]| more / less - 1.0)
     }
 }
 

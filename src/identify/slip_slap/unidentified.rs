@@ -26,6 +26,7 @@ pub(super) fn unidentified(found: &SlipSlapIdentification) -> Vec<Unidentified> 
                 .to_owned(),
         });
     }
+    out.extend(hardening(found));
     out.extend(echo(found));
     out.extend(mean_force(found));
     out
@@ -50,6 +51,33 @@ fn vague(found: &SlipSlapIdentification, place: usize) -> Option<String> {
             100.0 * stiffness
         )
     })
+}
+
+/// How the normal force hardens, where that hangs on what is assumed of the beam.
+fn hardening(found: &SlipSlapIdentification) -> Option<Unidentified> {
+    let all: Vec<[f64; 2]> = found.records.iter().map(super::SlipSlapRecord::hardening).collect();
+    // Written so that what is no number is no answer.
+    let told = |[here, there]: &[f64; 2]| (there - here).abs() <= HANGS * here.abs();
+    if all.iter().all(told) {
+        return None;
+    }
+    let ends = |place: usize| {
+        let (low, high) = range(all.iter().map(|hardening| 100.0 * hardening[place]));
+        format!("{low:.1} … {high:.1} %")
+    };
+    Some(Unidentified {
+        name: "normal_hardening",
+        reason: format!(
+            "the slope of the normal force is larger by {} where more presses than in the mean, and by {} if Young’s modulus were \
+             0.1 % larger",
+            ends(0),
+            ends(1)
+        ),
+    })
+}
+
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
 }
 
 /// The published way's normal displacement, where it gives back the normal stiffness that was assumed.

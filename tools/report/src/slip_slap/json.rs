@@ -62,7 +62,8 @@ impl SlipSlapReport<'_> {
             "warnings": self.found.warnings.iter().filter(own).collect::<Vec<_>>(), "accelerations": record.accelerations,
             "excitation": record.forces, "unexplained": along.unexplained,
             "tangential": direction(along, 0), "normal": direction(across, 1),
-            "normal_force": record.normal_force, "reversals": record.reversals,
+            "normal_force": record.normal_force, "reversals": record.reversals[0], "normal_reversals": record.reversals[1],
+            "loops": record.loops(), "hardening": record.hardening()[0], "hardening_by_modulus": record.hardening()[1],
             "stuck_stiffness": record.slopes.stuck,
             "sticks": sticks, "micro_slip": partly, "macro_slip": whole,
             "published": record.published.as_ref().map(|published| {

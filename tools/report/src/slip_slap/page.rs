@@ -69,15 +69,18 @@ impl SlipSlapReport<'_> {
     fn slip(&self) -> Vec<Block> {
         let mut blocks = vec![
             Block::Text(
-                "Each loop of the tangential force holds a smaller loop for every two reversals beyond two. Along the way the \
-                 contact sticks, slips in part (micro-slip) or as a whole (macro-slip), by the slope of force over displacement: \
-                 above 90\u{a0}%, between, and below 10\u{a0}% of that of a contact that sticks."
+                "A hysteresis consists of a loop for every two reversals of its displacement: a large one, and smaller ones within it. \
+                 A motion of two tones ω and 3ω turns six times a period at most, so that three loops are all it can have, one large \
+                 and two within. Along the way the contact sticks, slips in part (micro-slip) or as a whole (macro-slip), by the slope \
+                 of force over displacement: above 90\u{a0}%, between, and below 10\u{a0}% of that of a contact that sticks."
                     .to_owned(),
             ),
             Block::Table(self.slip_table()),
+            Block::Table(self.hardening_table()),
         ];
         if self.is_unidentified("normal_stiffness") {
-            let text = "The slopes of the normal force are not identified: they change with what is assumed of the beam.";
+            let text = "The slopes of the normal force, and how it hardens, are not identified where they change with what is assumed of \
+                        the beam: its modulus would have to be known to some ten-thousandths.";
             blocks.push(Block::Warning(text.to_owned()));
         }
         if let Some(coupling) = &self.found.coupling {

@@ -51,35 +51,54 @@ impl SlipSlapReport<'_> {
     pub(super) fn slip_table(&self) -> Table {
         let heading = [
             "Level",
-            "loops inside",
+            "loops S–ξ",
+            "loops N–η",
             "stuck (N/µm)",
             "sticks (%)",
             "micro-slip (%)",
             "macro-slip (%)",
             "loss (mJ)",
-            "N/η, unloaded half (N/µm)",
-            "loaded half (N/µm)",
         ];
-        let unidentified = self.is_unidentified("normal_stiffness");
-        let slope = |slope: f64| match unidentified {
-            true => Cell::Marked(format!("{}, not identified", Cell::Number(1e-6 * slope, 1).shown())),
-            false => Cell::Number(1e-6 * slope, 1),
-        };
         let rows = self.periods().map(|(record, [along, _])| {
             let [sticks, partly, whole] = record.slopes.parts;
             vec![
                 Cell::text(level(record)),
-                Cell::Count(record.reversals.saturating_sub(2) / 2),
+                Cell::Count(record.loops()[0]),
+                Cell::Count(record.loops()[1]),
                 Cell::Number(1e-6 * record.slopes.stuck, 3),
                 Cell::Number(100.0 * sticks, 1),
                 Cell::Number(100.0 * partly, 1),
                 Cell::Number(100.0 * whole, 1),
                 Cell::Number(1e3 * along.work(), 3),
-                slope(record.normal_slopes[0]),
-                slope(record.normal_slopes[1]),
             ]
         });
-        table("Slip and hardening", &heading, rows.collect())
+        table("Loops and slip", &heading, rows.collect())
+    }
+
+    /// How the normal force hardens, and what that hangs on.
+    pub(super) fn hardening_table(&self) -> Table {
+        let heading = [
+            "Level",
+            "N/η, unloaded half (N/µm)",
+            "loaded half (N/µm)",
+            "harder by (%)",
+            "if E were 0.1 % larger (%)",
+        ];
+        let marked = |name: &str, value: f64, places: usize| match self.is_unidentified(name) {
+            true => Cell::Marked(format!("{}, not identified", Cell::Number(value, places).shown())),
+            false => Cell::Number(value, places),
+        };
+        let rows = self.found.records.iter().map(|record| {
+            let [here, stiffer] = record.hardening();
+            vec![
+                Cell::text(level(record)),
+                marked("normal_stiffness", 1e-6 * record.normal_slopes[0], 1),
+                marked("normal_stiffness", 1e-6 * record.normal_slopes[1], 1),
+                marked("normal_hardening", 100.0 * here, 1),
+                Cell::Number(100.0 * stiffer, 1),
+            ]
+        });
+        table("Hardening of the normal force", &heading, rows.collect())
     }
 
     /// Below which preload the model's pin parts from its support.
