@@ -30,8 +30,8 @@ pub struct Assumptions {
     pub usual_noise: f64,
     /// Prior odds of one more effect.
     pub odds: f64,
-    /// A change of the prediction, as a fraction of a channel's root mean square, below which an effect is not worth its
-    /// name; the smallest size of a discrepancy.
+    /// A change of the prediction, as a fraction of a channel's root mean square, below which in every record an effect is not
+    /// worth its name; the smallest size of a discrepancy.
     pub relevant: f64,
     /// Probability from which something is told as certain.
     pub certain: f64,
