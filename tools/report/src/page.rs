@@ -41,9 +41,10 @@ pub fn html_with(comparison: &Comparison, noise: &[Noise], more: &[Section], set
     let mut figures = Figures::default();
     let sections = html! {
         (crate::comparison::fitted::section(comparison))
-        (stage_section(&mut figures, comparison, &summary, &levels, noise))
-        @for one in &comparison.ring_downs { (crate::comparison::ring_down::section(one)) }
+        (stage_section(comparison, &summary, &levels, noise))
         @for table in &levels { (backbone_section(&mut figures, comparison, table)) }
+        (gain_section(&mut figures, comparison, &summary))
+        @for one in &comparison.ring_downs { (crate::comparison::ring_down::section(one)) }
         (record_section(&mut figures, comparison, noise))
         @if comparison.stages.iter().any(|stage| !stage.parameters.is_empty()) {
             section id="parameters" { h2 { "Parameters" } (stages::parameter_table(comparison)) }
@@ -94,8 +95,8 @@ impl Shell<'_> {
                     header {
                         h1 { (name(title)) }
                         @if let Some((text, class)) = badge { p { span class=(format!("badge {class}")) { (text) } } }
-                        p.verdict { (name(verdict)) }
-                        @for note in warnings { p.warning { (name(note)) } }
+                        p.verdict { (spans(verdict)) }
+                        @for note in warnings { p.warning { (spans(note)) } }
                         p.quiet { (name(scope)) " " (made(settings)) }
                         (contents(&sections))
                     }
@@ -114,6 +115,15 @@ impl Shell<'_> {
             }
         };
         page.into_string()
+    }
+}
+
+/// Text in which what stands between backticks is a command or a key.
+pub(crate) fn spans(text: &str) -> Markup {
+    html! {
+        @for (index, part) in text.split('`').enumerate() {
+            @if index % 2 == 1 { code { (name(part)) } } @else { (name(part)) }
+        }
     }
 }
 
@@ -165,18 +175,11 @@ fn scope(comparison: &Comparison, levels: &[Levels]) -> String {
     format!("{records} against {stages}. Largest error that remains: {worst}.")
 }
 
-fn stage_section(
-    figures: &mut Figures,
-    comparison: &Comparison,
-    summary: &Summary,
-    levels: &[Levels],
-    noise: &[Noise],
-) -> Markup {
+fn stage_section(comparison: &Comparison, summary: &Summary, levels: &[Levels], noise: &[Noise]) -> Markup {
     html! {
         section id="stages" {
             h2 { "Error of each stage" }
             (stages::stage_table(comparison, summary, levels))
-            (stages::step_list(comparison))
             p.note {
                 "Error that noise alone would cause (normalised): "
                 @match floors::total(comparison, noise) {
@@ -184,14 +187,27 @@ fn stage_section(
                     None => { strong { "unknown" } "." }
                 }
             }
-            @if let Some(figure) = plots::waterfall(figures, comparison, summary) {
-                (figure_element(&Captioned {
-                    figure,
-                    caption: "What each stage changes: from the first stage’s error to what remains. \
-                              Green lowers the error, orange raises it."
-                        .to_owned(),
-                    half: false,
-                }, &format!("height:{}px", 112 + 48 * comparison.stages.len().min(12))))
+        }
+    }
+}
+
+/// What each stage gains; empty where there are no two to compare.
+fn gain_section(figures: &mut Figures, comparison: &Comparison, summary: &Summary) -> Markup {
+    let (steps, figure) = (stages::step_list(comparison), plots::waterfall(figures, comparison, summary));
+    let style = format!("height:{}px", 112 + 48 * comparison.stages.len().min(12));
+    html! {
+        @if figure.is_some() || !steps.0.is_empty() {
+            section id="gains" {
+                h2 { "What each stage changes" }
+                @if let Some(figure) = figure {
+                    (figure_element(&Captioned {
+                        figure,
+                        caption: "From the first stage’s error to what remains. Green lowers the error, orange raises it."
+                            .to_owned(),
+                        half: false,
+                    }, &style))
+                }
+                (steps)
             }
         }
     }

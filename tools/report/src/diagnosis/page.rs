@@ -7,7 +7,7 @@ use super::{Run, figures, residual, sections, terminal, words};
 use crate::comparison::stages::{self, name};
 use crate::comparison::summary;
 use crate::figure::Figures;
-use crate::page::{Shell, backbone_section, failures, figure_element, settings_section, worst_first};
+use crate::page::{Shell, backbone_section, failures, figure_element, settings_section, spans, worst_first};
 use crate::{Settings, explorer, format, tables};
 
 /// One self-contained HTML page, verdict first; see [`crate::html`] for what that means.
@@ -117,15 +117,6 @@ pub fn list(all: &[String]) -> Markup {
             [] => {}
             [only] => { p.text { (spans(only)) } }
             more => { ul.text { @for one in more { li { (spans(one)) } } } }
-        }
-    }
-}
-
-/// Text in which what stands between backticks is a command.
-fn spans(text: &str) -> Markup {
-    html! {
-        @for (index, part) in text.split('`').enumerate() {
-            @if index % 2 == 1 { code { (name(part)) } } @else { (name(part)) }
         }
     }
 }
