@@ -11,7 +11,7 @@ use stickslip_report::diagnosis::added_json;
 use super::diagnose::{effect, failed, watched};
 use super::{
     Measured, check_destinations, checked, colored, dataset_file, list, read_measured, read_model, settings,
-    tables, unused,
+    tables, title_of, unused,
 };
 use crate::output::{Outputs, say};
 use crate::{Failure, LoneFile, ResultFiles, progress};
@@ -80,7 +80,7 @@ impl Add {
         if progress::interrupted() {
             tell!("note: interrupted; these are the results so far");
         }
-        let data = dataset.title.clone().unwrap_or_else(|| self.fit.display().to_string());
+        let data = title_of(&dataset, &self.fit);
         let title = format!("{} added: {data}", effect.title);
         let noise = noise_of(&model, &dataset);
         let comparison =

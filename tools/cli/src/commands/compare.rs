@@ -7,7 +7,7 @@ use stickslip::model::Model;
 
 use super::{
     Measured, check_destinations, checked, colored, dataset_file, list, present, read_measured, read_model,
-    refitted, settings, tables, unused,
+    refitted, settings, tables, title_of, unused,
 };
 use crate::output::{Outputs, say};
 use crate::{Failure, LoneFile, ResultFiles};
@@ -61,7 +61,7 @@ impl Compare {
                 outputs.add(path, done.model.to_toml());
             }
         }
-        let title = dataset.title.clone().unwrap_or_else(|| self.dataset.display().to_string());
+        let title = title_of(&dataset, &self.dataset);
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         let noise = noise_of(&model, &dataset);
         let comparison = Comparison { title, records: dataset.records, ring_downs, findings, notes, stages };

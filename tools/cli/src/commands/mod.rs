@@ -106,6 +106,16 @@ fn read_dataset(
     Ok((dataset, notes, files))
 }
 
+/// What results call the measurements at `path`: by their title, or else by the name of their folder, which a path such as `.`
+/// does not tell.
+fn title_of(dataset: &Dataset, path: &Path) -> String {
+    let folder =
+        if path.is_file() { path.parent().filter(|folder| *folder != Path::new("")) } else { Some(path) };
+    let whole = folder.unwrap_or(Path::new(".")).canonicalize().ok();
+    let name = whole.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+    dataset.title.clone().or(name).unwrap_or_else(|| path.display().to_string())
+}
+
 fn shown(error: stickslip_readers::InputError) -> Failure {
     Failure::rendered(error.render(errors_are_colored()))
 }

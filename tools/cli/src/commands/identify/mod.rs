@@ -17,6 +17,7 @@ use stickslip_report::identification::{
 
 use super::{
     check_destinations, colored, dataset_file, dataset_files, list, read_model, settings, shown, tables,
+    title_of,
 };
 use crate::output::{Outputs, say};
 use crate::{Failure, ResultFiles, progress};
@@ -116,7 +117,7 @@ impl Identify {
             return Err(Failure::input("--separation: the model's kind must be \"pin_rig\""));
         }
         let Some(found) = self.found(&model, &dataset)? else { return Ok(()) };
-        let data = dataset.title.clone().unwrap_or_else(|| self.dataset.display().to_string());
+        let data = title_of(&dataset, &self.dataset);
         let report = IdentificationReport { title: format!("Contact identified: {data}"), found: &found };
         say(&identification_table(&report, 100, colored()))?;
         let mut outputs = Outputs::default();

@@ -11,7 +11,7 @@ use stickslip_report::Settings;
 use stickslip_report::slip_slap::{SlipSlapReport, slip_slap_html, slip_slap_json, slip_slap_table};
 
 use super::{Identify, ROWS, failure, table_of};
-use crate::commands::{colored, list};
+use crate::commands::{colored, list, title_of};
 use crate::output::{Outputs, say};
 use crate::{Failure, progress};
 
@@ -45,7 +45,7 @@ impl Identify {
             },
             false => (Vec::new(), None),
         };
-        let data = dataset.title.clone().unwrap_or_else(|| self.dataset.display().to_string());
+        let data = title_of(dataset, &self.dataset);
         let report = SlipSlapReport {
             title: format!("Contact in two directions identified: {data}"),
             found: &found,

@@ -173,3 +173,18 @@ fn what_ends_at_its_bound_is_told_and_not_taken_for_what_changes_nothing() {
     assert_eq!((one["at_bound"].as_bool(), one["unseen"].as_bool()), (Some(true), Some(false)), "{one}");
     assert!(stdout(&output).contains("ended at its"), "{}", stdout(&output));
 }
+
+#[test]
+fn measurements_without_a_title_are_called_as_their_folder() {
+    let folder = example();
+    for (place, path) in [("data", "."), ("data", "dataset.toml"), ("", "data"), ("", "data/dataset.toml")] {
+        let model = folder.path().join("model.toml");
+        let results = folder.path().join("c.json");
+        let arguments =
+            ["compare", model.to_str().unwrap(), path, "--no-fit", "--json", results.to_str().unwrap()];
+        let output = stickslip(folder.path().join(place), &arguments);
+        assert!(output.status.success(), "{}", error(&output));
+        assert_eq!(read_json(&folder, "c.json")["title"], "data", "{path}");
+        fs::remove_file(results).unwrap();
+    }
+}
