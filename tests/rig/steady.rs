@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 
 use stickslip::contact::Inputs;
-use stickslip::data::{Record, Regime};
+use stickslip::data::{Dataset, Record, Regime};
+use stickslip::fit::compare::evaluate;
 use stickslip::identify::harmonics;
 use stickslip::model::{Beam, Model, Structure};
 use stickslip::rig::{
@@ -172,4 +173,29 @@ fn the_truth_beside_a_record_is_what_the_law_does() {
         let off = rms(speeds.zip(&column("velocity")[1..]).map(|(a, b)| a - b));
         assert!(off < 5e-3 * rms(column("velocity").iter().copied()), "{}: {off}", truth.name);
     }
+}
+
+/// A table that ends where the contact has moved by 14.7 µm: of the two levels the larger goes beyond.
+#[test]
+fn a_comparison_names_the_record_that_leaves_the_table_of_a_measured_law() {
+    let kept: String = (1..12).map(|k| format!("slope_kept_{k} = 1.0\n")).collect();
+    let model = published(4, |text| {
+        let (beam, _) = text.split_once("[contact]").unwrap();
+        format!(
+            "{beam}[contact]\nlaw = \"measured\"\ntangential_stiffness = 7.0e6\nfriction_coefficient = 0.7\n\
+             normal_load = 147.15\n{kept}"
+        )
+    });
+    let mut plan = Plan::of_sensors(&SENSORS);
+    plan.tests.push(test("level", TestKind::SteppedSine(SteppedSine::at(vec![5.0, 70.0]))));
+    let tested = test_with_truth_on(&model, &plan, &mut |_| true).unwrap();
+    let records: Vec<Record> = tested.iter().map(|tested| tested.record.clone()).collect();
+    let truth = &tested[1].contact.as_ref().unwrap().channel("displacement").unwrap().values;
+    let ends = truth.iter().fold([f64::MAX, f64::MIN], |[low, high], u| [low.min(*u), high.max(*u)]);
+    let stage = evaluate("", &model, &Dataset { title: None, records });
+    let [note] = &stage.notes[..] else { panic!("{:?}", stage.notes) };
+    assert!(note.starts_with("in level-2") && note.contains("ends at 14.715 µm"), "{note}");
+    let (_, told) = note.split_once("± ").unwrap();
+    let told: f64 = told.split_once(" µm").unwrap().0.parse().unwrap();
+    assert!((told / (0.5e6 * (ends[1] - ends[0])) - 1.0).abs() < 0.01, "{note}: {ends:?}");
 }

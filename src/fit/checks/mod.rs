@@ -19,6 +19,8 @@ mod table;
 mod tests;
 mod time;
 
+pub(super) use table::{BEYOND, range_of};
+
 use crate::data::{Dataset, Record};
 use crate::model::Model;
 

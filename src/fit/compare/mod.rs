@@ -40,6 +40,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod beyond;
 mod comparison;
 mod intervals;
 mod nested;
@@ -82,7 +83,7 @@ use crate::model::Model;
 /// # Ok::<(), stickslip::model::ModelError>(())
 /// ```
 pub fn evaluate(name: &str, model: &Model, dataset: &Dataset) -> Stage {
-    evaluate_from(name, model, dataset, |_| None)
+    Stage { notes: beyond::notes(model, dataset), ..evaluate_from(name, model, dataset, |_| None) }
 }
 
 /// The same, each record from the solution that `seed` has for its index.

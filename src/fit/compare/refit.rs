@@ -149,7 +149,7 @@ pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Resu
         here.for_each(|parameter| parameter.fitted = Some(fitted.clone()));
     }
     let unseen: Vec<String> = unseen.into_iter().map(|index| free[index].path.clone()).collect();
-    stage.notes = notes(fit.ending, &best, &unseen);
+    stage.notes.extend(notes(fit.ending, &best, &unseen));
     Ok(Refit { model: best, stage, ending: fit.ending, unseen, skipped })
 }
 

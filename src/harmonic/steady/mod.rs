@@ -218,6 +218,11 @@ impl Start {
         start
     }
 
+    /// Coefficients of the displacement at the contact (m).
+    pub fn contact(&self) -> &[f64] {
+        &self.contact
+    }
+
     /// Whether it has the harmonics of `problem`.
     pub fn fits(&self, problem: &SteadyProblem) -> bool {
         let count = coefficient_count(problem.harmonics);
