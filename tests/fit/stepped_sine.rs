@@ -2,8 +2,8 @@
 //!
 //! Items to verify: amplitude and phase of a linear oscillator are those of the closed form, in any branch of the phase; the
 //! contact of an oscillator by the exact flow and of a beam on the virtual rig is recovered; of several responses the measured
-//! one is predicted; what bends a resonance comes first among the effects; of a sensor's faults those are tried that a
-//! table can show, and a delay turns the phases.
+//! one is predicted; what bends a resonance comes first among the effects, and is named from sweeps that jump at its folds; of
+//! a sensor's faults those are tried that a table can show, and a delay turns the phases.
 
 use std::f64::consts::TAU;
 
@@ -207,6 +207,73 @@ fn what_bends_a_resonance_comes_first() {
     let first = &told.candidates[0];
     assert_eq!(first.effects, ["geometric_stiffening"]);
     assert!(first.error < 0.01 && first.gain_z > 5.0, "{first:?}");
+}
+
+/// Amplitudes (m) of an oscillator with a cubic spring under a force (N), by its first harmonic alone: one, or three.
+fn amplitudes(cubic: f64, force: f64, frequency: f64) -> Vec<f64> {
+    let speed = TAU * frequency;
+    let rest = |a: f64| {
+        let real = 2e4 + 0.75 * cubic * a * a - 2.0 * speed * speed;
+        (real * real + 9.0 * speed * speed).sqrt() * a - force
+    };
+    let grid: Vec<f64> = (0..=4000).map(|k| 1e-5 * f64::from(k)).collect();
+    let crossed = |pair: &&[f64]| rest(pair[0]) * rest(pair[1]) <= 0.0;
+    let root = |pair: &[f64]| {
+        let (mut low, mut high) = (pair[0], pair[1]);
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            if rest(low) * rest(middle) <= 0.0 { high = middle } else { low = middle }
+        }
+        0.5 * (low + high)
+    };
+    grid.windows(2).filter(crossed).map(root).collect()
+}
+
+/// Sweeps up and down at constant forces: where there are three responses the measured is that of the way, and at a fold it jumps.
+fn swept(cubic: f64, forces: &[f64]) -> Dataset {
+    let mut random = fastrand::Rng::with_seed(9);
+    let mut noise = || 0.01 * 3.46 * (random.f64() - 0.5);
+    let up: Vec<f64> = (0..=24).map(|k| 15.0 + 0.1 * f64::from(k)).collect();
+    let down: Vec<f64> = up.iter().rev().copied().collect();
+    let mut records = Vec::new();
+    for force in forces {
+        for (way, frequencies) in [("up", &up), ("down", &down)] {
+            let at = |frequency: &f64| {
+                let all = amplitudes(cubic, *force, *frequency);
+                if way == "up" { all[all.len() - 1] } else { all[0] }
+            };
+            let exact: Vec<f64> = frequencies.iter().map(at).collect();
+            let shown = exact.iter().map(|a| a * (1.0 + noise())).collect();
+            let columns = [
+                ("frequency", frequencies.clone()),
+                ("excitation:m1", vec![*force; exact.len()]),
+                ("displacement:m1", shown),
+            ];
+            let record = table(columns.into()).records.remove(0);
+            records.push(Record { name: format!("{way}-{force}.csv"), ..record });
+        }
+    }
+    Dataset { title: None, records }
+}
+
+/// Of a model that is still without the effect there is but one response where three were measured.
+#[test]
+fn what_bends_a_resonance_over_is_named_from_sweeps_that_jump() {
+    let (cubic, forces) = (1e7, [3.0, 5.0]);
+    assert_eq!(amplitudes(cubic, 5.0, 16.5).len(), 3);
+    let measured = swept(cubic, &forces);
+    let stage = evaluate("", &stiffening(cubic), &measured);
+    assert!(
+        stage.records.iter().all(|record| record.failure.is_none()) && stage.error < 0.05,
+        "{}",
+        stage.error
+    );
+    let options = DiagnoseOptions::default();
+    let told = diagnose(&oscillator(""), &measured, &options, DiagnoseWatch::default()).unwrap();
+    println!("{:?} {:?} {:?} {:?}", told.verdict, told.effects, told.probability, told.reasons);
+    assert_eq!((told.verdict, &told.effects[..]), (Verdict::EffectFound, &["geometric_stiffening"][..]));
+    let found = told.model.get("effect.1.cubic_stiffness").unwrap();
+    assert!((found / cubic - 1.0).abs() < 0.05, "{found}");
 }
 
 #[test]
