@@ -125,15 +125,7 @@ impl Steady {
             };
             errors.push(found.errors.iter().enumerate().map(error).collect());
         }
-        // What noise alone makes of an excitation would move a mode that is lightly damped.
-        let excited = standing_out(&force, excitation.noise);
-        let mut driven = faultless(&force.coefficients, "excitation", faults, frequency);
-        let mut excitation_errors = force.errors.clone();
-        for (k, (value, error)) in driven.iter_mut().zip(&mut excitation_errors).enumerate() {
-            if !excited.contains(&k.div_ceil(2)) {
-                (*value, *error) = (0.0, 0.0);
-            }
-        }
+        let [driven, excitation_errors] = driving(&force, excitation, faults, frequency);
         let near = |k: &usize| (positions[*k] - exciter).abs();
         let nearest = (0..positions.len()).min_by(|a, b| near(a).total_cmp(&near(b))).unwrap_or(0);
         let first = &accelerations[nearest];
@@ -217,6 +209,20 @@ fn standing_out(found: &Harmonics, noise: Option<f64>) -> Vec<usize> {
         of(&found.coefficients) > limit * error.max(RESOLUTION * size).powi(2)
     };
     (1..=count).filter(stands_out).collect()
+}
+
+/// Coefficients of the excitation and their standard errors. What does not stand out of the noise counts as zero: what noise alone
+/// makes of an excitation would move a mode that is lightly damped.
+fn driving(found: &Harmonics, excitation: &Channel, faults: &[SensorFault], frequency: f64) -> [Vec<f64>; 2] {
+    let excited = standing_out(found, excitation.noise);
+    let only = |mut values: Vec<f64>| {
+        for (k, value) in values.iter_mut().enumerate() {
+            *value = if excited.contains(&k.div_ceil(2)) { *value } else { 0.0 };
+        }
+        values
+    };
+    let known = faultless(&found.coefficients, "excitation", faults, frequency);
+    [only(known), only(found.errors.clone())]
 }
 
 /// Coefficients without the gain and the delay that the model knows of the channel.
