@@ -1,9 +1,9 @@
 //! The rig that slips and slaps compared with records of its dual-mode test.
 //!
 //! Items to verify: the rig that made a record predicts it, with more harmonics than it was made with; a model whose friction
-//! is under a constant load does not; what is not predicted says so.
+//! is under a constant load does not; a mode over its amplitude is predicted; what is not says so.
 
-use stickslip::data::{Dataset, Record};
+use stickslip::data::{Channel, Dataset, Record, Regime};
 use stickslip::diagnose::evaluate;
 use stickslip::fit::predict::predict;
 use stickslip::model::Model;
@@ -58,10 +58,37 @@ fn the_rig_that_made_a_record_predicts_it() {
     assert!((same.error - stage.error).abs() < 1e-6, "{} {}", same.error, stage.error);
 }
 
+/// A table of the first bending mode over its amplitude: while the contact sticks the frequency is that of the linear rig, and it
+/// falls and is damped as friction yields.
+#[test]
+fn a_mode_over_its_amplitude_is_predicted() {
+    let channel = |name: &str, unit: &'static str, values: [f64; 4]| Channel {
+        name: name.into(),
+        unit,
+        values: values.to_vec(),
+        noise: None,
+    };
+    let channels = vec![
+        channel("amplitude:x=0.55", "m/s^2", [1e-3, 2.0, 10.0, 20.0]),
+        channel("frequency", "Hz", [52.8, 52.7, 52.0, 51.0]),
+        channel("damping_ratio", "1", [0.003, 0.004, 0.01, 0.02]),
+    ];
+    let record = Record { name: "mode.csv".into(), regime: Regime::Backbone, use_for: None, channels };
+    let predicted = predict(&rig(FOLLOWING), &record).unwrap();
+    let [frequency, damping] = [0, 1].map(|place| &predicted[place].values);
+    assert!((frequency[0] - 52.79).abs() < 0.1 && (damping[0] - 0.003).abs() < 2e-4, "{predicted:?}");
+    assert!(frequency.windows(2).all(|pair| pair[1] < pair[0]), "{frequency:?}");
+    assert!(damping.windows(2).all(|pair| pair[1] > pair[0]), "{damping:?}");
+    let mut without = record.clone();
+    without.channels[0].name = "amplitude".into();
+    let error = predict(&rig(FOLLOWING), &without).unwrap_err().to_string();
+    assert!(error.contains("where on the beam"), "{error}");
+}
+
 #[test]
 fn other_records_of_a_rig_say_what_is_predicted() {
     let mut record = measured(&rig(FOLLOWING), &[[1.0, 2.0]], 5).records.remove(0);
-    record.regime = stickslip::data::Regime::FromRest;
+    record.regime = Regime::FromRest;
     let error = predict(&rig(FOLLOWING), &record).unwrap_err().to_string();
     assert!(error.contains("`steady`"), "{error}");
 }

@@ -27,6 +27,7 @@ pub(super) fn simulation<'r>(
     Ok(match (record.regime, &model.structure) {
         (Regime::Steady, Structure::PinRig(_)) => Box::new(SteadyBeam::new(model, record, channels, seed)?),
         (Regime::SteppedSine, Structure::PinRig(_)) => Box::new(SteppedSine::new(model, record, channels)?),
+        (Regime::Backbone, Structure::PinRig(_)) => Box::new(BackboneOfMode::new(model, record, channels)?),
         (_, Structure::PinRig(_)) => return Err(PIN_RIG.into()),
         (Regime::FromRest, _) => Box::new(FromRest::new(model, record, channels)?),
         (Regime::Steady, Structure::Prescribed) => Box::new(SteadyContact::new(record, channels)?),
@@ -54,8 +55,7 @@ pub(super) fn simulation<'r>(
     })
 }
 
-const PIN_RIG: &str =
-    "a pin rig's record needs the regime `steady`, under a force that repeats, or `stepped-sine`";
+const PIN_RIG: &str = "a pin rig's record needs the regime `steady`, under a force that repeats, `stepped-sine`, or `backbone` with the place of its amplitude";
 const BEAM_OF_UNKNOWN_START: &str = "a beam's record needs the regime `from-rest`, `steady` or `backbone`: the motion \
                                      at its start is not measured everywhere";
 const BACKBONE_OF_CONTACT: &str =
