@@ -118,7 +118,7 @@ pub(crate) fn mode_at(
     accelerations: &[f64],
     settings: &CurveSettings,
 ) -> Result<Vec<[f64; 2]>, HarmonicError> {
-    let structure = assembly.system.linear_part();
+    let structure = with_contacts(assembly);
     let stuck = LinearStart::new(&structure, at_rest(&assembly.system), mode, node)?;
     if stuck.is_linear() {
         return Ok(vec![[stuck.angular_frequency, stuck.damping_ratio]; accelerations.len()]);
@@ -147,13 +147,28 @@ pub(crate) fn mode_at(
 /// # Errors
 /// A structure whose modes cannot be computed, or that has none but those of a free body.
 pub(crate) fn mode_near(assembly: &Assembly, angular_frequency: f64) -> Result<usize, HarmonicError> {
-    let mut stuck = assembly.system.linear_part();
+    let mut stuck = with_contacts(assembly);
     stuck.stiffness.extend(stuck.along_contacts(at_rest(&assembly.system)));
     let modes = stuck.natural_modes()?;
     let apart = |natural: f64| (natural / angular_frequency).ln().abs();
     let vibrating = modes.angular_frequency.iter().enumerate().filter(|(_, natural)| **natural > 0.0);
     let nearest = vibrating.min_by(|a, b| apart(*a.1).total_cmp(&apart(*b.1)));
     nearest.map(|(mode, _)| mode).ok_or(HarmonicError::InvalidInput("the structure has no vibration"))
+}
+
+/// The linear part, with the places of its contacts as [`at_rest`] counts them; without any, that of the first port.
+fn with_contacts(assembly: &Assembly) -> LinearStructure {
+    let system = &assembly.system;
+    let mut structure = system.linear_part();
+    for element in &system.elements {
+        if let Element::SlipSlap { ports, .. } = element {
+            structure.contacts.extend(ports.map(|port| system.ports[port].row.clone()));
+        }
+    }
+    if !assembly.is_condensed() && structure.contacts.is_empty() {
+        structure.contacts.push(Ports::of(system).contact().row.clone());
+    }
+    structure
 }
 
 fn mode_of(
@@ -168,13 +183,10 @@ fn mode_of(
     if !assembly.system.elements.iter().any(acts) {
         return Err(HarmonicError::InvalidInput("a structure without contacts has linear modes only"));
     }
-    let mut structure = assembly.system.linear_part();
+    let mut structure = with_contacts(assembly);
     if !assembly.is_condensed() {
         let driven = Output { name: "excitation".into(), row: structure.excitation.clone() };
         structure.outputs.push(driven);
-        if structure.contacts.is_empty() {
-            structure.contacts.push(Ports::of(&assembly.system).contact().row.clone());
-        }
         return mode_in_modes(assembly, &structure, held, (settings, on_point));
     }
     let start = LinearStart::moving(&structure, at_rest(&assembly.system), held)?;

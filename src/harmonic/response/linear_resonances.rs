@@ -3,7 +3,7 @@
 use crate::contact::{ContactLaw, Inputs};
 use crate::harmonic::balance::assembly::Assembly;
 use crate::harmonic::continuation::LinearResonance;
-use crate::system::{LinearStructure, System};
+use crate::system::{Element, LinearStructure, System};
 
 /// Structures beyond this size have no linear_resonances: their modes take longer than the curve.
 const LARGEST: usize = 200;
@@ -50,12 +50,21 @@ fn resonances(structure: &LinearStructure) -> Vec<LinearResonance> {
     resonance.filter(|one| one.half_width > SHARPEST * one.angular_frequency).collect()
 }
 
-/// Slopes (N/m) of the laws' forces at rest, each behind the flexibility of its port.
+/// Slopes (N/m) of the laws' forces at rest, each behind the flexibility of its port; then those of contacts in two directions, along
+/// and across.
 pub(crate) fn at_rest(system: &System) -> impl Iterator<Item = f64> {
-    system.laws().map(|(port, law, normal_load)| {
+    let slip_slaps = system.elements.iter().flat_map(|element| match element {
+        Element::SlipSlap { contact, .. } => {
+            let normal = contact.normal();
+            vec![tangent_stiffness(contact.law().as_ref(), normal.preload()), normal.stiffness()]
+        }
+        _ => Vec::new(),
+    });
+    let laws = system.laws().map(|(port, law, normal_load)| {
         let stiffness = tangent_stiffness(law.as_ref(), normal_load);
         stiffness / (1.0 + system.ports[port].flexibility * stiffness)
-    })
+    });
+    laws.chain(slip_slaps)
 }
 
 /// Slope (N/m) of the force of a contact at rest that remembers nothing.
