@@ -61,7 +61,7 @@ impl ClassicalSteps {
     /// The scheme for `system`.
     ///
     /// # Errors
-    /// A system without modal coordinates, with flexibilities in series with ports or more than one [`Element::Inertia`].
+    /// A system without modal coordinates, with flexibilities in series with ports or more than one [`Element::Inertia`](crate::system::Element::Inertia).
     pub fn new(system: &System) -> Result<Self, SystemError> {
         let Core::Modal { angular_frequency, damping_ratio } = &system.core else {
             return Err(SystemError::NotLinear);
