@@ -232,7 +232,7 @@ fn every_trace_has_columns_of_one_length() {
 #[test]
 fn figures_hold_the_residuals_of_the_predictions() {
     let figures = figures(&html(&backbone(), &settings()));
-    let traces = figures["figures"][1]["data"].as_array().unwrap();
+    let traces = figures["figures"][0]["data"].as_array().unwrap();
     let residual =
         traces.iter().find(|t| t["yaxis"] == "y2" && t["name"] == "2  Valanis, published").unwrap();
     let column = &figures["columns"][residual["y"].as_u64().unwrap() as usize];
