@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use stickslip::diagnose::Diagnosis;
 
 use super::{Run, figures, residual, sections, terminal, words};
-use crate::comparison::stages::{self, name};
+use crate::comparison::stages;
 use crate::comparison::summary;
 use crate::figure::Figures;
 use crate::page::{Shell, backbone_section, failures, figure_element, settings_section, spans, worst_first};
