@@ -101,9 +101,7 @@ fn both_forces_come_back_at_every_level() {
     // Forces hang little on what is assumed of the beam; the normal displacement does, however exact the records are.
     assert!(found.by_modulus[0] < 0.05 && found.by_modulus[1] < 0.01, "{:?}", found.by_modulus);
     assert!(found.by_normal_stiffness.iter().all(|change| *change < 1e-3), "{:?}", found.by_normal_stiffness);
-    for name in
-        ["normal_displacement", "normal_stiffness", "normal_hardening", "published_normal_displacement"]
-    {
+    for name in ["normal_displacement", "normal_stiffness", "hardening", "published_normal_displacement"] {
         assert!(found.unidentified.iter().any(|one| one.name == name), "{:?}", found.unidentified);
     }
     // The least normal force of the reference values: the pin stays on its support.

@@ -66,7 +66,7 @@ fn hardening(found: &SlipSlapIdentification) -> Option<Unidentified> {
         format!("{low:.1} … {high:.1} %")
     };
     Some(Unidentified {
-        name: "normal_hardening",
+        name: "hardening",
         reason: format!(
             "the slope of the normal force is larger by {} where more presses than in the mean, and by {} if Young’s modulus were \
              0.1 % larger",

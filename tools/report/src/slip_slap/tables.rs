@@ -94,7 +94,7 @@ impl SlipSlapReport<'_> {
                 Cell::text(level(record)),
                 marked("normal_stiffness", 1e-6 * record.normal_slopes[0], 1),
                 marked("normal_stiffness", 1e-6 * record.normal_slopes[1], 1),
-                marked("normal_hardening", 100.0 * here, 1),
+                marked("hardening", 100.0 * here, 1),
                 Cell::Number(100.0 * stiffer, 1),
             ]
         });
