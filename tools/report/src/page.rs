@@ -223,7 +223,7 @@ pub(crate) fn backbone_section(figures: &mut Figures, comparison: &Comparison, l
         record.name, levels.over
     );
     html! {
-        section {
+        section id=(format!("levels-{}", levels.record)) {
             h2 { (name(&format!("{channel} against {}", levels.over))) }
             (figure_element(&Captioned { figure, caption, half: false }, "height:576px"))
             (stages::level_table(comparison, levels))
