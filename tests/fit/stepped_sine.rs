@@ -270,7 +270,6 @@ fn what_bends_a_resonance_over_is_named_from_sweeps_that_jump() {
     );
     let options = DiagnoseOptions::default();
     let told = diagnose(&oscillator(""), &measured, &options, DiagnoseWatch::default()).unwrap();
-    println!("{:?} {:?} {:?} {:?}", told.verdict, told.effects, told.probability, told.reasons);
     assert_eq!((told.verdict, &told.effects[..]), (Verdict::EffectFound, &["geometric_stiffening"][..]));
     let found = told.model.get("effect.1.cubic_stiffness").unwrap();
     assert!((found / cubic - 1.0).abs() < 0.05, "{found}");

@@ -15,12 +15,12 @@ const STARTS: [[f64; 2]; 2] = [[0.0, 0.5], [-1.0, 2.0]];
 pub(super) fn agreement(data: &Measured, posterior: &Posterior) -> (Posterior, Agreement) {
     let ends = STARTS.par_iter().filter_map(|multiples| end(data, posterior, *multiples));
     let ends: Vec<Posterior> = ends.collect();
-    let best = ends.iter().map(|end| &end.predictions).chain([&posterior.predictions]);
-    let best = best.min_by(|a, b| data.left(a).total_cmp(&data.left(b)));
-    let is_elsewhere = |end: &&Posterior| {
-        best == Some(&end.predictions) && !is_same(data, &end.predictions, &posterior.predictions)
+    let left = |of: &Posterior| data.left(&of.predictions);
+    let promises = |end: &&Posterior| {
+        left(end) < left(posterior) && !is_same(data, &end.predictions, &posterior.predictions)
     };
-    let better = ends.iter().find(is_elsewhere).and_then(|end| again(data, end).ok());
+    let closest = ends.iter().min_by(|a, b| left(a).total_cmp(&left(b))).filter(promises);
+    let better = closest.and_then(|end| again(data, end).ok());
     let better = better.filter(|better| better.log_peak > posterior.log_peak);
     let told = better.unwrap_or_else(|| posterior.clone());
     let agreeing = ends.iter().filter(|end| is_same(data, &end.predictions, &told.predictions)).count();
