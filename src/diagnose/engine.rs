@@ -17,9 +17,9 @@ use super::stage::stage;
 use super::verdict::{self, Context, Decision};
 use crate::data::Dataset;
 use crate::effects::{Effect, Location, Scales};
-use crate::fit::InterruptHook;
 use crate::fit::checks::check;
 use crate::fit::compare::{RefitError, Stage};
+use crate::fit::{FitError, InterruptHook};
 use crate::model::Model;
 
 /// What a diagnosis tries.
@@ -258,6 +258,9 @@ fn asked<A>(
 
 /// Why `model` could not be refitted, with the first record that it does not predict as it stands.
 fn unpredictable(bench: &WeightedDataset, model: &Model, reason: String) -> DiagnoseError {
+    if bench.interrupted() {
+        return RefitError::Fit(FitError::Interrupted).into();
+    }
     let records = &bench.dataset.records;
     let failing = (0..records.len()).find(|record| bench.score(model, &[*record]).is_err());
     let record = records.get(failing.unwrap_or(0)).map(|record| record.name.clone()).unwrap_or_default();

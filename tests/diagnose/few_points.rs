@@ -1,10 +1,15 @@
 //! A table of few points is weighed as a whole: the measured frequencies of the frictional support,
 //! and tables that the model itself makes.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use stickslip::data::{Channel, Dataset, Record, Regime};
-use stickslip::diagnose::{DiagnoseOptions, DiagnoseWatch, Diagnosis, Verdict, diagnose, evaluate};
+use stickslip::diagnose::{
+    DiagnoseError, DiagnoseOptions, DiagnoseWatch, Diagnosis, Verdict, diagnose, evaluate,
+};
+use stickslip::fit::FitError;
+use stickslip::fit::compare::RefitError;
 use stickslip::model::Model;
 
 const JENKINS: &str = include_str!("../../examples/frictional-support/jenkins.toml");
@@ -108,4 +113,23 @@ fn a_model_far_off_is_refused_with_its_frequency_the_measured_ones_and_what_to_c
     ] {
         assert!(refused.contains(words), "{words}: {refused}");
     }
+}
+
+#[test]
+fn an_interrupt_begins_nothing_more_and_keeps_what_was_found() {
+    let model = Model::parse(JENKINS).unwrap();
+    let told = AtomicUsize::new(0);
+    let progress = |_: &str, done: usize, _: usize| {
+        told.fetch_add(usize::from(done > 0), Ordering::SeqCst);
+    };
+    let interrupt = || told.load(Ordering::SeqCst) > 0;
+    let watch = DiagnoseWatch { progress: Some(&progress), interrupt: Some(&interrupt) };
+    let found = diagnose(&model, &measured(), &DiagnoseOptions::default(), watch).unwrap();
+    assert!(found.reasons.iter().any(|reason| reason.contains("interrupted")), "{:?}", found.reasons);
+    // What was being tried at that moment, on any thread, may have ended.
+    let tried = told.load(Ordering::SeqCst);
+    assert!(tried <= rayon::current_num_threads(), "{tried}");
+    let watch = DiagnoseWatch { progress: None, interrupt: Some(&|| true) };
+    let error = diagnose(&model, &measured(), &DiagnoseOptions::default(), watch).unwrap_err();
+    assert_eq!(error, DiagnoseError::Refit(RefitError::Fit(FitError::Interrupted)));
 }

@@ -169,7 +169,11 @@ impl<'a, 'd> Joint<'a, 'd> {
         let moved = self.moved(y)?;
         self.steps.resize(y.len(), FIRST_STEP);
         let (latent, weights, steps) = (self.latent, &y[self.unknowns.len()..], &self.steps);
-        self.slots.par_iter_mut().try_for_each(|slot| slot.linearise(&model, &moved, y, steps))?;
+        let data = self.data;
+        self.slots.par_iter_mut().try_for_each(|slot| {
+            data.bench.unless_interrupted()?;
+            slot.linearise(&model, &moved, y, steps)
+        })?;
         for (k, slot) in self.slots.iter_mut().enumerate() {
             slot.take();
             latent.add(k, weights, &mut slot.linearised);
@@ -280,8 +284,9 @@ impl<'a, 'd> Joint<'a, 'd> {
     pub fn changes(&mut self, y: &[f64], probes: &[Model]) -> Vec<Option<Vec<Vec<f64>>>> {
         let Ok(model) = self.model(y) else { return vec![None; probes.len()] };
         self.simulations += self.slots.len() * probes.len();
+        let bench = self.data.bench;
         let per_record: Vec<Vec<Option<Vec<f64>>>> =
-            self.slots.par_iter_mut().map(|slot| slot.changes(&model, probes, y)).collect();
+            self.slots.par_iter_mut().map(|slot| slot.changes(&model, probes, y, bench)).collect();
         (0..probes.len())
             .map(|p| per_record.iter().map(|changes| changes[p].clone()).collect::<Option<Vec<_>>>())
             .collect()
@@ -328,6 +333,7 @@ impl SumOfSquares for Joint<'_, '_> {
             .par_iter_mut()
             .enumerate()
             .map(|(k, slot)| {
+                data.bench.unless_interrupted()?;
                 let nuisances = slot.own_values(y);
                 slot.shown.predict(&model, &nuisances, &mut slot.predictions)?;
                 latent.add(k, weights, &mut slot.predictions);

@@ -109,6 +109,8 @@ pub(super) fn prepare(
         }
     }
     data.bench.count(joint.simulations);
+    // What was not looked at is not without effect.
+    data.bench.unless_interrupted()?;
     let (mut prepared, mut without) = (Vec::new(), Vec::new());
     for ((candidate, brought), size) in candidates.iter().zip(&brought).zip(found) {
         match size {

@@ -1,6 +1,7 @@
 //! One record of a joint fit: its simulation, its own unknowns, and what it told last.
 
 use super::unknown::Coordinate;
+use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
 use crate::fit::predict::{Direction, ObservedSimulation};
 use crate::model::Model;
 
@@ -93,21 +94,40 @@ impl<'d> Slot<'d> {
         Ok(fine)
     }
 
-    pub fn changes(&mut self, model: &Model, probes: &[Model], y: &[f64]) -> Vec<Option<Vec<f64>>> {
+    /// What each of `probes` changes about the predictions at `model` and the unknowns `y`; `None` for those that cannot be
+    /// predicted, and for those that an interrupt of `bench` left.
+    pub fn changes(
+        &mut self,
+        model: &Model,
+        probes: &[Model],
+        y: &[f64],
+        bench: &WeightedDataset,
+    ) -> Vec<Option<Vec<f64>>> {
         let nuisances = self.own_values(y);
         let direction =
             |model: &Model| Direction { model: model.clone(), nuisances: nuisances.clone(), step: 1.0 };
         let probes: Vec<Direction> = probes.iter().map(direction).collect();
         // Without a solution here no probe has one.
-        let here = self.shown.linearise(model, &nuisances, &[], &mut Vec::new(), &mut Vec::new());
+        let here = bench
+            .unless_interrupted()
+            .and_then(|()| self.shown.linearise(model, &nuisances, &[], &mut Vec::new(), &mut Vec::new()));
         match here {
-            Ok(()) => self.along(model, &nuisances, &probes),
+            Ok(()) => self.along(model, &nuisances, &probes, bench),
             Err(_) => vec![None; probes.len()],
         }
     }
 
     /// The changes along `probes`, in halves where one of them cannot be predicted.
-    fn along(&mut self, model: &Model, nuisances: &[f64], probes: &[Direction]) -> Vec<Option<Vec<f64>>> {
+    fn along(
+        &mut self,
+        model: &Model,
+        nuisances: &[f64],
+        probes: &[Direction],
+        bench: &WeightedDataset,
+    ) -> Vec<Option<Vec<f64>>> {
+        if bench.interrupted() {
+            return vec![None; probes.len()];
+        }
         let (mut here, mut changes) = (Vec::new(), Vec::new());
         if self.shown.linearise(model, nuisances, probes, &mut here, &mut changes).is_ok() {
             let finite = |change: &Vec<f64>| change.iter().all(|x| x.is_finite());
@@ -117,7 +137,7 @@ impl<'d> Slot<'d> {
             return vec![None; probes.len()];
         }
         let (first, second) = probes.split_at(probes.len() / 2);
-        [self.along(model, nuisances, first), self.along(model, nuisances, second)].concat()
+        [first, second].map(|half| self.along(model, nuisances, half, bench)).concat()
     }
 
     /// Moves what was linearised by `step` of all unknowns to the last trial; the derivatives change least, measured in

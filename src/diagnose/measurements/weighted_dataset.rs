@@ -108,6 +108,12 @@ impl<'d> WeightedDataset<'d> {
         self.interrupt.is_some_and(|interrupt| interrupt())
     }
 
+    /// # Errors
+    /// Work that is not worth beginning, since an interrupt asks for its end.
+    pub fn unless_interrupted(&self) -> Result<(), String> {
+        if self.interrupted() { Err("interrupted".to_owned()) } else { Ok(()) }
+    }
+
     /// Counts simulations of single records.
     pub fn count(&self, simulations: usize) {
         self.simulations.fetch_add(simulations, Ordering::Relaxed);
