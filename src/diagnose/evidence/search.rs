@@ -137,6 +137,17 @@ impl Search<'_, '_, '_> {
             wanted.extend(starts.into_iter().map(|probe| (k, probe)));
         }
         let looks = self.looks.unwrap_or(self.data);
+        if !adequate && let Some(looks) = self.looks {
+            // What a wrong model moves through tells little of what is missing: what was measured moves as it is.
+            for parent in from.clone() {
+                let mut about = parent;
+                if moved(looks, &mut about) {
+                    let starts = self.starts(looks, &about, |probe| probe.gain > WORTH);
+                    wanted.extend(starts.into_iter().map(|probe| (from.len(), probe)));
+                    from.push(about);
+                }
+            }
+        }
         let seen: Vec<Option<Set>> =
             wanted.par_iter().map(|(parent, probe)| self.glanced(looks, &from[*parent], probe)).collect();
         let led = parents.iter().filter(|_| !adequate).flat_map(|parent| self.led(&sets[*parent]));
