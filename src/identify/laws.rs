@@ -1,6 +1,6 @@
 //! Contact laws fitted to the identified force at some levels, and predicted at the others.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::weights::{ROUGHLY, closeness, difference, factor};
 use super::{ContactPeriod, IdentificationError};
@@ -14,6 +14,8 @@ const STARTS: usize = 8;
 /// Fits, each with the covariance of the law before.
 const ROUNDS: usize = 3;
 const STEP: f64 = 1e-4;
+/// Standard errors of a 95 % interval.
+const WIDE: f64 = 1.96;
 
 /// A law with the parameters that describe the identified contact best.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +38,7 @@ pub struct IdentifiedParameter {
     pub unit: &'static str,
     /// The most likely value.
     pub value: f64,
-    /// Ends of the interval; NaN where the data do not tell them.
+    /// Ends of the interval; NaN where the data do not tell them. That of a value at a bound begins there.
     pub interval: [f64; 2],
 }
 
@@ -134,9 +136,33 @@ fn told(parameter: &ModelParameter, k: usize, found: &Fit) -> IdentifiedParamete
     let bounded = |end: f64| widened(end).clamp(parameter.lower, parameter.upper);
     let interval = match found.uncertainty.interval.get(k) {
         Some(Some(interval)) => [bounded(interval.low), bounded(interval.high)],
+        _ if found.uncertainty.at_bound.get(k) == Some(&true) => {
+            let reach = into_the_range(found, k, (squares / freedom).sqrt().max(1.0));
+            let end = if value <= parameter.lower { value + reach } else { value - reach };
+            [value.min(end).max(parameter.lower), value.max(end).min(parameter.upper)]
+        }
         _ => [f64::NAN; 2],
     };
     IdentifiedParameter { name: parameter.quantity.name, unit: parameter.quantity.unit, value, interval }
+}
+
+/// How far parameter `k`, which ended at a bound, may lie inside: there the squares, all others refitted, exceed those at the
+/// bound by as much as at the ends of a 95 % interval; NaN where they do not tell. `deviation` is that of a residual.
+fn into_the_range(found: &Fit, k: usize, deviation: f64) -> f64 {
+    let count = found.parameters.len();
+    let jacobian = DMatrix::from_row_slice(found.residuals.len(), count, &found.jacobian);
+    let bound = |j: usize| found.uncertainty.at_bound[j];
+    let free: Vec<usize> = (0..count).filter(|j| !bound(*j)).collect();
+    let others = jacobian.select_columns(&free);
+    let own = jacobian.column(k).into_owned();
+    let Ok(shared) = others.clone().svd(true, true).solve(&own, f64::EPSILON) else { return f64::NAN };
+    let alone = own - others * shared;
+    let curvature = alone.norm_squared();
+    let residuals = DVector::from_column_slice(&found.residuals);
+    // The unbounded optimum lies outside, this far.
+    let outside = (alone.dot(&residuals) / curvature).abs();
+    let wide = WIDE * deviation / curvature.sqrt();
+    outside.hypot(wide) - outside
 }
 
 /// Coefficients of the force (N) of a contact that moves as in `period`, as many as were identified.
@@ -214,4 +240,30 @@ fn middle(parameter: &crate::contact::LawParameter, stiffness: f64) -> f64 {
 
 pub(super) fn unfit(kind: &LawKind, why: &str) -> IdentificationError {
     IdentificationError::Failed(format!("the law `{}` was not fitted: {why}", kind.name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points that fall, and a line that may not: beside the bound the squares rise by those of an interval where it ends.
+    #[test]
+    fn an_interval_at_a_bound_ends_where_the_squares_have_risen() {
+        let points: Vec<[f64; 2]> =
+            (0..50).map(|i| f64::from(i)).map(|i| [0.1 * i, 3.0 - 0.02 * i + (7.0 * i).sin()]).collect();
+        let residual = |p: &[f64], out: &mut [f64]| -> Result<(), IdentificationError> {
+            out.iter_mut().zip(&points).for_each(|(r, [x, y])| *r = p[0] + p[1] * x - y);
+            Ok(())
+        };
+        let range = |lower: f64| Parameter { start: 0.5, lower, upper: 10.0, scale: Scale::Linear };
+        let found = fit(residual, 50, &[range(-10.0), range(0.0)], &Options::default()).unwrap();
+        assert!(found.uncertainty.at_bound[1] && found.parameters[1] == 0.0);
+        let end = into_the_range(&found, 1, 0.7);
+        let squares = |slope: f64| {
+            let level = points.iter().map(|[x, y]| y - slope * x).sum::<f64>() / 50.0;
+            points.iter().map(|[x, y]| (level + slope * x - y).powi(2)).sum::<f64>()
+        };
+        let rise = squares(end) - squares(0.0);
+        assert!((rise / (1.96 * 0.7_f64).powi(2) - 1.0).abs() < 1e-6, "{rise}");
+    }
 }

@@ -54,10 +54,9 @@ pub(super) fn unidentified(found: &Identification) -> Vec<Unidentified> {
     for parameter in parameters {
         let [low, high] = parameter.interval;
         if low.is_nan() || high.is_nan() {
-            let reason =
-                "no interval: the fitted records do not depend on it, or it lies at a bound".to_owned();
+            let reason = "no interval: the fitted records do not depend on it".to_owned();
             out.push(Unidentified { name: parameter.name, reason });
-        } else if low <= 0.0 && parameter.value > 0.0 || high > VAGUE * low && low > 0.0 {
+        } else if low <= 0.0 || high > VAGUE * low {
             let told = |end: f64| if end == 0.0 { "0".to_owned() } else { format!("{end:.3e}") };
             let reason = format!("its 95 % interval is {} to {} {}", told(low), told(high), parameter.unit);
             out.push(Unidentified { name: parameter.name, reason });
