@@ -154,7 +154,8 @@ fn the_contact_of_an_oscillator_is_recovered_from_its_decay() {
         records: vec![released(Released { start: 0.02, damping: 2.0, limit: 6.0, drag: 0.0 })],
     };
     let (tables, found) = tabulated(&oscillator(2.0, 6.0), &dataset);
-    deviations(&oscillator(2.0, 6.0), &tables, &found[0]);
+    let off = deviations(&oscillator(2.0, 6.0), &tables, &found[0]);
+    assert!(off[..4].iter().flatten().all(|off| off.abs() < 1.0), "{off:?}");
     let start = oscillator(3.0, 4.0);
     let fitted = refit("", &start, &tables, Watch::default()).unwrap();
     let (limit, damping) = (
@@ -216,7 +217,9 @@ fn the_contact_of_a_beam_is_recovered_from_its_decay() {
     let values = paths.map(|path| truth.get(path).unwrap());
     for seed in [4, 6, 7] {
         let (tables, found) = tabulated(&truth, &of_the_rig(&truth, &[40.0], seed));
-        deviations(&truth, &tables, &found[0]);
+        // Friction takes energy from what the reversal's amplitude holds, not from what the mode's frequency says.
+        let off = deviations(&truth, &tables, &found[0]);
+        assert!(off.iter().flatten().all(|off| off.abs() < 2.0), "{off:?}");
         let mut start = truth.clone();
         start.set(paths[0], 0.8 * values[0]).unwrap();
         start.set(paths[1], 1.5 * values[1]).unwrap();
@@ -224,7 +227,7 @@ fn the_contact_of_a_beam_is_recovered_from_its_decay() {
         let ratios = [0, 1].map(|k| fitted.model.get(paths[k]).unwrap() / values[k]);
         println!("{ratios:?}, error {}", fitted.stage.error);
         // The levels at which friction takes next to nothing tell the beam's own damping, a tenth of all.
-        assert!((ratios[0] - 1.0).abs() < 0.02 && (ratios[1] - 1.0).abs() < 0.1, "{ratios:?}");
+        assert!((ratios[0] - 1.0).abs() < 0.03 && (ratios[1] - 1.0).abs() < 0.06, "{ratios:?}");
     }
 }
 

@@ -24,6 +24,13 @@ const HALF_95: f64 = 0.975;
 /// Cycles since the last reversal, in the mean.
 const SINCE_REVERSAL: f64 = 0.25;
 
+/// So much of a frequency's logarithmic rate ω'/ω is to be taken off the damping that an amplitude's fall shows. Energy falls by
+/// `a E'(a) δ = ζ ω · m ω² a²`, and `E'` is not `m ω² a` where the stiffness depends on the amplitude. An elastic spring
+/// stiffens upwards, by a half. Friction softens: at a reversal a contact holds `a T − ∫T` under its first loading `T(a)`, so
+/// `E' = a (k + T')`, while `m ω² − k` is `T/a` and less: 2 where a few sliders slip, and 4/3 where a single one is far beyond
+/// its limit (`m ω² − k ~ a^(−3/2)`, `T' = 0`). Between these two nothing is known of a contact.
+const BY_A_SPRING: f64 = 0.5;
+const BY_FRICTION: [f64; 2] = [4.0 / 3.0, 2.0];
 /// Standard deviations of a normal number in such a half.
 const NORMAL_95: f64 = 1.96;
 
@@ -124,6 +131,7 @@ pub fn levels(record: &Record) -> Result<RingDown, String> {
     };
     let mut levels: Vec<Level> = windows.iter().map(|window| level(window, order, [first, step])).collect();
     unresolved(&mut levels);
+    ambiguous(&mut levels, &windows);
     Ok(RingDown { record: record.name.clone(), channel: channel.name.clone(), levels })
 }
 
@@ -131,7 +139,7 @@ pub fn levels(record: &Record) -> Result<RingDown, String> {
 /// `first` and `step` are those of the time stamps (s).
 ///
 /// With the displacement as the real part of `z`, `z' = μ z`, `μ = −δ + i ω`, and `z'' + 2 δₑ z' + ω₀² z = 0`:
-/// `δₑ = δ − ω'/2ω` and `ω₀² = ω² + δ² + δ' − δ ω'/ω`. A derivative of z is ahead of it by an angle that changes by `δ'/ω`, and
+/// `δₑ = δ − ω'/2ω` and `ω₀² = ω² + δ² + δ' − δ ω'/ω`; where friction changes ω it takes more off. A derivative of z is ahead of it by an angle that changes by `δ'/ω`, and
 /// falls slower by `ω'/ω`.
 fn level(window: &window::Fitted, order: i32, [first, step]: [f64; 2]) -> Level {
     let n = f64::from(order);
@@ -139,6 +147,7 @@ fn level(window: &window::Fitted, order: i32, [first, step]: [f64; 2]) -> Level 
     let [rise, rise_error] = window.speed_slope.map(|slope| slope / window.speed);
     let speed = window.speed - n * turn;
     let rate = window.rate + n * rise;
+    let taken = if rise > 0.0 { 0.5 * (BY_FRICTION[0] + BY_FRICTION[1]) } else { BY_A_SPRING };
     let natural = (speed * speed + rate * rate + window.rate_slope[0] - rate * rise).sqrt();
     let half = student_quantile(HALF_95, window.freedom);
     let hertz = 1.0 / (step * TAU);
@@ -147,8 +156,8 @@ fn level(window: &window::Fitted, order: i32, [first, step]: [f64; 2]) -> Level 
         amplitude: window.amplitude * (natural / step).powi(2 - order),
         frequency: natural * hertz,
         frequency_interval: half * window.speed_error.hypot(n * turn_error) * hertz,
-        damping_ratio: (rate - 0.5 * rise) / natural,
-        damping_interval: half * window.rate_error.hypot((n - 0.5) * rise_error) / natural,
+        damping_ratio: (rate - taken * rise) / natural,
+        damping_interval: half * window.rate_error.hypot((n - taken) * rise_error) / natural,
     }
 }
 
@@ -168,6 +177,17 @@ fn unresolved(levels: &mut [Level]) {
     for (level, [frequency, damping]) in levels.iter_mut().zip(changes) {
         level.frequency_interval = level.frequency_interval.hypot(frequency);
         level.damping_interval = level.damping_interval.hypot(damping);
+    }
+}
+
+/// Widens the intervals of `levels` by what is not known of a contact that changes the frequency. All levels of a decay then err alike:
+/// taken for independent ones they say no more than one does where each has the root of their number times as much.
+fn ambiguous(levels: &mut [Level], windows: &[window::Fitted]) {
+    let alike = (levels.len() as f64).sqrt();
+    for (level, window) in levels.iter_mut().zip(windows) {
+        let rise = (window.speed_slope[0] / window.speed).max(0.0);
+        let by = alike * 0.5 * (BY_FRICTION[1] - BY_FRICTION[0]) * rise / window.speed;
+        level.damping_interval = level.damping_interval.hypot(by);
     }
 }
 
