@@ -1,11 +1,12 @@
 //! Development tasks: `cargo xtask check`, `cargo xtask test`, `cargo xtask golden`, `cargo xtask figures`,
-//! `cargo xtask hidden-effects`, `cargo xtask cosimulation`, `cargo xtask dist`.
+//! `cargo xtask hidden-effects`, `cargo xtask cosimulation`, `cargo xtask dist`, `cargo xtask install`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 mod dist;
 mod figures;
+mod install;
 mod public;
 mod tally;
 
@@ -16,7 +17,9 @@ const USAGE: &str = "usage: cargo xtask TASK
   check           what to run before each commit: format, lints, docs, tests, golden files fresh
   test            every test: Rust, then the FMUs under independent importers (prepares its own Python
                   environment); the last line says how many passed, failed and were skipped
-  golden          regenerate the golden files under modelDescription/ (review the diff)
+  golden          regenerate the golden files under modelDescription/ and capi/include/ (review the diff)
+  install PREFIX  build the C interface and install header, libraries, pkg-config file and CMake package below PREFIX; with
+                  --libraries FOLDER, the libraries that are there
   figures         lines and files per folder, long functions, public items without an example; with a number, the
                   seconds of the last timed build
   hidden-effects  find hidden effects in simulated measurements and write benches/hidden-effects.md, with --set 2
@@ -34,10 +37,8 @@ fn main() -> ExitCode {
     let done = match task.as_str() {
         "check" => check(&mut tally),
         "test" => test(&mut tally),
-        "golden" => cargo(
-            &["test", "--package", "stickslip-fmu-package", "--test", "package"],
-            &[("STICKSLIP_GOLDEN", "write")],
-        ),
+        "golden" => golden(),
+        "install" => install::install(&std::env::args().skip(2).collect::<Vec<_>>()),
         "figures" => {
             figures::figures(&root(), std::env::args().nth(2).as_deref()).map(|text| print!("{text}"))
         }
@@ -61,6 +62,15 @@ fn check(tally: &mut Tally) -> Result<(), String> {
     cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--", "--deny", "warnings"], &[])?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked"], &[("RUSTDOCFLAGS", "--deny warnings")])?;
     test(tally)
+}
+
+/// The tests that compare golden files write them instead.
+fn golden() -> Result<(), String> {
+    for (package, test) in [("stickslip-fmu-package", "package"), ("stickslip-capi", "c")] {
+        let arguments = ["test", "--package", package, "--test", test, "fresh"];
+        cargo(&arguments, &[("STICKSLIP_GOLDEN", "write")])?;
+    }
+    Ok(())
 }
 
 /// Golden files are compared by the Rust tests, so a stale one fails here. All that can be tested is, whatever failed
