@@ -1,5 +1,6 @@
 //! The call tables of FMI 2.0.4, sections 3.2.3 and 4.2.4, for model exchange and for co-simulation without asynchronous steps.
 
+use crate::guard::Component;
 use stickslip::fmi::Stage;
 
 /// States of a component as the table's columns.
@@ -7,26 +8,51 @@ use stickslip::fmi::Stage;
 pub enum State {
     /// Stages of the instance.
     Stage(Stage),
+    /// The importer is asked for inputs within a step; FMI 3.0 only.
+    Intermediate,
     /// A call panicked: nothing is known about the instance any more.
     Poisoned,
 }
 
 impl State {
-    fn column(self) -> usize {
+    /// The column of a table of which the last is that of [`State::Poisoned`].
+    pub fn column(self, columns: usize) -> usize {
         match self {
             State::Stage(stage) => stage as usize,
-            State::Poisoned => 7,
+            State::Intermediate => columns - 2,
+            State::Poisoned => columns - 1,
         }
     }
 }
 
+/// A function of one version of FMI, as [`guarded`](crate::guard::guarded) knows it.
+pub trait Call: Copy {
+    /// Marks the components of this version: one of another must not be taken for it.
+    const MAGIC: u64;
+
+    /// The name in C.
+    fn name(self) -> &'static str;
+
+    /// Whether the table allows the call in `state`.
+    fn is_legal_in(self, state: State) -> bool;
+
+    /// Why a call is refused in `state`.
+    fn refusal(self, state: State) -> String;
+
+    /// What an error does to a component.
+    fn failed(_component: &mut Component) {}
+}
+
 macro_rules! calls {
-    ($($function:ident $name:literal $columns:literal)*) => {
-        /// The 44 functions.
+    ($number:literal columns; $($function:ident $name:literal $columns:literal)*) => {
+        /// The functions.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        // Two functions need no component, and so no look into the table.
+        // Some functions need no component, and so no look into the table.
         #[allow(dead_code)]
         pub enum Function { $($function),* }
+
+        /// How many states the table knows.
+        const COLUMNS: usize = $number;
 
         /// Names and columns, in the order of [`Function`].
         pub const TABLE: &[(&str, &str)] = &[$(($name, $columns)),*];
@@ -34,14 +60,16 @@ macro_rules! calls {
         #[cfg(test)]
         pub const FUNCTIONS: &[Function] = &[$(Function::$function),*];
 
-        const LEGAL: [[bool; 8]; TABLE.len()] = [$(columns($columns)),*];
+        const LEGAL: [[bool; COLUMNS]; TABLE.len()] = [$($crate::calls::columns($columns)),*];
     };
 }
+pub(crate) use calls;
 
 // Columns: Instantiated, Initialization, step Complete, step Failed, Terminated, Event, continuous tiMe, Poisoned. The first
 // two and the fifth are those of both interfaces, of which an instance has one.
 // `StepInProgress` and `StepCanceled` do not occur: steps are synchronous.
 calls! {
+    8 columns;
     //                                                                    INCFTEMP
     GetTypesPlatform             "fmi2GetTypesPlatform"                  "xxxxxxxx"
     GetVersion                   "fmi2GetVersion"                        "xxxxxxxx"
@@ -90,27 +118,34 @@ calls! {
     GetNominalsOfContinuousStates "fmi2GetNominalsOfContinuousStates"    ".x..xxx."
 }
 
-impl Function {
-    /// The name in C.
-    pub fn name(self) -> &'static str {
+impl Call for Function {
+    const MAGIC: u64 = u64::from_le_bytes(*b"stkslip2");
+
+    fn name(self) -> &'static str {
         TABLE[self as usize].0
     }
 
-    /// Whether the table allows the call in `state`.
     #[inline]
-    pub fn is_legal_in(self, state: State) -> bool {
-        LEGAL[self as usize][state.column()]
+    fn is_legal_in(self, state: State) -> bool {
+        LEGAL[self as usize][state.column(COLUMNS)]
     }
 
-    /// Why a call is refused in `state`.
-    pub fn refusal(self, state: State) -> String {
+    fn refusal(self, state: State) -> String {
         match (self, state) {
-            (_, State::Poisoned) => {
-                "the instance failed inside an earlier call and can only be freed".to_owned()
+            (Self::CancelStep, State::Stage(_)) => {
+                "steps are synchronous, there is none to cancel".to_owned()
             }
-            (Self::CancelStep, _) => "steps are synchronous, there is none to cancel".to_owned(),
-            (_, State::Stage(stage)) => format!("not allowed in state {}", state_name(stage)),
+            _ => not_allowed(state),
         }
+    }
+}
+
+/// Why nothing is allowed in a state that allows other calls.
+pub fn not_allowed(state: State) -> String {
+    match state {
+        State::Poisoned => "the instance failed inside an earlier call and can only be freed".to_owned(),
+        State::Intermediate => "not allowed in state intermediate update mode".to_owned(),
+        State::Stage(stage) => format!("not allowed in state {}", state_name(stage)),
     }
 }
 
@@ -126,12 +161,13 @@ fn state_name(stage: Stage) -> &'static str {
     }
 }
 
-const fn columns(text: &str) -> [bool; 8] {
+/// The cells of one row.
+pub const fn columns<const COLUMNS: usize>(text: &str) -> [bool; COLUMNS] {
     let bytes = text.as_bytes();
-    assert!(bytes.len() == 8);
-    let mut legal = [false; 8];
+    assert!(bytes.len() == COLUMNS);
+    let mut legal = [false; COLUMNS];
     let mut column = 0;
-    while column < 8 {
+    while column < COLUMNS {
         legal[column] = bytes[column] == b'x';
         column += 1;
     }

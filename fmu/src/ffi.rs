@@ -1,4 +1,4 @@
-//! The types of `fmi2TypesPlatform.h` and `fmi2FunctionTypes.h`, and slices from C arrays.
+//! The types of `fmi2TypesPlatform.h` and `fmi2FunctionTypes.h`, those of FMI 3.0 that differ, and slices from C arrays.
 //!
 //! Enumerations cross the boundary as `c_int`: a number the importer made up must not become an
 //! invalid Rust enumeration.
@@ -18,7 +18,7 @@ pub type Byte = c_char;
 pub const TRUE: Boolean = 1;
 pub const FALSE: Boolean = 0;
 
-/// `fmi2Status`.
+/// `fmi2Status`, of which `fmi3Status` has all but the last.
 #[repr(i32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 // Every value of the C enumeration, used or not.
@@ -63,6 +63,25 @@ pub struct CallbackFunctions {
     pub step_finished: *const c_void,
     pub component_environment: *mut c_void,
 }
+
+/// `fmi3Boolean`, a C `bool`: as a number, since the importer may pass any byte.
+pub type Bool = u8;
+
+/// `fmi3LogMessageCallback`.
+pub type LogMessage =
+    unsafe extern "C" fn(environment: *mut c_void, status: c_int, category: FmiString, message: FmiString);
+
+/// `fmi3IntermediateUpdateCallback`.
+pub type IntermediateUpdate = unsafe extern "C" fn(
+    environment: *mut c_void,
+    time: f64,
+    set_requested: Bool,
+    get_allowed: Bool,
+    step_finished: Bool,
+    can_return_early: Bool,
+    early_return_requested: *mut Bool,
+    early_return_time: *mut f64,
+);
 
 /// The C array `name` of `length` elements; an empty one may be NULL.
 ///

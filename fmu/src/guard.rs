@@ -11,8 +11,9 @@
 //!
 //! The thread-local cells need no destructor, so that the library can be unloaded at any time.
 
-use crate::calls::{Function, State};
+use crate::calls::{Call, State};
 use crate::ffi::{Handle, Status};
+use crate::fmi3::intermediate::Intermediate;
 use crate::log::{Category, Log};
 use std::cell::Cell;
 use std::fmt;
@@ -20,18 +21,19 @@ use std::panic::{self, AssertUnwindSafe, Location};
 use std::sync::Once;
 use stickslip::fmi::{Error, Instance, Stage};
 
-const COMPONENT: u64 = u64::from_le_bytes(*b"stkslip2");
 const FREED: u64 = u64::from_le_bytes(*b"fmufreed");
 
-/// What an `fmi2Component` points to.
+/// What an `fmi2Component` or an `fmi3Instance` points to.
 pub struct Component {
-    /// Tells a component from other memory.
+    /// Tells a component from other memory, and from one of another version ([`Call::MAGIC`]).
     magic: u64,
     pub instance: Instance,
     pub log: Log,
     pub last_step: Status,
     /// A warning of the instance was passed on.
     pub warned: bool,
+    /// What the importer is asked for within a step; FMI 3.0 only.
+    pub intermediate: Option<Box<Intermediate>>,
     poisoned: bool,
 }
 
@@ -69,8 +71,17 @@ impl From<Error> for Failure {
 }
 
 impl Component {
-    pub fn new(instance: Instance, log: Log) -> Self {
-        Self { magic: COMPONENT, instance, log, last_step: Status::Ok, warned: false, poisoned: false }
+    /// Of the version of FMI whose functions are `C`.
+    pub fn new<C: Call>(instance: Instance, log: Log) -> Self {
+        Self {
+            magic: C::MAGIC,
+            instance,
+            log,
+            last_step: Status::Ok,
+            warned: false,
+            intermediate: None,
+            poisoned: false,
+        }
     }
 
     /// After a jump to another state: the status of the step that led there.
@@ -85,22 +96,31 @@ impl Component {
     ///
     /// # Safety
     /// `handle` is NULL or points to readable memory; if that is a component, nobody else uses it now.
-    unsafe fn from_handle<'a>(handle: Handle) -> Option<&'a mut Self> {
+    pub unsafe fn from_handle<'a, C: Call>(handle: Handle) -> Option<&'a mut Self> {
         let component = handle.cast::<Self>();
         if component.is_null() || !component.is_aligned() {
             return None;
         }
         // SAFETY: readable by the caller's promise; only a matching number makes it a reference.
-        unsafe { ((&raw const (*component).magic).read() == COMPONENT).then(|| &mut *component) }
+        unsafe { ((&raw const (*component).magic).read() == C::MAGIC).then(|| &mut *component) }
     }
 
     #[inline]
     pub fn state(&self) -> State {
-        if self.poisoned { State::Poisoned } else { State::Stage(self.instance.stage()) }
+        if self.poisoned {
+            State::Poisoned
+        } else if self.intermediate.as_ref().is_some_and(|intermediate| intermediate.is_under_way()) {
+            State::Intermediate
+        } else {
+            State::Stage(self.instance.stage())
+        }
     }
 
     #[cold]
-    fn report(&self, function: Function, failure: &Failure) -> Status {
+    fn report<C: Call>(&mut self, function: C, failure: &Failure) -> Status {
+        if failure.status == Status::Error && !self.poisoned {
+            C::failed(self);
+        }
         let category = match failure.status {
             Status::Discard => Category::StatusDiscard,
             Status::Warning => Category::StatusWarning,
@@ -115,10 +135,16 @@ impl Component {
     ///
     /// # Safety
     /// As [`guarded`]; the handle is not used afterwards.
-    pub unsafe fn free(handle: Handle) {
+    pub unsafe fn free<C: Call>(handle: Handle, function: C) {
         // SAFETY: the caller's promise.
-        let Some(component) = (unsafe { Self::from_handle(handle) }) else { return };
-        component.log.event(Function::FreeInstance.name());
+        let Some(component) = (unsafe { Self::from_handle::<C>(handle) }) else { return };
+        let state = component.state();
+        if !function.is_legal_in(state) {
+            // The step that called the importer still needs it.
+            refuse(component, function, state);
+            return;
+        }
+        component.log.event(function.name());
         component.magic = FREED;
         let component: *mut Self = component;
         // SAFETY: made by `Box::into_raw` in `fmi2Instantiate`, and no longer a component for anyone else.
@@ -131,13 +157,13 @@ impl Component {
 /// # Safety
 /// `handle` is NULL or points to readable memory; if that is a component, nobody else uses it now.
 #[inline]
-pub unsafe fn guarded(
+pub unsafe fn guarded<C: Call>(
     handle: Handle,
-    function: Function,
+    function: C,
     body: impl FnOnce(&mut Component) -> Result<(), Failure>,
 ) -> Status {
     // SAFETY: the caller's promise.
-    let Some(component) = (unsafe { Component::from_handle(handle) }) else {
+    let Some(component) = (unsafe { Component::from_handle::<C>(handle) }) else {
         return Status::Error;
     };
     let state = component.state();
@@ -155,7 +181,7 @@ pub unsafe fn guarded(
 }
 
 #[cold]
-fn refuse(component: &Component, function: Function, state: State) -> Status {
+fn refuse<C: Call>(component: &mut Component, function: C, state: State) -> Status {
     let status = if state == State::Poisoned { Status::Fatal } else { Status::Error };
     component.report(function, &Failure { status, message: function.refusal(state) })
 }

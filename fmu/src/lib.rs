@@ -15,6 +15,7 @@
 mod calls;
 mod exports;
 mod ffi;
+mod fmi3;
 mod guard;
 mod location;
 mod log;

@@ -1,6 +1,6 @@
 //! Messages to the importer.
 
-use crate::ffi::{CallbackFunctions, Logger, Status};
+use crate::ffi::{CallbackFunctions, LogMessage, Logger, Status};
 use std::ffi::{CStr, CString, c_int, c_void};
 use std::ptr;
 
@@ -38,9 +38,16 @@ const ALL: u8 = 0b1_1111;
 /// What is reported although debug logging is off: why a call failed, or gave a warning.
 const FAILURES: u8 = 0b1_1110;
 
+/// A logger of either version of FMI.
+#[derive(Clone, Copy)]
+enum Listener {
+    Fmi2(Logger),
+    Fmi3(LogMessage),
+}
+
 /// The importer's logger and what it wants to hear.
 pub struct Log {
-    logger: Option<Logger>,
+    logger: Option<Listener>,
     environment: *mut c_void,
     instance_name: CString,
     enabled: u8,
@@ -58,11 +65,25 @@ impl Log {
         // SAFETY: the caller's promise. Read here once: importers are known to free the structure early.
         let callbacks = (!callbacks.is_null()).then(|| unsafe { callbacks.read_unaligned() });
         Self {
-            logger: callbacks.and_then(|functions| functions.logger),
+            logger: callbacks.and_then(|functions| functions.logger).map(Listener::Fmi2),
             environment: callbacks.map_or(ptr::null_mut(), |functions| functions.component_environment),
             instance_name: instance_name.map(CStr::to_owned).unwrap_or_default(),
             enabled: if logging_on { ALL } else { FAILURES },
         }
+    }
+
+    /// Of FMI 3.0, where nothing is told unless logging is on.
+    ///
+    /// # Safety
+    /// `logger` must be callable with `environment` as long as the log is used.
+    pub unsafe fn of_fmi3(logger: Option<LogMessage>, environment: *mut c_void, logging_on: bool) -> Self {
+        let enabled = if logging_on { ALL } else { 0 };
+        Self { logger: logger.map(Listener::Fmi3), environment, instance_name: CString::default(), enabled }
+    }
+
+    /// Tells everything from now on.
+    pub fn enable(&mut self) {
+        self.enabled = ALL;
     }
 
     /// `fmi2SetDebugLogging`: on with categories means exactly these, off with categories means
@@ -90,16 +111,15 @@ impl Log {
         };
         // A NUL inside would cut the message short.
         let message = CString::new(message.replace('\0', "\u{fffd}")).unwrap_or_default();
-        // SAFETY: the importer's logger; the format takes exactly one string.
-        unsafe {
-            logger(
-                self.environment,
-                self.instance_name.as_ptr(),
-                status as c_int,
-                category.name().as_ptr(),
-                c"%s".as_ptr(),
-                message.as_ptr(),
-            );
+        let (environment, status, category) = (self.environment, status as c_int, category.name().as_ptr());
+        match logger {
+            Listener::Fmi2(logger) => {
+                let name = self.instance_name.as_ptr();
+                // SAFETY: the importer's logger; the format takes exactly one string.
+                unsafe { logger(environment, name, status, category, c"%s".as_ptr(), message.as_ptr()) }
+            }
+            // SAFETY: the importer's logger.
+            Listener::Fmi3(logger) => unsafe { logger(environment, status, category, message.as_ptr()) },
         }
     }
 

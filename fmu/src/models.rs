@@ -21,15 +21,15 @@ struct Known {
 
 static KNOWN: Mutex<VecDeque<Known>> = Mutex::new(VecDeque::new());
 
-/// The model in the directory `location` (a URI), which must have `guid`.
+/// The model in the directory `location` (a URI or a path), which must have `guid`; messages call that `identity`.
 ///
 /// # Errors
 /// No such file, no model in it, or another one; in words.
-pub fn template(guid: &CStr, location: &CStr) -> Result<Template, String> {
+pub fn template(guid: &CStr, location: &CStr, identity: &str) -> Result<Template, String> {
     if let Some(template) = known(guid, location) {
         return Ok(template);
     }
-    let template = read(guid, location)?;
+    let template = read(guid, location, identity)?;
     let new = Known { guid: guid.into(), location: location.into(), template: template.clone() };
     // What it pushes out is dropped after the lock is free.
     let mut models = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -46,7 +46,7 @@ fn known(guid: &CStr, location: &CStr) -> Option<Template> {
     Some(model.template.clone())
 }
 
-fn read(guid: &CStr, location: &CStr) -> Result<Template, String> {
+fn read(guid: &CStr, location: &CStr, identity: &str) -> Result<Template, String> {
     let guid = guid.to_string_lossy();
     let file = location::directory(location.to_bytes())?.join("model.toml");
     let text = std::fs::read_to_string(&file)
@@ -55,7 +55,7 @@ fn read(guid: &CStr, location: &CStr) -> Result<Template, String> {
     let expected = template.guid().to_string();
     let given = guid.strip_prefix('{').and_then(|rest| rest.strip_suffix('}')).unwrap_or(&guid);
     if !given.eq_ignore_ascii_case(&expected) {
-        return Err(format!("the GUID is {guid}, but {} has {{{expected}}}", file.display()));
+        return Err(format!("the {identity} is {guid}, but {} has {{{expected}}}", file.display()));
     }
     Ok(template)
 }

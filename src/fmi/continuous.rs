@@ -294,19 +294,29 @@ impl Instance {
         self.look()
     }
 
-    /// At the end of a step of a slave: what its modes do, which a step does not write.
-    pub(super) fn show_modes(&mut self) -> Result<(), Error> {
+    /// At the end of a step of a slave: what its modes and event indicators do, which a step does not write.
+    pub(super) fn show_modes(&mut self, indicators: &mut [f64]) -> Result<(), Error> {
         let time = self.time();
         let Self { behaviour, state, values, shared, .. } = self;
-        let first = shared.description.states().start as usize;
-        // The outputs are those of the step, and stay.
-        let (table, rows) = values.split_at_mut(first);
-        let (states, accelerations) = rows.split_at_mut(2 * behaviour.modes());
-        behaviour.read(state, states).map_err(|reason| Error::Step { time, reason })?;
-        let mut indicators = vec![0.0; behaviour.indicators()];
-        let at = Instant { continuous: states, accelerations, indicators: &mut indicators };
-        let mut copy = table.to_vec();
-        behaviour.look(state, table, &mut copy, at).map_err(|reason| Error::Step { time, reason })
+        let states = shared.description.states();
+        let rows = &mut values[states.start as usize..states.end as usize];
+        behaviour.read(state, rows).map_err(|reason| Error::Step { time, reason })?;
+        // The outputs are those of the step, and stay: the contact has not moved since.
+        let (accepted, mut table) = (values.clone(), values[..states.start as usize].to_vec());
+        let (states, accelerations) = values[states.start as usize..].split_at_mut(2 * behaviour.modes());
+        let at = Instant { continuous: states, accelerations, indicators };
+        behaviour.look(state, &accepted, &mut table, at).map_err(|reason| Error::Step { time, reason })
+    }
+
+    /// One of the event indicators, of a slave too.
+    pub(super) fn indicator(&mut self, index: usize) -> Result<f64, Error> {
+        self.refresh()?;
+        if let Some(continuous) = &self.continuous {
+            return Ok(continuous.indicators[index]);
+        }
+        let mut all = vec![0.0; self.shared.description.continuous.indicators];
+        self.show_modes(&mut all)?;
+        Ok(all[index])
     }
 
     /// Before the instant is accepted: outputs and derivatives from inputs and continuous states.

@@ -272,6 +272,27 @@ impl Instance {
         Ok(())
     }
 
+    /// Ends the simulation where it stands, since a call failed: FMI 3.0 does not go on from there. Values can still be
+    /// read, and the instance reset or put into a saved state.
+    ///
+    /// ```
+    /// # use stickslip::fmi::{Instance, Stage};
+    /// # let model = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+    /// #     tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";
+    /// let mut contact = Instance::new(model)?;
+    /// contact.fail();
+    /// assert_eq!(contact.stage(), Stage::Terminated);
+    /// # Ok::<(), stickslip::fmi::Error>(())
+    /// ```
+    pub fn fail(&mut self) {
+        if matches!(self.stage, Stage::Event | Stage::ContinuousTime) {
+            // A look that fails leaves what was seen before.
+            let _ = self.refresh();
+            self.stale = false;
+        }
+        self.stage = Stage::Terminated;
+    }
+
     /// Back to where the instance was made: all values at their start.
     pub fn reset(&mut self) {
         self.values.iter_mut().zip(self.shared.starts()).for_each(|(value, start)| *value = start);
@@ -282,6 +303,15 @@ impl Instance {
         self.time = None;
         self.stop = f64::INFINITY;
         self.tolerance = DEFAULT_TOLERANCE;
+    }
+
+    /// Whether [`Instance::do_step`] would begin a step from `time` of `step` (s).
+    ///
+    /// # Errors
+    /// As [`Instance::do_step`], but for what comes of the inputs and of the integration.
+    pub fn check_step(&self, time: f64, step: f64) -> Result<(), Error> {
+        self.require(Stage::StepComplete)?;
+        self.check_times(time, step)
     }
 
     pub(super) fn require(&self, stage: Stage) -> Result<(), Error> {

@@ -84,6 +84,7 @@ mod derivatives;
 mod description;
 mod driven;
 mod error;
+mod further;
 mod instance;
 mod lines;
 mod oscillator;
@@ -104,6 +105,7 @@ pub use description::{
     VariableType,
 };
 pub use error::Error;
+pub use further::{Further, Shows};
 pub use instance::Instance;
 pub use snapshot::{Snapshot, SnapshotError};
 pub use stage::{Setup, Stage};

@@ -3,6 +3,7 @@
 use super::continuous::{Continuous, ContinuousForm};
 use super::description::{Causality, Description};
 use super::error::Error;
+use super::further::Further;
 use super::instance::Instance;
 use super::parameter::parameters;
 use super::{behaviour, describe};
@@ -37,6 +38,8 @@ pub(super) struct Shared {
     pub guid: Uuid,
     /// Where each parameter of the table stands in the model.
     pub paths: Vec<String>,
+    /// Variables beyond the table.
+    pub further: Vec<Further>,
     /// Numbers of inputs and of outputs.
     pub inputs: usize,
     pub outputs: usize,
@@ -82,7 +85,8 @@ impl Template {
         let guid = description.guid();
         let count = |causality| description.references(causality).count();
         let (inputs, outputs) = (count(Causality::Input), count(Causality::Output));
-        Ok(Self(Arc::new(Shared { model, description, guid, paths, inputs, outputs })))
+        let further = description.further();
+        Ok(Self(Arc::new(Shared { model, description, guid, paths, further, inputs, outputs })))
     }
 
     /// An instance, at the beginning of a simulation.

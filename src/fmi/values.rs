@@ -21,11 +21,17 @@ impl Instance {
     /// Reads variables of any type into `values`.
     pub(crate) fn read(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Error> {
         same_length(references.len(), values.len())?;
-        references.iter().try_for_each(|reference| self.variable(*reference).map(drop))?;
-        self.refresh()?;
+        let mut computed = false;
+        for reference in references {
+            computed |= matches!(self.variable(*reference)?.causality, Causality::Output | Causality::Local);
+        }
+        if computed {
+            self.refresh()?;
+        }
         let first_local = self.shared.parameters().end;
         if !self.is_continuous() && references.iter().any(|reference| *reference as usize >= first_local) {
-            self.show_modes()?;
+            let mut indicators = vec![0.0; self.shared.description.continuous.indicators];
+            self.show_modes(&mut indicators)?;
         }
         for (reference, value) in references.iter().zip(values) {
             *value = self.values[*reference as usize];
@@ -68,6 +74,21 @@ impl Instance {
             self.values[*reference as usize] = *value;
         }
         self.stale |= !references.is_empty() && self.stage != Stage::StepComplete;
+        Ok(())
+    }
+
+    /// Whether inputs may have these values, now or within the next step.
+    ///
+    /// # Errors
+    /// As [`Instance::set_real`].
+    pub fn check_inputs(&self, references: &[u32], values: &[f64]) -> Result<(), Error> {
+        same_length(references.len(), values.len())?;
+        self.check_rows(references, VariableType::Real)?;
+        for (reference, value) in references.iter().zip(values) {
+            let variable = self.variable(*reference)?;
+            self.check_settable(variable)?;
+            check_value(variable, *value)?;
+        }
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! Creation, initialization, logging, and the end.
 
-use crate::calls::Function;
+use crate::calls::{Call, Function};
 use crate::ffi::{
     self, Boolean, CO_SIMULATION, CallbackFunctions, FmiString, Handle, MODEL_EXCHANGE, Real, Status,
 };
@@ -38,7 +38,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     };
     let (status, category, message) = match catch(|| instantiate(name, fmu_type, guid, location)) {
         Ok(Ok(instance)) => {
-            let component = Box::new(Component::new(instance, log));
+            let component = Box::new(Component::new::<Function>(instance, log));
             if component.log.wants_events() {
                 let name = component.instance.description().name;
                 component.log.event(&format!("{}: a {name} is ready", Function::Instantiate.name()));
@@ -63,7 +63,7 @@ fn instantiate(
     }
     let guid = guid.ok_or("the GUID is missing")?;
     let location = location.ok_or("fmuResourceLocation is missing")?;
-    let template = models::template(guid, location)?;
+    let template = models::template(guid, location, "GUID")?;
     let instance = match fmu_type {
         CO_SIMULATION => template.instance(),
         MODEL_EXCHANGE => template.continuous_instance(),
@@ -79,7 +79,7 @@ fn instantiate(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(handle: Handle) {
     // SAFETY: the importer's promise. A NULL handle is ignored, as the standard says.
-    unsafe { Component::free(handle) }
+    unsafe { Component::free(handle, Function::FreeInstance) }
 }
 
 #[unsafe(no_mangle)]
@@ -89,6 +89,20 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     count: usize,
     categories: *const FmiString,
 ) -> Status {
+    // SAFETY: the importer's promise.
+    unsafe { set_debug_logging(handle, Function::SetDebugLogging, logging_on != 0, (categories, count)) }
+}
+
+/// What the importer wants to hear, of either version.
+///
+/// # Safety
+/// As C functions are: pointers are NULL or valid.
+pub unsafe fn set_debug_logging<C: Call>(
+    handle: Handle,
+    function: C,
+    logging_on: bool,
+    (categories, count): (*const FmiString, usize),
+) -> Status {
     let body = |component: &mut Component| {
         // SAFETY: the importer's promise.
         let pointers = unsafe { ffi::slice(categories, count, "categories")? };
@@ -96,10 +110,10 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
         let texts: Option<Vec<&CStr>> =
             pointers.iter().map(|pointer| unsafe { ffi::text(*pointer) }).collect();
         let texts = texts.ok_or_else(|| Failure::error("one of the categories is NULL"))?;
-        component.log.configure(logging_on != 0, &texts).map_err(Failure::error)
+        component.log.configure(logging_on, &texts).map_err(Failure::error)
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::SetDebugLogging, body) }
+    unsafe { guarded(handle, function, body) }
 }
 
 #[unsafe(no_mangle)]
@@ -121,9 +135,12 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
 }
 
 /// A function without arguments, which is also an event.
-pub(super) unsafe fn transition(
+///
+/// # Safety
+/// As [`guarded`].
+pub unsafe fn transition<C: Call>(
     handle: Handle,
-    function: Function,
+    function: C,
     change: impl FnOnce(&mut Instance) -> Result<(), stickslip::fmi::Error>,
 ) -> Status {
     let body = |component: &mut Component| {

@@ -1,6 +1,6 @@
 //! Functions of model exchange: the importer integrates.
 
-use crate::calls::Function;
+use crate::calls::{Call, Function};
 use crate::exports::lifecycle::transition;
 use crate::ffi::{self, Boolean, FALSE, Handle, Real, Status, TRUE};
 use crate::guard::{Component, Failure, guarded};
@@ -93,9 +93,12 @@ pub unsafe extern "C" fn fmi2SetContinuousStates(
 }
 
 /// Fills the array `values`, called `name`, by `read`.
-unsafe fn filled(
+///
+/// # Safety
+/// As [`guarded`]; the array is NULL or valid.
+pub unsafe fn filled<C: Call>(
     handle: Handle,
-    function: Function,
+    function: C,
     (values, count, name): (*mut Real, usize, &str),
     read: impl FnOnce(&mut Instance, &mut [Real]) -> Result<(), Error>,
 ) -> Status {

@@ -1,7 +1,7 @@
 //! Every function in every state.
 
 use super::fixture::{DISPLACEMENT, FORCE, Importer, JENKINS, Running};
-use crate::calls::{FUNCTIONS, Function, State, TABLE};
+use crate::calls::{Call, FUNCTIONS, Function, State, TABLE};
 use crate::exports::{lifecycle::*, model_exchange::*, states::*, stepping::*, values::*};
 use crate::ffi::{DO_STEP_STATUS, LAST_SUCCESSFUL_TIME, PENDING_STATUS, Status, TERMINATED};
 use crate::guard::guarded;
@@ -96,6 +96,7 @@ fn in_state(importer: &Importer, state: State) -> Running<'_> {
                 running.initialize();
                 fmi2Terminate(handle);
             }
+            State::Intermediate => unreachable!("of FMI 3.0 only"),
             State::Poisoned => {
                 running.initialize();
                 guarded(handle, F::DoStep, |_| panic!("on purpose"));

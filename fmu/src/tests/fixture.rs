@@ -66,6 +66,11 @@ impl Resources {
         Self(folder)
     }
 
+    /// As FMI 3.0 has it, with a separator at its end.
+    pub fn path(&self) -> CString {
+        CString::new(format!("{}/", self.0.to_str().unwrap())).unwrap()
+    }
+
     pub fn uri(&self) -> CString {
         CString::new(format!("file://{}", self.0.to_str().unwrap().replace(' ', "%20"))).unwrap()
     }

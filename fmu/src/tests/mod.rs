@@ -3,9 +3,10 @@
 mod call_table;
 mod derivatives;
 mod fixture;
+mod fmi3;
 mod lifecycle;
 mod model_exchange;
 mod panics;
-mod saved_states;
+pub mod saved_states;
 mod values;
 mod warnings;

@@ -1,4 +1,4 @@
-//! Writes the standard FMUs to a folder, and beside each a CSV file of a run of the same model without
+//! Writes the standard FMUs to a folder, those of FMI 3.0 to `fmi3` in it, and beside each a CSV file of a run of the same model without
 //! FMI: for `tests/fmi`, which runs the FMUs on the same inputs and demands the same outputs.
 //!
 //! `cargo run -p stickslip-fmu-package --example native_trajectories -- FOLDER`
@@ -6,6 +6,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 use std::{env, fs};
+use stickslip_fmu_package::FmiVersion;
 
 mod native {
     //! The models by the library's own means, not through a slave.
@@ -230,10 +231,12 @@ mod native {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = env::args().nth(1).ok_or("which folder?")?;
     let folder = Path::new(&folder);
-    fs::create_dir_all(folder)?;
+    fs::create_dir_all(folder.join("fmi3"))?;
     for (name, model_toml) in stickslip_fmu_package::standard_models() {
         let fmu = stickslip_fmu_package::write_fmu(name, model_toml)?;
         fs::write(folder.join(format!("{name}.fmu")), fmu)?;
+        let fmu = stickslip_fmu_package::write_fmu_of(FmiVersion::Three, name, model_toml)?;
+        fs::write(folder.join(format!("fmi3/{name}.fmu")), fmu)?;
         let model = stickslip::model::Model::parse(model_toml)?;
         let (names, rows) = native::run(&model);
         let mut csv = format!("time,{}\n", names.join(","));

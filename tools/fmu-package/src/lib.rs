@@ -12,11 +12,15 @@
 
 mod documentation;
 mod systems;
+mod version;
 mod xml;
+mod xml3;
 
 pub use documentation::documentation_html;
-pub use systems::{standard_systems, write_system};
+pub use systems::{standard_systems, write_system, write_system_of};
+pub use version::FmiVersion;
 pub use xml::model_description_xml;
+pub use xml3::model_description_xml3;
 
 use std::io::{Cursor, Read, Write};
 use stickslip::fmi::Instance;
@@ -91,20 +95,40 @@ pub fn standard_models() -> [(&'static str, &'static str); 8] {
     ]
 }
 
-/// The bytes of an FMU of the model in `model_toml`. The same arguments give the same bytes.
+/// The bytes of an FMU of FMI 2.0 of the model in `model_toml`. The same arguments give the same bytes.
 ///
 /// # Errors
 /// A name that is no C identifier, or a text that is no model.
 pub fn write_fmu(model_identifier: &str, model_toml: &str) -> Result<Vec<u8>, Error> {
+    write_fmu_of(FmiVersion::Two, model_identifier, model_toml)
+}
+
+/// As [`write_fmu`], of either version of FMI: the same libraries, in other folders, under another description.
+///
+/// ```
+/// use stickslip_fmu_package::{FmiVersion, standard_models, write_fmu_of};
+/// let (name, model_toml) = standard_models()[0];
+/// let fmu = write_fmu_of(FmiVersion::Three, name, model_toml)?;
+/// assert!(fmu.starts_with(b"PK"));
+/// # Ok::<(), stickslip_fmu_package::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`write_fmu`].
+pub fn write_fmu_of(version: FmiVersion, model_identifier: &str, model_toml: &str) -> Result<Vec<u8>, Error> {
     check_identifier(model_identifier)?;
     let instance = Instance::new(model_toml)?;
     let description = instance.description();
     let mut entries: Vec<(String, Vec<u8>, u32)> = vec![
-        ("modelDescription.xml".into(), model_description_xml(model_identifier, description).into(), 0o644),
+        (
+            "modelDescription.xml".into(),
+            version.model_description(model_identifier, description).into(),
+            0o644,
+        ),
         (MODEL_FILE.into(), model_toml.into(), 0o644),
         (
             "documentation/index.html".into(),
-            documentation_html(model_identifier, description, model_toml).into(),
+            documentation_html(version, model_identifier, description, model_toml).into(),
             0o644,
         ),
         (
@@ -119,6 +143,7 @@ pub fn write_fmu(model_identifier: &str, model_toml: &str) -> Result<Vec<u8>, Er
         ),
     ];
     for Library { platform, extension, bytes } in libraries() {
+        let platform = version.platform(platform);
         entries.push((format!("binaries/{platform}/{model_identifier}.{extension}"), bytes.to_vec(), 0o755));
     }
     entries.sort_by(|left, right| left.0.cmp(&right.0));

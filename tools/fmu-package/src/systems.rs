@@ -7,7 +7,7 @@ use stickslip_readers::ssp::{
 use stickslip_readers::units::{BASE_UNITS, Unit};
 
 use crate::xml::{BASES, exponents};
-use crate::{Error, standard_models, write_fmu};
+use crate::{Error, FmiVersion, standard_models, write_fmu_of};
 
 /// A beam with contacts that are FMUs of their own.
 struct Standard {
@@ -116,6 +116,20 @@ pub fn standard_systems() -> Vec<&'static str> {
 /// # Errors
 /// [`Error::UnknownSystem`].
 pub fn write_system(name: &str) -> Result<Vec<u8>, Error> {
+    write_system_of(FmiVersion::Two, name)
+}
+
+/// As [`write_system`], with FMUs of either version of FMI.
+///
+/// ```
+/// use stickslip_fmu_package::{FmiVersion, write_system_of};
+/// assert!(write_system_of(FmiVersion::Three, "BeamWithValanis")?.starts_with(b"PK"));
+/// # Ok::<(), stickslip_fmu_package::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`write_system`].
+pub fn write_system_of(version: FmiVersion, name: &str) -> Result<Vec<u8>, Error> {
     let system = SYSTEMS.iter().find(|system| system.name == name);
     let system = system.ok_or_else(|| Error::UnknownSystem(name.to_owned()))?;
     let mut fmus = vec![system.beam];
@@ -124,7 +138,7 @@ pub fn write_system(name: &str) -> Result<Vec<u8>, Error> {
     fmus.dedup();
     let mut files = Vec::new();
     for fmu in fmus {
-        files.push((format!("resources/{fmu}.fmu"), write_fmu(fmu, model(fmu)?)?));
+        files.push((format!("resources/{fmu}.fmu"), write_fmu_of(version, fmu, model(fmu)?)?));
     }
     Ok(outline(system)?.package(&files)?)
 }

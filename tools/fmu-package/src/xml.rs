@@ -11,7 +11,7 @@ use stickslip::fmi::{
 pub(crate) const BASES: [&str; 4] = ["kg", "m", "s", "rad"];
 
 /// Exponents of [`BASES`].
-type Exponents = [i8; 4];
+pub(crate) type Exponents = [i8; 4];
 
 /// Those of a unit of the vocabulary.
 pub(crate) fn exponents(unit: &str) -> Option<Exponents> {
@@ -19,7 +19,7 @@ pub(crate) fn exponents(unit: &str) -> Option<Exponents> {
 }
 
 /// Unit names of the project's vocabulary. All are SI without prefixes: factor 1, offset 0.
-const UNITS: [(&str, Exponents); 21] = [
+pub(crate) const UNITS: [(&str, Exponents); 21] = [
     ("1", [0, 0, 0, 0]),
     ("1/m", [0, -1, 0, 0]),
     ("1/s", [0, 0, -1, 0]),
@@ -44,7 +44,7 @@ const UNITS: [(&str, Exponents); 21] = [
 ];
 
 /// Log categories with what they hold.
-const LOG_CATEGORIES: [(&str, &str); 6] = [
+pub(crate) const LOG_CATEGORIES: [(&str, &str); 6] = [
     ("logAll", "All messages"),
     ("logEvents", "Creation, initialization, reset and end of the instance"),
     ("logStatusDiscard", "Why a call returned fmi2Discard: a step that could not be computed"),
@@ -53,7 +53,7 @@ const LOG_CATEGORIES: [(&str, &str); 6] = [
     ("logStatusWarning", "Why a call returned fmi2Warning"),
 ];
 
-type Element<'a> = (&'a str, Vec<(&'a str, String)>);
+pub(crate) type Element<'a> = (&'a str, Vec<(&'a str, String)>);
 
 /// The XML of `description` for an FMU called `model_identifier`.
 pub fn model_description_xml(model_identifier: &str, description: &Description) -> String {
@@ -234,16 +234,16 @@ fn unknowns(xml: &mut Xml, description: &Description, of: impl Fn(&Variable) -> 
 
 /// The shortest decimal that reads back as the same number, as an `xs:double`; whole numbers of type
 /// Integer read the same way.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let magnitude = value.abs();
     if value != 0.0 && !(1e-4..1e7).contains(&magnitude) { format!("{value:e}") } else { value.to_string() }
 }
 
 /// A writer into memory, which cannot fail.
-struct Xml(Writer<Vec<u8>>);
+pub(crate) struct Xml(pub Writer<Vec<u8>>);
 
 impl Xml {
-    fn event(&mut self, event: Event<'_>) {
+    pub fn event(&mut self, event: Event<'_>) {
         // Memory that runs out aborts the program before it comes here.
         let _ = self.0.write_event(event);
     }
@@ -256,11 +256,11 @@ impl Xml {
         tag
     }
 
-    fn empty(&mut self, element: Element<'_>) {
+    pub fn empty(&mut self, element: Element<'_>) {
         self.event(Event::Empty(Self::tag(element)));
     }
 
-    fn inside(&mut self, element: Element<'_>, content: impl FnOnce(&mut Self)) {
+    pub fn inside(&mut self, element: Element<'_>, content: impl FnOnce(&mut Self)) {
         let name = element.0.to_owned();
         self.event(Event::Start(Self::tag(element)));
         content(self);

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 use stickslip::fmi::Instance;
+use stickslip_fmu_package::FmiVersion;
 
 use super::{check_destinations, list, read_model};
 use crate::output::Outputs;
@@ -17,6 +18,9 @@ pub struct Export {
     /// The FMU to write; its name becomes the model identifier
     #[arg(short, long, value_name = "X.fmu")]
     out: PathBuf,
+    /// Version of FMI
+    #[arg(long, value_name = "VERSION", value_parser = fmi_version, default_value = "2")]
+    fmi: FmiVersion,
     #[command(flatten)]
     files: ResultFiles,
 }
@@ -29,11 +33,11 @@ impl Export {
         let name = model_identifier(&self.out)?;
         let failed = |error: stickslip_fmu_package::Error| Failure::input(format!("{error}"));
         let mut outputs = Outputs::default();
-        outputs.add(&self.out, stickslip_fmu_package::write_fmu(&name, &text).map_err(failed)?);
+        outputs.add(&self.out, stickslip_fmu_package::write_fmu_of(self.fmi, &name, &text).map_err(failed)?);
         let instance = Instance::new(&text).map_err(|error| Failure::input(format!("{error}")))?;
         let description = instance.description();
         if let Some(path) = &self.files.report {
-            outputs.add(path, stickslip_fmu_package::documentation_html(&name, description, &text));
+            outputs.add(path, stickslip_fmu_package::documentation_html(self.fmi, &name, description, &text));
         }
         if let Some(path) = &self.files.json {
             let variables: Vec<_> = description
@@ -51,6 +55,7 @@ impl Export {
             let export = json!({
                 "schema": "stickslip.export/1",
                 "fmu": self.out,
+                "fmi_version": self.fmi.number(),
                 "model_identifier": name,
                 "guid": description.guid().to_string(),
                 "variables": variables,
@@ -58,6 +63,15 @@ impl Export {
             outputs.add(path, format!("{export:#}\n"));
         }
         list(&outputs.write()?)
+    }
+}
+
+/// A version as the user writes it.
+pub fn fmi_version(text: &str) -> Result<FmiVersion, String> {
+    match text {
+        "2" | "2.0" => Ok(FmiVersion::Two),
+        "3" | "3.0" => Ok(FmiVersion::Three),
+        _ => Err("FMUs are written for FMI 2 and 3".to_owned()),
     }
 }
 

@@ -2,6 +2,9 @@
 
 use std::path::PathBuf;
 
+use stickslip_fmu_package::FmiVersion;
+
+use super::export::fmi_version;
 use crate::Failure;
 use crate::output::Outputs;
 
@@ -11,6 +14,9 @@ pub struct Fmu {
     /// Folder to write to; created if missing
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
+    /// Version of FMI
+    #[arg(long, value_name = "VERSION", value_parser = fmi_version, default_value = "2")]
+    fmi: FmiVersion,
     /// Standard models (JenkinsContact, ValanisContact, SlipSlapContact, ModalBeam, ModalBeamTwoContacts,
     /// FrictionalBeam, PinnedBeam, SlipSlapBeam) and systems of them as .ssp (BeamWithValanis, BeamWithJenkins, BeamWithTwoContacts,
     /// BeamWithSlipSlap) to write; all when none is named
@@ -46,10 +52,12 @@ impl Fmu {
         let failed = |error: stickslip_fmu_package::Error| Failure::other(error.to_string());
         let mut outputs = Outputs::default();
         for (name, toml) in standard {
-            outputs.add(&fmu(name), stickslip_fmu_package::write_fmu(name, toml).map_err(failed)?);
+            outputs
+                .add(&fmu(name), stickslip_fmu_package::write_fmu_of(self.fmi, name, toml).map_err(failed)?);
         }
         for name in systems {
-            outputs.add(&system(name), stickslip_fmu_package::write_system(name).map_err(failed)?);
+            outputs
+                .add(&system(name), stickslip_fmu_package::write_system_of(self.fmi, name).map_err(failed)?);
         }
         super::list(&outputs.write()?)
     }

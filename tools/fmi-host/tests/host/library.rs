@@ -11,7 +11,7 @@ use crate::support::unpack;
 
 #[test]
 #[cfg(target_os = "linux")]
-fn the_library_exports_the_44_functions_and_nothing_else() {
+fn the_library_exports_the_functions_of_both_headers_and_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("library.so");
     std::fs::write(&file, library().bytes).unwrap();
@@ -20,9 +20,9 @@ fn the_library_exports_the_44_functions_and_nothing_else() {
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
     let exported: BTreeSet<&str> = text.lines().filter_map(|line| line.split_whitespace().last()).collect();
-    let header = include_str!("fmi2_functions.txt");
-    let expected: BTreeSet<&str> = header.lines().collect();
-    assert_eq!(expected.len(), 44);
+    let headers = [include_str!("fmi2_functions.txt"), include_str!("fmi3_functions.txt")];
+    let expected: BTreeSet<&str> = headers.iter().flat_map(|header| header.lines()).collect();
+    assert_eq!(expected.len(), 44 + 75);
     assert_eq!(exported, expected);
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use stickslip::fmi::Instance;
-use stickslip_fmu_package::{model_description_xml, standard_models};
+use stickslip_fmu_package::{model_description_xml, model_description_xml3, standard_models};
 
 /// `STICKSLIP_GOLDEN=write cargo test -p stickslip-fmu-package --test package` writes them again.
 #[test]
@@ -10,18 +10,24 @@ fn committed_model_descriptions_are_fresh() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../modelDescription");
     for (name, model_toml) in standard_models() {
         let instance = Instance::new(model_toml).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let xml = model_description_xml(name, instance.description());
-        let file = folder.join(format!("{name}.xml"));
-        if std::env::var_os("STICKSLIP_GOLDEN").is_some_and(|value| value == "write") {
-            std::fs::write(&file, xml).unwrap();
-            continue;
+        let description = instance.description();
+        let of_fmi3 = model_description_xml3(name, description);
+        for (file, xml) in
+            [(name.to_owned(), model_description_xml(name, description)), (format!("fmi3/{name}"), of_fmi3)]
+        {
+            let file = folder.join(format!("{file}.xml"));
+            if std::env::var_os("STICKSLIP_GOLDEN").is_some_and(|value| value == "write") {
+                std::fs::write(&file, xml).unwrap();
+                continue;
+            }
+            let committed = std::fs::read_to_string(&file).unwrap_or_default();
+            assert_eq!(
+                committed.replace("\r\n", "\n"),
+                xml,
+                "{} is stale: set STICKSLIP_GOLDEN=write, run this test, and review the difference",
+                file.display()
+            );
         }
-        let committed = std::fs::read_to_string(&file).unwrap_or_default();
-        assert_eq!(
-            committed.replace("\r\n", "\n"),
-            xml,
-            "{name}.xml is stale: set STICKSLIP_GOLDEN=write, run this test, and review the difference"
-        );
     }
 }
 
