@@ -1,4 +1,4 @@
-//! The C side of FMI 2.0 co-simulation.
+//! The C side of FMI 2.0 co-simulation, and what FMI 3.0 has in common with it.
 #![allow(non_snake_case)]
 
 use std::ffi::{c_char, c_int, c_uint, c_void};
@@ -29,7 +29,7 @@ pub enum Status {
     Fatal,
     /// Not finished.
     Pending,
-    /// No status of FMI 2.0.
+    /// No status of FMI.
     Unknown(i32),
 }
 
@@ -97,19 +97,20 @@ impl Callbacks {
 
 macro_rules! functions {
     (
+        struct $functions:ident
         required { $($name:ident: fn($($argument:ty),*) $(-> $result:ty)?;)* }
         optional { $($other:ident: fn($($other_argument:ty),*);)* }
     ) => {
         /// The functions, by their names in C. Those that only some abilities need may be missing.
         #[derive(Debug)]
-        pub struct Functions {
+        pub struct $functions {
             $(pub $name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
             $(pub $other: Option<unsafe extern "C" fn($($other_argument),*) -> c_int>,)*
         }
 
-        impl Functions {
+        impl $functions {
             /// # Safety
-            /// The library's functions have the signatures of the FMI 2.0 headers and are not called
+            /// The library's functions have the signatures of the standard's headers and are not called
             /// after it is unloaded.
             pub unsafe fn bind(library: &libloading::Library) -> Result<Self, libloading::Error> {
                 // SAFETY: the caller's promise.
@@ -123,8 +124,10 @@ macro_rules! functions {
         }
     };
 }
+pub(crate) use functions;
 
 functions! {
+    struct Functions
     required {
         fmi2Instantiate: fn(*const c_char, c_int, *const c_char, *const c_char, *const Callbacks, c_int, c_int) -> Handle;
         fmi2FreeInstance: fn(Handle);

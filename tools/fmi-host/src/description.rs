@@ -1,4 +1,4 @@
-//! `modelDescription.xml` of FMI 2.0.
+//! `modelDescription.xml`: that of FMI 2.0 is read here, that of 3.0 in [`crate::fmi3`].
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,14 +7,26 @@ use stickslip_readers::InputError;
 use stickslip_readers::units::{Unit, read_units};
 use stickslip_readers::xml::{Element, XmlFile};
 
+use crate::fmi3::Format;
 use crate::import::ImportProblem;
+
+/// Versions of FMI.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FmiVersion {
+    /// FMI 2.0.
+    Two,
+    /// FMI 3.0.
+    Three,
+}
 
 /// What an FMU says of itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelDescription {
+    /// Version of FMI.
+    pub version: FmiVersion,
     /// Name of the model.
     pub model_name: String,
-    /// By which library and description know each other.
+    /// By which library and description know each other: GUID or instantiation token.
     pub guid: String,
     /// What wrote it.
     pub generation_tool: Option<String>,
@@ -51,6 +63,8 @@ pub struct CoSimulation {
     pub serializes_state: bool,
     /// Directional derivatives.
     pub directional_derivatives: bool,
+    /// It asks for inputs within steps (FMI 3.0).
+    pub intermediate_update: bool,
 }
 
 /// What an FMU proposes; each part may be absent.
@@ -66,7 +80,20 @@ pub struct Experiment {
     pub step: Option<f64>,
 }
 
-/// A variable.
+/// How a variable is passed to the functions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Passed {
+    /// Its type in C.
+    pub format: Format,
+    /// Its place in the array that has its value reference, and the length of that: 0 and 1 of a variable that is none.
+    pub element: usize,
+    /// See above.
+    pub size: usize,
+    /// It may be set within steps.
+    pub intermediate: bool,
+}
+
+/// A variable; of an array, one of its elements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScalarVariable {
     /// Its name.
@@ -81,6 +108,8 @@ pub struct ScalarVariable {
     pub variability: Variability,
     /// Its type.
     pub kind: TypeOfVariable,
+    /// How it is passed.
+    pub passed: Passed,
     /// Name of its unit.
     pub unit: Option<String>,
     /// Its value unless set, as it is written.
@@ -122,6 +151,8 @@ pub enum TypeOfVariable {
     Boolean,
     /// A text.
     String,
+    /// What the master has no use for: binary data.
+    Opaque,
     /// One of these items, each with its number.
     Enumeration(Vec<(String, i32)>),
 }
@@ -141,6 +172,9 @@ impl ModelDescription {
     pub fn read(file: &XmlFile) -> Result<Self, ImportProblem> {
         let root = file.root("fmiModelDescription")?;
         let version = file.required(root, "fmiVersion")?;
+        if version == "3" || version.starts_with("3.0") {
+            return crate::fmi3::read(file, root);
+        }
         if !version.starts_with("2.") {
             return Err(ImportProblem::Version(version.to_owned()));
         }
@@ -153,6 +187,7 @@ impl ModelDescription {
         check_names(file, root, &variables)?;
         dependencies(file, root, &mut variables)?;
         Ok(Self {
+            version: FmiVersion::Two,
             model_name: root.attribute("modelName").unwrap_or_default().to_owned(),
             guid: file.required(root, "guid")?.to_owned(),
             generation_tool: root.attribute("generationTool").map(str::to_owned),
@@ -192,10 +227,11 @@ fn co_simulation(file: &XmlFile, element: &Element) -> Result<CoSimulation, Inpu
         saves_state: flag("canGetAndSetFMUstate")?,
         serializes_state: flag("canSerializeFMUstate")?,
         directional_derivatives: flag("providesDirectionalDerivative")?,
+        intermediate_update: false,
     })
 }
 
-fn experiment(file: &XmlFile, root: &Element) -> Result<Experiment, InputError> {
+pub(crate) fn experiment(file: &XmlFile, root: &Element) -> Result<Experiment, InputError> {
     let Some(element) = root.child("DefaultExperiment") else { return Ok(Experiment::default()) };
     Ok(Experiment {
         start: file.number(element, "startTime")?,
@@ -263,6 +299,7 @@ fn scalar_variable(
             "String" => TypeOfVariable::String,
             _ => TypeOfVariable::Enumeration(own.items),
         },
+        passed: Passed { format: Format::Float64, element: 0, size: 1, intermediate: false },
         unit: typed.attribute("unit").map(str::to_owned).or(own.unit),
         start: typed.attribute("start").map(str::to_owned),
         min: bound(typed, "min"),
@@ -273,7 +310,7 @@ fn scalar_variable(
 }
 
 /// Limits are only shown: exporters write infinities and other things there that are nobody's concern.
-fn bound(element: &Element, name: &str) -> Option<f64> {
+pub(crate) fn bound(element: &Element, name: &str) -> Option<f64> {
     element.attribute(name).and_then(|text| text.trim().parse().ok())
 }
 

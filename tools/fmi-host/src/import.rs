@@ -10,10 +10,11 @@ use stickslip_readers::archive::{ArchiveProblem, Limits, Unpacked, unpack};
 use stickslip_readers::xml::XmlFile;
 
 use crate::component::{Error, Library, Slave};
-use crate::description::{ModelDescription, TypeOfVariable};
+use crate::description::{FmiVersion, ModelDescription, TypeOfVariable};
+use crate::fmi3::{Library3, Slave3};
 use crate::isolate::IsolatedSlave;
-use crate::log::Log;
-use crate::slave::FmuSlave;
+use crate::log::{Log, NO_LETTER};
+use crate::slave::{Component, FmuSlave};
 
 /// Why an FMU cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -39,11 +40,14 @@ pub enum ImportProblem {
     #[error(transparent)]
     Description(#[from] InputError),
     /// Another version of FMI.
-    #[error("it is an FMU of FMI {0}; FMI 2.0 is read")]
+    #[error("it is an FMU of FMI {0}; FMI 2.0 and 3.0 are read")]
     Version(String),
     /// Model exchange only.
     #[error("it has no co-simulation (no element `CoSimulation`): it needs a solver that comes from outside")]
     NoCoSimulation,
+    /// Clocks, which a master must activate.
+    #[error("it has clocks (`{0}` and others), which this master does not drive")]
+    Clocks(String),
     /// No library for this platform.
     #[error("it has no library for this platform: `{wanted}` is missing; it has {present}")]
     NoBinary {
@@ -55,7 +59,7 @@ pub enum ImportProblem {
     /// The library.
     #[error("{0}")]
     Library(String),
-    /// `fmi2Instantiate` returned NULL.
+    /// `fmi2Instantiate` or its like returned NULL.
     #[error("it refuses to be instantiated{}", said(.0))]
     Instantiate(Option<String>),
     /// Its second instance.
@@ -70,7 +74,8 @@ pub enum ImportProblem {
 
 fn said(words: &Option<String>) -> String {
     let Some(words) = words else { return String::new() };
-    let help = if words.to_lowercase().contains("guid") {
+    let words_for = words.to_lowercase();
+    let help = if ["guid", "instantiationtoken"].iter().any(|word| words_for.contains(word)) {
         "; its modelDescription.xml and what else is in it do not belong together: export the FMU again"
     } else {
         ""
@@ -108,8 +113,15 @@ pub struct Fmu {
     description: ModelDescription,
     library: PathBuf,
     /// Before the folder: some systems do not remove a library that is loaded.
-    loaded: Mutex<Option<Arc<Library>>>,
+    loaded: Mutex<Option<Loaded>>,
     folder: Folder,
+}
+
+/// The library of an FMU of either version.
+#[derive(Debug, Clone)]
+enum Loaded {
+    Two(Arc<Library>),
+    Three(Arc<Library3>),
 }
 
 #[derive(Debug)]
@@ -166,7 +178,8 @@ impl Fmu {
         let bytes = std::fs::read(&file).map_err(|error| ArchiveProblem::System(error.to_string()))?;
         let description =
             ModelDescription::read(&XmlFile::from_bytes(Path::new("modelDescription.xml"), bytes)?)?;
-        let library = library(folder.path(), &description.co_simulation.model_identifier)?;
+        let library =
+            library(folder.path(), &description.co_simulation.model_identifier, description.version)?;
         Ok(Arc::new(Self { name, folder, description, library, loaded: Mutex::new(None) }))
     }
 
@@ -231,7 +244,17 @@ impl Fmu {
         let log = Arc::new(Log::new(self.names()));
         let resources = self.folder().join("resources");
         let guid = &self.description.guid;
-        let slave = Slave::logging(library, name, guid, &resources, Arc::clone(&log), true);
+        let slave = match library {
+            Loaded::Two(library) => {
+                let slave = Slave::logging(library, name, guid, &resources, Arc::clone(&log), true);
+                slave.map(Component::Two)
+            }
+            Loaded::Three(library) => {
+                let required = self.description.told_within_steps();
+                let slave = Slave3::logging(library, name, guid, &resources, Arc::clone(&log), &required);
+                slave.map(Component::Three)
+            }
+        };
         let slave = slave.map_err(|error| match error {
             Error::Instantiate => {
                 let last = || log.messages().pop().map(|message| message.text);
@@ -242,19 +265,23 @@ impl Fmu {
         Ok(FmuSlave::new(Arc::clone(self), name, slave, lone))
     }
 
-    fn load(&self) -> Result<Arc<Library>, ImportProblem> {
+    fn load(&self) -> Result<Loaded, ImportProblem> {
         let mut loaded = self.loaded.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(library) = &*loaded {
-            return Ok(Arc::clone(library));
+            return Ok(library.clone());
         }
-        let library = Library::load(&self.library).map_err(|error| {
+        let library = match self.description.version {
+            FmiVersion::Two => Library::load(&self.library).map(Loaded::Two),
+            FmiVersion::Three => Library3::load(&self.library).map(Loaded::Three),
+        };
+        let library = library.map_err(|error| {
             let mut reason = error.to_string();
             if reason.contains("undefined symbol") && reason.contains("Py") {
                 reason += "; it needs the library of Python: start this program with LD_PRELOAD=libpython3.so or the like";
             }
             ImportProblem::Library(reason)
         })?;
-        *loaded = Some(Arc::clone(&library));
+        *loaded = Some(library.clone());
         Ok(library)
     }
 
@@ -263,10 +290,11 @@ impl Fmu {
         let rows = self.description.variables.iter();
         rows.map(|variable| {
             let letter = match variable.kind {
+                _ if self.description.version == FmiVersion::Three => NO_LETTER,
                 TypeOfVariable::Real => b'r',
                 TypeOfVariable::Integer | TypeOfVariable::Enumeration(_) => b'i',
                 TypeOfVariable::Boolean => b'b',
-                TypeOfVariable::String => b's',
+                TypeOfVariable::String | TypeOfVariable::Opaque => b's',
             };
             ((letter, variable.reference), variable.name.clone())
         })
@@ -301,12 +329,15 @@ impl Drop for Lone {
 }
 
 /// The library for this platform in the unpacked `folder`.
-fn library(folder: &Path, identifier: &str) -> Result<PathBuf, ImportProblem> {
+fn library(folder: &Path, identifier: &str, version: FmiVersion) -> Result<PathBuf, ImportProblem> {
+    let mut platforms = platforms().to_vec();
+    // FMI 3.0 has names of its own, with a hyphen.
+    platforms.sort_by_key(|name| name.contains('-') != (version == FmiVersion::Three));
     let file = format!("{identifier}.{}", extension());
     // The identifier becomes part of a path.
     let plain = !identifier.is_empty() && !identifier.contains(['/', '\\', '\0']) && identifier != "..";
     if plain {
-        for platform in platforms() {
+        for platform in &platforms {
             let path = folder.join("binaries").join(platform).join(&file);
             if path.is_file() {
                 // Absolute, or the system would look in its own folders.
@@ -321,6 +352,6 @@ fn library(folder: &Path, identifier: &str) -> Result<PathBuf, ImportProblem> {
         .unwrap_or_default();
     present.sort();
     let present = if present.is_empty() { "none".to_owned() } else { present.join(", ") };
-    let wanted = format!("binaries/{}/{file}", platforms().first().unwrap_or(&"?"));
+    let wanted = format!("binaries/{}/{file}", platforms.first().unwrap_or(&"?"));
     Err(ImportProblem::NoBinary { wanted, present })
 }

@@ -1,8 +1,8 @@
-//! Imports FMI 2.0 co-simulation FMUs, ours and others'.
+//! Imports co-simulation FMUs of FMI 2.0 and 3.0, ours and others'.
 //!
 //! [`Fmu::open`] unpacks an archive, reads its description and checks that it can run here. An instance of it is a slave
 //! for the master (`stickslip::cosim::Slave`): [`FmuSlave`] in this process, or [`IsolatedSlave`] in one of its own, which
-//! a crash does not leave. [`Library`] and [`Slave`] are the bare functions.
+//! a crash does not leave. [`Library`] and [`Slave`] are the bare functions of FMI 2.0, [`Library3`] and [`Slave3`] those of 3.0.
 //!
 //! The library of an FMU is code of others: in this process it can do anything, and nothing here can prevent that.
 
@@ -12,6 +12,7 @@ mod description;
 #[cfg(all(target_os = "linux", target_endian = "little"))]
 mod elf;
 mod exit;
+mod fmi3;
 mod import;
 mod isolate;
 mod log;
@@ -20,9 +21,11 @@ mod slave;
 pub use binding::Status;
 pub use component::{Error, Library, Slave, State};
 pub use description::{
-    CoSimulation, Experiment, ModelDescription, ScalarVariable, TypeOfVariable, Variability,
+    CoSimulation, Experiment, FmiVersion, ModelDescription, Passed, ScalarVariable, TypeOfVariable,
+    Variability,
 };
 pub use exit::ExitWatch;
+pub use fmi3::{Format, Library3, Slave3};
 pub use import::{Fmu, ImportError, ImportProblem, platforms};
 pub use isolate::{IsolatedSlave, serve};
 pub use log::{Log, Message};

@@ -18,6 +18,9 @@ const KEPT: usize = 200;
 /// Bytes of a message at most.
 const LONGEST: usize = 4096;
 
+/// In place of the letter of a type, in FMI 3.0.
+pub(crate) const NO_LETTER: u8 = 0;
+
 /// A message of an FMU.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
@@ -114,6 +117,10 @@ impl Log {
                 continue;
             }
             let name = rest.split_once('#').and_then(|(inner, after)| {
+                // FMI 3.0 has no letters.
+                if let Ok(reference) = inner.parse() {
+                    return Some((self.names.get(&(NO_LETTER, reference))?, after));
+                }
                 let letter = *inner.as_bytes().first()?;
                 let reference = inner.get(1..)?.parse().ok()?;
                 Some((self.names.get(&(letter, reference))?, after))
@@ -158,7 +165,12 @@ unsafe fn text(string: *const c_char) -> String {
 ///
 /// # Safety
 /// `environment` is NULL or points to a live [`Log`]; the strings are NULL or end with zero.
-unsafe fn note(environment: *const c_void, status: c_int, category: *const c_char, message: *const c_char) {
+pub(crate) unsafe fn note(
+    environment: *const c_void,
+    status: c_int,
+    category: *const c_char,
+    message: *const c_char,
+) {
     if environment.is_null() {
         return;
     }

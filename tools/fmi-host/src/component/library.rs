@@ -20,14 +20,19 @@ impl Library {
     /// # Errors
     /// A file that is no library of this platform, or lacks a function of FMI 2.0 co-simulation.
     pub fn load(path: &Path) -> Result<Arc<Self>, Error> {
-        #[cfg(all(target_os = "linux", target_endian = "little"))]
-        crate::elf::check(path).map_err(|problem| Error::Damaged(problem.to_string()))?;
-        // SAFETY: loading runs the library's constructors. The user chose to run this FMU.
-        let library = unsafe { open(path)? };
+        let library = opened(path)?;
         // SAFETY: the names have the signatures of the FMI 2.0 headers.
         let functions = unsafe { Functions::bind(&library)? };
         Ok(Arc::new(Self { functions, _library: library }))
     }
+}
+
+/// The library at `path`, loaded, if it is whole.
+pub(crate) fn opened(path: &Path) -> Result<libloading::Library, Error> {
+    #[cfg(all(target_os = "linux", target_endian = "little"))]
+    crate::elf::check(path).map_err(|problem| Error::Damaged(problem.to_string()))?;
+    // SAFETY: loading runs the library's constructors. The user chose to run this FMU.
+    Ok(unsafe { open(path)? })
 }
 
 /// # Safety

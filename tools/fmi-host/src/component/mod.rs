@@ -1,4 +1,4 @@
-//! The functions of an FMU, as they are.
+//! The functions of an FMU of FMI 2.0, as they are.
 //!
 //! A `library` is loaded once; a [`Slave`] is a component that it made, whose functions are called here. `state` saves
 //! one and goes back to it.
@@ -16,6 +16,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use error::Error;
 pub use library::Library;
+pub(crate) use library::opened;
 pub use state::State;
 
 /// One component.
@@ -56,8 +57,16 @@ macro_rules! call {
     }};
 }
 
+pub(crate) use call;
+
 // Below the macro that it uses.
 mod state;
+
+/// A number that no other slave in this process has or had.
+pub(crate) fn next_number() -> u64 {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    COUNT.fetch_add(1, Ordering::Relaxed)
+}
 
 impl Slave {
     /// A new component called `name`. `guid` is that of the model description, `resources` the folder
@@ -92,9 +101,7 @@ impl Slave {
             (functions.fmi2Instantiate)(name, CO_SIMULATION, guid, resources, &*callbacks, 0, logs)
         };
         let handle = NonNull::new(handle).ok_or(Error::Instantiate)?;
-        static COUNT: AtomicU64 = AtomicU64::new(0);
-        let number = COUNT.fetch_add(1, Ordering::Relaxed);
-        Ok(Self { library, handle, number, _callbacks: callbacks, log, dead: false })
+        Ok(Self { library, handle, number: next_number(), _callbacks: callbacks, log, dead: false })
     }
 
     /// `fmi2SetupExperiment` from `start` (s), with a relative tolerance if given.
@@ -372,7 +379,7 @@ impl Drop for Slave {
 }
 
 #[inline]
-fn same_length(references: usize, values: usize) -> Result<(), Error> {
+pub(crate) fn same_length(references: usize, values: usize) -> Result<(), Error> {
     if references == values { Ok(()) } else { Err(Error::Lengths { references, values }) }
 }
 

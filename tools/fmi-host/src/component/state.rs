@@ -16,6 +16,23 @@ pub struct State {
 // SAFETY: only its slave does anything with it, and that can be sent.
 unsafe impl Send for State {}
 
+impl State {
+    /// What the slave with the number `owner` has saved.
+    pub(crate) fn new(handle: StateHandle, owner: u64) -> Self {
+        Self { handle, owner }
+    }
+
+    /// The C pointer of a state of the slave with the number `owner`.
+    pub(crate) fn of(&self, owner: u64) -> Result<StateHandle, Error> {
+        if self.owner == owner { Ok(self.handle) } else { Err(Error::ForeignState) }
+    }
+
+    /// The FMU has used the state's memory again, or other memory.
+    pub(crate) fn moved(&mut self, handle: StateHandle) {
+        self.handle = handle;
+    }
+}
+
 impl Slave {
     /// `fmi2GetFMUstate` into a state saved before, whose memory the FMU can use again.
     ///
@@ -40,7 +57,7 @@ impl Slave {
 
     /// The C pointer of a state of this slave.
     fn own(&self, state: &State) -> Result<StateHandle, Error> {
-        if state.owner == self.number { Ok(state.handle) } else { Err(Error::ForeignState) }
+        state.of(self.number)
     }
 
     /// `fmi2SetFMUstate`.

@@ -1,17 +1,22 @@
 //! An instance of an FMU as a slave of the master.
 //!
-//! [`table`] is what the master sees of an FMU, `values` sets and reads variables by their kinds.
+//! [`table`] is what the master sees of an FMU, `component` the FMU's functions of either version, `values` sets and reads
+//! variables by their kinds, `arrays` those of FMI 3.0 by their types.
 
+mod arrays;
+mod component;
 pub(crate) mod table;
 mod values;
+
+pub(crate) use component::Component;
 
 use std::sync::Arc;
 
 use stickslip::cosim::{self, Abilities, Setup, Severity, SlaveError, Stepped, Variable};
 
 use crate::binding::Status;
-use crate::component::{Error, Slave, State};
-use crate::description::TypeOfVariable;
+use crate::component::{Error, State};
+use crate::description::{Passed, TypeOfVariable};
 use crate::import::{Fmu, Lone};
 use crate::log::Log;
 use table::{abilities, name_unit, table};
@@ -21,8 +26,10 @@ use values::Reals;
 #[derive(Debug)]
 pub struct FmuSlave {
     name: String,
-    slave: Slave,
+    slave: Component,
     table: Vec<Variable>,
+    /// How each row of the table is passed.
+    passed: Vec<Passed>,
     abilities: Abilities,
     slots: Vec<Option<State>>,
     /// What was set last, and what was read.
@@ -39,11 +46,17 @@ pub struct FmuSlave {
 }
 
 impl FmuSlave {
-    pub(crate) fn new(fmu: Arc<Fmu>, name: &str, slave: Slave, lone: Option<Lone>) -> Self {
+    pub(crate) fn new(fmu: Arc<Fmu>, name: &str, slave: Component, lone: Option<Lone>) -> Self {
         let description = fmu.description();
         Self {
             name: name.to_owned(),
             table: table(description),
+            passed: description
+                .variables
+                .iter()
+                .filter(|row| row.kind.is_number())
+                .map(|row| row.passed)
+                .collect(),
             abilities: abilities(description),
             slave,
             slots: Vec::new(),
@@ -240,9 +253,17 @@ impl cosim::Slave for FmuSlave {
         derivatives: &[f64],
     ) -> Result<(), SlaveError> {
         self.references_of(variables)?;
-        self.numbers.clear();
-        self.numbers.resize(variables.len(), order.cast_signed());
-        let done = self.slave.set_input_derivatives(&self.references, &self.numbers, derivatives);
+        let done = match &mut self.slave {
+            Component::Two(slave) => {
+                self.numbers.clear();
+                self.numbers.resize(variables.len(), order.cast_signed());
+                slave.set_input_derivatives(&self.references, &self.numbers, derivatives)
+            }
+            Component::Three(slave) => {
+                slave.set_input_derivatives(&self.references, order, derivatives);
+                Ok(())
+            }
+        };
         done.map_err(|error| {
             let names = self.named(variables);
             self.failed(error, || format!("setting derivatives of {names}"))
@@ -256,9 +277,12 @@ impl cosim::Slave for FmuSlave {
         derivatives: &mut [f64],
     ) -> Result<(), SlaveError> {
         self.references_of(variables)?;
+        let Component::Two(slave) = &mut self.slave else {
+            return self.output_derivatives_3(variables, order.cast_signed(), derivatives);
+        };
         self.numbers.clear();
         self.numbers.resize(variables.len(), order.cast_signed());
-        let done = self.slave.get_output_derivatives(&self.references, &self.numbers, derivatives);
+        let done = slave.get_output_derivatives(&self.references, &self.numbers, derivatives);
         done.map_err(|error| {
             let names = self.named(variables);
             self.failed(error, || format!("reading derivatives of {names}"))
@@ -275,7 +299,12 @@ impl cosim::Slave for FmuSlave {
         self.references_of(unknowns)?;
         std::mem::swap(&mut self.references, &mut self.others);
         self.references_of(knowns)?;
-        let done = self.slave.directional_derivative(&self.others, &self.references, direction, change);
+        let done = match &mut self.slave {
+            Component::Two(slave) => {
+                slave.directional_derivative(&self.others, &self.references, direction, change)
+            }
+            Component::Three(_) => self.directional_derivative_3(unknowns, knowns, direction, change),
+        };
         done.map_err(|error| {
             let (of, on) = (self.named(unknowns), self.named(knowns));
             self.failed(error, || format!("the derivative of {of} with respect to {on}"))
@@ -283,16 +312,13 @@ impl cosim::Slave for FmuSlave {
     }
 
     fn do_step(&mut self, time: f64, step: f64) -> Result<Stepped, SlaveError> {
-        let done = if self.abilities.saves_state {
-            self.slave.do_step(time, step)
-        } else {
-            self.slave.do_final_step(time, step)
-        };
+        let done = self.slave.do_step(time, step, !self.abilities.saves_state);
         let what = || format!("the step from {time} s to {} s", time + step);
+        let discarded = matches!(done, Err(Error::Call { status: Status::Discard, .. }));
         match done {
-            Ok(()) => Ok(Stepped::Done),
-            Err(Error::Call { status: Status::Discard, .. }) => {
-                if self.slave.wants_to_end().unwrap_or(false) {
+            Ok(()) if !self.slave.wants_to_end(false) => Ok(Stepped::Done),
+            Ok(()) | Err(Error::Call { status: Status::Discard, .. }) => {
+                if self.slave.wants_to_end(discarded) {
                     let words = self
                         .slave
                         .log()
@@ -306,7 +332,7 @@ impl cosim::Slave for FmuSlave {
                     return Err(SlaveError { slave: self.name.clone(), message, severity: Severity::Slave });
                 }
                 // An FMU that does not tell how far it came is taken not to have come anywhere.
-                let reached = self.slave.last_successful_time().ok().filter(|reached| reached.is_finite());
+                let reached = self.slave.reached();
                 Ok(Stepped::Discarded(reached.map_or(time, |reached| reached.clamp(time, time + step))))
             }
             Err(error) => Err(self.failed(error, what)),

@@ -3,6 +3,7 @@
 use stickslip::cosim::{Kind, Severity, SlaveError};
 
 use super::FmuSlave;
+use super::component::Component;
 use crate::component::Error;
 
 /// Real variables and their value references: a master sets and reads the same ones step by step.
@@ -75,6 +76,9 @@ impl FmuSlave {
         if variables.len() != values.len() {
             return Err(self.refused(format!("{} variables, but {} values", variables.len(), values.len())));
         }
+        if matches!(self.slave, Component::Three(_)) && !self.are_plain(variables) {
+            return self.set_of_all_types(variables, values);
+        }
         let mut at = 0;
         while at < variables.len() {
             let (kind, count) = self.run(&variables[at..])?;
@@ -83,9 +87,12 @@ impl FmuSlave {
                 self.slave.set_real(&self.references, numbers)
             } else {
                 self.whole(kind, these, numbers)?;
-                match kind {
-                    Kind::Boolean => self.slave.set_boolean(&self.references, &self.numbers),
-                    _ => self.slave.set_integer(&self.references, &self.numbers),
+                match (&mut self.slave, kind) {
+                    (Component::Two(slave), Kind::Boolean) => {
+                        slave.set_boolean(&self.references, &self.numbers)
+                    }
+                    (Component::Two(slave), _) => slave.set_integer(&self.references, &self.numbers),
+                    (Component::Three(_), _) => Err(Error::Missing("fmi3SetInt32")),
                 }
             };
             if let Err(error) = done {
@@ -109,6 +116,9 @@ impl FmuSlave {
         if variables.len() != values.len() {
             return Err(self.refused(format!("{} variables, but {} values", variables.len(), values.len())));
         }
+        if matches!(self.slave, Component::Three(_)) && !self.are_plain(variables) {
+            return self.get_of_all_types(variables, values);
+        }
         let mut at = 0;
         while at < variables.len() {
             let (kind, count) = self.run(&variables[at..])?;
@@ -119,9 +129,12 @@ impl FmuSlave {
             } else {
                 self.numbers.clear();
                 self.numbers.resize(count, 0);
-                let done = match kind {
-                    Kind::Boolean => self.slave.get_boolean(&self.references, &mut self.numbers),
-                    _ => self.slave.get_integer(&self.references, &mut self.numbers),
+                let done = match (&mut self.slave, kind) {
+                    (Component::Two(slave), Kind::Boolean) => {
+                        slave.get_boolean(&self.references, &mut self.numbers)
+                    }
+                    (Component::Two(slave), _) => slave.get_integer(&self.references, &mut self.numbers),
+                    (Component::Three(_), _) => Err(Error::Missing("fmi3GetInt32")),
                 };
                 for (value, number) in numbers.iter_mut().zip(&self.numbers) {
                     // Any number but zero is true.

@@ -106,8 +106,8 @@ fn what_is_missing_is_named() {
     }
     let exchange = described(|text| text.replace("CoSimulation", "ModelExchange"));
     assert!(matches!(problem(&exchange), ImportProblem::NoCoSimulation));
-    let other_version = described(|text| text.replace("fmiVersion=\"2.0\"", "fmiVersion=\"3.0\""));
-    assert!(matches!(problem(&other_version), ImportProblem::Version(version) if version == "3.0"));
+    let other_version = described(|text| text.replace("fmiVersion=\"2.0\"", "fmiVersion=\"4.0\""));
+    assert!(matches!(problem(&other_version), ImportProblem::Version(version) if version == "4.0"));
     let escaping = described(|text| text.replace("\"Unruly\" can", "\"../../Unruly\" can"));
     assert!(matches!(problem(&escaping), ImportProblem::NoBinary { .. }));
     assert!(Fmu::open("nowhere.fmu".as_ref()).unwrap_err().to_string().contains("nowhere.fmu"));

@@ -1,0 +1,292 @@
+//! `modelDescription.xml` of FMI 3.0.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use stickslip::cosim::Causality;
+use stickslip_readers::InputError;
+use stickslip_readers::units::read_units;
+use stickslip_readers::xml::{Element, XmlFile};
+
+use super::Format;
+use crate::description::{
+    CoSimulation, FmiVersion, ModelDescription, Passed, ScalarVariable, TypeOfVariable, Variability, bound,
+    experiment,
+};
+use crate::import::ImportProblem;
+
+/// Elements of all arrays together, at most: each becomes a variable.
+const MOST_ELEMENTS: usize = 1_000_000;
+
+/// Reads the description under `root`.
+///
+/// # Errors
+/// [`ImportProblem::NoCoSimulation`], [`ImportProblem::Clocks`], and what is not as the standard says.
+pub(crate) fn read(file: &XmlFile, root: &Element) -> Result<ModelDescription, ImportProblem> {
+    let Some(element) = root.child("CoSimulation") else { return Err(ImportProblem::NoCoSimulation) };
+    let mut rows =
+        Rows { file, types: declared_types(file, root)?, sizes: BTreeMap::new(), variables: Vec::new() };
+    let elements = || root.all("ModelVariables").flat_map(|list| list.children());
+    rows.structural_parameters(elements())?;
+    for element in elements() {
+        rows.variable(element)?;
+    }
+    let mut variables = rows.variables;
+    check_names(file, root, &variables)?;
+    dependencies(file, root, &mut variables)?;
+    Ok(ModelDescription {
+        version: FmiVersion::Three,
+        model_name: root.attribute("modelName").unwrap_or_default().to_owned(),
+        guid: file.required(root, "instantiationToken")?.to_owned(),
+        generation_tool: root.attribute("generationTool").map(str::to_owned),
+        co_simulation: co_simulation(file, element)?,
+        units: read_units(file, root.list("UnitDefinitions", "Unit"))?,
+        log_categories: root
+            .list("LogCategories", "Category")
+            .filter_map(|category| category.attribute("name").map(str::to_owned))
+            .collect(),
+        experiment: experiment(file, root)?,
+        variables,
+    })
+}
+
+fn co_simulation(file: &XmlFile, element: &Element) -> Result<CoSimulation, InputError> {
+    let flag = |name: &str| Ok::<bool, InputError>(file.boolean(element, name)?.unwrap_or(false));
+    Ok(CoSimulation {
+        model_identifier: file.required(element, "modelIdentifier")?.to_owned(),
+        needs_execution_tool: flag("needsExecutionTool")?,
+        variable_step: flag("canHandleVariableCommunicationStepSize")?,
+        interpolates_inputs: false,
+        output_derivative_order: file.number(element, "maxOutputDerivativeOrder")?.unwrap_or(0),
+        once_per_process: flag("canBeInstantiatedOnlyOncePerProcess")?,
+        saves_state: flag("canGetAndSetFMUState")?,
+        serializes_state: flag("canSerializeFMUState")?,
+        directional_derivatives: flag("providesDirectionalDerivatives")?,
+        intermediate_update: flag("providesIntermediateUpdate")?,
+    })
+}
+
+/// What declared types hold for the variables that refer to them.
+#[derive(Debug, Default, Clone)]
+struct DeclaredType {
+    unit: Option<String>,
+    items: Vec<(String, i32)>,
+    min: Option<f64>,
+    max: Option<f64>,
+    nominal: Option<f64>,
+}
+
+fn declared_types(file: &XmlFile, root: &Element) -> Result<BTreeMap<String, DeclaredType>, InputError> {
+    let mut types = BTreeMap::new();
+    for element in root.all("TypeDefinitions").flat_map(|list| list.children()) {
+        let mut declared = DeclaredType {
+            unit: element.attribute("unit").map(str::to_owned),
+            items: Vec::new(),
+            min: bound(element, "min"),
+            max: bound(element, "max"),
+            nominal: bound(element, "nominal"),
+        };
+        for item in element.all("Item") {
+            let value = file.number(item, "value")?.unwrap_or_default();
+            declared.items.push((file.required(item, "name")?.to_owned(), value));
+        }
+        types.insert(file.required(element, "name")?.to_owned(), declared);
+    }
+    Ok(types)
+}
+
+/// The variables read so far.
+struct Rows<'a> {
+    file: &'a XmlFile,
+    types: BTreeMap<String, DeclaredType>,
+    /// Values of structural parameters, which sizes refer to, by their value references.
+    sizes: BTreeMap<u32, usize>,
+    variables: Vec<ScalarVariable>,
+}
+
+impl Rows<'_> {
+    fn structural_parameters<'e>(
+        &mut self,
+        elements: impl Iterator<Item = &'e Element>,
+    ) -> Result<(), ImportProblem> {
+        for element in
+            elements.filter(|element| element.attribute("causality") == Some("structuralParameter"))
+        {
+            self.file.required(element, "valueReference")?;
+            let reference = self.file.number(element, "valueReference")?.unwrap_or_default();
+            if let Some(size) = self.file.number::<u32>(element, "start")? {
+                self.sizes.insert(reference, size as usize);
+            }
+        }
+        Ok(())
+    }
+
+    /// Lengths in all directions; none of a variable that is no array.
+    fn dimensions(&self, element: &Element) -> Result<Vec<usize>, InputError> {
+        let expected = "a length, or the value reference of a structural parameter";
+        let lengths = element.all("Dimension").map(|dimension| {
+            if let Some(start) = self.file.number::<u32>(dimension, "start")? {
+                return Ok(start as usize);
+            }
+            let reference: Option<u32> = self.file.number(dimension, "valueReference")?;
+            let size = reference.and_then(|reference| self.sizes.get(&reference)).copied();
+            size.ok_or_else(|| self.file.value_error(dimension, "valueReference", expected))
+        });
+        lengths.collect()
+    }
+
+    fn variable(&mut self, element: &Element) -> Result<(), ImportProblem> {
+        let name = self.file.required(element, "name")?.to_owned();
+        let format = match (element.name(), Format::of_element(element.name())) {
+            ("Clock", _) => return Err(ImportProblem::Clocks(name)),
+            ("String" | "Binary", _) => Format::default(),
+            (_, Some(format)) => format,
+            // Annotations and what later versions add.
+            _ => return Ok(()),
+        };
+        let lengths = self.dimensions(element)?;
+        let size = lengths.iter().try_fold(1_usize, |size, length| size.checked_mul(*length));
+        let size = size.filter(|size| self.variables.len() + size <= MOST_ELEMENTS);
+        let Some(size) = size else {
+            return Err(self
+                .file
+                .value_error(element, "name", "an array of a length that fits in memory")
+                .into());
+        };
+        let row = self.row(element, format, size)?;
+        let starts: Vec<&str> = match element.name() {
+            "String" => element.all("Start").filter_map(|start| start.attribute("value")).collect(),
+            _ => element.attribute("start").unwrap_or_default().split_whitespace().collect(),
+        };
+        for place in 0..size {
+            // One value may stand for all of an array.
+            let start = starts.get(place).or_else(|| starts.first().filter(|_| starts.len() == 1));
+            self.variables.push(ScalarVariable {
+                name: if lengths.is_empty() { name.clone() } else { element_name(&name, &lengths, place) },
+                start: start.map(|start| (*start).to_owned()),
+                passed: Passed { element: place, ..row.passed },
+                ..row.clone()
+            });
+        }
+        for alias in element.all("Alias").filter(|_| lengths.is_empty()) {
+            let name = self.file.required(alias, "name")?.to_owned();
+            let start = starts.first().map(|start| (*start).to_owned());
+            // The variable itself is recorded.
+            let causality = if row.causality == Causality::Output { Causality::Local } else { row.causality };
+            self.variables.push(ScalarVariable { name, start, causality, ..row.clone() });
+        }
+        Ok(())
+    }
+
+    /// All of a variable but names and starts.
+    fn row(&self, element: &Element, format: Format, size: usize) -> Result<ScalarVariable, InputError> {
+        let file = self.file;
+        file.required(element, "valueReference")?;
+        let causality = match element.attribute("causality") {
+            Some("parameter") => Causality::Parameter,
+            Some("input") => Causality::Input,
+            Some("output") => Causality::Output,
+            None | Some("local" | "calculatedParameter" | "independent" | "structuralParameter") => {
+                Causality::Local
+            }
+            Some(_) => return Err(file.value_error(element, "causality", "a causality of FMI 3.0")),
+        };
+        let floating = matches!(element.name(), "Float64" | "Float32");
+        let variability = match element.attribute("variability") {
+            Some("constant") => Variability::Constant,
+            Some("fixed") => Variability::Fixed,
+            Some("tunable") => Variability::Tunable,
+            Some("discrete") => Variability::Discrete,
+            Some("continuous") => Variability::Continuous,
+            None if causality == Causality::Parameter => Variability::Fixed,
+            None if floating => Variability::Continuous,
+            None => Variability::Discrete,
+            Some(_) => return Err(file.value_error(element, "variability", "a variability of FMI 3.0")),
+        };
+        let declared = element.attribute("declaredType").and_then(|name| self.types.get(name));
+        let declared = declared.cloned().unwrap_or_default();
+        let kind = match element.name() {
+            "Float64" | "Float32" => TypeOfVariable::Real,
+            "Boolean" => TypeOfVariable::Boolean,
+            "String" if size == 1 => TypeOfVariable::String,
+            "String" | "Binary" => TypeOfVariable::Opaque,
+            "Enumeration" => TypeOfVariable::Enumeration(declared.items),
+            _ => TypeOfVariable::Integer,
+        };
+        Ok(ScalarVariable {
+            name: String::new(),
+            reference: file.number(element, "valueReference")?.unwrap_or_default(),
+            description: element.attribute("description").map(str::to_owned),
+            causality,
+            variability,
+            kind,
+            passed: Passed {
+                format,
+                element: 0,
+                size,
+                intermediate: file.boolean(element, "intermediateUpdate")?.unwrap_or(false),
+            },
+            unit: element.attribute("unit").map(str::to_owned).or(declared.unit),
+            start: None,
+            min: bound(element, "min").or(declared.min),
+            max: bound(element, "max").or(declared.max),
+            nominal: bound(element, "nominal").or(declared.nominal),
+            depends_on: None,
+        })
+    }
+}
+
+/// `name[2,1]` of the element at `place`, the last index running fastest, all from 1.
+fn element_name(name: &str, lengths: &[usize], mut place: usize) -> String {
+    let mut indices = Vec::new();
+    for length in lengths.iter().rev() {
+        indices.push((place % length + 1).to_string());
+        place /= length;
+    }
+    indices.reverse();
+    format!("{name}[{}]", indices.join(","))
+}
+
+fn check_names(file: &XmlFile, root: &Element, variables: &[ScalarVariable]) -> Result<(), ImportProblem> {
+    let mut seen = BTreeSet::new();
+    match variables.iter().find(|variable| !seen.insert(variable.name.as_str())) {
+        None => Ok(()),
+        Some(twice) => {
+            let elements = root.all("ModelVariables").flat_map(|list| list.children());
+            let bare = twice.name.split('[').next().unwrap_or_default();
+            let named = |element: &&Element| {
+                element.attribute("name").is_some_and(|name| twice.name == name || bare == name)
+            };
+            let place = elements.filter(named).last().unwrap_or(root);
+            Err(file.value_error(place, "name", "a name that no other variable has").into())
+        }
+    }
+}
+
+/// Notes down on what outputs depend.
+fn dependencies(file: &XmlFile, root: &Element, variables: &mut [ScalarVariable]) -> Result<(), InputError> {
+    let mut places: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for (place, variable) in variables.iter().enumerate() {
+        places.entry(variable.reference).or_default().push(place);
+    }
+    let expected = "value references of variables";
+    for unknown in root.list("ModelStructure", "Output") {
+        file.required(unknown, "valueReference")?;
+        let reference: u32 = file.number(unknown, "valueReference")?.unwrap_or_default();
+        let Some(own) = places.get(&reference) else {
+            return Err(file.value_error(unknown, "valueReference", expected));
+        };
+        let Some(text) = unknown.attribute("dependencies") else { continue };
+        let mut on = Vec::new();
+        for word in text.split_whitespace() {
+            let known = word.parse().ok().and_then(|reference: u32| places.get(&reference));
+            match known {
+                Some(known) => on.extend(known),
+                None => return Err(file.value_error(unknown, "dependencies", expected)),
+            }
+        }
+        for place in own {
+            variables[*place].depends_on = Some(on.clone());
+        }
+    }
+    Ok(())
+}
