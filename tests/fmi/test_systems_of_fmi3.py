@@ -1,4 +1,5 @@
-"""FMUs of FMI 3.0 in our master: ours as those of FMI 2.0, and one with variables of every type as FMPy runs it.
+"""FMUs of FMI 3.0 in our master: ours as those of FMI 2.0, one with variables of every type and one by another exporter
+(`spring.py`) as FMPy runs them.
 
 STICKSLIP names the program.
 """
@@ -6,13 +7,17 @@ STICKSLIP names the program.
 import csv
 import os
 import subprocess
+import sys
+import sysconfig
 import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
-from fmpy import simulate_fmu
-from test_systems import STOP, SYSTEMS, stickslip, table
+from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
+from test_systems import STOP, SYSTEMS, python_library, stickslip, table
 
 KINDS = Path(__file__).parents[2] / "tools/fmi-host/tests/kinds"
 
@@ -102,3 +107,120 @@ def test_variables_of_every_type_and_arrays_are_those_that_fmpy_finds(kinds, tmp
     # What a type does not hold is refused, with its name.
     refused = stickslip(tmp_path, "simulate", kinds, "--set", "in_u8=256", "--out", "no.csv", code=2)
     assert "in_u8" in refused.stderr and not (tmp_path / "no.csv").exists()
+
+
+@pytest.fixture(scope="session")
+def spring(tmp_path_factory) -> Path:
+    """A mass on a spring by PythonFMU3."""
+    folder = tmp_path_factory.mktemp("spring")
+    source = Path(__file__).with_name("spring.py")
+    command = [sys.executable, "-m", "pythonfmu3", "build", "-f", source, "-d", folder]
+    subprocess.run(command, check=True, capture_output=True)
+    return folder / "Spring.fmu"
+
+
+def test_an_fmu_by_another_exporter_runs_as_under_fmpy(spring, tmp_path, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", sysconfig.get_path("purelib"))
+    start = {"load": 2.0, "stiffness": 9.0}
+    theirs = simulate_fmu(str(spring), stop_time=1.0, output_interval=0.1, start_values=start)
+    stickslip(
+        tmp_path, "simulate", spring, "--stop", 1, "--step", 0.1, "--set", "load=2", "--set", "stiffness=9",
+        "--out", "r.csv", preload=python_library(),
+    )  # fmt: skip
+    ours = {column.split(" ")[0]: values for column, values in table(tmp_path / "r.csv").items()}
+    for name in ("position", "count", "moving"):
+        assert np.allclose(ours[f"Spring.{name}"], np.asarray(theirs[name], float), rtol=1e-12), name
+    for place in range(3):
+        assert np.allclose(ours[f"Spring.forces[{place + 1}]"], theirs["forces"][:, place], rtol=1e-12)
+    assert ours["Spring.count"][-1] == 10 and set(ours["Spring.moving"]) == {0.0, 1.0}
+
+
+SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
+<ssd:SystemStructureDescription xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"
+    xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon" version="1.0" name="Mixed">
+  <ssd:System name="Mixed">
+    <ssd:Elements>
+      <ssd:Component name="mass" type="application/x-fmu-sharedlibrary" source="Spring.fmu">
+        <ssd:Connectors>
+          <ssd:Connector name="load" kind="input"><ssc:Real/></ssd:Connector>
+          <ssd:Connector name="position" kind="output"><ssc:Real/></ssd:Connector>
+          <ssd:Connector name="forces[2]" kind="output"><ssc:Real/></ssd:Connector>
+        </ssd:Connectors>
+      </ssd:Component>
+      <ssd:Component name="contact" type="application/x-fmu-sharedlibrary" source="JenkinsContact.fmu">
+        <ssd:Connectors>
+          <ssd:Connector name="displacement" kind="input"><ssc:Real/></ssd:Connector>
+          <ssd:Connector name="normal_load" kind="input"><ssc:Real/></ssd:Connector>
+          <ssd:Connector name="force" kind="output"><ssc:Real/></ssd:Connector>
+        </ssd:Connectors>
+      </ssd:Component>
+    </ssd:Elements>
+    <ssd:Connections>
+      <ssd:Connection startElement="mass" startConnector="position" endElement="contact" endConnector="displacement"/>
+      <ssd:Connection startElement="contact" startConnector="force" endElement="mass" endConnector="load">
+        <ssc:LinearTransformation factor="-0.02" offset="1"/>
+      </ssd:Connection>
+      <ssd:Connection startElement="mass" startConnector="forces[2]" endElement="contact" endConnector="normal_load">
+        <ssc:LinearTransformation factor="100" offset="150"/>
+      </ssd:Connection>
+    </ssd:Connections>
+  </ssd:System>
+</ssd:SystemStructureDescription>
+"""
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_an_element_of_a_foreign_array_is_coupled_to_our_contact_of_either_version(
+    both, spring, version, tmp_path, monkeypatch
+):
+    """Against a loop over FMPy's slaves, all at once and with held inputs."""
+    monkeypatch.setenv("PYTHONPATH", sysconfig.get_path("purelib"))
+    folder = tmp_path / "system"
+    folder.mkdir()
+    for file in (spring, both[version - 2] / "JenkinsContact.fmu"):
+        (folder / file.name).write_bytes(file.read_bytes())
+    (folder / "system.ssd").write_text(SYSTEM)
+    stickslip(
+        folder, "simulate", "system.ssd", "--stop", 0.5, "--step", 0.01, "--algorithm", "jacobi", "--extrapolation", 0,
+        "--set", "mass.stiffness=1", "--out", "r.csv", preload=python_library(),
+    )  # fmt: skip
+    ours = {column.split(" ")[0]: values for column, values in table(folder / "r.csv").items()}
+
+    def slave(name):
+        file = str(folder / f"{name}.fmu")
+        description = read_model_description(file)
+        older = description.fmiVersion == "2.0"
+        made = (FMU2Slave if older else FMU3Slave)(
+            instanceName=name, guid=description.guid if older else description.instantiationToken,
+            unzipDirectory=extract(file), modelIdentifier=name,
+        )  # fmt: skip
+        made.instantiate()
+        references = {v.name: v.valueReference for v in description.modelVariables}
+        real = (made.getReal, made.setReal) if older else (made.getFloat64, made.setFloat64)
+        if older:
+            made.setupExperiment(startTime=0.0)
+        return made, references, *real
+
+    mass, of_mass, read_mass, set_mass = slave("Spring")
+    contact, of_contact, read_contact, set_contact = slave("JenkinsContact")
+    set_mass([of_mass["stiffness"]], [1.0])
+    for one in (mass, contact):
+        one.enterInitializationMode()
+    position = force = share = 0.0
+    # The system's own start: the mass is at zero and pushes nothing, so that its load is 1.
+    set_mass([of_mass["load"]], [1.0])
+    set_contact([of_contact["normal_load"]], [150.0])
+    for one in (mass, contact):
+        one.exitInitializationMode()
+    for step in range(50):
+        set_mass([of_mass["load"]], [-0.02 * force + 1.0])
+        set_contact([of_contact["displacement"], of_contact["normal_load"]], [position, 100.0 * share + 150.0])
+        for one in (mass, contact):
+            one.doStep(0.01 * step, 0.01)
+        position, force = read_mass([of_mass["position"]])[0], read_contact([of_contact["force"]])[0]
+        share = mass.getFloat64([of_mass["forces"]], nValues=3)[1]
+        found = ours["mass.position"][step + 1], ours["contact.force"][step + 1]
+        assert found == pytest.approx((position, force), rel=1e-12, abs=0), step
+    assert abs(force) > 50.0
+    for one in (mass, contact):
+        one.freeInstance()
