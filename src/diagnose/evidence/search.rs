@@ -138,11 +138,13 @@ impl Search<'_, '_, '_> {
         }
         let looks = self.looks.unwrap_or(self.data);
         if !adequate && let Some(looks) = self.looks {
-            // What a wrong model moves through tells little of what is missing: what was measured moves as it is.
-            for parent in from.clone() {
+            // What a wrong model moves through tells little of what else is missing: what was measured moves as it is.
+            for (k, parent) in from.clone().into_iter().enumerate() {
                 let mut about = parent;
                 if moved(looks, &mut about) {
-                    let starts = self.starts(looks, &about, |probe| probe.gain > WORTH);
+                    let known = |c: usize| wanted.iter().any(|(of, probe)| *of == k && probe.candidate == c);
+                    let starts =
+                        self.starts(looks, &about, |probe| probe.gain > WORTH && !known(probe.candidate));
                     wanted.extend(starts.into_iter().map(|probe| (from.len(), probe)));
                     from.push(about);
                 }
