@@ -5,7 +5,7 @@ mod derivatives;
 mod fixture;
 mod fmi3;
 mod lifecycle;
-mod model_exchange;
+pub mod model_exchange;
 mod panics;
 pub mod saved_states;
 mod values;
