@@ -34,7 +34,18 @@ pub struct Component {
     pub warned: bool,
     /// What the importer is asked for within a step; FMI 3.0 only.
     pub intermediate: Option<Box<Intermediate>>,
-    poisoned: bool,
+    pub aside: Aside,
+}
+
+/// What is no stage of the instance: one byte to look at before each call.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Aside {
+    /// The stage of the instance counts.
+    No,
+    /// The importer is asked for inputs.
+    Intermediate,
+    /// A call panicked.
+    Poisoned,
 }
 
 /// Why a call fails.
@@ -80,7 +91,7 @@ impl Component {
             last_step: Status::Ok,
             warned: false,
             intermediate: None,
-            poisoned: false,
+            aside: Aside::No,
         }
     }
 
@@ -107,18 +118,16 @@ impl Component {
 
     #[inline]
     pub fn state(&self) -> State {
-        if self.poisoned {
-            State::Poisoned
-        } else if self.intermediate.as_ref().is_some_and(|intermediate| intermediate.is_under_way()) {
-            State::Intermediate
-        } else {
-            State::Stage(self.instance.stage())
+        match self.aside {
+            Aside::No => State::Stage(self.instance.stage()),
+            Aside::Intermediate => State::Intermediate,
+            Aside::Poisoned => State::Poisoned,
         }
     }
 
     #[cold]
     fn report<C: Call>(&mut self, function: C, failure: &Failure) -> Status {
-        if failure.status == Status::Error && !self.poisoned {
+        if failure.status == Status::Error && self.aside != Aside::Poisoned {
             C::failed(self);
         }
         let category = match failure.status {
@@ -174,10 +183,38 @@ pub unsafe fn guarded<C: Call>(
         Ok(Ok(())) => Status::Ok,
         Ok(Err(failure)) => component.report(function, &failure),
         Err(message) => {
-            component.poisoned = true;
+            component.aside = Aside::Poisoned;
             component.report(function, &Failure { status: Status::Fatal, message })
         }
     }
+}
+
+/// As [`guarded`], for functions of which the time does not count: out of line, what all have in common is there once, and
+/// not in each of them. Every FMU carries it.
+///
+/// # Safety
+/// As [`guarded`].
+pub unsafe fn seldom<C: Call>(
+    handle: Handle,
+    function: C,
+    body: impl FnOnce(&mut Component) -> Result<(), Failure>,
+) -> Status {
+    let mut body = Some(body);
+    let mut once = |component: &mut Component| body.take().map_or(Ok(()), |body| body(component));
+    // SAFETY: the caller's promise.
+    unsafe { out_of_line(handle, function, &mut once) }
+}
+
+/// # Safety
+/// As [`guarded`].
+#[inline(never)]
+unsafe fn out_of_line<C: Call>(
+    handle: Handle,
+    function: C,
+    body: &mut dyn FnMut(&mut Component) -> Result<(), Failure>,
+) -> Status {
+    // SAFETY: the caller's promise.
+    unsafe { guarded(handle, function, |component| body(component)) }
 }
 
 #[cold]

@@ -21,11 +21,13 @@ impl Instance {
     /// Reads variables of any type into `values`.
     pub(crate) fn read(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Error> {
         same_length(references.len(), values.len())?;
-        let mut computed = false;
-        for reference in references {
-            computed |= matches!(self.variable(*reference)?.causality, Causality::Output | Causality::Local);
-        }
-        if computed {
+        references.iter().try_for_each(|reference| self.variable(*reference).map(drop))?;
+        // What was set is read as it is, whether it makes a model or not.
+        let rows = &self.shared.description.variables;
+        let set = |reference: &u32| {
+            matches!(rows[*reference as usize].causality, Causality::Input | Causality::Parameter)
+        };
+        if self.stale && !references.iter().all(set) {
             self.refresh()?;
         }
         let first_local = self.shared.parameters().end;

@@ -4,7 +4,7 @@ use crate::calls::{Call, Function};
 use crate::ffi::{
     self, Boolean, CO_SIMULATION, CallbackFunctions, FmiString, Handle, MODEL_EXCHANGE, Real, Status,
 };
-use crate::guard::{Component, Failure, catch, guarded, install_hook};
+use crate::guard::{Component, Failure, catch, install_hook, seldom};
 use crate::log::{Category, Log};
 use crate::models;
 use std::ffi::{CStr, c_char, c_int};
@@ -113,7 +113,7 @@ pub unsafe fn set_debug_logging<C: Call>(
         component.log.configure(logging_on, &texts).map_err(Failure::error)
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, function, body) }
+    unsafe { seldom(handle, function, body) }
 }
 
 #[unsafe(no_mangle)]
@@ -131,7 +131,7 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
         stop: (stop_time_defined != 0).then_some(stop_time),
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::SetupExperiment, |component| Ok(component.instance.set_up(setup)?)) }
+    unsafe { seldom(handle, Function::SetupExperiment, |component| Ok(component.instance.set_up(setup)?)) }
 }
 
 /// A function without arguments, which is also an event.
@@ -149,7 +149,7 @@ pub unsafe fn transition<C: Call>(
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { guarded(handle, function, body) }
+    unsafe { seldom(handle, function, body) }
 }
 
 #[unsafe(no_mangle)]
@@ -179,5 +179,5 @@ pub unsafe extern "C" fn fmi2Reset(handle: Handle) -> Status {
         Ok(())
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::Reset, body) }
+    unsafe { seldom(handle, Function::Reset, body) }
 }

@@ -3,7 +3,7 @@
 use crate::calls::{Call, Function};
 use crate::exports::lifecycle::transition;
 use crate::ffi::{self, Boolean, FALSE, Handle, Real, Status, TRUE};
-use crate::guard::{Component, Failure, guarded};
+use crate::guard::{Component, Failure, seldom};
 use stickslip::fmi::{Error, Instance};
 
 /// `fmi2EventInfo`.
@@ -42,7 +42,7 @@ pub unsafe extern "C" fn fmi2NewDiscreteStates(handle: Handle, event_info: *mut 
         Ok(())
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::NewDiscreteStates, body) }
+    unsafe { seldom(handle, Function::NewDiscreteStates, body) }
 }
 
 #[unsafe(no_mangle)]
@@ -68,13 +68,13 @@ pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
         Ok(())
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::CompletedIntegratorStep, body) }
+    unsafe { seldom(handle, Function::CompletedIntegratorStep, body) }
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetTime(handle: Handle, time: Real) -> Status {
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::SetTime, |component| Ok(component.instance.set_time(time)?)) }
+    unsafe { seldom(handle, Function::SetTime, |component| Ok(component.instance.set_time(time)?)) }
 }
 
 #[unsafe(no_mangle)]
@@ -89,7 +89,7 @@ pub unsafe extern "C" fn fmi2SetContinuousStates(
         Ok(component.instance.set_continuous_states(states)?)
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::SetContinuousStates, body) }
+    unsafe { seldom(handle, Function::SetContinuousStates, body) }
 }
 
 /// Fills the array `values`, called `name`, by `read`.
@@ -108,7 +108,7 @@ pub unsafe fn filled<C: Call>(
         read(&mut component.instance, values).map_err(Failure::from)
     };
     // SAFETY: the caller's promise.
-    unsafe { guarded(handle, function, body) }
+    unsafe { seldom(handle, function, body) }
 }
 
 #[unsafe(no_mangle)]

@@ -2,7 +2,7 @@
 
 use crate::calls::{Call, Function};
 use crate::ffi::{self, Byte, Handle, StateHandle, Status};
-use crate::guard::{Component, Failure, guarded};
+use crate::guard::{Component, Failure, guarded, seldom};
 use stickslip::fmi::{Snapshot, SnapshotError};
 
 const SAVED: u64 = u64::from_le_bytes(*b"stkslipS");
@@ -93,7 +93,7 @@ pub unsafe fn free<C: Call>(handle: Handle, function: C, state: *mut StateHandle
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { guarded(handle, function, body) }
+    unsafe { seldom(handle, function, body) }
 }
 
 /// Bytes of a saved state.
@@ -113,7 +113,7 @@ pub unsafe fn serialized_size<C: Call>(
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { guarded(handle, function, body) }
+    unsafe { seldom(handle, function, body) }
 }
 
 /// Writes a saved state as bytes.
@@ -140,7 +140,7 @@ pub unsafe fn serialize<C: Call>(
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { guarded(handle, function, body) }
+    unsafe { seldom(handle, function, body) }
 }
 
 /// Makes a saved state of bytes.
@@ -174,7 +174,7 @@ pub unsafe fn deserialize<C: Call>(
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { guarded(handle, function, body) }
+    unsafe { seldom(handle, function, body) }
 }
 
 #[unsafe(no_mangle)]

@@ -5,7 +5,7 @@ use crate::ffi::{
     self, Boolean, DO_STEP_STATUS, FALSE, FmiString, Handle, Integer, LAST_SUCCESSFUL_TIME, PENDING_STATUS,
     Real, Status, TERMINATED, TRUE, ValueReference,
 };
-use crate::guard::{Component, Failure, guarded};
+use crate::guard::{Component, Failure, guarded, seldom};
 use std::ffi::c_int;
 use stickslip::fmi::{Error, Stage};
 
@@ -44,7 +44,7 @@ pub fn warned_once(component: &mut Component) -> Result<(), Failure> {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2CancelStep(handle: Handle) -> Status {
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::CancelStep, |_| Ok(())) }
+    unsafe { seldom(handle, Function::CancelStep, |_| Ok(())) }
 }
 
 /// A status that is not kept: steps are synchronous.
@@ -76,7 +76,7 @@ unsafe fn status<T>(
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { guarded(handle, function, body) }
+    unsafe { seldom(handle, function, body) }
 }
 
 #[unsafe(no_mangle)]

@@ -2,7 +2,7 @@
 
 use crate::calls::Function;
 use crate::ffi::{self, Boolean, FmiString, Handle, Integer, Real, Status, ValueReference};
-use crate::guard::{Component, Failure, guarded};
+use crate::guard::{Component, Failure, guarded, seldom};
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetReal(
@@ -52,7 +52,7 @@ pub unsafe extern "C" fn fmi2GetInteger(
         Ok(component.instance.get_integer(references, values)?)
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::GetInteger, body) }
+    unsafe { seldom(handle, Function::GetInteger, body) }
 }
 
 #[unsafe(no_mangle)]
@@ -69,7 +69,7 @@ pub unsafe extern "C" fn fmi2SetInteger(
         Ok(component.instance.set_integer(references, values)?)
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::SetInteger, body) }
+    unsafe { seldom(handle, Function::SetInteger, body) }
 }
 
 /// No model has Boolean or String variables: only an empty list of them can be read or set.
@@ -88,7 +88,7 @@ unsafe fn none_of_type(
         }
     };
     // SAFETY: the caller's promise.
-    unsafe { guarded(handle, function, body) }
+    unsafe { seldom(handle, function, body) }
 }
 
 #[unsafe(no_mangle)]

@@ -2,7 +2,7 @@
 
 use super::calls::Function;
 use crate::ffi::{Handle, Status, ValueReference};
-use crate::guard::guarded;
+use crate::guard::seldom;
 use std::ffi::c_int;
 
 macro_rules! absent {
@@ -10,7 +10,7 @@ macro_rules! absent {
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $name(handle: Handle $(, $argument: $of)*) -> Status {
             // SAFETY: the importer's promise. The call table allows it nowhere.
-            unsafe { guarded(handle, Function::$function, nothing) }
+            unsafe { seldom(handle, Function::$function, nothing) }
         }
     )*};
 }

@@ -5,7 +5,7 @@ use super::intermediate::Intermediate;
 use crate::calls::Call;
 use crate::exports::lifecycle::{set_debug_logging, transition};
 use crate::ffi::{self, Bool, FmiString, Handle, IntermediateUpdate, LogMessage, Status, ValueReference};
-use crate::guard::{Component, catch, guarded, install_hook};
+use crate::guard::{Component, catch, install_hook, seldom};
 use crate::log::{Category, Log};
 use crate::models;
 use std::ffi::{CStr, c_char, c_void};
@@ -204,5 +204,5 @@ pub unsafe extern "C" fn fmi3Reset(handle: Handle) -> Status {
         Ok(())
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::Reset, body) }
+    unsafe { seldom(handle, Function::Reset, body) }
 }

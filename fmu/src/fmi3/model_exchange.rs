@@ -5,7 +5,7 @@ use super::failure;
 use crate::exports::lifecycle::transition;
 use crate::exports::model_exchange::filled;
 use crate::ffi::{self, Bool, Handle, Status};
-use crate::guard::{Component, guarded};
+use crate::guard::{Component, seldom};
 use stickslip::fmi::{Description, Error, Instance};
 
 #[unsafe(no_mangle)]
@@ -43,7 +43,7 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
         Ok(())
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::UpdateDiscreteStates, body) }
+    unsafe { seldom(handle, Function::UpdateDiscreteStates, body) }
 }
 
 #[unsafe(no_mangle)]
@@ -72,13 +72,13 @@ pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
         Ok(())
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::CompletedIntegratorStep, body) }
+    unsafe { seldom(handle, Function::CompletedIntegratorStep, body) }
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetTime(handle: Handle, time: f64) -> Status {
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::SetTime, |component| Ok(component.instance.set_time(time)?)) }
+    unsafe { seldom(handle, Function::SetTime, |component| Ok(component.instance.set_time(time)?)) }
 }
 
 #[unsafe(no_mangle)]
@@ -89,7 +89,7 @@ pub unsafe extern "C" fn fmi3SetContinuousStates(handle: Handle, states: *const 
         component.instance.set_continuous_states(states).map_err(failure)
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::SetContinuousStates, body) }
+    unsafe { seldom(handle, Function::SetContinuousStates, body) }
 }
 
 #[unsafe(no_mangle)]
@@ -150,7 +150,7 @@ unsafe fn number(
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { guarded(handle, function, body) }
+    unsafe { seldom(handle, function, body) }
 }
 
 #[unsafe(no_mangle)]

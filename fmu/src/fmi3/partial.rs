@@ -3,7 +3,7 @@
 use super::calls::Function;
 use super::failure;
 use crate::ffi::{self, Handle, Status, ValueReference};
-use crate::guard::{Component, Failure, guarded};
+use crate::guard::{Component, Failure, seldom};
 use stickslip::fmi::{Error, Instance};
 
 /// Arrays of C with their lengths.
@@ -39,7 +39,7 @@ unsafe fn differentiate(handle: Handle, function: Function, arguments: Arguments
         by(instance, &rows.0, &rows.1, seed, sensitivity).map_err(failure)
     };
     // SAFETY: the caller's promise.
-    unsafe { guarded(handle, function, body) }
+    unsafe { seldom(handle, function, body) }
 }
 
 #[unsafe(no_mangle)]

@@ -5,7 +5,7 @@ use super::failure;
 use super::intermediate::{ASKED, Moment};
 use crate::exports::stepping::warned_once;
 use crate::ffi::{self, Bool, Handle, Status, ValueReference};
-use crate::guard::{Component, Failure, guarded};
+use crate::guard::{Aside, Component, Failure, guarded, seldom};
 use stickslip::fmi::Error;
 
 #[unsafe(no_mangle)]
@@ -66,16 +66,17 @@ fn go(component: &mut Component, time: f64, step: f64) -> Result<(), Error> {
 /// # Safety
 /// As [`guarded`].
 unsafe fn ask(handle: Handle, time: f64, step: f64) -> Status {
-    let asks = |component: &mut Component| component.intermediate.as_ref().is_some_and(|told| told.asks());
-    let mut wanted = false;
-    let check = |component: &mut Component| {
-        wanted = asks(component);
-        // Before anything is asked: it must be a step.
-        if wanted { component.instance.check_step(time, step).map_err(failure) } else { Ok(()) }
-    };
     // SAFETY: the caller's promise.
-    let status = unsafe { guarded(handle, Function::DoStep, check) };
-    if status == Status::Ok && wanted {
+    let component = unsafe { Component::from_handle::<Function>(handle) };
+    let told = component.and_then(|component| component.intermediate.as_ref());
+    if !told.is_some_and(|told| told.asks()) {
+        return Status::Ok;
+    }
+    // Before anything is asked: it must be a step.
+    let check = |component: &mut Component| component.instance.check_step(time, step).map_err(failure);
+    // SAFETY: the caller's promise.
+    let status = unsafe { seldom(handle, Function::DoStep, check) };
+    if status == Status::Ok {
         for part in 0..ASKED {
             // SAFETY: the caller's promise.
             unsafe { update(handle, Moment::Asks(part), time, step) };
@@ -91,13 +92,21 @@ unsafe fn ask(handle: Handle, time: f64, step: f64) -> Status {
 unsafe fn update(handle: Handle, moment: Moment, time: f64, step: f64) {
     // SAFETY: the caller's promise.
     let component = || unsafe { Component::from_handle::<Function>(handle) };
-    let call =
-        component().and_then(|component| component.intermediate.as_mut()).map(|told| told.begin(moment));
+    let call = component().and_then(|component| {
+        let call = component.intermediate.as_mut()?.begin(moment);
+        component.aside = Aside::Intermediate;
+        Some(call)
+    });
     let Some(call) = call else { return };
     // SAFETY: the importer's function; the reference from which `call` was copied has ended.
     unsafe { call.call(time, step) };
-    if let Some(told) = component().and_then(|component| component.intermediate.as_mut()) {
-        told.end();
+    if let Some(component) = component() {
+        if component.aside == Aside::Intermediate {
+            component.aside = Aside::No;
+        }
+        if let Some(told) = component.intermediate.as_mut() {
+            told.end();
+        }
     }
 }
 
@@ -134,5 +143,5 @@ pub unsafe extern "C" fn fmi3GetOutputDerivatives(
         component.instance.output_derivatives(&rows, &all, values).map_err(failure)
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::GetOutputDerivatives, body) }
+    unsafe { seldom(handle, Function::GetOutputDerivatives, body) }
 }

@@ -3,7 +3,7 @@
 use super::calls::Function;
 use super::failure;
 use crate::ffi::{self, Bool, FmiString, Handle, Status, ValueReference};
-use crate::guard::{Component, guarded};
+use crate::guard::{Component, guarded, seldom};
 use stickslip::fmi::Error;
 
 #[unsafe(no_mangle)]
@@ -80,7 +80,7 @@ pub unsafe extern "C" fn fmi3GetInt64(
         Ok(())
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::GetInt64, body) }
+    unsafe { seldom(handle, Function::GetInt64, body) }
 }
 
 /// A Float64 read as Int64 is told as what was asked.
@@ -109,7 +109,7 @@ pub unsafe extern "C" fn fmi3SetInt64(
         component.instance.set_integer(references, &values).map_err(as_int64)
     };
     // SAFETY: the importer's promise.
-    unsafe { guarded(handle, Function::SetInt64, body) }
+    unsafe { seldom(handle, Function::SetInt64, body) }
 }
 
 /// Only an empty list of variables of these types can be read or set.
@@ -129,7 +129,7 @@ unsafe fn none_of_type(
         }
     };
     // SAFETY: the caller's promise.
-    unsafe { guarded(handle, function, body) }
+    unsafe { seldom(handle, function, body) }
 }
 
 /// Functions that read or set variables of types of which there are none.
