@@ -5,6 +5,7 @@ STICKSLIP names the program.
 """
 
 import csv
+import json
 import os
 import subprocess
 import sys
@@ -17,7 +18,7 @@ import pytest
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
-from test_systems import STOP, SYSTEMS, python_library, stickslip, table
+from test_systems import ECOS, STOP, SYSTEMS, ecos, python_library, stickslip, table
 
 KINDS = Path(__file__).parents[2] / "tools/fmi-host/tests/kinds"
 
@@ -52,6 +53,16 @@ def test_our_fmus_of_fmi_3_run_as_those_of_fmi_2(both, name, algorithm, tmp_path
     assert len(displacements) == len(singles) > 0
     for array, single in zip(displacements, singles):
         assert np.array_equal(found[array], found[single])
+
+
+@pytest.mark.parametrize("name", [name for name in SYSTEMS if name != "BeamWithSlipSlap"])
+def test_ecos_runs_a_system_of_either_version_alike(both, name):
+    step, contacts, values = SYSTEMS[name]
+    names = ["beam.displacement"] + [f"{contact}.force" for contact in contacts]
+    arguments = [step, 200, json.dumps(values), json.dumps(names)]
+    older, found = (ecos(ECOS, folder / f"{name}.ssp", *arguments) for folder in both)
+    assert len(found) == 200 and found == older
+    assert all(value != 0.0 for value in found[-1])
 
 
 def test_an_fmu_of_fmi_3_runs_in_a_process_of_its_own_alike(both, tmp_path):
