@@ -213,8 +213,14 @@ impl Behaviour for ContactBehaviour {
     ) -> Result<(), String> {
         let (memory, before, lines) = parts(state, self.next.len());
         before.copy_from_slice(memory);
-        self.way.lines.go_on(lines, &values[..INPUTS], slopes, step);
-        self.way.lines.write(lines);
+        self.way.lines.proceed(lines, &values[..INPUTS], slopes, step);
+        if slopes.is_empty() {
+            // Straight from the memory that is kept to the new one.
+            let response = self.law.step(before, self.way.ends(), memory);
+            values[DISSIPATED_ENERGY] += response.dissipated_energy;
+            write_outputs(&response, self.slip, values);
+            return Ok(());
+        }
         if self.way.lines.jumped {
             values[DISSIPATED_ENERGY] += self.advance(memory, self.way.starts()).dissipated_energy;
         }

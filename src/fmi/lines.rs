@@ -113,6 +113,27 @@ impl Lines {
         }
     }
 
+    /// [`Lines::go_on`] from what `state` has, to which the new ones are written: in one pass where inputs run to their
+    /// values, as they mostly do.
+    pub fn proceed(&mut self, state: &mut [f64], values: &[f64], slopes: &[Option<Derivatives>], step: f64) {
+        if !self.run || !slopes.is_empty() {
+            self.go_on(state, values, slopes, step);
+            self.write(state);
+            return;
+        }
+        (self.step, self.jumped) = (step, false);
+        let (of_step, of_lines) = state.split_at_mut(OF_STEP);
+        of_step.fill(0.0);
+        of_step[0] = step;
+        let lines = self.all.iter_mut().zip(&mut self.given).zip(&mut self.from);
+        let saved = of_lines.as_chunks_mut::<PER_LINE>().0;
+        for (((line, given), from), (value, saved)) in lines.zip(values.iter().zip(saved)) {
+            let ended = saved[END];
+            (*line, *given, *from) = (Ramp::line(ended, *value), Given::Runs, ended);
+            *saved = [ended, *value, 0.0, 0.0, f64::from(Given::Runs as u8), ended];
+        }
+    }
+
     /// Whether a line began at a value set for the step.
     pub fn begin_anew(&self) -> bool {
         self.given.iter().any(|given| *given != Given::Runs)
