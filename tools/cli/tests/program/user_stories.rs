@@ -47,6 +47,27 @@ fn the_same_input_gives_the_same_bytes() {
 }
 
 #[test]
+fn an_fmu_is_of_the_version_that_is_asked_for_and_a_model_is_read_from_either() {
+    let folder = example();
+    let export = |version: &str, from: &str, out: &str| {
+        stickslip(folder.path(), &["export", from, "-o", out, "--fmi", version, "--json", "e.json"])
+    };
+    for (version, number, out) in [("2", "2.0", "Two.fmu"), ("3", "3.0", "Three.fmu")] {
+        assert!(export(version, "model.toml", out).status.success());
+        assert_eq!(read_json(&folder, "e.json")["fmi_version"], number);
+    }
+    // From the one to the other, the same bytes.
+    assert!(export("2", "Three.fmu", "again/Two.fmu").status.code() == Some(2), "no such folder");
+    fs::create_dir(folder.path().join("again")).unwrap();
+    assert!(export("3", "Two.fmu", "again/Three.fmu").status.success());
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert!(read("Three.fmu") == read("again/Three.fmu") && read("Two.fmu") != read("Three.fmu"));
+    let unknown = export("1", "model.toml", "One.fmu");
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(error(&unknown).contains("FMI 2 and 3") && !folder.path().join("One.fmu").exists());
+}
+
+#[test]
 fn standard_fmus_are_written_by_name_or_all() {
     let folder = tempfile::tempdir().unwrap();
     assert!(stickslip(folder.path(), &["fmu", "--out", "all"]).status.success());
