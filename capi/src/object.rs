@@ -60,11 +60,33 @@ impl Names {
     }
 }
 
+/// References of inputs and of Real outputs, with the places of these among all, and room for their values.
+struct Room {
+    inputs: Vec<u32>,
+    reals: Vec<u32>,
+    places: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl Room {
+    fn new(names: &Names) -> Self {
+        let real = || names.of(Kind::Output).iter().enumerate().filter(|(_, row)| !row.whole);
+        let reals: Vec<u32> = real().map(|(_, row)| row.reference).collect();
+        Self {
+            inputs: names.of(Kind::Input).iter().map(|row| row.reference).collect(),
+            places: real().map(|(place, _)| place).collect(),
+            values: vec![0.0; reals.len()],
+            reals,
+        }
+    }
+}
+
 /// What changes from call to call.
 pub struct Running {
     template: Template,
     names: Arc<Names>,
     instance: Instance,
+    room: Room,
     /// Of every parameter, for the next start.
     parameters: Vec<f64>,
     /// As it was before the step under way.
@@ -80,7 +102,8 @@ impl Object {
         let rows = names.of(Kind::Parameter).iter();
         let parameters = rows.map(|row| variables[row.reference as usize].start).collect();
         let before = instance.snapshot();
-        let running = Running { template, names: Arc::clone(&names), instance, parameters, before };
+        let room = Room::new(&names);
+        let running = Running { template, names: Arc::clone(&names), instance, room, parameters, before };
         Ok(Self { names, running: Mutex::new(running) })
     }
 
@@ -97,7 +120,8 @@ impl Object {
         instance.restore(&before)?;
         let Running { template, names, parameters, .. } = &*running;
         let (template, names, parameters) = (template.clone(), Arc::clone(names), parameters.clone());
-        let running = Running { template, names: Arc::clone(&names), instance, parameters, before };
+        let room = Room::new(&names);
+        let running = Running { template, names: Arc::clone(&names), instance, room, parameters, before };
         Ok(Self { names, running: Mutex::new(running) })
     }
 }
@@ -144,9 +168,7 @@ impl Running {
     }
 
     fn set_inputs(&mut self, inputs: Option<&[f64]>) -> Result<(), fmi::Error> {
-        let rows = self.names.of(Kind::Input).iter();
-        let mut given = rows.zip(inputs.unwrap_or_default());
-        given.try_for_each(|(row, value)| self.instance.set_real(&[row.reference], &[*value]))
+        inputs.map_or(Ok(()), |inputs| self.instance.set_real(&self.room.inputs, inputs))
     }
 
     /// Runs `body`; where it fails, all is as before.
@@ -162,14 +184,13 @@ impl Running {
 
     /// The outputs, in order.
     pub fn outputs(&mut self, outputs: &mut [f64]) -> Result<(), Failure> {
-        for (row, value) in self.names.of(Kind::Output).iter().zip(outputs) {
-            if row.whole {
-                let mut whole = [0];
-                self.instance.get_integer(&[row.reference], &mut whole)?;
-                *value = f64::from(whole[0]);
-            } else {
-                self.instance.get_real(&[row.reference], std::slice::from_mut(value))?;
-            }
+        let Room { reals, places, values, .. } = &mut self.room;
+        self.instance.get_real(reals, values)?;
+        places.iter().zip(values).for_each(|(place, value)| outputs[*place] = *value);
+        for (row, value) in self.names.of(Kind::Output).iter().zip(outputs).filter(|(row, _)| row.whole) {
+            let mut whole = [0];
+            self.instance.get_integer(&[row.reference], &mut whole)?;
+            *value = f64::from(whole[0]);
         }
         Ok(())
     }
@@ -177,15 +198,12 @@ impl Running {
     /// Derivatives of the outputs by the inputs of the last step, a row for each output. A whole number has none.
     pub fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), Failure> {
         self.require_started()?;
-        let (inputs, outputs) = (self.names.of(Kind::Input), self.names.of(Kind::Output));
-        let rows = || outputs.iter().enumerate().filter(|(_, row)| !row.whole);
-        let unknowns: Vec<u32> = rows().map(|(_, row)| row.reference).collect();
-        let mut change = vec![0.0; unknowns.len()];
+        let Room { inputs, reals, places, values } = &mut self.room;
         tangent.fill(0.0);
         for (column, input) in inputs.iter().enumerate() {
-            self.instance.directional_derivative(&unknowns, &[input.reference], &[1.0], &mut change)?;
-            for ((row, _), value) in rows().zip(&change) {
-                tangent[row * inputs.len() + column] = *value;
+            self.instance.directional_derivative(reals, &[*input], &[1.0], values)?;
+            for (place, value) in places.iter().zip(&*values) {
+                tangent[place * inputs.len() + column] = *value;
             }
         }
         Ok(())
