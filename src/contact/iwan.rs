@@ -113,6 +113,12 @@ pub(super) static KIND: LawKind = LawKind {
     name: "iwan",
     fmu_name: "IwanContact",
     summary: "Friction contact: the four-parameter Iwan element",
+    equations: &[
+        "T = ∫ ρ(φ) [u − z(φ)] dφ, the slider of strength φ yielding at |u − z| = φ",
+        "ρ(φ) = R φ^χ up to φmax, and S δ(φ − φmax) there; β = S (χ + 1) / (R φmax^(χ+1))",
+        "φmax = μ N (1 + β) / {K [β + (χ+1)/(χ+2)]}, R = K (χ+1) / [(1 + β) φmax^(χ+1)]",
+        "K: tangential_stiffness, χ: exponent, β: ratio, μ: friction_coefficient, N: normal_load",
+    ],
     parameters: &[
         LawParameter {
             quantity: &v::EXPONENT,

@@ -60,6 +60,11 @@ pub(super) static KIND: LawKind = LawKind {
     name: "jenkins",
     fmu_name: "JenkinsContact",
     summary: "Friction contact: Jenkins' element",
+    equations: &[
+        "stick: Ṫ = k u̇, while |T| < μ N",
+        "slip: T = μ N sgn(u̇)",
+        "k: tangential_stiffness, μ: friction_coefficient, N: normal_load",
+    ],
     parameters: &[],
     one_slider: true,
     refuses: |_| None,

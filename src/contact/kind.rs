@@ -12,6 +12,8 @@ pub struct LawKind {
     pub fmu_name: &'static str,
     /// One line for an engineer.
     pub summary: &'static str,
+    /// The law in formulas, a line each, with the names of its parameters.
+    pub equations: &'static [&'static str],
     /// Its parameters beside tangential stiffness and coefficient of friction, at most [`MOST_PARAMETERS`].
     pub parameters: &'static [LawParameter],
     /// Whether it is one slider, in whose place an effect may put many.

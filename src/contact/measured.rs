@@ -71,6 +71,12 @@ pub(super) static KIND: LawKind = LawKind {
     name: "measured",
     fmu_name: "MeasuredContact",
     summary: "Friction contact: a loading curve tabulated from measured loops",
+    equations: &[
+        "first loading: straight lines between twelve knots at 1.5^(j − 12) of the range, j = 1 … 12",
+        "slope: k before the first knot, times slope_kept_j after knot j, 0 after the last, where T = μ N",
+        "after a reversal: the same curve at twice its size (Masing)",
+        "k: tangential_stiffness, μ: friction_coefficient, N: normal_load",
+    ],
     parameters: &[
         kept(&v::SLOPE_KEPT_1),
         kept(&v::SLOPE_KEPT_2),

@@ -77,6 +77,11 @@ pub(super) static KIND: LawKind = LawKind {
     name: "bouc_wen",
     fmu_name: "BoucWenContact",
     summary: "Friction contact: Bouc and Wen's law",
+    equations: &[
+        "T = y + et (u − origin)",
+        "ẏ = (e0 − et) u̇ {1 − |y/(μ N)|^n [1 − r/2 + (r/2) sgn(u̇ y)]}",
+        "e0: tangential_stiffness, et: residual_stiffness, n: sharpness, r: unloading_ratio, μ: friction_coefficient, N: normal_load",
+    ],
     parameters: &[
         LawParameter {
             quantity: &v::SHARPNESS,

@@ -100,6 +100,11 @@ pub(in crate::contact) static KIND: LawKind = LawKind {
     name: "valanis",
     fmu_name: "ValanisContact",
     summary: "Friction contact: Valanis' law",
+    equations: &[
+        "Ṫ = e0 u̇ [1 + (λ/e0) s (et u − T)] / [1 + κ (λ/e0) s (et u − T)], s = sgn(u̇)",
+        "λ = e0 (e0 − et) / [(e0 − κ et) μ N], so that T − et u saturates at ±μ N",
+        "e0: tangential_stiffness, et: residual_stiffness, κ: smoothness, μ: friction_coefficient, N: normal_load",
+    ],
     parameters: &[
         LawParameter {
             quantity: &SMOOTHNESS,

@@ -11,12 +11,18 @@
 //! ```
 
 mod documentation;
+mod extras;
+mod figure;
+mod stamp;
 mod systems;
+mod units;
 mod version;
 mod xml;
 mod xml3;
 
 pub use documentation::documentation_html;
+pub use extras::terminals_and_icons_xml;
+pub use stamp::Stamp;
 pub use systems::{standard_systems, write_system, write_system_of};
 pub use version::FmiVersion;
 pub use xml::model_description_xml;
@@ -24,6 +30,7 @@ pub use xml3::model_description_xml3;
 
 use std::io::{Cursor, Read, Write};
 use stickslip::fmi::Instance;
+use stickslip::model::Model;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
@@ -34,6 +41,12 @@ pub enum Error {
     /// Not a C identifier of up to 64 characters: importers make file and function names of it.
     #[error("{0:?} cannot be a model identifier: letters, digits and _ only, no digit first, at most 64")]
     Identifier(String),
+    /// No line of text.
+    #[error("{0:?} cannot be an author: one line of text")]
+    Author(String),
+    /// No date that FMI knows.
+    #[error("{0:?} is no date: as 2026-12-01T10:30:00Z, in UTC")]
+    Date(String),
     /// No standard system of this name.
     #[error("there is no standard system `{0}`")]
     UnknownSystem(String),
@@ -116,19 +129,42 @@ pub fn write_fmu(model_identifier: &str, model_toml: &str) -> Result<Vec<u8>, Er
 /// # Errors
 /// As [`write_fmu`].
 pub fn write_fmu_of(version: FmiVersion, model_identifier: &str, model_toml: &str) -> Result<Vec<u8>, Error> {
+    write_stamped_fmu(version, model_identifier, model_toml, &Stamp::default())
+}
+
+/// As [`write_fmu_of`], with an author and a date of one's own.
+///
+/// # Errors
+/// As [`write_fmu`].
+pub fn write_stamped_fmu(
+    version: FmiVersion,
+    model_identifier: &str,
+    model_toml: &str,
+    stamp: &Stamp,
+) -> Result<Vec<u8>, Error> {
     check_identifier(model_identifier)?;
     let instance = Instance::new(model_toml)?;
     let description = instance.description();
+    let model = Model::parse(model_toml).map_err(|error| stickslip::fmi::Error::Model(error.message))?;
+    // A model that cannot be run over its default experiment has no reference results; everything else it has.
+    let run = extras::Run::new(model_toml).ok();
     let mut entries: Vec<(String, Vec<u8>, u32)> = vec![
         (
             "modelDescription.xml".into(),
-            version.model_description(model_identifier, description).into(),
+            version.model_description(model_identifier, description, stamp).into(),
             0o644,
         ),
         (MODEL_FILE.into(), model_toml.into(), 0o644),
         (
             "documentation/index.html".into(),
-            documentation_html(version, model_identifier, description, model_toml).into(),
+            documentation::page(
+                version,
+                model_identifier,
+                description,
+                model_toml,
+                (Some(&model), run.as_ref()),
+            )
+            .into(),
             0o644,
         ),
         (
@@ -142,6 +178,8 @@ pub fn write_fmu_of(version: FmiVersion, model_identifier: &str, model_toml: &st
             0o644,
         ),
     ];
+    let extras = extras::files(description, &model, run.as_ref());
+    entries.extend(extras.into_iter().map(|(name, content)| (name, content, 0o644)));
     for Library { platform, extension, bytes } in libraries() {
         let platform = version.platform(platform);
         entries.push((format!("binaries/{platform}/{model_identifier}.{extension}"), bytes.to_vec(), 0o755));

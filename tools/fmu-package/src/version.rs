@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 use stickslip::fmi::Description;
 
-use crate::{model_description_xml, model_description_xml3};
+use crate::Stamp;
+use crate::xml::stamped_xml;
+use crate::xml3::stamped_xml3;
 
 /// A version of FMI. Both are in every library; an FMU is of one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -29,10 +31,15 @@ impl FmiVersion {
     }
 
     /// `modelDescription.xml`.
-    pub(crate) fn model_description(self, model_identifier: &str, description: &Description) -> String {
+    pub(crate) fn model_description(
+        self,
+        model_identifier: &str,
+        description: &Description,
+        stamp: &Stamp,
+    ) -> String {
         match self {
-            Self::Two => model_description_xml(model_identifier, description),
-            Self::Three => model_description_xml3(model_identifier, description),
+            Self::Two => stamped_xml(model_identifier, description, stamp),
+            Self::Three => stamped_xml3(model_identifier, description, stamp),
         }
     }
 

@@ -7,6 +7,9 @@ use stickslip::fmi::{
     VariableType,
 };
 
+use crate::Stamp;
+use crate::units::{Type, display_unit, display_units, type_of};
+
 /// The base units that occur.
 pub(crate) const BASES: [&str; 4] = ["kg", "m", "s", "rad"];
 
@@ -55,18 +58,24 @@ pub(crate) const LOG_CATEGORIES: [(&str, &str); 6] = [
 
 pub(crate) type Element<'a> = (&'a str, Vec<(&'a str, String)>);
 
-/// The XML of `description` for an FMU called `model_identifier`.
+/// The XML of `description` for an FMU called `model_identifier`, with the usual author and date.
 pub fn model_description_xml(model_identifier: &str, description: &Description) -> String {
-    let mut xml = Xml(Writer::new_with_indent(Vec::new(), b' ', 2));
-    xml.event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)));
+    stamped_xml(model_identifier, description, &Stamp::default())
+}
+
+/// The same with the author and date of `stamp`.
+pub(crate) fn stamped_xml(model_identifier: &str, description: &Description, stamp: &Stamp) -> String {
+    let mut xml = Xml::new();
     let root = vec![
         ("fmiVersion", "2.0".to_owned()),
         ("modelName", description.name.to_owned()),
         ("guid", format!("{{{}}}", description.guid())),
         ("description", description.summary.to_owned()),
+        ("author", stamp.author.clone()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ("license", "MIT OR Apache-2.0".to_owned()),
         ("generationTool", concat!("stickslip ", env!("CARGO_PKG_VERSION")).to_owned()),
+        ("generationDateAndTime", stamp.date.clone()),
         ("variableNamingConvention", "flat".to_owned()),
         ("numberOfEventIndicators", description.continuous.indicators.to_string()),
     ];
@@ -74,6 +83,7 @@ pub fn model_description_xml(model_identifier: &str, description: &Description) 
         xml.empty(("ModelExchange", model_exchange(model_identifier)));
         xml.empty(("CoSimulation", co_simulation(model_identifier)));
         xml.inside(("UnitDefinitions", vec![]), |xml| units(xml, description));
+        xml.inside(("TypeDefinitions", vec![]), |xml| types(xml, description));
         xml.inside(("LogCategories", vec![]), |xml| {
             for (name, text) in LOG_CATEGORIES {
                 xml.empty(("Category", vec![("name", name.to_owned()), ("description", text.to_owned())]));
@@ -108,9 +118,7 @@ pub fn model_description_xml(model_identifier: &str, description: &Description) 
             });
         });
     });
-    let mut text = String::from_utf8(xml.0.into_inner()).unwrap_or_default();
-    text.push('\n');
-    text
+    xml.text()
 }
 
 fn model_exchange(model_identifier: &str) -> Vec<(&'static str, String)> {
@@ -154,8 +162,21 @@ fn units(xml: &mut Xml, description: &Description) {
                 let pairs = BASES.into_iter().zip(exponents);
                 let base = pairs.filter(|(_, exponent)| *exponent != 0);
                 xml.empty(("BaseUnit", base.map(|(unit, exponent)| (unit, exponent.to_string())).collect()));
+                for (name, factor) in display_units(name) {
+                    let attributes = vec![("name", (*name).to_owned()), ("factor", number(*factor))];
+                    xml.empty(("DisplayUnit", attributes));
+                }
             });
         }
+    }
+}
+
+/// The types that occur. A model whose variables are all without a unit has none, which no model is.
+fn types(xml: &mut Xml, description: &Description) {
+    for Type { name, quantity, unit } in crate::units::types(description) {
+        xml.inside(("SimpleType", vec![("name", name.to_owned())]), |xml| {
+            xml.empty(("Real", vec![("quantity", quantity.to_owned()), ("unit", unit.to_owned())]));
+        });
     }
 }
 
@@ -187,8 +208,10 @@ fn scalar_variable(xml: &mut Xml, description: &Description, reference: usize, v
     }));
     let real = variable.variable_type == VariableType::Real;
     let mut of_type = Vec::new();
+    of_type.extend(type_of(variable).map(|known| ("declaredType", known.name.to_owned())));
     if real {
         of_type.push(("unit", variable.quantity.unit.to_owned()));
+        of_type.extend(display_unit(variable.quantity).map(|unit| ("displayUnit", unit.to_owned())));
     }
     let (min, max) = variable.allowed_range();
     of_type.extend(min.map(|min| ("min", number(min))));
@@ -240,10 +263,24 @@ pub(crate) fn number(value: f64) -> String {
 }
 
 /// A writer into memory, which cannot fail.
-pub(crate) struct Xml(pub Writer<Vec<u8>>);
+pub(crate) struct Xml(Writer<Vec<u8>>);
 
 impl Xml {
-    pub fn event(&mut self, event: Event<'_>) {
+    /// A document without an element.
+    pub(crate) fn new() -> Self {
+        let mut xml = Self(Writer::new_with_indent(Vec::new(), b' ', 2));
+        xml.event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)));
+        xml
+    }
+
+    /// What was written.
+    pub(crate) fn text(self) -> String {
+        let mut text = String::from_utf8(self.0.into_inner()).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    fn event(&mut self, event: Event<'_>) {
         // Memory that runs out aborts the program before it comes here.
         let _ = self.0.write_event(event);
     }
@@ -256,11 +293,11 @@ impl Xml {
         tag
     }
 
-    pub fn empty(&mut self, element: Element<'_>) {
+    pub(crate) fn empty(&mut self, element: Element<'_>) {
         self.event(Event::Empty(Self::tag(element)));
     }
 
-    pub fn inside(&mut self, element: Element<'_>, content: impl FnOnce(&mut Self)) {
+    pub(crate) fn inside(&mut self, element: Element<'_>, content: impl FnOnce(&mut Self)) {
         let name = element.0.to_owned();
         self.event(Event::Start(Self::tag(element)));
         content(self);

@@ -1,12 +1,13 @@
 //! `modelDescription.xml` of FMI 3.0 from the variable table and what lies beyond it.
 
-use quick_xml::events::{BytesDecl, Event};
-use quick_xml::writer::Writer;
 use stickslip::fmi::{
     Causality, DERIVATIVE_ORDER, Dependency, DependencyKind, Description, Further, Initial, Shows,
     Variability, Variable, VariableType,
 };
+use stickslip::vocabulary::Quantity;
 
+use crate::Stamp;
+use crate::units::{Type, display_unit, display_units, type_of, types};
 use crate::xml::{BASES, LOG_CATEGORIES, UNITS, Xml, number};
 
 /// Type of the slip state.
@@ -14,10 +15,6 @@ const SLIP_STATE: &str = "SlipState";
 /// Its items.
 const SLIP_STATES: [(&str, &str); 3] =
     [("stick", "The contact sticks"), ("slip", "All of it slips"), ("separated", "The bodies are apart")];
-
-/// Units that tools may show in place of those of the SI, with what a value is to be multiplied by.
-const DISPLAY_UNITS: [(&str, &str, f64); 5] =
-    [("J", "mJ", 1e3), ("N/m", "N/mm", 1e-3), ("Pa", "GPa", 1e-9), ("m", "mm", 1e3), ("m/s", "mm/s", 1e3)];
 
 /// The XML of `description` for an FMU of FMI 3.0 called `model_identifier`.
 ///
@@ -29,26 +26,39 @@ const DISPLAY_UNITS: [(&str, &str, f64); 5] =
 /// # Ok::<(), stickslip::fmi::Error>(())
 /// ```
 pub fn model_description_xml3(model_identifier: &str, description: &Description) -> String {
+    stamped_xml3(model_identifier, description, &Stamp::default())
+}
+
+/// The same with the author and date of `stamp`.
+pub(crate) fn stamped_xml3(model_identifier: &str, description: &Description, stamp: &Stamp) -> String {
     let further = description.further();
-    let mut xml = Xml(Writer::new_with_indent(Vec::new(), b' ', 2));
-    xml.event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)));
+    let mut xml = Xml::new();
     let root = vec![
         ("fmiVersion", "3.0".to_owned()),
         ("modelName", description.name.to_owned()),
         ("instantiationToken", format!("{{{}}}", description.guid())),
         ("description", description.summary.to_owned()),
+        ("author", stamp.author.clone()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ("license", "MIT OR Apache-2.0".to_owned()),
         ("generationTool", concat!("stickslip ", env!("CARGO_PKG_VERSION")).to_owned()),
+        ("generationDateAndTime", stamp.date.clone()),
         ("variableNamingConvention", "flat".to_owned()),
     ];
     xml.inside(("fmiModelDescription", root), |xml| {
         xml.empty(("ModelExchange", model_exchange(model_identifier)));
         xml.empty(("CoSimulation", co_simulation(model_identifier)));
         xml.inside(("UnitDefinitions", vec![]), |xml| units(xml, description, &further));
-        if description.variables.iter().any(is_enumeration) {
-            xml.inside(("TypeDefinitions", vec![]), slip_states);
-        }
+        xml.inside(("TypeDefinitions", vec![]), |xml| {
+            for Type { name, quantity, unit } in types(description) {
+                let attributes = [("name", name), ("quantity", quantity), ("unit", unit)];
+                let attributes = attributes.map(|(name, text)| (name, text.to_owned())).to_vec();
+                xml.empty(("Float64Type", attributes));
+            }
+            if description.variables.iter().any(is_enumeration) {
+                slip_states(xml);
+            }
+        });
         xml.inside(("LogCategories", vec![]), |xml| {
             for (name, text) in LOG_CATEGORIES {
                 let text = text.replace("fmi2", "fmi3");
@@ -66,9 +76,7 @@ pub fn model_description_xml3(model_identifier: &str, description: &Description)
         xml.inside(("ModelVariables", vec![]), |xml| variables(xml, description, &further));
         xml.inside(("ModelStructure", vec![]), |xml| structure(xml, description, &further));
     });
-    let mut text = String::from_utf8(xml.0.into_inner()).unwrap_or_default();
-    text.push('\n');
-    text
+    xml.text()
 }
 
 fn is_enumeration(variable: &Variable) -> bool {
@@ -122,16 +130,12 @@ fn units(xml: &mut Xml, description: &Description, further: &[Further]) {
         xml.inside(("Unit", vec![("name", name.to_owned())]), |xml| {
             let base = BASES.into_iter().zip(exponents).filter(|(_, exponent)| *exponent != 0);
             xml.empty(("BaseUnit", base.map(|(unit, exponent)| (unit, exponent.to_string())).collect()));
-            if let Some((shown, factor)) = display_unit(name) {
-                let attributes = vec![("name", shown.to_owned()), ("factor", number(factor))];
+            for (shown, factor) in display_units(name) {
+                let attributes = vec![("name", (*shown).to_owned()), ("factor", number(*factor))];
                 xml.empty(("DisplayUnit", attributes));
             }
         });
     }
-}
-
-fn display_unit(unit: &str) -> Option<(&'static str, f64)> {
-    DISPLAY_UNITS.iter().find(|(of, ..)| *of == unit).map(|(_, shown, factor)| (*shown, *factor))
 }
 
 fn slip_states(xml: &mut Xml) {
@@ -167,7 +171,7 @@ fn variables(xml: &mut Xml, description: &Description, further: &[Further]) {
             ("variability", "continuous".to_owned()),
         ];
         attributes.extend(initial.map(|initial| ("initial", initial.to_owned())));
-        attributes.extend(unit(other.quantity.unit));
+        attributes.extend(unit(other.quantity));
         match &other.shows {
             Shows::Rows(rows) => {
                 attributes.push(("intermediateUpdate", "true".to_owned()));
@@ -181,9 +185,9 @@ fn variables(xml: &mut Xml, description: &Description, further: &[Further]) {
     }
 }
 
-fn unit(unit: &str) -> Vec<(&'static str, String)> {
-    let shown = display_unit(unit).map(|(shown, _)| ("displayUnit", shown.to_owned()));
-    std::iter::once(("unit", unit.to_owned())).chain(shown).collect()
+fn unit(quantity: &Quantity) -> Vec<(&'static str, String)> {
+    let shown = display_unit(quantity).map(|shown| ("displayUnit", shown.to_owned()));
+    std::iter::once(("unit", quantity.unit.to_owned())).chain(shown).collect()
 }
 
 /// A row of the table.
@@ -217,7 +221,8 @@ fn row(xml: &mut Xml, description: &Description, reference: usize, variable: &Va
         xml.empty(("Enumeration", attributes));
         return;
     }
-    attributes.extend(unit(variable.quantity.unit));
+    attributes.extend(type_of(variable).map(|known| ("declaredType", known.name.to_owned())));
+    attributes.extend(unit(variable.quantity));
     let (min, max) = variable.allowed_range();
     attributes.extend(min.map(|min| ("min", number(min))));
     attributes.extend(max.map(|max| ("max", number(max))));

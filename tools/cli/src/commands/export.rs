@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 use stickslip::fmi::Instance;
-use stickslip_fmu_package::FmiVersion;
+use stickslip_fmu_package::{FmiVersion, Stamp, write_stamped_fmu};
 
 use super::{check_destinations, list, read_model};
 use crate::output::Outputs;
@@ -21,6 +21,12 @@ pub struct Export {
     /// Version of FMI
     #[arg(long, value_name = "VERSION", value_parser = fmi_version, default_value = "2")]
     fmi: FmiVersion,
+    /// Who made the FMU, for its description; the authors of this program where it is not given
+    #[arg(long, value_name = "NAME")]
+    author: Option<String>,
+    /// When it was made, in UTC; that of this version where it is not given, so that the same model gives the same bytes
+    #[arg(long, value_name = "2026-12-01T10:30:00Z")]
+    date: Option<String>,
     #[command(flatten)]
     files: ResultFiles,
 }
@@ -33,7 +39,8 @@ impl Export {
         let name = model_identifier(&self.out)?;
         let failed = |error: stickslip_fmu_package::Error| Failure::input(format!("{error}"));
         let mut outputs = Outputs::default();
-        outputs.add(&self.out, stickslip_fmu_package::write_fmu_of(self.fmi, &name, &text).map_err(failed)?);
+        let stamp = Stamp::new(self.author.as_deref(), self.date.as_deref()).map_err(failed)?;
+        outputs.add(&self.out, write_stamped_fmu(self.fmi, &name, &text, &stamp).map_err(failed)?);
         let instance = Instance::new(&text).map_err(|error| Failure::input(format!("{error}")))?;
         let description = instance.description();
         if let Some(path) = &self.files.report {
