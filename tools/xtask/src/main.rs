@@ -1,5 +1,6 @@
 //! Development tasks: `cargo xtask check`, `cargo xtask test`, `cargo xtask golden`, `cargo xtask figures`,
-//! `cargo xtask hidden-effects`, `cargo xtask cosimulation`, `cargo xtask dist`, `cargo xtask install`.
+//! `cargo xtask hidden-effects`, `cargo xtask cosimulation`, `cargo xtask masters`,
+//! `cargo xtask judge`, `cargo xtask dist`, `cargo xtask install`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -7,6 +8,7 @@ use std::process::{Command, ExitCode};
 mod dist;
 mod figures;
 mod install;
+mod judge;
 mod public;
 mod tally;
 
@@ -26,6 +28,9 @@ const USAGE: &str = "usage: cargo xtask TASK
                   those of another set and benches/hidden-effects-set-2.md; with a selection of cases (--help lists
                   the arguments) only what it says, and the table under target/
   cosimulation    errors of coupled slaves over the communication step; write benches/cosimulation.md and .svg
+  masters         our master beside libcosim, Ecos and FMPy on the same systems; write benches/masters/
+  judge           every importer that can be had over every standard FMU, each in an environment of its own, and a suite of
+                  calls in C; write benches/judges.md
   dist            build the program whose FMUs run on Linux (x86-64 and aarch64) and Windows, and have them loaded and
                   stepped where wine and qemu-user are installed; with --reproduce, build the libraries twice, from two
                   folders, and compare their bytes
@@ -43,6 +48,8 @@ fn main() -> ExitCode {
             figures::figures(&root(), std::env::args().nth(2).as_deref()).map(|text| print!("{text}"))
         }
         "cosimulation" => cargo(&["bench", "--package", "stickslip", "--bench", "coupling_errors"], &[]),
+        "masters" => masters(),
+        "judge" => judge::judge(),
         "dist" if std::env::args().any(|word| word == "--reproduce") => dist::reproduced(),
         "dist" => dist::dist(&mut tally),
         "hidden-effects" => hidden_effects(std::env::args().skip(2).collect()),
@@ -105,6 +112,14 @@ fn test_fmus(tally: &mut Tally) -> Result<(), String> {
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .current_dir(root());
     tally.watch(pytest)
+}
+
+/// Builds the program and hands over to the script that runs all masters.
+fn masters() -> Result<(), String> {
+    cargo(&["build", "--locked", "--package", "stickslip-cli"], &[])?;
+    let python = python_environment()?;
+    let program = target().join("debug/stickslip").with_extension(std::env::consts::EXE_EXTENSION);
+    run(Command::new(python).arg("benches/masters/masters.py").arg(program).arg("benches/masters"))
 }
 
 /// Builds the program and hands over to the benchmark; the whole of it writes the table that is committed.
