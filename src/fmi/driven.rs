@@ -55,6 +55,8 @@ pub(super) struct DrivenSystem {
     acting: Vec<Ramp>,
     by: Vec<Ramp>,
     outputs: Outputs,
+    /// Number of sensors.
+    sensors: usize,
     rates: OutputRates,
     tangent: Tangent,
     /// The outputs as they stand in the table.
@@ -110,6 +112,7 @@ impl DrivenSystem {
             room,
             motion,
             outputs: Outputs::default(),
+            sensors: system.sensors.len(),
             rates: OutputRates::default(),
             tangent: Tangent::default(),
             row: Vec::new(),
@@ -338,7 +341,8 @@ impl Behaviour for DrivenSystem {
                 self.row.extend([contact.displacement, contact.velocity]);
             }
         }
-        for sensor in 0..self.outputs.sensors.len() {
+        // Of the system: outputs are not there yet in an instance into which a state was restored.
+        for sensor in 0..self.sensors {
             self.row.extend(self.integrator.sensor_change(&self.tangent, sensor));
         }
         change.copy_from_slice(&self.row);

@@ -1,5 +1,6 @@
 //! Derivatives that slaves give: with respect to time and to inputs, against differences of repeated steps.
 
+use stickslip::fmi::Instance;
 use stickslip::time::Ramp;
 
 use crate::common::fmi::{Run, cases};
@@ -218,5 +219,22 @@ fn derivatives_at_the_start_are_those_of_the_initial_outputs() {
             }
             assert!(run.rates().iter().all(|rate| rate.is_finite()));
         }
+    }
+}
+
+/// What a new instance has not written yet must not be needed: a state may be restored into one, in another process too.
+#[test]
+fn an_instance_into_which_a_state_was_restored_gives_the_derivatives_of_the_one_that_was_saved() {
+    for case in &cases() {
+        let (mut run, mut other) = (Run::new(case), Run::at_initialization(case));
+        let inputs = run.waves(case.step, 0);
+        run.set(&inputs);
+        run.step(0);
+        other.instance = Instance::new(&case.model).unwrap();
+        other.instance.restore(&run.instance.snapshot()).unwrap();
+        for input in 0..case.waves.len() {
+            assert_eq!(other.changes(input), run.changes(input), "{} by {}", case.name, case.waves[input].0);
+        }
+        assert_eq!(other.rates(), run.rates(), "{}", case.name);
     }
 }
