@@ -11,6 +11,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// The date that FMUs of this version carry, 2026-11-21, in seconds since 1970.
+const DATE: &str = "1795219200";
 /// Targets, as cargo-zigbuild names them: an architecture, a system, and the oldest C library.
 const TARGETS: &str = "STICKSLIP_FMU_TARGETS";
 
@@ -72,6 +74,8 @@ fn build(workspace: &Path, subcommand: &str, target: &str) -> PathBuf {
         cargo.env_remove(name);
     }
     cargo.env("CARGO_ENCODED_RUSTFLAGS", remapped(workspace).join("\u{1f}"));
+    // A library for Windows carries the second of its linking, which the linker takes from here.
+    cargo.env("SOURCE_DATE_EPOCH", DATE);
     let output = cargo.output().unwrap_or_else(|error| panic!("cargo cannot be run: {error}"));
     assert!(
         output.status.success(),
