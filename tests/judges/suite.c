@@ -9,6 +9,7 @@
 #include <locale.h>
 #include <math.h>
 #include <pthread.h>
+#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,7 +44,15 @@ static void fail(const char *what) {
 }
 
 static void quiet(void *environment, fmi2String instance, fmi2Status status, fmi2String category, fmi2String text, ...) {
-    (void)environment, (void)instance, (void)status, (void)category, (void)text;
+    (void)environment, (void)instance, (void)category;
+    /* An internal error is told; what is refused is as it should be. */
+    if (status == fmi2Fatal) {
+        va_list arguments;
+        va_start(arguments, text);
+        vprintf(text, arguments);
+        va_end(arguments);
+        printf(": ");
+    }
 }
 
 static fmi2CallbackFunctions callbacks = {quiet, calloc, free, NULL, NULL};
@@ -224,8 +233,8 @@ static void threads(void) {
     pthread_t running[THREADS];
     uint64_t alone, digests[THREADS];
     run(&alone);
-    const char *folder = getenv("STICKSLIP_LOCALE");
-    const char *point = folder && setlocale(LC_ALL, folder) ? localeconv()->decimal_point : ".";
+    /* Where LOCPATH has one with a decimal comma. */
+    const char *point = setlocale(LC_ALL, "comma") ? localeconv()->decimal_point : ".";
     for (int k = 0; k < THREADS; k++)
         if (pthread_create(&running[k], NULL, run, &digests[k])) fail("no thread");
     for (int k = 0; k < THREADS; k++) {
@@ -254,7 +263,8 @@ static void memory(long resets) {
     long grown = resident() - before;
     FreeInstance(one);
     printf("%+ld", grown);
-    if (grown > 256) fail(" kB grown");
+    /* Few resets are run under valgrind, whose own memory grows. */
+    if (resets > 10000 && grown > 256) fail(" kB grown");
 }
 
 int main(int argc, char **argv) {
