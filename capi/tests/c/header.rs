@@ -33,6 +33,7 @@ fn the_committed_header_is_fresh() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
 fn every_exported_function_is_in_the_header_and_no_other() {
     let Some(nm) = crate::tools::program(&["nm"]) else { return crate::external::skip("there is no nm") };
     let library = crate::tools::libraries().join("libstickslip_c.so");

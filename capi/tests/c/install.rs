@@ -11,7 +11,8 @@ fn installed(under: &Path) -> PathBuf {
     let mut install = Command::new(env!("CARGO"));
     install.args(["run", "--quiet", "--package", "xtask", "--", "install"]).arg(&first);
     install.arg("--libraries").arg(libraries()).current_dir(folder());
-    output_of(&mut install);
+    let done = install.output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     std::fs::rename(first, &moved).unwrap();
     moved
 }

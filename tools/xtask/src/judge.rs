@@ -153,7 +153,8 @@ fn suite(folder: &Path, fmus: &[PathBuf]) -> Result<(String, usize), String> {
     let program = compiled_suite(folder, &python)?;
     let locales = folder.join("locales");
     fs::create_dir_all(&locales).map_err(|error| format!("{}: {error}", locales.display()))?;
-    let comma = Command::new("localedef").args(["-i", "de_DE", "-f", "UTF-8"]).arg(locales.join("comma")).status();
+    let comma =
+        Command::new("localedef").args(["-i", "de_DE", "-f", "UTF-8"]).arg(locales.join("comma")).status();
     let mut text = format!(
         "\n## Calls that no importer makes\n\n`tests/judges/suite.c`, for each FMU: random calls in any order with odd arguments, states \
          with changed bytes, threads with an instance each{}, memory over {RESETS} resets. Under valgrind the same with \
