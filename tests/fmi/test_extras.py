@@ -95,5 +95,5 @@ def test_an_importer_repeats_the_reference_results(model):
         column = expected[:, columns.index(name)]
         scale = np.abs(column).max()
         assert found[name] == pytest.approx(column, rel=0, abs=1e-9 * scale), name
-        # A run that shows nothing would agree with anything; the beam is not shaken so hard that its pin leaves the support.
-        assert scale > 0.0 or (model.name, name) == ("SlipSlapBeam", "separation"), name
+        # A run that shows nothing would agree with anything.
+        assert scale > 0.0, name

@@ -77,7 +77,7 @@ impl Run {
                 "velocity" => 40e-6 * velocity,
                 "opening" => 40e-6 * position,
                 "opening_velocity" => 40e-6 * velocity,
-                "excitation" => 20.0 * position,
+                "excitation" => 200.0 * position,
                 "normal_load" => variable.start * (1.0 + 0.5 * slower),
                 _ => variable.start + 0.2 * variable.quantity.nominal * slower,
             }
