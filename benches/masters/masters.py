@@ -204,7 +204,7 @@ def masters_table(program, ssp, reference, shared):
         rows = [
             ("stickslip", name, *repeated(lambda: simulate(program, ssp, step, *words))) for name, words in ALGORITHMS.items()
         ] + [
-            (f"{name} {version(package)}", "its own", *repeated(lambda: other(script, ssp, step, list(shared.values()))))
+            (f"{name} ({package} {version(package)})", "its own", *repeated(lambda: other(script, ssp, step, list(shared.values()))))
             for name, (package, script) in MASTERS.items()
         ]
         for master, algorithm, found, seconds in rows:
