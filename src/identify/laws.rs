@@ -250,7 +250,7 @@ mod tests {
     #[test]
     fn an_interval_at_a_bound_ends_where_the_squares_have_risen() {
         let points: Vec<[f64; 2]> =
-            (0..50).map(|i| f64::from(i)).map(|i| [0.1 * i, 3.0 - 0.02 * i + (7.0 * i).sin()]).collect();
+            (0..50).map(f64::from).map(|i| [0.1 * i, 3.0 - 0.02 * i + (7.0 * i).sin()]).collect();
         let residual = |p: &[f64], out: &mut [f64]| -> Result<(), IdentificationError> {
             out.iter_mut().zip(&points).for_each(|(r, [x, y])| *r = p[0] + p[1] * x - y);
             Ok(())
