@@ -16,7 +16,7 @@ use crate::harmonic::balance::modal::{Balance, Extent, Ports};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::problem::Newton;
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
-use crate::harmonic::response::linear_resonances::at_rest;
+use crate::harmonic::response::linear_resonances::{at_rest, with_contacts};
 use crate::harmonic::response::stepwise::{LastSolutions, StepwiseContinuation};
 use crate::harmonic::response::tracker::Solution;
 use crate::numeric::fourier::coefficient_count;
@@ -154,21 +154,6 @@ pub(crate) fn mode_near(assembly: &Assembly, angular_frequency: f64) -> Result<u
     let vibrating = modes.angular_frequency.iter().enumerate().filter(|(_, natural)| **natural > 0.0);
     let nearest = vibrating.min_by(|a, b| apart(*a.1).total_cmp(&apart(*b.1)));
     nearest.map(|(mode, _)| mode).ok_or(HarmonicError::InvalidInput("the structure has no vibration"))
-}
-
-/// The linear part, with the places of its contacts as [`at_rest`] counts them; without any, that of the first port.
-fn with_contacts(assembly: &Assembly) -> LinearStructure {
-    let system = &assembly.system;
-    let mut structure = system.linear_part();
-    for element in &system.elements {
-        if let Element::SlipSlap { ports, .. } = element {
-            structure.contacts.extend(ports.map(|port| system.ports[port].row.clone()));
-        }
-    }
-    if !assembly.is_condensed() && structure.contacts.is_empty() {
-        structure.contacts.push(Ports::of(system).contact().row.clone());
-    }
-    structure
 }
 
 fn mode_of(

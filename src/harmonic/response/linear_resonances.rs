@@ -2,6 +2,7 @@
 
 use crate::contact::{ContactLaw, Inputs};
 use crate::harmonic::balance::assembly::Assembly;
+use crate::harmonic::balance::modal::Ports;
 use crate::harmonic::continuation::LinearResonance;
 use crate::system::{Element, LinearStructure, System};
 
@@ -15,7 +16,7 @@ const SILENT: f64 = 1e-12;
 /// The linear_resonances of `assembly`, ascending: one resonance that is nowhere near a point of a curve leaves no trace in
 /// its neighbours, however sharp. None for structures too large, or without natural modes.
 pub(crate) fn linear_resonances(assembly: &Assembly) -> Vec<LinearResonance> {
-    let mut structure = assembly.system.linear_part();
+    let mut structure = with_contacts(assembly);
     if structure.size > LARGEST {
         return Vec::new();
     }
@@ -29,6 +30,21 @@ pub(crate) fn linear_resonances(assembly: &Assembly) -> Vec<LinearResonance> {
     all.sort_by(|a, b| a.angular_frequency.total_cmp(&b.angular_frequency));
     all.dedup_by(|next, kept| next.angular_frequency - kept.angular_frequency < 0.1 * kept.half_width);
     all
+}
+
+/// The linear part, with the places of its contacts as [`at_rest`] counts them; without any, that of the first port.
+pub(crate) fn with_contacts(assembly: &Assembly) -> LinearStructure {
+    let system = &assembly.system;
+    let mut structure = system.linear_part();
+    for element in &system.elements {
+        if let Element::SlipSlap { ports, .. } = element {
+            structure.contacts.extend(ports.map(|port| system.ports[port].row.clone()));
+        }
+    }
+    if !assembly.is_condensed() && structure.contacts.is_empty() {
+        structure.contacts.push(Ports::of(system).contact().row.clone());
+    }
+    structure
 }
 
 /// Orders of the harmonics that excite.
@@ -73,4 +89,24 @@ fn tangent_stiffness(law: &dyn ContactLaw, normal_load: f64) -> f64 {
     law.set_state(0.0, normal_load, 0.0, &mut state);
     let inputs = Inputs { displacement: 0.0, velocity: 0.0, normal_load };
     law.step(&state, inputs, &mut next).tangents.displacement
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Model;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn contacts_in_two_directions_are_among_the_linear_resonances_at_rest() {
+        let model =
+            Model::parse(include_str!("../../../examples/slip-slap/model.toml")).expect("the example");
+        let found = linear_resonances(&Assembly::new(model.system().expect("a pin rig")));
+        // Frequencies (Hz) of the exact determinant of this rig, its pin bonded.
+        for reference in [52.7873, 164.4231, 335.8551] {
+            let apart = |one: &LinearResonance| (one.angular_frequency / TAU / reference - 1.0).abs();
+            let nearest = found.iter().map(apart).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-3, "none within {nearest} of {reference} Hz");
+        }
+    }
 }
