@@ -30,14 +30,7 @@ function show() {
     // The page's own ground shows, light or dark.
     figure.layout.paper_bgcolor = figure.layout.plot_bgcolor = "rgba(0,0,0,0)";
     figure.layout.modebar = { bgcolor: "rgba(0,0,0,0)" };
-    if (narrow) {
-      figure.layout.margin.r = 12;
-      // Numbers would not fit into the fields of a map: a scale takes their place.
-      figure.data.filter((trace) => trace.type === "heatmap").forEach((trace) => {
-        delete trace.texttemplate;
-        trace.showscale = true;
-      });
-    }
+    if (narrow) figure.layout.margin.r = 12;
     Plotly.newPlot(element, figure.data, figure.layout, config);
     if (figure.layout.meta && figure.layout.meta.switchable) scaleSwitch(element);
   }

@@ -1,6 +1,6 @@
-//! The figures of a diagnosis: the fall of the error, the gain of the candidates, and how alike they are.
+//! The figures of a diagnosis: the fall of the error, and the gain of the candidates.
 
-use serde_json::{Value, json};
+use serde_json::json;
 use stickslip::diagnose::{Candidate, Diagnosis};
 
 use super::words;
@@ -66,56 +66,5 @@ pub fn ranking(figures: &mut Figures, candidates: &[Candidate]) -> Option<(Capti
                    only in the table."
         .to_owned();
     let height = 96 + 26 * fitted.len();
-    Some((Captioned { figure: figures.add(vec![trace], layout), caption, half: false }, height))
-}
-
-/// Correlation of the candidates' sensitivities, as a map.
-pub fn confounding(figures: &mut Figures, diagnosis: &Diagnosis) -> Option<(Captioned, usize)> {
-    let mut ids: Vec<&str> = Vec::new();
-    // In the order of the ranking, so that those that matter are in a corner.
-    let ranked = diagnosis.candidates.iter().flat_map(|one| one.effects.iter().copied());
-    let pairs = diagnosis.confounding.iter().flat_map(|one| one.effects);
-    for id in ranked.chain(pairs) {
-        let known = diagnosis.confounding.iter().any(|one| one.effects.contains(&id));
-        if known && !ids.contains(&id) {
-            ids.push(id);
-        }
-    }
-    if ids.len() < 2 {
-        return None;
-    }
-    let of = |a: &str, b: &str| -> Value {
-        let pair = diagnosis.confounding.iter().find(|one| {
-            (one.effects[0] == a && one.effects[1] == b) || (one.effects[0] == b && one.effects[1] == a)
-        });
-        match pair {
-            _ if a == b => json!(null),
-            Some(one) if one.correlation.is_finite() => {
-                json!((one.correlation.abs() * 100.0).round() / 100.0)
-            }
-            _ => json!(null),
-        }
-    };
-    let rows: Vec<Vec<Value>> = ids.iter().map(|a| ids.iter().map(|b| of(a, b)).collect()).collect();
-    let names: Vec<String> = ids.iter().map(|id| figure::text(&words::title(id))).collect();
-    let trace = json!({
-        "type": "heatmap", "x": names, "y": names, "z": rows, "zmin": 0, "zmax": 1, "xgap": 1, "ygap": 1,
-        "colorscale": [[0, "#f4f6f8"], [0.5, "#9ecae9"], [0.9, "#0072B2"], [0.9, "#D55E00"], [1, "#8c2d04"]],
-        "texttemplate": "%{z:.2f}", "textfont": { "size": 10 }, "hovertemplate": "%{y}, %{x}: %{z:.2f}<extra></extra>",
-        "showscale": false, "colorbar": { "thickness": 12, "title": { "text": "|ρ|" }, "tickvals": [0, 0.5, 0.9, 1] },
-    });
-    let mut layout = figure::single("", "");
-    for axis in ["xaxis", "yaxis"] {
-        layout[axis]["showgrid"] = json!(false);
-        layout[axis]["ticks"] = json!("");
-        layout[axis]["nticks"] = json!(0);
-        layout[axis]["title"] = json!({ "text": "" });
-    }
-    layout["xaxis"]["tickangle"] = json!(-90);
-    layout["yaxis"]["autorange"] = json!("reversed");
-    let caption = "How similar two candidates are in these data: correlation of their changes of the prediction, after the \
-                   model’s own parameters are refitted. Above 0.9 (orange) these data cannot distinguish the two."
-        .to_owned();
-    let height = 230 + 24 * ids.len();
     Some((Captioned { figure: figures.add(vec![trace], layout), caption, half: false }, height))
 }

@@ -1,5 +1,6 @@
 //! A diagnosis for people and programs: one self-contained page, text for the terminal, and JSON.
 
+mod alike;
 mod figures;
 mod json;
 mod page;

@@ -27,7 +27,7 @@ pub fn diagnosis_html(diagnosis: &Diagnosis, run: &Run, settings: &Settings) -> 
         (sections::effects(diagnosis))
         (residual::section(&mut drawn, diagnosis))
         (candidates(&mut drawn, diagnosis))
-        (alike(&mut drawn, diagnosis))
+        (super::alike::section(diagnosis))
         (sections::detectable(diagnosis))
         (failing(&mut drawn, diagnosis))
         @if diagnosis.comparison.stages.iter().any(|stage| !stage.parameters.is_empty()) {
@@ -77,17 +77,6 @@ fn candidates(drawn: &mut Figures, diagnosis: &Diagnosis) -> Markup {
                     (figure_element(&figure, &format!("height:{height}px")))
                 }
                 (sections::candidates(diagnosis))
-            }
-        }
-    }
-}
-
-fn alike(drawn: &mut Figures, diagnosis: &Diagnosis) -> Markup {
-    html! {
-        @if let Some((figure, height)) = figures::confounding(drawn, diagnosis) {
-            section id="confounding" {
-                h2 { "Which effects these data can distinguish" }
-                (figure_element(&figure, &format!("height:{height}px")))
             }
         }
     }

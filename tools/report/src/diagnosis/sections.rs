@@ -257,7 +257,7 @@ pub fn split(diagnosis: &Diagnosis) -> Markup {
     };
     let uses = [
         (Use::Fit, "Training"),
-        (Use::Select, "Training, marked `select`"),
+        (Use::Select, "Training, marked select"),
         (Use::Confirm, "Test, read once at the end"),
     ];
     html! {

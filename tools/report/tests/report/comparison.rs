@@ -407,7 +407,7 @@ fn gaps_and_short_predictions_do_not_panic() {
         vec![Record { name: "x".into(), regime: Regime::Backbone, use_for: None, channels: vec![] }];
     bare.stages.iter_mut().for_each(|stage| stage.records.clear());
     for comparison in [comparison, levels, bare] {
-        assert!(html(&comparison, &settings()).len() > 600_000);
+        assert!(html(&comparison, &settings()).ends_with("</html>"));
         assert!(!terminal_table(&comparison, 80, true).is_empty());
         assert!(!json(&comparison).to_string().contains("NaN"));
     }

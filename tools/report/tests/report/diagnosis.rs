@@ -124,7 +124,7 @@ fn pages_are_whole_fetch_nothing_and_stay_small() {
         assert!(page.contains("default-src 'none'"));
         assert!(!page.contains("<link") && !page.contains("<iframe") && !page.contains("<img"));
         assert!(!page.contains("<script src"), "no script from elsewhere");
-        assert!(page.len() < 6_000_000, "{} bytes", page.len());
+        assert!(page.len() < 3_000_000, "{} bytes", page.len());
         for section in ["id=\"next\"", "id=\"error\"", "id=\"why\"", "id=\"where\"", "id=\"settings\""] {
             let next = section == "id=\"next\"" && diagnosis.verdict == Verdict::InsufficientData;
             assert!(next || page.contains(section), "{section} of {:?}", diagnosis.verdict);
