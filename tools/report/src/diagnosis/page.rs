@@ -53,7 +53,7 @@ fn scope(diagnosis: &Diagnosis, run: &Run) -> String {
     let records = format::count(diagnosis.comparison.records.len(), "record");
     let model = if run.model.is_empty() { "the model" } else { &run.model };
     let data = if run.dataset.is_empty() { String::new() } else { format!(" of {}", run.dataset) };
-    format!("{model} against {records}{data}. {}", terminal::effort(diagnosis, run))
+    format!("{model} against {records}{data}. {}.", terminal::effort(diagnosis))
 }
 
 fn fall(drawn: &mut Figures, diagnosis: &Diagnosis) -> Markup {

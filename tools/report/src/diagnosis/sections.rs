@@ -318,7 +318,7 @@ pub fn method(diagnosis: &Diagnosis, run: &Run) -> Markup {
             }
             ul.text {
                 li { "Tried: " (name(&tried)) "; at most " (format::count(run.options.max_effects, "effect")) " added." }
-                li { (terminal::effort(diagnosis, run)) }
+                li { (terminal::effort(diagnosis)) "." }
             }
         }
     }

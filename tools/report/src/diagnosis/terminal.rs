@@ -30,7 +30,7 @@ pub fn diagnosis_table(diagnosis: &Diagnosis, run: &Run, width: usize, color: bo
     errors(&mut out, diagnosis);
     candidates(&mut out, &diagnosis.candidates);
     out.line("");
-    out.paragraph(&effort(diagnosis, run), "");
+    out.paragraph(&effort_and_time(diagnosis, run), "");
     out.finish()
 }
 
@@ -165,15 +165,20 @@ pub fn gain(candidate: &Candidate) -> String {
     format::Scale { factor: 100.0, unit: "%".to_owned(), decimals: 1 }.with_unit(candidate.gain_fraction)
 }
 
-/// What it took, in one line.
-pub fn effort(diagnosis: &Diagnosis, run: &Run) -> String {
+/// What it took, in one line, without the time: the same input gives the same page.
+pub fn effort(diagnosis: &Diagnosis) -> String {
     let refits = format::count(diagnosis.cost.refits, "refit");
     let simulations = format::count(diagnosis.cost.simulations, "simulated record");
+    format!("{refits}, {simulations}")
+}
+
+/// What it took, and how long.
+fn effort_and_time(diagnosis: &Diagnosis, run: &Run) -> String {
     let rate = diagnosis.cost.refits as f64 / run.seconds;
     let rate = if rate.is_finite() && rate > 0.0 {
         format!(", {} refits a second", format::significant(rate, 2))
     } else {
         String::new()
     };
-    format!("{refits}, {simulations} in {} s{rate}.", format::significant(run.seconds, 2))
+    format!("{} in {} s{rate}.", effort(diagnosis), format::significant(run.seconds, 2))
 }

@@ -293,18 +293,17 @@ impl Responses {
         warnings
     }
 
-    /// What was computed and how well.
+    /// What was computed and how well; how long it took is for the terminal, since the same input gives the same page.
     fn scope(&self) -> String {
         let kind = self.held.as_ref().map_or_else(
             || format!("{} of force", format::count(self.curves.len(), "level")),
             |held| format!("{} of held {}", format::count(self.curves.len(), "level"), held.name()),
         );
         format!(
-            "{kind}, {} to {}: {} in {}.{}{}",
+            "{kind}, {} to {}: {}.{}{}",
             format::significant(self.unit.of(self.range.0), 6),
             self.unit.shown(self.range.1),
             format::count(self.point_count(), "point"),
-            format::engineering(self.seconds, "s"),
             self.error_sentence(),
             self.stability_sentence(),
         )

@@ -16,7 +16,8 @@ pub fn responses_table(responses: &Responses, width: usize, color: bool) -> Stri
     for warning in responses.warnings() {
         out.paragraph(&warning, RED);
     }
-    out.paragraph(&responses.scope(), "");
+    let took = format::engineering(responses.seconds, "s");
+    out.paragraph(&format!("{} Computed in {took}.", responses.scope()), "");
     peaks(&mut out, responses);
     if let Some(note) = responses.held_note().filter(|_| responses.point_count() > 0) {
         out.paragraph(&note, "");

@@ -65,7 +65,6 @@ impl Simulation {
     fn lead(&self) -> String {
         let steps = format::count(usize::try_from(self.report.steps).unwrap_or(usize::MAX), "step");
         let reached = format::engineering(self.report.time, "s");
-        let seconds = format::significant(self.seconds, 2);
         let how = if self.failure.is_some() {
             "ended early at"
         } else if self.report.interrupted {
@@ -73,7 +72,7 @@ impl Simulation {
         } else {
             "simulated to"
         };
-        format!("{how} {reached} in {steps}, {seconds} s of computing")
+        format!("{how} {reached} in {steps}")
     }
 
     /// What a reader must know.
@@ -185,6 +184,14 @@ mod tests {
         assert_eq!(json["columns"][1]["values"][2], serde_json::Value::Null);
         assert_eq!(json["energy"][0]["sum"], 1e-6);
         assert_eq!(json["failure"], "at 0.002 s: contact: lost");
+    }
+
+    #[test]
+    fn the_page_does_not_hold_how_long_it_took() {
+        let (one, longer) = (simulation(), Simulation { seconds: 12.0, ..simulation() });
+        let page = |run: &Simulation| simulation_html(run, &Settings::default());
+        assert_eq!(page(&one), page(&longer));
+        assert!(simulation_table(&longer, 80, false).contains("12 s of computing"));
     }
 
     #[test]

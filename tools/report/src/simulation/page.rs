@@ -54,7 +54,6 @@ fn run_table(simulation: &Simulation) -> Block {
         row.push(("Evaluations", count(report.evaluations)));
         row.push(("Per step", Cell::Number(simulation.evaluations(), 2)));
     }
-    row.push(("Seconds", Cell::Number(simulation.seconds, 3)));
     let (heading, row) = row.into_iter().map(|(name, cell)| (name.to_owned(), cell)).unzip();
     Block::Table(Table { label: "Steps of the run".to_owned(), heading, rows: vec![row] })
 }

@@ -9,7 +9,8 @@ use crate::table::{BOLD, RED, Text};
 pub fn simulation_table(simulation: &Simulation, width: usize, color: bool) -> String {
     let mut out = Text::new(width, color);
     out.paragraph(&simulation.title, BOLD);
-    out.paragraph(&simulation.lead(), "");
+    let seconds = format::significant(simulation.seconds, 2);
+    out.paragraph(&format!("{}, {seconds} s of computing", simulation.lead()), "");
     for warning in simulation.warnings() {
         out.paragraph(&warning, RED);
     }

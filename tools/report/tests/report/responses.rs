@@ -217,6 +217,15 @@ fn an_undamped_structure_may_have_no_end() {
     assert!(!stuck(false, true).contains("without bound"));
 }
 
+/// A page that is made again is the same, however long it took.
+#[test]
+fn the_time_of_computing_stands_on_the_terminal_alone() {
+    let (quick, slow) = (responses(vec![]), Responses { seconds: 12.0, ..responses(vec![]) });
+    let page = |one: &Responses| responses_html(one, &Settings::default());
+    assert_eq!(page(&quick), page(&slow));
+    assert!(responses_table(&slow, 80, false).contains("Computed in 12"));
+}
+
 #[test]
 fn why_stability_cannot_be_determined_is_reported() {
     let why = Some(Undecided::TooLong);
