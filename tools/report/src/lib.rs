@@ -25,6 +25,7 @@ pub mod simulation;
 pub mod slip_slap;
 mod table;
 mod tables;
+mod transfer;
 
 pub use catalogue::{catalogue_table, effect_table};
 pub use comparison::findings::findings;

@@ -8,7 +8,7 @@ use crate::comparison::stages::{self, name};
 use crate::comparison::summary::{self, Levels, Summary};
 use crate::document::{self, Section};
 use crate::figure::{Captioned, Figures};
-use crate::{Settings, explorer, format, plots, tables};
+use crate::{Settings, explorer, format, plots, tables, transfer};
 
 /// Nothing may be fetched, from anywhere: the browser enforces what the page promises.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
@@ -42,6 +42,7 @@ pub fn html_with(comparison: &Comparison, noise: &[Noise], more: &[Section], set
     let sections = html! {
         (crate::comparison::fitted::section(comparison))
         (stage_section(comparison, &summary, &levels, noise))
+        @if let Some(one) = transfer::section(comparison) { (document::section(&mut figures, &one)) }
         @for table in &levels { (backbone_section(&mut figures, comparison, table)) }
         (gain_section(&mut figures, comparison, &summary))
         @for one in &comparison.ring_downs { (crate::comparison::ring_down::section(one)) }
@@ -223,12 +224,21 @@ pub(crate) fn backbone_section(figures: &mut Figures, comparison: &Comparison, l
         record.name, levels.over
     );
     html! {
-        section id=(format!("levels-{}", levels.record)) {
-            h2 { (name(&format!("{channel} against {}", levels.over))) }
+        section id=(format!("levels-{}-{}", levels.record, identifier(&levels.channel))) {
+            // Several tables may show the same channel, and the contents list them all.
+            h2 {
+                (name(&format!("{channel} against {}", levels.over)))
+                @if comparison.records.len() > 1 { ": " (name(&record.name)) }
+            }
             (figure_element(&Captioned { figure, caption, half: false }, "height:576px"))
             (stages::level_table(comparison, levels))
         }
     }
+}
+
+/// `name` as part of an identifier in a page.
+fn identifier(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect()
 }
 
 /// The tables of all records and the views of those in time, the worst first.

@@ -89,6 +89,7 @@ fn failing(drawn: &mut Figures, diagnosis: &Diagnosis) -> Markup {
     html! {
         (explorer::section(drawn, comparison, &worst_first(comparison), noise))
         @for table in &summary::levels(comparison) { (backbone_section(drawn, comparison, table)) }
+        @if let Some(one) = crate::transfer::section(comparison) { (crate::document::section(drawn, &one)) }
         section id="records" {
             h2 { "Records" }
             @for record in 0..comparison.records.len() { (failures(comparison, record)) }

@@ -13,3 +13,4 @@ mod comparison;
 mod diagnosis;
 mod responses;
 mod slip_slap;
+mod transfer;
