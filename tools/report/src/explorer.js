@@ -208,6 +208,7 @@ function explore(data, config, narrow) {
       const [traces, form] = views[kind](channel, stages, role);
       element.dataset.drawn = "yes";
       Object.assign(form, { paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", modebar: { bgcolor: "rgba(0,0,0,0)" } });
+      withUnits(traces, form);
       Plotly.react(element, traces, form, config);
     });
   }

@@ -9,6 +9,23 @@ async function unpack() {
   document.head.append(library);
 }
 
+// What is shown beside the pointer: the name of each axis, the value, and the unit, which stands in the axis' title.
+function withUnits(traces, layout) {
+  const said = (trace, axis) => {
+    const of = layout[(trace[axis + "axis"] || axis).replace(axis, axis + "axis")] || {};
+    const title = (of.title && of.title.text) || "";
+    const [, name, unit] = /^(.*) \(([^()]*)\)$/.exec(title) || ["", title, ""];
+    // A name may hold what the library would take for a value.
+    const plain = name.replace(/%/g, "&#37;");
+    const places = trace.type === "bar" && axis === "x" ? "" : ":.5~g";
+    return (plain ? plain + ": " : "") + "%{" + axis + places + "}" + (unit ? "\u00a0" + unit : "");
+  };
+  for (const trace of traces) {
+    if (trace.hoverinfo || trace.hovertemplate) continue;
+    trace.hovertemplate = said(trace, "x") + "<br>" + said(trace, "y") + "<extra>" + (trace.name || "").replace(/%/g, "&#37;") + "</extra>";
+  }
+}
+
 function show() {
   const stored = JSON.parse(document.getElementById("figures").textContent);
   // On a small screen the buttons would cover the figure, and fingers zoom without them.
@@ -31,6 +48,7 @@ function show() {
     figure.layout.paper_bgcolor = figure.layout.plot_bgcolor = "rgba(0,0,0,0)";
     figure.layout.modebar = { bgcolor: "rgba(0,0,0,0)" };
     if (narrow) figure.layout.margin.r = 12;
+    withUnits(figure.data, figure.layout);
     Plotly.newPlot(element, figure.data, figure.layout, config);
     if (figure.layout.meta && figure.layout.meta.switchable) scaleSwitch(element);
   }

@@ -25,7 +25,13 @@ const plots = Array.from(document.querySelectorAll('.plot')).filter((plot) => !p
 // What scrolls for itself may be wider inside.
 const shown = Array.from(document.body.querySelectorAll('*')).filter((one) => !one.parentElement.closest('.scroll, .plot'));
 const reach = Math.max(...shown.map((one) => one.getBoundingClientRect().right));
-const found = { reach, plots: plots.length,
+// What a hover says of a trace names the units of both axes.
+const unit = (layout, axis) => (/ \\(([^()]*)\\)$/.exec((layout[axis].title || {}).text || '') || ['', ''])[1];
+const mute = (plot) => (plot.data || []).filter((trace) => !trace.hoverinfo && !['x', 'y'].every((axis) =>
+  (trace.hovertemplate || '').includes(unit(plot.layout, (trace[axis + 'axis'] || axis).replace(axis, axis + 'axis')))
+  && (trace.hovertemplate || '').includes('%{' + axis)));
+const silent = plots.flatMap((plot) => mute(plot).map((trace) => plot.getAttribute('aria-label') + ': ' + trace.name));
+const found = { reach, silent, plots: plots.length,
   bare: plots.filter((plot) => !plot.querySelector('.main-svg')).map((plot) => plot.getAttribute('aria-label')), wrong };
 document.documentElement.innerHTML = '<body><pre></pre></body>';
 document.querySelector('pre').textContent = 'FOUND' + JSON.stringify(found) + 'END';
@@ -87,6 +93,7 @@ fn every_figure_is_drawn_on_wide_and_narrow_screens() {
         for width in [1280, 400] {
             let seen = seen(browser, &folder, page, width);
             assert_eq!(seen["wrong"], serde_json::json!([]), "page {index} at {width}");
+            assert_eq!(seen["silent"], serde_json::json!([]), "page {index} at {width}: hover without units");
             assert_eq!(seen["bare"], serde_json::json!([]), "page {index} at {width}: not drawn");
             assert!(seen["plots"].as_u64() >= Some(*least), "page {index}: {seen}");
             assert!(seen["reach"].as_f64() <= Some(width as f64 + 0.5), "page {index} at {width}: {seen}");
