@@ -177,7 +177,7 @@ fn pooled_rms(stage: &Stage, included: impl Fn(usize) -> bool) -> f64 {
 }
 
 /// Normalised error over the channels of the records `included`; NaN for none.
-fn pooled_error(stage: &Stage, included: impl Fn(usize) -> bool) -> f64 {
+pub fn pooled_error(stage: &Stage, included: impl Fn(usize) -> bool) -> f64 {
     let (mut squares, mut count) = (0.0, 0.0);
     for (index, record) in stage.records.iter().enumerate().filter(|(index, _)| included(*index)) {
         if failure(stage, index).is_none() {

@@ -32,27 +32,24 @@ pub fn waterfall(figures: &mut Figures, diagnosis: &Diagnosis) -> Option<Caption
     Some(Captioned { figure, caption, half: false })
 }
 
-/// Gain of each candidate with its standard error.
+/// Gain of each candidate that was fitted: filled where the evidence speaks for it.
 pub fn ranking(figures: &mut Figures, candidates: &[Candidate]) -> Option<(Captioned, usize)> {
     // A candidate that makes it far worse would press the others together.
-    let drawn = |one: &&Candidate| one.failure.is_none() && one.gain_fraction > WORST;
+    let drawn = |one: &&Candidate| words::was_fitted(one) && one.gain_fraction > WORST;
     let fitted: Vec<&Candidate> = candidates.iter().filter(drawn).take(CANDIDATES).collect();
     if fitted.is_empty() {
         return None;
     }
-    let spread = |one: &&Candidate| {
-        let spread = 100.0 * (one.gain_fraction / one.gain_z).abs();
-        if spread.is_finite() { spread } else { 0.0 }
-    };
     let names: Vec<String> = fitted.iter().map(|one| figure::text(&words::candidate(one))).collect();
     let gains: Vec<f64> = fitted.iter().map(|one| 100.0 * one.gain_fraction).collect();
     let z: Vec<String> =
         fitted.iter().map(|one| format!("z = {}", format::significant(one.gain_z, 2))).collect();
+    let symbols: Vec<&str> =
+        fitted.iter().map(|one| if one.gain_z > 0.0 { "circle" } else { "circle-open" }).collect();
     let low = gains.iter().copied().fold(0.0, f64::min);
     let trace = json!({
         "type": "scatter", "mode": "markers", "y": names, "x": gains, "text": z, "hoverinfo": "x+y+text",
-        "marker": { "color": LAST, "size": 9 }, "showlegend": false,
-        "error_x": { "type": "data", "array": fitted.iter().map(spread).collect::<Vec<_>>(), "color": LAST, "thickness": 1.5 },
+        "marker": { "color": LAST, "size": 9, "symbol": symbols }, "showlegend": false,
     });
     let mut layout = figure::single("squared error removed (%)", "");
     layout["yaxis"]["autorange"] = json!("reversed");
@@ -61,9 +58,9 @@ pub fn ranking(figures: &mut Figures, candidates: &[Candidate]) -> Option<(Capti
     layout["xaxis"]["zerolinecolor"] = json!("#000000");
     layout["xaxis"]["range"] = json!([low - 5.0, 105.0]);
     let caption = "Fraction of the squared error of the training records that each candidate removes when the whole model is \
-                   refitted with it. A point right of the line lowers the error; where the bar reaches the line the gain is \
-                   not significant. Candidates that raise the error by more than a third are \
-                   only in the table."
+                   refitted with it. A point right of the line lowers the error. Filled: the evidence speaks for the effect (z above \
+                   zero). Candidates that raise the error by more than a third, and those that were not fitted, are only in the \
+                   table."
         .to_owned();
     let height = 96 + 26 * fitted.len();
     Some((Captioned { figure: figures.add(vec![trace], layout), caption, half: false }, height))

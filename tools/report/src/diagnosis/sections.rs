@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 use stickslip::data::Use;
-use stickslip::diagnose::{Candidate, Diagnosis, Verdict};
+use stickslip::diagnose::{Candidate, Diagnosis, Estimate, Verdict};
 use stickslip::effects::{self, Effect};
 
 use super::page::list;
@@ -33,7 +33,8 @@ pub fn errors(diagnosis: &Diagnosis) -> Markup {
             table {
                 thead { tr { th { "Normalised error" } th.number { "all records" } th.number { "test records" } } }
                 tbody {
-                    tr { th scope="row" { "model as given" } td.number { (format::error(error.baseline)) } td.number {} }
+                    tr { th scope="row" { "model as given" } td.number { (format::error(error.baseline)) }
+                        td.number { (format::error(words::test_baseline(diagnosis))) } }
                     tr {
                         th scope="row" { "refitted" }
                         td.number { (format::error(error.refitted)) }
@@ -98,7 +99,7 @@ fn steps(diagnosis: &Diagnosis) -> Markup {
             div.scroll tabindex="0" role="region" aria-label="Steps of the selection" {
                 table {
                     thead { tr {
-                        th { "Step" } th.number { "Error, training records" } th.number { "Squared error removed" }
+                        th { "Step" } th.number { "Error, training records" } th.number { "Squared error removed, of that before" }
                         th.number { "z" } th {}
                     } }
                     tbody { @for step in &diagnosis.steps { tr {
@@ -145,14 +146,13 @@ pub fn effects(diagnosis: &Diagnosis) -> Markup {
 }
 
 fn effect_text(effect: &Effect, diagnosis: &Diagnosis) -> Markup {
-    let all = diagnosis.rounds.iter().rev().flatten().chain(&diagnosis.candidates);
-    let fitted = all.filter(|one| one.effects.contains(&effect.id)).find(|one| !one.parameters.is_empty());
+    let fitted = words::in_the_end(effect, diagnosis);
     html! {
         div.evidence {
             h3 { (effect.title) " " code { (effect.id) } }
             p.text { (effect.summary) "." }
-            @if let Some(one) = fitted {
-                p.text { strong { "Here: " } (parameters(one)) }
+            @if !fitted.is_empty() {
+                p.text { strong { "Here: " } (parameters(&fitted)) }
             }
             p.text { strong { "What it is: " } (effect.explanation) }
             p.text { strong { "How to confirm it: " } (effect.confirmation) }
@@ -160,9 +160,9 @@ fn effect_text(effect: &Effect, diagnosis: &Diagnosis) -> Markup {
     }
 }
 
-fn parameters(candidate: &Candidate) -> Markup {
+fn parameters(all: &[&Estimate]) -> Markup {
     html! {
-        @for (index, one) in candidate.parameters.iter().enumerate() {
+        @for (index, one) in all.iter().enumerate() {
             @if index > 0 { "; " }
             (name(&words::parameter(&one.name))) " = " span.keep { (name(&words::estimate(one))) }
         }
@@ -173,28 +173,32 @@ fn parameters(candidate: &Candidate) -> Markup {
 pub fn candidates(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if !diagnosis.candidates.is_empty() {
-            (candidate_table("First round: each effect alone added to the model", &diagnosis.candidates))
-            p.note { "Errors are on the training records. A candidate without parameters promised too little to be fitted. Brackets hold 95 % confidence intervals; they assume that the model is \
-                      right." }
+            (candidate_table("First round: each effect alone added to the model", &diagnosis.candidates, diagnosis))
+            p.note {
+                "Errors are on the training records. Gain: fraction of the squared error removed, of that of the refitted model without \
+                 effects, every channel alike. z: √(2 × the gain of log evidence), negative where the evidence speaks against the \
+                 effect; it weighs every sample by its noise and by how long residuals last, and takes the volume of the priors off. The two \
+                 need not agree, and z decides. Brackets hold 95 % confidence intervals; they assume that the model is right."
+            }
         }
         @for (round, candidates) in diagnosis.rounds.iter().enumerate() {
             details {
                 summary { span.record { "Round " (round + 2) } span.quiet { "each effect added to those of the rounds before" } }
-                (candidate_table("Candidates of the round", candidates))
+                (candidate_table("Candidates of the round", candidates, diagnosis))
             }
         }
         @if !diagnosis.untried.is_empty() {
             details {
                 summary { span.record { "Not tried" } span.quiet { (format::count(diagnosis.untried.len(), "effect")) } }
                 ul.text { @for one in &diagnosis.untried {
-                    li { strong { (words::title(one.effect)) } ": " (name(&one.reason)) }
+                    li { strong { (words::untried(one, diagnosis)) } ": " (name(&one.reason)) }
                 } }
             }
         }
     }
 }
 
-fn candidate_table(label: &str, candidates: &[Candidate]) -> Markup {
+fn candidate_table(label: &str, candidates: &[Candidate], diagnosis: &Diagnosis) -> Markup {
     html! {
         div.scroll tabindex="0" role="region" aria-label=(label) {
             table {
@@ -206,11 +210,17 @@ fn candidate_table(label: &str, candidates: &[Candidate]) -> Markup {
                     th scope="row" { (name(&words::candidate(one))) }
                     @if let Some(reason) = &one.failure {
                         td.failed colspan="4" { (name(reason)) }
-                    } @else {
+                    } @else if words::was_fitted(one) {
                         td.number { (format::error(one.error)) }
                         td.number { (terminal::gain(one)) }
                         td.number { (format::fixed(one.gain_z, 2)) }
-                        td { (parameters(one)) }
+                        td {
+                            @if words::is_part_of_the_end(one, diagnosis) { "with all that was added: " }
+                            (parameters(&one.parameters.iter().collect::<Vec<_>>()))
+                        }
+                    } @else {
+                        @for _ in 0..3 { td.number { (format::ABSENT) } }
+                        td { "promises too little to be fitted" }
                     }
                     td.number { (one.evaluations) }
                 } } }

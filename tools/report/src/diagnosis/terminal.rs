@@ -111,7 +111,7 @@ fn errors(out: &mut Text, diagnosis: &Diagnosis) {
     let mut left = vec![String::new(), "as given".to_owned(), "refitted".to_owned()];
     let mut cells = vec![
         vec!["all records".to_owned(), "test records".to_owned()],
-        vec![format::error(error.baseline), String::new()],
+        vec![format::error(error.baseline), format::error(words::test_baseline(diagnosis))],
         vec![format::error(error.refitted), format::error(error.test_refitted)],
     ];
     if !added.is_empty() {
@@ -134,7 +134,7 @@ fn candidates(out: &mut Text, candidates: &[Candidate]) {
         left.push(format::printable(&words::candidate(one)));
         cells.push(match &one.failure {
             Some(_) => vec!["failed".to_owned(), String::new(), String::new(), String::new()],
-            None if one.parameters.is_empty() => {
+            None if !words::was_fitted(one) => {
                 vec![String::new(), String::new(), String::new(), "promises too little".to_owned()]
             }
             None => vec![

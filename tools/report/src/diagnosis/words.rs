@@ -1,7 +1,8 @@
 //! A diagnosis in sentences for an engineer.
 
-use stickslip::diagnose::{Candidate, Diagnosis, Estimate, NoiseSource, Skipped, Verdict};
-use stickslip::effects;
+use stickslip::data::Use;
+use stickslip::diagnose::{Candidate, Diagnosis, Estimate, NoiseSource, Skipped, Untried, Verdict};
+use stickslip::effects::{self, Effect};
 
 use super::Run;
 use crate::comparison::summary;
@@ -40,6 +41,54 @@ pub fn candidate(candidate: &Candidate) -> String {
     let place = candidate.location.as_ref().map(|location| format!(" at {location}")).unwrap_or_default();
     let law = candidate.law.map(|law| format!(" (law {law})")).unwrap_or_default();
     format!("{names}{place}{law}")
+}
+
+/// Whether the candidate was fitted: one that promised too little was not, and its error is that of the model without it.
+pub fn was_fitted(candidate: &Candidate) -> bool {
+    candidate.failure.is_none() && !candidate.parameters.is_empty()
+}
+
+/// The effects that the model has in the end.
+fn added(diagnosis: &Diagnosis) -> &[&'static str] {
+    if diagnosis.effects.is_empty() { &diagnosis.surrogates } else { &diagnosis.effects }
+}
+
+/// Whether `candidate` is one of several effects in the end: its parameters are then those of the end.
+pub fn is_part_of_the_end(candidate: &Candidate, diagnosis: &Diagnosis) -> bool {
+    let end = added(diagnosis);
+    candidate.effects.len() < end.len() && is_within(&candidate.effects, end)
+}
+
+/// The parameters of `effect` with all that was added, or alone where nothing was.
+pub fn in_the_end<'d>(effect: &Effect, diagnosis: &'d Diagnosis) -> Vec<&'d Estimate> {
+    let end = added(diagnosis);
+    let all = || diagnosis.rounds.iter().rev().flatten().chain(&diagnosis.candidates);
+    let whole = |one: &&Candidate| one.effects.len() == end.len() && is_within(&one.effects, end);
+    let alone = |one: &&Candidate| one.effects == [effect.id];
+    let fitted = all().filter(|one| was_fitted(one));
+    let found = fitted
+        .clone()
+        .find(|one| end.contains(&effect.id) && whole(one))
+        .or_else(|| fitted.clone().find(alone));
+    // A law that shows an effect has parameters of its own.
+    let own = |candidate: &Candidate, name: &str| {
+        candidate.effects.len() == 1
+            || effect.parameters.iter().any(|parameter| parameter.quantity.name == name)
+    };
+    found
+        .into_iter()
+        .flat_map(|one| one.parameters.iter().filter(|estimate| own(one, &estimate.name)))
+        .collect()
+}
+
+fn is_within(some: &[&str], all: &[&str]) -> bool {
+    some.iter().all(|id| all.contains(id))
+}
+
+/// An effect that was not tried; at one place, where it was at another.
+pub fn untried(one: &Untried, diagnosis: &Diagnosis) -> String {
+    let tried = diagnosis.candidates.iter().any(|candidate| candidate.effects == [one.effect]);
+    format!("{}{}", title(one.effect), if tried { ", at other places than above" } else { "" })
 }
 
 /// The verdict in one sentence or two, with the numbers that it rests on.
@@ -116,14 +165,29 @@ fn fall(diagnosis: &Diagnosis) -> String {
     )
 }
 
+/// The error of the model as given on the test records; NaN where there are none.
+pub fn test_baseline(diagnosis: &Diagnosis) -> f64 {
+    let test = |record: usize| diagnosis.split.get(record) == Some(&Use::Confirm);
+    diagnosis.comparison.stages.first().map_or(f64::NAN, |stage| summary::pooled_error(stage, test))
+}
+
+/// An error that is this fraction of what the noise is said to cause shows that the noise is smaller.
+const BELOW_NOISE: f64 = 0.8;
+
 /// The error that noise alone would cause.
 fn floor(diagnosis: &Diagnosis) -> String {
     let error = &diagnosis.error;
-    let floor = match diagnosis.verdict {
-        Verdict::NothingMissing => error.noise_floor,
-        _ => error.test_noise_floor.or(error.noise_floor),
+    let (floor, remains) = match (diagnosis.verdict, error.test_noise_floor) {
+        (Verdict::NothingMissing, _) => (error.noise_floor, error.refitted),
+        (_, Some(floor)) => (Some(floor), error.test),
+        _ => (error.noise_floor, error.last),
     };
     match floor {
+        Some(floor) if remains < BELOW_NOISE * floor => format!(
+            " The noise was estimated to cause {}; less remains, so that it is smaller: what it was estimated from differs by more \
+             than noise.",
+            format::error(floor)
+        ),
         Some(floor) => format!(" Noise alone would cause an error of {}.", format::error(floor)),
         None => " The noise is unknown.".to_owned(),
     }
@@ -205,7 +269,7 @@ pub fn warnings(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
     if !diagnosis.surrogates.is_empty() && diagnosis.verdict == Verdict::Unexplained {
         let one = diagnosis.surrogates.len() == 1;
         all.push(format!(
-            "{} {} the error without explaining the data. {}",
+            "{} {} the error on the training records without explaining the data. {}",
             titles(&diagnosis.surrogates, "and"),
             if one { "lowers" } else { "lower" },
             if one {

@@ -1,7 +1,7 @@
 //! What page, text and JSON of a diagnosis promise, whatever was found.
 
 use serde_json::Value;
-use stickslip::diagnose::{Cost, Diagnosis, Verdict};
+use stickslip::diagnose::{Candidate, Cost, Diagnosis, Errors, Estimate, Untried, Verdict};
 use stickslip_report::diagnosis::{Run, diagnosis_html, diagnosis_json, diagnosis_table};
 
 use crate::synthetic::diagnosis::{found, group, insufficient, large, nothing, run, unexplained};
@@ -148,4 +148,70 @@ fn an_interrupted_diagnosis_says_so() {
     assert!(diagnosis_table(&found(), &run, 80, false).contains("Interrupted"));
     assert!(diagnosis_html(&found(), &run, &settings()).contains("Interrupted"));
     assert_eq!(diagnosis_json(&found(), &run)["interrupted"], true);
+}
+
+/// The page as text, a cell of a table ended by a bar.
+fn text(diagnosis: &Diagnosis) -> String {
+    let page = diagnosis_html(diagnosis, &run(), &settings()).replace("</td>", "| ").replace("</th>", "| ");
+    let parts = page.split('<').filter_map(|part| part.split_once('>')).map(|(_, text)| text);
+    parts.collect::<String>()
+}
+
+/// What two sections say of the same thing is the same.
+#[test]
+fn sections_do_not_contradict_each_other() {
+    let found = found();
+    let unfitted = |effect| Candidate {
+        effects: vec![effect],
+        parameters: vec![],
+        error: 0.39,
+        gain_z: 0.0,
+        gain_fraction: 0.0,
+        evaluations: 0,
+        ..found.candidates[0].clone()
+    };
+    let mut candidates = found.candidates.clone();
+    candidates.push(unfitted("contact_damping"));
+    let other = Untried { effect: "sensor_offset", reason: "not identifiable".into() };
+    let text = text(&Diagnosis { candidates, untried: vec![other], ..found });
+    // What was not fitted has no gain.
+    assert!(text.contains("Contact damping| –| –| –| promises too little to be fitted| 0|"), "{text}");
+    // What was tried at one place is not among what was not tried.
+    assert!(text.contains("Sensor offset, at other places than above: not identifiable"), "{text}");
+    // The error of the model as given on the test records, which the reasons tell, stands in the table, too.
+    let given = text.split("model as given| ").nth(1).unwrap();
+    let cells: Vec<&str> = given.split("| ").take(2).collect();
+    assert!(cells.iter().all(|cell| cell.parse::<f64>().is_ok()), "{cells:?}");
+}
+
+#[test]
+fn each_of_two_effects_has_its_own_parameters_as_they_are_in_the_end() {
+    let found = found();
+    let estimate =
+        |name: &str, value: f64| Estimate { name: name.into(), value, ..found.parameters[0].clone() };
+    let both = |values: [f64; 2]| Candidate {
+        effects: vec!["residual_stiffness", "wear"],
+        parameters: vec![estimate("residual_stiffness", values[0]), estimate("rate", values[1])],
+        ..found.candidates[0].clone()
+    };
+    let third = Candidate { effects: vec!["residual_stiffness", "wear", "backlash"], ..both([9e5, 900.0]) };
+    let text = text(&Diagnosis {
+        effects: vec!["residual_stiffness", "wear"],
+        rounds: vec![vec![both([3e5, 33.0])], vec![third]],
+        ..found.clone()
+    });
+    let section = text.split("The effects").last().unwrap().split("Candidates").next().unwrap();
+    let here: Vec<&str> = section.split("Here: ").skip(1).map(|one| one.split('.').next().unwrap()).collect();
+    assert!(here[0].starts_with("residual stiffness = 300") && !here[0].contains("rate"), "{here:?}");
+    assert!(here[1].starts_with("rate = 33") && !here[1].contains("stiffness"), "{here:?}");
+    // In the first round they have the values of the end, and the row says so.
+    assert!(text.contains("with all that was added: residual stiffness"), "{text}");
+}
+
+#[test]
+fn an_error_below_the_estimated_noise_is_explained() {
+    let error = |test| Diagnosis { error: Errors { test, ..found().error }, ..found() };
+    let said =
+        |diagnosis: &Diagnosis| diagnosis_table(diagnosis, &run(), 400, false).contains("it is smaller");
+    assert!(said(&error(0.003)) && !said(&error(0.0103)));
 }
