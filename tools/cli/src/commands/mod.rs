@@ -76,12 +76,18 @@ fn is_dataset(path: &Path) -> bool {
     !path.is_file() || path.extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"))
 }
 
-/// Reads a dataset and makes sure that it has what `model` needs: the records, what was guessed, and the files that were read.
-fn read_dataset(
-    path: &Path,
-    model: &Model,
-    lone: &LoneFile,
-) -> Result<(Dataset, Vec<String>, Vec<PathBuf>), Failure> {
+/// The records, what was guessed, and the files that were read.
+type Told = (Dataset, Vec<String>, Vec<PathBuf>);
+
+/// Reads a dataset and makes sure that it has what a prediction by `model` needs.
+fn read_dataset(path: &Path, model: &Model, lone: &LoneFile) -> Result<Told, Failure> {
+    let told = read_records(path, model, lone)?;
+    stickslip_readers::check_columns(&told.0, model).map_err(shown)?;
+    Ok(told)
+}
+
+/// Reads a dataset, or a file without a `dataset.toml`.
+fn read_records(path: &Path, model: &Model, lone: &LoneFile) -> Result<Told, Failure> {
     let (dataset, notes, files) = if is_dataset(path) {
         if !lone.columns.is_empty() || lone.regime.is_some() {
             return Err(Failure::input(
@@ -102,7 +108,6 @@ fn read_dataset(
         (Dataset { title, records: imported.records }, notes, vec![path.to_owned()])
     };
     notes.iter().for_each(|note| tell!("note: {note}"));
-    stickslip_readers::check_columns(&dataset, model).map_err(shown)?;
     Ok((dataset, notes, files))
 }
 

@@ -190,6 +190,24 @@ fn levels_are_fitted_as_asked() {
     assert_eq!(json["laws"][0]["fitted_records"], serde_json::json!(["level-30.csv", "level-60.csv"]));
 }
 
+#[test]
+fn a_file_without_a_dataset_is_identified_as_it_is_with_one() {
+    let (folder, _) = measured(0.001, [1.0; 4]);
+    let alone =
+        "schema = \"stickslip.dataset/1\"\n[[record]]\nfile = \"level-60.csv\"\nregime = \"steady\"\n";
+    fs::write(folder.path().join("dataset.toml"), alone).unwrap();
+    let found = |data: &[&str]| {
+        let arguments = [&["identify", "model.toml", "--json", "i.json"][..], data].concat();
+        let output = stickslip(folder.path(), &arguments);
+        assert!(output.status.success(), "{}", error(&output));
+        read_json(&folder, "i.json")
+    };
+    let (listed, lone) = (found(&["."]), found(&["level-60.csv", "--regime", "steady"]));
+    assert_eq!(listed["records"], lone["records"]);
+    assert_eq!(listed["laws"], lone["laws"]);
+    assert!(lone["best"].is_string());
+}
+
 /// What the program says of bad input; it writes nothing.
 fn refused(folder: &TempDir, more: &[&str]) -> String {
     let before = entries(folder.path());

@@ -16,11 +16,10 @@ use stickslip_report::identification::{
 };
 
 use super::{
-    check_destinations, colored, dataset_file, dataset_files, list, read_model, settings, shown, tables,
-    title_of,
+    check_destinations, colored, dataset_file, list, read_model, read_records, settings, tables, title_of,
 };
 use crate::output::{Outputs, say};
-use crate::{Failure, ResultFiles, progress};
+use crate::{Failure, LoneFile, ResultFiles, progress};
 
 /// Rows of a table of the contact, over one period.
 const ROWS: usize = 512;
@@ -31,6 +30,7 @@ const ROWS: usize = 512;
 Examples:
   stickslip identify beam.toml data/ --report contact.html --csv contact/
   stickslip identify beam.toml data/ --fit level-70 --json contact.json -o identified.toml
+  stickslip identify beam.toml level-70.csv --regime steady --csv contact/
   stickslip identify rig.toml data/ --report both.html --csv contact/ --separation
   stickslip export identified.toml -o Support.fmu
 
@@ -43,7 +43,7 @@ Exit codes: 0 done; 1 failed, such as a record of --fit that cannot be inverted;
 pub struct Identify {
     /// The model file of a beam or a pin rig, or an FMU that carries one
     model: PathBuf,
-    /// The dataset: `dataset.toml` or the folder that holds it
+    /// The dataset: `dataset.toml`, the folder that holds it, or a file of measurements (see `stickslip import`)
     dataset: PathBuf,
     /// Fit laws to these records and predict the others; the one with the largest motion if not given
     #[arg(long, value_name = "RECORD,...", value_delimiter = ',')]
@@ -77,6 +77,8 @@ pub struct Identify {
     #[arg(long)]
     separation: bool,
     #[command(flatten)]
+    lone: LoneFile,
+    #[command(flatten)]
     files: ResultFiles,
 }
 
@@ -104,10 +106,9 @@ impl Identify {
     pub fn run(self) -> Result<(), Failure> {
         check_destinations(&self.files, &self.out, &[self.model.clone(), dataset_file(&self.dataset)])?;
         let model = read_model(&self.model)?;
-        let (dataset, notes) = stickslip_readers::read_dataset_told(&self.dataset).map_err(shown)?;
-        notes.iter().for_each(|note| tell!("note: {note}"));
+        let (dataset, _, files) = read_records(&self.dataset, &model, &self.lone)?;
         let mut read = vec![self.model.clone()];
-        read.extend(dataset_files(&self.dataset, &dataset));
+        read.extend(files);
         self.check_tables(&dataset, &read)?;
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         if let Structure::PinRig(pinned) = &model.structure {
