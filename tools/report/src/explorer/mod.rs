@@ -26,7 +26,7 @@ use crate::plots::prose;
 /// Samples of a record that are stored at most, and at least when many records share the page.
 const SAMPLES: (usize, usize) = (2_500, 200);
 /// Numbers that the views of a page may hold together: two bytes and two thirds each.
-const NUMBERS: usize = 440_000;
+const NUMBERS: usize = 340_000;
 /// Records whose views are stored; the tables hold all.
 const RECORDS: usize = 60;
 /// Cycles that a loop shows of a record.
