@@ -1,13 +1,14 @@
 //! A running model: values, state, and the way through the stages of a simulation.
 
+use super::Behaviour;
 use super::continuous::Continuous;
 use super::description::Description;
 use super::error::Error;
+use super::kinds::behaviour;
 use super::lines::Derivatives;
 use super::parameter::with_values;
 use super::stage::{Setup, Stage};
 use super::template::{Shared, Template};
-use super::{Behaviour, behaviour};
 use crate::contact::MEASURED;
 use crate::model::Model;
 use crate::time::Ramp;

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use super::continuous::ContinuousForm;
-use super::description::{DependencyKind, Description, Experiment, Variable};
+use super::LoadRule;
 use super::driven::{DrivenSystem, Table};
-use super::{Behaviour, LoadRule};
+use crate::fmi::Behaviour;
+use crate::fmi::continuous::ContinuousForm;
+use crate::fmi::description::{DependencyKind, Description, Experiment, Variable};
 use crate::model::{Beam, Contact, Model};
 use crate::system::ModalBeam;
 use crate::vocabulary as v;

@@ -2,12 +2,12 @@
 
 mod carried;
 
-use super::Behaviour;
-use super::continuous::{self, ContinuousForm, ContinuousTime, Instant};
-use super::description::{DependencyKind, Description, Experiment, Variable};
-use super::lines::{Derivatives, Lines, parts};
 use super::slip::SlipFraction;
 use crate::contact::{SlipSlap, SlipSlapInputs, SlipSlapResponse, SlipSlapWork};
+use crate::fmi::Behaviour;
+use crate::fmi::continuous::{self, ContinuousForm, ContinuousTime, Instant};
+use crate::fmi::description::{DependencyKind, Description, Experiment, Variable};
+use crate::fmi::lines::{Derivatives, Lines, parts};
 use crate::model::{Contact, Model};
 use crate::time::Ramp;
 use crate::vocabulary as v;

@@ -1,11 +1,12 @@
 //! A contact whose displacement and normal load are prescribed from outside.
 
-use super::continuous::{self, ContinuousForm, ContinuousTime, Instant};
-use super::description::{DependencyKind, Description, Experiment, Variable};
-use super::lines::{Derivatives, Lines, parts};
+use super::LoadRule;
 use super::slip::SlipFraction;
-use super::{Behaviour, LoadRule};
 use crate::contact::{ContactLaw, Inputs, Response, StateSensitivity, Tangents};
+use crate::fmi::Behaviour;
+use crate::fmi::continuous::{self, ContinuousForm, ContinuousTime, Instant};
+use crate::fmi::description::{DependencyKind, Description, Experiment, Variable};
+use crate::fmi::lines::{Derivatives, Lines, parts};
 use crate::model::{Contact, Model};
 use crate::time::Ramp;
 use crate::vocabulary as v;

@@ -1,9 +1,10 @@
 //! The behaviour of a model with a structure: a system whose ports are driven from outside.
 
-use super::continuous::{self, ContinuousTime, Instant};
-use super::lines::{Derivatives, Lines};
+use super::LoadRule;
 use super::slip::SlipFraction;
-use super::{Behaviour, LoadRule};
+use crate::fmi::Behaviour;
+use crate::fmi::continuous::{self, ContinuousTime, Instant};
+use crate::fmi::lines::{Derivatives, Lines};
 use crate::system::{Element, System};
 use crate::time::{Integrator, Motion, OutputRates, Outputs, Ramp, Settings, Steps, Tangent};
 

@@ -1,9 +1,10 @@
 //! Masses and springs with a frictional contact, or without.
 
-use super::continuous::ContinuousForm;
-use super::description::{DependencyKind, Description, Experiment, Variable};
+use super::LoadRule;
 use super::driven::{DrivenSystem, Table};
-use super::{Behaviour, LoadRule};
+use crate::fmi::Behaviour;
+use crate::fmi::continuous::ContinuousForm;
+use crate::fmi::description::{DependencyKind, Description, Experiment, Variable};
 use crate::model::{Contact, Model, Oscillator};
 use crate::time::Integrator;
 use crate::vocabulary::{self as v, Quantity};

@@ -1,12 +1,12 @@
 //! A beam whose pin slips and slaps on its support, driven by the force of its exciter; or without the contact, whose forces
 //! then come from outside.
 
-use super::Behaviour;
 use super::beam::sensor_positions;
-use super::continuous::{self, ContinuousForm, ContinuousTime, Instant};
-use super::description::{DependencyKind, Description, Experiment, Variable};
-use super::lines::{Derivatives, Lines, parts};
 use super::slip::SlipFraction;
+use crate::fmi::Behaviour;
+use crate::fmi::continuous::{self, ContinuousForm, ContinuousTime, Instant};
+use crate::fmi::description::{DependencyKind, Description, Experiment, Variable};
+use crate::fmi::lines::{Derivatives, Lines, parts};
 use crate::model::{Model, PinnedBeam};
 use crate::system::Element;
 use crate::time::{ClassicalSteps, Energies, Ramp, SteppedMotion};
