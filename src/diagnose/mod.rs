@@ -24,6 +24,7 @@ pub use diagnosis::{
 pub use engine::{Added, DiagnoseHook, DiagnoseOptions, DiagnoseWatch, add, diagnose};
 pub use error::DiagnoseError;
 pub use measurements::noise::noise_of;
+pub use verdict::confound::ALIKE;
 
 pub use crate::fit::compare::{
     ChannelResult, Comparison, Fitted, Parameter, RecordResult, Refit, RefitError, Skipped, Stage, StepGain,

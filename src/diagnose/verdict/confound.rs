@@ -3,8 +3,8 @@
 use crate::diagnose::diagnosis::Group;
 use crate::effects;
 
-/// Correlation from which a pair is worth a line in the report.
-pub(super) const ALIKE: f64 = 0.9;
+/// Correlation (1) of two effects from which on data cannot tell them apart; words and pages alone use it, no verdict does.
+pub const ALIKE: f64 = 0.9;
 
 /// What separates two effects: the experiment made for the pair, or the one that shows `second` apart from others.
 fn separates(first: &str, second: &str) -> &'static str {

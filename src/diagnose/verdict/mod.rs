@@ -3,7 +3,7 @@
 //! `context` is what the answer is about, `decision` holds the one rule and the look at the test records, `explain` gives
 //! reasons in sentences, `experiment` what to measure next, `confound` the experiments that separate effects.
 
-mod confound;
+pub(super) mod confound;
 mod context;
 mod decision;
 mod experiment;

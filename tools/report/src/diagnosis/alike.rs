@@ -1,12 +1,9 @@
 //! How alike the candidates are: a map that needs no script, and prints.
 
 use maud::{Markup, html};
-use stickslip::diagnose::Diagnosis;
+use stickslip::diagnose::{ALIKE, Diagnosis};
 
 use super::words;
-
-/// From this correlation on the data cannot distinguish two effects.
-const ALIKE: f64 = 0.9;
 
 /// The section; empty where nothing was set against anything else.
 pub fn section(diagnosis: &Diagnosis) -> Markup {
