@@ -8,6 +8,7 @@ some word (`REFUSED`). The measurement is a loop of a contact: time, displacemen
 """
 
 import os
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -19,7 +20,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pyuff
 import scipy.io
-from nptdms import ChannelObject, GroupObject, RootObject, TdmsWriter
+from nptdms import ChannelObject, GroupObject, RootObject, TdmsFile, TdmsWriter
 
 RATE = 2048.0
 N = 1024
@@ -465,6 +466,38 @@ def _(path):
 def _(path):
     tdms(path, channels("loop"))
     cut(path, 0.7)
+
+
+# TDMS as loggers write it, which npTDMS does not: samples in turn, big-endian, many blocks. npTDMS reads the same.
+def logged(path, interleaved=False, big_endian=False, rows=N, codes=(10, 10, 10)):
+    order = ">" if big_endian else "<"
+    words = lambda text: struct.pack(order + "I", len(text)) + text.encode()
+    kinds = [np.dtype(order + {10: "f8", 9: "f4", 3: "i4"}[code]) for code in codes]
+    table = [np.asarray(values).astype(kind) for values, kind in zip(SCALED.values(), kinds)]
+    metadata = struct.pack(order + "I", len(table))
+    for name, code in zip(SCALED, codes):
+        metadata += words(f"/'loop'/'{name}'") + struct.pack(order + "IIIQ", 20, code, 1, rows)
+        metadata += struct.pack(order + "I", 1) + words("unit_string") + struct.pack(order + "I", 32) + words(UNITS[name])
+    data = b""
+    for first in range(0, N, rows):
+        block = [values[first:first + rows] for values in table]
+        data += b"".join(value.tobytes() for row in zip(*block) for value in row) if interleaved else b"".join(values.tobytes() for values in block)
+    contents = 14 | interleaved << 5 | big_endian << 6
+    path.write_bytes(b"TDSm" + struct.pack("<I", contents) + struct.pack(order + "IQQ", 4713, len(metadata + data), len(metadata)) + metadata + data)
+    judge = TdmsFile.read(path)["loop"]
+    # Of samples in turn npTDMS 1.13 takes big-endian ones for little-endian.
+    assert interleaved and big_endian or all(np.array_equal(judge[name][:], values) for name, values in zip(SCALED, table))
+
+
+for name, what, options, digits in [
+    ("interleaved", "samples in turn", {"interleaved": True}, 9),
+    ("big-endian", "big-endian", {"big_endian": True}, 9),
+    ("blocks", "sixteen blocks in a segment", {"rows": N // 16}, 9),
+    ("logger", "samples in turn, big-endian, in blocks, of two kinds", {"interleaved": True, "big_endian": True, "rows": N // 16, "codes": (10, 9, 9)}, 6),
+]:
+    @written(f"{name}.tdms", f"by hand, {what}, checked by npTDMS", digits=digits)
+    def _(path, options=options):
+        logged(path, **options)
 
 
 # Parquet, written by pandas and pyarrow.

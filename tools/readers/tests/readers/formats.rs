@@ -61,24 +61,89 @@ fn mat() -> Vec<u8> {
     std::fs::read(file.path()).unwrap()
 }
 
+/// How a TDMS file is laid out.
+#[derive(Clone, Copy, Default)]
+struct Layout {
+    big_endian: bool,
+    interleaved: bool,
+    /// Rows of a block; 0 for all of them.
+    block: usize,
+}
+
 /// One segment with three channels of a group, by hand.
-fn tdms() -> Vec<u8> {
-    let text = |text: &str| [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat();
-    let mut meta = 3u32.to_le_bytes().to_vec();
-    let mut raw = Vec::new();
-    for (name, values) in [("time_ms", time()), ("displacement_mm", displacement()), ("force_kN", force())] {
+fn tdms_as(layout: Layout) -> Vec<u8> {
+    let ordered = |little: &[u8]| {
+        let mut bytes = little.to_vec();
+        bytes.reverse();
+        if layout.big_endian { bytes } else { little.to_vec() }
+    };
+    let text = |text: &str| [&ordered(&(text.len() as u32).to_le_bytes())[..], text.as_bytes()].concat();
+    let block = if layout.block == 0 { ROWS } else { layout.block };
+    let columns = [("time_ms", time()), ("displacement_mm", displacement()), ("force_kN", force())];
+    let mut meta = ordered(&3u32.to_le_bytes());
+    for (name, _) in &columns {
         meta.extend(text(&format!("/'loop'/'{name}'")));
-        for number in [20u32, 10, 1] {
-            meta.extend(number.to_le_bytes());
-        }
-        meta.extend((values.len() as u64).to_le_bytes());
-        meta.extend(0u32.to_le_bytes());
-        values.iter().for_each(|value| raw.extend(value.to_le_bytes()));
+        [20u32, 10, 1].iter().for_each(|number| meta.extend(ordered(&number.to_le_bytes())));
+        meta.extend(ordered(&(block as u64).to_le_bytes()));
+        meta.extend(ordered(&0u32.to_le_bytes()));
     }
-    let mut bytes = [&b"TDSm"[..], &14u32.to_le_bytes(), &4713u32.to_le_bytes()].concat();
-    bytes.extend(((meta.len() + raw.len()) as u64).to_le_bytes());
-    bytes.extend((meta.len() as u64).to_le_bytes());
+    let mut raw = Vec::new();
+    for first in (0..ROWS).step_by(block) {
+        let places: Vec<(usize, usize)> = if layout.interleaved {
+            (first..first + block).flat_map(|row| (0..3).map(move |column| (row, column))).collect()
+        } else {
+            (0..3).flat_map(|column| (first..first + block).map(move |row| (row, column))).collect()
+        };
+        places.iter().for_each(|(row, column)| raw.extend(ordered(&columns[*column].1[*row].to_le_bytes())));
+    }
+    let contents = 14 + (u32::from(layout.interleaved) << 5) + (u32::from(layout.big_endian) << 6);
+    let mut bytes = [&b"TDSm"[..], &contents.to_le_bytes(), &ordered(&4713u32.to_le_bytes())].concat();
+    bytes.extend(ordered(&((meta.len() + raw.len()) as u64).to_le_bytes()));
+    bytes.extend(ordered(&(meta.len() as u64).to_le_bytes()));
     [bytes, meta, raw].concat()
+}
+
+fn tdms() -> Vec<u8> {
+    tdms_as(Layout::default())
+}
+
+#[test]
+fn tdms_is_read_in_either_order_of_bytes_in_turn_and_in_blocks() {
+    for big_endian in [false, true] {
+        for interleaved in [false, true] {
+            for block in [0, ROWS / 4] {
+                let layout = Layout { big_endian, interleaved, block };
+                let imported = import(tdms_as(layout), &ImportOptions::default());
+                holds(
+                    &imported.unwrap_or_else(|error| panic!("{big_endian} {interleaved} {block}: {error}")),
+                    0,
+                    14,
+                );
+            }
+        }
+    }
+    // Two segments, of which the second says nothing new of its channels.
+    let first = tdms();
+    let data = first.len() - 3 * 8 * ROWS;
+    let size = (3 * 8 * ROWS as u64).to_le_bytes();
+    let lead =
+        [&b"TDSm"[..], &8u32.to_le_bytes(), &4713u32.to_le_bytes(), &size, &0u64.to_le_bytes()].concat();
+    let twice = [&first[..], &lead, &first[data..]].concat();
+    let options = ImportOptions {
+        columns: vec![("time_ms".into(), ColumnRule::of("sample [1]"))],
+        ..ImportOptions::default()
+    };
+    let force = import(twice, &options)
+        .map(|imported| imported.records[0].channel("force").map(|force| force.values.len()));
+    assert!(force.clone().is_err() || force == Ok(Some(2 * ROWS)), "{force:?}");
+    // What cannot be is said.
+    let cut = &first[..data + 8];
+    let mut daqmx = first.clone();
+    daqmx[4] |= 1 << 7;
+    for (bytes, word) in [(cut.to_vec(), "cut off"), (daqmx, "raw DAQmx data")] {
+        let refused = import(bytes, &ImportOptions::default()).unwrap_err();
+        assert!(refused.contains(word), "{refused}");
+    }
 }
 
 /// A function of a universal file; `uneven` writes pairs.
@@ -231,7 +296,7 @@ proptest! {
         let mut bytes = match which {
             0 => hdf5(),
             1 => mat(),
-            2 => tdms(),
+            2 => tdms_as(Layout { big_endian: keep > 1.0, interleaved: keep > 0.6, block: ROWS / 4 }),
             3 => universal(false, false),
             4 => universal(false, true),
             _ => universal(true, true),
