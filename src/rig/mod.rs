@@ -105,7 +105,7 @@ pub fn test_with_truth_on(
                     dual_mode::measured(&bench.assembly, test, test.amplitudes[index], delays)
                 }),
                 TestKind::Random(test) => random::measured(&bench, test, delays, &mut part),
-                TestKind::RingDown(test) => ring_down::measured(&bench, test, delays, &mut part),
+                TestKind::RingDown(test) => ring_down::measured(&bench, test, index, delays, &mut part),
             };
             let made = made.map_err(|error| error.of_record(name))?;
             let seed = records.len() as u64;

@@ -103,8 +103,8 @@ pub struct RandomTest {
 /// Free decay with the shaker disconnected.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RingDown {
-    /// What it is released from.
-    pub from: Release,
+    /// What it is released from, a record each.
+    pub from: Vec<Release>,
     /// Duration of the record (s).
     pub duration: f64,
     /// Samples per second (Hz).
@@ -262,12 +262,13 @@ impl TestKind {
         }
     }
 
-    /// Steady records one per amplitude and frequency; one of each other test.
+    /// Steady records one per amplitude and frequency, free decays one per release; one under a random force.
     fn records(&self) -> usize {
         match self {
             Self::SteppedSine(test) => test.amplitudes.len() * test.frequencies.count(),
             Self::DualMode(test) => test.amplitudes.len(),
-            Self::Random(_) | Self::RingDown(_) => 1,
+            Self::RingDown(test) => test.from.len(),
+            Self::Random(_) => 1,
         }
     }
 
@@ -315,8 +316,9 @@ impl TestKind {
                     && (2.0..MOST_SAMPLES).contains(&(test.duration * test.sampling))
             }
             Self::RingDown(test) => {
-                let (Release::Held(from) | Release::Force(from)) = test.from;
-                positive(from)
+                let size = |(Release::Held(size) | Release::Force(size)): &Release| *size;
+                self.records() > 0
+                    && test.from.iter().all(|from| positive(size(from)))
                     && positive(test.sampling)
                     && (2.0..MOST_SAMPLES).contains(&(test.duration * test.sampling))
             }

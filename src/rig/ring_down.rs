@@ -16,10 +16,11 @@ const PULLED: f64 = 40.0;
 /// Radians of the first harmonic over which a parabola follows a force.
 const SMOOTH: f64 = 0.3;
 
-/// One record.
+/// Record `index` of a test.
 pub(super) fn measured(
     bench: &Bench,
     test: &RingDown,
+    index: usize,
     delays: &[f64],
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Measured, RigError> {
@@ -29,7 +30,7 @@ pub(super) fn measured(
         delays: &delays[1..],
     };
     let before_zero = sampling.before() as f64 * sampling.step;
-    let (accelerations, contact) = match test.from {
+    let (accelerations, contact) = match test.from[index] {
         Release::Held(amplitude) => {
             let steady = bench.resonance(None, amplitude)?;
             let speed = steady.angular_frequency;

@@ -173,7 +173,7 @@ fn of_the_rig(model: &Model, amplitudes: &[f64], seed: u64) -> Dataset {
     let noisy = ChannelFault { noise: NoiseLevel::Deviation(0.05), ..ChannelFault::default() };
     plan.chain = Chain { accelerometers: vec![noisy; 3], seed, ..Chain::default() };
     for amplitude in amplitudes {
-        let decay = RingDown { from: Release::Held(*amplitude), duration: 4.0, sampling: 2048.0 };
+        let decay = RingDown { from: vec![Release::Held(*amplitude)], duration: 4.0, sampling: 2048.0 };
         plan.tests.push(Test {
             name: format!("from-{amplitude}"),
             use_for: None,

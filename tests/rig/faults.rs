@@ -15,7 +15,7 @@ const RANDOM: RandomTest =
 /// A steady, a random and a free record through `chain`.
 fn records(chain: Chain) -> Vec<Record> {
     let mut plan = Plan { chain, ..Plan::of_sensors(&SENSORS) };
-    let ring_down = RingDown { from: Release::Held(20.0), duration: 0.5, sampling: 4000.0 };
+    let ring_down = RingDown { from: vec![Release::Held(20.0)], duration: 0.5, sampling: 4000.0 };
     let kinds = [
         TestKind::SteppedSine(SteppedSine::at(vec![30.0])),
         TestKind::Random(RANDOM),
@@ -181,7 +181,7 @@ fn a_watch_ends_every_test_soon() {
         TestKind::SteppedSine(SteppedSine::at(vec![30.0; 50])),
         TestKind::Random(RandomTest { duration: 500.0, ..RANDOM }),
         TestKind::Random(RandomTest { lead: 1000.0, ..RANDOM }),
-        TestKind::RingDown(RingDown { from: Release::Force(1.0), duration: 1000.0, sampling: 1000.0 }),
+        TestKind::RingDown(RingDown { from: vec![Release::Force(1.0)], duration: 1000.0, sampling: 1000.0 }),
     ]
     .into_iter()
     .enumerate()

@@ -10,7 +10,7 @@ use stickslip::system::ModalBeam;
 use crate::{accelerations, published, record_of};
 
 fn released(model: &Model, from: Release, duration: f64) -> Record {
-    record_of(model, TestKind::RingDown(RingDown { from, duration, sampling: 4096.0 }))
+    record_of(model, TestKind::RingDown(RingDown { from: vec![from], duration, sampling: 4096.0 }))
 }
 
 /// Frequency (Hz) and damping ratio of the sensor at the middle between two times (s), by its crossings of zero and the

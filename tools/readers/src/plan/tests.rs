@@ -146,16 +146,16 @@ fn random(table: &Table<'_>, number: usize) -> Result<RandomTest, DocumentError>
 }
 
 fn ring_down(table: &Table<'_>) -> Result<RingDown, DocumentError> {
-    let from = match (positive(table, "amplitude")?, positive(table, "force")?) {
-        (Some(amplitude), None) => Release::Held(amplitude),
-        (None, Some(force)) => Release::Force(force),
+    let each = |sizes: Vec<f64>, release: fn(f64) -> Release| sizes.into_iter().map(release).collect();
+    let from = match (positive_list(table, "amplitude")?, positive_list(table, "force")?) {
+        (Some(amplitudes), None) => each(amplitudes, Release::Held),
+        (None, Some(forces)) => each(forces, Release::Force),
         (Some(_), Some(_)) => {
             let message = "a release is from an `amplitude` or from a `force`, not from both";
             return Err(DocumentError::new(message, table.span_of("force")));
         }
         (None, None) => {
-            let help =
-                "released from the resonance at this `amplitude` [m/s^2], or from a constant `force` [N]";
+            let help = "released from the resonance at this `amplitude` [m/s^2], or from a constant `force` [N]: one or a list";
             return Err(table.missing("amplitude").with_help(help));
         }
     };

@@ -44,7 +44,7 @@ fn the_example_plans_are_read_and_have_the_levels_of_the_paper() {
     assert_eq!(levels.frequencies, Frequencies::Resonance);
     let plan = read_plan(examples.join("ring-down.toml")).unwrap();
     let TestKind::RingDown(free) = &plan.plan.tests[0].kind else { panic!("a ring-down") };
-    assert_eq!(free.from, Release::Held(40.0));
+    assert_eq!(free.from, [Release::Held(40.0)]);
 }
 
 #[test]
@@ -137,6 +137,24 @@ fn a_pin_rig_is_tested_in_dual_mode_alone() {
         "{}",
         error.render(false)
     );
+}
+
+#[test]
+fn a_list_of_releases_makes_a_record_each() {
+    let decays = "[[ring_down]]\namplitude = [20, 40]\nduration = 0.1\nsampling = 1000\n";
+    let plan = read(&format!("{HEAD}{decays}")).unwrap().plan;
+    let TestKind::RingDown(free) = &plan.tests[0].kind else { panic!("a ring-down") };
+    assert_eq!(free.from, [Release::Held(20.0), Release::Held(40.0)]);
+    assert_eq!(plan.record_names(), [["ring-down-1.csv", "ring-down-2.csv"]]);
+    let pulled = read(&format!("{HEAD}{}", decays.replace("amplitude", "force"))).unwrap();
+    let records = test_on(&pulled.model, &pulled.plan, &mut |_| true).unwrap();
+    let largest = |record: usize| {
+        let values = records[record].channels_of("acceleration").flat_map(|channel| &channel.values);
+        values.fold(0.0_f64, |most, value| most.max(value.abs()))
+    };
+    assert!(largest(1) > 1.5 * largest(0), "{} and {}", largest(0), largest(1));
+    says(&decays.replace("40", "0"), 2, &["above 0"]);
+    says(&decays.replace("[20, 40]", "[]"), 2, &["one or several"]);
 }
 
 #[test]
