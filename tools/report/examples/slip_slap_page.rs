@@ -1,5 +1,5 @@
 //! The figures of "Identifying slip-slap forces in the contact interface using dual-mode excitation", from records of the virtual
-//! rig, as a page: `cargo run --release -p stickslip-report --example slip_slap -- slip-slap.html [exact]`. The measuring
+//! rig, as a page: `cargo run --release -p stickslip-report --example slip_slap_page -- slip-slap.html [exact]`. The measuring
 //! chain has gains 1 % off and noise of 0.1 %; with `exact` it has no fault, and the identification is told so.
 
 use std::error::Error;
@@ -46,6 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let slap = slap_in_time(&under(preload)?, last.forces, &test, 10)?;
     let truth: Vec<Record> = tested.into_iter().filter_map(|tested| tested.contact).collect();
     let report = SlipSlapReport {
+        notes: &[],
         title: "Slip and slap of a pin under dual-mode excitation, from the virtual rig".to_owned(),
         found: &found,
         truth: &truth,
@@ -54,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     print!("{}", slip_slap_table(&report, 120, false));
     let settings = Settings {
-        command: format!("cargo run --release -p stickslip-report --example slip_slap -- {file}"),
+        command: format!("cargo run --release -p stickslip-report --example slip_slap_page -- {file}"),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         ..Settings::default()
     };
