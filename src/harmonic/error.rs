@@ -7,6 +7,9 @@ use crate::time::OscillatorError;
 /// Why no periodic response was found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum HarmonicError {
+    /// The caller asked for the end ([`CurveSettings::interrupt`](super::CurveSettings::interrupt)).
+    #[error("interrupted")]
+    Interrupted,
     /// The arguments make no sense together.
     #[error("{0}")]
     InvalidInput(&'static str),

@@ -40,4 +40,4 @@ pub use response::resonance::{Resonance, backbone, phase_resonance};
 pub use response::sweep::{frequency_response, level_response, parameter_response, periodic_response};
 pub use response::tracking::{TrackedQuantity, Tracking, track_levels, track_parameter};
 pub use response::{Curve, Fold, Peak};
-pub use settings::{CurveSettings, Method, UNRESOLVED};
+pub use settings::{CurveSettings, Interrupt, Method, UNRESOLVED};

@@ -36,6 +36,16 @@ impl Method {
 /// asks for none: 1 % of the amplitude.
 pub const UNRESOLVED: f64 = 0.01;
 
+/// Asked again and again by work that takes long: whether it is to end with what it has.
+#[derive(Debug, Clone, Copy)]
+pub struct Interrupt(pub fn() -> bool);
+
+impl PartialEq for Interrupt {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::fn_addr_eq(self.0, other.0)
+    }
+}
+
 /// Discretisation, stopping rule and step control of responses.
 ///
 /// ```
@@ -70,6 +80,9 @@ pub struct CurveSettings {
     pub max_step: f64,
     /// Points before a curve is given up.
     pub max_points: usize,
+    /// Asked before every Newton step; where it says so, a curve ends with the points it has
+    /// ([`Ending::Interrupted`](super::Ending::Interrupted)), and a single response with [`HarmonicError::Interrupted`].
+    pub interrupt: Option<Interrupt>,
 }
 
 impl Default for CurveSettings {
@@ -85,6 +98,7 @@ impl Default for CurveSettings {
             all_harmonics: false,
             max_step: 0.02,
             max_points: 20_000,
+            interrupt: None,
         }
     }
 }
@@ -116,6 +130,11 @@ impl CurveSettings {
     /// The stopping rule of a solution that may be anywhere.
     pub(crate) fn stopping(&self) -> Stopping {
         let (tolerance, max_iterations) = (self.tolerance, self.max_iterations);
-        Stopping { tolerance, max_iterations, reach: f64::INFINITY }
+        Stopping { tolerance, max_iterations, reach: f64::INFINITY, interrupt: self.interrupt }
+    }
+
+    /// Whether the work is to end.
+    pub(crate) fn interrupted(&self) -> bool {
+        self.interrupt.is_some_and(|Interrupt(asked)| asked())
     }
 }

@@ -37,7 +37,7 @@ impl Path<'_> {
             all.extend(self.conditions.iter_mut().map(|condition| &mut **condition as &mut dyn Condition));
             all.push(&mut self.arc);
             // Nothing to be solved: an infinite tolerance leaves the evaluation.
-            let stopping = Stopping { tolerance: f64::INFINITY, max_iterations: 0, reach: f64::INFINITY };
+            let stopping = Stopping { tolerance: f64::INFINITY, max_iterations: 0, ..self.route.stopping };
             self.newton.solve(self.system, x, at, &self.free, &mut all, &stopping)?;
         }
         let n = self.next.x.len();

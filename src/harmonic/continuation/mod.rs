@@ -237,9 +237,11 @@ impl<'s> Path<'s> {
                     (self.step, shortened) = (0.5 * self.step, false);
                     self.system.forget();
                 }
-                Err(error @ (HarmonicError::InvalidInput(_) | HarmonicError::Structure(_))) => {
-                    return Err(error);
-                }
+                Err(
+                    error @ (HarmonicError::InvalidInput(_)
+                    | HarmonicError::Structure(_)
+                    | HarmonicError::Interrupted),
+                ) => return Err(error),
                 Ok(None) | Err(_) => {
                     (self.step, shortened) = (0.5 * self.step, false);
                     self.system.forget();

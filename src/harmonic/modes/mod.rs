@@ -263,6 +263,7 @@ fn follow(
                 mode.lost = Some(error);
                 break;
             }
+            Err(HarmonicError::Interrupted) if !mode.points.is_empty() => break,
             Err(error) => return Err(error),
         }
     }

@@ -2,6 +2,7 @@
 
 use super::system::{Observation, Operating, PeriodicSystem, Scalar};
 use crate::harmonic::HarmonicError;
+use crate::harmonic::settings::Interrupt;
 use crate::numeric::lu::Factors;
 
 /// Gradient of a condition.
@@ -56,6 +57,19 @@ pub(crate) struct Stopping {
     pub max_iterations: usize,
     /// Longest step wanted, as multiple of the unknowns, from which the solution is still near.
     pub reach: f64,
+    /// Asked before every evaluation.
+    pub interrupt: Option<Interrupt>,
+}
+
+impl Stopping {
+    /// Ends the work where that is asked for.
+    fn look(&self) -> Result<(), HarmonicError> {
+        if self.interrupt.is_some_and(|Interrupt(asked)| asked()) {
+            Err(HarmonicError::Interrupted)
+        } else {
+            Ok(())
+        }
+    }
 }
 
 /// How a solution was reached.
@@ -108,6 +122,7 @@ impl Newton {
     ) -> Result<Effort, HarmonicError> {
         debug_assert_eq!(free.len(), conditions.len());
         self.factored = false;
+        stopping.look()?;
         self.evaluate(system, x, at, free, conditions)?;
         let mut residual = largest(&self.residual);
         let mut before = f64::INFINITY;
@@ -129,6 +144,7 @@ impl Newton {
             if !chord && !self.factor(system, free) {
                 return Err(HarmonicError::NotConverged { residual, iterations });
             }
+            stopping.look()?;
             let norm = length(&self.residual);
             self.step.clear();
             self.step.extend(self.residual.iter().map(|r| -r));
@@ -150,7 +166,10 @@ impl Newton {
                     self.evaluate(system, x, at, free, conditions)?;
                     return Ok(Effort { iterations, residual });
                 }
-                None => return Err(HarmonicError::NotConverged { residual, iterations }),
+                None => {
+                    stopping.look()?;
+                    return Err(HarmonicError::NotConverged { residual, iterations });
+                }
             };
             iterations += 1;
         }
@@ -201,6 +220,7 @@ impl Newton {
         let n = x.len();
         let mut fraction = longest_fraction(at, free, &self.step[n..]);
         for _ in 0..=HALVINGS {
+            stopping.look().ok()?;
             let mut moved = *at;
             let mut trial = std::mem::take(&mut self.trial);
             trial.clear();

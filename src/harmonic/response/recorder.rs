@@ -203,7 +203,7 @@ impl<'s> Recorder<'s> {
     }
 
     /// Locates peaks and folds between the last two points; peaks become points of the curve. False where the
-    /// watcher has seen enough.
+    /// watcher has seen enough, or the work is to end.
     pub fn locate(
         &mut self,
         path: &mut Path,
@@ -218,6 +218,9 @@ impl<'s> Recorder<'s> {
             let now = self.now.slopes[node];
             if !(before > 0.0 && now < 0.0) {
                 continue;
+            }
+            if self.settings.interrupted() {
+                return false;
             }
             // A node that moves as another does has its peak there too.
             let same = |slopes: &[f64], other: usize| slopes[other] == slopes[node];

@@ -57,10 +57,12 @@ pub(crate) fn first(
     settings: &CurveSettings,
 ) -> Result<(Vec<f64>, Operating), HarmonicError> {
     check_control(control, system.nodes(), system.harmonics())?;
-    match control {
+    let found = match control {
         Control::Level(level) => at_level(system, Operating { level: *level, ..*start }, settings),
         Control::Held { .. } => held(system, start.angular_frequency, control, settings),
-    }
+    };
+    // Attempts that were ended have found nothing: that is not what is to be said.
+    if found.is_err() && settings.interrupted() { Err(HarmonicError::Interrupted) } else { found }
 }
 
 /// Solves at `at` as [`first`] does: directly, along the level from a weak excitation up, from fewer harmonics, or

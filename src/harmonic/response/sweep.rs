@@ -291,27 +291,10 @@ impl Sweep {
             curve.ending = Ending::Interrupted;
             return Ok(curve);
         }
-        loop {
-            if curve.points.len() >= settings.max_points {
-                curve.ending = Ending::Stuck;
-                break;
-            }
-            let advance = path.advance(&mut |system, newton, location, free| {
-                recorder.judge(system, newton, location, free)
-            })?;
-            if advance == Advance::Stuck {
-                curve.ending = Ending::Stuck;
-                break;
-            }
-            if !recorder.locate(&mut path, &mut curve, watch) || !recorder.keep(&mut curve, watch) {
-                curve.ending = Ending::Interrupted;
-                break;
-            }
-            if let Advance::Arrived(ending) = advance {
-                curve.ending = ending;
-                break;
-            }
-        }
+        curve.ending = match follow(&mut path, &mut recorder, &mut curve, settings, watch) {
+            Err(HarmonicError::Interrupted) => Ending::Interrupted,
+            ending => ending?,
+        };
         Ok(curve)
     }
 
@@ -335,5 +318,31 @@ impl Sweep {
         };
         path.pause_at(&self.linear_resonances);
         Ok(path)
+    }
+}
+
+/// Follows `path` to its end, point after point of `curve`.
+fn follow(
+    path: &mut Path,
+    recorder: &mut Recorder,
+    curve: &mut Curve,
+    settings: &CurveSettings,
+    watch: &mut dyn FnMut(&Point) -> bool,
+) -> Result<Ending, HarmonicError> {
+    loop {
+        if curve.points.len() >= settings.max_points {
+            return Ok(Ending::Stuck);
+        }
+        let advance = path
+            .advance(&mut |system, newton, location, free| recorder.judge(system, newton, location, free))?;
+        if advance == Advance::Stuck {
+            return Ok(Ending::Stuck);
+        }
+        if !recorder.locate(path, curve, watch) || !recorder.keep(curve, watch) {
+            return Ok(Ending::Interrupted);
+        }
+        if let Advance::Arrived(ending) = advance {
+            return Ok(ending);
+        }
     }
 }

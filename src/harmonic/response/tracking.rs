@@ -185,6 +185,10 @@ impl<'s, 'v> Follower<'s, 'v> {
                     curve.ending = Ending::Stuck;
                     break;
                 }
+                Err(HarmonicError::Interrupted) if !curve.points.is_empty() => {
+                    curve.ending = Ending::Interrupted;
+                    break;
+                }
                 Err(error) => return Err(error),
             }
             if !curve.points.last().is_none_or(&mut *watch) {

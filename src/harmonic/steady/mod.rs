@@ -120,8 +120,12 @@ impl SteadyProblem {
                 return Ok(Steady { balance, unknowns, at });
             }
             let (mut unknowns, mut at) = (start.unknowns(&ports), at);
-            let stopping =
-                Stopping { tolerance: self.tolerance, max_iterations: NEAR_ITERATIONS, reach: REACH };
+            let stopping = Stopping {
+                tolerance: self.tolerance,
+                max_iterations: NEAR_ITERATIONS,
+                reach: REACH,
+                interrupt: None,
+            };
             balance.forget();
             solve(&mut balance, &mut unknowns, &mut at, &[], &mut [], &stopping)?;
             return Ok(Steady { balance, unknowns, at });

@@ -11,6 +11,8 @@ macro_rules! tell {
 }
 
 mod commands;
+#[cfg(test)]
+mod fuzz;
 mod output;
 mod progress;
 mod terminal;
@@ -120,6 +122,11 @@ impl Failure {
         Failure { code: 2, message }
     }
 
+    /// The program was asked to end before there was anything to keep.
+    fn interrupted() -> Failure {
+        Failure { code: 130, message: "interrupted before the first result".to_owned() }
+    }
+
     /// Something else is at fault: exit code 1.
     fn other(message: impl Into<String>) -> Failure {
         Failure { code: 1, message: format!("error: {}", message.into()) }
@@ -146,7 +153,19 @@ fn main() -> ExitCode {
     if !matches!(cli.command, Some(Command::ServeFmu(_) | Command::Sweep(_))) {
         progress::catch_interrupts();
     }
-    let done = match cli.command.unwrap_or_else(|| Command::Demo(Default::default())) {
+    match run(cli.command.unwrap_or_else(|| Command::Demo(Default::default()))) {
+        Ok(_) if progress::interrupted() => ExitCode::from(130),
+        Ok(code) => ExitCode::from(code),
+        Err(failure) => {
+            let _ = writeln!(std::io::stderr(), "{}", failure.message.trim_end());
+            ExitCode::from(failure.code)
+        }
+    }
+}
+
+/// The exit code of a command that does not fail.
+fn run(command: Command) -> Result<u8, Failure> {
+    match command {
         Command::Demo(command) => command.run().map(|()| 0),
         Command::Import(command) => command.run().map(|()| 0),
         Command::New(command) => command.run().map(|()| 0),
@@ -166,13 +185,5 @@ fn main() -> ExitCode {
         Command::Man(command) => command.run(Cli::command()).map(|()| 0),
         Command::ServeFmu(command) => command.run().map(|()| 0),
         Command::Sweep(command) => command.run().map(|()| 0),
-    };
-    match done {
-        Ok(_) if progress::interrupted() => ExitCode::from(130),
-        Ok(code) => ExitCode::from(code),
-        Err(failure) => {
-            let _ = writeln!(std::io::stderr(), "{}", failure.message.trim_end());
-            ExitCode::from(failure.code)
-        }
     }
 }

@@ -152,9 +152,7 @@ pub fn watched<T>(work: impl FnOnce(DiagnoseWatch) -> T) -> T {
 /// Why there is nothing to show.
 pub fn failed(error: DiagnoseError) -> Failure {
     match error {
-        DiagnoseError::Refit(RefitError::Fit(FitError::Interrupted)) => {
-            Failure { code: 130, message: "interrupted before the first result".to_owned() }
-        }
+        DiagnoseError::Refit(RefitError::Fit(FitError::Interrupted)) => Failure::interrupted(),
         DiagnoseError::UnknownEffect(_)
         | DiagnoseError::Refit(RefitError::NothingFree | RefitError::NothingToFit) => {
             Failure::input(error.to_string())

@@ -5,7 +5,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use stickslip::harmonic::{Assembly, CurveSettings, HarmonicError, ModeRange, NonlinearMode, nonlinear_mode};
+use stickslip::harmonic::{
+    Assembly, CurveSettings, HarmonicError, Interrupt, ModeRange, NonlinearMode, nonlinear_mode,
+};
 use stickslip::model::Structure;
 use stickslip_report::{ModeReport, Settings, mode_html};
 
@@ -68,7 +70,12 @@ impl Modes {
         let nodes = assembly.nodes();
         let range = self.range(&nodes)?;
         let defaults = CurveSettings::default();
-        let asked = CurveSettings { harmonics: self.harmonics, stability: false, ..defaults };
+        let asked = CurveSettings {
+            harmonics: self.harmonics,
+            stability: false,
+            interrupt: Some(Interrupt(progress::interrupted)),
+            ..defaults
+        };
         let bar = progress::spinner("modes");
         let found = nonlinear_mode(&assembly, &range, &asked, &mut |point| {
             bar.set_message(format!("amplitude {:.3e} m", point.amplitude));
@@ -77,6 +84,7 @@ impl Modes {
         bar.finish_and_clear();
         let mode = found.map_err(|error| match error {
             HarmonicError::InvalidInput(reason) => Failure::input(reason),
+            HarmonicError::Interrupted => Failure::interrupted(),
             _ => Failure::other(error.to_string()),
         })?;
         say(&table(&nodes[range.node], &mode))?;

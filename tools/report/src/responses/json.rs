@@ -42,7 +42,7 @@ pub fn responses_json(responses: &Responses, settings: &Settings) -> Value {
     let files: Vec<Value> =
         settings.files.iter().map(|file| json!({ "name": file.name, "sha256": file.sha256 })).collect();
     let (from, to) = responses.range;
-    json!({
+    let mut document = json!({
         "schema": "stickslip.frf/1",
         "title": responses.title,
         "seconds": responses.seconds,
@@ -57,13 +57,17 @@ pub fn responses_json(responses: &Responses, settings: &Settings) -> Value {
         },
         "nodes": responses.nodes(),
         "curves": responses.curves.iter().map(|one| curve(responses, one)).collect::<Vec<_>>(),
-        "points": every(responses, |index, one| {
-            one.curve.points.iter().map(|at| point(responses, index, one, at)).collect()
-        }),
-        "peaks": every(responses, peaks),
-        "phase_resonances": every(responses, phase_resonances),
-        "folds": every(responses, |index, one| folds(index, &one.curve)),
-    })
+        "points": null, "peaks": null, "phase_resonances": null, "folds": null,
+    });
+    let points = |index: usize, one: &ResponseCurve| -> Vec<Value> {
+        one.curve.points.iter().map(|at| point(responses, index, one, at)).collect()
+    };
+    // Large where there are many nodes: moved to their places, which `json!` would fill with copies.
+    document["points"] = every(responses, points).into();
+    document["peaks"] = every(responses, peaks).into();
+    document["phase_resonances"] = every(responses, phase_resonances).into();
+    document["folds"] = every(responses, |index, one| folds(index, &one.curve)).into();
+    document
 }
 
 fn every(responses: &Responses, of: impl Fn(usize, &ResponseCurve) -> Vec<Value>) -> Vec<Value> {
@@ -88,19 +92,22 @@ fn point(responses: &Responses, index: usize, one: &ResponseCurve, point: &Point
         one.curve.nodes.iter().cloned().zip(values.iter().map(|value| json!(value))).collect()
     };
     let (losses, contact) = (&responses.losses, responses.losses.contact(point));
-    json!({
+    let mut document = json!({
         "curve": index, "omega": point.angular_frequency,
         "frequency_hz": point.angular_frequency / std::f64::consts::TAU,
         "level": point.level, "held": held(responses, one),
-        "amplitude": by_node(&point.amplitude), "harmonic1": by_node(&point.first_harmonic()),
-        "phase1": by_node(&phases(point)),
+        "amplitude": null, "harmonic1": null, "phase1": null,
         "dissipated": losses.of_contact(point), "work": point.work,
         "dissipated_by_structure": losses.of_structure(point), "dissipated_by_dampers": losses.of_dampers(point),
         "equivalent_stiffness": contact.map(|contact| contact.equivalent_stiffness),
         "stick_fraction": contact.and_then(|contact| contact.stick_fraction),
         "stable": point.stable, "undecided": point.undecided.map(trust::reason), "error_estimate": point.error_estimate, "resolved": resolved(point),
         "harmonics": point.harmonics,
-    })
+    });
+    document["amplitude"] = by_node(&point.amplitude).into();
+    document["harmonic1"] = by_node(&point.first_harmonic()).into();
+    document["phase1"] = by_node(&phases(point)).into();
+    document
 }
 
 /// Nothing where the error is unknown.

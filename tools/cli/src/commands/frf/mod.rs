@@ -170,10 +170,14 @@ fn follow_all(
             1 => String::new(),
             count => format!("curve {} of {count}, ", index + 1),
         };
-        curves.push(follow(assembly, request, (level, has_contact), &which, &bar)?);
+        let curve = follow(assembly, request, (level, has_contact), &which, &bar)?;
+        // Of a curve that was interrupted before its first point there is nothing to show.
+        if curve.curve.ending != Ending::Interrupted || !curve.curve.points.is_empty() {
+            curves.push(curve);
+        }
     }
     bar.finish_and_clear();
-    Ok(curves)
+    if curves.is_empty() { Err(Failure::interrupted()) } else { Ok(curves) }
 }
 
 fn follow(
@@ -207,6 +211,7 @@ fn follow(
     let (mut curve, failure) = match found {
         Ok(curve) => (curve, None),
         Err(HarmonicError::InvalidInput(reason)) => return Err(Failure::input(reason)),
+        Err(HarmonicError::Interrupted) => (Curve { ending: Ending::Interrupted, ..empty(request) }, None),
         Err(error) => (empty(request), Some(error.to_string())),
     };
     let (mut phase_resonances, mut loops) = (Vec::new(), Vec::new());

@@ -1,11 +1,11 @@
 //! What the user asks for, checked.
 
 use stickslip::document::suggestion;
-use stickslip::harmonic::{Control, CurveSettings};
+use stickslip::harmonic::{Control, CurveSettings, Interrupt};
 use stickslip_report::responses::FrequencyUnit;
 
 use super::Frf;
-use crate::Failure;
+use crate::{Failure, progress};
 
 /// Curves of one command at most.
 const LEVELS: usize = 1000;
@@ -91,6 +91,7 @@ impl Frf {
             truncation: self.tolerance,
             max_harmonics: defaults.max_harmonics.max(self.harmonics),
             stability: !self.no_stability,
+            interrupt: Some(Interrupt(progress::interrupted)),
             ..defaults
         })
     }

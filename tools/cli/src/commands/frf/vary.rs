@@ -171,6 +171,7 @@ fn follow(model: &Model, assembly: &Assembly, request: &Request) -> Result<Curve
     bar.finish_and_clear();
     let mut curve = found.map_err(|error| match error {
         HarmonicError::InvalidInput(_) | HarmonicError::Model(_) => Failure::input(error.to_string()),
+        HarmonicError::Interrupted => Failure::interrupted(),
         _ => Failure::other(error.to_string()),
     })?;
     if force.is_none() {
