@@ -206,6 +206,28 @@ fn a_file_without_a_dataset_is_identified_as_it_is_with_one() {
     assert_eq!(listed["records"], lone["records"]);
     assert_eq!(listed["laws"], lone["laws"]);
     assert!(lone["best"].is_string());
+    // What was guessed stands in the results, too.
+    let table = fs::read_to_string(folder.path().join("level-60.csv")).unwrap();
+    fs::write(folder.path().join("dialect.csv"), table.replace(',', ";")).unwrap();
+    let arguments = [
+        "identify",
+        "model.toml",
+        "dialect.csv",
+        "--regime",
+        "steady",
+        "--json",
+        "i.json",
+        "--report",
+        "i.html",
+    ];
+    let output = stickslip(folder.path(), &arguments);
+    let told = error(&output);
+    let told: Vec<&str> = told.lines().filter_map(|line| line.strip_prefix("note: ")).collect();
+    let page = fs::read_to_string(folder.path().join("i.html")).unwrap();
+    assert!(told.iter().any(|note| note.starts_with("dialect.csv: ")), "{told:?}");
+    assert_eq!(read_json(&folder, "i.json")["notes"], serde_json::json!(told));
+    assert!(page.contains("How the measurements were read"));
+    assert!(!String::from_utf8_lossy(&output.stdout).contains("How the measurements"));
 }
 
 /// What the program says of bad input; it writes nothing.

@@ -66,6 +66,7 @@ pub fn identification_json(report: &IdentificationReport) -> Value {
         "linear": found.linear.iter().map(linear).collect::<Vec<_>>(),
         "skipped": skipped.collect::<Vec<_>>(),
         "warnings": found.warnings,
+        "notes": report.notes,
     })
 }
 

@@ -10,6 +10,7 @@ mod terminal;
 mod words;
 
 pub use json::identification_json;
+pub(crate) use page::reading;
 pub(crate) use published::{half, over_period, points};
 pub(crate) use tables::{chain_blocks, table};
 pub(crate) use terminal::document_table;
@@ -27,6 +28,8 @@ pub struct IdentificationReport<'a> {
     pub title: String,
     /// What was found.
     pub found: &'a Identification,
+    /// What was guessed or done when the measurements were read.
+    pub notes: &'a [String],
 }
 
 /// One self-contained HTML page of the identification.

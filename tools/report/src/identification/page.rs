@@ -27,6 +27,7 @@ impl IdentificationReport<'_> {
         section("linear", "Linear modes", self.linear());
         section("unidentified", "What these records do not tell", self.unidentified());
         section("skipped", "Records not used", self.skipped());
+        section("reading", "How the measurements were read", reading(self.notes));
         Document {
             title: self.title.clone(),
             lead: self.lead(),
@@ -95,4 +96,9 @@ impl IdentificationReport<'_> {
             .map(|(record, reason)| Block::Text(format!("{record}: {reason}.")))
             .collect()
     }
+}
+
+/// What was guessed or done when the measurements were read; the terminal has told it by then.
+pub(crate) fn reading(notes: &[String]) -> Vec<Block> {
+    notes.iter().map(|note| Block::Note(format!("{note}."))).collect()
 }

@@ -19,7 +19,9 @@ pub(crate) fn document_table(document: &Document, width: usize, color: bool) -> 
     for warning in &document.warnings {
         out.paragraph(warning, RED);
     }
-    let has_text = |section: &&Section| !section.blocks.iter().all(|block| matches!(block, Block::Plots(_)));
+    let has_text = |section: &&Section| {
+        !section.blocks.iter().all(|block| matches!(block, Block::Plots(_) | Block::Note(_)))
+    };
     for section in document.sections.iter().filter(has_text) {
         out.line("");
         out.paragraph(&section.title, BOLD);

@@ -41,6 +41,7 @@ pub fn slip_slap_json(report: &SlipSlapReport) -> Value {
         "rig": found.rig,
         "skipped": skipped.collect::<Vec<_>>(),
         "warnings": found.warnings,
+        "notes": report.notes,
     })
 }
 

@@ -30,6 +30,8 @@ pub struct SlipSlapReport<'a> {
     pub separation: &'a [Separation],
     /// And what follows in time.
     pub slap: Option<&'a Slap>,
+    /// What was guessed or done when the measurements were read.
+    pub notes: &'a [String],
 }
 
 /// One self-contained HTML page of the identification.

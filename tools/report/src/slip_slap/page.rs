@@ -3,6 +3,7 @@
 use super::SlipSlapReport;
 use crate::document::{Block, Document, Section};
 use crate::format;
+use crate::identification::reading;
 
 impl SlipSlapReport<'_> {
     pub(super) fn document(&self) -> Document {
@@ -19,6 +20,7 @@ impl SlipSlapReport<'_> {
         section("chain", "Measuring chain", self.chain());
         section("unidentified", "What these records do not tell", self.unidentified());
         section("skipped", "Records not used", self.skipped());
+        section("reading", "How the measurements were read", reading(self.notes));
         Document {
             title: self.title.clone(),
             lead: self.lead(),

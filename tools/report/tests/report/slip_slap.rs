@@ -54,6 +54,7 @@ fn page_table_and_json_say_what_was_found_and_what_was_not() {
         truth: &[],
         separation: &separation,
         slap: Some(&slap),
+        notes: &["loop.csv: the regime was guessed".to_owned()],
     };
     let page = slip_slap_html(&report, &Settings::default());
     let text = slip_slap_table(&report, 100, false);
@@ -71,4 +72,8 @@ fn page_table_and_json_say_what_was_found_and_what_was_not() {
     assert_eq!(json["records"][0]["published"]["trusted"], false);
     assert!(json["unidentified"].as_array().unwrap().iter().any(|name| name == "normal_stiffness"));
     assert_eq!(json["separation"][0]["onset"], 8.5);
+    // The terminal was told when the file was read.
+    assert!(page.contains("How the measurements were read") && page.contains("the regime was guessed."));
+    assert!(!text.contains("were read"), "{text}");
+    assert_eq!(json["notes"][0], "loop.csv: the regime was guessed");
 }

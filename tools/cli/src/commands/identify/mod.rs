@@ -106,20 +106,21 @@ impl Identify {
     pub fn run(self) -> Result<(), Failure> {
         check_destinations(&self.files, &self.out, &[self.model.clone(), dataset_file(&self.dataset)])?;
         let model = read_model(&self.model)?;
-        let (dataset, _, files) = read_records(&self.dataset, &model, &self.lone)?;
+        let (dataset, notes, files) = read_records(&self.dataset, &model, &self.lone)?;
         let mut read = vec![self.model.clone()];
         read.extend(files);
         self.check_tables(&dataset, &read)?;
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         if let Structure::PinRig(pinned) = &model.structure {
-            return self.run_slip_slap((&model, pinned), &dataset, &settings);
+            return self.run_slip_slap((&model, pinned), (&dataset, &notes), &settings);
         }
         if self.separation {
             return Err(Failure::input("--separation: the model's kind must be \"pin_rig\""));
         }
         let Some(found) = self.found(&model, &dataset)? else { return Ok(()) };
         let data = title_of(&dataset, &self.dataset);
-        let report = IdentificationReport { title: format!("Contact identified: {data}"), found: &found };
+        let title = format!("Contact identified: {data}");
+        let report = IdentificationReport { title, found: &found, notes: &notes };
         say(&identification_table(&report, 100, colored()))?;
         let mut outputs = Outputs::default();
         if let Some(path) = &self.files.json {

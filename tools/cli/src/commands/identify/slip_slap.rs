@@ -33,7 +33,7 @@ impl Identify {
     pub(super) fn run_slip_slap(
         &self,
         (model, pinned): (&Model, &PinnedBeam),
-        dataset: &Dataset,
+        (dataset, notes): (&Dataset, &[String]),
         settings: &Settings,
     ) -> Result<(), Failure> {
         self.refuse_laws()?;
@@ -52,6 +52,7 @@ impl Identify {
             truth: &[],
             separation: &separation,
             slap: slap.as_ref(),
+            notes,
         };
         say(&slip_slap_table(&report, 100, colored()))?;
         let mut outputs = Outputs::default();
