@@ -3,7 +3,7 @@
 //! `python tests/formats/laboratory_files.py FOLDER` writes files to change, then
 //! `FUZZ_FILES=FOLDER FUZZ_SECONDS=900 cargo test --release -p stickslip-cli --bin stickslip fuzz -- --ignored --nocapture > fuzz.txt`
 //! spends a ninth of the time on each command and tells the counts on standard error. `FUZZ_SEED` begins elsewhere, `FUZZ_COMMAND` runs one
-//! command alone. `tests/formats/fuzz.py` makes the same changes for processes.
+//! command alone.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -236,7 +236,7 @@ fn number(name: &str, otherwise: u64) -> u64 {
 }
 
 #[test]
-#[ignore = "takes as long as it is told to, in a folder that is the process's own"]
+#[ignore = "a script, run by the command above: it takes as long as it is told to, and changes the folder of its process"]
 fn fuzz() {
     let other = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
