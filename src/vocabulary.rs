@@ -92,6 +92,7 @@ vocabulary! {
     DAMPING_RATIO = "damping_ratio" ["1"] Some(0.0), Some(1.0), false, 0.003, "Modal damping ratio, one for all modes or one per mode";
     FREQUENCY_INTERVAL = "frequency_interval" ["Hz"] Some(0.0), None, true, 0.01, "Half of the 95 % interval of a resonance frequency";
     DAMPING_INTERVAL = "damping_interval" ["1"] Some(0.0), None, true, 1e-4, "Half of the 95 % interval of a damping ratio";
+    WINDOW = "window" ["s"] Some(0.0), None, true, 0.5, "Length of the stretch of a free decay that a row of a table was taken from, its amplitude in the middle";
     MASS_DAMPING = "mass_damping" ["1/s"] Some(0.0), None, false, 1.0, "Mass-proportional damping";
     STIFFNESS_DAMPING = "stiffness_damping" ["s"] Some(0.0), None, false, 1e-5, "Stiffness-proportional damping";
     POSITION = "position" ["m"] Some(0.0), None, false, 0.5, "Distance from the clamp";

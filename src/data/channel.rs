@@ -23,6 +23,7 @@ pub const COLUMNS: &[&Quantity] = &[
     &v::DAMPING_RATIO,
     &v::FREQUENCY_INTERVAL,
     &v::DAMPING_INTERVAL,
+    &v::WINDOW,
     &v::PHASE,
 ];
 

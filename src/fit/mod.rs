@@ -13,9 +13,12 @@ pub mod least_squares;
 pub mod predict;
 pub mod residual;
 pub mod ring_down;
+mod tables;
 
 pub use least_squares::{
     Difference, Ending, Fit, FitError, InterruptHook, Interval, Options, Parameter, Progress, ProgressHook,
     Scale, Uncertainty, fit, student_quantile,
 };
+pub use tables::tabulated;
+
 pub(crate) use least_squares::{Limits, SumOfSquares, Sums, minimise};

@@ -31,7 +31,7 @@ pub use balance::varied::AssemblyAt;
 pub use continuation::Ending;
 pub use error::HarmonicError;
 pub use modes::{ModePoint, ModeRange, NonlinearMode, nonlinear_mode};
-pub(crate) use modes::{mode_at, mode_near};
+pub(crate) use modes::{mode_at, mode_at_rest, mode_near};
 pub use newton::{Contacting, Point};
 pub use period::CycleSummary;
 pub use period::contact_cycle::{ContactCycle, ContactMapping, contact_cycle};

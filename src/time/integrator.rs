@@ -195,6 +195,19 @@ impl Integrator {
         Ok(())
     }
 
+    /// Moves the system's coordinates at once to such displacements, and the laws to where these put them; its velocities stay.
+    #[cfg(feature = "analysis")]
+    pub(crate) fn displace(
+        &mut self,
+        motion: &mut Motion,
+        displacement: &[f64],
+        inputs: &[Ramp],
+    ) -> Result<(), IntegrationError> {
+        let moved = self.solver.plant.inward(displacement);
+        motion.modal_mut().0.copy_from_slice(&moved);
+        self.settle(motion, inputs)
+    }
+
     /// Accelerations of the modes of the motion that [`Integrator::outputs`] was asked for last.
     pub(crate) fn modal_accelerations(&self) -> &[f64] {
         self.solver.accelerations()

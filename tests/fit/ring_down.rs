@@ -9,7 +9,8 @@ use std::f64::consts::TAU;
 
 use stickslip::data::{Channel, Dataset, Record, Regime};
 use stickslip::diagnose::{DiagnoseOptions, DiagnoseWatch, Verdict, Watch, diagnose, evaluate, refit};
-use stickslip::fit::ring_down::{levels, tabulated};
+use stickslip::fit::ring_down::levels;
+use stickslip::fit::tabulated;
 use stickslip::model::Model;
 use stickslip::rig::{Chain, ChannelFault, NoiseLevel, Plan, Release, RingDown, Test, TestKind, test_on};
 
@@ -154,8 +155,9 @@ fn the_contact_of_an_oscillator_is_recovered_from_its_decay() {
         records: vec![released(Released { start: 0.02, damping: 2.0, limit: 6.0, drag: 0.0 })],
     };
     let (tables, found) = tabulated(&oscillator(2.0, 6.0), &dataset);
+    // The slider begins to stick within a window: the model's own decay is cut as the measured one was.
     let off = deviations(&oscillator(2.0, 6.0), &tables, &found[0]);
-    assert!(off[..4].iter().flatten().all(|off| off.abs() < 1.0), "{off:?}");
+    assert!(off[..5].iter().flatten().all(|off| off.abs() < 0.2), "{off:?}");
     let start = oscillator(3.0, 4.0);
     let fitted = refit("", &start, &tables, Watch::default()).unwrap();
     let (limit, damping) = (
@@ -163,8 +165,8 @@ fn the_contact_of_an_oscillator_is_recovered_from_its_decay() {
         fitted.model.get("spring.1.damping").unwrap(),
     );
     println!("{limit} N, {damping} N s/m, error {}", fitted.stage.error);
-    assert!((limit / 6.0 - 1.0).abs() < 0.02 && (damping / 2.0 - 1.0).abs() < 0.02, "{limit} {damping}");
-    assert!(fitted.stage.error < 0.1, "{}", fitted.stage.error);
+    assert!((limit / 6.0 - 1.0).abs() < 0.001 && (damping / 2.0 - 1.0).abs() < 0.002, "{limit} {damping}");
+    assert!(fitted.stage.error < 0.01, "{}", fitted.stage.error);
 }
 
 /// The decays of a beam on the virtual rig, from held amplitudes (m/s²) with noise of 0.05 m/s².
@@ -205,6 +207,29 @@ fn deviations(truth: &Model, tables: &Dataset, found: &stickslip::fit::ring_down
 fn beam(change: impl Fn(String) -> String) -> Model {
     let text = include_str!("../../examples/frictional-support/published.toml");
     Model::parse(&change(text.to_owned())).unwrap()
+}
+
+#[test]
+fn a_beam_on_a_single_slider_is_predicted_at_every_level_of_its_decays() {
+    // From stick to slip at once, and the second mode near three times the first: the steady vibration folds.
+    let truth = Model::parse(include_str!("../../examples/frictional-support/jenkins.toml")).unwrap();
+    let (tables, found) = tabulated(&truth, &of_the_rig(&truth, &[20.0, 40.0, 60.0, 70.0], 1));
+    for (record, found) in tables.records.iter().zip(&found) {
+        let one = Dataset { title: None, records: vec![record.clone()] };
+        let stage = evaluate("", &truth, &one);
+        let [frequency, ratio] = &stage.records[0].channels[..] else {
+            panic!("{:?}", stage.records[0].failure)
+        };
+        for (index, level) in found.levels.iter().enumerate() {
+            let off =
+                [frequency.predicted[index] - level.frequency, ratio.predicted[index] - level.damping_ratio];
+            println!(
+                "{:.3} m/s² {:.4} Hz {:.5}: {off:.4?}",
+                level.amplitude, level.frequency, level.damping_ratio
+            );
+            assert!(off[0].abs() < 0.25 && off[1].abs() < 0.006, "{off:?}");
+        }
+    }
 }
 
 #[test]

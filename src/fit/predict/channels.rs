@@ -18,7 +18,7 @@ fn roles(model: &Model, regime: Regime) -> Roles {
             compared: &["force"],
         },
         (_, Regime::Backbone) => Roles {
-            inputs: &["amplitude", "frequency_interval", "damping_interval"],
+            inputs: &["amplitude", "frequency_interval", "damping_interval", "window"],
             compared: &["frequency", "damping_ratio"],
         },
         (_, Regime::SteppedSine) => Roles {

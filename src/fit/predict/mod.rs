@@ -23,6 +23,7 @@ mod stepped_sine;
 mod stepper;
 mod unknown_start;
 
+pub(crate) use backbone::scatter_of_starts;
 pub use channels::unused_columns;
 pub(crate) use channels::{compared, derivative_order, deviation};
 pub(crate) use motion::{Motion, white_noise};

@@ -1,6 +1,6 @@
 //! The choice of regime: which simulation predicts a record.
 
-use super::backbone::{BackboneOfBeam, BackboneOfMode};
+use super::backbone::{BackboneOfBeam, BackboneOfDecay, BackboneOfMode};
 use super::channels;
 use super::from_rest::FromRest;
 use super::simulation::{Seed, Simulation};
@@ -43,6 +43,9 @@ pub(super) fn simulation<'r>(
             Box::new(OscillatorOfUnknownStart::new(model, oscillator, record, channels)?)
         }
         (Regime::UnknownInitialState, Structure::Beam(_)) => return Err(BEAM_OF_UNKNOWN_START.into()),
+        (Regime::Backbone, _) if BackboneOfDecay::is_one(record) => {
+            Box::new(BackboneOfDecay::new(model, record, channels)?)
+        }
         (Regime::Backbone, Structure::Beam(_)) if record.channel("amplitude").is_some() => {
             Box::new(BackboneOfBeam::new(record, channels)?)
         }

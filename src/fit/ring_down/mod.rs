@@ -2,16 +2,19 @@
 //!
 //! `envelope` finds the vibration that is strongest over the noise, and where it begins to decay freely: at a release, after a
 //! hammer's blow, when a shaker is shut off. `cut` cuts it into levels, windows in which the amplitude falls by a third.
-//! In each `window` fits amplitude, frequency, damping and their slopes, with a weight that keeps other modes out. What is
-//! predicted of such a table is the nonlinear mode ([`predict`](crate::fit::predict)): a start state is not needed.
+//! In each `window` fits amplitude, frequency, damping and their slopes, with a weight that keeps other modes out. What a
+//! model's own decay shows in windows as long about the same amplitudes is in `own`: whatever a window blurs, it blurs in both.
 
 mod cut;
 mod envelope;
+mod own;
 mod window;
+
+pub(crate) use own::{Asked, OwnDecay, Start};
 
 use std::f64::consts::TAU;
 
-use crate::data::{Channel, Dataset, Record, Regime};
+use crate::data::{Channel, Record, Regime};
 use crate::fit::least_squares::student_quantile;
 use crate::model::{Model, Structure};
 use crate::vocabulary as v;
@@ -43,6 +46,8 @@ pub struct RingDown {
     pub channel: String,
     /// From the largest amplitude down.
     pub levels: Vec<Level>,
+    /// Whether the levels are compared to those of a model's mode; else to those of its own decay, cut in the same way.
+    pub as_mode: bool,
 }
 
 /// One level of a free decay.
@@ -50,6 +55,8 @@ pub struct RingDown {
 pub struct Level {
     /// Middle of its window (s).
     pub time: f64,
+    /// Length of its window (s).
+    pub window: f64,
     /// Amplitude of the acceleration (m/s²).
     pub amplitude: f64,
     /// Frequency (Hz).
@@ -67,39 +74,6 @@ pub fn is_ring_down(model: &Model, record: &Record) -> bool {
     record.regime == Regime::UnknownInitialState
         && model.structure != Structure::Prescribed
         && record.channels_of("excitation").next().is_none()
-}
-
-/// `dataset` with every free decay as the table of its levels; and those. A decay that cannot be cut stays as it is: a
-/// prediction of it says why.
-///
-/// ```
-/// use stickslip::data::{Channel, Dataset, Record, Regime};
-/// use stickslip::fit::ring_down::tabulated;
-/// use stickslip::model::Model;
-/// let model = Model::parse(
-///     "schema = \"stickslip.model/1\"\nkind = \"oscillator\"\nmass = [{ name = \"m1\", mass = 1.0 }]\n\
-///      spring = [{ between = [\"ground\", \"m1\"], stiffness = 4e4, damping = 2.0 }]",
-/// )?;
-/// // 200 rad/s and a damping ratio of 0.005.
-/// let time: Vec<f64> = (0..8000).map(|k| f64::from(k) * 1e-3).collect();
-/// let decay = time.iter().map(|t| 3.0 * (-t).exp() * (200.0 * t).sin()).collect();
-/// let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
-/// let channels = vec![channel("time", "s", time.clone()), channel("acceleration:m1", "m/s^2", decay)];
-/// let record = Record { name: "decay".into(), regime: Regime::UnknownInitialState, use_for: None, channels };
-/// let (tables, found) = tabulated(&model, &Dataset { title: None, records: vec![record] });
-/// assert_eq!(tables.records[0].regime, Regime::Backbone);
-/// assert!((found[0].levels[0].damping_ratio - 0.005).abs() < 1e-6);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn tabulated(model: &Model, dataset: &Dataset) -> (Dataset, Vec<RingDown>) {
-    let (mut tables, mut all) = (dataset.clone(), Vec::new());
-    for record in tables.records.iter_mut().filter(|record| is_ring_down(model, record)) {
-        if let Ok(found) = levels(record) {
-            *record = found.table(record);
-            all.push(found);
-        }
-    }
-    (tables, all)
 }
 
 /// The levels of a free decay.
@@ -131,8 +105,7 @@ pub fn levels(record: &Record) -> Result<RingDown, String> {
     };
     let mut levels: Vec<Level> = windows.iter().map(|window| level(window, order, [first, step])).collect();
     unresolved(&mut levels);
-    ambiguous(&mut levels, &windows);
-    Ok(RingDown { record: record.name.clone(), channel: channel.name.clone(), levels })
+    Ok(RingDown { record: record.name.clone(), channel: channel.name.clone(), levels, as_mode: false })
 }
 
 /// What a window of a channel that shows time derivative `order` of the displacement says of the vibration as that of a mode;
@@ -153,6 +126,7 @@ fn level(window: &window::Fitted, order: i32, [first, step]: [f64; 2]) -> Level 
     let hertz = 1.0 / (step * TAU);
     Level {
         time: first + window.middle * step,
+        window: window.length * step,
         amplitude: window.amplitude * (natural / step).powi(2 - order),
         frequency: natural * hertz,
         frequency_interval: half * window.speed_error.hypot(n * turn_error) * hertz,
@@ -180,20 +154,29 @@ fn unresolved(levels: &mut [Level]) {
     }
 }
 
-/// Widens the intervals of `levels` by what is not known of a contact that changes the frequency. All levels of a decay then err alike:
-/// taken for independent ones they say no more than one does where each has the root of their number times as much.
-fn ambiguous(levels: &mut [Level], windows: &[window::Fitted]) {
-    let alike = (levels.len() as f64).sqrt();
-    for (level, window) in levels.iter_mut().zip(windows) {
-        let rise = (window.speed_slope[0] / window.speed).max(0.0);
-        let by = alike * 0.5 * (BY_FRICTION[1] - BY_FRICTION[0]) * rise / window.speed;
-        level.damping_interval = level.damping_interval.hypot(by);
-    }
-}
-
 impl RingDown {
+    /// The same without the windows that its amplitudes were taken from, for a comparison to a mode and not to a decay. The intervals
+    /// hold what is not known of a contact that changes the frequency. All levels of a decay then err alike: taken for
+    /// independent ones they say no more than one does where each has the root of their number times as much.
+    pub(crate) fn of_mode(mut self) -> Self {
+        let levels = &self.levels;
+        let alike = (levels.len() as f64).sqrt();
+        let by = |place: usize| {
+            let (before, after) =
+                (&levels[place.saturating_sub(1)], &levels[(place + 1).min(levels.len() - 1)]);
+            let rise = (after.frequency / before.frequency).ln() / (after.time - before.time);
+            alike * 0.5 * (BY_FRICTION[1] - BY_FRICTION[0]) * rise.max(0.0) / (TAU * levels[place].frequency)
+        };
+        let by: Vec<f64> = (0..levels.len()).map(by).collect();
+        for (level, by) in self.levels.iter_mut().zip(by) {
+            level.damping_interval = level.damping_interval.hypot(by);
+        }
+        self.as_mode = true;
+        self
+    }
+
     /// The levels as a backbone table in the place of `record`.
-    fn table(&self, record: &Record) -> Record {
+    pub(crate) fn table(&self, record: &Record) -> Record {
         let place = self.channel.split_once(':').map_or(String::new(), |(_, place)| format!(":{place}"));
         let column = |name: String, unit, value: fn(&Level) -> f64, interval: Option<fn(&Level) -> f64>| {
             let squares = |half: fn(&Level) -> f64| {
@@ -203,7 +186,7 @@ impl RingDown {
             let values = self.levels.iter().map(value).collect();
             Channel { name, unit, values, noise: interval.map(squares) }
         };
-        let channels = vec![
+        let mut channels = vec![
             column(format!("{}{place}", v::AMPLITUDE.name), v::AMPLITUDE.unit, |level| level.amplitude, None),
             column(
                 v::FREQUENCY.name.to_owned(),
@@ -230,6 +213,9 @@ impl RingDown {
                 None,
             ),
         ];
+        if !self.as_mode {
+            channels.push(column(v::WINDOW.name.to_owned(), v::WINDOW.unit, |level| level.window, None));
+        }
         Record { regime: Regime::Backbone, channels, ..record.clone() }
     }
 }

@@ -22,6 +22,7 @@ const NEAR: f64 = 0.7;
 pub(super) struct Fitted {
     /// Its middle, counted from the first sample.
     pub middle: f64,
+    pub length: f64,
     /// Amplitude there, in the channel's unit, and its standard deviation by noise.
     pub amplitude: f64,
     pub amplitude_error: f64,
@@ -43,22 +44,30 @@ type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 /// A stretch of samples with its weights.
 pub(super) struct Window<'a> {
     values: &'a [f64],
-    first: usize,
+    /// Its middle, counted from the first of all samples and from the first of its own, and half of its length.
+    middle: f64,
+    own_middle: f64,
+    half: f64,
 }
 
 impl<'a> Window<'a> {
     /// `length` samples from `first` on, as far as there are.
     pub fn new(all: &'a [f64], first: usize, length: usize) -> Self {
-        Self { values: &all[first..(first + length).min(all.len())], first }
+        let values = &all[first..(first + length).min(all.len())];
+        let half = 0.5 * values.len() as f64;
+        Self { values, middle: first as f64 + half - 0.5, own_middle: half - 0.5, half }
     }
 
-    fn half(&self) -> f64 {
-        0.5 * self.values.len() as f64
+    /// The samples up to `half` away from `middle`, as far as there are.
+    pub fn around(all: &'a [f64], middle: f64, half: f64) -> Self {
+        let first = ((middle - half).ceil().max(0.0) as usize).min(all.len());
+        let end = ((middle + half).floor().max(0.0) as usize + 1).clamp(first, all.len());
+        Self { values: &all[first..end], middle, own_middle: middle - first as f64, half }
     }
 
     /// τ and the weight of a sample.
     fn place(&self, index: usize) -> (f64, f64) {
-        let tau = (index as f64 + 0.5) / self.half() - 1.0;
+        let tau = (index as f64 - self.own_middle) / self.half;
         (tau, 0.5 * (1.0 + (PI * tau).cos()))
     }
 
@@ -90,8 +99,18 @@ impl<'a> Window<'a> {
 
     /// The fit from a guess of the speed and its slope, and of the rate, all by samples; `around` are factors of the speed
     /// that are tried.
-    pub fn fit(&self, [speed, slope, rate]: [f64; 3], around: &[f64]) -> Option<Fitted> {
-        let half = self.half();
+    pub fn fit(&self, guess: [f64; 3], around: &[f64]) -> Option<Fitted> {
+        let x = self.solve(guess, around)?;
+        self.told(&x, self.noise(&x))
+    }
+
+    /// The same of samples without noise.
+    pub fn fit_exact(&self, guess: [f64; 3]) -> Option<Fitted> {
+        self.told(&self.solve(guess, &[1.0])?, (0.0, 1))
+    }
+
+    fn solve(&self, [speed, slope, rate]: [f64; 3], around: &[f64]) -> Option<Row> {
+        let half = self.half;
         let start = |factor: &f64| {
             let mut x = Row::zeros();
             (x[0], x[2], x[3]) = (-rate * half, factor * speed * half, 0.5 * slope * half * half);
@@ -119,13 +138,12 @@ impl<'a> Window<'a> {
                 }
             }
         }
-        self.told(&x)
+        Some(x)
     }
 
-    /// What the solution says.
-    fn told(&self, x: &Row) -> Option<Fitted> {
-        let half = self.half();
-        let (noise, freedom) = self.noise(x);
+    /// What the solution says under this noise (standard deviation, degrees of freedom).
+    fn told(&self, x: &Row, (noise, freedom): (f64, usize)) -> Option<Fitted> {
+        let half = self.half;
         let (mut curvature, mut squares) = (Square::zeros(), Square::zeros());
         for index in 0..self.values.len() {
             let (tau, weight) = self.place(index);
@@ -138,7 +156,8 @@ impl<'a> Window<'a> {
         let amplitude = x[4].hypot(x[5]);
         let error = |k: usize| covariance[(k, k)].max(0.0).sqrt();
         let found = Fitted {
-            middle: self.first as f64 + half - 0.5,
+            middle: self.middle,
+            length: 2.0 * half,
             amplitude,
             amplitude_error: error(4).max(error(5)),
             speed: x[2] / half,
@@ -165,7 +184,7 @@ impl<'a> Window<'a> {
             .map(|(index, value)| model(x, self.place(index).0).0 - value)
             .collect();
         let width = TAU / self.values.len() as f64;
-        let speed = x[2] / self.half();
+        let speed = x[2] / self.half;
         let squares: f64 = (0..residual.len()).map(|index| self.place(index).1.powi(2)).sum();
         let power = |line: f64| {
             let (mut cosine, mut sine) = (0.0, 0.0);

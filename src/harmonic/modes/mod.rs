@@ -142,6 +142,20 @@ pub(crate) fn mode_at(
     Ok(accelerations.iter().map(at).collect())
 }
 
+/// Angular frequency (rad/s) of mode `mode` with the contacts as they are at rest, and the displacements of the system's
+/// coordinates where that of `node` is 1.
+///
+/// # Errors
+/// A structure whose modes cannot be computed, or a node that does not move in the mode.
+pub(crate) fn mode_at_rest(
+    assembly: &Assembly,
+    mode: usize,
+    node: usize,
+) -> Result<(f64, Vec<f64>), HarmonicError> {
+    let start = LinearStart::new(&with_contacts(assembly), at_rest(&assembly.system), mode, node)?;
+    Ok((start.angular_frequency, start.shape))
+}
+
 /// The mode whose frequency, with the contacts as they are at rest, is nearest to `angular_frequency` (rad/s).
 ///
 /// # Errors

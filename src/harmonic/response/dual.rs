@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::harmonic::balance::assembly::Assembly;
-use crate::harmonic::balance::balance_of;
+use crate::harmonic::balance::modal::Balance;
 use crate::harmonic::continuation::{Advance, Location, Path, Route, Verdict};
 use crate::harmonic::newton::Point;
 use crate::harmonic::newton::condition::{HeldAmplitude, HeldRatio};
@@ -18,6 +18,8 @@ const FIRST: f64 = 0.05;
 const SHORTEST: f64 = 1e-3;
 /// Newton steps for one place on the way.
 const MOST_ITERATIONS: usize = 12;
+/// Harmonics on the way; the end is then solved with as many as are wanted.
+const HARMONICS_ON_THE_WAY: usize = 15;
 /// Points of a way around folds, and how many times the tones may grow on it.
 const MOST_POINTS: usize = 2000;
 const FARTHEST: f64 = 100.0;
@@ -45,7 +47,7 @@ pub struct DualTone {
 /// The response at `angular_frequency` (rad/s) of which two harmonics of the acceleration of node `node` (as
 /// [`Assembly::nodes`] counts) are held, as a dual-mode test does. The waveform of `assembly` plays no part.
 ///
-/// From weak tones, where the system is linear, the amplitudes are raised together.
+/// From weak tones, where the system is linear, the amplitudes are raised together, with few harmonics.
 ///
 /// # Errors
 /// [`HarmonicError::InvalidInput`] for arguments that do not fit, a system without modal coordinates;
@@ -61,25 +63,39 @@ pub fn dual_tone_response(
     let mut driven = assembly.clone();
     driven.waveform = tones[0].waveform();
     driven.second_waveform = tones[1].waveform();
-    let mut system = balance_of(&driven, settings)?;
-    let system = system.as_mut();
-    let mut x = vec![0.0; system.unknowns()];
-    let mut at = Operating { parameter: WEAK, ..Operating::forced(angular_frequency, WEAK) };
-    system.guess(&at, &mut x)?;
-    solve(system, &mut x, &mut at, &[], &mut [], &settings.stopping())?;
-    let acceleration = |tone: &HeldTone, system: &mut dyn PeriodicSystem| {
-        let [c, s] = system.output(node, tone.order);
-        (tone.order as f64 * angular_frequency).powi(2) * c.hypot(s)
-    };
-    let [first, second] = [0, 1].map(|k| WEAK * tones[k].amplitude / acceleration(&tones[k], system));
-    // The linear response grows with its tones: to the beginning of the way in proportion.
-    (at.level, at.parameter) = (FIRST * first, FIRST * second);
-    system.guess(&at, &mut x)?;
+    driven.check()?;
+    settings.check()?;
+    driven.check_excitation(settings)?;
     let held = Held { node, tones };
-    let (effort, reached) = held.raise(system, &mut x, &mut at, settings)?;
-    let effort = if reached { effort } else { effort + held.follow(system, &mut x, &mut at, settings)? };
-    let mut point = system.describe(&x, &at)?;
-    point.iterations = effort;
+    let enough = tones.iter().map(|tone| tone.order).fold(HARMONICS_ON_THE_WAY, usize::max);
+    let few = CurveSettings { harmonics: settings.harmonics.min(enough), ..*settings };
+    let mut coarse = Balance::new(&driven, few.harmonics, few.method)?;
+    let (x, at, effort) = held.reached(&mut coarse, angular_frequency, &few)?;
+    if few.harmonics == settings.harmonics {
+        return told(&mut coarse, &x, &at, effort);
+    }
+    let mut fine = Balance::new(&driven, settings.harmonics, settings.method)?;
+    let (mut refined, mut there) = (coarse.refined(&x, &fine), at);
+    match held.hold(&mut fine, &mut refined, &mut there, settings) {
+        Ok(more) => told(&mut fine, &refined, &there, effort + more),
+        Err(error) if error.is_of_the_step() => {
+            // Too far from the end with few: all the way with many.
+            let (x, at, effort) = held.reached(&mut fine, angular_frequency, settings)?;
+            told(&mut fine, &x, &at, effort)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// What was found.
+fn told(
+    system: &mut Balance,
+    x: &[f64],
+    at: &Operating,
+    iterations: usize,
+) -> Result<DualTone, HarmonicError> {
+    let mut point = system.describe(x, at)?;
+    point.iterations = iterations;
     Ok(DualTone { point, force: [at.level, at.parameter] })
 }
 
@@ -90,6 +106,46 @@ struct Held {
 }
 
 impl Held {
+    /// The response with the whole amplitudes, from weak tones on, and the Newton steps it took.
+    fn reached(
+        &self,
+        system: &mut Balance,
+        angular_frequency: f64,
+        settings: &CurveSettings,
+    ) -> Result<(Vec<f64>, Operating, usize), HarmonicError> {
+        let Self { node, tones } = self;
+        let mut x = vec![0.0; system.unknowns()];
+        let mut at = Operating { parameter: WEAK, ..Operating::forced(angular_frequency, WEAK) };
+        system.guess(&at, &mut x)?;
+        solve(system, &mut x, &mut at, &[], &mut [], &settings.stopping())?;
+        let acceleration = |tone: &HeldTone, system: &mut dyn PeriodicSystem| {
+            let [c, s] = system.output(*node, tone.order);
+            (tone.order as f64 * angular_frequency).powi(2) * c.hypot(s)
+        };
+        let [first, second] = [0, 1].map(|k| WEAK * tones[k].amplitude / acceleration(&tones[k], system));
+        // The linear response grows with its tones: to the beginning of the way in proportion.
+        (at.level, at.parameter) = (FIRST * first, FIRST * second);
+        system.guess(&at, &mut x)?;
+        let (effort, reached) = self.raise(system, &mut x, &mut at, settings)?;
+        let effort =
+            if reached { effort } else { effort + self.follow(system, &mut x, &mut at, settings)? };
+        Ok((x, at, effort))
+    }
+
+    /// The response with the whole amplitudes near `x` and `at`; the Newton steps it took.
+    fn hold(
+        &self,
+        system: &mut dyn PeriodicSystem,
+        x: &mut [f64],
+        at: &mut Operating,
+        settings: &CurveSettings,
+    ) -> Result<usize, HarmonicError> {
+        let [mut first, mut second] = self.conditions(1.0);
+        let mut held: [&mut dyn Condition; 2] = [&mut first, &mut second];
+        let free = [Scalar::Level, Scalar::Parameter];
+        Ok(solve(system, x, at, &free, &mut held, &settings.stopping())?.iterations)
+    }
+
     /// Conditions for `fraction` of both amplitudes.
     fn conditions(&self, fraction: f64) -> [HeldAmplitude; 2] {
         self.tones.map(|tone| HeldAmplitude::new(self.node, tone.order, 2, fraction * tone.amplitude))
@@ -175,11 +231,7 @@ impl Held {
                 let Location { x: there, at: then, .. } = found.unwrap_or_else(|_| path.present.clone());
                 drop(path);
                 (*x, *at) = (there, then);
-                let [mut first, mut second] = self.conditions(1.0);
-                let mut held: [&mut dyn Condition; 2] = [&mut first, &mut second];
-                let free = [Scalar::Level, Scalar::Parameter];
-                let effort = solve(system, x, at, &free, &mut held, &settings.stopping())?;
-                return Ok(iterations + effort.iterations);
+                return Ok(iterations + self.hold(system, x, at, settings)?);
             }
             if advance != Advance::Going {
                 break;

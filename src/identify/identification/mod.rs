@@ -22,7 +22,7 @@ use super::{IdentificationError, IdentifiedLaw, Inversion};
 use crate::data::{Dataset, Record, Regime};
 use crate::fit::InterruptHook;
 use crate::fit::checks::check;
-use crate::fit::ring_down::tabulated;
+use crate::fit::tabulated;
 use crate::model::{Beam, Contact, Model, Structure};
 use crate::system::{Damping, StructureChanges};
 

@@ -14,22 +14,20 @@ use crate::model::{Model, Structure};
 const HARMONICS: usize = 15;
 const TOLERANCE: f64 = 1e-9;
 
-/// Predictions of a table's columns `frequency` (Hz) and `damping_ratio` at each `amplitude`.
-pub(in crate::fit::predict) struct BackboneOfMode<'r> {
-    amplitudes: &'r [f64],
-    channels: Vec<&'r Channel>,
+/// A mode, and who sees it.
+pub(super) struct SensedMode {
     /// Where the sensor of a beam is (m).
-    positions: Vec<f64>,
+    pub positions: Vec<f64>,
     /// Place of the mass or the sensor among what is read.
-    node: usize,
+    pub node: usize,
     /// The mode, counted from 0 with the contact in stick.
-    mode: usize,
+    pub mode: usize,
 }
 
-impl<'r> BackboneOfMode<'r> {
-    /// Of `channels` of `record`, for models like `model`: of its mode that is nearest to the frequency measured at the
-    /// least amplitude. An amplitude of an oscillator without a place is that of the mass excited.
-    pub fn new(model: &Model, record: &'r Record, channels: Vec<&'r Channel>) -> Result<Self, String> {
+impl SensedMode {
+    /// That of models like `model` which is nearest to the frequency measured at the least amplitude of `record`. An amplitude of an
+    /// oscillator without a place is that of the mass excited.
+    pub fn of(model: &Model, record: &Record) -> Result<Self, String> {
         let amplitude = record.channels_of("amplitude").next().ok_or("there is no `amplitude` column")?;
         let frequency = record.channel("frequency").ok_or("there is no `frequency` column")?;
         let (positions, node) = match &model.structure {
@@ -44,7 +42,22 @@ impl<'r> BackboneOfMode<'r> {
         let least = pairs.min_by(|a, b| a.0.total_cmp(b.0)).ok_or("the table is empty")?;
         let assembly = Assembly::new(observed_system(model, &positions)?);
         let mode = mode_near(&assembly, TAU * least.1).map_err(|error| error.to_string())?;
-        Ok(Self { amplitudes: &amplitude.values, channels, positions, node, mode })
+        Ok(Self { positions, node, mode })
+    }
+}
+
+/// Predictions of a table's columns `frequency` (Hz) and `damping_ratio` at each `amplitude`.
+pub(in crate::fit::predict) struct BackboneOfMode<'r> {
+    amplitudes: &'r [f64],
+    channels: Vec<&'r Channel>,
+    sensed: SensedMode,
+}
+
+impl<'r> BackboneOfMode<'r> {
+    /// Of `channels` of `record`, for models like `model`.
+    pub fn new(model: &Model, record: &'r Record, channels: Vec<&'r Channel>) -> Result<Self, String> {
+        let amplitude = record.channels_of("amplitude").next().ok_or("there is no `amplitude` column")?;
+        Ok(Self { amplitudes: &amplitude.values, channels, sensed: SensedMode::of(model, record)? })
     }
 }
 
@@ -54,10 +67,11 @@ impl Simulation for BackboneOfMode<'_> {
     }
 
     fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
-        let assembly = Assembly::new(observed_system(model, &self.positions)?);
+        let SensedMode { positions, node, mode } = &self.sensed;
+        let assembly = Assembly::new(observed_system(model, positions)?);
         let settings =
             CurveSettings { harmonics: HARMONICS, tolerance: TOLERANCE, ..CurveSettings::default() };
-        let found = mode_at(&assembly, self.mode, self.node, self.amplitudes, &settings);
+        let found = mode_at(&assembly, *mode, *node, self.amplitudes, &settings);
         let points = found.map_err(|error| format!("the mode cannot be followed: {error}"))?;
         out.clear();
         for channel in &self.channels {

@@ -2,6 +2,7 @@
 
 use super::Balance;
 use crate::harmonic::modal_system::ModalPort;
+use crate::harmonic::newton::system::PeriodicSystem;
 
 impl Balance {
     /// The unknowns that belong to such coefficients and a contact force.
@@ -20,6 +21,16 @@ impl Balance {
         let series = self.ports[0].flexibility;
         let contact = self.displacement().iter().zip(force).map(|(u, force)| u - series * force);
         contact.chain(self.moved[self.wide..].iter().copied()).collect()
+    }
+
+    /// The unknowns `x` as those of `finer`, the balance of the same system with more harmonics.
+    pub fn refined(&self, x: &[f64], finer: &Self) -> Vec<f64> {
+        let mut refined = vec![0.0; finer.unknowns()];
+        for (port, fine) in self.ports.iter().zip(&finer.ports) {
+            let first = fine.rows.start;
+            refined[first..first + port.rows.len()].copy_from_slice(&x[port.rows.clone()]);
+        }
+        refined
     }
 
     /// The unknowns of the displacement and the contact force last evaluated.

@@ -28,7 +28,8 @@ use stickslip::data::{Dataset, Record};
 use stickslip::diagnose::{Comparison, Noise, Refit, RefitError, Watch, refit, unused_columns};
 use stickslip::fit::FitError;
 use stickslip::fit::checks::{Finding, check};
-use stickslip::fit::ring_down::{RingDown, tabulated};
+use stickslip::fit::ring_down::RingDown;
+use stickslip::fit::tabulated;
 use stickslip::model::{Model, Structure};
 use stickslip_readers::ImportOptions;
 

@@ -1,0 +1,135 @@
+//! A model's own free decay at measured acceleration amplitudes of a mass or a sensor.
+
+use std::f64::consts::TAU;
+
+use super::mode::SensedMode;
+use crate::data::{Channel, Record};
+use crate::fit::predict::observed_system::observed_system;
+use crate::fit::predict::simulation::Simulation;
+use crate::fit::ring_down::{Asked, OwnDecay, Start};
+use crate::harmonic::{Assembly, mode_at_rest};
+use crate::model::Model;
+use crate::time::{IntegrationError, Integrator, Ramp, Settings};
+
+/// Far below what frequencies and damping ratios are known by.
+const SETTINGS: Settings = Settings { tolerance: 1e-6, step_limit: 1_000_000 };
+/// Starts, and as many again, that tell how much depends on the start.
+const STARTS: usize = 4;
+
+/// Predictions of a table's columns `frequency` (Hz) and `damping_ratio` at each `amplitude` of a free decay that was cut into
+/// windows: those of the model's own decay, cut about the same amplitudes.
+pub(in crate::fit::predict) struct BackboneOfDecay<'r> {
+    channels: Vec<&'r Channel>,
+    rows: usize,
+    decaying: Decaying,
+}
+
+/// A model that decays, seen as in a table.
+struct Decaying {
+    own: OwnDecay,
+    sensed: SensedMode,
+}
+
+/// Standard deviations of frequency (Hz) and damping ratio in each row of a table of a free decay, that come of how the decay of `model` is
+/// begun.
+///
+/// # Errors
+/// What the record or the model lacks.
+pub(crate) fn scatter_of_starts(model: &Model, record: &Record) -> Result<Vec<[f64; 2]>, String> {
+    let mut decaying = Decaying::of(model, record)?;
+    let starts = (0..STARTS).map(|k| k as f64 / STARTS as f64);
+    let starts = starts.flat_map(|cycles| [Start::Running { cycles }, Start::Released { cycles }]);
+    let all: Vec<Vec<[f64; 2]>> =
+        starts.map(|start| decaying.shown(model, start)).collect::<Result<_, _>>()?;
+    let count = all.len() as f64;
+    let deviation = |row: usize, column: usize| {
+        let values = || all.iter().map(|shown| shown[row][column]);
+        let mean = values().sum::<f64>() / count;
+        (values().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt()
+    };
+    Ok((0..record.len()).map(|row| [deviation(row, 0), deviation(row, 1)]).collect())
+}
+
+impl<'r> BackboneOfDecay<'r> {
+    /// Whether the amplitudes of `record` were taken from a free decay.
+    pub fn is_one(record: &Record) -> bool {
+        record.channel("window").is_some()
+    }
+
+    /// Of `channels` of `record`, for models like `model`.
+    pub fn new(model: &Model, record: &'r Record, channels: Vec<&'r Channel>) -> Result<Self, String> {
+        Ok(Self { channels, rows: record.len(), decaying: Decaying::of(model, record)? })
+    }
+}
+
+impl Simulation for BackboneOfDecay<'_> {
+    fn channels(&self) -> &[&Channel] {
+        &self.channels
+    }
+
+    fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
+        let shown = self.decaying.shown(model, Start::Running { cycles: 0.0 })?;
+        out.clear();
+        for channel in &self.channels {
+            let column = usize::from(channel.quantity() == "damping_ratio");
+            out.extend((0..self.rows).map(|row| shown[row][column]));
+        }
+        Ok(())
+    }
+}
+
+impl Decaying {
+    /// For models like `model`, as `record` sees it.
+    fn of(model: &Model, record: &Record) -> Result<Self, String> {
+        let column = |name: &'static str| {
+            let channel = record.channels_of(name).next();
+            channel.map(|channel| &channel.values).ok_or_else(|| format!("there is no `{name}` column"))
+        };
+        let (amplitude, window, frequency) = (column("amplitude")?, column("window")?, column("frequency")?);
+        let damping = column("damping_ratio").ok();
+        let row = |place: usize| Asked {
+            place,
+            amplitude: amplitude[place],
+            window: window[place],
+            angular_frequency: TAU * frequency[place],
+            damping_ratio: damping.map_or(0.0, |damping| damping[place]),
+        };
+        let own = OwnDecay::of((0..record.len()).map(row)).ok_or("the table is empty")?;
+        Ok(Self { own, sensed: SensedMode::of(model, record)? })
+    }
+
+    /// Frequency (Hz) and damping ratio of `model` in each row.
+    fn shown(&mut self, model: &Model, start: Start) -> Result<Vec<[f64; 2]>, String> {
+        let SensedMode { positions, node, mode } = &self.sensed;
+        let assembly = Assembly::new(observed_system(model, positions)?);
+        let (speed, shape) = mode_at_rest(&assembly, *mode, *node).map_err(|error| error.to_string())?;
+        let mut integrator = Integrator::new(&assembly.system).map_err(|error| error.to_string())?;
+        let scaled = |factor: f64| shape.iter().map(|x| factor * x).collect::<Vec<f64>>();
+        let [displacement, velocity] = self.own.begins(start, speed).map(scaled);
+        self.let_go(&mut integrator, &displacement, &velocity)
+            .map_err(|error| format!("its free decay cannot be simulated: {error}"))?;
+        let shown = self.own.shown(speed);
+        shown.ok_or_else(|| "the model's own free decay shows no vibration that could be cut".to_owned())
+    }
+
+    /// Lets a system go with such displacements and velocities of its coordinates, and contacts that carry what a first loading gives
+    /// them.
+    fn let_go(
+        &mut self,
+        integrator: &mut Integrator,
+        displacement: &[f64],
+        velocity: &[f64],
+    ) -> Result<(), IntegrationError> {
+        let inputs: Vec<Ramp> = integrator.held_inputs();
+        let mut motion = integrator.moving(&vec![0.0; displacement.len()], velocity, &inputs, &[])?;
+        if displacement.iter().any(|x| *x != 0.0) {
+            integrator.displace(&mut motion, displacement, &inputs)?;
+        }
+        integrator.take_up(&motion, &inputs)?;
+        self.own.clear();
+        while self.own.push(integrator.sensor(self.sensed.node, 2)) {
+            integrator.advance(&mut motion, self.own.step, &inputs, &SETTINGS)?;
+        }
+        Ok(())
+    }
+}
