@@ -5,6 +5,7 @@ use super::error::ParameterError;
 use crate::document::suggestion;
 
 const NORMAL_LOAD: &str = "contact.normal_load";
+const IMPACT_DAMPING: &str = "contact.impact_damping";
 
 /// Whether a fit of `model` may change the parameter at `path`, which now has `value`.
 pub(super) fn is_free(model: &Model, path: &str, value: f64) -> bool {
@@ -15,10 +16,11 @@ pub(super) fn is_free(model: &Model, path: &str, value: f64) -> bool {
 }
 
 fn free_by_default(path: &str, value: f64) -> bool {
-    // A spring of stiffness zero stays zero: adding a spring is a change of the model, not a fit of it.
+    // What is zero stays zero where adding it is a change of the model, not a fit of it: a spring, losses of an impact.
     let spring = path == "support.rotational_stiffness" || matches("spring.*", path);
     let spring_present = spring && value > 0.0;
-    frees("contact.*", path)
+    let impact_without_loss = path == IMPACT_DAMPING && value == 0.0;
+    frees("contact.*", path) && !impact_without_loss
         || frees("effect.*", path)
         || frees("beam.*damping*", path)
         // A beam's stiffness, known to a few per cent where its frequencies are measured to a thousandth.
@@ -91,6 +93,19 @@ pub(super) fn check_patterns(model: &Model) -> Result<(), ParameterError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_zero_is_free_where_it_is_no_change_of_the_model() {
+        for (path, value, expected) in [
+            ("contact.smoothness", 0.0, true),
+            (IMPACT_DAMPING, 0.0, false),
+            (IMPACT_DAMPING, 30.0, true),
+            ("spring.1.stiffness", 0.0, false),
+            ("spring.1.stiffness", 5.0, true),
+        ] {
+            assert_eq!(free_by_default(path, value), expected, "{path} of {value}");
+        }
+    }
 
     #[test]
     fn a_star_stands_for_any_characters_or_none() {

@@ -1,5 +1,12 @@
 //! Triangular factors of a small dense matrix, in a buffer that is used again and again.
 
+use std::ops::Range;
+
+use nalgebra::{DMatrixView, DMatrixViewMut};
+
+/// Columns that are eliminated one by one before the others are updated by all of them at once.
+const PANEL: usize = 32;
+
 /// `P A = L U` by elimination with row pivoting. Column-major.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Factors {
@@ -20,8 +27,19 @@ impl Factors {
 
     /// Factors the matrix in place; false where it is singular or not finite.
     pub fn factor(&mut self) -> bool {
+        (0..self.size).step_by(PANEL).all(|first| {
+            let end = (first + PANEL).min(self.size);
+            self.factor_panel(first..end) && {
+                self.update_after(first..end);
+                true
+            }
+        })
+    }
+
+    /// Factors the `panel` of columns below its first row, and swaps the rows of all columns alike.
+    fn factor_panel(&mut self, panel: Range<usize>) -> bool {
         let n = self.size;
-        for k in 0..n {
+        for k in panel.clone() {
             let (done, rest) = self.values.split_at_mut((k + 1) * n);
             let column = &mut done[k * n..];
             let mut pivot = k;
@@ -35,17 +53,11 @@ impl Factors {
                 return false;
             }
             self.pivots[k] = pivot;
-            column.swap(k, pivot);
             let inverse = 1.0 / value;
+            column.swap(k, pivot);
             column[k + 1..].iter_mut().for_each(|x| *x *= inverse);
-            // The part of L to the left is swapped too, so that a solve can apply all swaps first.
-            if pivot != k {
-                for j in 0..k {
-                    done.swap(j * n + k, j * n + pivot);
-                }
-            }
-            let factors = &done[k * n + k + 1..(k + 1) * n];
-            for target in rest.chunks_exact_mut(n) {
+            let factors = &column[k + 1..];
+            for target in rest.chunks_exact_mut(n).take(panel.end - k - 1) {
                 target.swap(k, pivot);
                 let (head, tail) = target.split_at_mut(k + 1);
                 let weight = head[k];
@@ -54,7 +66,44 @@ impl Factors {
                 }
             }
         }
+        // The part of L to the left is swapped too, so that a solve can apply all swaps first.
+        let beside = (0..panel.start).chain(panel.end..n);
+        for column in beside {
+            panel.clone().for_each(|k| self.values.swap(column * n + k, column * n + self.pivots[k]));
+        }
+        // Within the panel a column knows the swaps of those before it.
+        for column in panel.clone() {
+            (column + 1..panel.end)
+                .for_each(|k| self.values.swap(column * n + k, column * n + self.pivots[k]));
+        }
         true
+    }
+
+    /// The rows of U beside the factored `panel`, and what it takes off the columns after it.
+    fn update_after(&mut self, panel: Range<usize>) {
+        let n = self.size;
+        let (done, rest) = self.values.split_at_mut(panel.end * n);
+        let factored = &done[panel.start * n..];
+        for target in rest.chunks_exact_mut(n) {
+            for (place, k) in panel.clone().enumerate() {
+                let (head, tail) = target[..panel.end].split_at_mut(k + 1);
+                let below = &factored[place * n + k + 1..place * n + panel.end];
+                tail.iter_mut().zip(below).for_each(|(t, f)| *t -= head[k] * f);
+            }
+        }
+        let columns = rest.len() / n;
+        if columns == 0 {
+            return;
+        }
+        let factored = DMatrixView::from_slice(factored, n, panel.len());
+        let mut rest = DMatrixViewMut::from_slice(rest, n, columns);
+        let beside = rest.rows(panel.start, panel.len()).into_owned();
+        rest.rows_mut(panel.end, n - panel.end).gemm(
+            -1.0,
+            &factored.rows(panel.end, n - panel.end),
+            &beside,
+            1.0,
+        );
     }
 
     /// Sign of the determinant of what was factored last.
@@ -106,6 +155,24 @@ mod tests {
         for (i, right) in [1.0, -2.0, 3.0, 0.5].iter().enumerate() {
             let product: f64 = (0..4).map(|j| matrix[4 * j + i] * x[j]).sum();
             assert!((product - right).abs() < 1e-14, "{i}: {product}");
+        }
+    }
+
+    #[test]
+    fn matrices_of_several_panels_are_solved() {
+        for size in [PANEL - 1, PANEL, PANEL + 1, 3 * PANEL + 5] {
+            let mut random = crate::numeric::random::Random::new(size as u64);
+            let matrix: Vec<f64> = (0..size * size).map(|_| random.normal()).collect();
+            let right: Vec<f64> = (0..size).map(|_| random.normal()).collect();
+            let mut factors = Factors::default();
+            factors.reset(size).copy_from_slice(&matrix);
+            assert!(factors.factor());
+            let mut x = right.clone();
+            factors.solve(&mut x);
+            for (i, right) in right.iter().enumerate() {
+                let product: f64 = (0..size).map(|j| matrix[size * j + i] * x[j]).sum();
+                assert!((product - right).abs() < 1e-9, "{size}, {i}: {product}");
+            }
         }
     }
 

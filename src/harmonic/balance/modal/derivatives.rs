@@ -1,9 +1,39 @@
 //! Derivatives of the balance, made when they are asked for.
 
-use super::{Acting, Attached, Balance, mean_square, sized};
+use super::{Acting, Attached, Balance, Matrices, mean_square, sized};
 use crate::harmonic::newton::system::Scalar;
 use crate::harmonic::period::Cycle;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DMatrixViewMut};
+
+/// Entries of a column beyond which it counts as full.
+const FEW: usize = 4;
+
+/// `out = W x` for a port that moves along `shape` and does not shorten: harmonic by harmonic.
+fn along(shape: &[f64], x: &DMatrix<f64>, modes: usize, out: &mut DMatrixViewMut<f64>) {
+    out.fill(0.0);
+    for (mut out, x) in out.column_iter_mut().zip(x.column_iter()) {
+        for (out, x) in out.iter_mut().zip(x.as_slice().chunks_exact(modes)) {
+            *out = shape.iter().zip(x).map(|(b, x)| b * x).sum();
+        }
+    }
+}
+
+/// `out = compliance · law`. Laws over a period, which come first, fill the columns of their ports; what else acts has few
+/// entries in each.
+fn multiply(compliance: &DMatrix<f64>, law: &DMatrix<f64>, out: &mut DMatrix<f64>) {
+    let entries = |column: usize| law.column(column).into_iter().enumerate().filter(|(_, x)| **x != 0.0);
+    let full = (0..law.ncols()).rposition(|column| entries(column).count() > FEW).map_or(0, |last| last + 1);
+    let reach = (0..full).filter_map(|column| entries(column).next_back()).map(|(row, _)| row + 1).max();
+    if let Some(reach) = reach {
+        let law = law.view((0, 0), (reach, full));
+        out.columns_mut(0, full).gemm(1.0, &compliance.columns(0, reach), &law, 0.0);
+    }
+    for column in full..law.ncols() {
+        let mut out = out.column_mut(column);
+        out.fill(0.0);
+        entries(column).for_each(|(row, x)| out.axpy(*x, &compliance.column(row), 1.0));
+    }
+}
 
 impl Balance {
     /// The law that acts alone, at all unknowns: its derivatives need no copy.
@@ -28,12 +58,12 @@ impl Balance {
         let (size, rows) = (self.q.len(), self.matrices.weights.nrows());
         sized(&mut self.matrices.adjoint, size, rows);
         sized(&mut self.matrices.moved, size, rows);
-        for row in 0..rows {
-            let scale = self.mean_squares[row];
-            let weights = self.matrices.weights.as_slice()[row..].iter().step_by(rows);
-            let column = &mut self.matrices.adjoint.as_mut_slice()[row * size..(row + 1) * size];
-            for (place, (to, weight)) in column.iter_mut().zip(weights).enumerate() {
-                *to = scale / mean_square(place / modes) * weight;
+        let Matrices { weights, adjoint, .. } = &mut self.matrices;
+        weights.transpose_to(adjoint);
+        for (column, scale) in adjoint.as_mut_slice().chunks_exact_mut(size).zip(&self.mean_squares) {
+            for (k, part) in column.chunks_exact_mut(modes).enumerate() {
+                let factor = scale / mean_square(k);
+                part.iter_mut().for_each(|to| *to *= factor);
             }
         }
         self.differentiate_laws(angular_frequency);
@@ -56,17 +86,23 @@ impl Balance {
 
     /// a + W A⁻¹ B and ∂r/∂unknowns.
     pub(super) fn complete_jacobian(&mut self) {
-        let rows = self.matrices.weights.nrows();
+        let (rows, modes) = (self.matrices.weights.nrows(), self.modes());
         sized(&mut self.matrices.compliance, rows, rows);
         sized(&mut self.matrices.jacobian, rows, rows);
-        self.matrices.compliance.gemm(1.0, &self.matrices.weights, &self.matrices.moved, 0.0);
+        let Matrices { weights, moved, compliance, jacobian, law, .. } = &mut self.matrices;
         for port in &self.ports {
-            port.rows.clone().for_each(|m| self.matrices.compliance[(m, m)] += port.flexibility);
+            let mut target = compliance.rows_mut(port.rows.start, port.rows.len());
+            if port.shortening == 0.0 {
+                along(&port.shape, moved, modes, &mut target);
+            } else {
+                target.gemm(1.0, &weights.rows(port.rows.start, port.rows.len()), moved, 0.0);
+            }
+            port.rows.clone().for_each(|m| compliance[(m, m)] += port.flexibility);
         }
         // As `law`, of which the borrow would hold all of the balance.
-        let law = Self::single(&self.acting, rows).map_or(&self.matrices.law, |law| law.cycle.jacobian());
-        self.matrices.jacobian.gemm(1.0, &self.matrices.compliance, law, 0.0);
-        (0..rows).for_each(|m| self.matrices.jacobian[(m, m)] += 1.0);
+        let law = Self::single(&self.acting, rows).map_or(&*law, |law| law.cycle.jacobian());
+        multiply(compliance, law, jacobian);
+        (0..rows).for_each(|m| jacobian[(m, m)] += 1.0);
         self.complete = true;
     }
 

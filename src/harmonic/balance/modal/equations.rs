@@ -356,10 +356,17 @@ impl ModalEquations {
             let size = modes * count;
             for m in 0..columns {
                 let span = m * size..(m + 1) * size;
-                self.multiply_dynamic(&out.as_slice()[span.clone()], &mut many.as_mut_slice()[span.clone()]);
+                self.multiply_dynamic(&out.as_slice()[span.clone()], &mut many.as_mut_slice()[span]);
+            }
+            // Mode by mode for all columns: few large products.
+            let (rows, cols, along, across) = (Dyn(columns), Dyn(count), Dyn(size), Dyn(modes));
+            for i in 0..modes {
+                let coupled = &self.many_coupled.as_slice()[i..];
                 let coupled =
-                    DMatrixView::from_slice(&self.many_coupled.as_slice()[span.clone()], modes, count);
-                let mut into = DMatrixViewMut::from_slice(&mut many.as_mut_slice()[span], modes, count);
+                    DMatrixView::from_slice_with_strides_generic(coupled, rows, cols, along, across);
+                let into = &mut many.as_mut_slice()[i..];
+                let mut into =
+                    DMatrixViewMut::from_slice_with_strides_generic(into, rows, cols, along, across);
                 into.gemm(-1.0, &coupled, &self.product, 1.0);
             }
             many.iter_mut().zip(right.iter()).for_each(|(r, b)| *r = b - *r);
