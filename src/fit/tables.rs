@@ -51,7 +51,8 @@ pub fn tabulated(model: &Model, dataset: &Dataset) -> (Dataset, Vec<RingDown>) {
 fn compared(model: &Model, record: &Record, mut found: RingDown) -> RingDown {
     if !matches!(model.structure, Structure::Oscillator(_)) {
         let of_mode = found.clone().of_mode();
-        if predict(model, &of_mode.table(record)).is_ok() {
+        let is_rig = matches!(model.structure, Structure::PinRig(_));
+        if is_rig || predict(model, &of_mode.table(record)).is_ok() {
             return of_mode;
         }
     }

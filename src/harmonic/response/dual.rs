@@ -70,32 +70,21 @@ pub fn dual_tone_response(
     let enough = tones.iter().map(|tone| tone.order).fold(HARMONICS_ON_THE_WAY, usize::max);
     let few = CurveSettings { harmonics: settings.harmonics.min(enough), ..*settings };
     let mut coarse = Balance::new(&driven, few.harmonics, few.method)?;
-    let (x, at, effort) = held.reached(&mut coarse, angular_frequency, &few)?;
-    if few.harmonics == settings.harmonics {
-        return told(&mut coarse, &x, &at, effort);
-    }
     let mut fine = Balance::new(&driven, settings.harmonics, settings.method)?;
-    let (mut refined, mut there) = (coarse.refined(&x, &fine), at);
-    match held.hold(&mut fine, &mut refined, &mut there, settings) {
-        Ok(more) => told(&mut fine, &refined, &there, effort + more),
-        Err(error) if error.is_of_the_step() => {
-            // Too far from the end with few: all the way with many.
-            let (x, at, effort) = held.reached(&mut fine, angular_frequency, settings)?;
-            told(&mut fine, &x, &at, effort)
+    let end = held.reached(&mut coarse, angular_frequency, &few).and_then(|(x, mut at, effort)| {
+        let mut refined = coarse.refined(&x, &fine);
+        let more = held.hold(&mut fine, &mut refined, &mut at, settings)?;
+        Ok((refined, at, effort + more))
+    });
+    let (x, at, effort) = match end {
+        // With few it ends elsewhere: all the way with many.
+        Err(error) if error.is_of_the_step() && few.harmonics < settings.harmonics => {
+            held.reached(&mut fine, angular_frequency, settings)?
         }
-        Err(error) => Err(error),
-    }
-}
-
-/// What was found.
-fn told(
-    system: &mut Balance,
-    x: &[f64],
-    at: &Operating,
-    iterations: usize,
-) -> Result<DualTone, HarmonicError> {
-    let mut point = system.describe(x, at)?;
-    point.iterations = iterations;
+        end => end?,
+    };
+    let mut point = fine.describe(&x, &at)?;
+    point.iterations = effort;
     Ok(DualTone { point, force: [at.level, at.parameter] })
 }
 

@@ -17,7 +17,7 @@ const SETTINGS: Settings = Settings { tolerance: 1e-6, step_limit: 1_000_000 };
 const STARTS: usize = 4;
 
 /// Predictions of a table's columns `frequency` (Hz) and `damping_ratio` at each `amplitude` of a free decay that was cut into
-/// windows: those of the model's own decay, cut about the same amplitudes.
+/// windows: those of the model's own decay, cut about the same amplitudes, and of its mode where that does not come to them.
 pub(in crate::fit::predict) struct BackboneOfDecay<'r> {
     channels: Vec<&'r Channel>,
     rows: usize,
@@ -27,11 +27,13 @@ pub(in crate::fit::predict) struct BackboneOfDecay<'r> {
 /// A model that decays, seen as in a table.
 struct Decaying {
     own: OwnDecay,
+    /// Of the acceleration (m/s²), row by row.
+    amplitudes: Vec<f64>,
     sensed: SensedMode,
 }
 
 /// Standard deviations of frequency (Hz) and damping ratio in each row of a table of a free decay, that come of how the decay of `model` is
-/// begun.
+/// begun; zero where fewer than two starts come to its amplitude.
 ///
 /// # Errors
 /// What the record or the model lacks.
@@ -39,13 +41,14 @@ pub(crate) fn scatter_of_starts(model: &Model, record: &Record) -> Result<Vec<[f
     let mut decaying = Decaying::of(model, record)?;
     let starts = (0..STARTS).map(|k| k as f64 / STARTS as f64);
     let starts = starts.flat_map(|cycles| [Start::Running { cycles }, Start::Released { cycles }]);
-    let all: Vec<Vec<[f64; 2]>> =
+    let all: Vec<Vec<Option<[f64; 2]>>> =
         starts.map(|start| decaying.shown(model, start)).collect::<Result<_, _>>()?;
-    let count = all.len() as f64;
     let deviation = |row: usize, column: usize| {
-        let values = || all.iter().map(|shown| shown[row][column]);
+        let values = || all.iter().filter_map(|shown| shown[row]).map(|shown| shown[column]);
+        let count = values().count() as f64;
         let mean = values().sum::<f64>() / count;
-        (values().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt()
+        let squares: f64 = values().map(|value| (value - mean).powi(2)).sum();
+        if count > 1.0 { (squares / (count - 1.0)).sqrt() } else { 0.0 }
     };
     Ok((0..record.len()).map(|row| [deviation(row, 0), deviation(row, 1)]).collect())
 }
@@ -68,11 +71,14 @@ impl Simulation for BackboneOfDecay<'_> {
     }
 
     fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
-        let shown = self.decaying.shown(model, Start::Running { cycles: 0.0 })?;
+        // A model that is far from the measurement may not decay as the table asks.
+        let shown = self.decaying.shown(model, Start::Running { cycles: 0.0 }).unwrap_or_default();
+        let mut rows: Vec<Option<[f64; 2]>> = (0..self.rows).map(|row| *shown.get(row)?).collect();
+        self.decaying.complete(model, &mut rows)?;
         out.clear();
         for channel in &self.channels {
             let column = usize::from(channel.quantity() == "damping_ratio");
-            out.extend((0..self.rows).map(|row| shown[row][column]));
+            out.extend(rows.iter().flatten().map(|row| row[column]));
         }
         Ok(())
     }
@@ -95,21 +101,33 @@ impl Decaying {
             damping_ratio: damping.map_or(0.0, |damping| damping[place]),
         };
         let own = OwnDecay::of((0..record.len()).map(row)).ok_or("the table is empty")?;
-        Ok(Self { own, sensed: SensedMode::of(model, record)? })
+        Ok(Self { own, amplitudes: amplitude.clone(), sensed: SensedMode::of(model, record)? })
     }
 
-    /// Frequency (Hz) and damping ratio of `model` in each row.
-    fn shown(&mut self, model: &Model, start: Start) -> Result<Vec<[f64; 2]>, String> {
+    /// Frequency (Hz) and damping ratio of `model` in each row of which its decay shows the amplitude.
+    fn shown(&mut self, model: &Model, start: Start) -> Result<Vec<Option<[f64; 2]>>, String> {
         let SensedMode { positions, node, mode } = &self.sensed;
         let assembly = Assembly::new(observed_system(model, positions)?);
-        let (speed, shape) = mode_at_rest(&assembly, *mode, *node).map_err(|error| error.to_string())?;
+        let (_, shape) = mode_at_rest(&assembly, *mode, *node).map_err(|error| error.to_string())?;
         let mut integrator = Integrator::new(&assembly.system).map_err(|error| error.to_string())?;
         let scaled = |factor: f64| shape.iter().map(|x| factor * x).collect::<Vec<f64>>();
-        let [displacement, velocity] = self.own.begins(start, speed).map(scaled);
+        let [displacement, velocity] = self.own.begins(start).map(scaled);
         self.let_go(&mut integrator, &displacement, &velocity)
             .map_err(|error| format!("its free decay cannot be simulated: {error}"))?;
-        let shown = self.own.shown(speed);
-        shown.ok_or_else(|| "the model's own free decay shows no vibration that could be cut".to_owned())
+        Ok(self.own.shown())
+    }
+
+    /// Fills the rows whose amplitude the decay of `model` does not show by what its mode has there.
+    fn complete(&self, model: &Model, rows: &mut [Option<[f64; 2]>]) -> Result<(), String> {
+        let missing: Vec<usize> = (0..rows.len()).filter(|row| rows[*row].is_none()).collect();
+        if missing.is_empty() {
+            return Ok(());
+        }
+        let amplitudes: Vec<f64> = missing.iter().map(|row| self.amplitudes[*row]).collect();
+        for (row, found) in missing.into_iter().zip(self.sensed.at(model, &amplitudes)?) {
+            rows[row] = Some(found);
+        }
+        Ok(())
     }
 
     /// Lets a system go with such displacements and velocities of its coordinates, and contacts that carry what a first loading gives

@@ -44,6 +44,16 @@ impl SensedMode {
         let mode = mode_near(&assembly, TAU * least.1).map_err(|error| error.to_string())?;
         Ok(Self { positions, node, mode })
     }
+
+    /// Frequency (Hz) and damping ratio of `model` at each of the amplitudes of the acceleration (m/s²).
+    pub fn at(&self, model: &Model, amplitudes: &[f64]) -> Result<Vec<[f64; 2]>, String> {
+        let assembly = Assembly::new(observed_system(model, &self.positions)?);
+        let settings =
+            CurveSettings { harmonics: HARMONICS, tolerance: TOLERANCE, ..CurveSettings::default() };
+        let found = mode_at(&assembly, self.mode, self.node, amplitudes, &settings);
+        let points = found.map_err(|error| format!("the mode cannot be followed: {error}"))?;
+        Ok(points.into_iter().map(|[omega, ratio]| [omega / TAU, ratio]).collect())
+    }
 }
 
 /// Predictions of a table's columns `frequency` (Hz) and `damping_ratio` at each `amplitude`.
@@ -67,18 +77,11 @@ impl Simulation for BackboneOfMode<'_> {
     }
 
     fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
-        let SensedMode { positions, node, mode } = &self.sensed;
-        let assembly = Assembly::new(observed_system(model, positions)?);
-        let settings =
-            CurveSettings { harmonics: HARMONICS, tolerance: TOLERANCE, ..CurveSettings::default() };
-        let found = mode_at(&assembly, *mode, *node, self.amplitudes, &settings);
-        let points = found.map_err(|error| format!("the mode cannot be followed: {error}"))?;
+        let points = self.sensed.at(model, self.amplitudes)?;
         out.clear();
         for channel in &self.channels {
-            match channel.quantity() {
-                "damping_ratio" => out.extend(points.iter().map(|[_, ratio]| ratio)),
-                _ => out.extend(points.iter().map(|[omega, _]| omega / TAU)),
-            }
+            let column = usize::from(channel.quantity() == "damping_ratio");
+            out.extend(points.iter().map(|point| point[column]));
         }
         Ok(())
     }
