@@ -2,11 +2,8 @@
 
 use crate::data::{Dataset, Record};
 use crate::fit::predict::{predict, scatter_of_starts};
-use crate::fit::ring_down::{RingDown, is_ring_down, levels};
+use crate::fit::ring_down::{NORMAL_95, RingDown, is_ring_down, levels};
 use crate::model::{Model, Structure};
-
-/// Standard deviations of a normal number in half of a 95 % interval.
-const NORMAL_95: f64 = 1.96;
 
 /// `dataset` with every free decay as the table of its levels; and those. A decay that cannot be cut stays as it is: a
 /// prediction of it says why.

@@ -35,7 +35,7 @@ const SINCE_REVERSAL: f64 = 0.25;
 const BY_A_SPRING: f64 = 0.5;
 const BY_FRICTION: [f64; 2] = [4.0 / 3.0, 2.0];
 /// Standard deviations of a normal number in such a half.
-const NORMAL_95: f64 = 1.96;
+pub(crate) const NORMAL_95: f64 = 1.96;
 
 /// A free decay, cut into levels.
 #[derive(Debug, Clone, PartialEq)]

@@ -19,11 +19,11 @@ const SLOWER: f64 = 2.0;
 const MOST_SAMPLES: usize = 1_000_000;
 /// Fewest cycles of a window: its fit has seven unknowns.
 const FEWEST_CYCLES: f64 = 3.0;
-/// Rounds in which the moment of an amplitude is found, each squaring the error of the one before, and what is left of it, as
-/// a fraction of the amplitude.
+/// Rounds in which the moment of an amplitude is found, each squaring the error of the one before, and the error that
+/// ends them, as a fraction of the amplitude.
 const ROUNDS: usize = 12;
 const FOUND: f64 = 1e-9;
-/// What may be left at the end, and how much the frequency may differ from that of the windows about: else another vibration was taken.
+/// Largest error at the end, and how much the frequency may differ from that of the windows about: else another vibration was taken.
 const REACHED: f64 = 1e-3;
 const SAME: f64 = 0.2;
 /// Windows of the model's decay are at least as long, but for this factor, as the measured ones.
