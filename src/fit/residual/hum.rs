@@ -14,6 +14,8 @@ const OVER: [f64; 2] = [40.0, 5.0];
 const MOST: usize = 3;
 /// Frequency of the excitation, in lines, from which its harmonics stand apart from each other.
 const APART: f64 = 6.0;
+/// Amplitude over the largest from which a line drives.
+const DRIVEN: f64 = 1e-2;
 /// Distance of a frequency from another, in lines, at which the two are one.
 const SAME: f64 = 1.5;
 
@@ -82,16 +84,11 @@ fn of_record(one: &Compared, record: usize) -> Option<Vec<Found>> {
     let driven = one.record.channel(one.name).and_then(|channel| drive(one.record, channel));
     let driven = driven.and_then(|channel| amplitudes(&channel.values)).unwrap_or_default();
     let largest = driven.iter().copied().fold(0.0, f64::max);
-    let fundamental = driven.iter().position(|x| *x == largest).filter(|_| largest > 0.0);
+    let fundamental = fundamental(&driven, largest);
     let is_driven = |k: usize| {
         let near = driven.get(k - ITSELF..=(k + ITSELF).min(driven.len().saturating_sub(1)));
-        let in_it = near.is_some_and(|near| near.iter().any(|x| *x > 1e-2 * largest));
-        let order = fundamental.map(|first| peak(&driven, first).0).filter(|first| *first >= APART);
-        in_it
-            || order.is_some_and(|first| {
-                let place = peak(&lines, k).0;
-                (place - (place / first).round() * first).abs() < SAME
-            })
+        let in_it = near.is_some_and(|near| near.iter().any(|x| *x > DRIVEN * largest));
+        in_it || fundamental.is_some_and(|first| is_harmonic(peak(&lines, k).0, first))
     };
     let mut found: Vec<Found> = (ITSELF + 1..lines.len().saturating_sub(ITSELF + 1))
         .filter(|&k| stands_alone(&lines, k) && !is_driven(k))
@@ -103,6 +100,25 @@ fn of_record(one: &Compared, record: usize) -> Option<Vec<Found>> {
     found.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
     found.truncate(MOST);
     Some(found)
+}
+
+/// Place of the line of which what drives has harmonics: the lowest that counts, if the largest is a harmonic of it, as with
+/// several tones; else the largest. `None` where harmonics would not stand apart.
+fn fundamental(driven: &[f64], largest: f64) -> Option<f64> {
+    let top = driven.iter().position(|x| *x == largest).filter(|_| largest > 0.0)?;
+    let is_peak = |k: &usize| {
+        let around = &driven[k - ITSELF..(k + ITSELF + 1).min(driven.len())];
+        driven[*k] > DRIVEN * largest && around.iter().all(|x| *x <= driven[*k])
+    };
+    let lowest = (ITSELF + 1..top).find(is_peak).map(|k| peak(driven, k).0);
+    let top = peak(driven, top).0;
+    let common = lowest.filter(|lowest| is_harmonic(top, *lowest));
+    Some(common.unwrap_or(top)).filter(|first| *first >= APART)
+}
+
+/// Whether the line at `place` is a harmonic of that at `first`.
+fn is_harmonic(place: f64, first: f64) -> bool {
+    (place - (place / first).round() * first).abs() < SAME
 }
 
 /// Whether line `k` is a peak far above all around it.

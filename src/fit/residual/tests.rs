@@ -20,9 +20,16 @@ fn motion(k: usize, t: f64) -> f64 {
         * ((TAU * (5.0 + 0.37 * k as f64) * t).sin() + 0.4 * (TAU * (13.0 - 0.21 * k as f64) * t + 1.0).sin())
 }
 
-/// Nine records whose force is predicted as a spring's and measured as that and what `lacks` says of record, time,
-/// displacement, and velocity.
-fn of(mut lacks: impl FnMut(usize, f64, f64, f64) -> f64) -> (Vec<Record>, Stage) {
+fn of(lacks: impl FnMut(usize, f64, f64, f64) -> f64) -> (Vec<Record>, Stage) {
+    moved_by(motion, lacks)
+}
+
+/// Nine records under `motion` whose force is predicted as a spring's and measured as that and what `lacks` says of record,
+/// time, displacement, and velocity.
+fn moved_by(
+    motion: impl Fn(usize, f64) -> f64,
+    mut lacks: impl FnMut(usize, f64, f64, f64) -> f64,
+) -> (Vec<Record>, Stage) {
     let (mut records, mut results) = (Vec::new(), Vec::new());
     for k in 0..9 {
         let time: Vec<f64> = (0..SAMPLES).map(|i| STEP * i as f64).collect();
@@ -161,6 +168,24 @@ fn a_hum_is_found_within_a_line_with_its_amplitude_and_harmonics_of_the_motion_a
     let mut noise = noise(7);
     let harmonics = seen(|_, _, u, _| 2e9 * u.powi(3) + 0.1 * noise());
     assert!(harmonics.hints.iter().all(|hint| hint.id() != "hum"), "{:?}", harmonics.hints);
+}
+
+#[test]
+fn harmonics_of_two_tones_are_no_hum_whichever_is_the_larger() {
+    for third in [0.3, 1.0, 3.0] {
+        let two = |k: usize, t: f64| {
+            let level = 1e-3 * (1.0 + 0.3 * k as f64);
+            level * ((TAU * 41.3 * t).sin() + third * (TAU * 123.9 * t + 0.7).sin())
+        };
+        let mut noise = noise(9);
+        let (records, stage) = moved_by(two, |_, _, u, _| 2e9 * u.powi(3) + 0.1 * noise());
+        let hints = appearance(&records, &stage).hints;
+        assert!(hints.iter().all(|hint| hint.id() != "hum"), "{third}: {hints:?}");
+        // One that neither makes is.
+        let (records, stage) = moved_by(two, |_, t, _, _| 2.0 * (TAU * 180.1 * t).sin() + 0.1 * noise());
+        let hints = appearance(&records, &stage).hints;
+        assert!(hints.iter().any(|hint| hint.id() == "hum"), "{third}: {hints:?}");
+    }
 }
 
 /// What is seen when the force, noise and all, is changed sample by sample.
