@@ -93,7 +93,7 @@ impl Element {
 
     /// The spring's part (m) of a stretch (m) of spring and play together, and the slope (N/m) there.
     fn spring(&self, stretch: f64) -> (f64, f64) {
-        let taken_up = stretch - stretch.max(-self.play).min(self.play);
+        let taken_up = stretch - cut_to(stretch, self.play);
         (taken_up, if stretch.abs() < self.play { 0.0 } else { self.stiffness })
     }
 
@@ -103,13 +103,10 @@ impl Element {
     }
 
     /// The step from `start` to `inputs`.
+    #[inline]
     pub fn evaluate(&self, start: Start, inputs: Inputs) -> Step {
-        if inputs.normal_load <= 0.0 {
-            let dissipated_energy = if start.normal_load > 0.0 { self.lift_off(start, inputs) } else { 0.0 };
-            return Step { force: 0.0, dissipated_energy, branch: Branch::Separated };
-        }
-        if start.normal_load <= 0.0 {
-            return self.re_contact(start, inputs);
+        if inputs.normal_load <= 0.0 || start.normal_load <= 0.0 {
+            return self.open(start, inputs);
         }
         let stretch = inputs.displacement - start.slider;
         let slipped = stretch.abs() - self.reach(inputs.normal_load);
@@ -128,6 +125,16 @@ impl Element {
             dissipated_energy: self.friction * mean_load * slipped,
             branch: Branch::Slip { sign },
         }
+    }
+
+    /// A step at the end or the beginning of which the contact is open.
+    #[cold]
+    fn open(&self, start: Start, inputs: Inputs) -> Step {
+        if inputs.normal_load > 0.0 {
+            return self.re_contact(start, inputs);
+        }
+        let dissipated_energy = if start.normal_load > 0.0 { self.lift_off(start, inputs) } else { 0.0 };
+        Step { force: 0.0, dissipated_energy, branch: Branch::Separated }
     }
 
     /// Force (N), not above the limit, and slope (N/m) with the slider at rest.
@@ -179,6 +186,7 @@ impl Element {
 
     /// Slider position (m) after `step`. In stick it is kept to the last bit rather than recomputed from
     /// the force.
+    #[inline]
     pub fn slider(&self, step: &Step, start: Start, inputs: Inputs) -> f64 {
         match step.branch {
             Branch::Stick { .. } => start.slider,
@@ -191,6 +199,7 @@ impl Element {
     }
 
     /// Derivatives of the force after `step` with respect to the inputs, and what the contact does.
+    #[inline]
     pub fn tangents(&self, step: &Step, start: Start, inputs: Inputs) -> (Tangents, SlipState) {
         let (displacement, normal_load, slip_state) = match step.branch {
             Branch::Stick { stiffness } => (stiffness, 0.0, SlipState::Stick),
@@ -234,7 +243,22 @@ impl Element {
     }
 
     /// [`super::ContactLaw::step`] of a law that is one element with the state `[z, u, N]`.
+    #[inline]
     pub fn step(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> super::Response {
+        if inputs.normal_load <= 0.0 || state[2] <= 0.0 {
+            return self.step_open(state, inputs, next);
+        }
+        self.step_any(state, inputs, next)
+    }
+
+    /// Out of the way of the closed contact, which then needs no copy of what it starts from.
+    #[cold]
+    fn step_open(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> super::Response {
+        self.step_any(state, inputs, next)
+    }
+
+    #[inline(always)]
+    fn step_any(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> super::Response {
         let start = Start { slider: state[0], displacement: state[1], normal_load: state[2] };
         let step = self.evaluate(start, inputs);
         next[0] = self.slider(&step, start, inputs);

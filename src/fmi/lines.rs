@@ -32,8 +32,12 @@ pub(super) struct Lines {
 /// Numbers of the step, and of each line: its start, its end, how it is bent, how it was given, what it came from.
 const OF_STEP: usize = 2;
 const PER_LINE: usize = 6;
-/// Which of a line's is its end.
+/// Which of a line's are its start and its end.
+const START: usize = 0;
 const END: usize = 1;
+/// In the place of whether a line jumped: all ran straight from where they had ended, which is all that their other numbers
+/// would say.
+const STRAIGHT: f64 = 2.0;
 
 /// Derivatives of an input with respect to time: the first, the second, the third.
 pub(super) type Derivatives = [f64; 3];
@@ -75,9 +79,14 @@ impl Lines {
 
     /// Takes over what a state has.
     pub fn read(&mut self, state: &[f64]) {
-        (self.step, self.jumped) = (state[0], state[1] != 0.0);
+        let straight = state[1] == STRAIGHT;
+        (self.step, self.jumped) = (state[0], state[1] != 0.0 && !straight);
         let lines = self.all.iter_mut().zip(&mut self.given).zip(&mut self.from);
         for (((line, given), from), saved) in lines.zip(state[OF_STEP..].chunks_exact(PER_LINE)) {
+            if straight {
+                (*line, *given, *from) = (Ramp::line(saved[START], saved[END]), Given::Runs, saved[START]);
+                continue;
+            }
             *line = Ramp { start: saved[0], end: saved[1], bow: saved[2], skew: saved[3] };
             *given = [Given::Runs, Given::Held, Given::Sloped][saved[4].clamp(0.0, 2.0) as usize];
             *from = saved[5];
@@ -113,24 +122,16 @@ impl Lines {
         }
     }
 
-    /// [`Lines::go_on`] from what `state` has, to which the new ones are written: in one pass where inputs run to their
-    /// values, as they mostly do.
-    pub fn proceed(&mut self, state: &mut [f64], values: &[f64], slopes: &[Option<Derivatives>], step: f64) {
-        if !self.run || !slopes.is_empty() {
-            self.go_on(state, values, slopes, step);
-            self.write(state);
-            return;
-        }
-        (self.step, self.jumped) = (step, false);
-        let (of_step, of_lines) = state.split_at_mut(OF_STEP);
-        of_step.fill(0.0);
-        of_step[0] = step;
-        let lines = self.all.iter_mut().zip(&mut self.given).zip(&mut self.from);
-        let saved = of_lines.as_chunks_mut::<PER_LINE>().0;
-        for (((line, given), from), (value, saved)) in lines.zip(values.iter().zip(saved)) {
-            let ended = saved[END];
-            (*line, *given, *from) = (Ramp::line(ended, *value), Given::Runs, ended);
-            *saved = [ended, *value, 0.0, 0.0, f64::from(Given::Runs as u8), ended];
+    /// Writes to `state`, and only there, that all inputs have run straight from where they had ended to `values` in `step`
+    /// (s): what most steps do, so that it takes no more than it must.
+    #[inline]
+    pub fn run_on<const INPUTS: usize>(state: &mut [f64], values: [f64; INPUTS], step: f64) {
+        let Some((of_step, of_lines)) = state.split_first_chunk_mut::<OF_STEP>() else { return };
+        *of_step = [step, STRAIGHT];
+        let Some(saved) = of_lines.as_chunks_mut::<PER_LINE>().0.first_chunk_mut::<INPUTS>() else { return };
+        for (saved, value) in saved.iter_mut().zip(values) {
+            saved[START] = saved[END];
+            saved[END] = value;
         }
     }
 

@@ -102,15 +102,12 @@ fn of_record(one: &Compared, record: usize) -> Option<Vec<Found>> {
     Some(found)
 }
 
-/// Place of the line of which what drives has harmonics: the lowest that counts, if the largest is a harmonic of it, as with
-/// several tones; else the largest. `None` where harmonics would not stand apart.
+/// Place of the line of which what drives has harmonics: the lowest that stands alone, if the largest is a harmonic of it, as
+/// with several tones; else the largest. `None` where harmonics would not stand apart.
 fn fundamental(driven: &[f64], largest: f64) -> Option<f64> {
     let top = driven.iter().position(|x| *x == largest).filter(|_| largest > 0.0)?;
-    let is_peak = |k: &usize| {
-        let around = &driven[k - ITSELF..(k + ITSELF + 1).min(driven.len())];
-        driven[*k] > DRIVEN * largest && around.iter().all(|x| *x <= driven[*k])
-    };
-    let lowest = (ITSELF + 1..top).find(is_peak).map(|k| peak(driven, k).0);
+    let is_tone = |k: &usize| driven[*k] > DRIVEN * largest && stands_alone(driven, *k);
+    let lowest = (ITSELF + 1..top.saturating_sub(ITSELF)).find(is_tone).map(|k| peak(driven, k).0);
     let top = peak(driven, top).0;
     let common = lowest.filter(|lowest| is_harmonic(top, *lowest));
     Some(common.unwrap_or(top)).filter(|first| *first >= APART)

@@ -10,6 +10,7 @@ use crate::fmi::lines::{Derivatives, Lines, parts};
 use crate::model::{Contact, Model};
 use crate::time::Ramp;
 use crate::vocabulary as v;
+use std::ops::Range;
 
 // Rows of the table.
 const DISPLACEMENT: usize = 0;
@@ -80,10 +81,16 @@ impl Way {
     }
 
     fn acting(&self, of: impl Fn(&Ramp) -> f64) -> Inputs {
+        self.reached(|input| of(&self.lines.all[input]))
+    }
+
+    /// What acts where the inputs have reached `values`.
+    #[inline]
+    fn reached(&self, values: impl Fn(usize) -> f64) -> Inputs {
         Inputs {
-            displacement: of(&self.lines.all[DISPLACEMENT]),
-            velocity: of(&self.lines.all[VELOCITY]),
-            normal_load: self.load.acting(of(&self.lines.all[NORMAL_LOAD])),
+            displacement: values(DISPLACEMENT),
+            velocity: values(VELOCITY),
+            normal_load: self.load.acting(values(NORMAL_LOAD)),
         }
     }
 
@@ -111,7 +118,25 @@ impl Way {
     }
 }
 
-/// The law and room for one step. The state is the law's memory now and before the last step, and that step's lines.
+/// Which half of a state is the memory now, in the state's first place: a step writes the other half and goes over to it.
+const FIRST: f64 = 0.0;
+const SECOND: f64 = 1.0;
+
+/// Places of the memory now and before the last step in a state whose memory has `memory` numbers.
+fn halves(state: &[f64], memory: usize) -> (Range<usize>, Range<usize>) {
+    let (first, second) = (1..1 + memory, 1 + memory..1 + 2 * memory);
+    if state[0] == SECOND { (second, first) } else { (first, second) }
+}
+
+/// The memory now, that before the last step, and that step's lines.
+fn split(state: &mut [f64], memory: usize) -> (&mut [f64], &mut [f64], &mut [f64]) {
+    let second = state[0] == SECOND;
+    let (first, other, lines) = parts(&mut state[1..], memory);
+    if second { (other, first, lines) } else { (first, other, lines) }
+}
+
+/// The law and room for one step. The state is which half of it is the law's memory now, that and the memory before the last
+/// step, and that step's lines.
 #[derive(Debug)]
 pub(super) struct ContactBehaviour {
     law: Box<dyn ContactLaw>,
@@ -140,12 +165,13 @@ impl ContactBehaviour {
 
     /// Goes back to before the last step.
     fn go_back(&mut self, state: &[f64]) {
-        let (before, lines) = state[self.next.len()..].split_at(self.next.len());
-        self.sensitivity.begin(before);
-        self.way.lines.read(lines);
+        let (_, before) = halves(state, self.next.len());
+        self.sensitivity.begin(&state[before]);
+        self.way.lines.read(&state[1 + 2 * self.next.len()..]);
     }
 }
 
+#[inline]
 fn write_outputs(response: &Response, slip: SlipFraction, values: &mut [f64]) {
     values[FORCE] = response.force;
     values[SLIP_STATE] = f64::from(response.slip_state as i32);
@@ -166,7 +192,8 @@ impl ContinuousTime for ContactBehaviour {
     ) -> Result<(), String> {
         self.way.lines.hold(&values[..INPUTS]);
         let inputs = self.way.ends();
-        let response = self.law.step(&state[..self.next.len()], inputs, &mut self.next);
+        let (memory, _) = halves(state, self.next.len());
+        let response = self.law.step(&state[memory], inputs, &mut self.next);
         values[DISSIPATED_ENERGY] = accepted[DISSIPATED_ENERGY] + response.dissipated_energy;
         write_outputs(&response, self.slip, values);
         let moved = [DISPLACEMENT, NORMAL_LOAD].iter().any(|input| values[*input] != accepted[*input]);
@@ -177,7 +204,7 @@ impl ContinuousTime for ContactBehaviour {
 
     fn accept(&mut self, state: &mut [f64], values: &[f64], _continuous: &[f64]) -> Result<(), String> {
         self.way.lines.hold(&values[..INPUTS]);
-        let (memory, before, lines) = parts(state, self.next.len());
+        let (memory, before, lines) = split(state, self.next.len());
         before.copy_from_slice(memory);
         self.way.lines.write(lines);
         let inputs = self.way.ends();
@@ -188,13 +215,13 @@ impl ContinuousTime for ContactBehaviour {
 
 impl Behaviour for ContactBehaviour {
     fn state_len(&self) -> usize {
-        2 * self.law.state_len() + self.way.lines.state_len()
+        1 + 2 * self.law.state_len() + self.way.lines.state_len()
     }
 
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
         self.way.lines.hold(&values[..INPUTS]);
         let at = self.way.ends();
-        let (memory, before, lines) = parts(state, self.next.len());
+        let (memory, before, lines) = split(state, self.next.len());
         self.law.set_state(0.0, at.normal_load, 0.0, memory);
         before.copy_from_slice(memory);
         self.way.lines.write(lines);
@@ -212,16 +239,21 @@ impl Behaviour for ContactBehaviour {
         step: f64,
         _tolerance: f64,
     ) -> Result<(), String> {
-        let (memory, before, lines) = parts(state, self.next.len());
-        before.copy_from_slice(memory);
-        self.way.lines.proceed(lines, &values[..INPUTS], slopes, step);
-        if slopes.is_empty() {
-            // Straight from the memory that is kept to the new one.
-            let response = self.law.step(before, self.way.ends(), memory);
-            values[DISSIPATED_ENERGY] += response.dissipated_energy;
-            write_outputs(&response, self.slip, values);
+        let (memory, before, lines) = split(state, self.next.len());
+        if slopes.is_empty()
+            && let Some(row) = values.first_chunk_mut::<PARAMETERS>()
+        {
+            // Straight from the memory that is kept to the new one; the lines are read where they are asked for.
+            Lines::run_on(lines, [row[DISPLACEMENT], row[VELOCITY], row[NORMAL_LOAD]], step);
+            let response = self.law.step(memory, self.way.reached(|input| row[input]), before);
+            state[0] = if state[0] == SECOND { FIRST } else { SECOND };
+            row[DISSIPATED_ENERGY] += response.dissipated_energy;
+            write_outputs(&response, self.slip, row);
             return Ok(());
         }
+        before.copy_from_slice(memory);
+        self.way.lines.go_on(lines, &values[..INPUTS], slopes, step);
+        self.way.lines.write(lines);
         if self.way.lines.jumped {
             values[DISSIPATED_ENERGY] += self.advance(memory, self.way.starts()).dissipated_energy;
         }

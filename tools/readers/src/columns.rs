@@ -131,7 +131,10 @@ fn constant_problem(record: &Record, model: &Model) -> Option<Problem> {
     }
     .into_iter();
     let constant = compared.find(|channel| channel.values.windows(2).all(|pair| pair[0] == pair[1]))?;
-    let reason = "it is the same number throughout: there is nothing to compare";
+    let reason = match constant.values.len() {
+        1 => "one row shows no change, by which errors are measured: give two or more",
+        _ => "it is the same number throughout: there is nothing to compare",
+    };
     Some(Problem::UnsuitableColumn { column: constant.name.clone(), reason: reason.to_owned() })
 }
 

@@ -240,7 +240,8 @@ impl Behaviour for SlipSlapBehaviour {
     ) -> Result<(), String> {
         let (now, before, lines) = parts(state, self.next.len());
         before.copy_from_slice(now);
-        self.lines.proceed(lines, &values[..INPUTS], slopes, step);
+        self.lines.go_on(lines, &values[..INPUTS], slopes, step);
+        self.lines.write(lines);
         let mut lost = [0.0; 2];
         let mut add = |response: &SlipSlapResponse| {
             lost[0] += response.friction_energy;

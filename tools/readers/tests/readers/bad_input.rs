@@ -265,6 +265,7 @@ fn datasets_must_have_what_the_model_needs() {
         (&contact, "steady", "time [s],displacement [m],force [N]\n0,1,5\n1,2,5\n", "same number throughout"),
         (&beam, "steady", &motion.replace(",2\n", ",1\n"), "same number throughout"),
         (&beam, "backbone", &backbone.replace("49", "50"), "same number throughout"),
+        (&beam, "backbone", &backbone.replace("2,49\n", ""), "one row shows no change"),
         (&beam, "backbone", &placed("x=0.7"), "from 0 to 0.6 m"),
         (&oscillator, "backbone", &placed("m3"), "the model's masses are `:m1`, `:m2`"),
         (&contact, "backbone", backbone, "kind is \"contact\""),
