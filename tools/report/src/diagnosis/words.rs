@@ -173,6 +173,8 @@ pub fn test_baseline(diagnosis: &Diagnosis) -> f64 {
 
 /// An error that is this fraction of what the noise is said to cause shows that the noise is smaller.
 const BELOW_NOISE: f64 = 0.8;
+/// An error that is this multiple of what the noise causes is not passed over where nothing is missing.
+const ABOVE_NOISE: f64 = 1.15;
 
 /// The error that noise alone would cause.
 fn floor(diagnosis: &Diagnosis) -> String {
@@ -188,6 +190,12 @@ fn floor(diagnosis: &Diagnosis) -> String {
              than noise.",
             format::error(floor)
         ),
+        Some(floor) if diagnosis.verdict == Verdict::NothingMissing && remains > ABOVE_NOISE * floor => {
+            format!(
+                " Noise alone would cause {}: more remains, too small to be taken for a missing effect.",
+                format::error(floor)
+            )
+        }
         Some(floor) => format!(" Noise alone would cause an error of {}.", format::error(floor)),
         None => " The noise is unknown.".to_owned(),
     }

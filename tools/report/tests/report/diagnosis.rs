@@ -86,6 +86,16 @@ fn every_verdict_is_said_first_and_with_a_next_step() {
 }
 
 #[test]
+fn what_remains_beyond_the_noise_is_said_although_nothing_is_missing() {
+    let floor = nothing().error.refitted;
+    for (times, said) in [(1.0, false), (0.5, true)] {
+        let error = Errors { noise_floor: Some(times * floor), ..nothing().error };
+        let text = diagnosis_table(&Diagnosis { error, ..nothing() }, &run(), 400, false);
+        assert_eq!(text.contains("more remains, too small to be taken for a missing effect"), said, "{text}");
+    }
+}
+
+#[test]
 fn fits_to_fewer_samples_are_said_before_the_next_step() {
     for (fitted_samples, said) in [(9600, false), (800, true)] {
         let cost = Cost { fitted_samples, ..found().cost };
