@@ -16,7 +16,8 @@ pub struct Assumptions {
     /// The same of masses, stiffnesses and moduli of a structure, which drawings tell.
     pub structure_guess: f64,
     /// Prior standard deviation of an effect's first parameter: the value that moves the prediction by this fraction of
-    /// its root mean square. What moves it by more was seen before anybody measured.
+    /// its root mean square, or, of what saturates below that, from which more of it moves it hardly more. What moves it by
+    /// more was seen before anybody measured.
     pub effect_size: f64,
     /// Prior standard deviation of the logarithm of what is known in its order of magnitude alone: an effect's other
     /// parameters, and a noise that a discrepancy may stand beside. A factor of e.

@@ -75,6 +75,8 @@ pub(super) fn prepare(
     let mut sizes: Vec<f64> = brought.iter().map(|brought| first_size(&brought[0])).collect();
     let mut found: Vec<Option<f64>> = vec![None; candidates.len()];
     let mut open: Vec<usize> = (0..candidates.len()).collect();
+    // Sizes and changes of the round before.
+    let mut before: Vec<Option<(f64, f64)>> = vec![None; candidates.len()];
     for _ in 0..ROUNDS {
         let at = |&c: &usize| {
             let prepared = of(&candidates[c], &brought[c], sizes[c], data.assumptions());
@@ -91,6 +93,14 @@ pub(super) fn prepare(
                 continue;
             };
             if change < NOTHING {
+                continue;
+            }
+            if let Some((size, less)) = before[c].replace((sizes[c], change))
+                && change < less * (sizes[c] / size).sqrt()
+                && size < sizes[c]
+            {
+                // It saturates: more of it is no larger an effect.
+                found[c] = Some(size);
                 continue;
             }
             found[c] = Some(sizes[c]);
@@ -181,6 +191,24 @@ pub(super) struct Probe {
     pub multiple: f64,
 }
 
+/// Multiples between which a line is best near its probe, and steps towards that: what saturates looks small from far away,
+/// and large from too near.
+const NEAR: (f64, f64) = (0.3, 3.0);
+const AGAIN: usize = 4;
+/// How far a step goes, as a multiple.
+const STEP: (f64, f64) = (1e-2, 1e2);
+
+/// Where the line of `probe` is best, in the first coordinate.
+fn best(probe: &Probe) -> f64 {
+    probe.y[0] * probe.multiple.clamp(STEP.0, STEP.1)
+}
+
+/// Whether that is a place to look at, and far from where it was looked at.
+fn is_far(probe: &Probe) -> bool {
+    let away = probe.multiple > 0.0 && !(NEAR.0..=NEAR.1).contains(&probe.multiple);
+    away && best(probe).abs() <= SIZES[1]
+}
+
 /// Probes of the candidates in `which` about `parent`, best first.
 pub(super) fn around(
     data: &Measured,
@@ -191,28 +219,51 @@ pub(super) fn around(
     let latent = Latent::default();
     let mut joint = Joint::new(data, &parent.model, &parent.unknowns, &latent)?;
     let y = white_round(&mut joint, &parent.y, (0, 1e-3))?;
-    let sums = joint.sums_here(&y);
+    let of = |candidate: usize| places(&candidates[candidate]).into_iter().map(move |y| (candidate, y));
+    let first: Vec<(usize, Vec<f64>)> = which.iter().flat_map(|candidate| of(*candidate)).collect();
+    let mut found = lines(&mut joint, &y, parent, candidates, first)?;
+    for _ in 0..AGAIN {
+        let (mut far, near): (Vec<Probe>, Vec<Probe>) = found.into_iter().partition(is_far);
+        // Several sizes of one may lead to the same place.
+        let behind = |probe: &Probe| probe.y[1..].iter().sum::<f64>();
+        far.sort_by(|a, b| a.candidate.cmp(&b.candidate).then(behind(a).total_cmp(&behind(b))));
+        far.dedup_by(|a, b| {
+            a.candidate == b.candidate && a.y[1..] == b.y[1..] && (best(a) / best(b)).ln().abs() < 1.0
+        });
+        let places: Vec<_> = far.iter().map(|p| (p.candidate, at(best(p), &p.y[1..]))).collect();
+        found = near;
+        if places.is_empty() {
+            break;
+        }
+        found.extend(lines(&mut joint, &y, parent, candidates, places)?);
+    }
+    data.bench.count(joint.simulations);
+    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    Ok(found)
+}
+
+/// What lines through `places`, each of a candidate, promise about `parent`, to which `joint` is settled at `y`.
+fn lines(
+    joint: &mut Joint,
+    y: &[f64],
+    parent: &Posterior,
+    candidates: &[Prepared],
+    places: Vec<(usize, Vec<f64>)>,
+) -> Result<Vec<Probe>, String> {
+    let data = joint.data;
+    let sums = joint.sums_here(y);
     let n = y.len();
     let factor = DMatrix::from_row_slice(n, n, &sums.curvature).cholesky().ok_or("no curvature")?;
     let gradient = factor.solve(&DVector::from_column_slice(&sums.gradient));
     let whitened = joint.whitened();
-    let mut probes: Vec<(Probe, Model)> = Vec::new();
-    for &candidate in which {
-        let prepared = &candidates[candidate];
-        for y in places(prepared) {
-            if let Some(model) = prepared.beside(&parent.model, &y) {
-                probes.push((
-                    Probe { candidate, y, gain: 0.0, evidence: 0.0, distance: 0.0, multiple: 1.0 },
-                    model,
-                ));
-            }
-        }
-    }
-    let models: Vec<Model> = probes.iter().map(|(_, model)| model.clone()).collect();
-    let changes = joint.changes(&y, &models);
-    data.bench.count(joint.simulations);
+    let beside = |(candidate, y): (usize, Vec<f64>)| {
+        let model = candidates[candidate].beside(&parent.model, &y)?;
+        Some((Probe { candidate, y, gain: 0.0, evidence: 0.0, distance: 0.0, multiple: 1.0 }, model))
+    };
+    let (probes, models): (Vec<Probe>, Vec<Model>) = places.into_iter().filter_map(beside).unzip();
+    let changes = joint.changes(y, &models);
     let mut found = Vec::new();
-    for ((mut probe, _), change) in probes.into_iter().zip(changes) {
+    for (mut probe, change) in probes.into_iter().zip(changes) {
         let Some(change) = change else { continue };
         let distance = data.largest(&change);
         let (mut square, mut along) = (0.0, 0.0);
@@ -232,7 +283,6 @@ pub(super) fn around(
         probe.distance = distance * probe.multiple.max(0.0) * (apart / square).sqrt();
         found.push(probe);
     }
-    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     Ok(found)
 }
 
@@ -242,4 +292,60 @@ pub(super) fn places(prepared: &Prepared) -> Vec<Vec<f64>> {
     let signs = [1.0, -1.0].into_iter().flat_map(|sign| SIZES.map(|size| sign * size));
     let firsts: Vec<f64> = signs.filter(|y| (low..=high).contains(y)).collect();
     firsts.iter().flat_map(|first| prepared.others.iter().map(|others| at(*first, others))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{Channel, Record, Regime};
+    use crate::diagnose::candidates::tried;
+    use crate::diagnose::evidence::{again, first};
+    use crate::diagnose::measurements::magnitudes;
+    use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+    use crate::fit::predict::predict;
+
+    /// A slider with a play of so much of its yield displacement, pulled to and fro within and beyond it, and the model
+    /// without.
+    fn measured(play: f64) -> (Model, Dataset) {
+        let base = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+                    tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";
+        let gap = 2.5e-5 * play;
+        let truth = format!("{base}[[effect]]\nid = \"backlash\"\nhalf_gap = {gap}\n");
+        let truth = Model::parse(&truth).unwrap();
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let mut noise = fastrand::Rng::with_seed(5);
+        let mut record = |level: f64| {
+            let place = |i: i32| 2.5e-5 * level * (f64::from(i) * 0.05).sin();
+            let channels = vec![
+                channel("time", "s", (0..400).map(|i| 1e-3 * f64::from(i)).collect()),
+                channel("displacement", "m", (0..400).map(place).collect()),
+                channel("force", "N", vec![0.0; 400]),
+            ];
+            let name = level.to_string();
+            let mut record = Record { name, regime: Regime::FromRest, use_for: None, channels };
+            let force = &predict(&truth, &record).unwrap()[0].values;
+            record.channels[2].values = force.iter().map(|f| f + 0.05 * (noise.f64() - 0.5)).collect();
+            record
+        };
+        let records = [0.8, 2.0, 5.0].map(&mut record).to_vec();
+        (Model::parse(base).unwrap(), Dataset { title: None, records })
+    }
+
+    #[test]
+    fn a_little_of_what_saturates_is_looked_at_from_near() {
+        for play in [0.01, 0.03, 0.1] {
+            let (model, dataset) = measured(play);
+            let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
+            let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
+            let base = first(&data, None, &model).and_then(|first| again(&data, &first)).unwrap();
+            let (tried, _) = tried(&model, &bench, Some(&["backlash".to_owned()]));
+            let scales = magnitudes::of(&model, &dataset);
+            let (candidates, _) = prepare(&data, &base, &tried, &scales, &dataset).unwrap();
+            let found = around(&data, &base, &candidates, &[0]).unwrap();
+            let best = &found[0];
+            let gap = candidates[0].coordinates[0].value(best.y[0] * best.multiple);
+            assert!(best.multiple > 0.3, "{play}: {best:?}");
+            assert!((gap / (2.5e-5 * play)).ln().abs() < 1.0, "{play}: {gap} {best:?}");
+        }
+    }
 }

@@ -48,7 +48,7 @@ pub(super) const BEHIND: f64 = 20.0;
 const TWICE: usize = 8;
 const FULL: usize = 5;
 const PARENTS: usize = 2;
-/// Sets that are fitted in full at least where first looks are about the measured motions.
+/// Sets that are followed from the beginnings of records to their ends, at most.
 const LED: usize = 3;
 /// Fraction of a residual that leads where it is not of the likeliest.
 const CLOSER: f64 = 0.95;
@@ -153,23 +153,30 @@ impl Search<'_, '_, '_> {
         let seen: Vec<Option<Set>> =
             wanted.par_iter().map(|(parent, probe)| self.glanced(looks, &from[*parent], probe)).collect();
         let led = parents.iter().filter(|_| !adequate).flat_map(|parent| self.led(&sets[*parent]));
-        let mut found = best_of_each(seen.into_iter().flatten().chain(led));
-        let twice = found.len().min(TWICE);
-        found[..twice].par_iter_mut().for_each(|set| Self::screened(looks, set));
-        rank(&mut found);
-        // First looks of another kind are to be compared with each other alone, and more than one is worth a fit.
-        let (others, least) = if self.looks.is_some() { (&sets[..0], LED) } else { (sets, 0) };
-        let best = found.iter().chain(others).map(evidence).fold(f64::NEG_INFINITY, f64::max);
-        let near = found.iter().take(FULL).take_while(|set| evidence(set) > best - BEHIND).count();
-        let mut near = near.max(least.min(found.len()));
+        let mut found = self.looked_at(best_of_each(seen.into_iter().flatten().chain(led)));
+        let best = found.iter().chain(sets).map(evidence).fold(f64::NEG_INFINITY, f64::max);
+        let mut near = found.iter().take(FULL).take_while(|set| evidence(set) > best - BEHIND).count();
         if let Some(closest) = self.closest(found.iter().enumerate()).filter(|k| !adequate && *k >= near) {
             found.swap(near, closest);
             near += 1;
         }
         found[..near].par_iter_mut().for_each(|set| self.finish(set));
+        found
+    }
+
+    /// The best of those that were glanced at, which are `found`, looked at as the data are: what a line or a motion as it
+    /// was measured promises can be compared with the same of others alone.
+    fn looked_at(&self, mut found: Vec<Set>) -> Vec<Set> {
+        rank(&mut found);
+        let twice = found.len().min(TWICE);
         if self.looks.is_some() {
-            found.retain(|set| !set.screened);
+            found.truncate(twice);
+            let looked = |mut set: Set| moved(self.data, &mut set).then_some(set);
+            found = found.into_par_iter().filter_map(looked).collect();
+        } else {
+            found[..twice].par_iter_mut().for_each(|set| Self::screened(self.data, set));
         }
+        rank(&mut found);
         found
     }
 
@@ -241,9 +248,8 @@ impl Search<'_, '_, '_> {
         let looks = self.looks.unwrap_or(self.data);
         let mut tried: Vec<Set> =
             probes.par_iter().filter_map(|probe| self.glanced(looks, &parent, probe)).collect();
-        tried.par_iter_mut().for_each(|set| Self::screened(looks, set));
         tried.extend(self.led(&parent));
-        rank(&mut tried);
+        let mut tried = self.looked_at(tried);
         let near = tried.first().map(evidence)? - BEHIND;
         tried.retain(|set| evidence(set) > near);
         tried.truncate(FULL);
