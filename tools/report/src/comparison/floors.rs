@@ -43,6 +43,50 @@ const ROUNDING: f64 = 1e-9;
 /// Less than this fraction of the noise: the noise is smaller than it is said to be.
 const LESS: f64 = 0.7;
 
+/// What an error that remains is beside that of noise alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Against {
+    /// Less than noise leaves.
+    Less,
+    /// As noise leaves it.
+    Noise,
+    /// More than noise leaves.
+    More,
+}
+
+/// What an error of `times` that of noise alone is, of which noise explains the `largest`.
+fn against(times: f64, largest: f64) -> Against {
+    match times {
+        times if times > largest => Against::More,
+        times if times < LESS => Against::Less,
+        _ => Against::Noise,
+    }
+}
+
+/// What an error that `remains` in the records of `which` is beside the `floor` that noise leaves there.
+pub fn of_remains(
+    comparison: &Comparison,
+    noise: &[Noise],
+    which: impl Fn(usize) -> bool,
+    [remains, floor]: [f64; 2],
+) -> Against {
+    against(remains / floor, largest(comparison, noise, which).unwrap_or(f64::INFINITY))
+}
+
+/// The largest error over that of noise alone that noise explains in the records of `which`; `None` where it is unknown.
+fn largest(comparison: &Comparison, noise: &[Noise], which: impl Fn(usize) -> bool) -> Option<f64> {
+    let (mut values, mut doubt) = (0_usize, 0.0_f64);
+    for record in (0..comparison.records.len()).filter(|record| which(*record)) {
+        for (name, _) in summary::compared_channels(comparison, record) {
+            let known = noise.iter().find(|one| one.record == record && one.channel == name)?;
+            values += summary::channel(&comparison.records[record], &name)?.values.len();
+            doubt = doubt.max(known.log_error);
+        }
+    }
+    // Two standard deviations of what the noise is known by, and of what a mean square of so many values scatters.
+    Some(1.0 + SLACK + 2.0 * doubt + 2.0 / (2.0 * values as f64).sqrt())
+}
+
 /// The error that remains in the last stage over that of noise alone, and the largest ratio that noise explains.
 struct Ratio {
     value: f64,
@@ -52,21 +96,17 @@ struct Ratio {
 
 /// Over the records that every stage predicts; `None` where the noise is unknown.
 fn ratio(comparison: &Comparison, summary: &Summary, noise: &[Noise]) -> Option<Ratio> {
-    let left_out = |record: usize| summary.skipped.iter().any(|(skipped, _)| *skipped == record);
-    let (mut squares, mut channels, mut values, mut doubt) = (0.0, 0_usize, 0_usize, 0.0_f64);
-    for record in (0..comparison.records.len()).filter(|record| !left_out(*record)) {
+    let known = |record: usize| !summary.skipped.iter().any(|(skipped, _)| *skipped == record);
+    let (mut squares, mut channels) = (0.0, 0_usize);
+    for record in (0..comparison.records.len()).filter(|record| known(*record)) {
         for (name, _) in summary::compared_channels(comparison, record) {
-            let known = noise.iter().find(|one| one.record == record && one.channel == name)?;
             squares += fraction(comparison, noise, record, &name)?.powi(2);
             channels += 1;
-            values += summary::channel(&comparison.records[record], &name)?.values.len();
-            doubt = doubt.max(known.log_error);
         }
     }
+    let largest = largest(comparison, noise, known)?;
     let noise = (squares / channels as f64).sqrt();
     let value = summary.normalised.last()? / noise;
-    // Two standard deviations of what the noise is known by, and of what a mean square of so many values scatters.
-    let largest = 1.0 + SLACK + 2.0 * doubt + 2.0 / (2.0 * values as f64).sqrt();
     value.is_finite().then_some(Ratio { value, noise, largest })
 }
 
@@ -81,12 +121,12 @@ pub fn with_noise(verdict: &str, comparison: &Comparison, summary: &Summary, noi
         );
     };
     let times = format::significant(ratio.value, 3);
-    let sentence = if ratio.value > ratio.largest {
-        "the model lacks something that these data show; `stickslip diagnose` looks for it"
-    } else if ratio.value < LESS {
-        "less than the noise: it is smaller than it is said to be, or the fit follows it; check `noise` in dataset.toml"
-    } else {
-        "no more than noise: these data show nothing that the model lacks"
+    let sentence = match against(ratio.value, ratio.largest) {
+        Against::More => "the model lacks something that these data show; `stickslip diagnose` looks for it",
+        Against::Less => {
+            "less than the noise: it is smaller than it is said to be, or the fit follows it; check `noise` in dataset.toml"
+        }
+        Against::Noise => "no more than noise: these data show nothing that the model lacks",
     };
     format!(
         "{verdict} What remains ({}) is {times} times the noise ({}, {}): {sentence}.",
@@ -98,10 +138,10 @@ pub fn with_noise(verdict: &str, comparison: &Comparison, summary: &Summary, noi
 
 /// The same as JSON.
 pub fn to_json(comparison: &Comparison, summary: &Summary, noise: &[Noise]) -> serde_json::Value {
-    let verdict = |ratio: &Ratio| match ratio.value {
-        value if value > ratio.largest => "more-than-noise",
-        value if value < LESS => "less-than-noise",
-        _ => "noise",
+    let verdict = |ratio: &Ratio| match against(ratio.value, ratio.largest) {
+        Against::More => "more-than-noise",
+        Against::Less => "less-than-noise",
+        Against::Noise => "noise",
     };
     match ratio(comparison, summary, noise) {
         Some(ratio) => {

@@ -5,6 +5,7 @@ use stickslip::diagnose::{Candidate, Diagnosis, Estimate, NoiseSource, Skipped, 
 use stickslip::effects::{self, Effect};
 
 use super::Run;
+use crate::comparison::floors::{self, Against};
 use crate::comparison::summary;
 use crate::format;
 
@@ -171,33 +172,31 @@ pub fn test_baseline(diagnosis: &Diagnosis) -> f64 {
     diagnosis.comparison.stages.first().map_or(f64::NAN, |stage| summary::pooled_error(stage, test))
 }
 
-/// An error that is this fraction of what the noise is said to cause shows that the noise is smaller.
-const BELOW_NOISE: f64 = 0.8;
-/// An error that is this multiple of what the noise causes is not passed over where nothing is missing.
-const ABOVE_NOISE: f64 = 1.15;
-
 /// The error that noise alone would cause.
 fn floor(diagnosis: &Diagnosis) -> String {
-    let error = &diagnosis.error;
-    let (floor, remains) = match (diagnosis.verdict, error.test_noise_floor) {
-        (Verdict::NothingMissing, _) => (error.noise_floor, error.refitted),
-        (_, Some(floor)) => (Some(floor), error.test),
-        _ => (error.noise_floor, error.last),
+    let Diagnosis { error, comparison, noise, .. } = diagnosis;
+    let test = |record: usize| diagnosis.split.get(record) == Some(&Use::Confirm);
+    let skipped = |record: usize| {
+        diagnosis.skipped.iter().any(|skipped| skipped.record == comparison.records[record].name)
     };
-    match floor {
-        Some(floor) if remains < BELOW_NOISE * floor => format!(
-            " The noise was estimated to cause {}; less remains, so that it is smaller: what it was estimated from differs by more \
-             than noise.",
-            format::error(floor)
+    let nothing = diagnosis.verdict == Verdict::NothingMissing;
+    let (floor, remains, on_test) = match error.test_noise_floor {
+        Some(floor) if !nothing => (Some(floor), error.test, true),
+        _ if nothing => (error.noise_floor, error.refitted, false),
+        _ => (error.noise_floor, error.last, false),
+    };
+    let Some(floor) = floor else { return " The noise is unknown.".to_owned() };
+    let which = |record: usize| !skipped(record) && (!on_test || test(record));
+    let caused = format::error(floor);
+    match floors::of_remains(comparison, noise, which, [remains, floor]) {
+        Against::Less => format!(
+            " The noise was estimated to cause {caused}; less remains, so that it is smaller: what it was estimated from differs by \
+             more than noise."
         ),
-        Some(floor) if diagnosis.verdict == Verdict::NothingMissing && remains > ABOVE_NOISE * floor => {
-            format!(
-                " Noise alone would cause {}: more remains, too small to be taken for a missing effect.",
-                format::error(floor)
-            )
-        }
-        Some(floor) => format!(" Noise alone would cause an error of {}.", format::error(floor)),
-        None => " The noise is unknown.".to_owned(),
+        Against::More if nothing => format!(
+            " Noise alone would cause {caused}: more remains, too small to be taken for a missing effect."
+        ),
+        _ => format!(" Noise alone would cause an error of {caused}."),
     }
 }
 
