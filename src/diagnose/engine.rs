@@ -116,7 +116,7 @@ pub fn diagnose(
         crate::effects::find(id).ok_or_else(|| DiagnoseError::UnknownEffect(id.clone()))?;
     }
     let attempt = |dataset: &Dataset| diagnosis(model, dataset, options, watch);
-    let (mut found, skipped) = solvable::of(model, dataset, attempt)?;
+    let (mut found, skipped) = solvable::of(dataset, attempt)?;
     found.comparison.findings = check(model, dataset);
     Ok(Diagnosis { skipped, ..found })
 }
@@ -165,7 +165,8 @@ fn diagnosis(
     if weighed.weights[0] < 1.0 - options.assumptions.certain {
         weighed.refitted_as(first, &data);
     }
-    let mut diagnosis = verdict::of(&context, &weighed, decision, &test, (baseline, measured, untried));
+    let mut diagnosis =
+        verdict::of(&context, &weighed, decision, [&test, &all], (baseline, measured, untried));
     let reasons = &mut diagnosis.reasons;
     reasons.extend(split::copies(dataset));
     if let Some(only) = &options.effects {
@@ -256,15 +257,18 @@ fn asked<A>(
     answer(&Question { data: &data, looks: looks.as_ref(), beginnings: &beginnings, dataset, scales })
 }
 
-/// Why `model` could not be refitted, with the first record that it does not predict as it stands.
+/// Why `model` could not be refitted: with the first record that no fit can start from, if there is one.
 fn unpredictable(bench: &WeightedDataset, model: &Model, reason: String) -> DiagnoseError {
     if bench.interrupted() {
         return RefitError::Fit(FitError::Interrupted).into();
     }
     let records = &bench.dataset.records;
-    let failing = (0..records.len()).find(|record| bench.score(model, &[*record]).is_err());
-    let record = records.get(failing.unwrap_or(0)).map(|record| record.name.clone()).unwrap_or_default();
-    RefitError::Unpredictable { record, reason }.into()
+    let blamed = |record: usize| Some((record, evidence::no_start(bench, model, record)?));
+    match (0..records.len()).find_map(blamed) {
+        Some((record, reason)) => RefitError::Unpredictable { record: records[record].name.clone(), reason },
+        None => RefitError::Unfitted { reason },
+    }
+    .into()
 }
 
 /// Adds `effect` at `location` to `model` from all its starts, refits all together to the records that a fit
@@ -280,7 +284,7 @@ pub fn add(
     watch: DiagnoseWatch,
 ) -> Result<Added, DiagnoseError> {
     let attempt = |dataset: &Dataset| added(model, effect, location.clone(), dataset, watch);
-    let (mut found, skipped) = solvable::of(model, dataset, attempt)?;
+    let (mut found, skipped) = solvable::of(dataset, attempt)?;
     found.stages.iter_mut().for_each(|stage| solvable::tell(stage, dataset, &skipped));
     Ok(found)
 }

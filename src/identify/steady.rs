@@ -157,7 +157,9 @@ impl Steady {
 /// The frequency (Hz) of what repeats in `values`: whole periods of the record, as its regime promises, or else what leaves
 /// the least.
 fn frequency(times: &[f64], step: f64, values: &[f64]) -> Result<f64, String> {
-    let whole = whole_periods(values).map(|periods| periods as f64 / (step * values.len() as f64));
+    let whole = whole_periods(values)
+        .filter(|_| joins(values))
+        .map(|periods| periods as f64 / (step * values.len() as f64));
     let found = period(values).map(|samples| 1.0 / (samples * step));
     let refined = whole.into_iter().chain(found).map(|first| refine(times, values, first));
     let candidates: Vec<f64> = whole.into_iter().chain(refined).collect();
@@ -170,6 +172,17 @@ fn frequency(times: &[f64], step: f64, values: &[f64]) -> Result<f64, String> {
     let good = candidates.iter().zip(&rests).find(|(_, rest)| rest.is_finite() && **rest <= 1.02 * least);
     good.map(|(frequency, _)| *frequency)
         .ok_or_else(|| "its excitation shows no period: it holds no steady state".to_owned())
+}
+
+/// Over the sharpest bend within a record, by how much it may bend where it begins again.
+const SHARPER: f64 = 3.0;
+
+/// Whether `values` go on where they begin, as whole periods do: beyond noise, a part of a period has a step there.
+fn joins(values: &[f64]) -> bool {
+    let bend = |a: f64, b: f64, c: f64| (a - 2.0 * b + c).abs();
+    let within = values.windows(3).map(|three| bend(three[0], three[1], three[2])).fold(0.0, f64::max);
+    let [first, second, .., before, last] = values else { return true };
+    bend(*before, *last, *first).max(bend(*last, *first, *second)) <= SHARPER * within
 }
 
 /// The frequency at which the first harmonic has the same phase in both halves of the record.

@@ -161,6 +161,9 @@ impl Frequencies {
 const MOST_SAMPLES: f64 = 5e6;
 const MOST_VALUES: f64 = 1e7;
 
+/// Most harmonics of a motion: far beyond what any contact excites, and its equations still fit in memory.
+const MOST_HARMONICS: usize = 200;
+
 /// Radians of the highest frequency over which a parabola follows a random force: within 2e-4 of it.
 const SMOOTH: f64 = 0.3;
 
@@ -272,8 +275,20 @@ impl TestKind {
         }
     }
 
+    /// Harmonics of the motion, where they are balanced.
+    fn harmonics(&self) -> Option<usize> {
+        match self {
+            Self::SteppedSine(test) => test.harmonics,
+            Self::DualMode(test) => Some(test.harmonics),
+            Self::Random(_) | Self::RingDown(_) => None,
+        }
+    }
+
     fn check(&self) -> Result<(), &'static str> {
         let positive = |value: f64| value > 0.0 && value.is_finite();
+        if self.harmonics().is_some_and(|count| count > MOST_HARMONICS) {
+            return Err("it has more than 200 harmonics, far beyond what a contact excites");
+        }
         let legal = match self {
             Self::SteppedSine(test) => {
                 let listed = match &test.frequencies {

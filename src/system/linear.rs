@@ -111,6 +111,22 @@ impl System {
             outputs: self.sensors.iter().map(output).collect(),
         }
     }
+
+    /// The linear part with springs in the place of the contacts: of the `tangential` stiffness (N/m) along them and, of those
+    /// in two directions, of their own at rest across.
+    #[cfg(feature = "analysis")]
+    pub(crate) fn stuck_part(&self, tangential: f64) -> LinearStructure {
+        let mut stuck = self.linear_part();
+        let mut springs = vec![tangential; stuck.contacts.len()];
+        for element in &self.elements {
+            if let Element::SlipSlap { ports, contact } = element {
+                stuck.contacts.extend(ports.map(|port| self.ports[port].row.clone()));
+                springs.extend([tangential, contact.normal().stiffness()]);
+            }
+        }
+        stuck.stiffness.extend(stuck.along_contacts(springs));
+        stuck
+    }
 }
 
 /// What a spring of `stiffness` (N/m) between the displacements of two rows adds to K.

@@ -3,8 +3,8 @@
 use stickslip::data::Record;
 use stickslip::identify::harmonics;
 use stickslip::rig::{
-    Chain, ChannelFault, NoiseLevel, Plan, RandomTest, Release, RigError, RingDown, SteppedSine, TestKind,
-    test_on,
+    Chain, ChannelFault, DualMode, NoiseLevel, Plan, RandomTest, Release, RigError, RingDown, SteppedSine,
+    TestKind, test_on,
 };
 
 use crate::{SENSORS, accelerations, published, rms, test};
@@ -227,4 +227,14 @@ fn what_cannot_be_tested_is_refused_with_its_reason() {
     let worn = published(4, |text| format!("{text}\n[[effect]]\nid = \"wear\"\nrate = 1.0\n"));
     let told = test_on(&worn, &plan, &mut |_| true).unwrap_err().to_string();
     assert!(told.contains("wear") && told.contains("steady state"), "{told}");
+}
+
+#[test]
+fn harmonics_that_no_memory_holds_are_refused() {
+    let stepped = SteppedSine { harmonics: Some(100_000), ..SteppedSine::at(vec![30.0]) };
+    let dual = DualMode { harmonics: 100_000, ..DualMode::at(52.0, vec![[7.0, 17.0]]) };
+    for kind in [TestKind::SteppedSine(stepped), TestKind::DualMode(dual)] {
+        let told = test("many", kind).check().unwrap_err().to_string();
+        assert!(told.contains("many: it has more than 200 harmonics"), "{told}");
+    }
 }

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use stickslip::contact::{ContactLaw, Inputs, Response, SlipSlap, StateTangents};
-use stickslip::data::{Dataset, Record};
+use stickslip::data::{Dataset, Record, Regime};
 use stickslip::harmonic::fourier::from_samples;
 use stickslip::identify::{IdentifyOptions, ModeCount, SlipSlapIdentification, identify_slip_slap};
 use stickslip::rig::{Chain, DualMode, RigError, Tested, dual_mode_on, separation_on, slap_in_time};
@@ -268,4 +268,27 @@ fn the_pin_stays_on_its_support_at_the_published_level_and_slaps_under_a_lower_p
     for (force, apart) in below.normal_force.iter().zip(&below.separation) {
         assert!(*force >= 0.0 && (*apart == 0.0 || *force == 0.0) && *apart < 1e-3);
     }
+}
+
+/// Records that cannot tell both forces are refused, with the reason.
+#[test]
+fn too_few_sensors_a_part_of_a_period_and_other_regimes_are_refused() {
+    let refused = |change: &dyn Fn(&mut Record), words: &str| {
+        let mut data = dataset([1.0; 4]);
+        data.records.truncate(1);
+        data.records.iter_mut().for_each(change);
+        let error =
+            identify_slip_slap(&model_b(), &data, &IdentifyOptions::default()).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    };
+    let cut = |rows: usize| {
+        move |record: &mut Record| {
+            record.channels.iter_mut().for_each(|channel| channel.values.truncate(rows))
+        }
+    };
+    let two = |record: &mut Record| record.channels.retain(|channel| !channel.name.ends_with("x=0.3"));
+    refused(&two, "motions at 2 of the 3 places");
+    // Of 256 samples a period.
+    refused(&cut(200), "no steady state");
+    refused(&|record| record.regime = Regime::FromRest, "its regime is not `steady`");
 }

@@ -33,8 +33,9 @@ pub(super) use posterior::Posterior;
 pub(super) use probe::Prepared;
 pub(super) use search::{Search, Set};
 
+use joint::Joint;
 use latent::Latent;
-use posterior::{Start, fit, screen};
+use posterior::{Start, fit, screen, white_round};
 use unknown::Unknown;
 
 use super::candidates::Candidate;
@@ -101,6 +102,17 @@ pub(super) fn first(
         (_, Some(led)) => Ok(led),
         (direct, None) => direct,
     }
+}
+
+/// Why no fit of `model` to `record` alone can start, if none can.
+pub(super) fn no_start(bench: &WeightedDataset, model: &Model, record: usize) -> Option<String> {
+    let data = Measured::new(bench, &[record], &[], &[]);
+    let (unknowns, latent) = (unknown::of_model(model, data.assumptions()), Latent::default());
+    let start = || {
+        let mut joint = Joint::new(&data, model, &unknowns, &latent)?;
+        white_round(&mut joint, &vec![0.0; unknowns.len()], (0, 1e-3))
+    };
+    start().err()
 }
 
 /// A hypothesis fitted to `data` from where it was.

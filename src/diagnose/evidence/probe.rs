@@ -198,6 +198,13 @@ const AGAIN: usize = 4;
 /// How far a step goes, as a multiple.
 const STEP: (f64, f64) = (1e-2, 1e2);
 
+impl Probe {
+    /// Its coordinates, the first where the line is best, as far as lines can be trusted.
+    pub fn start(&self) -> Vec<f64> {
+        at(self.y[0] * self.multiple.clamp(NEAR.0, NEAR.1), &self.y[1..])
+    }
+}
+
 /// Where the line of `probe` is best, in the first coordinate.
 fn best(probe: &Probe) -> f64 {
     probe.y[0] * probe.multiple.clamp(STEP.0, STEP.1)
@@ -221,22 +228,33 @@ pub(super) fn around(
     let y = white_round(&mut joint, &parent.y, (0, 1e-3))?;
     let of = |candidate: usize| places(&candidates[candidate]).into_iter().map(move |y| (candidate, y));
     let first: Vec<(usize, Vec<f64>)> = which.iter().flat_map(|candidate| of(*candidate)).collect();
-    let mut found = lines(&mut joint, &y, parent, candidates, first)?;
+    let (mut found, mut unreached) = (lines(&mut joint, &y, parent, candidates, first)?, Vec::new());
     for _ in 0..AGAIN {
         let (mut far, near): (Vec<Probe>, Vec<Probe>) = found.into_iter().partition(is_far);
         // Several sizes of one may lead to the same place.
-        let behind = |probe: &Probe| probe.y[1..].iter().sum::<f64>();
-        far.sort_by(|a, b| a.candidate.cmp(&b.candidate).then(behind(a).total_cmp(&behind(b))));
+        let behind =
+            |a: &Probe, b: &Probe| a.y[1..].partial_cmp(&b.y[1..]).unwrap_or(std::cmp::Ordering::Equal);
+        let order = |a: &Probe, b: &Probe| {
+            a.candidate.cmp(&b.candidate).then(behind(a, b)).then(best(a).total_cmp(&best(b)))
+        };
+        far.sort_by(order);
         far.dedup_by(|a, b| {
             a.candidate == b.candidate && a.y[1..] == b.y[1..] && (best(a) / best(b)).ln().abs() < 1.0
         });
-        let places: Vec<_> = far.iter().map(|p| (p.candidate, at(best(p), &p.y[1..]))).collect();
         found = near;
-        if places.is_empty() {
+        if far.is_empty() {
             break;
         }
-        found.extend(lines(&mut joint, &y, parent, candidates, places)?);
+        let places: Vec<_> = far.iter().map(|p| (p.candidate, at(best(p), &p.y[1..]))).collect();
+        let again = lines(&mut joint, &y, parent, candidates, places)?;
+        // Where nothing can be predicted there, what was seen from afar is all there is.
+        let reached =
+            |p: &Probe| again.iter().any(|a| a.candidate == p.candidate && a.y == at(best(p), &p.y[1..]));
+        let (_, lost): (Vec<Probe>, Vec<Probe>) = far.into_iter().partition(reached);
+        unreached.extend(lost);
+        found.extend(again);
     }
+    found.extend(unreached);
     data.bench.count(joint.simulations);
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     Ok(found)

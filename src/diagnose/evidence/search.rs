@@ -270,9 +270,9 @@ impl Search<'_, '_, '_> {
 
     fn glanced(&self, data: &Measured, parent: &Set, probe: &Probe) -> Option<Set> {
         let prepared = &self.candidates[probe.candidate];
-        let mut y = probe.y.clone();
+        let mut y = probe.start();
         let (low, high) = prepared.coordinates[0].bounds();
-        y[0] = (y[0] * probe.multiple.clamp(0.3, 3.0)).clamp(low, high);
+        y[0] = y[0].clamp(low, high);
         let (model, unknowns, start) = self.extended(&parent.posterior, probe.candidate, &y);
         let start = Start { model: &model, unknowns: &unknowns, y: &start };
         let posterior = screen(data, &start, false).ok()?;

@@ -63,15 +63,24 @@ fn of_record(bench: &WeightedDataset, model: &Model, record: usize) -> Option<Se
     Some(Seen { level, angular_frequency, damping_ratio })
 }
 
-/// Angular frequency (rad/s) and damping ratio of the lowest mode with the contact in stick.
+/// Part of the largest response of a mode to the excitation below which a mode is not seen.
+const SEEN: f64 = 1e-2;
+
+/// Angular frequency (rad/s) and damping ratio of the lowest mode that the excitation moves with the contact in stick: the
+/// pendulum that presses a pin hangs below the beam and is none.
 fn lowest_mode(model: &Model) -> Option<(f64, f64)> {
-    let mut structure = model.system().ok()?.linear_part();
-    if let Some(contact) = &model.contact {
-        structure.stiffness.extend(structure.along_contacts([contact.tangential_stiffness]));
-    }
+    let stiffness = model.contact.map_or(0.0, |contact| contact.tangential_stiffness);
+    let structure = model.system().ok()?.stuck_part(stiffness);
     let modes = structure.natural_modes().ok()?;
-    let angular_frequency = *modes.angular_frequency.first()?;
-    let shape = modes.shapes.column(0);
+    let moved = |mode: usize| {
+        let shape = modes.shapes.column(mode);
+        structure.excitation.iter().map(|(i, part)| part * shape[*i]).sum::<f64>().powi(2)
+    };
+    let count = modes.angular_frequency.len();
+    let largest = (0..count).map(moved).fold(0.0, f64::max);
+    let mode = (0..count).find(|mode| moved(*mode) >= SEEN * largest)?;
+    let angular_frequency = modes.angular_frequency[mode];
+    let shape = modes.shapes.column(mode);
     let damping: f64 = structure.damping.iter().map(|(i, j, value)| value * shape[*i] * shape[*j]).sum();
     (angular_frequency > 0.0).then(|| (angular_frequency, damping / (2.0 * angular_frequency)))
 }

@@ -28,7 +28,7 @@ pub(super) fn of(
     context: &Context,
     weighed: &Weighed,
     decision: Decision,
-    test: &Measured,
+    [test, all]: [&Measured; 2],
     (baseline, measured, untried): (Stage, Vec<Noise>, Vec<Untried>),
 ) -> Diagnosis {
     let best = &weighed.sets[decision.best];
@@ -37,7 +37,7 @@ pub(super) fn of(
     let decision = decision.limited(context, &sensitivities);
     let (steps, stages) = followed(context, weighed, decision.best, baseline);
     let tested = Tested::of(context, weighed, &decision, test);
-    let errors = errors(context, &stages, &tested, test);
+    let errors = errors(&stages, &tested, [test, all]);
     // What only absorbs error would hide what is missing.
     let clear = if decision.verdict == Verdict::Unexplained { 1 } else { stages.len() - 1 };
     let residual =
@@ -172,7 +172,7 @@ impl Tested {
     }
 }
 
-fn errors(context: &Context, stages: &[Stage], tested: &Tested, test: &Measured) -> Errors {
+fn errors(stages: &[Stage], tested: &Tested, [test, all]: [&Measured; 2]) -> Errors {
     let error = |index: usize| stages.get(index).map_or(f64::NAN, |stage| stage.error);
     Errors {
         baseline: error(0),
@@ -180,7 +180,7 @@ fn errors(context: &Context, stages: &[Stage], tested: &Tested, test: &Measured)
         last: stages.last().map_or(f64::NAN, |stage| stage.error),
         test: tested.with,
         test_refitted: tested.without,
-        noise_floor: context.data.floor(),
+        noise_floor: all.floor(),
         test_noise_floor: test.floor(),
     }
 }

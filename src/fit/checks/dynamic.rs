@@ -29,14 +29,9 @@ impl Linear {
             Structure::Beam(_) | Structure::PinRig(_) => "beam.youngs_modulus",
             _ => "spring",
         };
-        let structure = model.system().ok()?.linear_part();
-        let mut stuck = structure.clone();
+        let system = model.system().ok()?;
         let stiffness = model.contact.map_or(0.0, |contact| contact.tangential_stiffness);
-        for row in &structure.contacts {
-            let pairs =
-                row.iter().flat_map(|(i, a)| row.iter().map(move |(j, b)| (*i, *j, a * stiffness * b)));
-            stuck.stiffness.extend(pairs);
-        }
+        let (structure, stuck) = (system.linear_part(), system.stuck_part(stiffness));
         let modes =
             [&structure, &stuck].into_iter().map(|one| one.natural_modes().ok()).collect::<Option<_>>()?;
         Some(Self { structure, modes, key })

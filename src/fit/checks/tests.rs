@@ -179,3 +179,14 @@ fn frequencies_of_a_model_in_other_units_part_from_the_data() {
     let found = check(&model(1000.0), &dataset);
     assert!(found.len() == 1 && found[0].to_string().contains("mass in g"), "{found:?}");
 }
+
+#[test]
+fn a_pin_that_sticks_is_held_in_both_directions() {
+    let model = Model::parse(include_str!("../../../examples/slip-slap/model.toml")).unwrap();
+    let [free, stuck] = super::natural_frequencies(&model).unwrap();
+    // Frequencies (Hz) of the exact determinant of this rig, its pin bonded.
+    for reference in [52.7873, 164.4231, 335.8551] {
+        let near = |all: &[f64]| all.iter().any(|one| (one / reference - 1.0).abs() < 1e-3);
+        assert!(near(&stuck) && !near(&free), "{reference}: {stuck:?} {free:?}");
+    }
+}

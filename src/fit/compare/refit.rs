@@ -39,6 +39,12 @@ pub enum RefitError {
         /// What the solver said.
         reason: String,
     },
+    /// Every record can be predicted, and all together cannot be fitted.
+    #[error("the model cannot be fitted to these records: {reason}")]
+    Unfitted {
+        /// What the solver said.
+        reason: String,
+    },
     /// The fit itself.
     #[error("{0}")]
     Fit(#[from] FitError<String>),

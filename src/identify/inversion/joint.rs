@@ -97,9 +97,13 @@ impl<'p> Joint<'p> {
             }
             blocks.push((matrix, right, places));
         }
-        let factor = curvature.clone().cholesky();
-        let factor =
-            factor.ok_or_else(|| IdentificationError::Failed("the equations have no solution".to_owned()))?;
+        let factor = curvature.clone().cholesky().ok_or_else(|| {
+            IdentificationError::Failed(
+                "the equations have no solution: motions and force do not belong to this model; `stickslip check MODEL DATASET` looks \
+                 for wrong units and signs"
+                    .to_owned(),
+            )
+        })?;
         let scaled = factor.solve(&gradient);
         let rest = |(matrix, right, places): &(DMatrix<f64>, DVector<f64>, Vec<usize>)| {
             let its = DVector::from_iterator(places.len(), places.iter().map(|place| scaled[*place]));

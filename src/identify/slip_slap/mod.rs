@@ -32,6 +32,9 @@ const PHASES: usize = 1024;
 const MODULUS: f64 = 1e-3;
 const STIFFNESS: f64 = 1e-2;
 
+/// Places of the beam whose motions tell both forces and both displacements.
+const PLACES: usize = 3;
+
 /// The contact in one dual-mode record; its periods are those of the inversion at the same place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SlipSlapRecord {
@@ -103,10 +106,21 @@ pub fn identify_slip_slap(
     dataset: &Dataset,
     options: &IdentifyOptions,
 ) -> Result<SlipSlapIdentification, IdentificationError> {
-    let mut skipped = Vec::new();
-    let records: Vec<&Record> =
-        dataset.records.iter().filter(|record| record.regime == Regime::Steady).collect();
-    let used = steady(rig.beam.excitation_position, &[], &records, options.harmonics, &mut skipped);
+    let (records, others): (Vec<&Record>, Vec<&Record>) =
+        dataset.records.iter().partition(|record| record.regime == Regime::Steady);
+    let other = |record: &&Record| (record.name.clone(), "its regime is not `steady`".to_owned());
+    let mut skipped: Vec<(String, String)> = others.iter().map(other).collect();
+    let mut used = steady(rig.beam.excitation_position, &[], &records, options.harmonics, &mut skipped);
+    used.retain(|record| {
+        let places = record.positions.len();
+        if places < PLACES {
+            let reason = format!(
+                "it has motions at {places} of the {PLACES} places that forces and displacements of a contact in two directions take"
+            );
+            skipped.push((record.name.clone(), reason));
+        }
+        places >= PLACES
+    });
     if used.is_empty() {
         return Err(nothing_usable(&skipped));
     }

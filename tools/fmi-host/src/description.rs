@@ -1,6 +1,7 @@
 //! `modelDescription.xml`: that of FMI 2.0 is read here, that of 3.0 in [`crate::fmi3`].
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
+use std::path::Path;
 
 use stickslip::cosim::Causality;
 use stickslip_readers::InputError;
@@ -100,8 +101,6 @@ pub struct ScalarVariable {
     pub name: String,
     /// Its value reference.
     pub reference: u32,
-    /// What it is.
-    pub description: Option<String>,
     /// Who sets it; what is neither parameter, input nor output is local here.
     pub causality: Causality,
     /// When it changes.
@@ -114,12 +113,6 @@ pub struct ScalarVariable {
     pub unit: Option<String>,
     /// Its value unless set, as it is written.
     pub start: Option<String>,
-    /// Least value.
-    pub min: Option<f64>,
-    /// Largest value.
-    pub max: Option<f64>,
-    /// Usual size.
-    pub nominal: Option<f64>,
     /// Of an output: positions of the variables on which it depends; absent where the file does not declare them, which
     /// means all.
     pub depends_on: Option<Vec<usize>>,
@@ -165,11 +158,12 @@ struct DeclaredType {
 }
 
 impl ModelDescription {
-    /// Reads the description in `file`.
+    /// Reads the description in `bytes`.
     ///
     /// # Errors
     /// [`ImportProblem::Version`], [`ImportProblem::NoCoSimulation`], and what is not as the standard says.
-    pub fn read(file: &XmlFile) -> Result<Self, ImportProblem> {
+    pub fn read(bytes: Vec<u8>) -> Result<Self, ImportProblem> {
+        let file = &XmlFile::from_bytes_but(VARIABLES, Path::new("modelDescription.xml"), bytes)?;
         let root = file.root("fmiModelDescription")?;
         let version = file.required(root, "fmiVersion")?;
         if version == "3" || version.starts_with("3.0") {
@@ -180,11 +174,16 @@ impl ModelDescription {
         }
         let Some(element) = root.child("CoSimulation") else { return Err(ImportProblem::NoCoSimulation) };
         let declared = declared_types(file, root)?;
-        let mut variables = root
-            .list("ModelVariables", "ScalarVariable")
-            .map(|element| scalar_variable(file, element, &declared))
-            .collect::<Result<Vec<_>, _>>()?;
-        check_names(file, root, &variables)?;
+        let rows = || {
+            items(file, root).filter(|row| row.as_ref().map_or(true, |row| row.name() == "ScalarVariable"))
+        };
+        let mut variables =
+            rows().map(|row| scalar_variable(file, &row?, &declared)).collect::<Result<Vec<_>, _>>()?;
+        if let Some(twice) = repeated(&variables) {
+            let element = rows().nth(twice).transpose()?;
+            let element = element.as_ref().unwrap_or(root);
+            return Err(file.value_error(element, "name", "a name that no other variable has").into());
+        }
         dependencies(file, root, &mut variables)?;
         Ok(Self {
             version: FmiVersion::Two,
@@ -213,6 +212,17 @@ impl ModelDescription {
         let defined = self.units.iter().find(|unit| unit.name == *name);
         Some(defined.cloned().unwrap_or_else(|| Unit::named(name)))
     }
+}
+
+/// The list of variables, which may be long: its items are read one by one.
+const VARIABLES: &str = "ModelVariables";
+
+/// The elements of the variables.
+pub(crate) fn items<'f>(
+    file: &'f XmlFile,
+    root: &'f Element,
+) -> impl Iterator<Item = Result<Element, InputError>> + 'f {
+    root.all(VARIABLES).flat_map(|list| file.items(list))
 }
 
 fn co_simulation(file: &XmlFile, element: &Element) -> Result<CoSimulation, InputError> {
@@ -289,7 +299,6 @@ fn scalar_variable(
     Ok(ScalarVariable {
         name,
         reference: file.number(element, "valueReference")?.unwrap_or_default(),
-        description: element.attribute("description").map(str::to_owned),
         causality,
         variability,
         kind: match typed.name() {
@@ -302,26 +311,16 @@ fn scalar_variable(
         passed: Passed { format: Format::Float64, element: 0, size: 1, intermediate: false },
         unit: typed.attribute("unit").map(str::to_owned).or(own.unit),
         start: typed.attribute("start").map(str::to_owned),
-        min: bound(typed, "min"),
-        max: bound(typed, "max"),
-        nominal: bound(typed, "nominal"),
         depends_on: None,
     })
 }
 
-/// Limits are only shown: exporters write infinities and other things there that are nobody's concern.
-pub(crate) fn bound(element: &Element, name: &str) -> Option<f64> {
-    element.attribute(name).and_then(|text| text.trim().parse().ok())
-}
-
-fn check_names(file: &XmlFile, root: &Element, variables: &[ScalarVariable]) -> Result<(), ImportProblem> {
-    let mut seen = BTreeSet::new();
-    for (variable, element) in variables.iter().zip(root.list("ModelVariables", "ScalarVariable")) {
-        if !seen.insert(variable.name.as_str()) {
-            return Err(file.value_error(element, "name", "a name that no other variable has").into());
-        }
-    }
-    Ok(())
+/// The position of the first of `variables` whose name one before it has.
+pub(crate) fn repeated(variables: &[ScalarVariable]) -> Option<usize> {
+    let mut order: Vec<usize> = (0..variables.len()).collect();
+    let name = |position: usize| variables[position].name.as_str();
+    order.sort_by(|a, b| name(*a).cmp(name(*b)).then(a.cmp(b)));
+    order.windows(2).filter(|pair| name(pair[0]) == name(pair[1])).map(|pair| pair[1]).min()
 }
 
 /// Notes down on what outputs depend.

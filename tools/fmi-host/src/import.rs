@@ -7,7 +7,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use stickslip_readers::InputError;
 use stickslip_readers::archive::{ArchiveProblem, Limits, Unpacked, unpack};
-use stickslip_readers::xml::XmlFile;
 
 use crate::component::{Error, Library, Slave};
 use crate::description::{FmiVersion, ModelDescription, TypeOfVariable};
@@ -176,8 +175,7 @@ impl Fmu {
             return Err(ImportProblem::NoDescription);
         }
         let bytes = std::fs::read(&file).map_err(|error| ArchiveProblem::System(error.to_string()))?;
-        let description =
-            ModelDescription::read(&XmlFile::from_bytes(Path::new("modelDescription.xml"), bytes)?)?;
+        let description = ModelDescription::read(bytes)?;
         let library =
             library(folder.path(), &description.co_simulation.model_identifier, description.version)?;
         Ok(Arc::new(Self { name, folder, description, library, loaded: Mutex::new(None) }))

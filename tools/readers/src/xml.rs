@@ -76,6 +76,8 @@ pub struct Element {
     attributes: Vec<(String, String)>,
     children: Vec<Element>,
     span: Range<usize>,
+    /// Where its items are, if they were left in the text.
+    left: Range<usize>,
 }
 
 /// No format that is read here nests anywhere near as deep.
@@ -87,7 +89,7 @@ impl XmlFile {
     /// # Errors
     /// A file that cannot be read, is neither UTF-8 nor UTF-16, or not well-formed.
     pub fn read(path: &Path) -> Result<Self, InputError> {
-        Self::parse(Source::read_xml(path)?)
+        Self::parse(Source::read_xml(path)?, None)
     }
 
     /// Parses `bytes`, which errors call `path`.
@@ -95,11 +97,26 @@ impl XmlFile {
     /// # Errors
     /// As [`XmlFile::read`].
     pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, InputError> {
-        Self::parse(Source::from_xml_bytes(path, bytes)?)
+        Self::parse(Source::from_xml_bytes(path, bytes)?, None)
     }
 
-    fn parse(source: Source) -> Result<Self, InputError> {
-        let root = tree(source.text()).map_err(|(at, problem)| source.error(at..at + 1, problem.into()))?;
+    /// As [`XmlFile::from_bytes`], but what is in lists called `list` is left in the text, since it may be a million items:
+    /// [`XmlFile::items`] reads them one by one.
+    ///
+    /// # Errors
+    /// As [`XmlFile::read`], of what is not in such lists.
+    pub fn from_bytes_but(list: &'static str, path: &Path, bytes: Vec<u8>) -> Result<Self, InputError> {
+        Self::parse(Source::from_xml_bytes(path, bytes)?, Some(list))
+    }
+
+    /// The items of `list` that were left in the text. Their namespaces are those that they declare themselves.
+    pub fn items(&self, list: &Element) -> Items<'_> {
+        Items { file: self, elements: Elements::new(self.source.text(), list.left.clone(), None) }
+    }
+
+    fn parse(source: Source, left: Option<&'static str>) -> Result<Self, InputError> {
+        let root =
+            tree(source.text(), left).map_err(|(at, problem)| source.error(at..at + 1, problem.into()))?;
         Ok(Self { source, root })
     }
 
@@ -226,11 +243,6 @@ impl Numeric for u32 {
 }
 
 impl Element {
-    /// What the elements of a file are in.
-    fn of_file() -> Self {
-        Self { name: String::new(), namespace: None, attributes: vec![], children: vec![], span: 0..0 }
-    }
-
     /// Its name.
     pub fn name(&self) -> &str {
         &self.name
@@ -273,60 +285,104 @@ impl fmt::Display for Element {
     }
 }
 
-/// The root of `text`; errors with the byte they are about.
-fn tree(text: &str) -> Result<Element, (usize, XmlProblem)> {
-    let mut reader = NsReader::from_str(text);
-    let mut namespaces = Namespaces::default();
-    // Elements that have begun and not ended; the first stands for the file.
-    let mut open = vec![Element::of_file()];
-    loop {
-        let start = position(reader.buffer_position(), text);
-        let malformed = |reason: String| (start, XmlProblem::Malformed(reason));
-        let read = reader.read_event().map_err(|error| {
-            (position(reader.error_position(), text), XmlProblem::Malformed(error.to_string()))
-        })?;
-        let end = position(reader.buffer_position(), text);
-        let empty = matches!(read, Event::Empty(_));
-        match read {
-            Event::Start(tag) | Event::Empty(tag) => {
-                let namespace = namespaces.shared(reader.resolver().resolve_element(tag.name()).0);
-                let element = element(&tag, namespace, start..end).map_err(malformed)?;
-                match open.last_mut() {
-                    Some(parent) if empty => parent.children.push(element),
-                    _ => open.push(element),
-                }
-                if open.len() > DEEPEST {
-                    return Err((start, XmlProblem::TooDeep(DEEPEST)));
-                }
-            }
-            // The reader has checked that it closes what is open.
-            Event::End(_) => {
-                if let Some(element) = open.pop()
-                    && let Some(parent) = open.last_mut()
-                {
-                    parent.children.push(element);
-                }
-            }
-            Event::Eof => break,
-            _ => {}
-        }
+/// The root of `text`, its lists called `left` without their items but with where those are; errors with the byte they are
+/// about.
+fn tree(text: &str, left: Option<&'static str>) -> Result<Element, (usize, XmlProblem)> {
+    let mut elements = Elements::new(text, 0..text.len(), left);
+    let malformed = |at, reason: &str| Err((at, XmlProblem::Malformed(reason.to_owned())));
+    let Some(root) = elements.next()? else { return malformed(0, "there is no element") };
+    match elements.next()? {
+        None => Ok(root),
+        Some(_) => malformed(text.len(), "there is more than one root element"),
     }
-    lone_root(open, text.len())
 }
 
-/// The root element, which alone is `open` at the end of the file.
-fn lone_root(mut open: Vec<Element>, end: usize) -> Result<Element, (usize, XmlProblem)> {
-    match open.pop() {
-        Some(mut file) if open.is_empty() => match (file.children.pop(), file.children.is_empty()) {
-            (Some(root), true) => Ok(root),
-            (None, _) => Err((0, XmlProblem::Malformed("there is no element".to_owned()))),
-            _ => Err((end, XmlProblem::Malformed("there is more than one root element".to_owned()))),
-        },
-        Some(unclosed) => {
-            let reason = format!("`{}` is not closed", unclosed.name);
-            Err((unclosed.span.start, XmlProblem::Malformed(reason)))
+/// Elements that stand one after the other in a part of a file.
+struct Elements<'t> {
+    reader: NsReader<&'t [u8]>,
+    text: &'t str,
+    /// Where the part begins in the file.
+    offset: usize,
+    namespaces: Namespaces,
+    /// The items of what is called so are left in the text.
+    left: Option<&'static str>,
+}
+
+impl<'t> Elements<'t> {
+    fn new(file: &'t str, part: Range<usize>, left: Option<&'static str>) -> Self {
+        let text = file.get(part.clone()).unwrap_or_default();
+        let namespaces = Namespaces::default();
+        Self { reader: NsReader::from_str(text), text, offset: part.start, namespaces, left }
+    }
+
+    /// The next with all that is in it.
+    fn next(&mut self) -> Result<Option<Element>, (usize, XmlProblem)> {
+        // Elements that have begun and not ended.
+        let mut open: Vec<Element> = Vec::new();
+        loop {
+            let start = self.offset + position(self.reader.buffer_position(), self.text);
+            let malformed = |reason: String| (start, XmlProblem::Malformed(reason));
+            let read = self.reader.read_event().map_err(|error| {
+                let at = self.offset + position(self.reader.error_position(), self.text);
+                (at, XmlProblem::Malformed(error.to_string()))
+            })?;
+            let end = self.offset + position(self.reader.buffer_position(), self.text);
+            let empty = matches!(read, Event::Empty(_));
+            let ended = match read {
+                Event::Start(tag) | Event::Empty(tag) => {
+                    let resolved = self.reader.resolver().resolve_element(tag.name()).0;
+                    let namespace = self.namespaces.shared(resolved);
+                    let mut element = element(&tag, namespace, start..end).map_err(malformed)?;
+                    let left = !empty && self.left.is_some_and(|left| left == element.name);
+                    if left {
+                        let skipped = self.reader.read_to_end(tag.name());
+                        let span = skipped.map_err(|error| malformed(error.to_string()))?;
+                        let [from, to] = [span.start, span.end].map(|at| position(at, self.text));
+                        element.left = self.offset + from..self.offset + to;
+                    }
+                    if !empty && !left {
+                        open.push(element);
+                        if open.len() > DEEPEST {
+                            return Err((start, XmlProblem::TooDeep(DEEPEST)));
+                        }
+                        continue;
+                    }
+                    Some(element)
+                }
+                // The reader has checked that it closes what is open.
+                Event::End(_) => open.pop(),
+                Event::Eof => {
+                    return match open.pop() {
+                        None => Ok(None),
+                        Some(unclosed) => {
+                            let reason = format!("`{}` is not closed", unclosed.name);
+                            Err((unclosed.span.start, XmlProblem::Malformed(reason)))
+                        }
+                    };
+                }
+                _ => continue,
+            };
+            match (ended, open.last_mut()) {
+                (Some(element), Some(parent)) => parent.children.push(element),
+                (Some(element), None) => return Ok(Some(element)),
+                (None, _) => return Err(malformed("an element ends that did not begin".to_owned())),
+            }
         }
-        None => Err((end, XmlProblem::Malformed("an element ends that did not begin".to_owned()))),
+    }
+}
+
+/// The items of a list that [`XmlFile::from_bytes_but`] left in the text, one by one.
+pub struct Items<'f> {
+    file: &'f XmlFile,
+    elements: Elements<'f>,
+}
+
+impl Iterator for Items<'_> {
+    type Item = Result<Element, InputError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let source = &self.file.source;
+        self.elements.next().map_err(|(at, problem)| source.error(at..at + 1, problem.into())).transpose()
     }
 }
 
@@ -362,7 +418,7 @@ fn element(tag: &BytesStart<'_>, namespace: Option<Arc<str>>, span: Range<usize>
         })
         .collect::<Result<_, String>>()?;
     let name = tag.local_name().as_ref().to_owned();
-    Ok(Element { name, namespace, attributes, children: Vec::new(), span })
+    Ok(Element { name, namespace, attributes, children: Vec::new(), span, left: 0..0 })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! `modelDescription.xml` of FMI 3.0.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use stickslip::cosim::Causality;
 use stickslip_readers::InputError;
@@ -9,8 +9,8 @@ use stickslip_readers::xml::{Element, XmlFile};
 
 use super::Format;
 use crate::description::{
-    CoSimulation, FmiVersion, ModelDescription, Passed, ScalarVariable, TypeOfVariable, Variability, bound,
-    experiment,
+    CoSimulation, FmiVersion, ModelDescription, Passed, ScalarVariable, TypeOfVariable, Variability,
+    experiment, items, repeated,
 };
 use crate::import::ImportProblem;
 
@@ -25,10 +25,9 @@ pub(crate) fn read(file: &XmlFile, root: &Element) -> Result<ModelDescription, I
     let Some(element) = root.child("CoSimulation") else { return Err(ImportProblem::NoCoSimulation) };
     let mut rows =
         Rows { file, types: declared_types(file, root)?, sizes: BTreeMap::new(), variables: Vec::new() };
-    let elements = || root.all("ModelVariables").flat_map(|list| list.children());
-    rows.structural_parameters(elements())?;
-    for element in elements() {
-        rows.variable(element)?;
+    rows.structural_parameters(items(file, root))?;
+    for element in items(file, root) {
+        rows.variable(&element?)?;
     }
     let mut variables = rows.variables;
     check_names(file, root, &variables)?;
@@ -70,21 +69,13 @@ fn co_simulation(file: &XmlFile, element: &Element) -> Result<CoSimulation, Inpu
 struct DeclaredType {
     unit: Option<String>,
     items: Vec<(String, i32)>,
-    min: Option<f64>,
-    max: Option<f64>,
-    nominal: Option<f64>,
 }
 
 fn declared_types(file: &XmlFile, root: &Element) -> Result<BTreeMap<String, DeclaredType>, InputError> {
     let mut types = BTreeMap::new();
     for element in root.all("TypeDefinitions").flat_map(|list| list.children()) {
-        let mut declared = DeclaredType {
-            unit: element.attribute("unit").map(str::to_owned),
-            items: Vec::new(),
-            min: bound(element, "min"),
-            max: bound(element, "max"),
-            nominal: bound(element, "nominal"),
-        };
+        let mut declared =
+            DeclaredType { unit: element.attribute("unit").map(str::to_owned), items: Vec::new() };
         for item in element.all("Item") {
             let value = file.number(item, "value")?.unwrap_or_default();
             declared.items.push((file.required(item, "name")?.to_owned(), value));
@@ -104,16 +95,18 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    fn structural_parameters<'e>(
+    fn structural_parameters(
         &mut self,
-        elements: impl Iterator<Item = &'e Element>,
+        elements: impl Iterator<Item = Result<Element, InputError>>,
     ) -> Result<(), ImportProblem> {
-        for element in
-            elements.filter(|element| element.attribute("causality") == Some("structuralParameter"))
-        {
-            self.file.required(element, "valueReference")?;
-            let reference = self.file.number(element, "valueReference")?.unwrap_or_default();
-            if let Some(size) = self.file.number::<u32>(element, "start")? {
+        for element in elements {
+            let element = element?;
+            if element.attribute("causality") != Some("structuralParameter") {
+                continue;
+            }
+            self.file.required(&element, "valueReference")?;
+            let reference = self.file.number(&element, "valueReference")?.unwrap_or_default();
+            if let Some(size) = self.file.number::<u32>(&element, "start")? {
                 self.sizes.insert(reference, size as usize);
             }
         }
@@ -215,7 +208,6 @@ impl Rows<'_> {
         Ok(ScalarVariable {
             name: String::new(),
             reference: file.number(element, "valueReference")?.unwrap_or_default(),
-            description: element.attribute("description").map(str::to_owned),
             causality,
             variability,
             kind,
@@ -227,9 +219,6 @@ impl Rows<'_> {
             },
             unit: element.attribute("unit").map(str::to_owned).or(declared.unit),
             start: None,
-            min: bound(element, "min").or(declared.min),
-            max: bound(element, "max").or(declared.max),
-            nominal: bound(element, "nominal").or(declared.nominal),
             depends_on: None,
         })
     }
@@ -247,27 +236,35 @@ fn element_name(name: &str, lengths: &[usize], mut place: usize) -> String {
 }
 
 fn check_names(file: &XmlFile, root: &Element, variables: &[ScalarVariable]) -> Result<(), ImportProblem> {
-    let mut seen = BTreeSet::new();
-    match variables.iter().find(|variable| !seen.insert(variable.name.as_str())) {
-        None => Ok(()),
-        Some(twice) => {
-            let elements = root.all("ModelVariables").flat_map(|list| list.children());
-            let bare = twice.name.split('[').next().unwrap_or_default();
-            let named = |element: &&Element| {
-                element.attribute("name").is_some_and(|name| twice.name == name || bare == name)
-            };
-            let place = elements.filter(named).last().unwrap_or(root);
-            Err(file.value_error(place, "name", "a name that no other variable has").into())
-        }
+    let Some(twice) = repeated(variables) else { return Ok(()) };
+    let twice = variables[twice].name.as_str();
+    let bare = twice.split('[').next().unwrap_or_default();
+    let named =
+        |element: &Element| element.attribute("name").is_some_and(|name| twice == name || bare == name);
+    let mut last = None;
+    for element in items(file, root) {
+        last = Some(element?).filter(named).or(last);
     }
+    let place = last.as_ref().unwrap_or(root);
+    Err(file.value_error(place, "name", "a name that no other variable has").into())
 }
 
 /// Notes down on what outputs depend.
 fn dependencies(file: &XmlFile, root: &Element, variables: &mut [ScalarVariable]) -> Result<(), InputError> {
+    let words = |unknown: &Element| {
+        let told = ["valueReference", "dependencies"].map(|name| unknown.attribute(name).unwrap_or_default());
+        told.join(" ").split_whitespace().filter_map(|word| word.parse().ok()).collect::<Vec<u32>>()
+    };
     let mut places: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-    for (place, variable) in variables.iter().enumerate() {
-        places.entry(variable.reference).or_default().push(place);
+    for reference in root.list("ModelStructure", "Output").flat_map(words) {
+        places.entry(reference).or_default();
     }
+    for (place, variable) in variables.iter().enumerate() {
+        if let Some(known) = places.get_mut(&variable.reference) {
+            known.push(place);
+        }
+    }
+    places.retain(|_, known| !known.is_empty());
     let expected = "value references of variables";
     for unknown in root.list("ModelStructure", "Output") {
         file.required(unknown, "valueReference")?;

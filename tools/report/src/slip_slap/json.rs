@@ -34,7 +34,7 @@ pub fn slip_slap_json(report: &SlipSlapReport) -> Value {
         "coupling": coupling,
         "by_modulus": found.by_modulus,
         "by_normal_stiffness": found.by_normal_stiffness,
-        "separates": report.least_normal_force() <= 0.0,
+        "separates": report.separates(),
         "separation": separation.collect::<Vec<_>>(),
         "unidentified": found.unidentified.iter().map(|one| one.name).collect::<Vec<_>>(),
         "unidentified_reasons": reasons.collect::<Map<_, _>>(),

@@ -1,9 +1,21 @@
 //! The sections of the page.
 
+use stickslip::identify::SlipSlapRecord;
+
 use super::SlipSlapReport;
 use crate::document::{Block, Document, Section};
 use crate::format;
 use crate::identification::reading;
+
+/// What records tell of separation.
+enum Parting {
+    /// None occurs: at least this force (N) presses the pin on its support.
+    Never(f64),
+    /// It occurs.
+    Leaves,
+    /// The normal force is not known well enough.
+    Untold,
+}
 
 impl SlipSlapReport<'_> {
     pub(super) fn document(&self) -> Document {
@@ -35,28 +47,69 @@ impl SlipSlapReport<'_> {
     }
 
     fn lead(&self) -> String {
-        let records = format::count(self.found.records.len(), "dual-mode record");
+        let records = format::count(self.found.records.len(), "steady record");
+        let told = match ["tangential_force", "normal_force"].map(|name| !self.is_unidentified(name)) {
+            [true, true] => format!("Both forces of the contact were identified in {records}"),
+            [true, false] => format!(
+                "The tangential force of the contact was identified in {records}; the normal force is not told by these records (see \
+                 “What these records do not tell”)"
+            ),
+            [false, true] => {
+                format!("The normal force of the contact was identified in {records}, the tangential was not")
+            }
+            [false, false] => {
+                return format!(
+                    "Neither force of the contact is told by {records}: see “What these records do not tell”, and what is shown below as \
+                     an order of magnitude at best."
+                );
+            }
+        };
         let coupling = match &self.found.coupling {
-            Some(coupling) if coupling.explained > 0.0 => format!(
+            _ if self.is_unidentified("normal_force") => None,
+            Some(coupling) if coupling.explained > 0.0 => Some(format!(
                 "the limit of friction follows the normal force by a factor of {}, which explains {}\u{a0}% of what a constant limit \
                  leaves",
                 format::significant(coupling.following, 2),
                 format::significant(100.0 * coupling.explained, 2)
-            ),
-            Some(_) => "nothing shows that the limit of friction follows the normal force".to_owned(),
-            None => "no sliders describe the tangential force".to_owned(),
+            )),
+            Some(_) => Some("nothing shows that the limit of friction follows the normal force".to_owned()),
+            None => Some("no sliders describe the tangential force".to_owned()),
         };
-        let least = self.least_normal_force();
-        let parts = match least > 0.0 {
-            true => format!(
-                "the pin never leaves its support (at least {} press on it)",
-                format::engineering(least, "N")
-            ),
-            false => "the pin leaves its support".to_owned(),
+        let parting = match self.parting() {
+            Parting::Never(least) => {
+                format!(
+                    "the pin never leaves its support (at least {} press on it)",
+                    format::engineering(least, "N")
+                )
+            }
+            Parting::Leaves => "the pin leaves its support".to_owned(),
+            Parting::Untold => "whether the pin leaves its support is not told".to_owned(),
         };
-        format!(
-            "Both forces of the contact were identified in {records}, no law assumed: {coupling}; {parts}."
-        )
+        let further: Vec<String> = coupling.into_iter().chain([parting]).collect();
+        format!("{told}, no law assumed: {}.", further.join("; "))
+    }
+
+    /// Whether the pin leaves its support in any record, within the 95 % intervals of the normal force.
+    fn parting(&self) -> Parting {
+        let ends = |sign: f64| {
+            let of = |record: &SlipSlapRecord| record.normal_force[0] + sign * record.force_intervals[1];
+            self.found.records.iter().map(of).fold(f64::INFINITY, f64::min)
+        };
+        match (ends(-1.0), ends(1.0)) {
+            _ if self.is_unidentified("normal_force") => Parting::Untold,
+            (low, _) if low > 0.0 => Parting::Never(self.least_normal_force()),
+            (_, high) if high < 0.0 => Parting::Leaves,
+            _ => Parting::Untold,
+        }
+    }
+
+    /// The same for programs; `None` where it is not told.
+    pub(super) fn separates(&self) -> Option<bool> {
+        match self.parting() {
+            Parting::Never(_) => Some(false),
+            Parting::Leaves => Some(true),
+            Parting::Untold => None,
+        }
     }
 
     pub(super) fn least_normal_force(&self) -> f64 {
@@ -104,20 +157,26 @@ impl SlipSlapReport<'_> {
         let weight = |force: f64| {
             format!("{} ({}\u{a0}kg)", format::engineering(force, "N"), format::significant(force / 9.81, 2))
         };
-        let text = match least > 0.0 {
-            true => format!(
+        let text = match self.parting() {
+            Parting::Never(least) => format!(
                 "No separation occurs in these records: under a preload of {} at least {} press the pin on its support. The normal \
                  force swings by about as much under any preload, so that these records foretell separation below about {}.",
                 weight(preload),
                 format::engineering(least, "N"),
                 weight(preload - least)
             ),
-            false => {
+            Parting::Leaves => {
                 format!(
                     "The pin leaves its support in these records, under a preload of {}.",
                     weight(preload)
                 )
             }
+            Parting::Untold => format!(
+                "These records do not tell whether the pin leaves its support under a preload of {}: by the numbers at least {} press \
+                 on it, but the normal force is not known well enough.",
+                weight(preload),
+                format::engineering(least, "N")
+            ),
         };
         let mut blocks = vec![Block::Text(text)];
         if !self.separation.is_empty() {
