@@ -204,7 +204,8 @@ fn base(
     bench.reseed(&first.model);
     let through = inputs::through(&first.model, bench);
     let whole = evidence::again(&Measured::new(bench, records, measured, &through), &first);
-    Ok(Base { first, whole: whole.map_err(|reason| unpredictable(bench, model, reason))?, through })
+    let whole = whole.map_err(|reason| unpredictable(bench, &first.model, reason))?;
+    Ok(Base { first, whole, through })
 }
 
 /// The bench and the magnitudes, or why the model cannot be refitted to the dataset.
@@ -257,7 +258,7 @@ fn asked<A>(
     answer(&Question { data: &data, looks: looks.as_ref(), beginnings: &beginnings, dataset, scales })
 }
 
-/// Why `model` could not be refitted: with the first record that no fit can start from, if there is one.
+/// Why `model` could not be refitted: with the first record that no fit from there can start with, if there is one.
 fn unpredictable(bench: &WeightedDataset, model: &Model, reason: String) -> DiagnoseError {
     if bench.interrupted() {
         return RefitError::Fit(FitError::Interrupted).into();
