@@ -116,7 +116,7 @@ pub fn diagnose(
         crate::effects::find(id).ok_or_else(|| DiagnoseError::UnknownEffect(id.clone()))?;
     }
     let attempt = |dataset: &Dataset| diagnosis(model, dataset, options, watch);
-    let (mut found, skipped) = solvable::of(dataset, attempt)?;
+    let (mut found, skipped) = solvable::of(model, dataset, attempt)?;
     found.comparison.findings = check(model, dataset);
     Ok(Diagnosis { skipped, ..found })
 }
@@ -264,8 +264,11 @@ fn unpredictable(bench: &WeightedDataset, model: &Model, reason: String) -> Diag
         return RefitError::Fit(FitError::Interrupted).into();
     }
     let records = &bench.dataset.records;
-    let blamed = |record: usize| Some((record, evidence::no_start(bench, model, record)?));
-    match (0..records.len()).find_map(blamed) {
+    // What has no response at all before what has none near to the measured motion.
+    let all = || 0..records.len();
+    let unsolved = |record: usize| Some((record, bench.score(model, &[record]).err()?));
+    let no_start = |record: usize| Some((record, evidence::no_start(bench, model, record)?));
+    match all().find_map(unsolved).or_else(|| all().find_map(no_start)) {
         Some((record, reason)) => RefitError::Unpredictable { record: records[record].name.clone(), reason },
         None => RefitError::Unfitted { reason },
     }
@@ -285,7 +288,7 @@ pub fn add(
     watch: DiagnoseWatch,
 ) -> Result<Added, DiagnoseError> {
     let attempt = |dataset: &Dataset| added(model, effect, location.clone(), dataset, watch);
-    let (mut found, skipped) = solvable::of(dataset, attempt)?;
+    let (mut found, skipped) = solvable::of(model, dataset, attempt)?;
     found.stages.iter_mut().for_each(|stage| solvable::tell(stage, dataset, &skipped));
     Ok(found)
 }

@@ -1,14 +1,17 @@
 //! Work on those records of a dataset that can be solved.
 
 use super::error::DiagnoseError;
+use super::evaluate;
 use crate::data::Dataset;
 use crate::fit::compare::{RecordResult, RefitError, Skipped, Stage};
+use crate::model::Model;
 
-/// What `attempt` makes of `dataset`, or of it without the records that no fit can start from; and those.
+/// What `attempt` makes of `dataset`, or of it without the records that `model` cannot predict; and those.
 ///
 /// # Errors
 /// What `attempt` says where no such record is to blame, or where no record is left.
 pub(super) fn of<T>(
+    model: &Model,
     dataset: &Dataset,
     attempt: impl Fn(&Dataset) -> Result<T, DiagnoseError>,
 ) -> Result<(T, Vec<Skipped>), DiagnoseError> {
@@ -18,14 +21,16 @@ pub(super) fn of<T>(
             Ok(found) => return Ok((found, skipped)),
             Err(error) => error,
         };
-        let DiagnoseError::Refit(RefitError::Unpredictable { record, reason }) = &error else {
+        let DiagnoseError::Refit(RefitError::Unpredictable { record, .. }) = &error else {
             return Err(error);
         };
         let blamed =
             rest.records.iter().position(|other| other.name == *record).filter(|_| rest.records.len() > 1);
         let Some(place) = blamed else { return Err(error) };
-        rest.records.remove(place);
-        skipped.push(Skipped { record: record.clone(), reason: reason.clone() });
+        let alone = Dataset { title: None, records: vec![rest.records.remove(place)] };
+        // A fit may fail although the model predicts every record.
+        let Some(reason) = evaluate("", model, &alone).records.remove(0).failure else { return Err(error) };
+        skipped.push(Skipped { record: alone.records[0].name.clone(), reason });
     }
 }
 

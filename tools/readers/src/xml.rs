@@ -315,6 +315,12 @@ impl<'t> Elements<'t> {
         Self { reader: NsReader::from_str(text), text, offset: part.start, namespaces, left }
     }
 
+    /// What the reader objects to, and where.
+    fn malformed(&self, error: &quick_xml::Error) -> (usize, XmlProblem) {
+        let at = self.offset + position(self.reader.error_position(), self.text);
+        (at, XmlProblem::Malformed(error.to_string()))
+    }
+
     /// The next with all that is in it.
     fn next(&mut self) -> Result<Option<Element>, (usize, XmlProblem)> {
         // Elements that have begun and not ended.
@@ -322,10 +328,7 @@ impl<'t> Elements<'t> {
         loop {
             let start = self.offset + position(self.reader.buffer_position(), self.text);
             let malformed = |reason: String| (start, XmlProblem::Malformed(reason));
-            let read = self.reader.read_event().map_err(|error| {
-                let at = self.offset + position(self.reader.error_position(), self.text);
-                (at, XmlProblem::Malformed(error.to_string()))
-            })?;
+            let read = self.reader.read_event().map_err(|error| self.malformed(&error))?;
             let end = self.offset + position(self.reader.buffer_position(), self.text);
             let empty = matches!(read, Event::Empty(_));
             let ended = match read {
@@ -336,7 +339,7 @@ impl<'t> Elements<'t> {
                     let left = !empty && self.left.is_some_and(|left| left == element.name);
                     if left {
                         let skipped = self.reader.read_to_end(tag.name());
-                        let span = skipped.map_err(|error| malformed(error.to_string()))?;
+                        let span = skipped.map_err(|error| self.malformed(&error))?;
                         let [from, to] = [span.start, span.end].map(|at| position(at, self.text));
                         element.left = self.offset + from..self.offset + to;
                     }

@@ -60,15 +60,16 @@ fn page_table_and_json_say_what_was_found_and_what_was_not() {
     let text = slip_slap_table(&report, 100, false);
     assert!(!page.contains("<script>alert(1)"), "page");
     assert!(!text.contains('\u{1b}'), "{text}");
-    for words in ["No separation occurs in these records", "Coupling", "normal_displacement", "do not trust"]
-    {
+    let untold = "These records do not tell whether the pin leaves its support";
+    for words in [untold, "Coupling", "normal_displacement", "do not trust"] {
         assert!(page.contains(words), "{words}");
         assert!(text.replace('\n', " ").contains(words.split(' ').next().unwrap()), "{words}");
     }
     assert!(page.contains("leaves its support 3 times") && page.contains("8.5"));
     let json = slip_slap_json(&report);
     assert_eq!(json["schema"], "stickslip.identification/1");
-    assert_eq!(json["separates"], false);
+    assert_eq!(json["separates"], serde_json::Value::Null);
+    assert!(text.contains("normal force is not told"), "{text}");
     assert_eq!(json["records"][0]["published"]["trusted"], false);
     assert!(json["unidentified"].as_array().unwrap().iter().any(|name| name == "normal_stiffness"));
     assert_eq!(json["separation"][0]["onset"], 8.5);
@@ -76,4 +77,50 @@ fn page_table_and_json_say_what_was_found_and_what_was_not() {
     assert!(page.contains("How the measurements were read") && page.contains("the regime was guessed."));
     assert!(!text.contains("were read"), "{text}");
     assert_eq!(json["notes"][0], "loop.csv: the regime was guessed");
+}
+
+/// Separation is told as far as the normal force is, with its interval.
+#[test]
+fn the_headline_says_no_more_of_separation_than_the_normal_force_tells() {
+    let mut found = found();
+    found.unidentified.clear();
+    for (least, interval, separates, words) in [
+        (42.0, 1.0, Some(false), "never leaves its support"),
+        (42.0, 50.0, None, "whether the pin leaves its support is not told"),
+        (-5.0, 1.0, Some(true), "the pin leaves its support"),
+        (-5.0, 10.0, None, "whether the pin leaves its support is not told"),
+    ] {
+        for record in &mut found.records {
+            (record.normal_force[0], record.force_intervals[1]) = (least, interval);
+        }
+        let report = SlipSlapReport {
+            title: "t".into(),
+            found: &found,
+            truth: &[],
+            separation: &[],
+            slap: None,
+            notes: &[],
+        };
+        let text = slip_slap_table(&report, 400, false).replace('\n', " ");
+        assert!(
+            text.contains("Both forces of the contact were identified") && text.contains(words),
+            "{text}"
+        );
+        assert_eq!(slip_slap_json(&report)["separates"], serde_json::json!(separates));
+    }
+    for (name, words) in
+        [("normal_force", "the normal force is not told"), ("tangential_force", "the tangential was not")]
+    {
+        found.unidentified = vec![stickslip::identify::Unidentified { name, reason: String::new() }];
+        let report = SlipSlapReport {
+            title: "t".into(),
+            found: &found,
+            truth: &[],
+            separation: &[],
+            slap: None,
+            notes: &[],
+        };
+        let text = slip_slap_table(&report, 400, false).replace('\n', " ");
+        assert!(!text.contains("Both forces") && text.contains(words), "{text}");
+    }
 }
