@@ -445,6 +445,25 @@ mod tests {
     }
 
     #[test]
+    fn items_left_in_the_text_are_those_of_the_tree() {
+        let text = "<m>\n<list n='1'>\n<a b='2'><c/></a><!-- a remark -->\n<d/></list>\n<e/><list/></m>";
+        let whole = parse(text).unwrap();
+        let left = XmlFile::from_bytes_but("list", Path::new("a.xml"), text.into()).unwrap();
+        let (tree, but) = (whole.root("m").unwrap(), left.root("m").unwrap());
+        let items: Vec<Element> =
+            but.all("list").flat_map(|list| left.items(list)).collect::<Result<_, _>>().unwrap();
+        let known: Vec<Element> = tree.all("list").flat_map(|list| list.children().to_vec()).collect();
+        assert_eq!(items, known);
+        assert_eq!((left.place(&items[1]).as_str(), but.all("list").count()), ("a.xml:4", 2));
+        assert!(but.all("list").all(|list| list.children().is_empty()) && but.child("e").is_some());
+        let broken =
+            XmlFile::from_bytes_but("list", Path::new("a.xml"), b"<m><list><a b=/></list></m>".to_vec());
+        let broken = broken.unwrap();
+        let list = broken.root("m").unwrap().child("list").unwrap();
+        assert!(broken.items(list).next().unwrap().is_err());
+    }
+
+    #[test]
     fn what_is_no_xml_is_refused_without_a_panic() {
         for text in
             ["", "   ", "<a>", "<a></b>", "<a/><b/>", "<a b=>", "<a b='&nix;'/>", "plain", "</a>", "<a"]
