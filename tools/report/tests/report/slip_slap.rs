@@ -79,6 +79,14 @@ fn page_table_and_json_say_what_was_found_and_what_was_not() {
     assert_eq!(json["notes"][0], "loop.csv: the regime was guessed");
 }
 
+/// What the terminal says of `found`, in one line, and what programs are told of separation.
+fn told(found: &SlipSlapIdentification) -> (String, serde_json::Value) {
+    let title = "t".to_owned();
+    let report = SlipSlapReport { title, found, truth: &[], separation: &[], slap: None, notes: &[] };
+    let text = slip_slap_table(&report, 400, false).replace('\n', " ");
+    (text, slip_slap_json(&report)["separates"].clone())
+}
+
 /// Separation is told as far as the normal force is, with its interval.
 #[test]
 fn the_headline_says_no_more_of_separation_than_the_normal_force_tells() {
@@ -93,34 +101,18 @@ fn the_headline_says_no_more_of_separation_than_the_normal_force_tells() {
         for record in &mut found.records {
             (record.normal_force[0], record.force_intervals[1]) = (least, interval);
         }
-        let report = SlipSlapReport {
-            title: "t".into(),
-            found: &found,
-            truth: &[],
-            separation: &[],
-            slap: None,
-            notes: &[],
-        };
-        let text = slip_slap_table(&report, 400, false).replace('\n', " ");
+        let (text, separation) = told(&found);
         assert!(
             text.contains("Both forces of the contact were identified") && text.contains(words),
             "{text}"
         );
-        assert_eq!(slip_slap_json(&report)["separates"], serde_json::json!(separates));
+        assert_eq!(separation, serde_json::json!(separates));
     }
     for (name, words) in
         [("normal_force", "the normal force is not told"), ("tangential_force", "the tangential was not")]
     {
         found.unidentified = vec![stickslip::identify::Unidentified { name, reason: String::new() }];
-        let report = SlipSlapReport {
-            title: "t".into(),
-            found: &found,
-            truth: &[],
-            separation: &[],
-            slap: None,
-            notes: &[],
-        };
-        let text = slip_slap_table(&report, 400, false).replace('\n', " ");
+        let (text, _) = told(&found);
         assert!(!text.contains("Both forces") && text.contains(words), "{text}");
     }
 }
