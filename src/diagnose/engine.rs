@@ -200,8 +200,8 @@ fn base(
         let about = about.as_ref().map(|bench| Measured::new(bench, records, measured, &[]));
         evidence::first(&Measured::new(bench, records, measured, &[]), about.as_ref(), model)
     };
-    let first = first.map_err(|reason| unpredictable(bench, model, reason))?;
-    bench.reseed(&first.model);
+    let (first, solutions) = first.map_err(|reason| unpredictable(bench, model, reason))?;
+    bench.reseed(&first.model, solutions);
     let through = inputs::through(&first.model, bench);
     let whole = evidence::again(&Measured::new(bench, records, measured, &through), &first);
     let whole = whole.map_err(|reason| unpredictable(bench, &first.model, reason))?;

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::weights::{ROUGHLY, closeness, difference, factor};
-use super::{ContactPeriod, IdentificationError};
+use super::{ContactPeriod, IdentificationError, WIDE};
 use crate::contact::LawKind;
 use crate::fit::{Difference, Fit, InterruptHook, Options, Parameter, Scale, fit};
 use crate::harmonic::{ContactMapping, HarmonicSet, Method};
@@ -14,8 +14,6 @@ const STARTS: usize = 8;
 /// Fits, each with the covariance of the law before.
 const ROUNDS: usize = 3;
 const STEP: f64 = 1e-4;
-/// Standard errors of a 95 % interval.
-const WIDE: f64 = 1.96;
 
 /// A law with the parameters that describe the identified contact best.
 #[derive(Debug, Clone, PartialEq)]

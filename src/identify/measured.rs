@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::laws::{error_of, force_under, unfit};
 use super::weights::{ROUGHLY, closeness, difference, factor};
-use super::{ContactPeriod, IdentificationError, IdentifiedLaw, IdentifiedParameter};
+use super::{ContactPeriod, IdentificationError, IdentifiedLaw, IdentifiedParameter, WIDE};
 use crate::contact::{MEASURED, Measured};
 use crate::model::{Contact, Law, Model, ModelParameter, Structure};
 use crate::numeric::fourier::value;
@@ -17,8 +17,6 @@ const ROUNDS: usize = 3;
 const PLACES: u32 = 8;
 /// Steps of a period in which the largest displacement is looked for.
 const STEPS: usize = 512;
-/// Standard errors of a 95 % interval.
-const WIDE: f64 = 1.96;
 /// Difference step of the parameters, in parts of the stiffness.
 const STEP: f64 = 1e-6;
 

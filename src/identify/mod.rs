@@ -49,6 +49,9 @@ pub use slip_slap::{
 pub use spectra::{FrequencyResponse, frequency_response_of};
 pub use stiffness::{ContactStiffness, Estimate, MeasuredFrequencies, beam_frequencies, contact_stiffness};
 
+/// Standard errors of a 95 % interval.
+const WIDE: f64 = 1.96;
+
 /// Why nothing was identified.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IdentificationError {

@@ -129,10 +129,74 @@ fn frequencies_tell_the_tangential_stiffness_and_not_the_normal_one() {
     let moved = contact_stiffness(&off, &fixed).unwrap();
     assert!((moved.normal.value / normal - 1.0).abs() > 0.1, "{moved:?}");
     // So its interval is wide, that of the tangential stiffness is not.
-    let narrow = found.tangential.interval.unwrap();
-    assert!(narrow.high < 1.2 * narrow.low, "{found:?}");
-    let wide = found.normal.interval.is_none_or(|interval| interval.high > 2.0 * interval.low);
-    assert!(wide, "{found:?}");
+    let narrow = found.tangential.interval;
+    assert!(narrow.high < 1.2 * narrow.low && found.tangential.told, "{found:?}");
+    // Frequencies do not see how rigid it is, only that it is not soft.
+    let wide = found.normal.interval;
+    assert!((9e6..11e6).contains(&wide.low) && wide.high.is_infinite() && !found.normal.told, "{found:?}");
+}
+
+#[test]
+fn the_interval_of_the_normal_stiffness_ends_where_the_frequencies_part_from_the_measured_ones() {
+    let truth = model_b();
+    let found = identified(&truth, truth.beam.offset);
+    // χ² at a normal stiffness, the least over a grid of the other two.
+    let measured = own_frequencies(&truth, 3).unwrap();
+    let chi_square = |normal: f64| {
+        let grid = (-20..=20).flat_map(|e| (-20..=20).map(move |t| (f64::from(e), f64::from(t))));
+        let of = |(e, t): (f64, f64)| {
+            let mut rig = truth.clone();
+            rig.beam.youngs_modulus *= 1.0 + 1e-3 * e;
+            rig.stuck_stiffness = [truth.stuck_stiffness[0] * (1.0 + 1e-2 * t), normal];
+            let own = own_frequencies(&rig, 3).unwrap();
+            let off = own.iter().zip(&measured).map(|(a, b)| ((a / b - 1.0) / 5e-4).powi(2));
+            off.sum::<f64>() + (1e-3 * e / 5e-3).powi(2)
+        };
+        grid.map(of).fold(f64::INFINITY, f64::min)
+    };
+    let end = found.normal.interval.low;
+    assert!(chi_square(0.95 * end) > 3.84 && chi_square(1.1 * end) < 3.84, "{end}");
+    assert!(chi_square(1e3 * truth.stuck_stiffness[1]) < 3.84);
+}
+
+#[test]
+fn a_normal_stiffness_is_found_from_a_value_far_off() {
+    let truth = model_b();
+    let near = identified(&truth, truth.beam.offset);
+    for factors in [[1.0, 1e-4], [1e-4, 1.0], [1e3, 1e3]] {
+        let mut rig = truth.clone();
+        rig.stuck_stiffness.iter_mut().zip(factors).for_each(|(k, factor)| *k *= factor);
+        let frequencies = own_frequencies(&truth, 3).unwrap();
+        let measured = MeasuredFrequencies { frequencies, deviation: 5e-4, modulus_deviation: 5e-3 };
+        let found = contact_stiffness(&rig, &measured).unwrap();
+        assert!(found.fits && found.chi_square < 0.1, "{factors:?} {found:?}");
+        let [here, there] = [&found, &near].map(|found| found.normal.interval.low);
+        assert!((here / there - 1.0).abs() < 0.02, "{factors:?}: {here} {there}");
+    }
+}
+
+#[test]
+fn frequencies_that_no_stiffness_gives_tell_none() {
+    let truth = model_b();
+    let told = |frequencies: &[f64]| {
+        let frequencies = frequencies.to_vec();
+        contact_stiffness(
+            &truth,
+            &MeasuredFrequencies { frequencies, deviation: 5e-4, modulus_deviation: 5e-3 },
+        )
+    };
+    for wrong in [[52.787, 169.0, 335.86], [45.0, 150.0, 310.0], [52.787, 164.42, 345.0]] {
+        let found = told(&wrong).unwrap();
+        assert!(!found.fits && !found.normal.told && !found.tangential.told && !found.youngs_modulus.told);
+    }
+    assert!(told(&[52.787, 52.787, 335.86]).is_err() && told(&[335.86, 164.42, 52.787]).is_err());
+    let many: Vec<f64> = (0..60).map(|k| 50.0 + 100.0 * f64::from(k)).collect();
+    assert!(told(&many).is_err() || !told(&many).unwrap().fits);
+    // What says nothing gives back what was assumed, and does not tell it.
+    let frequencies = own_frequencies(&truth, 3).unwrap();
+    let vague = MeasuredFrequencies { frequencies, deviation: 10.0, modulus_deviation: 5e-3 };
+    let found = contact_stiffness(&truth, &vague).unwrap();
+    assert!(!found.youngs_modulus.told && !found.tangential.told && !found.normal.told, "{found:?}");
 }
 
 #[test]

@@ -126,6 +126,24 @@ fn gains_of_the_measuring_chain_leave_both_forces_and_make_the_normal_displaceme
     assert!(tangential > 0.2, "S {tangential}");
 }
 
+#[test]
+fn a_contact_that_gives_energy_tells_no_force() {
+    let gives = |found: &SlipSlapIdentification| {
+        let names: Vec<&str> = found.unidentified.iter().map(|one| one.name).collect();
+        let told = names.contains(&"tangential_force") && names.contains(&"normal_force");
+        (found.warnings.iter().filter(|one| one.contains("gives")).count(), told)
+    };
+    assert_eq!(gives(clean()), (0, false));
+    // The sign of the load cell, and of the accelerometer at the drive.
+    for gains in [[1.0, 1.0, 1.0, -1.0], [-1.0, 1.0, 1.0, 1.0]] {
+        let found = identified(gains, 0.01);
+        assert!(gives(&found).0 >= LEVELS.len() && gives(&found).1, "{:?}", found.warnings);
+    }
+    // One that shows g for m/s² fits no model of the beam.
+    let found = identified([1.0 / 9.81, 1.0, 1.0, 1.0], 0.01);
+    assert!(found.warnings.iter().any(|one| one.contains("No force")), "{:?}", found.warnings);
+}
+
 /// Few modes hold the contact across the beam by their own stiffness: what is identified with them is an echo of it.
 #[test]
 fn too_few_modes_leave_the_normal_direction_unidentified() {

@@ -82,7 +82,7 @@ mod tests {
         let given = model(2.4e6, 0.4);
         let bench = WeightedDataset::new(&given, &dataset, Assumptions::default(), None).unwrap();
         let data = Measured::new(&bench, &[0], &[], &[]);
-        let found = first(&data, None, &given).and_then(|first| again(&data, &first)).unwrap();
+        let found = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
         let (same, agreement_of) = agreement(&data, &found);
         assert_eq!((same.y, agreement_of), (found.y.clone(), Agreement { starts: 2, agreeing: 2 }));
         // Where it started, and taken for an end.

@@ -29,13 +29,13 @@ mod weights;
 pub(super) use discrepancy::Discrepancy;
 pub(super) use limits::{Sensitivities, around};
 pub(super) use measured::Measured;
-pub(super) use posterior::Posterior;
+pub(super) use posterior::{Posterior, Solutions};
 pub(super) use probe::Prepared;
 pub(super) use search::{Search, Set};
 
 use joint::Joint;
 use latent::Latent;
-use posterior::{Start, fit, screen, white_round};
+use posterior::{Start, fit, screen, screened, white_round};
 use unknown::Unknown;
 
 use super::candidates::Candidate;
@@ -85,20 +85,20 @@ impl Weighed {
 }
 
 /// `model` refitted as it is: from where it is or, where motions are solved for, from what fits best about those that
-/// were measured.
+/// were measured; with the solutions there.
 pub(super) fn first(
     data: &Measured,
     about_measured: Option<&Measured>,
     model: &Model,
-) -> Result<Posterior, String> {
+) -> Result<(Posterior, Solutions), String> {
     let unknowns = unknown::of_model(model, data.assumptions());
     let zeros = vec![0.0; unknowns.len()];
-    let from = |y: &[f64]| screen(data, &Start { model, unknowns: &unknowns, y }, true);
+    let from = |y: &[f64]| screened(data, &Start { model, unknowns: &unknowns, y }, true);
     let direct = from(&zeros);
     let start = Start { model, unknowns: &unknowns, y: &zeros };
     let about = about_measured.and_then(|about| screen(about, &start, true).ok());
     match (direct, about.and_then(|about| from(&about.y).ok())) {
-        (Ok(direct), Some(led)) if direct.log_evidence >= led.log_evidence => Ok(direct),
+        (Ok(direct), Some(led)) if direct.0.log_evidence >= led.0.log_evidence => Ok(direct),
         (_, Some(led)) => Ok(led),
         (direct, None) => direct,
     }

@@ -264,7 +264,7 @@ mod tests {
             let (model, dataset) = measured(&mut random);
             let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
             let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
-            let base = first(&data, None, &model).and_then(|first| again(&data, &first)).unwrap();
+            let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
             let only = ["residual_stiffness", "asymmetry", "contact_damping", "stiffening", "wear"];
             let (tried, _) = tried(&model, &bench, Some(&only.map(str::to_owned)));
             let scales = magnitudes::of(&model, &dataset);

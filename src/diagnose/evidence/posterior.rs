@@ -5,9 +5,11 @@ use nalgebra::{DMatrix, DVector};
 use super::joint::Joint;
 use super::latent::Latent;
 use super::measured::{Measured, NoisePrior};
+use super::slot::Slot;
 use super::unknown::Unknown;
 use crate::diagnose::diagnosis::Estimate;
 use crate::fit::compare::Fitted;
+use crate::fit::predict::Seed;
 use crate::model::Model;
 
 /// A hypothesis at its most probable parameters.
@@ -109,9 +111,21 @@ pub(super) struct Start<'a> {
     pub y: &'a [f64],
 }
 
+/// Records with a solution each, for others to start from.
+pub(in crate::diagnose) type Solutions = Vec<(usize, Seed)>;
+
 /// A first look: white noise, few steps; the evidence is what the last linearisation promises under the noise that is
 /// left.
 pub(super) fn screen(data: &Measured, start: &Start, thoroughly: bool) -> Result<Posterior, String> {
+    screened(data, start, thoroughly).map(|(found, _)| found)
+}
+
+/// The same with the solutions there, record by record, where motions are solved for.
+pub(super) fn screened(
+    data: &Measured,
+    start: &Start,
+    thoroughly: bool,
+) -> Result<(Posterior, Solutions), String> {
     let latent = Latent::default();
     let mut joint = Joint::new(data, start.model, start.unknowns, &latent)?;
     let mut y = white_round(&mut joint, start.y, if thoroughly { SCREEN } else { GLANCE })?;
@@ -119,7 +133,10 @@ pub(super) fn screen(data: &Measured, start: &Start, thoroughly: bool) -> Result
     let found = posterior(&joint, start.unknowns, &mut y, true)?;
     data.bench.count_refit();
     data.bench.count(joint.simulations);
-    Ok(found)
+    let solution =
+        |(record, slot): (&usize, &Slot)| Some((*record, Seed::Near(slot.shown.solution()?.clone())));
+    let solutions = data.records.iter().zip(&joint.slots).filter_map(solution).collect();
+    Ok((found, solutions))
 }
 
 /// A whole fit: white noise first, so that noise with a memory does not absorb what a better start would explain.

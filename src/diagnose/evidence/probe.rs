@@ -37,6 +37,11 @@ impl Prepared {
         self.others.iter().filter_map(|others| self.beside(model, &at(1.0, others))).collect()
     }
 
+    /// Whether it is looked at in several places of a second number.
+    pub fn has_places(&self) -> bool {
+        self.others.len() > 1
+    }
+
     /// The same where that is a legal model.
     pub fn beside(&self, model: &Model, y: &[f64]) -> Option<Model> {
         Some(self.added_to(model, y)).filter(|model| model.check().is_ok())
@@ -199,6 +204,11 @@ const AGAIN: usize = 4;
 const STEP: (f64, f64) = (1e-2, 1e2);
 
 impl Probe {
+    /// Whether it is of the largest amount that is looked at.
+    pub fn is_largest(&self) -> bool {
+        self.y[0].abs() == SIZES[1]
+    }
+
     /// Its coordinates, the first where the line is best, as far as lines can be trusted.
     pub fn start(&self) -> Vec<f64> {
         at(self.y[0] * self.multiple.clamp(NEAR.0, NEAR.1), &self.y[1..])
@@ -355,7 +365,7 @@ mod tests {
             let (model, dataset) = measured(play);
             let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
             let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
-            let base = first(&data, None, &model).and_then(|first| again(&data, &first)).unwrap();
+            let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
             let (tried, _) = tried(&model, &bench, Some(&["backlash".to_owned()]));
             let scales = magnitudes::of(&model, &dataset);
             let (candidates, _) = prepare(&data, &base, &tried, &scales, &dataset).unwrap();

@@ -82,7 +82,7 @@ mod tests {
             let given = model(1.1 * stiffness, 0.95 * friction);
             let bench = WeightedDataset::new(&given, &dataset, Assumptions::default(), None).unwrap();
             let data = Measured::new(&bench, &[0], &[], &[]);
-            let fitted = first(&data, None, &given).and_then(|first| again(&data, &first)).unwrap();
+            let fitted = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
             let refined = refined(&data, &fitted).unwrap();
             let error = |of: &Posterior| {
                 let off = |path: &str| (of.model.get(path).unwrap() / truth.get(path).unwrap()).ln().abs();

@@ -44,7 +44,8 @@ const IRRELEVANT: f64 = 0.3;
 const FEW: usize = 100;
 /// Behind the best by how much (in nats) a set is not worth a whole fit.
 pub(super) const BEHIND: f64 = 20.0;
-/// Sets of a size that are looked at twice, that are fitted in full, and that larger ones are made from, at most.
+/// Sets of a size that are looked at twice (of one member all, where motions are solved for), that are fitted in full, and
+/// that larger ones are made from, at most.
 const TWICE: usize = 8;
 const FULL: usize = 5;
 const PARENTS: usize = 2;
@@ -132,9 +133,16 @@ impl Search<'_, '_, '_> {
         if !adequate && self.looks.is_none() {
             from.par_iter_mut().for_each(|set| self.whiten(set));
         }
+        // One effect alone is what is likeliest: none is passed over for what it does not promise.
+        let thorough = !adequate && self.looks.is_some() && from.iter().any(|set| set.members.is_empty());
+        let mut everywhere: Vec<(usize, Probe)> = Vec::new();
         for (k, parent) in from.iter().enumerate() {
-            let starts = self.starts(self.data, parent, worthy);
-            wanted.extend(starts.into_iter().map(|probe| (k, probe)));
+            let mut probes = self.probed(self.data, parent);
+            if thorough {
+                everywhere.extend(self.everywhere(&probes).map(|probe| (k, probe)));
+            }
+            probes.retain(worthy);
+            wanted.extend(promising(probes).into_iter().map(|probe| (k, probe)));
         }
         let looks = self.looks.unwrap_or(self.data);
         if !adequate && let Some(looks) = self.looks {
@@ -143,17 +151,19 @@ impl Search<'_, '_, '_> {
                 let mut about = parent;
                 if moved(looks, &mut about) {
                     let known = |c: usize| wanted.iter().any(|(of, probe)| *of == k && probe.candidate == c);
-                    let starts =
-                        self.starts(looks, &about, |probe| probe.gain > WORTH && !known(probe.candidate));
-                    wanted.extend(starts.into_iter().map(|probe| (from.len(), probe)));
+                    let mut probes = self.probed(looks, &about);
+                    probes.retain(|probe| probe.gain > WORTH && !known(probe.candidate));
+                    wanted.extend(promising(probes).into_iter().map(|probe| (from.len(), probe)));
                     from.push(about);
                 }
             }
         }
+        wanted.extend(everywhere);
         let seen: Vec<Option<Set>> =
             wanted.par_iter().map(|(parent, probe)| self.glanced(looks, &from[*parent], probe)).collect();
         let led = parents.iter().filter(|_| !adequate).flat_map(|parent| self.led(&sets[*parent]));
-        let mut found = self.looked_at(best_of_each(seen.into_iter().flatten().chain(led)));
+        let twice = if thorough { usize::MAX } else { TWICE };
+        let mut found = self.looked_at(best_of_each(seen.into_iter().flatten().chain(led)), twice);
         let best = found.iter().chain(sets).map(evidence).fold(f64::NEG_INFINITY, f64::max);
         let mut near = found.iter().take(FULL).take_while(|set| evidence(set) > best - BEHIND).count();
         if let Some(closest) = self.closest(found.iter().enumerate()).filter(|k| !adequate && *k >= near) {
@@ -164,11 +174,11 @@ impl Search<'_, '_, '_> {
         found
     }
 
-    /// The best of those that were glanced at, which are `found`, looked at as the data are: what a line or a motion as it
-    /// was measured promises can be compared with the same of others alone.
-    fn looked_at(&self, mut found: Vec<Set>) -> Vec<Set> {
+    /// The best `most` of those that were glanced at, which are `found`, looked at as the data are: what a line or a motion
+    /// as it was measured promises can be compared with the same of others alone.
+    fn looked_at(&self, mut found: Vec<Set>, most: usize) -> Vec<Set> {
         rank(&mut found);
-        let twice = found.len().min(TWICE);
+        let twice = found.len().min(most);
         if self.looks.is_some() {
             found.truncate(twice);
             let looked = |mut set: Set| moved(self.data, &mut set).then_some(set);
@@ -201,22 +211,19 @@ impl Search<'_, '_, '_> {
         }
     }
 
-    /// Promising amounts of one more member beside `parent`, at most two of each.
-    fn starts(&self, data: &Measured, parent: &Set, worthy: impl Fn(&Probe) -> bool) -> Vec<Probe> {
+    /// Amounts of one more member beside `parent`, the most promising first.
+    fn probed(&self, data: &Measured, parent: &Set) -> Vec<Probe> {
         let own = |m: &usize| self.candidates[*m].candidate.law.is_none();
         let absent = |m: &usize| !parent.members.iter().any(|member| self.are_forms(*m, *member));
         let which: Vec<usize> = (0..self.candidates.len()).filter(own).filter(absent).collect();
-        let probes = probe::around(data, &parent.posterior, self.candidates, &which);
-        let mut starts: Vec<Probe> = Vec::new();
-        for probe in probes.unwrap_or_default().into_iter().filter(worthy) {
-            // Another start of the same where it promises nearly as much.
-            let same: Vec<&Probe> = starts.iter().filter(|s| s.candidate == probe.candidate).collect();
-            let near = same.first().is_none_or(|best| probe.gain > 0.5 * best.gain);
-            if same.len() < 2 && near {
-                starts.push(probe);
-            }
-        }
-        starts
+        probe::around(data, &parent.posterior, self.candidates, &which).unwrap_or_default()
+    }
+
+    /// The largest amounts of those with a second number, at every place of it. What is narrow, such as a resonator near the
+    /// drive, promises nothing to a line where a fit has come to terms without it.
+    fn everywhere<'p>(&self, probes: &'p [Probe]) -> impl Iterator<Item = Probe> + use<'p, '_> {
+        let of = |probe: &&Probe| self.candidates[probe.candidate].has_places() && probe.is_largest();
+        probes.iter().filter(of).map(|probe| Probe { multiple: 1.0, ..probe.clone() })
     }
 
     /// Sets of one more member than `parent` that fit the beginnings of the records best, from there: the longer a record
@@ -227,7 +234,9 @@ impl Search<'_, '_, '_> {
         if !moved(short, &mut parent) {
             return Vec::new();
         }
-        let starts = self.starts(short, &parent, |probe| probe.gain > WORTH);
+        let mut probes = self.probed(short, &parent);
+        probes.retain(|probe| probe.gain > WORTH);
+        let starts = promising(probes);
         let mut found: Vec<Set> =
             starts.par_iter().filter_map(|probe| self.glanced(short, &parent, probe)).collect();
         rank(&mut found);
@@ -249,7 +258,7 @@ impl Search<'_, '_, '_> {
         let mut tried: Vec<Set> =
             probes.par_iter().filter_map(|probe| self.glanced(looks, &parent, probe)).collect();
         tried.extend(self.led(&parent));
-        let mut tried = self.looked_at(tried);
+        let mut tried = self.looked_at(tried, TWICE);
         let near = tried.first().map(evidence)? - BEHIND;
         tried.retain(|set| evidence(set) > near);
         tried.truncate(FULL);
@@ -362,6 +371,19 @@ impl Search<'_, '_, '_> {
             _ => {}
         }
     }
+}
+
+/// The first two of each candidate, another where it promises nearly as much.
+fn promising(probes: Vec<Probe>) -> Vec<Probe> {
+    let mut starts: Vec<Probe> = Vec::new();
+    for probe in probes {
+        let same: Vec<&Probe> = starts.iter().filter(|s| s.candidate == probe.candidate).collect();
+        let near = same.first().is_none_or(|best| probe.gain > 0.5 * best.gain);
+        if same.len() < 2 && near {
+            starts.push(probe);
+        }
+    }
+    starts
 }
 
 /// Whether `set` lacks nothing that `doubt` stands for. Without a doubt there is nothing to explain where its residual

@@ -73,8 +73,10 @@ impl<'d> WeightedDataset<'d> {
         })
     }
 
-    /// Makes the solutions under `model`, where there are any, the start of all simulations.
-    pub fn reseed(&mut self, model: &Model) {
+    /// Makes the solutions under `model`, where there are any, the start of all simulations: of records those that are
+    /// `known`.
+    pub fn reseed(&mut self, model: &Model, known: Vec<(usize, Seed)>) {
+        known.into_iter().for_each(|(record, solution)| self.lanes[record].seed = Some(solution));
         self.lanes.par_iter_mut().filter(|lane| lane.seed.is_some()).for_each(|lane| {
             let found = lane.shown(model).ok().and_then(|shown| shown.solution().cloned());
             if let Some(found) = found {

@@ -152,8 +152,9 @@ impl Decision {
     ) -> Result<bool, String> {
         let against = context.data.assumptions().certainty();
         let best = &weighed.sets[self.best].posterior;
-        let again = evidence::again(all, best)?;
-        if evidence::doubt(all, &again).is_ok_and(|doubt| doubt > against) {
+        let again = evidence::again(all, best);
+        let doubt = again.as_ref().ok().and_then(|again| evidence::doubt(all, again).ok());
+        if doubt.is_some_and(|doubt| doubt > against) {
             return Ok(true);
         }
         if !all.noise_is_known() {
@@ -161,8 +162,12 @@ impl Decision {
         }
         let foretold = context.bench.score(&best.model, &test.records).map_err(|error| error.to_string())?;
         let foretold: Vec<Vec<f64>> = foretold.into_iter().map(|one| one.predictions).collect();
-        let relevant = test.excess(&foretold) >= context.data.assumptions().relevant;
-        Ok(relevant && evidence::beyond_noise(all, &again.predictions) > against)
+        // Where nothing can be fitted to all of them, what was foretold is all there is.
+        let left = match again {
+            Ok(again) => evidence::beyond_noise(all, &again.predictions),
+            Err(_) => evidence::beyond_noise(test, &foretold),
+        };
+        Ok(left > against && test.excess(&foretold) >= context.data.assumptions().relevant)
     }
 
     /// After a look at what could have been seen beside the best set, which may take back that nothing is missing.

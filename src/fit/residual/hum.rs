@@ -3,6 +3,7 @@
 
 use super::Compared;
 use super::abscissae::drive;
+use crate::data::Regime;
 use crate::numeric::spectrum::hann_lines;
 
 /// Lines on either side that a line must stand out of, and of those the ones that belong to it.
@@ -12,7 +13,8 @@ const ITSELF: usize = 3;
 const OVER: [f64; 2] = [40.0, 5.0];
 /// Lines of a record at most.
 const MOST: usize = 3;
-/// Frequency of the excitation, in lines, from which its harmonics stand apart from each other.
+/// Frequency of the excitation, in lines, from which its harmonics stand apart from each other: below it no line of a steady
+/// state, which may resound in any of them, is told from them.
 const APART: f64 = 6.0;
 /// Amplitude over the largest from which a line drives.
 const DRIVEN: f64 = 1e-2;
@@ -85,10 +87,14 @@ fn of_record(one: &Compared, record: usize) -> Option<Vec<Found>> {
     let driven = driven.and_then(|channel| amplitudes(&channel.values)).unwrap_or_default();
     let largest = driven.iter().copied().fold(0.0, f64::max);
     let fundamental = fundamental(&driven, largest);
+    let apart = fundamental.is_none_or(|first| first >= APART);
+    if !apart && one.record.regime == Regime::Steady {
+        return None;
+    }
     let is_driven = |k: usize| {
         let near = driven.get(k - ITSELF..=(k + ITSELF).min(driven.len().saturating_sub(1)));
         let in_it = near.is_some_and(|near| near.iter().any(|x| *x > DRIVEN * largest));
-        in_it || fundamental.is_some_and(|first| is_harmonic(peak(&lines, k).0, first))
+        in_it || apart && fundamental.is_some_and(|first| is_harmonic(peak(&lines, k).0, first))
     };
     let mut found: Vec<Found> = (ITSELF + 1..lines.len().saturating_sub(ITSELF + 1))
         .filter(|&k| stands_alone(&lines, k) && !is_driven(k))
@@ -103,14 +109,14 @@ fn of_record(one: &Compared, record: usize) -> Option<Vec<Found>> {
 }
 
 /// Place of the line of which what drives has harmonics: the lowest that stands alone, if the largest is a harmonic of it, as
-/// with several tones; else the largest. `None` where harmonics would not stand apart.
+/// with several tones; else the largest. `None` where nothing drives.
 fn fundamental(driven: &[f64], largest: f64) -> Option<f64> {
     let top = driven.iter().position(|x| *x == largest).filter(|_| largest > 0.0)?;
     let is_tone = |k: &usize| driven[*k] > DRIVEN * largest && stands_alone(driven, *k);
     let lowest = (ITSELF + 1..top.saturating_sub(ITSELF)).find(is_tone).map(|k| peak(driven, k).0);
     let top = peak(driven, top).0;
     let common = lowest.filter(|lowest| is_harmonic(top, *lowest));
-    Some(common.unwrap_or(top)).filter(|first| *first >= APART)
+    Some(common.unwrap_or(top))
 }
 
 /// Whether the line at `place` is a harmonic of that at `first`.

@@ -188,6 +188,20 @@ fn harmonics_of_two_tones_are_no_hum_whichever_is_the_larger() {
     }
 }
 
+#[test]
+fn a_harmonic_that_resounds_in_a_record_of_few_periods_is_no_hum() {
+    let rate = TAU * 4.0 / (STEP * SAMPLES as f64);
+    let few = |k: usize, t: f64| 1e-3 * (1.0 + 0.3 * k as f64) * (rate * t).sin();
+    let mut noise = noise(11);
+    let (mut records, stage) =
+        moved_by(few, |_, t, _, _| 2.0 * (16.0 * rate * t + 0.4).sin() + 0.1 * noise());
+    let hum = |records: &[Record]| appearance(records, &stage).hints.iter().any(|hint| hint.id() == "hum");
+    // A few slow cycles are no steady state: what stands out there is one.
+    assert!(hum(&records));
+    records.iter_mut().for_each(|record| record.regime = Regime::Steady);
+    assert!(!hum(&records));
+}
+
 /// What is seen when the force, noise and all, is changed sample by sample.
 fn spoilt(change: impl Fn(usize, f64) -> f64) -> Vec<Hint> {
     let mut noise = noise(8);

@@ -4,11 +4,9 @@ use super::published::{Published, published};
 use super::{Identification, IdentifyOptions, Setup, check_interrupt};
 use crate::identify::inversion::invert_until;
 use crate::identify::steady::Steady;
-use crate::identify::{ContactPeriod, Doubts, IdentificationError, Inversion, SteadyMotion};
+use crate::identify::{ContactPeriod, Doubts, IdentificationError, Inversion, SteadyMotion, WIDE};
 use crate::system::{Beam, ModalBeam};
 
-/// Standard errors of a 95 % interval.
-pub(in crate::identify) const WIDE: f64 = 1.96;
 /// Accelerations left unexplained, over what noise lets expect and as a part of the measured ones, that call for a warning.
 const MISFIT: f64 = 2.0;
 const UNEXPLAINED: f64 = 2e-3;
@@ -62,18 +60,10 @@ pub(super) fn identify_contact(
             harmonics: record.shown,
             intervals: period.deviations().map(|deviation| WIDE * deviation),
             published: published(setup, record, period),
-            warnings: warnings(period),
+            warnings: gives(period).into_iter().collect(),
         });
     }
-    let most = inversion.periods.iter().map(|period| period.unexplained).fold(0.0, f64::max);
-    if inversion.misfit > MISFIT && most > UNEXPLAINED {
-        found.warnings.push(format!(
-            "No force at the contact explains {:.2} % of the accelerations, {:.1} times what noise does: the beam’s model \
-             does not fit, and force and laws have errors that no interval shows.",
-            100.0 * most,
-            inversion.misfit
-        ));
-    }
+    found.warnings.extend(unexplained(&inversion));
     if steady.len() == 1 {
         found.warnings.push(
             "One level alone: nothing tells gains of the measuring chain from the force, and no prediction can be checked."
@@ -82,6 +72,19 @@ pub(super) fn identify_contact(
     }
     found.inversion = Some(inversion);
     Ok(())
+}
+
+/// That the model of the beam does not fit the accelerations.
+pub(in crate::identify) fn unexplained(inversion: &Inversion) -> Option<String> {
+    let most = inversion.periods.iter().map(|period| period.unexplained).fold(0.0, f64::max);
+    (inversion.misfit > MISFIT && most > UNEXPLAINED).then(|| {
+        format!(
+            "No force at the contact explains {:.2} % of the accelerations, {:.1} times what noise does: the beam’s model \
+             does not fit, and what is found has errors that no interval shows.",
+            100.0 * most,
+            inversion.misfit
+        )
+    })
 }
 
 /// The inversion of as many of `steady` as can be inverted together, and which they are; the others are told in `found`.
@@ -161,8 +164,10 @@ pub(in crate::identify) fn likeliest(
     (best, words, tried.swap_remove(best).1)
 }
 
-fn warnings(period: &ContactPeriod) -> Vec<String> {
-    let work = period.work();
-    let gives = format!("the contact gives {:.2e} J a period: phases of the channels do not fit", -work);
-    if work < 0.0 { vec![gives] } else { Vec::new() }
+/// That a contact which can only take energy gives it.
+pub(in crate::identify) fn gives(period: &ContactPeriod) -> Option<String> {
+    let given = period.given()?;
+    Some(format!(
+        "the contact gives {given:.2e} J a period: phases of the channels do not fit, or the sign of one is reversed"
+    ))
 }

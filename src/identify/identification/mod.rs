@@ -27,7 +27,7 @@ use crate::model::{Beam, Contact, Model, Structure};
 use crate::system::{Damping, StructureChanges};
 
 pub use contact::ContactRecord;
-pub(super) use contact::{WIDE, likeliest};
+pub(super) use contact::{gives, likeliest, unexplained};
 pub use levels::{Level, LevelResponse, LevelSource};
 pub use linear::LinearRecord;
 pub use published::{AmplitudeMode, Published};

@@ -1,7 +1,7 @@
 //! What the records do not tell, and why.
 
 use super::Identification;
-use super::contact::WIDE;
+use crate::identify::WIDE;
 
 /// Ends of an interval farther apart than this, as a ratio, tell an order of magnitude alone.
 const VAGUE: f64 = 4.0;

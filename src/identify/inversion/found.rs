@@ -1,7 +1,8 @@
 //! What an inversion finds.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
+use crate::identify::WIDE;
 use crate::numeric::fourier::{value, work_per_cycle};
 
 /// The contact over a period of each record, and the measuring chain.
@@ -68,5 +69,27 @@ impl ContactPeriod {
     /// Energy that the contact takes in a period (J).
     pub fn work(&self) -> f64 {
         work_per_cycle(&self.force, &self.displacement)
+    }
+
+    /// Its standard error.
+    pub fn work_deviation(&self) -> f64 {
+        // It is linear in the force and in the displacement.
+        let along = |count: usize, of: &dyn Fn(&[f64]) -> f64| {
+            let unit = |k: usize| (0..count).map(|i| f64::from(u8::from(i == k))).collect::<Vec<f64>>();
+            DVector::from_fn(count, |k, _| of(&unit(k)))
+        };
+        let by_force = along(self.force.len(), &|unit| work_per_cycle(unit, &self.displacement));
+        let by_displacement = along(self.displacement.len(), &|unit| work_per_cycle(&self.force, unit));
+        let both = by_displacement.dot(&(&self.cross_covariance * &by_force));
+        let variance = by_force.dot(&(&self.covariance * &by_force))
+            + by_displacement.dot(&(&self.displacement_covariance * &by_displacement))
+            + 2.0 * both;
+        variance.max(0.0).sqrt()
+    }
+
+    /// Energy that the contact gives in a period (J), where it gives any for sure (95 %).
+    pub fn given(&self) -> Option<f64> {
+        let given = -self.work();
+        (given > WIDE * self.work_deviation()).then_some(given)
     }
 }

@@ -13,11 +13,11 @@ mod published;
 mod unidentified;
 
 use super::identification::{
-    IdentifyOptions, ModeCount, Unidentified, WIDE, check_interrupt, likeliest, nothing_usable,
+    IdentifyOptions, ModeCount, Unidentified, check_interrupt, gives, likeliest, nothing_usable, unexplained,
 };
 use super::inversion::invert_until;
 use super::steady::{Steady, amplitude, steady};
-use super::{ContactPeriod, Doubts, IdentificationError, Inversion, SteadyMotion};
+use super::{ContactPeriod, Doubts, IdentificationError, Inversion, SteadyMotion, WIDE};
 use crate::data::{Dataset, Record, Regime};
 use crate::numeric::fourier::value;
 use crate::system::{Damping, ModalPinRig, PinRig};
@@ -142,7 +142,7 @@ pub fn identify_slip_slap(
     let records: Vec<SlipSlapRecord> = found.collect();
     check_interrupt(options)?;
     let mut identification = SlipSlapIdentification {
-        warnings: records.iter().filter_map(distrust).collect(),
+        warnings: warnings(&records, &inversion),
         records,
         coupling: coupling::coupling(&inversion.periods, &inversion.normal, preload),
         preload,
@@ -245,6 +245,24 @@ impl SlipSlapRecord {
     pub fn hardening(&self) -> [f64; 2] {
         [self.normal_slopes, self.normal_slopes_by_modulus].map(|[less, more]| more / less - 1.0)
     }
+}
+
+/// What does not fit, what gives energy, and where the published way cannot be trusted.
+fn warnings(records: &[SlipSlapRecord], inversion: &Inversion) -> Vec<String> {
+    let gives = |directions: &[ContactPeriod], words: &str| {
+        let one = |(record, period): (&SlipSlapRecord, &ContactPeriod)| {
+            Some(format!("{}, {words} the beam: {}.", record.name, gives(period)?))
+        };
+        records.iter().zip(directions).filter_map(one).collect::<Vec<String>>()
+    };
+    let mut all: Vec<String> = unexplained(inversion).into_iter().collect();
+    all.extend(gives(&inversion.periods, "along"));
+    all.extend(gives(&inversion.normal, "across"));
+    if records.len() == 1 {
+        all.push("One level alone: nothing tells gains of the measuring chain from the forces.".to_owned());
+    }
+    all.extend(records.iter().filter_map(distrust));
+    all
 }
 
 /// Why the published way cannot be trusted in a record.

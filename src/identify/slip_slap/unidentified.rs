@@ -1,8 +1,7 @@
 //! What dual-mode records do not tell of a contact, and why.
 
 use super::{STIFFNESS, SlipSlapIdentification};
-use crate::identify::Unidentified;
-use crate::identify::identification::WIDE;
+use crate::identify::{Inversion, Unidentified, WIDE};
 
 /// An interval wider than this part of the value tells no more than an order of magnitude.
 const VAGUE: f64 = 0.5;
@@ -16,8 +15,11 @@ const NAMES: [&str; 4] =
     ["tangential_force", "normal_force", "tangential_displacement", "normal_displacement"];
 
 pub(super) fn unidentified(found: &SlipSlapIdentification) -> Vec<Unidentified> {
-    let vague =
-        |(place, name): (usize, &&'static str)| Some(Unidentified { name, reason: vague(found, place)? });
+    let gives = gives(found);
+    let vague = |(place, name): (usize, &&'static str)| {
+        let reason = gives.clone().or_else(|| vague(found, place))?;
+        Some(Unidentified { name, reason })
+    };
     let mut out: Vec<Unidentified> = NAMES.iter().enumerate().filter_map(vague).collect();
     if out.iter().any(|one| one.name.starts_with("normal")) {
         out.push(Unidentified {
@@ -30,6 +32,17 @@ pub(super) fn unidentified(found: &SlipSlapIdentification) -> Vec<Unidentified> 
     out.extend(echo(found));
     out.extend(mean_force(found));
     out
+}
+
+/// Why nothing is told where the contact gives energy.
+fn gives(found: &SlipSlapIdentification) -> Option<String> {
+    let Inversion { periods, normal, .. } = &found.inversion;
+    let giving =
+        periods.iter().zip(normal).filter(|(along, across)| along.given().or(across.given()).is_some());
+    let count = giving.count();
+    (count > 0).then(|| {
+        format!("the contact gives energy in {count} of {} records, which no contact does", periods.len())
+    })
 }
 
 /// Why a force or displacement is not told, if it is not.

@@ -71,16 +71,31 @@ fn minus(text: &str) -> String {
     text.strip_prefix('-').map_or_else(|| text.to_owned(), |rest| format!("−{rest}"))
 }
 
+/// Significant digits, where nothing asks for more, and at most.
+const DIGITS: i32 = 4;
+const MOST_DIGITS: i32 = 12;
+
+/// Significant digits that tell the ends of an interval apart, by two digits of its width.
+pub fn digits_between(low: f64, high: f64) -> i32 {
+    let digits = (low.abs().max(high.abs()) / (high - low).abs()).log10().ceil();
+    if digits.is_finite() { (digits as i32 + 2).clamp(DIGITS, MOST_DIGITS) } else { DIGITS }
+}
+
 /// `value` in engineering format with four significant digits: 5.54e6 N/m is `5.54 MN/m`, 8.7e4 1/m
 /// is `87×10³ 1/m`.
 pub fn engineering(value: f64, raw_unit: &str) -> String {
+    engineering_to(DIGITS, value, raw_unit)
+}
+
+/// The same with so many significant digits.
+pub fn engineering_to(digits: i32, value: f64, raw_unit: &str) -> String {
     if !value.is_finite() {
         return ABSENT.to_owned();
     }
     let plain = raw_unit == "1" || !takes_prefix(raw_unit);
     let small = plain && (1e-3..1e5).contains(&value.abs());
     let exponent = if small { 0 } else { engineering_exponent(value) };
-    let number = significant(value / 10f64.powi(exponent), 4);
+    let number = significant(value / 10f64.powi(exponent), digits);
     let shown_unit = unit(raw_unit);
     if exponent == 0 {
         return join(&number, &shown_unit);

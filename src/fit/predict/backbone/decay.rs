@@ -33,7 +33,7 @@ struct Decaying {
 }
 
 /// Standard deviations of frequency (Hz) and damping ratio in each row of a table of a free decay, that come of how the decay of `model` is
-/// begun; zero where fewer than two starts come to its amplitude.
+/// begun: where fewer than two starts come to its amplitude the largest of the others, zero where there are none.
 ///
 /// # Errors
 /// What the record or the model lacks.
@@ -48,9 +48,17 @@ pub(crate) fn scatter_of_starts(model: &Model, record: &Record) -> Result<Vec<[f
         let count = values().count() as f64;
         let mean = values().sum::<f64>() / count;
         let squares: f64 = values().map(|value| (value - mean).powi(2)).sum();
-        if count > 1.0 { (squares / (count - 1.0)).sqrt() } else { 0.0 }
+        (count > 1.0).then(|| (squares / (count - 1.0)).sqrt())
     };
-    Ok((0..record.len()).map(|row| [deviation(row, 0), deviation(row, 1)]).collect())
+    let columns =
+        [0, 1].map(|column| filled(&(0..record.len()).map(|row| deviation(row, column)).collect::<Vec<_>>()));
+    Ok((0..record.len()).map(|row| columns.each_ref().map(|column| column[row])).collect())
+}
+
+/// What is not known, the largest of what is.
+fn filled(values: &[Option<f64>]) -> Vec<f64> {
+    let largest = values.iter().flatten().copied().fold(0.0, f64::max);
+    values.iter().map(|value| value.unwrap_or(largest)).collect()
 }
 
 impl<'r> BackboneOfDecay<'r> {
@@ -149,5 +157,14 @@ impl Decaying {
             integrator.advance(&mut motion, self.own.step, &inputs, &SETTINGS)?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn an_amplitude_that_no_decay_comes_to_is_not_known_best() {
+        assert_eq!(super::filled(&[Some(1.0), None, Some(3.0)]), [1.0, 3.0, 3.0]);
+        assert_eq!(super::filled(&[None, None]), [0.0, 0.0]);
     }
 }

@@ -74,6 +74,56 @@ fn what_it_cannot_do_with_such_a_model_is_said() {
     said(&["identify", "model.toml", "data", "--fit", "a"], 2, &["--fit", "two directions"]);
 }
 
+#[test]
+fn frequencies_tell_the_tangential_stiffness_and_hardly_the_normal_one() {
+    let folder = folder();
+    fs::write(folder.path().join("rig.toml"), model().replace("modes = 6", "modes = 20")).unwrap();
+    // Those of the published rig with 3.95 and 23.7 MN/m.
+    let asked = ["identify", "rig.toml", "--frequencies", "52.787,164.42,335.86"];
+    let output =
+        stickslip(&folder, &[&asked[..], &["--frequency-error", "5e-4", "--json", "k.json"]].concat());
+    assert!(output.status.success(), "{}", error(&output));
+    assert!(stdout(&output).contains("do not tell: normal stiffness k_n"), "{}", stdout(&output));
+    let json = read_json(&folder, "k.json");
+    assert_eq!(json["schema"], "stickslip.stiffness/1");
+    let number = |name: &str| {
+        let all = json["parameters"].as_array().unwrap();
+        all.iter().find(|one| one["name"] == name).unwrap().clone()
+    };
+    let tangential = number("tangential_stiffness");
+    let [low, high] = ["low", "high"].map(|end| tangential[end].as_f64().unwrap());
+    assert!(3.5e6 < low && low < 3.95e6 && 3.95e6 < high && high < 4.4e6, "{tangential}");
+    assert!(number("normal_stiffness")["high"].is_null() && json["fits"] == true, "{json}");
+    assert_eq!((&tangential["told"], &number("normal_stiffness")["told"]), (&true.into(), &false.into()));
+}
+
+#[test]
+fn what_frequencies_cannot_give_is_refused() {
+    let folder = folder();
+    let refused = |arguments: &[&str], word: &str| {
+        let output = stickslip(&folder, &[&["identify", "model.toml"], arguments].concat());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", error(&output));
+        assert!(error(&output).contains(word), "{arguments:?}: {}", error(&output));
+    };
+    let of = |more: &[&str], word: &str| {
+        refused(&[&["--frequencies", "52.8,164.4,335.9"], more].concat(), word);
+    };
+    refused(&["--frequencies", "52.8,164.4"], "three positive frequencies");
+    refused(&["--frequencies", "52.8,164.4,-3"], "--frequencies");
+    refused(&["--frequencies", "335.9,164.4,52.8"], "do not rise");
+    of(&["-o", "new.toml"], "--out");
+    of(&["--sensor-gain", "0.5"], "--sensor-gain");
+    of(&["--regime", "steady"], "--regime");
+    of(&["--frequency-error", "0"], "--frequency-error");
+    refused(&["data", "--frequencies", "52.8,164.4,335.9"], "cannot be used with");
+    refused(&["data", "--frequency-error", "1e-3"], "cannot be used with");
+    refused(&[], "DATASET");
+    // A second frequency 3 % too high.
+    let output = stickslip(&folder, &["identify", "model.toml", "--frequencies", "52.787,169,335.86"]);
+    assert_eq!(output.status.code(), Some(1), "{}", stdout(&output));
+    assert!(error(&output).contains("no stiffness of the contact"), "{}", error(&output));
+}
+
 const PLAN: &str = r#"schema = "stickslip.rig/1"
 model = "model.toml"
 

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use stickslip::diagnose::{Comparison, Fitted, Parameter, Stage};
 
 use crate::comparison::stages::name;
-use crate::diagnosis::interval;
+use crate::diagnosis::{interval, value_within};
 use crate::format;
 
 /// The last stage of which parameters were fitted.
@@ -21,7 +21,7 @@ fn of(stage: &Stage) -> impl Iterator<Item = (&Parameter, &Fitted)> {
 pub fn sentences(comparison: &Comparison) -> Option<(String, Vec<String>)> {
     let stage = last(comparison)?;
     let line = |(parameter, fitted): (&Parameter, &Fitted)| {
-        let now = format::engineering(parameter.value, parameter.unit);
+        let now = now(parameter, fitted);
         let remarks = remarks(fitted);
         let more = if remarks.is_empty() { String::new() } else { format!("; {}", remarks.join("; ")) };
         format!(
@@ -50,7 +50,7 @@ pub fn section(comparison: &Comparison) -> Markup {
                         tr {
                             th scope="row" { code { (name(&parameter.path)) } }
                             td.number { (before(parameter, fitted)) }
-                            td.number { strong { (format::engineering(parameter.value, parameter.unit)) } }
+                            td.number { strong { (now(parameter, fitted)) } }
                             td.number { (change(parameter, fitted)) }
                             td { (range(parameter, fitted)) }
                             td { (name(&remarks(fitted).join("; "))) }
@@ -68,6 +68,11 @@ pub fn section(comparison: &Comparison) -> Markup {
 
 fn before(parameter: &Parameter, fitted: &Fitted) -> String {
     fitted.from.map_or_else(|| "new".to_owned(), |before| format::engineering(before, parameter.unit))
+}
+
+fn now(parameter: &Parameter, fitted: &Fitted) -> String {
+    let Parameter { value, unit, .. } = *parameter;
+    fitted.interval.map_or_else(|| format::engineering(value, unit), |ends| value_within(ends, value, unit))
 }
 
 fn change(parameter: &Parameter, fitted: &Fitted) -> String {

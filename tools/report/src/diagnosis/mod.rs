@@ -13,7 +13,7 @@ pub use json::{added_json, diagnosis_json};
 pub use page::diagnosis_html;
 pub use terminal::diagnosis_table;
 
-pub(crate) use words::interval;
+pub(crate) use words::{interval, value_within};
 
 use stickslip::diagnose::DiagnoseOptions;
 

@@ -335,16 +335,23 @@ pub fn source(source: NoiseSource) -> &'static str {
 
 /// A fitted number with its interval: `2.3 mm (2.2 … 2.4)`.
 pub fn estimate(estimate: &Estimate) -> String {
-    let value = format::engineering(estimate.value, estimate.unit);
     match (estimate.low, estimate.high) {
-        (Some(low), Some(high)) => format!("{value} ({})", interval(low, high, estimate.unit)),
-        _ => format!("{value} (not determined)"),
+        (Some(low), Some(high)) => {
+            let value = value_within([low, high], estimate.value, estimate.unit);
+            format!("{value} ({})", interval(low, high, estimate.unit))
+        }
+        _ => format!("{} (not determined)", format::engineering(estimate.value, estimate.unit)),
     }
+}
+
+/// A value with as many digits as its interval has.
+pub fn value_within([low, high]: [f64; 2], value: f64, unit: &str) -> String {
+    format::engineering_to(format::digits_between(low, high), value, unit)
 }
 
 /// Both ends with the unit once where it is the same.
 pub fn interval(low: f64, high: f64, unit: &str) -> String {
-    let (low, high) = (format::engineering(low, unit), format::engineering(high, unit));
+    let [low, high] = [low, high].map(|end| value_within([low, high], end, unit));
     match (low.split_once('\u{a0}'), high.split_once('\u{a0}')) {
         (Some((number, of)), Some((_, same))) if of == same => format!("{number} … {high}"),
         _ => format!("{low} … {high}"),
@@ -369,6 +376,9 @@ mod tests {
         assert_eq!(of(Some(2.2e-3), Some(2.4e-3)), "2.3 mm (2.2 … 2.4 mm)");
         assert_eq!(of(Some(0.9e-3), Some(2.4e-3)), "2.3 mm (900 µm … 2.4 mm)");
         assert_eq!(of(None, Some(2.4e-3)), "2.3 mm (not determined)");
+        // A narrow one is not shown as a point.
+        assert_eq!(of(Some(2.29996e-3), Some(2.30004e-3)), "2.3 mm (2.29996 … 2.30004 mm)");
+        assert_eq!(of(Some(2.3e-3), Some(2.3e-3)), "2.3 mm (2.3 … 2.3 mm)");
     }
 
     #[test]

@@ -1,6 +1,8 @@
-//! `stickslip identify`: a contact behind a beam here, one in two directions in `slip_slap`.
+//! `stickslip identify`: a contact behind a beam here, one in two directions in `slip_slap`, its stiffness from frequencies in
+//! `stiffness`.
 
 mod slip_slap;
+mod stiffness;
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -32,19 +34,32 @@ Examples:
   stickslip identify beam.toml data/ --fit level-70 --json contact.json -o identified.toml
   stickslip identify beam.toml level-70.csv --regime steady --csv contact/
   stickslip identify rig.toml data/ --report both.html --csv contact/ --separation
+  stickslip identify rig.toml --frequencies 52.79,164.4,335.9
   stickslip export identified.toml -o Support.fmu
 
 Steady records give the contact's force and motion, all of them together; laws are fitted to some of them and predict the
 others. Records under random excitation give the linear modes, free decays and backbone tables the resonance over the
 amplitude. The law of the model's own contact is not used, its normal
-load is. Of a pin rig dual-mode records give both forces of its contact, without laws.
+load is. Of a pin rig dual-mode records give both forces of its contact, without laws, and natural frequencies the stiffness
+of its contact as far as they tell it.
 
 Exit codes: 0 done; 1 failed, such as a record of --fit that cannot be inverted; 2 bad input (nothing is written); 130 interrupted by Ctrl-C (nothing is written).")]
 pub struct Identify {
     /// The model file of a beam or a pin rig, or an FMU that carries one
     model: PathBuf,
     /// The dataset: `dataset.toml`, the folder that holds it, or a file of measurements (see `stickslip import`)
-    dataset: PathBuf,
+    #[arg(required_unless_present = "frequencies")]
+    dataset: Option<PathBuf>,
+    /// Instead of a dataset, of a pin rig: the first natural frequencies of the beam's own modes (Hz), the contact sticking; at
+    /// least three
+    #[arg(long, value_name = "HZ,...", value_delimiter = ',', value_parser = positive, conflicts_with_all = OF_RECORDS)]
+    frequencies: Vec<f64>,
+    /// Standard deviation of each of the frequencies (1)
+    #[arg(long, value_name = "PART", default_value_t = 1e-3, value_parser = positive, conflicts_with = "dataset")]
+    frequency_error: f64,
+    /// Standard deviation of Young's modulus in the model (1), with --frequencies
+    #[arg(long, value_name = "PART", default_value_t = 5e-3, value_parser = positive, conflicts_with = "dataset")]
+    modulus_error: f64,
     /// Fit laws to these records and predict the others; the one with the largest motion if not given
     #[arg(long, value_name = "RECORD,...", value_delimiter = ',')]
     fit: Vec<String>,
@@ -64,8 +79,8 @@ pub struct Identify {
     /// Harmonics at most; fewer where the rest lies within the noise
     #[arg(long, value_name = "COUNT", default_value_t = 15, value_parser = clap::value_parser!(u16).range(1..=60))]
     harmonics: u16,
-    /// Normal load (N), where the model has no contact
-    #[arg(long, value_name = "LOAD", value_parser = not_negative)]
+    /// Normal load (N) in place of the model's
+    #[arg(long, value_name = "LOAD", value_parser = positive)]
     normal_load: Option<f64>,
     /// Write the contact's motion and force over one period of every steady record, `RECORD-contact.csv`, to this folder
     #[arg(long, value_name = "DIR")]
@@ -96,6 +111,29 @@ impl std::str::FromStr for Modes {
     }
 }
 
+/// What takes records, or a law.
+const OF_RECORDS: [&str; 14] = [
+    "dataset",
+    "fit",
+    "sensor_gain",
+    "excitation_gain",
+    "sensor_mass",
+    "modes",
+    "harmonics",
+    "normal_load",
+    "csv",
+    "out",
+    "separation",
+    "report",
+    "columns",
+    "regime",
+];
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number: Option<f64> = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "a positive number is expected".to_owned())
+}
+
 fn not_negative(text: &str) -> Result<f64, String> {
     let number: Option<f64> = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
     number.ok_or_else(|| "a number that is not negative is expected".to_owned())
@@ -104,21 +142,22 @@ fn not_negative(text: &str) -> Result<f64, String> {
 impl Identify {
     /// Identifies.
     pub fn run(self) -> Result<(), Failure> {
-        check_destinations(&self.files, &self.out, &[self.model.clone(), dataset_file(&self.dataset)])?;
+        let Some(source) = self.dataset.as_deref() else { return self.run_stiffness() };
+        check_destinations(&self.files, &self.out, &[self.model.clone(), dataset_file(source)])?;
         let model = read_model(&self.model)?;
-        let (dataset, notes, files) = read_records(&self.dataset, &model, &self.lone)?;
+        let (dataset, notes, files) = read_records(source, &model, &self.lone)?;
+        let data = title_of(&dataset, source);
         let mut read = vec![self.model.clone()];
         read.extend(files);
         self.check_tables(&dataset, &read)?;
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
         if let Structure::PinRig(pinned) = &model.structure {
-            return self.run_slip_slap((&model, pinned), (&dataset, &notes), &settings);
+            return self.run_slip_slap((&model, pinned), (&dataset, &data, &notes), &settings);
         }
         if self.separation {
             return Err(Failure::input("--separation: the model's kind must be \"pin_rig\""));
         }
         let Some(found) = self.found(&model, &dataset)? else { return Ok(()) };
-        let data = title_of(&dataset, &self.dataset);
         let title = format!("Contact identified: {data}");
         let report = IdentificationReport { title, found: &found, notes: &notes };
         say(&identification_table(&report, 100, colored()))?;

@@ -7,16 +7,19 @@ use stickslip::data::Dataset;
 use stickslip::identify::{ContactPeriod, IdentificationError, SlipSlapIdentification, identify_slip_slap};
 use stickslip::model::{Model, PinnedBeam};
 use stickslip::rig::{DualMode, RigError, Separation, Slap, separation_of, slap_in_time};
+use stickslip::system::PinRig;
 use stickslip_report::Settings;
 use stickslip_report::slip_slap::{SlipSlapReport, slip_slap_html, slip_slap_json, slip_slap_table};
 
 use super::{Identify, ROWS, failure, table_of};
-use crate::commands::{colored, list, title_of};
+use crate::commands::{colored, list};
 use crate::output::{Outputs, say};
 use crate::{Failure, progress};
 
 /// The preload, as a part of that below which the pin parts, under which it is shown to slap; for so many periods.
 const BELOW: f64 = 0.8;
+/// The highest harmonic that a dual-mode test holds.
+const HELD: u16 = 3;
 const PERIODS: usize = 10;
 
 /// What is written of each direction where it is identified: the names under which it may not be, and its column.
@@ -33,10 +36,15 @@ impl Identify {
     pub(super) fn run_slip_slap(
         &self,
         (model, pinned): (&Model, &PinnedBeam),
-        (dataset, notes): (&Dataset, &[String]),
+        (dataset, data, notes): (&Dataset, &str, &[String]),
         settings: &Settings,
     ) -> Result<(), Failure> {
         self.refuse_laws()?;
+        if self.harmonics < HELD {
+            return Err(Failure::input(format!(
+                "--harmonics: a dual-mode test holds the first and the third, so that at least {HELD} are needed"
+            )));
+        }
         let Some(found) = self.found_slip_slap(model, pinned, dataset)? else { return Ok(()) };
         let (separation, slap) = match self.separation {
             true => match separated(model, &found)? {
@@ -45,7 +53,6 @@ impl Identify {
             },
             false => (Vec::new(), None),
         };
-        let data = title_of(dataset, &self.dataset);
         let report = SlipSlapReport {
             title: format!("Contact in two directions identified: {data}"),
             found: &found,
@@ -88,8 +95,7 @@ impl Identify {
         dataset: &Dataset,
     ) -> Result<Option<SlipSlapIdentification>, Failure> {
         let contact = model.contact.as_ref().ok_or_else(|| Failure::input("the model has no contact"))?;
-        let rig = pinned.rig(Some(contact), &model.changes().structure);
-        let rig = rig.map_err(|error| Failure::input(error.to_string()))?;
+        let rig = rig_of(model, pinned)?;
         let mut options = self.options();
         options.normal_load = options.normal_load.or(Some(contact.normal_load));
         let bar = progress::spinner("identify");
@@ -124,6 +130,12 @@ impl Identify {
         }
         Ok(())
     }
+}
+
+/// The rig with the contact's springs.
+pub(super) fn rig_of(model: &Model, pinned: &PinnedBeam) -> Result<PinRig, Failure> {
+    let rig = pinned.rig(model.contact.as_ref(), &model.changes().structure);
+    rig.map_err(|error| Failure::input(error.to_string()))
 }
 
 /// One period, its end left out, in the record's own time: the columns `told`.
