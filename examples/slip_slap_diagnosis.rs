@@ -1,5 +1,5 @@
 //! What a diagnosis with the whole catalogue finds on the pin rig: records of the dual-mode test on a rig that has an effect,
-//! and the model that lacks it. Prints a table; a case takes five minutes on two cores.
+//! and the model that lacks it. Prints a table; a case takes about seven minutes on two cores.
 //!
 //! `cargo run --release -p stickslip --example slip_slap_diagnosis [NAME]` runs the cases whose names hold NAME.
 
