@@ -10,6 +10,7 @@ use stickslip_readers::xml::{Element, XmlFile};
 
 use crate::fmi3::Format;
 use crate::import::ImportProblem;
+use crate::log::NO_LETTER;
 
 /// Versions of FMI.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -204,6 +205,20 @@ impl ModelDescription {
     /// The position of the variable `name`.
     pub fn position(&self, name: &str) -> Option<usize> {
         self.variables.iter().position(|variable| variable.name == name)
+    }
+
+    /// The name of the variable of a value reference whose type has a letter in messages: of several the last.
+    pub(crate) fn named(&self, letter: u8, reference: u32) -> Option<&str> {
+        let own = |variable: &ScalarVariable| match variable.kind {
+            _ if self.version == FmiVersion::Three => NO_LETTER,
+            TypeOfVariable::Real => b'r',
+            TypeOfVariable::Integer | TypeOfVariable::Enumeration(_) => b'i',
+            TypeOfVariable::Boolean => b'b',
+            TypeOfVariable::String | TypeOfVariable::Opaque => b's',
+        };
+        let mut rows = self.variables.iter().rev();
+        let found = rows.find(|variable| variable.reference == reference && own(variable) == letter);
+        found.map(|variable| variable.name.as_str())
     }
 
     /// The unit of a variable: only its name where the FMU does not define it.

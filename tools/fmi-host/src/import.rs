@@ -1,6 +1,6 @@
 //! From an archive to something that can be instantiated.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,10 +9,10 @@ use stickslip_readers::InputError;
 use stickslip_readers::archive::{ArchiveProblem, Limits, Unpacked, unpack};
 
 use crate::component::{Error, Library, Slave};
-use crate::description::{FmiVersion, ModelDescription, TypeOfVariable};
+use crate::description::{FmiVersion, ModelDescription};
 use crate::fmi3::{Library3, Slave3};
 use crate::isolate::IsolatedSlave;
-use crate::log::{Log, NO_LETTER};
+use crate::log::Log;
 use crate::slave::{Component, FmuSlave};
 
 /// Why an FMU cannot be used.
@@ -239,7 +239,11 @@ impl Fmu {
     fn instance(self: &Arc<Self>, name: &str) -> Result<FmuSlave, ImportProblem> {
         let lone = self.lone()?;
         let library = self.load()?;
-        let log = Arc::new(Log::new(self.names()));
+        // Looked up: there may be a million of them, and few are ever in a message. A log does not keep the FMU.
+        let fmu = Arc::downgrade(self);
+        let named =
+            move |letter, reference| fmu.upgrade()?.description.named(letter, reference).map(str::to_owned);
+        let log = Arc::new(Log::new(named));
         let resources = self.folder().join("resources");
         let guid = &self.description.guid;
         let slave = match library {
@@ -281,22 +285,6 @@ impl Fmu {
         })?;
         *loaded = Some(library.clone());
         Ok(library)
-    }
-
-    /// Letters and value references with names, for the placeholders in messages.
-    fn names(&self) -> BTreeMap<(u8, u32), String> {
-        let rows = self.description.variables.iter();
-        rows.map(|variable| {
-            let letter = match variable.kind {
-                _ if self.description.version == FmiVersion::Three => NO_LETTER,
-                TypeOfVariable::Real => b'r',
-                TypeOfVariable::Integer | TypeOfVariable::Enumeration(_) => b'i',
-                TypeOfVariable::Boolean => b'b',
-                TypeOfVariable::String | TypeOfVariable::Opaque => b's',
-            };
-            ((letter, variable.reference), variable.name.clone())
-        })
-        .collect()
     }
 
     /// The right to be the one instance, if only one is allowed.

@@ -6,7 +6,7 @@
 //! six first arguments: a message `"%s"` is read from the sixth, as careful FMUs send it, and of any other message the
 //! placeholders stay as they are.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -36,11 +36,19 @@ pub struct Message {
 
 /// The messages of an instance. The last ones are kept, each shortened where it is very long; equal ones in
 /// succession are counted: an FMU that says something at every step takes no memory.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Log {
     inner: Mutex<Inner>,
-    /// Names of variables by the letter of their type and their value reference, for `#r12#` in messages.
-    names: BTreeMap<(u8, u32), String>,
+    names: Option<Box<Names>>,
+}
+
+/// The name of a variable by the letter of its type and its value reference, for `#r12#` in messages.
+type Names = dyn Fn(u8, u32) -> Option<String> + Send + Sync;
+
+impl std::fmt::Debug for Log {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Log").field("inner", &self.inner).finish_non_exhaustive()
+    }
 }
 
 #[derive(Debug, Default)]
@@ -52,10 +60,14 @@ struct Inner {
 }
 
 impl Log {
-    /// An empty log; `names` are those of variables by the letter of their type (`r`, `i`, `b`, `s`) and their value
+    /// An empty log; `names` gives those of variables by the letter of their type (`r`, `i`, `b`, `s`) and their value
     /// reference.
-    pub fn new(names: BTreeMap<(u8, u32), String>) -> Self {
-        Self { names, ..Self::default() }
+    pub fn new(names: impl Fn(u8, u32) -> Option<String> + Send + Sync + 'static) -> Self {
+        Self { names: Some(Box::new(names)), ..Self::default() }
+    }
+
+    fn name(&self, letter: u8, reference: u32) -> Option<String> {
+        self.names.as_ref()?(letter, reference)
     }
 
     fn inner(&self) -> MutexGuard<'_, Inner> {
@@ -119,15 +131,15 @@ impl Log {
             let name = rest.split_once('#').and_then(|(inner, after)| {
                 // FMI 3.0 has no letters.
                 if let Ok(reference) = inner.parse() {
-                    return Some((self.names.get(&(NO_LETTER, reference))?, after));
+                    return Some((self.name(NO_LETTER, reference)?, after));
                 }
                 let letter = *inner.as_bytes().first()?;
                 let reference = inner.get(1..)?.parse().ok()?;
-                Some((self.names.get(&(letter, reference))?, after))
+                Some((self.name(letter, reference)?, after))
             });
             match name {
                 Some((name, after)) => {
-                    whole.push_str(name);
+                    whole.push_str(&name);
                     rest = after;
                 }
                 None => whole.push('#'),
@@ -287,7 +299,8 @@ mod tests {
 
     #[test]
     fn messages_are_formatted_as_printf_does() {
-        let log = Log::new(BTreeMap::from([((b'r', 12), "force".to_owned())]));
+        let log =
+            Log::new(|letter, reference| (letter == b'r' && reference == 12).then(|| "force".to_owned()));
         // SAFETY: it is what the FMU takes it for.
         let logger: Variadic = unsafe { transmute(callback()) };
         // SAFETY: format and arguments fit.
