@@ -14,11 +14,12 @@ const TANGENTIAL: i32 = 12;
 const NORMAL: i32 = 6;
 const FITTED: usize = 4;
 /// Rise of χ² to the ends of a 95 % interval, and the normal quantile beyond which χ² itself is no chance (99.9 %).
-const RISE: f64 = 3.84;
+const RISE: f64 = WIDE * WIDE;
 const CHANCE: f64 = 3.09;
-/// First step towards the end of an interval, of the logarithm, and where halving ends.
+/// First step towards the end of an interval, of the logarithm; the part of the way to it that is no matter, and divisions at most.
 const STEP: f64 = 0.02;
-const FINE: f64 = 2e-3;
+const FINE: f64 = 1e-2;
+const DIVISIONS: usize = 60;
 /// The end of an interval over its beginning from which on it tells no more than an order of magnitude.
 const VAGUE: f64 = 3.0;
 /// Width of an interval over that of what was assumed, from which on it gives the assumption back.
@@ -248,7 +249,10 @@ impl Search<'_> {
                 (there, _) => break there,
             }
         };
-        while outside - inside[0] > FINE {
+        for _ in 0..DIVISIONS {
+            if outside - inside[0] <= FINE * outside {
+                break;
+            }
             let part = (1.0 - inside[1]) / (beyond - inside[1]);
             let part = if part.is_finite() { part.clamp(0.1, 0.9) } else { 0.5 };
             let middle = inside[0] + part * (outside - inside[0]);

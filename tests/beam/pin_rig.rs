@@ -197,6 +197,14 @@ fn frequencies_that_no_stiffness_gives_tell_none() {
     let vague = MeasuredFrequencies { frequencies, deviation: 10.0, modulus_deviation: 5e-3 };
     let found = contact_stiffness(&truth, &vague).unwrap();
     assert!(!found.youngs_modulus.told && !found.tangential.told && !found.normal.told, "{found:?}");
+    for modulus_deviation in [5e-3, 1e-5] {
+        let found =
+            contact_stiffness(&truth, &MeasuredFrequencies { modulus_deviation, ..vague.clone() }).unwrap();
+        let half = 1.96 * modulus_deviation * found.youngs_modulus.value;
+        for end in [found.youngs_modulus.interval.low, found.youngs_modulus.interval.high] {
+            assert!(((end - truth.beam.youngs_modulus).abs() / half - 1.0).abs() < 0.03, "{found:?}");
+        }
+    }
 }
 
 #[test]

@@ -1,10 +1,8 @@
 //! How far the predictions of a dataset depend on each parameter that a fit may change: what a dataset can show.
 
-use rayon::prelude::*;
-
-use super::{Fitted, RecordResult, evaluate_from};
+use super::{Fitted, RecordResult, evaluate};
 use crate::data::{Dataset, Record};
-use crate::fit::predict::{ObservedSimulation, Seed, deviation};
+use crate::fit::predict::deviation;
 use crate::fit::{FitError, InterruptHook};
 use crate::model::Model;
 
@@ -54,11 +52,7 @@ pub fn visibility(
     dataset: &Dataset,
     interrupt: Option<InterruptHook>,
 ) -> Result<Vec<Visibility>, FitError<String>> {
-    // Where motions are solved for, those of the neighbours are near.
-    let solved =
-        |record: &Record| ObservedSimulation::new(model, record).ok()?.solution().cloned().map(Seed::Near);
-    let near: Vec<Option<Seed>> = dataset.records.par_iter().map(solved).collect();
-    let base = predictions(model, dataset, &near);
+    let base = predictions(model, dataset);
     let mut found: Vec<(String, Vec<f64>)> = Vec::new();
     for parameter in model.parameters().into_iter().filter(|parameter| parameter.free) {
         if interrupt.is_some_and(|interrupt| interrupt()) {
@@ -75,7 +69,7 @@ pub fn visibility(
             trial
                 .set(&parameter.path, parameter.value + sign * STEP * size)
                 .ok()
-                .map(|()| predictions(&trial, dataset, &near))
+                .map(|()| predictions(&trial, dataset))
         };
         // At a bound, or where the model is not solved on one side, the other is taken.
         let change = [1.0, -1.0].into_iter().filter_map(moved).find_map(|moved| difference(&base, &moved));
@@ -101,8 +95,8 @@ pub fn visibility(
 }
 
 /// Predictions of every compared channel over its standard deviation; `None` for a record that is not predicted.
-fn predictions(model: &Model, dataset: &Dataset, near: &[Option<Seed>]) -> Vec<Option<Vec<f64>>> {
-    let stage = evaluate_from("", model, dataset, |record| near[record].clone());
+fn predictions(model: &Model, dataset: &Dataset) -> Vec<Option<Vec<f64>>> {
+    let stage = evaluate("", model, dataset);
     let of = |(record, result): (&Record, &RecordResult)| {
         let mut scaled = Vec::new();
         for channel in &result.channels {
