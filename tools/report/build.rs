@@ -1,6 +1,9 @@
 //! Takes plotly.js out of the source of the crate that carries it. That crate, with thirty others below it, need not be
-//! compiled for a file: cargo says where it lies, and fetches it where it does not lie yet. It is packed, since every
-//! page carries it.
+//! compiled for a file: cargo says where it lies, and fetches it where it does not lie yet. It is cut to what the pages
+//! draw and packed, since every page carries it.
+
+#[path = "build/bundle.rs"]
+mod bundle;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -12,13 +15,14 @@ use flate2::write::ZlibEncoder;
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed=build");
     println!("cargo::rerun-if-changed=../../Cargo.lock");
     let script = source_of("plotly").join("resource/plotly.min.js");
     let folder = PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     let text = std::fs::read_to_string(&script);
     let text = text.unwrap_or_else(|error| panic!("{} cannot be read: {error}", script.display()));
     let target = folder.join("plotly.packed");
-    if let Err(error) = std::fs::write(&target, packed(&text)) {
+    if let Err(error) = std::fs::write(&target, packed(&bundle::cut(&text))) {
         panic!("{} cannot be written: {error}", target.display());
     }
 }

@@ -40,7 +40,7 @@ fn the_demonstration_lets_the_error_fall_and_exports_the_best_model() {
     assert!(chances[0] < 1e-3 && chances[1] > 0.01 && chances[2] > 0.01, "{chances:?}");
     assert!(stdout(&output).contains("FrictionalSupport.fmu"));
     let page = fs::read_to_string(results.join("report.html")).unwrap();
-    assert!(page.contains("plotly.js v3") && page.len() > 600_000);
+    assert!(page.contains("plotly.js v3") && (500_000..1_600_000).contains(&page.len()));
     // The last picture: a level that an identified contact had not seen.
     let said = stdout(&output);
     let within = said.split("predicts 45 m/s², as an FMU, within ").nth(1).unwrap();
