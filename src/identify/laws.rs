@@ -148,7 +148,10 @@ fn told(parameter: &ModelParameter, k: usize, found: &Fit) -> IdentifiedParamete
 /// bound by as much as at the ends of a 95 % interval; NaN where they do not tell. `deviation` is that of a residual.
 fn into_the_range(found: &Fit, k: usize, deviation: f64) -> f64 {
     let count = found.parameters.len();
-    let jacobian = DMatrix::from_row_slice(found.residuals.len(), count, &found.jacobian);
+    if found.jacobian.is_empty() {
+        return f64::NAN;
+    }
+    let jacobian = DMatrix::from_fn(found.residuals.len(), count, |i, j| found.jacobian[j][i]);
     let bound = |j: usize| found.uncertainty.at_bound[j];
     let free: Vec<usize> = (0..count).filter(|j| !bound(*j)).collect();
     let others = jacobian.select_columns(&free);

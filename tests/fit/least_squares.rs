@@ -96,7 +96,7 @@ fn straight_line_matches_its_closed_form() {
         assert!(((interval.high - interval.low) / (2.0 * 2.228139 * error) - 1.0).abs() < 1e-6);
     }
     // ∂r/∂a = 1, ∂r/∂b = t.
-    assert!((fit.jacobian[2 * 8] - 1.0).abs() < 1e-8 && (fit.jacobian[2 * 8 + 1] - 2.0).abs() < 1e-8);
+    assert!((fit.jacobian[0][8] - 1.0).abs() < 1e-8 && (fit.jacobian[1][8] - 2.0).abs() < 1e-8);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What a refit says of each parameter: intervals that allow for residuals with a memory.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::comparison::Fitted;
 use crate::fit::Fit;
@@ -51,24 +51,24 @@ fn moved(parameter: &ModelParameter, value: f64, end: f64, factor: f64) -> f64 {
 fn memory(fit: &Fit, count: usize, known: &[usize]) -> Vec<f64> {
     let mut wider = vec![1.0_f64; known.len()];
     let rows = fit.residuals.len();
-    if known.is_empty() || rows <= count || fit.jacobian.len() != rows * count {
+    if known.is_empty() || rows <= count || fit.jacobian.len() != count {
         return wider;
     }
-    let row = |i: usize| DVector::from_fn(known.len(), |k, _| fit.jacobian[i * count + known[k]]);
-    let mut curvature = DMatrix::zeros(known.len(), known.len());
-    let mut scores = Vec::with_capacity(rows);
+    let row = |i: usize| known.iter().map(move |k| fit.jacobian[*k][i]);
+    let mut curvature = DMatrix::<f64>::zeros(known.len(), known.len());
     for i in 0..rows {
-        let row = row(i);
-        curvature.ger(1.0, &row, &row, 1.0);
-        scores.push(row * fit.residuals[i]);
+        for (a, left) in row(i).enumerate() {
+            row(i).enumerate().for_each(|(b, right)| curvature[(a, b)] += left * right);
+        }
     }
     let Some(inverse) = curvature.cholesky().map(|factor| factor.inverse()) else { return wider };
     let variance = fit.residuals.iter().map(|r| r * r).sum::<f64>() / (rows - count) as f64;
-    // By how much each residual moves each estimate.
-    let influences: Vec<DVector<f64>> = scores.into_iter().map(|score| &inverse * score).collect();
     for (k, wider) in wider.iter_mut().enumerate() {
-        let influence: Vec<f64> = influences.iter().map(|influence| influence[k]).collect();
-        let ratio = (variance_of_sum(&influence) / (variance * inverse[(k, k)])).sqrt();
+        // By how much each residual moves this estimate.
+        let moved =
+            |i: usize| fit.residuals[i] * row(i).zip(inverse.row(k).iter()).map(|(j, c)| j * c).sum::<f64>();
+        let influence = (0..rows).map(moved).collect();
+        let ratio = (variance_of_sum(influence) / (variance * inverse[(k, k)])).sqrt();
         *wider = if ratio.is_finite() { wider.max(ratio) } else { *wider };
     }
     wider
@@ -76,13 +76,13 @@ fn memory(fit: &Fit, count: usize, known: &[usize]) -> Vec<f64> {
 
 /// The variance of the sum of numbers with a memory: the largest that blocks of any length show, or a memory that fades
 /// evenly (an autoregression of order one).
-fn variance_of_sum(influence: &[f64]) -> f64 {
+fn variance_of_sum(influence: Vec<f64>) -> f64 {
     let square = |all: &[f64]| all.iter().map(|x| x * x).sum::<f64>();
-    let own = square(influence);
+    let own = square(&influence);
     let product: f64 = influence.windows(2).map(|pair| pair[0] * pair[1]).sum();
     let kept = if influence.len() >= BLOCKS { (product / own).clamp(0.0, FADING) } else { 0.0 };
     let mut largest = own * (1.0 + kept) / (1.0 - kept);
-    let mut blocks = influence.to_vec();
+    let mut blocks = influence;
     while blocks.len() >= BLOCKS {
         largest = largest.max(square(&blocks));
         blocks = blocks.chunks(2).map(|pair| pair.iter().sum()).collect();

@@ -1,6 +1,7 @@
 //! Refits the free parameters of a model to a dataset.
 
-use super::{Skipped, Stage, evaluate, intervals, score};
+use super::score::RecordResidual;
+use super::{Skipped, Stage, evaluate, intervals};
 use crate::data::{Dataset, Record, Use};
 use crate::fit::least_squares::fit_reviving;
 use crate::fit::{self, Ending, FitError, InterruptHook, Options, ProgressHook};
@@ -127,9 +128,12 @@ pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Resu
     };
     let residual = |values: &[f64], out: &mut [f64]| -> Result<(), String> {
         let trial = with(values)?;
-        let mut rest = out;
-        for &record in &fitted {
-            let part = score::normalised_residual(&trial, record)?;
+        let (mut rest, mut part) = (out, Vec::new());
+        for record in &fitted {
+            if watch.interrupt.is_some_and(|interrupt| interrupt()) {
+                return Err("interrupted".to_owned());
+            }
+            record.write(&trial, &mut part)?;
             let (here, after) = std::mem::take(&mut rest).split_at_mut(part.len());
             here.copy_from_slice(&part);
             rest = after;
@@ -176,7 +180,7 @@ fn notes(ending: Ending, best: &Model, unseen: &[String]) -> Vec<String> {
 
 /// The records that a model predicts, and the others.
 struct Predicted<'d> {
-    records: Vec<&'d Record>,
+    records: Vec<RecordResidual<'d>>,
     /// Values in them.
     values: usize,
     skipped: Vec<Skipped>,
@@ -185,11 +189,13 @@ struct Predicted<'d> {
 /// Those of `records` that `model` predicts as it stands: at least one.
 fn predicted<'d>(model: &Model, records: Vec<&'d Record>) -> Result<Predicted<'d>, RefitError> {
     let mut found = Predicted { records: Vec::new(), values: 0, skipped: Vec::new() };
+    let mut values = Vec::new();
     for record in records {
-        match score::normalised_residual(model, record) {
+        let residual = RecordResidual::new(model, record);
+        match residual.and_then(|residual| residual.write(model, &mut values).map(|()| residual)) {
             Ok(residual) => {
                 found.values += residual.len();
-                found.records.push(record);
+                found.records.push(residual);
             }
             Err(reason) => found.skipped.push(Skipped { record: record.name.clone(), reason }),
         }

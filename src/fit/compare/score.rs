@@ -1,8 +1,10 @@
 //! The error of a prediction.
 
+use std::sync::Mutex;
+
 use super::comparison::{ChannelResult, RecordResult};
 use crate::data::{Channel, Record};
-use crate::fit::predict::{Seed, compared, deviation, predict_from};
+use crate::fit::predict::{ObservedSimulation, Seed, compared, deviation, predict_from};
 use crate::model::Model;
 
 /// Predicts and scores, from the solution `seed` if there is one; a failure is kept as text, for the other records
@@ -18,18 +20,62 @@ pub(crate) fn scored(model: &Model, record: &Record, seed: Option<&Seed>) -> Rec
     }
 }
 
-/// Prediction minus measurement of every compared channel, over its standard deviation and over the
-/// square root of its length: the sum of squares is that of the channels' normalised errors. Values of a table that have
-/// intervals of their own weigh by these.
-pub(crate) fn normalised_residual(model: &Model, record: &Record) -> Result<Vec<f64>, String> {
-    let mut residual = Vec::new();
-    for (channel, predicted) in compared(model, record).into_iter().zip(predict_from(model, record, None)?) {
-        let weights = record.weights(channel);
-        let scale = deviation(channel)? * weights.iter().map(|w| w * w).sum::<f64>().sqrt();
-        let rows = channel.values.iter().zip(predicted.values).zip(weights);
-        residual.extend(rows.map(|((measured, value), weight)| weight * (value - measured) / scale));
+/// The residuals of one record under one model after another. What belongs to the record alone is made once.
+pub(crate) struct RecordResidual<'r> {
+    record: &'r Record,
+    channels: Vec<Weighed<'r>>,
+    /// Simulations that no thread is using.
+    idle: Mutex<Vec<ObservedSimulation<'r>>>,
+}
+
+/// A channel, and by what each of its residuals is multiplied.
+struct Weighed<'r> {
+    channel: &'r Channel,
+    scale: f64,
+    /// For each value of a table that has intervals of its own; empty where all weigh the same.
+    own: Vec<f64>,
+}
+
+impl<'r> RecordResidual<'r> {
+    /// Of `record`, for models of the kind of `model`.
+    pub fn new(model: &Model, record: &'r Record) -> Result<Self, String> {
+        let channels = compared(model, record).into_iter().map(|channel| {
+            let own = record.weights(channel);
+            let squares = own.iter().map(|w| w * w).sum::<f64>();
+            let own = if own.iter().all(|w| *w == 1.0) { Vec::new() } else { own };
+            Ok(Weighed { channel, scale: 1.0 / (deviation(channel)? * squares.sqrt()), own })
+        });
+        Ok(Self { record, channels: channels.collect::<Result<_, String>>()?, idle: Mutex::default() })
     }
-    Ok(residual)
+
+    /// Number of residuals.
+    pub fn len(&self) -> usize {
+        self.channels.iter().map(|weighed| weighed.channel.values.len()).sum()
+    }
+
+    /// Writes prediction minus measurement of every compared channel, over its standard deviation and over the
+    /// square root of its length: the sum of squares is that of the channels' normalised errors. Values of a table that
+    /// have intervals of their own weigh by these.
+    pub fn write(&self, model: &Model, out: &mut Vec<f64>) -> Result<(), String> {
+        let idle = self.idle.lock().ok().and_then(|mut idle| idle.pop());
+        let mut simulation = idle.map_or_else(|| ObservedSimulation::new(model, self.record), Ok)?;
+        let nuisances = simulation.settle(model)?;
+        simulation.predict(model, &nuisances, out)?;
+        if let Ok(mut idle) = self.idle.lock() {
+            idle.push(simulation);
+        }
+        let mut rest = out.as_mut_slice();
+        for Weighed { channel, scale, own } in &self.channels {
+            let (here, after) =
+                rest.split_at_mut_checked(channel.values.len()).ok_or("the prediction is too short")?;
+            here.iter_mut()
+                .zip(&channel.values)
+                .for_each(|(value, measured)| *value = scale * (*value - measured));
+            here.iter_mut().zip(own).for_each(|(value, weight)| *value *= weight);
+            rest = after;
+        }
+        Ok(())
+    }
 }
 
 /// Scores `predicted` against the measured `channel`; both have the same length and unit.

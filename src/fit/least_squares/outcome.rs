@@ -25,9 +25,9 @@ pub struct Fit {
     pub residuals: Vec<f64>,
     /// Their root mean square.
     pub root_mean_square: f64,
-    /// ∂residual/∂parameter there, row-major, one row per residual; columns of held parameters are zero.
+    /// ∂residual/∂parameter there, a column of all residuals for each parameter; those of held parameters are zero.
     /// Empty when the fit was interrupted before it was known.
-    pub jacobian: Vec<f64>,
+    pub jacobian: Vec<Vec<f64>>,
     /// Standard errors and intervals.
     pub uncertainty: Uncertainty,
     /// Root mean square at the end of every start, in order; `None` where the start failed.

@@ -110,22 +110,24 @@ where
         };
         let up_fits = y[j] + step <= coordinate.upper;
         let down_fits = y[j] - step >= coordinate.lower;
-        let difference =
-            |(h, r): &(f64, Vec<f64>)| -> Vec<f64> { r.iter().zip(base).map(|(r, b)| (r - b) / h).collect() };
+        let difference = |(h, mut r): (f64, Vec<f64>), base: &[f64]| {
+            r.iter_mut().zip(base).for_each(|(r, b)| *r = (*r - b) / h);
+            r
+        };
         let usable = |(_, r): &(f64, Vec<f64>)| r.iter().all(|r| r.is_finite());
         if self.options.difference == Difference::Central && up_fits && down_fits {
             let (up, down) = (side(step)?, side(-step)?);
             return Ok(match (usable(&up), usable(&down)) {
-                (true, false) => difference(&up),
-                (false, true) => difference(&down),
-                _ => up.1.iter().zip(&down.1).map(|(a, b)| (a - b) / (up.0 - down.0)).collect(),
+                (true, false) => difference(up, base),
+                (false, true) => difference(down, base),
+                _ => difference((up.0 - down.0, up.1), &down.1),
             });
         }
         let first = side(if up_fits { step } else { -step })?;
         if !usable(&first) && up_fits && down_fits {
-            return Ok(difference(&side(-step)?));
+            return Ok(difference(side(-step)?, base));
         }
-        Ok(difference(&first))
+        Ok(difference(first, base))
     }
 }
 
@@ -134,8 +136,10 @@ pub(super) struct Run<'p, 'a, R, E> {
     pub residual: &'p Residual<'a, R, E>,
     /// Which start it is.
     pub start: usize,
-    /// The last point evaluated with its residuals: derivatives are asked for where a step was accepted.
-    last: (Vec<f64>, Vec<f64>),
+    /// The last point tried, with its residuals.
+    tried: (Vec<f64>, Vec<f64>),
+    /// The last point accepted, with its residuals: they are kept while others are tried from it.
+    accepted: (Vec<f64>, Vec<f64>),
     /// The last point differentiated, with the columns of the Jacobian.
     differentiated: (Vec<f64>, Vec<Vec<f64>>),
 }
@@ -146,24 +150,44 @@ where
     E: Send,
 {
     pub fn new(residual: &'p Residual<'a, R, E>, start: usize) -> Self {
-        Self { residual, start, last: Default::default(), differentiated: Default::default() }
-    }
-
-    /// Residuals at `y`, known or not, interrupted or not.
-    pub fn residuals(&mut self, y: &[f64]) -> Vec<f64> {
-        if self.last.0 != y {
-            self.last = (y.to_vec(), self.residual.at(y));
+        Self {
+            residual,
+            start,
+            tried: Default::default(),
+            accepted: Default::default(),
+            differentiated: Default::default(),
         }
-        self.last.1.clone()
     }
 
-    /// The Jacobian's columns at `y`; none when interrupted before they are known.
-    pub fn columns(&mut self, y: &[f64]) -> Option<Vec<Vec<f64>>> {
+    /// Residuals at `y`, an accepted point, known or not, interrupted or not.
+    fn residuals(&mut self, y: &[f64]) -> &[f64] {
+        if self.accepted.0 != y {
+            let known = self.tried.0 == y;
+            self.accepted =
+                if known { std::mem::take(&mut self.tried) } else { (y.to_vec(), self.residual.at(y)) };
+        }
+        &self.accepted.1
+    }
+
+    /// Finds residuals and the Jacobian's columns at `y`; none when interrupted before they are known.
+    fn differentiate(&mut self, y: &[f64]) -> Option<()> {
+        self.residuals(y);
         if self.differentiated.0 != y {
-            let base = self.residuals(y);
-            self.differentiated = (y.to_vec(), self.residual.jacobian(y, &base).ok()?);
+            self.differentiated = Default::default();
+            self.differentiated = (y.to_vec(), self.residual.jacobian(y, &self.accepted.1).ok()?);
+            // What was interrupted may have come back without being whole.
+            if self.residual.interrupted() {
+                self.differentiated = Default::default();
+                return None;
+            }
         }
-        Some(self.differentiated.1.clone())
+        Some(())
+    }
+
+    /// Residuals at `y`, and the Jacobian's columns unless it was interrupted before they are known.
+    pub fn end(mut self, y: &[f64]) -> (Vec<f64>, Option<Vec<Vec<f64>>>) {
+        let known = self.differentiate(y);
+        (self.accepted.1, known.map(|()| self.differentiated.1))
     }
 }
 
@@ -179,7 +203,7 @@ where
     fn cost(&mut self, y: &[f64]) -> Option<f64> {
         let residuals = self.residual.unless_stopped(y).ok()?;
         let cost = half_square(&residuals);
-        self.last = (y.to_vec(), residuals);
+        self.tried = (y.to_vec(), residuals);
         Some(cost)
     }
 
@@ -187,12 +211,12 @@ where
         if self.residual.interrupted() {
             return None;
         }
-        let residuals = self.residuals(y);
-        let cost = half_square(&residuals);
+        let cost = half_square(self.residuals(y));
         if !cost.is_finite() {
             return None;
         }
-        let columns = self.columns(y)?;
+        self.differentiate(y)?;
+        let (residuals, columns) = (&self.accepted.1, &self.differentiated.1);
         // What cannot be differentiated stays where it is.
         let product = |a: &[f64], b: &[f64]| {
             let sum = a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -200,7 +224,7 @@ where
         };
         Some(Sums {
             cost,
-            gradient: columns.iter().map(|column| product(column, &residuals)).collect(),
+            gradient: columns.iter().map(|column| product(column, residuals)).collect(),
             curvature: columns.iter().flat_map(|a| columns.iter().map(|b| product(a, b))).collect(),
         })
     }

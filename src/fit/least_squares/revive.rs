@@ -32,7 +32,7 @@ where
     let mut best = fit(&residual, count, parameters, options)?;
     for index in 0..parameters.len() {
         let interrupted = options.interrupt.is_some_and(|interrupt| interrupt());
-        if interrupted || !is_unseen(&best, index, parameters.len()) {
+        if interrupted || !is_unseen(&best, index) {
             continue;
         }
         let mut out = vec![0.0; count];
@@ -69,26 +69,26 @@ where
     }
     // What ended at zero or at a bound need not be without effect: all of what it was could change something.
     let idle = |index: &usize| {
-        let change = column(&best, *index, parameters.len()) * parameters[*index].start.abs();
+        let change = column(&best, *index) * parameters[*index].start.abs();
         change < UNSEEN * (count as f64).sqrt()
     };
     let unseen = (0..parameters.len())
-        .filter(|index| is_unseen(&best, *index, parameters.len()))
+        .filter(|index| is_unseen(&best, *index))
         .filter(|index| !(best.parameters[*index] == 0.0 || best.uncertainty.at_bound[*index]) || idle(index))
         .collect();
     Ok((best, unseen))
 }
 
-/// Whether the residuals at the end of `fit` do not depend on the `index`-th of `count` parameters.
-fn is_unseen(fit: &Fit, index: usize, count: usize) -> bool {
-    let change = column(fit, index, count) * fit.parameters[index].abs();
+/// Whether the residuals at the end of `fit` do not depend on the `index`-th parameter.
+fn is_unseen(fit: &Fit, index: usize) -> bool {
+    let change = column(fit, index) * fit.parameters[index].abs();
     let norm = fit.root_mean_square * (fit.residuals.len() as f64).sqrt();
     !fit.jacobian.is_empty() && change < UNSEEN * norm
 }
 
-/// Norm of the residuals' derivatives by the `index`-th of `count` parameters.
-fn column(fit: &Fit, index: usize, count: usize) -> f64 {
-    fit.jacobian.chunks_exact(count).map(|row| row[index].powi(2)).sum::<f64>().sqrt()
+/// Norm of the residuals' derivatives by the `index`-th parameter.
+fn column(fit: &Fit, index: usize) -> f64 {
+    fit.jacobian.get(index).map_or(0.0, |column| column.iter().map(|x| x * x).sum::<f64>().sqrt())
 }
 
 /// Other values of a parameter, within its bounds.

@@ -126,8 +126,7 @@ where
     let mut run = Run::new(problem, start);
     let end = minimise(&mut run, start_point(problem.coordinates, start), &lower, &upper, limits)?;
     // Interrupted or not, the residuals returned belong to the parameters returned.
-    let residuals = run.residuals(&end.y);
-    let columns = run.columns(&end.y);
+    let (residuals, columns) = run.end(&end.y);
     let ending = if columns.is_some() { end.ending } else { None };
     Some(Minimum {
         start,
@@ -153,11 +152,11 @@ where
         Some(columns) => Uncertainty::new(problem.coordinates, &y, at_bound, columns, &residuals, confidence),
         None => Uncertainty::unknown(y.len()),
     };
-    let slopes: Vec<f64> = problem.coordinates.iter().zip(&y).map(|(c, y)| c.slope(*y)).collect();
-    let columns = columns.unwrap_or_default();
-    let rows = if columns.is_empty() { 0 } else { problem.count };
-    let jacobian =
-        (0..rows).flat_map(|i| columns.iter().zip(&slopes).map(move |(column, s)| column[i] / s)).collect();
+    let mut jacobian = columns.unwrap_or_default();
+    for (column, (coordinate, y)) in jacobian.iter_mut().zip(problem.coordinates.iter().zip(&y)) {
+        let slope = coordinate.slope(*y);
+        column.iter_mut().for_each(|value| *value /= slope);
+    }
     Fit {
         parameters: problem.values(&y),
         root_mean_square: (2.0 * cost / problem.count as f64).sqrt(),

@@ -72,8 +72,8 @@ impl Uncertainty {
         // Columns scaled to length one: what is undetermined must not depend on units.
         let lengths: Vec<f64> =
             free.iter().map(|j| columns[*j].iter().map(|x| x * x).sum::<f64>().sqrt()).collect();
-        let scaled = DMatrix::from_fn(residuals.len(), free.len(), |i, k| columns[free[k]][i] / lengths[k]);
-        let decomposition = scaled.svd(false, true);
+        let decomposition =
+            triangle(residuals.len(), free.len(), |i, k| columns[free[k]][i] / lengths[k]).svd(false, true);
         let Some(directions) = decomposition.v_t else { return result };
         let singular = &decomposition.singular_values;
         let floor = UNDETERMINED * singular.max();
@@ -101,5 +101,37 @@ impl Uncertainty {
             }
         }
         result
+    }
+}
+
+/// Rows taken up at a time.
+const BLOCK: usize = 1024;
+
+/// The triangle `R` of `A = Q R`, with the singular values and directions of the `rows × columns` matrix of `entry`, which
+/// is never held whole.
+fn triangle(rows: usize, columns: usize, entry: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
+    let mut above = DMatrix::zeros(0, columns);
+    for first in (0..rows).step_by(BLOCK) {
+        let held = above.nrows();
+        let stacked = DMatrix::from_fn(held + BLOCK.min(rows - first), columns, |i, k| {
+            if i < held { above[(i, k)] } else { entry(first + i - held, k) }
+        });
+        above = stacked.qr().r();
+    }
+    above
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tall_matrix_has_the_singular_values_of_its_triangle() {
+        let entry = |i: usize, k: usize| ((i * (k + 2)) as f64 * 0.37).sin() + 0.2 * k as f64;
+        for rows in [3, 1024, 1025, 5000] {
+            let whole = DMatrix::from_fn(rows, 3, entry).singular_values();
+            let found = triangle(rows, 3, entry).singular_values();
+            assert!((&found - &whole).norm() < 1e-12 * whole.norm(), "{rows}: {found} for {whole}");
+        }
     }
 }

@@ -47,16 +47,17 @@ impl Simulation for FromRest<'_> {
     }
 
     fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
-        let mut run = |stepper: &mut dyn Stepper| {
-            stepper.rest();
-            march(stepper, self.channels.len(), self.samples, out)
-        };
         match &mut self.excited {
             Excited::Contact(contact) => {
                 let law = contact.drive(model)?;
-                run(&mut contact.stepper(law.as_ref()))
+                contact.stepper(law.as_ref()).march(out);
+                Ok(())
             }
-            Excited::System(system) => run(&mut system.stepper(model)?),
+            Excited::System(system) => {
+                let mut stepper = system.stepper(model)?;
+                stepper.rest();
+                march(&mut stepper, self.channels.len(), self.samples, out)
+            }
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::model::Model;
 
 /// A simulation behind its sensors.
 pub(crate) struct ObservedSimulation<'r> {
-    record: &'r Record,
+    pub(super) record: &'r Record,
     pub(super) simulation: Box<dyn Simulation + 'r>,
 }
 

@@ -1,6 +1,8 @@
 //! The start of a record that fits it best under a model.
 
-use super::channels::deviation;
+use std::borrow::Cow;
+
+use super::channels::{compared, deviation};
 use super::observed::ObservedSimulation;
 use super::simulation::Direction;
 use crate::fit::least_squares::{Coordinate, Limits, Parameter, SumOfSquares, Sums, minimise};
@@ -16,13 +18,16 @@ impl ObservedSimulation<'_> {
         if nuisances.is_empty() {
             return Ok(Vec::new());
         }
-        let mut measured = Vec::with_capacity(self.len());
+        let channels = compared(model, self.record);
         let mut weights = Vec::with_capacity(self.len());
-        for channel in self.simulation.channels() {
+        for channel in &channels {
             let weight = 1.0 / deviation(channel)?;
-            measured.extend_from_slice(&channel.values);
             weights.extend(channel.values.iter().map(|_| weight));
         }
+        let measured = match channels[..] {
+            [alone] => Cow::Borrowed(alone.values.as_slice()),
+            _ => channels.iter().flat_map(|channel| channel.values.iter().copied()).collect(),
+        };
         Ok(self.settle_from(model, &nuisances, &measured, &weights))
     }
 

@@ -2,8 +2,8 @@
 //!
 //! `python tests/formats/laboratory_files.py FOLDER` writes files to change, then
 //! `FUZZ_FILES=FOLDER FUZZ_SECONDS=900 cargo test --release -p stickslip-cli --bin stickslip fuzz -- --ignored --nocapture > fuzz.txt`
-//! spends a ninth of the time on each command and tells the counts on standard error. `FUZZ_SEED` begins elsewhere, `FUZZ_COMMAND` runs one
-//! command alone.
+//! spends a tenth of the time on each command and tells the counts on standard error. `FUZZ_RUNS` in place of `FUZZ_SECONDS` makes so many runs
+//! of each, `FUZZ_SEED` begins elsewhere, `FUZZ_COMMAND` runs one command alone.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -17,8 +17,9 @@ use fastrand::Rng;
 use crate::{Cli, terminal};
 
 const LONGEST: Duration = Duration::from_secs(20);
-const COMMANDS: [&str; 9] =
-    ["import", "lone", "check", "modes", "frf", "export", "compare", "add", "diagnose"];
+/// `lone` is `compare` with a file of measurements alone; `diagnose` has too few records for an answer, `decide` has enough.
+const COMMANDS: [&str; 10] =
+    ["import", "lone", "check", "modes", "frf", "export", "compare", "add", "diagnose", "decide"];
 const CONTACT: &str = r#"schema = "stickslip.model/1"
 kind = "contact"
 [contact]
@@ -58,6 +59,14 @@ noise = { "force" = 0.001 }
 file = "loop-2.csv"
 regime = "unknown-initial-state"
 use = "confirm"
+"#;
+/// A third record and a fourth, for a diagnosis that comes to an answer.
+const MORE_RECORDS: &str = r#"[[record]]
+file = "loop-3.csv"
+regime = "unknown-initial-state"
+[[record]]
+file = "loop-4.csv"
+regime = "unknown-initial-state"
 "#;
 const NUMBERS: [&str; 15] = [
     "0",
@@ -158,6 +167,15 @@ fn words(command: &str, lone: &str, chance: &mut Rng) -> (Vec<String>, String) {
             let model = model(chance);
             (format!("export {model} -o X.fmu"), model)
         }
+        "decide" => {
+            let changed =
+                ["model.toml", "four/dataset.toml", "four/loop.csv", "four/loop-3.csv"][chance.usize(..4)];
+            (
+                "diagnose model.toml four --effects backlash,wear --json out.json --report out.html"
+                    .to_owned(),
+                changed,
+            )
+        }
         "compare" => {
             ("compare model.toml data --json out.json --report out.html --csv out".to_owned(), changed)
         }
@@ -174,7 +192,7 @@ fn words(command: &str, lone: &str, chance: &mut Rng) -> (Vec<String>, String) {
 }
 
 fn is_documented(command: &str, code: u8) -> bool {
-    matches!(code, 0..=2) || command == "diagnose" && matches!(code, 10..=14)
+    matches!(code, 0..=2) || matches!(command, "diagnose" | "decide") && matches!(code, 10..=14)
 }
 
 /// What is wrong with one run, if anything.
@@ -200,8 +218,9 @@ fn wrong(command: &str, words: &[String]) -> Option<String> {
 /// A fresh folder with all inputs, of which `changed` is mutated.
 fn prepare(folder: &Path, texts: &BTreeMap<String, Vec<u8>>, changed: &str, chance: &mut Rng) {
     let _ = std::fs::remove_dir_all(folder);
-    std::fs::create_dir_all(folder.join("data")).unwrap();
-    std::fs::create_dir_all(folder.join("files")).unwrap();
+    for name in ["data", "four", "files"] {
+        std::fs::create_dir_all(folder.join(name)).unwrap();
+    }
     for (name, text) in texts {
         if name == changed {
             std::fs::write(folder.join(name), mutated(text.clone(), chance)).unwrap();
@@ -218,6 +237,11 @@ fn inputs() -> BTreeMap<String, Vec<u8>> {
         ("data/dataset.toml", DATASET.to_owned()),
         ("data/loop.csv", table(0.0)),
         ("data/loop-2.csv", table(0.7)),
+        ("four/dataset.toml", DATASET.replace("use = \"confirm\"\n", "") + MORE_RECORDS),
+        ("four/loop.csv", table(0.0)),
+        ("four/loop-2.csv", table(0.7)),
+        ("four/loop-3.csv", table(1.4)),
+        ("four/loop-4.csv", table(2.1)),
         ("files/loop.csv", table(0.0).replace("Kraft", "force")),
     ]
     .map(|(name, text)| (name.to_owned(), text.into_bytes()))
@@ -251,7 +275,9 @@ fn fuzz() {
     let only = std::env::var("FUZZ_COMMAND").ok();
     let asked: Vec<&str> =
         COMMANDS.into_iter().filter(|command| only.as_deref().is_none_or(|only| only == *command)).collect();
-    let share = Duration::from_secs(number("FUZZ_SECONDS", 9)) / asked.len() as u32;
+    let most = number("FUZZ_RUNS", u64::MAX);
+    let seconds = number("FUZZ_SECONDS", if most == u64::MAX { 10 } else { u64::from(u32::MAX) });
+    let share = Duration::from_secs(seconds) / asked.len() as u32;
     let place = tempfile::tempdir().unwrap();
     let folder: PathBuf = place.path().join("run");
     std::fs::create_dir(&folder).unwrap();
@@ -259,7 +285,7 @@ fn fuzz() {
     for command in asked {
         let (begin, mut runs, mut slowest) = (Instant::now(), 0_u64, Duration::ZERO);
         let first = number("FUZZ_SEED", 0);
-        while begin.elapsed() < share {
+        while runs < most && begin.elapsed() < share {
             let seed = first + runs;
             let mut chance = Rng::with_seed(seed);
             let file = lone[chance.usize(..lone.len())];

@@ -4,7 +4,6 @@ use crate::contact::{Period, PeriodicSolver};
 use crate::data::{Channel, Record};
 use crate::fit::predict::simulation::Simulation;
 use crate::fit::predict::stepper::contact::MovedContact;
-use crate::fit::predict::stepper::march;
 use crate::model::Model;
 
 /// Fraction of the range, and multiple of the largest step between samples, above which the end of a record does not
@@ -42,7 +41,8 @@ impl Simulation for SteadyContact<'_> {
             normal_load: &self.contact.load,
         };
         self.solver.solve(law.as_ref(), &period, &mut stepper.state).map_err(|error| error.to_string())?;
-        march(&mut stepper, self.contact.channels.len(), self.contact.samples(), out)
+        stepper.march(out);
+        Ok(())
     }
 }
 

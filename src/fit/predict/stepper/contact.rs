@@ -1,6 +1,5 @@
 //! A contact driven along a measured displacement.
 
-use super::Stepper;
 use crate::contact::{ContactLaw, Inputs};
 use crate::data::{Channel, Record, Regime};
 use crate::fit::predict::motion::{Motion, Outside, read_at};
@@ -133,15 +132,7 @@ pub(in crate::fit::predict) struct ContactStepper<'s> {
 }
 
 impl ContactStepper<'_> {
-    /// The force at sample `index`; the state after it is the one before the next.
-    pub fn force(&mut self, index: usize) -> f64 {
-        let force = self.law.step(&self.state, self.contact.inputs(index), &mut self.next).force;
-        std::mem::swap(&mut self.state, &mut self.next);
-        force
-    }
-}
-
-impl Stepper for ContactStepper<'_> {
+    /// Goes to the first sample, at rest there.
     fn rest(&mut self) {
         for state in [&mut self.state, &mut self.next] {
             state.clear();
@@ -150,16 +141,28 @@ impl Stepper for ContactStepper<'_> {
         self.law.set_state(0.0, self.contact.inputs(0).normal_load, 0.0, &mut self.state);
     }
 
-    fn observe(&mut self, index: usize, out: &mut [f64]) -> Result<(), String> {
-        let force = self.force(index);
-        for (channel, out) in self.contact.channels.iter().zip(out) {
-            *out = if channel.quantity() == "normal_load" { self.contact.load[index] } else { force };
-        }
-        Ok(())
+    /// The force at sample `index`; the state after it is the one before the next.
+    pub fn force(&mut self, index: usize) -> f64 {
+        let force = self.law.step(&self.state, self.contact.inputs(index), &mut self.next).force;
+        std::mem::swap(&mut self.state, &mut self.next);
+        force
     }
 
-    /// The step to a sample is the one that gives the force there.
-    fn advance(&mut self, _: usize) -> Result<(), String> {
-        Ok(())
+    /// Steps through the record and writes what each channel shows, one channel after the other.
+    pub fn march(mut self, out: &mut Vec<f64>) {
+        let MovedContact { channels, load, .. } = self.contact;
+        let (samples, mut forces) = (self.contact.samples(), None);
+        out.clear();
+        out.reserve(channels.len() * samples);
+        for channel in channels {
+            match forces {
+                _ if channel.quantity() == "normal_load" => out.extend_from_slice(load),
+                Some(start) => out.extend_from_within(start..start + samples),
+                None => {
+                    forces = Some(out.len());
+                    out.extend((0..samples).map(|index| self.force(index)));
+                }
+            }
+        }
     }
 }

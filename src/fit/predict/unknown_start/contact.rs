@@ -9,7 +9,6 @@ use crate::fit::predict::period::period;
 use crate::fit::predict::sensors;
 use crate::fit::predict::simulation::Simulation;
 use crate::fit::predict::stepper::contact::MovedContact;
-use crate::fit::predict::stepper::march;
 use crate::model::Model;
 
 /// The simulation of one record of a contact; its one unknown belongs to a hypothesis of the past.
@@ -90,6 +89,7 @@ impl Simulation for ContactOfUnknownStart<'_> {
             let inputs = |index| self.contact.inputs(index);
             self.initial.put(law.as_ref(), &inputs, *value, &mut stepper.state, &mut stepper.next);
         }
-        march(&mut stepper, self.contact.channels.len(), self.contact.samples(), out)
+        stepper.march(out);
+        Ok(())
     }
 }

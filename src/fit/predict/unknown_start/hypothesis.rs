@@ -52,6 +52,8 @@ const REFINEMENTS: usize = 12;
 /// Fraction of a record by which its start is judged: long enough to see it, and no longer, since a contact
 /// that slips forgets it.
 const TELLING: f64 = 0.25;
+/// Samples, and periods, that always tell the start, which is one number.
+const ENOUGH: [usize; 2] = [20_000, 8];
 
 impl InitialState {
     /// For a record of this `displacement` (m), which repeats after `period` samples, not always whole ones.
@@ -73,7 +75,8 @@ impl InitialState {
 
     /// Samples that tell the start of a record of `count`.
     pub fn telling(&self, count: usize) -> usize {
-        ((count as f64 * TELLING) as usize).max(2).min(count)
+        let [samples, periods] = ENOUGH;
+        ((count as f64 * TELLING) as usize).min(samples.max(periods * self.cycle)).max(2).min(count)
     }
 
     /// Takes up a hypothesis; `law` and `load` (N) say how far a centre may lie outside the motion.
