@@ -15,7 +15,8 @@ type Dimension = [i32; 4];
 
 const STANDARD_GRAVITY: f64 = 9.80665;
 
-/// Symbols that take the prefixes below: name, dimension, size in m, kg, s and rad.
+/// Symbols that take the prefixes below: name, dimension, size in m, kg, s and rad. Lengths, times and angles, and `g` as an
+/// acceleration, take those alone that make them smaller: `Grad` is no thousand million radians, it is German for a degree.
 const PREFIXED: &[(&str, Dimension, f64)] = &[
     ("m", [1, 0, 0, 0], 1.0),
     ("s", [0, 0, 1, 0], 1.0),
@@ -193,10 +194,11 @@ fn symbol_size(symbol: &str, gram: Gram) -> Option<(Dimension, f64)> {
     if let Some((_, dimension, size)) = whole {
         return Some((dimension, size));
     }
+    let small = [[1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1], [1, 0, -2, 0]];
     PREFIXES.iter().find_map(|(prefix, factor)| {
         let rest = symbol.strip_prefix(prefix)?;
         let (_, dimension, size) = prefixed().find(|(name, ..)| *name == rest)?;
-        Some((dimension, factor * size))
+        (*factor < 1.0 || !small.contains(&dimension)).then_some((dimension, factor * size))
     })
 }
 

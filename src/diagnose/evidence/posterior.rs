@@ -80,7 +80,10 @@ impl Posterior {
     /// Every unknown with its 95 % interval.
     pub fn estimates(&self) -> Vec<Estimate> {
         let one = |((unknown, y), deviation): ((&Unknown, &f64), &f64)| {
-            let end = |sign: f64| unknown.coordinate.value(y + sign * INTERVAL * deviation);
+            // Within the bounds: the inverse of a number below zero is none that the other may have.
+            let (lower, upper) = unknown.coordinate.bounds();
+            let end =
+                |sign: f64| unknown.coordinate.value((y + sign * INTERVAL * deviation).max(lower).min(upper));
             let ends =
                 (*deviation < UNDETERMINED).then(|| (end(-1.0).min(end(1.0)), end(-1.0).max(end(1.0))));
             Estimate {

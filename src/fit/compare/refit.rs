@@ -130,10 +130,7 @@ pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Resu
         let trial = with(values)?;
         let (mut rest, mut part) = (out, Vec::new());
         for record in &fitted {
-            if watch.interrupt.is_some_and(|interrupt| interrupt()) {
-                return Err("interrupted".to_owned());
-            }
-            record.write(&trial, &mut part)?;
+            record.write(&trial, watch.interrupt, &mut part)?;
             let (here, after) = std::mem::take(&mut rest).split_at_mut(part.len());
             here.copy_from_slice(&part);
             rest = after;
@@ -192,7 +189,7 @@ fn predicted<'d>(model: &Model, records: Vec<&'d Record>) -> Result<Predicted<'d
     let mut values = Vec::new();
     for record in records {
         let residual = RecordResidual::new(model, record);
-        match residual.and_then(|residual| residual.write(model, &mut values).map(|()| residual)) {
+        match residual.and_then(|residual| residual.write(model, None, &mut values).map(|()| residual)) {
             Ok(residual) => {
                 found.values += residual.len();
                 found.records.push(residual);

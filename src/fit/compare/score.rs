@@ -4,6 +4,7 @@ use std::sync::Mutex;
 
 use super::comparison::{ChannelResult, RecordResult};
 use crate::data::{Channel, Record};
+use crate::fit::InterruptHook;
 use crate::fit::predict::{ObservedSimulation, Seed, compared, deviation, predict_from};
 use crate::model::Model;
 
@@ -56,10 +57,16 @@ impl<'r> RecordResidual<'r> {
     /// Writes prediction minus measurement of every compared channel, over its standard deviation and over the
     /// square root of its length: the sum of squares is that of the channels' normalised errors. Values of a table that
     /// have intervals of their own weigh by these.
-    pub fn write(&self, model: &Model, out: &mut Vec<f64>) -> Result<(), String> {
+    /// An error where `interrupt` asks for the end.
+    pub fn write(
+        &self,
+        model: &Model,
+        interrupt: Option<InterruptHook>,
+        out: &mut Vec<f64>,
+    ) -> Result<(), String> {
         let idle = self.idle.lock().ok().and_then(|mut idle| idle.pop());
         let mut simulation = idle.map_or_else(|| ObservedSimulation::new(model, self.record), Ok)?;
-        let nuisances = simulation.settle(model)?;
+        let nuisances = simulation.settle_unless(model, interrupt)?;
         simulation.predict(model, &nuisances, out)?;
         if let Ok(mut idle) = self.idle.lock() {
             idle.push(simulation);

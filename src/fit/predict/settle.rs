@@ -5,15 +5,30 @@ use std::borrow::Cow;
 use super::channels::{compared, deviation};
 use super::observed::ObservedSimulation;
 use super::simulation::Direction;
+use crate::fit::InterruptHook;
 use crate::fit::least_squares::{Coordinate, Limits, Parameter, SumOfSquares, Sums, minimise};
 use crate::model::Model;
 
 /// Step of differences in a nuisance, in its coordinate of size one.
 const NUISANCE_STEP: f64 = 1e-5;
+const INTERRUPTED: &str = "interrupted";
 
 impl ObservedSimulation<'_> {
     /// The nuisances that fit the whole record best under `model`.
     pub fn settle(&mut self, model: &Model) -> Result<Vec<f64>, String> {
+        self.settle_unless(model, None)
+    }
+
+    /// The same; an error where `interrupt` asks for the end.
+    pub fn settle_unless(
+        &mut self,
+        model: &Model,
+        interrupt: Option<InterruptHook>,
+    ) -> Result<Vec<f64>, String> {
+        let asked = || interrupt.is_some_and(|interrupt| interrupt());
+        if asked() {
+            return Err(INTERRUPTED.to_owned());
+        }
         let nuisances = self.nuisances(model)?;
         if nuisances.is_empty() {
             return Ok(Vec::new());
@@ -28,7 +43,8 @@ impl ObservedSimulation<'_> {
             [alone] => Cow::Borrowed(alone.values.as_slice()),
             _ => channels.iter().flat_map(|channel| channel.values.iter().copied()).collect(),
         };
-        Ok(self.settle_from(model, &nuisances, &measured, &weights))
+        let settled = self.settled(model, &nuisances, (&measured, &weights), interrupt);
+        if asked() { Err(INTERRUPTED.to_owned()) } else { Ok(settled) }
     }
 
     /// As [`ObservedSimulation::settle`], from given starts and with the weights of the channels' samples.
@@ -38,6 +54,16 @@ impl ObservedSimulation<'_> {
         nuisances: &[Parameter],
         measured: &[f64],
         weights: &[f64],
+    ) -> Vec<f64> {
+        self.settled(model, nuisances, (measured, weights), None)
+    }
+
+    fn settled(
+        &mut self,
+        model: &Model,
+        nuisances: &[Parameter],
+        (measured, weights): (&[f64], &[f64]),
+        interrupt: Option<InterruptHook>,
     ) -> Vec<f64> {
         let coordinates: Vec<Coordinate> =
             nuisances.iter().filter_map(|parameter| Coordinate::new(parameter).ok()).collect();
@@ -52,6 +78,7 @@ impl ObservedSimulation<'_> {
             coordinates: &coordinates,
             measured,
             weights,
+            interrupt,
             predictions: Vec::new(),
             derivatives: Vec::new(),
         };
@@ -70,6 +97,7 @@ struct OfStart<'a, 'r> {
     coordinates: &'a [Coordinate],
     measured: &'a [f64],
     weights: &'a [f64],
+    interrupt: Option<InterruptHook<'a>>,
     predictions: Vec<f64>,
     derivatives: Vec<Vec<f64>>,
 }
@@ -85,6 +113,10 @@ impl OfStart<'_, '_> {
 }
 
 impl SumOfSquares for OfStart<'_, '_> {
+    fn interrupted(&self) -> bool {
+        self.interrupt.is_some_and(|interrupt| interrupt())
+    }
+
     fn cost(&mut self, y: &[f64]) -> Option<f64> {
         let values = self.values(y);
         let mut predictions = std::mem::take(&mut self.predictions);

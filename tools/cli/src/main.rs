@@ -102,6 +102,9 @@ struct LoneFile {
     /// Of a file without dataset.toml: how its records begin; `unknown-initial-state` unless it is a table
     #[arg(long, value_name = "REGIME", value_parser = commands::import::regime)]
     regime: Option<stickslip::data::Regime>,
+    /// Of a file without dataset.toml and without time stamps: samples in a second (Hz)
+    #[arg(long, value_name = "HZ", value_parser = commands::import::rate)]
+    sample_rate: Option<f64>,
 }
 
 /// Why the program ends without success; the message is complete.

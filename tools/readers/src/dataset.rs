@@ -139,6 +139,7 @@ fn read_record(
             columns,
             regime: Some(regime.value),
             structure: None,
+            sample_rate: None,
             part: part.as_ref().map(|part| part.value.to_owned()),
         };
         let (mut record, factors) = imported(&path, bytes, &options, file.value, notes)?;

@@ -72,6 +72,8 @@ fn minus(text: &str) -> String {
 }
 
 /// Significant digits, where nothing asks for more, and at most.
+/// Sizes below, in a unit that fits the values beside them, are rounding.
+const ROUNDING: f64 = 1e-9;
 const DIGITS: i32 = 4;
 const MOST_DIGITS: i32 = 12;
 
@@ -167,9 +169,14 @@ impl Scale {
             return ABSENT.to_owned();
         }
         let text = format!("{:.*}", self.decimals, value * self.factor);
-        // "-0.00" would claim a sign that the digits do not show.
+        // Where others are large, a small number is small, and not zero.
         if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') {
-            return text.trim_start_matches('-').to_owned();
+            let is_rounding = (value * self.factor).abs() < ROUNDING;
+            return if is_rounding {
+                text.trim_start_matches('-').to_owned()
+            } else {
+                significant(value * self.factor, 2)
+            };
         }
         minus(&text)
     }

@@ -33,6 +33,17 @@ pub struct Import {
     /// How all records begin, or which table they are
     #[arg(long, value_name = "REGIME", value_parser = regime)]
     regime: Option<Regime>,
+    /// Samples in a second (Hz), of files without time stamps
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    sample_rate: Option<f64>,
+}
+
+/// A sample rate (Hz).
+pub fn rate(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|rate: &f64| *rate > 0.0 && rate.is_finite())
+        .ok_or_else(|| "write a number of hertz above zero".to_owned())
 }
 
 /// `HEADING=NAME [UNIT]`, the sign turned by a minus before the name.
@@ -56,8 +67,12 @@ impl Import {
     /// Reads all files and writes the dataset.
     pub fn run(self) -> Result<(), Failure> {
         let folder = Folder::check(&self.out)?;
-        let options =
-            ImportOptions { columns: self.columns, regime: self.regime, ..ImportOptions::default() };
+        let options = ImportOptions {
+            columns: self.columns,
+            regime: self.regime,
+            sample_rate: self.sample_rate,
+            ..ImportOptions::default()
+        };
         let mut records = Vec::new();
         let mut told = String::new();
         for path in &self.files {

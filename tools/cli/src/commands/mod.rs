@@ -90,9 +90,10 @@ fn read_dataset(path: &Path, model: &Model, lone: &LoneFile) -> Result<Told, Fai
 /// Reads a dataset, or a file without a `dataset.toml`.
 fn read_records(path: &Path, model: &Model, lone: &LoneFile) -> Result<Told, Failure> {
     let (dataset, notes, files) = if is_dataset(path) {
-        if !lone.columns.is_empty() || lone.regime.is_some() {
+        if !lone.columns.is_empty() || lone.regime.is_some() || lone.sample_rate.is_some() {
             return Err(Failure::input(
-                "--column and --regime are for a file without dataset.toml; write `[columns]` and `regime` there",
+                "--column, --regime and --sample-rate are for a file without dataset.toml; write `[columns]` and `regime` \
+                 there, and time stamps in the file",
             ));
         }
         let (dataset, notes) = stickslip_readers::read_dataset_told(path).map_err(shown)?;
@@ -100,8 +101,13 @@ fn read_records(path: &Path, model: &Model, lone: &LoneFile) -> Result<Told, Fai
         (dataset, notes, files)
     } else {
         let structure = Some(!matches!(model.structure, Structure::Prescribed));
-        let options =
-            ImportOptions { columns: lone.columns.clone(), regime: lone.regime, structure, part: None };
+        let options = ImportOptions {
+            columns: lone.columns.clone(),
+            regime: lone.regime,
+            structure,
+            sample_rate: lone.sample_rate,
+            part: None,
+        };
         let imported = stickslip_readers::import_file(path, &options).map_err(shown)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let notes = imported.notes.iter().map(|note| format!("{name}: {note}")).collect();
@@ -251,6 +257,10 @@ fn refitted(name: &str, model: &Model, dataset: &Dataset) -> Result<Option<Refit
         Err(error) => return Err(Failure::other(format!("{name}: {error}"))),
         Ok(done) => Some(done),
     };
+    if progress::interrupted() {
+        // What is left is to write what there is, of long records by far the most.
+        progress::begin_to_write();
+    }
     match &done {
         None => tell!("note: {name}: interrupted before the first result"),
         Some(_) if progress::interrupted() => {

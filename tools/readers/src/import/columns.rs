@@ -10,11 +10,11 @@ use crate::table::Column;
 ///
 /// ```
 /// use stickslip_readers::{ColumnRule, ImportOptions, import_table};
-/// let flipped = ColumnRule { factor: -1.0, ..ColumnRule::of("force [kN]") };
+/// let flipped = ColumnRule { factor: -1.0, ..ColumnRule::of("displacement [mm]") };
 /// let options = ImportOptions { columns: vec![("AI0".into(), flipped)], ..ImportOptions::default() };
 /// let bytes = b"time [s],AI0\n0,1\n1,2\n".to_vec();
 /// let imported = import_table("a.csv".as_ref(), bytes, &options)?;
-/// assert_eq!(imported.records[0].channel("force").unwrap().values, [-1000.0, -2000.0]);
+/// assert_eq!(imported.records[0].channel("displacement").unwrap().values, [-0.001, -0.002]);
 /// # Ok::<(), stickslip_readers::InputError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -56,9 +56,23 @@ fn is_meant(key: &str, index: usize, column: &RawColumn) -> bool {
         || key.parse() == Ok(index + 1)
 }
 
-/// Refuses a rule for a column that no table has.
+/// Refuses a rule for a column that no table has, and two for one column.
 pub(super) fn check(tables: &[RawTable], options: &ImportOptions) -> Result<(), Refusal> {
     let all = || tables.iter().flat_map(|table| table.columns.iter().enumerate());
+    for (index, column) in all() {
+        let rules: Vec<&str> = options
+            .columns
+            .iter()
+            .map(|(key, _)| key.as_str())
+            .filter(|key| is_meant(key, index, column))
+            .collect();
+        if let [first, second, ..] = rules[..] {
+            return Err(refuse(
+                format!("column `{}` is described twice, as `{first}` and as `{second}`", column.heading),
+                "describe it once",
+            ));
+        }
+    }
     let known = |key: &str| all().any(|(index, column)| is_meant(key, index, column));
     match options.columns.iter().find(|(key, _)| !known(key)) {
         Some((key, _)) => {
@@ -76,6 +90,18 @@ pub(super) fn check(tables: &[RawTable], options: &ImportOptions) -> Result<(), 
 pub(super) struct Delayed {
     pub column: Column,
     pub delay: f64,
+}
+
+/// Columns with time stamps of the sample rate that the user tells, where the file has none.
+pub(super) fn clocked(mut columns: Vec<Delayed>, options: &ImportOptions) -> Result<Vec<Delayed>, Refusal> {
+    let Some(rate) = options.sample_rate else { return Ok(columns) };
+    if columns.iter().any(|one| one.column.name.quantity.name == "time") {
+        return Err(refuse("the file has time stamps, and a sample rate is told", "leave out --sample-rate"));
+    }
+    let rows = columns.first().map_or(0, |one| one.column.values.len());
+    let values = (0..rows).map(|row| row as f64 / rate).collect();
+    columns.insert(0, Delayed { column: Column { name: named("time")?, factor: 1.0, values }, delay: 0.0 });
+    Ok(columns)
 }
 
 /// Columns with a delay moved to the time at which their values were measured, by straight lines between samples; NaN where

@@ -68,10 +68,14 @@ fn numbers_in(text: &str, dialect: Dialect) -> usize {
     let (mut rows, mut row) = (rows_of(text, dialect), StringRecord::new());
     while rows.read(&mut row) {
         let is_number = |field: &&str| number(field, dialect.decimal).is_some();
+        let is_grouped = |field: &&str| grouped(field, dialect.decimal);
         let numbers = row.iter().filter(is_number).count();
-        let words = row.iter().filter(|field| !is_number(field) && !is_gap(field)).count();
-        if numbers >= 2 {
-            *lengths.entry(row.len()).or_default() += (4 * numbers).saturating_sub(words);
+        // Read in another dialect they may be plain numbers, which count more.
+        let grouped = row.iter().filter(|field| !is_number(field) && is_grouped(field)).count();
+        let words =
+            row.iter().filter(|field| !is_number(field) && !is_grouped(field) && !is_gap(field)).count();
+        if numbers + grouped >= 2 {
+            *lengths.entry(row.len()).or_default() += (4 * numbers + 3 * grouped).saturating_sub(words);
         }
     }
     lengths.into_values().max().unwrap_or(0)
@@ -116,17 +120,23 @@ impl Rows<'_> {
 /// Rows up to the first of numbers that are kept while it is looked for.
 const HEAD: usize = 10_000;
 
-/// The rows up to the first two of numbers, or all, and the index of the first of numbers.
+/// Rows of numbers of one length, one after the other, that are data: preambles hold numbers, too.
+const RUN: usize = 3;
+
+/// The rows up to the first [`RUN`] of numbers, or all, and the index of the first of numbers.
 fn head(rows: &mut Rows, dialect: Dialect) -> Result<(Vec<StringRecord>, usize), Refusal> {
-    let numeric =
-        |row: &StringRecord| row.iter().filter(|field| number(field, dialect.decimal).is_some()).count() >= 2;
+    let is_number =
+        |field: &&str| number(field, dialect.decimal).is_some() || grouped(field, dialect.decimal);
+    let numeric = |row: &StringRecord| row.iter().filter(is_number).count() >= 2;
     let (mut kept, mut row) = (Vec::<StringRecord>::new(), StringRecord::new());
-    // Preambles hold numbers, too: the data begin where two rows of one length follow each other, or with the last row.
+    // Where the last rows of numbers of one length begin.
+    let mut run = 0;
     while rows.read(&mut row) {
-        let two = kept.last().is_some_and(|last| numeric(last) && numeric(&row) && last.len() == row.len());
+        let goes_on = kept.last().is_some_and(|last| numeric(last) && last.len() == row.len());
+        run = if goes_on { run } else { kept.len() };
         kept.push(row.clone());
-        if two {
-            let first = kept.len() - 2;
+        if numeric(&row) && kept.len() - run >= RUN {
+            let first = with_gaps(&kept, run, dialect);
             return Ok((kept, first));
         }
         if kept.len() > HEAD {
@@ -134,8 +144,23 @@ fn head(rows: &mut Rows, dialect: Dialect) -> Result<(Vec<StringRecord>, usize),
             return Err(refuse(message, "export a table with one column per channel"));
         }
     }
-    let first = kept.iter().rposition(numeric).unwrap_or(0);
+    // A short table: its last rows of numbers.
+    let Some(last) = kept.iter().rposition(numeric) else { return Ok((kept, 0)) };
+    let before =
+        kept[..last].iter().rev().take_while(|row| numeric(row) && row.len() == kept[last].len()).count();
+    let first = with_gaps(&kept, last - before, dialect);
     Ok((kept, first))
+}
+
+/// Where the data begin that go on at row `first`: those before it may lack values, and hold no words.
+fn with_gaps(rows: &[StringRecord], first: usize, dialect: Dialect) -> usize {
+    let is_number = |field: &str| number(field, dialect.decimal).is_some() || grouped(field, dialect.decimal);
+    let is_row = |row: &&StringRecord| {
+        row.len() == rows[first].len()
+            && row.iter().all(|field| is_number(field) || is_gap(field))
+            && row.iter().any(is_number)
+    };
+    first - rows[..first].iter().rev().take_while(is_row).count()
 }
 
 fn columns(mut left: Rows, dialect: Dialect, notes: &mut Vec<String>) -> Result<Vec<RawColumn>, Refusal> {
@@ -147,7 +172,10 @@ fn columns(mut left: Rows, dialect: Dialect, notes: &mut Vec<String>) -> Result<
     while names.is_none() && above > 0 {
         above -= 1;
         let fields = heading_fields(&rows[above], dialect);
-        if fields.iter().filter(|field| !field.is_empty()).count() < 2 && width > 1 {
+        let filled = fields.iter().filter(|field| !field.is_empty()).count();
+        // `Rate: 2000 Hz` above every column names none of them.
+        let all_alike = filled > 1 && filled == width && fields.windows(2).all(|pair| pair[0] == pair[1]);
+        if filled < 2 && width > 1 || all_alike {
             continue;
         }
         if units.is_none()
@@ -171,7 +199,14 @@ fn columns(mut left: Rows, dialect: Dialect, notes: &mut Vec<String>) -> Result<
         return Err(refuse(message, help));
     }
     if above > 0 {
-        notes.push(format!("{above} lines above the names of the columns were not used"));
+        let labelled =
+            rows[..above].iter().map(|row| heading_fields(row, dialect)).find(|fields| is_labelled(fields));
+        if let (None, Some(mut fields)) = (&units, labelled) {
+            notes.push(format!("units were read from the line `{}`", fields[0]));
+            fields[0].clear();
+            units = Some(fields);
+        }
+        notes.push(format!("{above} lines above the names of the columns were not used for anything else"));
     }
     let mut columns = empty_columns(names, units.as_deref());
     fill(&rows[first..], left, dialect, &mut columns, notes)?;
@@ -230,6 +265,14 @@ fn is_unit(field: &str) -> bool {
     field.is_empty() || stickslip::data::unit_size(&super::heading::unit_spelling(unit)).is_some()
 }
 
+/// Whether a line above the heading gives units behind a label: `Y_Unit_Label  mm  N`.
+fn is_labelled(fields: &[String]) -> bool {
+    let [label, units @ ..] = fields else { return false };
+    label.to_lowercase().contains("unit")
+        && units.iter().any(|unit| !unit.is_empty())
+        && units.iter().all(|unit| is_unit(unit))
+}
+
 /// The numbers of the rows at the `start`, and of all that are `left`.
 fn fill(
     start: &[StringRecord],
@@ -254,10 +297,15 @@ fn fill(
 
 /// `false` for a row without any number, which gives no values.
 fn fill_row(row: &StringRecord, dialect: Dialect, columns: &mut [RawColumn]) -> Result<bool, Refusal> {
-    if !row.iter().any(|field| number(field, dialect.decimal).is_some()) {
-        return Ok(false);
-    }
     let line = row.position().map_or(0, csv::Position::line);
+    if !row.iter().any(|field| number(field, dialect.decimal).is_some()) {
+        return names_anew(row, dialect, columns).map_or(Ok(false), |found| {
+            let message = format!(
+                "line {line} names the columns anew, and otherwise than the first heading: `{found}`"
+            );
+            Err(refuse(message, "split the file there: each part is a record with its own heading"))
+        });
+    }
     if row.iter().skip(columns.len()).any(|field| !field.is_empty()) {
         let message = format!("line {line} has {} fields, but the heading has {}", row.len(), columns.len());
         return Err(refuse(message, "every row needs one field per column; export the file again"));
@@ -274,7 +322,12 @@ fn fill_row(row: &StringRecord, dialect: Dialect, columns: &mut [RawColumn]) -> 
                 }
                 None => {
                     column.words += 1;
-                    column.first_word.get_or_insert_with(|| (field.to_owned(), line));
+                    let place = if grouped(field, dialect.decimal) {
+                        &mut column.grouped
+                    } else {
+                        &mut column.first_word
+                    };
+                    place.get_or_insert_with(|| (field.to_owned(), line));
                     f64::NAN
                 }
             },
@@ -282,6 +335,28 @@ fn fill_row(row: &StringRecord, dialect: Dialect, columns: &mut [RawColumn]) -> 
         column.values.push(value);
     }
     Ok(true)
+}
+
+/// The first field of a row that is another heading than that of `columns`.
+fn names_anew(row: &StringRecord, dialect: Dialect, columns: &[RawColumn]) -> Option<String> {
+    let fields = heading_fields(row, dialect);
+    let other = |(field, column): (&String, &RawColumn)| {
+        let named = *field != column.heading && super::heading::quantity_of(field).is_some();
+        named.then(|| field.clone())
+    };
+    fields.iter().zip(columns).find_map(other)
+}
+
+/// Whether a field is a number with signs between its thousands: `1,058.5`, `1.058,5`, `1'058`.
+fn grouped(field: &str, decimal: char) -> bool {
+    let plain = field.trim_start_matches(['+', '-']);
+    let (whole, fraction) = plain.split_once(decimal).unwrap_or((plain, ""));
+    let sign = |letter: char| letter != decimal && ",.'\u{2019} \u{a0}\u{202f}".contains(letter);
+    let mut groups = whole.split(sign);
+    let digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    let first = groups.next().is_some_and(|first| (1..=3).contains(&first.len()) && digits(first));
+    let mut rest = groups.peekable();
+    first && rest.peek().is_some() && rest.all(|group| group.len() == 3 && digits(group)) && digits(fraction)
 }
 
 /// A finite number; the exponent may be Fortran's D.

@@ -21,9 +21,12 @@ const WORDS: &[(&str, &[&str])] = &[
     ("frequency", &["frequency", "freq", "f", "frequenz"]),
     ("amplitude", &["amplitude", "amp"]),
     ("damping_ratio", &["damping_ratio", "zeta", "damping"]),
-    ("phase", &["phase"]),
+    ("phase", &["phase", "phasenwinkel"]),
     ("contact_force", &["contact_force"]),
 ];
+
+/// Without one of them there is no measurement of a contact or a structure.
+const MOTIONS: [&str; 4] = ["displacement", "velocity", "acceleration", "frequency"];
 
 /// Words beside the quantity that change nothing.
 const FILLERS: [&str; 9] = ["sensor", "channel", "ch", "signal", "measured", "in", "raw", "value", "data"];
@@ -78,6 +81,14 @@ pub(super) fn recognise(
             ..refuse(format!("no column has a known name: {listed}"), help)
         });
     }
+    let moves = |one: &Delayed| MOTIONS.contains(&one.column.name.quantity.name);
+    if !columns.iter().any(moves) {
+        let known: Vec<String> = columns.iter().map(|one| format!("`{}`", one.column.name)).collect();
+        let help = "say which column is a motion, with a place where there are several: \
+                    --column 'HEADING=displacement [mm]', --column 'HEADING=acceleration:x=0.55 [g]'";
+        let message = format!("no motion is known, only {}; the columns are {listed}", known.join(", "));
+        return Err(Refusal { is_other: true, ..refuse(message, help) });
+    }
     tell_force(&mut columns, options, notes);
     Ok(columns)
 }
@@ -86,6 +97,17 @@ pub(super) fn recognise(
 fn meaning(raw: &RawColumn, rule: &ColumnRule) -> Result<Option<(ChannelName, String)>, Refusal> {
     let told = rule.name.as_deref();
     let (words, unit) = split_unit(told.unwrap_or(&raw.heading));
+    if let (None, Some(unit), Some(below)) = (told, &unit, &raw.unit)
+        && unit_spelling(unit) != unit_spelling(below)
+    {
+        return Err(refuse(
+            format!(
+                "column `{}` is in `{unit}` by its name and in `{below}` by the unit below or beside it",
+                raw.heading
+            ),
+            format!("say which it is: --column '{}=NAME [UNIT]'", raw.heading),
+        ));
+    }
     let unit = unit.or_else(|| raw.unit.clone()).map(|unit| unit_spelling(&unit));
     let name = match (told, ChannelName::parse(words)) {
         (_, Ok(name)) => Some((name, unit)),
@@ -169,6 +191,7 @@ pub(super) fn unit_spelling(unit: &str) -> String {
         "millimeter" | "millimetre" => "mm".to_owned(),
         "inch" | "inches" => "in".to_owned(),
         "hertz" => "Hz".to_owned(),
+        "grad" | "degree" | "degrees" | "deg" => "deg".to_owned(),
         "m/s/s" => "m/s^2".to_owned(),
         "m/sec^2" => "m/s^2".to_owned(),
         _ => unit.replace("**", "^"),
@@ -189,6 +212,12 @@ fn convert(
     // `force [kN]`, or `force` with its unit among the properties.
     if raw.heading != written && !(raw.heading == name.to_string() && raw.unit.as_deref() == Some(unit)) {
         notes.push(format!("`{}` was read as {written}", raw.heading));
+    }
+    if let Some((number, line)) = &raw.grouped {
+        return Err(refuse(
+            format!("line {line}: `{number}` in `{}` is written with signs between thousands", raw.heading),
+            "export the numbers without them",
+        ));
     }
     if let Some((word, line)) = &raw.first_word {
         notes.push(format!(

@@ -32,6 +32,8 @@ pub struct ImportOptions {
     pub regime: Option<Regime>,
     /// Whether a force is that on a structure (`excitation`) or that of a contact; guessed where nothing is said.
     pub structure: Option<bool>,
+    /// Samples in a second (Hz), where the file has no time stamps.
+    pub sample_rate: Option<f64>,
     /// The only part of the file to be read, by its name: a group of channels, an element of a struct array.
     pub part: Option<String>,
 }
@@ -104,6 +106,7 @@ fn imported(stem: &str, bytes: Vec<u8>, options: &ImportOptions) -> Result<Impor
         let name = named(stem, &table.name);
         let before = notes.len();
         let made = heading::recognise(table.columns, options, &mut notes)
+            .and_then(|columns| columns::clocked(columns, options))
             .and_then(|columns| columns::shifted(columns, &mut notes))
             .inspect(|columns| {
                 factors.extend(columns.iter().map(|column| (column.name.to_string(), column.factor)))
@@ -118,6 +121,12 @@ fn imported(stem: &str, bytes: Vec<u8>, options: &ImportOptions) -> Result<Impor
             }
             Err(refusal) => return Err(refusal),
         }
+    }
+    if records.is_empty() && passed.is_empty() {
+        return Err(refuse(
+            "there is no measurement in the file",
+            "export a table with one column per channel",
+        ));
     }
     let (true, Some((_, refusal))) = (records.is_empty(), passed.pop_if(|_| records.is_empty())) else {
         notes.extend(

@@ -9,13 +9,23 @@ pub(super) struct RawColumn {
     /// Cells that hold words, and the first of them with its line.
     pub words: usize,
     pub first_word: Option<(String, u64)>,
+    /// The first number with signs between thousands, with its line.
+    pub grouped: Option<(String, u64)>,
     /// Cells of the form 12:30:00.5, read as seconds of the day.
     pub clock: bool,
 }
 
 impl RawColumn {
     pub fn new(heading: &str, unit: Option<String>, values: Vec<f64>) -> Self {
-        Self { heading: heading.to_owned(), unit, values, words: 0, first_word: None, clock: false }
+        Self {
+            heading: heading.to_owned(),
+            unit,
+            values,
+            words: 0,
+            first_word: None,
+            grouped: None,
+            clock: false,
+        }
     }
 }
 

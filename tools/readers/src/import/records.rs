@@ -55,7 +55,15 @@ pub(super) fn cut(
         });
         record(&name, part.collect(), regime, &rows.collect::<Vec<_>>())
     });
-    let records = named.collect::<Result<Vec<_>, _>>()?;
+    let mut records = named.collect::<Result<Vec<_>, _>>()?;
+    let factor = time.map_or(1.0, |time| time.factor);
+    let rates: Vec<f64> = records.iter_mut().filter_map(|record| evened(record, factor)).collect();
+    if let (Some(rate), count) = (rates.first(), rates.len()) {
+        let of = if count > 1 { format!(" of {count} records") } else { String::new() };
+        notes.push(format!(
+            "the time stamps{of} are rounded to a large part of the step: they were taken for even, {rate:.6} samples a second"
+        ));
+    }
     if records.is_empty() {
         return Err(refuse(
             "no row has a value in every used column",
@@ -79,6 +87,7 @@ fn stretches(
             Some(last)
                 if last.end == row
                     && (times[row] == times[row - 1]
+                        || last.len() == 1
                         || times[row] - times[last.start] > 0.5 * (times[row - 1] - times[last.start])) =>
             {
                 let message = format!("time does not increase: {} s after {} s", times[row], times[row - 1]);
@@ -88,6 +97,29 @@ fn stretches(
         }
     }
     Ok(all)
+}
+
+/// Makes time stamps even that differ from even ones by no more than they were rounded, in a unit of `factor` seconds; then
+/// the rate (Hz).
+fn evened(record: &mut Record, factor: f64) -> Option<f64> {
+    let is_even = record.sample_step().is_some();
+    let time = record.channels.iter_mut().find(|channel| channel.name == "time")?;
+    let count = time.values.len();
+    if is_even || count < SHORTEST {
+        return None;
+    }
+    let (first, last) = (time.values[0], time.values[count - 1]);
+    let step = (last - first) / (count - 1) as f64;
+    let whole =
+        |digit: f64| time.values.iter().all(|stamp| (stamp / digit - (stamp / digit).round()).abs() < 1e-3);
+    let digit = (0..=9).map(|decimals| factor * 0.1_f64.powi(decimals)).find(|digit| whole(*digit))?;
+    let even = |index: usize| first + index as f64 * step;
+    let is_rounded = |(index, stamp): (usize, &f64)| (stamp - even(index)).abs() <= digit * (1.0 + 1e-6);
+    let rounded = step > digit && time.values.iter().enumerate().all(is_rounded);
+    if rounded {
+        time.values.iter_mut().enumerate().for_each(|(index, stamp)| *stamp = even(index));
+    }
+    rounded.then(|| step.recip())
 }
 
 fn record(name: &str, columns: Vec<Column>, regime: Regime, rows: &[usize]) -> Result<Record, Refusal> {
@@ -117,7 +149,8 @@ fn regime_of(
         _ => {
             let names: Vec<String> = columns.iter().map(|column| format!("`{}`", column.name)).collect();
             let message = format!("there is no column of time; known are {}", names.join(", "));
-            let help = "export the time stamps as a column `time [s]`, or say which it is: --column 'HEADING=time [s]'";
+            let help = "export the time stamps as a column `time [s]`, say which it is: --column 'HEADING=time [s]', or how \
+                        many samples there are in a second: --sample-rate 2048";
             return Err(Refusal { is_other: true, ..refuse(message, help) });
         }
     };

@@ -213,3 +213,113 @@ fn what_cannot_be_read_gets_a_sentence_that_says_what_to_do() {
         assert!(words.contains(sentence), "{:?}: {shown}", String::from_utf8_lossy(&bytes));
     }
 }
+
+/// The file that no other program writes so: a sentence holds the words, whatever else it says.
+fn is_refused(text: &str, words: &str) {
+    let said = import(text).expect_err(text);
+    assert!(said.contains(words), "{text}: {said}");
+}
+
+#[test]
+fn a_second_heading_is_passed_over_where_it_is_the_first_again_and_refused_otherwise() {
+    let head = "time [s],displacement [mm],force [N]\n";
+    let rows = "0,1,2\n1,2,3\n2,3,4\n";
+    let later = "3,5,6\n4,6,7\n";
+    let again = import(format!("{head}{rows}{head}{later}")).unwrap();
+    assert_eq!(again.records[0].len(), 5);
+    is_refused(
+        &format!("{head}{rows}time [s],force [N],displacement [mm]\n{later}"),
+        "line 5 names the columns anew",
+    );
+    is_refused(&format!("{head}{rows}time [s],displacement [um],force [kN]\n{later}"), "`displacement [um]`");
+}
+
+#[test]
+fn numbers_with_signs_between_thousands_are_refused_and_none_is_lost() {
+    for (rows, word) in [
+        ("t [s];x [nm];F [mN]\n0,1;1.058,50;2,00\n0,2;20,50;1.702,29\n0,3;3,25;3,00\n", "1.058,50"),
+        ("t [s],x [nm],F [mN]\n0.1,\"1,058.50\",2.0\n0.2,20.5,\"1,702.29\"\n0.3,3.25,3.0\n", "1,058.50"),
+        ("t [s];x [nm];F [mN]\n0.1;1'058.5;2.0\n0.2;20.5;1'702.3\n0.3;3.25;3.0\n", "1'058.5"),
+        ("t [s];x [nm];F [mN]\n0,1;1\u{a0}058,5;2,0\n0,2;20,5;1\u{a0}702,3\n0,3;3,25;3,0\n", "058,5"),
+    ] {
+        is_refused(rows, "signs between thousands");
+        is_refused(rows, word);
+    }
+    // Three decimals behind a comma are no thousands.
+    let plain =
+        import("t [s];x [mm];F [N]\n0,100;1,058;2,000\n0,200;20,500;1,702\n0,300;3,250;3,000\n").unwrap();
+    assert_eq!(plain.records[0].channel("force").unwrap().values, [2.0, 1.702, 3.0]);
+}
+
+#[test]
+fn labview_and_catman_name_their_columns_in_the_line_that_does() {
+    let rows = "0.0\t0.1\t2.0\t\n0.1\t0.2\t3.0\t\n0.2\t0.3\t4.0\t\n";
+    let labview = format!(
+        "LabVIEW Measurement\t\nWriter_Version\t2\n***End_of_Header***\t\n\t\t\t\nSamples\t3\t3\t\nDate\t2024/03/12\t2024/03/12\n\
+         Time\t10:00:00.0\t10:00:00.0\nY_Unit_Label\tmm\tN\nX0\t0.0\t0.0\nDelta_X\t0.1\t0.1\n***End_of_Header***\t\t\n\
+         X_Value\tDisplacement\tForce\tComment\n{rows}"
+    );
+    let options = ImportOptions {
+        columns: vec![("X_Value".into(), ColumnRule::of("time [s]"))],
+        ..ImportOptions::default()
+    };
+    let imported = import_with(labview, &options).unwrap();
+    assert_eq!(imported.records[0].channel("displacement").unwrap().values, [0.1e-3, 0.2e-3, 0.3e-3]);
+    assert_eq!(imported.records[0].channel("force").unwrap().values, [2.0, 3.0, 4.0]);
+    let catman = "Datei:\tT0\n\nZeit\tWeg\tKraft\nRate: 2000 Hz\tRate: 2000 Hz\tRate: 2000 Hz\ns\tmm\tkN\n\
+                  0,0\t0,1\t2,0\n0,1\t0,2\t3,0\n0,2\t0,3\t4,0\n";
+    let imported = import(catman).unwrap();
+    assert_eq!(imported.records[0].channel("force").unwrap().values, [2000.0, 3000.0, 4000.0]);
+}
+
+#[test]
+fn time_stamps_are_made_of_a_sample_rate_that_is_told() {
+    let text = "# Sample rate: 2000 Hz\ndisplacement [mm],force [N]\n1,2\n2,3\n3,4\n";
+    is_refused(text, "no column of time");
+    let options = ImportOptions { sample_rate: Some(2000.0), ..ImportOptions::default() };
+    let imported = import_with(text, &options).unwrap();
+    assert_eq!(imported.records[0].channel("time").unwrap().values, [0.0, 0.0005, 0.001]);
+    let twice = import_with("time [s],displacement [mm]\n0,1\n1,2\n", &options).unwrap_err();
+    assert!(twice.contains("has time stamps"), "{twice}");
+}
+
+#[test]
+fn what_would_be_read_wrongly_without_a_word_is_refused() {
+    is_refused(
+        "time [s],displacement (um),force [N]\ns,mm,N\n0,1,2\n1,2,3\n2,3,4\n",
+        "in `um` by its name and in `mm`",
+    );
+    is_refused("time [s],force [N]\n0,1\n1,2\n2,3\n", "no motion is known");
+    is_refused("time [s],displacement [mm]\n3,1\n2,2\n1,3\n", "time does not increase");
+    is_refused("time [Ms],displacement [mm]\n1,1\n2,2\n3,3\n", "`Ms` is not a unit");
+    let twice =
+        ["displacement [mm]", "-displacement [mm]"].map(|name| ("2".to_owned(), ColumnRule::of(name)));
+    let options = ImportOptions { columns: twice.into(), ..ImportOptions::default() };
+    let said = import_with("time [s],x [mm]\n0,1\n1,2\n", &options).unwrap_err();
+    assert!(said.contains("described twice"), "{said}");
+}
+
+#[test]
+fn the_german_degree_is_no_thousand_million_radians() {
+    let text =
+        "Frequenz [Hz];excitation [N];acceleration [m/s^2];phase [Grad]\n1;1;1;90\n2;1;1;180\n3;1;1;-90\n";
+    let imported = import(text).unwrap();
+    let phase = &imported.records[0].channel("phase").unwrap().values;
+    assert!((phase[1] - std::f64::consts::PI).abs() < 1e-12, "{phase:?}");
+}
+
+#[test]
+fn rounded_time_stamps_are_even_and_a_lost_sample_stays_lost() {
+    let file = |lost: Option<usize>| {
+        let row = |index: usize| format!("{:.4},{}\n", index as f64 / 2048.0, index % 7);
+        let rows: String = (0..400).filter(|index| lost != Some(*index)).map(row).collect();
+        import(format!("time [s],displacement [mm]\n{rows}")).unwrap()
+    };
+    let even = file(None);
+    let step = even.records[0].sample_step().unwrap();
+    assert!((step * 2048.0 - 1.0).abs() < 1e-3, "{step}");
+    assert!(even.notes.iter().any(|note| note.contains("rounded")), "{:?}", even.notes);
+    let lost = file(Some(200));
+    assert_eq!(lost.records[0].sample_step(), None);
+    assert!(!lost.notes.iter().any(|note| note.contains("rounded")));
+}

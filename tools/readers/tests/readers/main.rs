@@ -9,5 +9,7 @@ mod dialects;
 mod examples;
 mod formats;
 mod plan;
+mod scales;
 mod shared_data;
 mod ssp;
+mod unpacked;

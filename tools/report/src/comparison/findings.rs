@@ -29,6 +29,19 @@ pub fn findings(found: &[Finding]) -> Vec<String> {
     said.collect()
 }
 
+/// What a verdict begins with where something was found: what follows is worth no more than the data and the model are.
+pub(crate) fn before_all(found: &[Finding]) -> String {
+    let kinds = findings(found).len();
+    let Some(first) = found.first() else { return String::new() };
+    let of = first.channel.as_ref().map(|channel| format!(" of `{channel}`")).unwrap_or_default();
+    let what = format!("{}{of}", first.fault.id().replace('-', " "));
+    match kinds {
+        1 => format!("Look at this first: {what}, see below. "),
+        2 => format!("Look at this first: {what} and one thing more, see below. "),
+        _ => format!("Look at this first: {what} and {} things more, see below. ", kinds - 1),
+    }
+}
+
 /// Every finding with its place.
 pub(crate) fn to_json(found: &[Finding]) -> Vec<Value> {
     let one = |one: &Finding| json!({ "file": one.record, "channel": one.channel, "fault": one.fault.id(), "message": one.to_string() });

@@ -110,8 +110,12 @@ fn ratio(comparison: &Comparison, summary: &Summary, noise: &[Noise]) -> Option<
     value.is_finite().then_some(Ratio { value, noise, largest })
 }
 
-/// `verdict` followed by what the noise says of it.
+/// `verdict` after what was found before any fit, and followed by what the noise says of it.
 pub fn with_noise(verdict: &str, comparison: &Comparison, summary: &Summary, noise: &[Noise]) -> String {
+    super::findings::before_all(&comparison.findings) + &beside_noise(verdict, comparison, summary, noise)
+}
+
+fn beside_noise(verdict: &str, comparison: &Comparison, summary: &Summary, noise: &[Noise]) -> String {
     let Some(remains) = summary.normalised.last().filter(|error| **error > ROUNDING) else {
         return verdict.to_owned();
     };

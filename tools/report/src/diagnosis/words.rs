@@ -92,8 +92,12 @@ pub fn untried(one: &Untried, diagnosis: &Diagnosis) -> String {
     format!("{}{}", title(one.effect), if tried { ", at other places than above" } else { "" })
 }
 
-/// The verdict in one sentence or two, with the numbers that it rests on.
+/// The verdict in one sentence or two, with the numbers that it rests on, after what was found before any fit.
 pub fn verdict(diagnosis: &Diagnosis) -> String {
+    crate::comparison::findings::before_all(&diagnosis.comparison.findings) + &decided(diagnosis)
+}
+
+fn decided(diagnosis: &Diagnosis) -> String {
     let found = titles(&diagnosis.effects, "and");
     let be = if diagnosis.effects.len() == 1 { "is" } else { "are" };
     // Where the noise is unknown, the words are weaker.

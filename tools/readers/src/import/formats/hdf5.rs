@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use hdf5_pure::{AttrValue, DType, Dataset, File, Group, Object};
 
 use super::mat::{NAMES, UNITS, VERSION_7_3};
-use super::{Format, Series, guarded, unreadable};
+use super::{Format, Room, Series, guarded, unreadable};
 use crate::import::Refusal;
 
 pub(super) const FORMAT: Format = Format {
@@ -21,6 +21,8 @@ pub(super) const FORMAT: Format = Format {
 
 /// Groups beyond this depth are not looked into.
 const DEEPEST: usize = 6;
+/// Lists of names and units take no more bytes than this.
+const LONGEST_TEXT: u64 = 1 << 20;
 
 fn read(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<Series>, Refusal> {
     found(bytes, notes, false).map_err(|reason| unreadable(&FORMAT, reason))
@@ -35,18 +37,26 @@ fn found(bytes: &[u8], notes: &mut Vec<String>, matlab: bool) -> Result<Vec<Seri
     let bytes = bytes.to_vec();
     let found = guarded(move || {
         let file = File::from_bytes(bytes).map_err(|error| error.to_string())?;
-        let mut found = Found { series: Vec::new(), passed: Vec::new(), matlab };
+        // All that would be read is measured before anything is.
+        Found { matlab, room: Some(Room::default()), ..Found::default() }.group("", &file.root(), 0)?;
+        let mut found = Found { matlab, ..Found::default() };
         found.group("", &file.root(), 0)?;
         Ok(found)
     })?;
+    notes.extend(found.decoded);
     if !found.passed.is_empty() {
         notes.push(format!("not used: {}", found.passed.join(", ")));
     }
     Ok(found.series)
 }
 
+#[derive(Default)]
 struct Found {
     series: Vec<Series>,
+    /// While the file is measured: nothing is read then.
+    room: Option<Room>,
+    /// Notes of numbers that are stored in another form.
+    decoded: Vec<String>,
     /// What is no series of numbers, with its reason.
     passed: Vec<String>,
     matlab: bool,
@@ -77,7 +87,53 @@ fn times(attributes: &HashMap<String, AttrValue>) -> Option<[f64; 2]> {
     step.filter(|step| step.is_finite() && *step > 0.0).map(|step| [start, step])
 }
 
+/// All numbers of an attribute; none where it is absent.
+fn numbers(attributes: &HashMap<String, AttrValue>, key: &str) -> Result<Vec<f64>, String> {
+    let Some(value) = attributes.get(key) else { return Ok(Vec::new()) };
+    let whole = || Some(value.to_i64s()?.into_iter().map(|value| value as f64).collect());
+    let large = || Some(value.to_u64s()?.into_iter().map(|value| value as f64).collect());
+    value.to_f64s().or_else(whole).or_else(large).ok_or_else(|| format!("its attribute `{key}` is no number"))
+}
+
+/// Turns the numbers of a dataset as they are stored into those that its attributes mean, by the conventions of netCDF; notes
+/// say how.
+fn decode(attributes: &HashMap<String, AttrValue>, values: &mut [f64]) -> Result<Vec<String>, String> {
+    let mut notes = Vec::new();
+    // Fill values are those of the numbers as they are stored.
+    for key in ["_FillValue", "missing_value"] {
+        for fill in numbers(attributes, key)? {
+            let is_fill = |value: f64| value == fill || value == f64::from(fill as f32);
+            let mut count = 0;
+            for value in values.iter_mut().filter(|value| is_fill(**value)) {
+                (*value, count) = (f64::NAN, count + 1);
+            }
+            if count > 0 {
+                notes.push(format!("{count} values are {fill} (`{key}`), and were taken as missing"));
+            }
+        }
+    }
+    let single = |key: &str| match numbers(attributes, key)?[..] {
+        [] => Ok(None),
+        [value] => Ok(Some(value)),
+        _ => Err(format!("its attribute `{key}` is not one number")),
+    };
+    let (factor, offset) = (single("scale_factor")?, single("add_offset")?);
+    if factor.is_some() || offset.is_some() {
+        let (factor, offset) = (factor.unwrap_or(1.0), offset.unwrap_or(0.0));
+        values.iter_mut().for_each(|value| *value = *value * factor + offset);
+        notes.push(format!("multiplied by {factor} (`scale_factor`), and {offset} added (`add_offset`)"));
+    }
+    Ok(notes)
+}
+
 impl Found {
+    /// Whether a dataset is only measured, not read; refused where it has no room. An element takes at least `each` bytes.
+    fn only_measures(&mut self, data: &Dataset, each: u64) -> Result<bool, String> {
+        let Some(room) = &mut self.room else { return Ok(false) };
+        room.take(size(data, each)?)?;
+        Ok(true)
+    }
+
     fn group(&mut self, name: &str, group: &Group, depth: usize) -> Result<(), String> {
         if depth > DEEPEST {
             return Ok(());
@@ -126,24 +182,31 @@ impl Found {
         }
         match kind {
             DType::ObjectReference if self.matlab => return self.elements(group, name, data).map(|()| None),
+            DType::Compound(members) if is_complex(&members) => return Ok(Some("complex numbers")),
             DType::Compound(members) => return self.compound(group, &members, data).map(|()| None),
             DType::String | DType::VariableLengthString | DType::ObjectReference => {
                 return Ok(Some("no numbers"));
             }
             _ => {}
         }
-        let values = data.read_f64().map_err(|error| error.to_string())?;
-        let unit = text(&attributes, &["units", "unit", "unit_string"]).or_else(|| beside(parent, name));
-        let times = times(&attributes);
         let dimensions: Vec<usize> = shape
             .iter()
             .map(|size| usize::try_from(*size).unwrap_or(usize::MAX))
             .filter(|size| *size > 1)
             .collect();
+        if dimensions.len() > 2 {
+            return Ok(Some("more than two dimensions"));
+        }
+        if self.only_measures(data, 8)? {
+            return Ok(None);
+        }
+        let mut values = data.read_f64().map_err(|error| error.to_string())?;
+        let full = joined(group, name);
+        let told = decode(&attributes, &mut values).map_err(|reason| format!("`{full}`: {reason}"))?;
+        self.decoded.extend(told.into_iter().map(|note| format!("`{full}`: {note}")));
+        let unit = text(&attributes, &["units", "unit", "unit_string"]).or_else(|| beside(parent, name));
+        let times = times(&attributes);
         let [rows, columns] = dimensions[..] else {
-            if dimensions.len() > 2 {
-                return Ok(Some("more than two dimensions"));
-            }
             self.series.push(Series { unit, times, ..Series::new(group, name, values) });
             return Ok(None);
         };
@@ -169,6 +232,7 @@ impl Found {
 
     /// A cell array, or a field of a struct array: references to what it holds, one record each.
     fn elements(&mut self, group: &str, name: &str, data: &Dataset) -> Result<(), String> {
+        self.only_measures(data, 8)?;
         let objects = data.dereference().map_err(|error| error.to_string())?;
         for (number, object) in objects.into_iter().enumerate() {
             match object {
@@ -178,6 +242,7 @@ impl Found {
                 Object::Dataset(inner) => {
                     let attributes = inner.attrs().unwrap_or_default();
                     if text(&attributes, &["matlab_class"]).is_some_and(|class| class != "char")
+                        && !self.only_measures(&inner, 8)?
                         && let Ok(values) = inner.read_f64()
                     {
                         self.series.push(Series::new(&format!("{group}-{}", number + 1), name, values));
@@ -191,6 +256,9 @@ impl Found {
 
     /// A table whose rows are structures: a series per member.
     fn compound(&mut self, group: &str, members: &[(String, DType)], data: &Dataset) -> Result<(), String> {
+        if self.only_measures(data, 8 * members.len() as u64)? {
+            return Ok(());
+        }
         let raw = data.read_raw().map_err(|error| error.to_string())?;
         let hdf5_pure::Datatype::Compound { size, members: places } =
             data.datatype().map_err(|error| error.to_string())?
@@ -210,6 +278,20 @@ impl Found {
         }
         Ok(())
     }
+}
+
+/// Bytes that a dataset takes, or a block in which it is packed, where an element takes at least `each`.
+fn size(data: &Dataset, each: u64) -> Result<u64, String> {
+    let count = |sizes: Vec<u64>| sizes.into_iter().fold(1, u64::saturating_mul);
+    let whole = count(data.shape().map_err(|error| error.to_string())?);
+    let block = data.chunk_shape().map_err(|error| error.to_string())?.map_or(0, count);
+    let element = data.element_size().map_err(|error| error.to_string())?;
+    Ok(whole.max(block).saturating_mul(each.max(element)))
+}
+
+fn is_complex(members: &[(String, DType)]) -> bool {
+    let names: Vec<&str> = members.iter().map(|(name, _)| name.as_str()).collect();
+    [["r", "i"], ["real", "imag"]].iter().any(|both| names == both)
 }
 
 /// A number of a member of a structure, in the order of bytes of this machine's files.
@@ -243,6 +325,10 @@ fn texts_beside(parent: &Group, names: &[&str]) -> Vec<String> {
 
 /// Text of a dataset: strings, or MATLAB's letters (one text, or one per column where it is a cell).
 fn texts_of(data: &Dataset) -> Vec<String> {
+    let is_long = |bytes: u64| bytes > LONGEST_TEXT;
+    if size(data, 1).map_or(true, is_long) || data.vlen_string_payload_size().is_ok_and(is_long) {
+        return Vec::new();
+    }
     if let Ok(objects) = data.dereference() {
         let inner = objects.iter().filter_map(|object| match object {
             Object::Dataset(data) => texts_of(data).into_iter().next(),

@@ -35,6 +35,35 @@ impl Series {
     }
 }
 
+/// Most bytes that the numbers of a packed file may take, eight each: as many as a file may have.
+const LARGEST: u64 = 300 << 20;
+
+/// The room in memory for the numbers of a packed file, all together.
+#[derive(Debug, Default)]
+struct Room {
+    taken: u64,
+}
+
+impl Room {
+    fn left(&self) -> u64 {
+        LARGEST.saturating_sub(self.taken)
+    }
+
+    /// Whether so many bytes have room, with what was taken.
+    fn has(&self, bytes: u64) -> Result<(), String> {
+        let most = LARGEST >> 20;
+        let refused =
+            || format!("its numbers take more than {most} MB of memory, and up to {most} MB are read");
+        (bytes <= self.left()).then_some(()).ok_or_else(refused)
+    }
+
+    fn take(&mut self, bytes: u64) -> Result<(), String> {
+        self.has(bytes)?;
+        self.taken += bytes;
+        Ok(())
+    }
+}
+
 /// What reads a file of a format.
 type Read = fn(&[u8], &mut Vec<String>) -> Result<Vec<Series>, Refusal>;
 

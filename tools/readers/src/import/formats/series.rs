@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::Series;
-use crate::import::heading::quantity_of;
+use crate::import::heading::{quantity_of, unit_spelling};
 use crate::import::raw::{RawColumn, RawTable};
 use crate::import::{Refusal, refuse};
+use crate::units::Unit;
 
 /// Names of a single number that is the rate of the samples (Hz), and of one that is their step (s).
 const RATES: [&str; 9] = [
@@ -20,6 +21,9 @@ const RATES: [&str; 9] = [
     "sf",
 ];
 const STEPS: [&str; 7] = ["dt", "ts", "step", "delta_t", "time_step", "sample_time", "increment"];
+
+/// Steps that differ by less than this part of them agree.
+const AGREES: f64 = 1e-3;
 
 /// One table per group.
 pub(in crate::import) fn tables(
@@ -53,35 +57,95 @@ pub(in crate::import) fn tables(
 }
 
 fn gives_times(series: &Series) -> bool {
-    series.times.is_some() || quantity_of(&series.name) == Some("time") || step_of(series).is_some()
+    series.times.is_some() || quantity_of(&series.name) == Some("time") || base_of(series).is_some()
 }
 
-/// The step (s) that a single number stands for.
-fn step_of(series: &Series) -> Option<f64> {
+/// What a single number says of the samples.
+struct Base {
+    is_rate: bool,
+    value: f64,
+    unit: Option<String>,
+}
+
+/// The rate or step that a single number stands for: `dt`, `fs [kHz]`, `rate_hz`, with its unit in the name or beside it.
+fn base_of(series: &Series) -> Option<Base> {
     let [value] = series.values[..] else { return None };
-    let name = series.name.to_lowercase();
-    let name = name.split(['[', '(']).next().unwrap_or_default().trim().replace(' ', "_");
-    let name = name.trim_end_matches("_hz").trim_end_matches("_s");
-    let step = match (RATES.contains(&name), STEPS.contains(&name)) {
-        (true, _) => 1.0 / value,
-        (_, true) => value,
-        _ => return None,
+    let is_rate = |name: &str| {
+        let name = name.trim().to_lowercase().replace(' ', "_");
+        RATES.contains(&name.as_str()).then_some(true).or(STEPS.contains(&name.as_str()).then_some(false))
     };
-    (step.is_finite() && step > 0.0).then_some(step)
+    let name = series.name.trim();
+    let (is_rate, unit) = match (name.split_once(['[', '(']), name.rsplit_once(['_', ' '])) {
+        (Some((words, unit)), _) => (is_rate(words)?, Some(unit.trim_end_matches([']', ')']).to_owned())),
+        (None, behind) => match (is_rate(name), behind) {
+            (Some(is_rate), _) => (is_rate, series.unit.clone()),
+            (None, Some((words, unit))) => {
+                let is_rate = is_rate(words)?;
+                seconds(1.0, is_rate, unit)?;
+                (is_rate, Some(unit.to_owned()))
+            }
+            (None, None) => return None,
+        },
+    };
+    (value.is_finite() && value > 0.0).then_some(Base { is_rate, value, unit })
+}
+
+/// The step (s) of a step or rate in `unit`; `None` where that measures neither.
+fn seconds(value: f64, is_rate: bool, unit: &str) -> Option<f64> {
+    let spelling = match unit_spelling(unit) {
+        unit if ["hz", "s/s", "sa/s", "samples/s"].contains(&unit.to_lowercase().as_str()) => "Hz".to_owned(),
+        unit if ["khz", "ks/s"].contains(&unit.to_lowercase().as_str()) => "kHz".to_owned(),
+        unit => unit,
+    };
+    let own = Unit::common(&spelling)?;
+    let value = own.conversion(&Unit::common(if is_rate { "Hz" } else { "s" })?).ok()?.apply(value);
+    Some(if is_rate { 1.0 / value } else { value })
+}
+
+/// The step (s) that single numbers give, and the name of the first of them: they must agree.
+pub(super) fn step_of<'s>(
+    members: impl IntoIterator<Item = &'s Series>,
+) -> Result<Option<(f64, String)>, String> {
+    let mut found: Option<(f64, String)> = None;
+    for one in members {
+        let Some(base) = base_of(one) else { continue };
+        let unit = base.unit.unwrap_or_else(|| if base.is_rate { "Hz" } else { "s" }.to_owned());
+        let step = seconds(base.value, base.is_rate, &unit).ok_or_else(|| {
+            let kind = if base.is_rate { "frequency" } else { "time" };
+            format!("`{}` is in `{unit}`, which is no unit of {kind} that is known", one.name)
+        })?;
+        match &found {
+            None => found = Some((step, one.name.clone())),
+            Some((first, name)) if (step - first).abs() > AGREES * first => {
+                let other = &one.name;
+                return Err(format!(
+                    "`{name}` and `{other}` contradict each other: steps of {first} s and of {step} s"
+                ));
+            }
+            Some(_) => {}
+        }
+    }
+    Ok(found)
 }
 
 /// The series of one group on one time base.
 fn table(name: String, members: Vec<Series>, notes: &mut Vec<String>) -> Result<Option<RawTable>, Refusal> {
-    let step = members.iter().find_map(|one| Some((step_of(one)?, one.name.clone())));
     let (long, single): (Vec<Series>, Vec<Series>) =
         members.into_iter().partition(|one| one.values.len() > 1);
     let ignored: Vec<String> =
-        single.iter().filter(|one| step_of(one).is_none()).map(|one| format!("`{}`", one.name)).collect();
+        single.iter().filter(|one| base_of(one).is_none()).map(|one| format!("`{}`", one.name)).collect();
     if !ignored.is_empty() {
         notes.push(format!("single values were not used: {}", ignored.join(", ")));
     }
     let Some(rows) = long.iter().map(|one| one.values.len()).max() else { return Ok(None) };
     let time = long.iter().position(|one| quantity_of(&one.name) == Some("time"));
+    // Time stamps go before all that single numbers say.
+    let step = match time {
+        Some(_) => None,
+        None => {
+            step_of(&single).map_err(|reason| refuse(reason, "store the one that is right, with its unit"))?
+        }
+    };
     let mut columns = Vec::new();
     let base: Option<Vec<f64>> =
         match (time, long.iter().find_map(|one| one.times.filter(|_| one.values.len() == rows)), &step) {

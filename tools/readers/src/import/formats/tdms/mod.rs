@@ -24,27 +24,28 @@ pub(super) const FORMAT: Format = Format {
 
 fn read(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<Series>, Refusal> {
     let found = guarded(|| series(segments::channels(bytes)?));
-    let (series, passed) = found.map_err(|reason| unreadable(&FORMAT, reason))?;
+    let (series, passed, scaled) = found.map_err(|reason| unreadable(&FORMAT, reason))?;
+    notes.extend(scaled);
     if !passed.is_empty() {
         notes.push(format!("channels without numbers were not used: {}", passed.join(", ")));
     }
     Ok(series)
 }
 
-/// Channels as series, and the names of those without numbers.
-fn series(channels: Vec<Channel>) -> Result<(Vec<Series>, Vec<String>), String> {
-    let (mut found, mut passed) = (Vec::new(), Vec::new());
+/// Channels as series, the names of those without numbers, and notes of those that were scaled.
+fn series(channels: Vec<Channel>) -> Result<(Vec<Series>, Vec<String>, Vec<String>), String> {
+    let (mut found, mut passed, mut scaled) = (Vec::new(), Vec::new(), Vec::new());
     for channel in channels {
         if !channel.has_numbers {
             passed.push(format!("`{}`", channel.name));
         } else if !channel.values.is_empty() {
-            found.push(described(channel)?);
+            found.push(described(channel, &mut scaled)?);
         }
     }
-    Ok((found, passed))
+    Ok((found, passed, scaled))
 }
 
-fn described(channel: Channel) -> Result<Series, String> {
+fn described(channel: Channel, scaled: &mut Vec<String>) -> Result<Series, String> {
     let Channel { group, name, mut values, properties, is_clock, .. } = channel;
     let number = |key: &str| match properties.get(key) {
         Some(Property::Number(value)) => Some(*value),
@@ -56,6 +57,9 @@ fn described(channel: Channel) -> Result<Series, String> {
     };
     if let Some((slope, offset)) = scale(&properties, &name)? {
         values.iter_mut().for_each(|value| *value = slope * *value + offset);
+        scaled.push(format!(
+            "`{name}` is stored unscaled: it was multiplied by {slope}, and {offset} was added"
+        ));
     }
     let step = number("wf_increment").filter(|step| *step > 0.0);
     let times = step.map(|step| [number("wf_start_offset").unwrap_or(0.0), step]);
@@ -66,7 +70,7 @@ fn described(channel: Channel) -> Result<Series, String> {
     Ok(Series { unit, times, clock: is_clock, ..Series::new(&group, &name, values) })
 }
 
-/// Slope and offset of a channel that is stored unscaled.
+/// Slope and offset of a channel with a scale, unless it is said to be stored scaled.
 fn scale(properties: &BTreeMap<String, Property>, name: &str) -> Result<Option<(f64, f64)>, String> {
     let number = |key: &str| match properties.get(key) {
         Some(Property::Number(value)) => Some(*value),
@@ -74,7 +78,7 @@ fn scale(properties: &BTreeMap<String, Property>, name: &str) -> Result<Option<(
     };
     let is = |key: &str, expected: &str| matches!(properties.get(key), Some(Property::Words(text)) if text.trim() == expected);
     let count = number("NI_Number_Of_Scales").unwrap_or(0.0);
-    if !(count > 0.0 && is("NI_Scaling_Status", "unscaled")) {
+    if !(count > 0.0) || is("NI_Scaling_Status", "scaled") {
         return Ok(None);
     }
     let linear = count == 1.0 && is("NI_Scale[0]_Scale_Type", "Linear");

@@ -1,9 +1,13 @@
 //! MATLAB's MAT files: variables, fields of structs and columns of matrices are series; elements of a struct array are groups.
 //!
-//! Version 5 (`save -v6`, `-v7`, `scipy.io.savemat`) is read by `matrw`. Version 7.3 is HDF5, see `hdf5.rs`.
+//! Version 5 (`save -v6`, `-v7`, `scipy.io.savemat`) is read by `matrw`, once `room.rs` has found that its variables have room
+//! in memory. Version 7.3 is HDF5, see `hdf5.rs`.
+
+mod room;
 
 use matrw::{MatFile, MatVariable, MatlabType, load_matfile_from_u8};
 
+use super::series::step_of;
 use super::{Format, Series, guarded, hdf5, unreadable};
 use crate::import::{Refusal, refuse};
 
@@ -34,14 +38,17 @@ pub(super) const UNITS: [&str; 4] = ["units", "unit", "channel_units", "variable
 
 fn read(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<Series>, Refusal> {
     let told = guarded(|| {
+        room::check(bytes)?;
         let file: MatFile = load_matfile_from_u8(&plain(bytes)).map_err(|_| BROKEN.to_owned())?;
         let mut found = Found::default();
-        let members: Vec<(String, MatVariable)> =
-            file.iter().map(|(name, value)| (name.clone(), value.clone())).collect();
-        found.group("", &members, 0);
+        let members: Vec<(String, MatVariable)> = file.into_iter().collect();
+        found.group("", &members, 0)?;
         Ok(found)
     });
     let found = told.map_err(|reason| unreadable(&VERSION_5, reason))?;
+    if !found.complex.is_empty() {
+        notes.push(format!("complex numbers were not used: {}", found.complex.join(", ")));
+    }
     if found.series.is_empty() && found.objects > 0 {
         return Err(refuse(
             "the file holds objects (a table or timetable), which only MATLAB itself reads",
@@ -81,89 +88,57 @@ fn plain(bytes: &[u8]) -> Vec<u8> {
 struct Found {
     series: Vec<Series>,
     objects: usize,
+    /// Names of channels of complex numbers.
+    complex: Vec<String>,
 }
 
 impl Found {
     /// Variables, or fields of a struct: they belong together.
-    fn group(&mut self, group: &str, members: &[(String, MatVariable)], depth: usize) {
+    fn group(&mut self, group: &str, members: &[(String, MatVariable)], depth: usize) -> Result<(), String> {
         if depth > DEEPEST {
-            return;
+            return Ok(());
         }
-        let list = |names: &[&str]| {
-            let found = members.iter().find(|(name, _)| names.contains(&name.to_lowercase().as_str()));
-            found.map(|(_, value)| texts(value)).unwrap_or_default()
-        };
-        let (names, units) = (list(&NAMES), list(&UNITS));
-        let own_units = members.iter().find(|(name, _)| UNITS.contains(&name.to_lowercase().as_str()));
-        let numeric: Vec<&String> = members
-            .iter()
-            .filter(|(_, value)| numbers(value).is_some_and(|n| n.len() > 1))
-            .map(|(name, _)| name)
-            .collect();
+        let beside = Beside::new(members);
         for (name, value) in members {
-            let unit = || {
-                let beside = members.iter().find(|(other, _)| {
-                    UNITS.iter().any(|unit| other.to_lowercase() == format!("{}_{unit}", name.to_lowercase()))
-                });
-                let text = beside.and_then(|(_, value)| texts(value).into_iter().next());
-                let in_struct =
-                    || own_units.and_then(|(_, units)| texts(units.get_field(name)?).into_iter().next());
-                let listed = || {
-                    let at = numeric.iter().position(|other| *other == name)?;
-                    (units.len() == numeric.len()).then(|| units[at].clone())
-                };
-                text.or_else(in_struct).or_else(listed)
-            };
+            let numbered = |number: usize| joined(group, &format!("{name}-{}", number + 1));
             match value {
-                MatVariable::NumericArray(_) => self.matrix(group, name, value, &names, &units, unit()),
-                MatVariable::Structure(_) if UNITS.contains(&name.to_lowercase().as_str()) => {}
+                MatVariable::NumericArray(_) => self.matrix(group, name, value, &beside),
+                MatVariable::Structure(_) if is_among(name, &UNITS) => {}
                 MatVariable::Structure(_) => {
                     let fields = fields(value);
-                    match signal(group, name, &fields) {
+                    match signal(group, name, &fields)? {
                         Some(series) => self.series.push(series),
-                        None => self.group(&joined(group, name), &fields, depth + 1),
+                        None => self.group(&joined(group, name), &fields, depth + 1)?,
                     }
                 }
                 MatVariable::StructureArray(array) => {
                     for (number, element) in array.value.iter().enumerate() {
-                        self.group(
-                            &joined(group, &format!("{name}-{}", number + 1)),
-                            &fields(element),
-                            depth + 1,
-                        );
+                        self.group(&numbered(number), &fields(element), depth + 1)?;
                     }
                 }
                 MatVariable::CellArray(cells) => {
-                    for (number, cell) in cells.value.iter().enumerate() {
-                        if matches!(cell, MatVariable::Structure(_)) {
-                            self.group(
-                                &joined(group, &format!("{name}-{}", number + 1)),
-                                &fields(cell),
-                                depth + 1,
-                            );
-                        }
+                    let structs = |cell: &&MatVariable| matches!(cell, MatVariable::Structure(_));
+                    for (number, cell) in cells.value.iter().enumerate().filter(|(_, cell)| structs(cell)) {
+                        self.group(&numbered(number), &fields(cell), depth + 1)?;
                     }
                 }
                 MatVariable::Unsupported => self.objects += 1,
                 _ => {}
             }
         }
+        Ok(())
     }
 
     /// A vector is a series, a matrix one per column (of the longer side).
-    fn matrix(
-        &mut self,
-        group: &str,
-        name: &str,
-        value: &MatVariable,
-        names: &[String],
-        units: &[String],
-        unit: Option<String>,
-    ) {
+    fn matrix(&mut self, group: &str, name: &str, value: &MatVariable, beside: &Beside) {
+        if value.is_complex() == Some(true) {
+            self.complex.push(format!("`{}`", joined(group, name)));
+        }
         let (Some(values), dim) = (numbers(value), value.dim()) else { return };
+        let (names, units) = (&beside.names, &beside.units);
         let [rows, columns] = dim[..] else { return };
         if rows.min(columns) <= 1 || values.len() != rows * columns {
-            self.series.push(Series { unit, ..Series::new(group, name, values) });
+            self.series.push(Series { unit: beside.unit(name), ..Series::new(group, name, values) });
             return;
         }
         // Numbers lie column by column; samples run along the longer side.
@@ -179,25 +154,65 @@ impl Found {
     }
 }
 
-/// A struct that stands for one signal: its numbers in `data` or `values`, beside a unit and a rate.
-fn signal(group: &str, name: &str, fields: &[(String, MatVariable)]) -> Option<Series> {
-    let called = |names: &[&str]| {
-        fields.iter().find(|(name, _)| names.contains(&name.to_lowercase().as_str())).map(|(_, value)| value)
-    };
-    let values = numbers(called(&["data", "values", "signal"])?)?;
-    let vectors =
-        fields.iter().filter(|(_, value)| numbers(value).is_some_and(|numbers| numbers.len() > 1)).count();
-    if vectors != 1 {
-        return None;
+/// What variables or fields say of one another.
+struct Beside<'m> {
+    members: &'m [(String, MatVariable)],
+    names: Vec<String>,
+    units: Vec<String>,
+}
+
+impl<'m> Beside<'m> {
+    fn new(members: &'m [(String, MatVariable)]) -> Self {
+        let list = |names: &[&str]| called(members, names).map(texts).unwrap_or_default();
+        Self { members, names: list(&NAMES), units: list(&UNITS) }
     }
-    let single = |names: &[&str]| {
-        called(names).and_then(numbers).filter(|numbers| numbers.len() == 1).map(|numbers| numbers[0])
+
+    /// The unit of a member: in a text `force_unit`, a struct `units`, or a list of as many units as there are vectors.
+    fn unit(&self, name: &str) -> Option<String> {
+        let in_struct = || texts(called(self.members, &UNITS)?.get_field(name)?).into_iter().next();
+        let listed = || {
+            let is_vector = |value: &MatVariable| numbers(value).is_some_and(|numbers| numbers.len() > 1);
+            let vectors: Vec<&String> =
+                self.members.iter().filter(|(_, value)| is_vector(value)).map(|(name, _)| name).collect();
+            let at = vectors.iter().position(|other| *other == name)?;
+            (self.units.len() == vectors.len()).then(|| self.units[at].clone())
+        };
+        unit_beside(self.members, name).or_else(in_struct).or_else(listed)
+    }
+}
+
+fn is_among(name: &str, names: &[&str]) -> bool {
+    names.contains(&name.to_lowercase().as_str())
+}
+
+/// The member that has one of these names.
+fn called<'m>(members: &'m [(String, MatVariable)], names: &[&str]) -> Option<&'m MatVariable> {
+    members.iter().find(|(name, _)| is_among(name, names)).map(|(_, value)| value)
+}
+
+/// The text of a member called `force_unit`.
+fn unit_beside(members: &[(String, MatVariable)], name: &str) -> Option<String> {
+    let names = UNITS.map(|unit| format!("{}_{unit}", name.to_lowercase()));
+    texts(called(members, &names.each_ref().map(String::as_str))?).into_iter().next()
+}
+
+/// A struct that stands for one signal: its numbers in `data` or `values`, beside a unit and a rate.
+fn signal(group: &str, name: &str, fields: &[(String, MatVariable)]) -> Result<Option<Series>, String> {
+    let Some(values) = called(fields, &["data", "values", "signal"]).and_then(numbers) else {
+        return Ok(None);
     };
-    let step =
-        single(&["dt", "step"]).or_else(|| single(&["fs", "rate", "sample_rate"]).map(|rate| 1.0 / rate));
-    let unit = called(&UNITS).and_then(|value| texts(value).into_iter().next());
-    let times = step.filter(|step| step.is_finite() && *step > 0.0).map(|step| [0.0, step]);
-    Some(Series { unit, times, ..Series::new(group, name, values) })
+    let all: Vec<Series> = fields
+        .iter()
+        .filter_map(|(name, value)| {
+            Some(Series { unit: unit_beside(fields, name), ..Series::new("", name, numbers(value)?) })
+        })
+        .collect();
+    if all.iter().filter(|one| one.values.len() > 1).count() != 1 {
+        return Ok(None);
+    }
+    let unit = called(fields, &UNITS).and_then(|value| texts(value).into_iter().next());
+    let times = step_of(&all)?.map(|(step, _)| [0.0, step]);
+    Ok(Some(Series { unit, times, ..Series::new(group, name, values) }))
 }
 
 trait Field {
