@@ -206,7 +206,7 @@ fn columns(mut left: Rows, dialect: Dialect, notes: &mut Vec<String>) -> Result<
             fields[0].clear();
             units = Some(fields);
         }
-        notes.push(format!("{above} lines above the names of the columns were not used for anything else"));
+        notes.push(format!("{above} lines above the names of the columns were not used"));
     }
     let mut columns = empty_columns(names, units.as_deref());
     fill(&rows[first..], left, dialect, &mut columns, notes)?;
