@@ -118,6 +118,28 @@ impl Record {
         };
         (step > 0.0 && time.iter().enumerate().all(even)).then_some(step)
     }
+
+    /// As [`Record::sample_step`], or what is wrong with the time stamps, and what to do.
+    #[cfg(feature = "analysis")]
+    pub(crate) fn even_step(&self) -> Result<f64, String> {
+        if let Some(step) = self.sample_step() {
+            return Ok(step);
+        }
+        let Some(time) = self.time().filter(|time| time.len() > 1) else {
+            return Err("there is no column `time` with two samples or more".to_owned());
+        };
+        let step = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
+        let even = |index: usize| time[0] + index as f64 * step;
+        let off = |index: &usize| (time[*index] - even(*index)).abs();
+        let worst = (0..time.len()).max_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
+        Err(format!(
+            "its `time` is not evenly spaced: sample {} is at {:.6e} s, where the mean step of {step:.6e} s puts {:.6e} s; export \
+             the time stamps with more digits, cut the record where samples are missing, or resample it",
+            worst + 1,
+            time[worst],
+            even(worst)
+        ))
+    }
 }
 
 impl Channel {

@@ -89,7 +89,7 @@ impl Steady {
         most: usize,
     ) -> Result<Self, String> {
         let times = record.time().ok_or("it has no `time` column")?;
-        let step = record.sample_step().ok_or("its `time` is not evenly spaced")?;
+        let step = record.even_step()?;
         let excitation = record.channel("excitation").ok_or(
             "it has no `excitation [N]` column: without the force that drives the beam the contact's cannot be told",
         )?;

@@ -50,7 +50,7 @@ mod visibility;
 
 pub use comparison::{ChannelResult, Comparison, Fitted, Parameter, RecordResult, Skipped, Stage, StepGain};
 pub use refit::{Refit, RefitError, Watch, refit};
-pub use visibility::{Visibility, visibility};
+pub use visibility::{Shown, Visibility, visibility};
 
 use rayon::prelude::*;
 

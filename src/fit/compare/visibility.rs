@@ -1,6 +1,6 @@
 //! How far the predictions of a dataset depend on each parameter that a fit may change: what a dataset can show.
 
-use super::{Fitted, RecordResult, evaluate};
+use super::{Fitted, RecordResult, Skipped, evaluate};
 use crate::data::{Dataset, Record};
 use crate::fit::predict::deviation;
 use crate::fit::{FitError, InterruptHook};
@@ -21,8 +21,17 @@ pub struct Visibility {
     pub alike: Vec<(String, f64)>,
 }
 
+/// What a dataset can say of all of them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Shown {
+    /// One entry per free parameter; none where no record is predicted.
+    pub parameters: Vec<Visibility>,
+    /// The records that the model does not predict: they say nothing.
+    pub skipped: Vec<Skipped>,
+}
+
 /// What `dataset` can say of the free parameters of `model`, near the values they have. Records that the model does not
-/// predict are left out.
+/// predict are left out, and told.
 ///
 /// # Errors
 /// [`FitError::Interrupted`] where `interrupt` asks for it.
@@ -43,7 +52,7 @@ pub struct Visibility {
 /// let record = Record { name: "pull".into(), regime: Regime::FromRest, use_for: None, channels };
 /// let shown = visibility(&model, &Dataset { title: None, records: vec![record] }, None)?;
 /// // It sticks throughout: the friction coefficient changes nothing.
-/// let of = |path: &str| shown.iter().find(|one| one.path == path).unwrap().change;
+/// let of = |path: &str| shown.parameters.iter().find(|one| one.path == path).unwrap().change;
 /// assert!(of("contact.tangential_stiffness") > 0.1 && of("contact.friction_coefficient") == 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -51,8 +60,11 @@ pub fn visibility(
     model: &Model,
     dataset: &Dataset,
     interrupt: Option<InterruptHook>,
-) -> Result<Vec<Visibility>, FitError<String>> {
-    let base = predictions(model, dataset);
+) -> Result<Shown, FitError<String>> {
+    let (base, skipped) = predictions(model, dataset);
+    if base.iter().all(Option::is_none) {
+        return Ok(Shown { parameters: Vec::new(), skipped });
+    }
     let mut found: Vec<(String, Vec<f64>)> = Vec::new();
     for parameter in model.parameters().into_iter().filter(|parameter| parameter.free) {
         if interrupt.is_some_and(|interrupt| interrupt()) {
@@ -69,7 +81,7 @@ pub fn visibility(
             trial
                 .set(&parameter.path, parameter.value + sign * STEP * size)
                 .ok()
-                .map(|()| predictions(&trial, dataset))
+                .map(|()| predictions(&trial, dataset).0)
         };
         // At a bound, or where the model is not solved on one side, the other is taken.
         let change = [1.0, -1.0].into_iter().filter_map(moved).find_map(|moved| difference(&base, &moved));
@@ -91,11 +103,12 @@ pub fn visibility(
             alike: Fitted::told(index, &paths, &row),
         }
     };
-    Ok(found.iter().enumerate().map(one).collect())
+    Ok(Shown { parameters: found.iter().enumerate().map(one).collect(), skipped })
 }
 
-/// Predictions of every compared channel over its standard deviation; `None` for a record that is not predicted.
-fn predictions(model: &Model, dataset: &Dataset) -> Vec<Option<Vec<f64>>> {
+/// Predictions of every compared channel over its standard deviation; `None` for a record that is not predicted, which is then
+/// among the second.
+fn predictions(model: &Model, dataset: &Dataset) -> (Vec<Option<Vec<f64>>>, Vec<Skipped>) {
     let stage = evaluate("", model, dataset);
     let of = |(record, result): (&Record, &RecordResult)| {
         let mut scaled = Vec::new();
@@ -105,7 +118,11 @@ fn predictions(model: &Model, dataset: &Dataset) -> Vec<Option<Vec<f64>>> {
         }
         result.failure.is_none().then_some(scaled)
     };
-    dataset.records.iter().zip(&stage.records).map(of).collect()
+    let pairs = || dataset.records.iter().zip(&stage.records);
+    let failed = |(record, result): (&Record, &RecordResult)| {
+        result.failure.clone().map(|reason| Skipped { record: record.name.clone(), reason })
+    };
+    (pairs().map(of).collect(), pairs().filter_map(failed).collect())
 }
 
 /// The change of all predictions that both have; `None` where the change is not finite or a record is lost.

@@ -81,7 +81,7 @@ pub fn is_ring_down(model: &Model, record: &Record) -> bool {
 /// # Errors
 /// Why it cannot be cut, for a reader of the comparison.
 pub fn levels(record: &Record) -> Result<RingDown, String> {
-    let step = record.sample_step().ok_or("`time` is not there, or not evenly spaced")?;
+    let step = record.even_step()?;
     let motion =
         |channel: &&Channel| ["acceleration", "velocity", "displacement"].contains(&channel.quantity());
     let seen = record.channels.iter().filter(motion);

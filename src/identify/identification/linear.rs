@@ -41,7 +41,7 @@ pub struct LinearRecord {
 
 /// The modes that a record tells.
 pub(super) fn linear(setup: &Setup, record: &Record) -> Result<LinearRecord, String> {
-    let step = record.sample_step().ok_or("its `time` is not evenly spaced")?;
+    let step = record.even_step()?;
     let excitation = record.channel("excitation").map(|channel| channel.values.as_slice());
     let driven = excitation.filter(|values| values.iter().any(|force| *force != 0.0));
     let force = driven.ok_or(

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 use stickslip::fit::checks::Finding;
-use stickslip::fit::compare::Visibility;
+use stickslip::fit::compare::{Skipped, Visibility};
 
 use crate::format;
 use crate::table::{BOLD, RED, Text};
@@ -38,6 +38,8 @@ pub struct CheckReport {
     pub data: Vec<Fact>,
     /// How far the data depend on each parameter that a fit may change.
     pub visible: Vec<Visibility>,
+    /// The records that the model does not predict.
+    pub skipped: Vec<Skipped>,
     /// What the data cannot show, a sentence each.
     pub limits: Vec<String>,
 }
@@ -49,7 +51,10 @@ pub fn check_table(report: &CheckReport, width: usize, color: bool) -> String {
     for finding in crate::findings(&report.findings) {
         out.paragraph(&finding, RED);
     }
-    if report.findings.is_empty() {
+    for Skipped { record, reason } in &report.skipped {
+        out.paragraph(&format!("{record} cannot be predicted, and so shows nothing: {reason}."), RED);
+    }
+    if report.findings.is_empty() && report.skipped.is_empty() {
         out.paragraph("Nothing is wrong as far as can be seen before a fit.", "");
     }
     let mut list = |title: &str, lines: Vec<String>| {
@@ -93,7 +98,7 @@ fn visible(one: &Visibility) -> String {
 ///  "checks": [{"file": null, "channel": "beam.youngs_modulus", "fault": "implausible", "message": "..."}],
 ///  "data": {"loop.csv: length": {"values": [1.0], "unit": "s"}},
 ///  "visible": {"contact.friction_coefficient": {"change": 0.07, "alike": ["contact.normal_load"]}},
-///  "limits": ["the noise is unknown: ..."]}
+///  "skipped": [{"file": "open.csv", "reason": "..."}], "limits": ["the noise is unknown: ..."]}
 /// ```
 pub fn check_json(report: &CheckReport) -> Value {
     let facts = |all: &[Fact]| -> Map<String, Value> {
@@ -103,9 +108,11 @@ pub fn check_json(report: &CheckReport) -> Value {
         let alike: Vec<&String> = one.alike.iter().map(|(path, _)| path).collect();
         (one.path.clone(), json!({ "change": one.change, "alike": alike }))
     };
+    let skipped = |one: &Skipped| json!({ "file": one.record, "reason": one.reason });
     json!({
         "schema": "stickslip.check/1", "title": report.title, "model": facts(&report.facts),
         "checks": crate::comparison::findings::to_json(&report.findings), "data": facts(&report.data),
-        "visible": report.visible.iter().map(visible).collect::<Map<_, _>>(), "limits": report.limits,
+        "visible": report.visible.iter().map(visible).collect::<Map<_, _>>(),
+        "skipped": report.skipped.iter().map(skipped).collect::<Vec<_>>(), "limits": report.limits,
     })
 }

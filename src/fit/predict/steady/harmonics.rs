@@ -49,7 +49,7 @@ impl RecordHarmonics {
         enough: impl Fn(f64) -> usize,
     ) -> Result<Self, String> {
         let samples = record.time().ok_or("there is no `time` column")?.len();
-        let step = record.sample_step().ok_or("`time` is not evenly spaced")?;
+        let step = record.even_step()?;
         let force = &excitation.values;
         let load = record.channel("normal_load").map(|channel| channel.values.as_slice());
         let periods = common_periods(std::iter::once(force.as_slice()).chain(load))

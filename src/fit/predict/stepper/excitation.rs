@@ -72,7 +72,7 @@ impl Excitation {
 
     /// Of a record whose excitations act on the masses called `names`.
     pub fn of_masses(record: &Record, names: &[&str]) -> Result<Self, String> {
-        let step = record.sample_step().ok_or("`time` is not there, or not evenly spaced")?;
+        let step = record.even_step()?;
         let mut forces: Vec<(usize, Vec<f64>)> = Vec::new();
         for channel in record.channels_of("excitation") {
             forces.push((mass_of(&channel.name, names)?, channel.values.clone()));

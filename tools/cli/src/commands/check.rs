@@ -6,7 +6,7 @@ use stickslip::data::{Dataset, Record};
 use stickslip::diagnose::{NoiseSource, noise_of};
 use stickslip::fit::FitError;
 use stickslip::fit::checks::{check, natural_frequencies};
-use stickslip::fit::compare::{Visibility, visibility};
+use stickslip::fit::compare::{Shown, Visibility, visibility};
 use stickslip::model::{Model, Structure};
 use stickslip_report::check::{CheckReport, Fact, check_json, check_table};
 
@@ -57,15 +57,20 @@ impl Check {
                 return Err(Failure { code: 130, message: "interrupted".to_owned() });
             }
             Err(error) => return Err(Failure::other(error.to_string())),
-            Ok(shown) => shown,
+            Ok(shown) if measured.is_some() => shown,
+            Ok(_) => Shown::default(),
         };
         let report = CheckReport {
             title: self.model.display().to_string(),
             facts: facts(&model),
             findings: check(&model, dataset),
             data: measured.as_ref().map(|_| data(&model, dataset)).unwrap_or_default(),
-            visible: if measured.is_some() { shown.clone() } else { Vec::new() },
-            limits: measured.as_ref().map(|measured| limits(&model, measured, &shown)).unwrap_or_default(),
+            limits: measured
+                .as_ref()
+                .map(|measured| limits(&model, measured, &shown.parameters))
+                .unwrap_or_default(),
+            visible: shown.parameters,
+            skipped: shown.skipped,
         };
         say(&check_table(&report, 80, colored()))?;
         let mut outputs = Outputs::default();
@@ -73,7 +78,7 @@ impl Check {
             outputs.add(path, format!("{:#}\n", check_json(&report)));
         }
         list(&outputs.write()?)?;
-        Ok(u8::from(!report.findings.is_empty()))
+        Ok(u8::from(!report.findings.is_empty() || !report.skipped.is_empty()))
     }
 }
 

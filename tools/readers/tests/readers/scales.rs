@@ -143,6 +143,20 @@ fn fill_values_of_hdf5_are_missing_values() {
     assert!(all.len() <= ROWS - 3 && all.iter().all(|value| value.abs() <= 2.0), "{all:?}");
 }
 
+#[test]
+fn a_rate_in_hdf5_is_in_the_unit_beside_it() {
+    let mut builder = hdf5_pure::FileBuilder::new();
+    for (name, values) in [("displacement_mm", wave(0.0)), ("force_N", wave(1.0)), ("fs", vec![2.0])] {
+        builder.create_dataset(name).with_f64_data(&values);
+    }
+    let letters: Vec<u16> = "kHz".encode_utf16().collect();
+    let unit = builder.create_dataset("Fs_unit");
+    unit.with_u16_data(&letters);
+    unit.set_attr("MATLAB_class", AttrValue::String("char".into()));
+    let imported = import(builder.finish().unwrap()).unwrap();
+    assert_eq!(values(&imported, "time"), time());
+}
+
 fn mat(members: Vec<(&str, MatVariable)>) -> Vec<u8> {
     let mut run = MatFile::new();
     members.into_iter().for_each(|(name, value)| run.insert(name, value));

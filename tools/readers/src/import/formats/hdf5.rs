@@ -205,6 +205,7 @@ impl Found {
         let told = decode(&attributes, &mut values).map_err(|reason| format!("`{full}`: {reason}"))?;
         self.decoded.extend(told.into_iter().map(|note| format!("`{full}`: {note}")));
         let unit = text(&attributes, &["units", "unit", "unit_string"]).or_else(|| beside(parent, name));
+        let unit = if unit.is_none() && values.len() == 1 { beside_single(parent, name) } else { unit };
         let times = times(&attributes);
         let [rows, columns] = dimensions[..] else {
             self.series.push(Series { unit, times, ..Series::new(group, name, values) });
@@ -315,6 +316,13 @@ fn number(kind: &DType, bytes: &[u8]) -> Option<f64> {
 fn beside(parent: &Group, name: &str) -> Option<String> {
     let one = |path: &str| texts_of(&parent.dataset(path).ok()?).into_iter().next();
     UNITS.iter().find_map(|unit| one(&format!("{name}_{unit}")).or_else(|| one(&format!("{unit}/{name}"))))
+}
+
+/// The same of a single number, `Fs_unit` beside `fs`, however its letters are written.
+fn beside_single(parent: &Group, name: &str) -> Option<String> {
+    let wanted = UNITS.map(|unit| format!("{name}_{unit}").to_lowercase());
+    let found = parent.datasets().ok()?.into_iter().find(|other| wanted.contains(&other.to_lowercase()))?;
+    texts_of(&parent.dataset(&found).ok()?).into_iter().next()
 }
 
 /// The list of names or units beside a matrix.

@@ -24,7 +24,7 @@ pub(super) const FORMAT: Format = Format {
 
 fn read(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<Series>, Refusal> {
     let found = guarded(|| series(segments::channels(bytes)?));
-    let (series, passed, scaled) = found.map_err(|reason| unreadable(&FORMAT, reason))?;
+    let Found { series, passed, scaled } = found.map_err(|reason| unreadable(&FORMAT, reason))?;
     notes.extend(scaled);
     if !passed.is_empty() {
         notes.push(format!("channels without numbers were not used: {}", passed.join(", ")));
@@ -32,17 +32,26 @@ fn read(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<Series>, Refusal> {
     Ok(series)
 }
 
-/// Channels as series, the names of those without numbers, and notes of those that were scaled.
-fn series(channels: Vec<Channel>) -> Result<(Vec<Series>, Vec<String>, Vec<String>), String> {
-    let (mut found, mut passed, mut scaled) = (Vec::new(), Vec::new(), Vec::new());
+/// What the channels of a file are.
+#[derive(Default)]
+struct Found {
+    series: Vec<Series>,
+    /// Names of channels without numbers.
+    passed: Vec<String>,
+    /// Notes of those that were scaled.
+    scaled: Vec<String>,
+}
+
+fn series(channels: Vec<Channel>) -> Result<Found, String> {
+    let mut found = Found::default();
     for channel in channels {
         if !channel.has_numbers {
-            passed.push(format!("`{}`", channel.name));
+            found.passed.push(format!("`{}`", channel.name));
         } else if !channel.values.is_empty() {
-            found.push(described(channel, &mut scaled)?);
+            found.series.push(described(channel, &mut found.scaled)?);
         }
     }
-    Ok((found, passed, scaled))
+    Ok(found)
 }
 
 fn described(channel: Channel, scaled: &mut Vec<String>) -> Result<Series, String> {
@@ -78,7 +87,7 @@ fn scale(properties: &BTreeMap<String, Property>, name: &str) -> Result<Option<(
     };
     let is = |key: &str, expected: &str| matches!(properties.get(key), Some(Property::Words(text)) if text.trim() == expected);
     let count = number("NI_Number_Of_Scales").unwrap_or(0.0);
-    if !(count > 0.0) || is("NI_Scaling_Status", "scaled") {
+    if count <= 0.0 || is("NI_Scaling_Status", "scaled") {
         return Ok(None);
     }
     let linear = count == 1.0 && is("NI_Scale[0]_Scale_Type", "Linear");
