@@ -47,7 +47,13 @@ function show() {
     // The page's own ground shows, light or dark.
     figure.layout.paper_bgcolor = figure.layout.plot_bgcolor = "rgba(0,0,0,0)";
     figure.layout.modebar = { bgcolor: "rgba(0,0,0,0)" };
-    if (narrow) figure.layout.margin.r = 12;
+    if (narrow) {
+      figure.layout.margin.r = 12;
+      // Two panels on top of each other leave little room beside them.
+      for (const axis of [figure.layout.yaxis, figure.layout.yaxis2]) {
+        if (axis && axis.title) axis.title.font = { size: 10 };
+      }
+    }
     withUnits(figure.data, figure.layout);
     Plotly.newPlot(element, figure.data, figure.layout, config);
     if (figure.layout.meta && figure.layout.meta.switchable) scaleSwitch(element);

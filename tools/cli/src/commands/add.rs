@@ -11,7 +11,7 @@ use stickslip_report::diagnosis::added_json;
 use super::diagnose::{effect, failed, watched};
 use super::{
     Measured, check_destinations, checked, colored, dataset_file, list, read_measured, read_model, settings,
-    tables, title_of, unused,
+    tables, title_of, unused, written_soon,
 };
 use crate::output::{Outputs, say};
 use crate::{Failure, LoneFile, ResultFiles, progress};
@@ -80,6 +80,7 @@ impl Add {
         if progress::interrupted() {
             tell!("note: interrupted; these are the results so far");
         }
+        let (wanted, csv) = written_soon(&self.files, self.csv.clone(), &dataset);
         let data = title_of(&dataset, &self.fit);
         let title = format!("{} added: {data}", effect.title);
         let noise = noise_of(&model, &dataset);
@@ -87,15 +88,15 @@ impl Add {
             Comparison { title, records: dataset.records, ring_downs, findings, notes, stages: done.stages };
         say(&stickslip_report::terminal_table(&comparison, &noise, 80, colored()))?;
         let mut outputs = Outputs::default();
-        tables::add(folder, &comparison, &mut outputs)?;
+        tables::add(csv.as_deref(), &comparison, &mut outputs)?;
         outputs.add(&self.out, done.model.to_toml());
-        if let Some(path) = &self.files.json {
+        if let Some(path) = &wanted.json {
             let place = location.as_ref().map(ToString::to_string);
             let json = stickslip_report::json(&comparison, &noise);
             let out = self.out.display().to_string();
             outputs.add(path, format!("{:#}\n", added_json(id, place.as_deref(), &out, &json)));
         }
-        if let Some(path) = &self.files.report {
+        if let Some(path) = &wanted.report {
             outputs.add(path, stickslip_report::html(&comparison, &noise, &settings));
         }
         list(&outputs.write()?)

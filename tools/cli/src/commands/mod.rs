@@ -239,6 +239,26 @@ fn dataset_files(path: &Path, dataset: &Dataset) -> Vec<PathBuf> {
     files
 }
 
+/// Samples beyond which report and tables take longer to write than one waits for after an interrupt.
+const LONG: usize = 200_000;
+
+/// Of an interrupted run with long records no report and no tables are written, which is told: the model and the JSON hold what
+/// was found, and the others can be made of them.
+fn written_soon(
+    files: &ResultFiles,
+    csv: Option<PathBuf>,
+    dataset: &Dataset,
+) -> (ResultFiles, Option<PathBuf>) {
+    let samples: usize = dataset.records.iter().map(Record::len).sum();
+    if !progress::interrupted() || samples <= LONG || files.report.is_none() && csv.is_none() {
+        return (files.clone(), csv);
+    }
+    tell!(
+        "note: interrupted: the report and the tables of {samples} samples are not written; `stickslip compare NEW.toml DATASET --no-fit` makes them"
+    );
+    (ResultFiles { report: None, ..files.clone() }, None)
+}
+
 /// Says what was written.
 fn list(written: &[PathBuf]) -> Result<(), Failure> {
     written.iter().try_for_each(|path| say(&format!("wrote {}\n", path.display())))
