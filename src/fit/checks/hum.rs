@@ -35,6 +35,11 @@ pub(super) fn of(record: &Record, found: &mut Vec<Finding>) {
     }
 }
 
+/// The larger amplitude of the lines at 50 and 60 Hz, whether the mains make it or not.
+pub(super) fn at_mains(values: &[f64], step: f64) -> f64 {
+    MAINS.iter().map(|mains| amplitude(values, mains * step)).fold(0.0, f64::max)
+}
+
 /// Amplitude of the sine of so many periods a sample, under a Hann window.
 fn amplitude(values: &[f64], periods: f64) -> f64 {
     let count = values.len() as f64;

@@ -1,9 +1,9 @@
 //! What is wrong with measurements before anything is fitted: a model and a dataset come in, findings go out.
 //!
-//! They are told and decide nothing. `samples`: single samples and runs of them; `time`: time stamps, and records that were
-//! moving when they should not; `copies`: channels and records that are there twice; `hum`: the mains; `sign`: a force or an
-//! excitation of the other sign; `scale` and `dynamic`: units that are off by powers of ten, in the data or in the model, of contacts
-//! and of structures; `table`: motions beyond a measured law.
+//! They are told and decide nothing. `samples`: single samples and runs of them; `time`: time stamps; `rest`: records that were
+//! moving when they should not; `model`: values that no machine has; `copies`: channels and records that are there twice; `hum`: the
+//! mains; `sign`: a force or an excitation of the other sign; `scale` and `dynamic`: units that are off by powers of ten, in the data
+//! or in the model, of contacts and of structures; `table`: motions beyond a measured law.
 //!
 //! A finding is told only where nothing else makes what is seen: the limits are far from what noise, friction and impacts do, so that
 //! clean data have none.
@@ -11,6 +11,8 @@
 mod copies;
 mod dynamic;
 mod hum;
+mod model;
+mod rest;
 mod samples;
 mod scale;
 mod sign;
@@ -21,7 +23,7 @@ mod time;
 
 pub(super) use table::{BEYOND, range_of};
 
-use crate::data::{Dataset, Record};
+use crate::data::{Channel, Dataset, Record};
 use crate::model::Model;
 
 /// Something that is wrong with a record or with the model it is compared with.
@@ -38,7 +40,7 @@ pub struct Finding {
 /// What is wrong. Places count samples from 0.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Fault {
-    /// One sample far from all others around it.
+    /// Samples far from all others, alone or as the code of an error.
     Outlier {
         /// The sample.
         sample: usize,
@@ -89,12 +91,26 @@ pub enum Fault {
         sample: usize,
         /// Its length (s).
         length: f64,
-        /// Steps of the record that are missing.
+        /// Steps of the record that are missing, in all such stretches.
         missing: usize,
+        /// How many stretches there are.
+        count: usize,
+    },
+    /// Time stamps of an even clock have too few digits.
+    RoundedTime {
+        /// Their last digit (s).
+        digit: f64,
+        /// The clock's step (s).
+        step: f64,
     },
     /// The record is said to begin at rest, and does not.
     MovingAtStart {
         /// First value over the largest.
+        fraction: f64,
+    },
+    /// The record is said to begin at rest, and begins with a motion that the excitation does not make.
+    MovingUndriven {
+        /// What the excitation does not explain of the first period, over all of it.
         fraction: f64,
     },
     /// The channel has the values of another.
@@ -153,7 +169,8 @@ impl Fault {
             Self::Quantisation { .. } => "quantisation",
             Self::MainsHum { .. } => "mains-hum",
             Self::TimeGap { .. } => "time-gap",
-            Self::MovingAtStart { .. } => "moving-at-start",
+            Self::RoundedTime { .. } => "rounded-time",
+            Self::MovingAtStart { .. } | Self::MovingUndriven { .. } => "moving-at-start",
             Self::CopyOf { .. } => "copy-of-channel",
             Self::GivenTwice { .. } => "given-twice",
             Self::ReversedSign { .. } => "reversed-sign",
@@ -168,7 +185,8 @@ impl Fault {
             Self::Outlier { sample, value, expected, unit, count } => {
                 let more = if *count > 1 { format!(" ({count} such samples)") } else { String::new() };
                 format!(
-                    "sample {} is {value:.4e} {unit}, its neighbours say {expected:.4e}{more}: a lost decimal point or a spike",
+                    "sample {} is {value:.4e} {unit}, its neighbours say {expected:.4e}{more}: a lost decimal point, a spike, or a logger's code for \
+                     an error or an overload",
                     sample + 1
                 )
             }
@@ -189,13 +207,24 @@ impl Fault {
             Self::MainsHum { frequency, amplitude, unit } => {
                 format!("hum of the mains: {amplitude:.2e} {unit} at {frequency:.1} Hz")
             }
-            Self::TimeGap { sample, length, missing } => format!(
-                "time jumps by {length:.3e} s after sample {}: about {missing} samples are missing",
-                sample + 1
+            Self::TimeGap { sample, length, missing, count } => {
+                let more = if *count > 1 { format!(", the first of {count} such jumps") } else { String::new() };
+                let are = if *missing == 1 { "sample is" } else { "samples are" };
+                format!("time jumps by {length:.3e} s after sample {}{more}: about {missing} {are} missing", sample + 1)
+            }
+            Self::RoundedTime { digit, step } => format!(
+                "stamps are rounded to {digit:.0e} s, {:.0} % of the step of {step:.4e} s, and look uneven: export the time stamps with \
+                 more digits",
+                100.0 * digit / step
             ),
             Self::MovingAtStart { fraction } => format!(
                 "the record is said to begin at rest, but begins at {:.0} % of its largest value: use regime = \
                  \"unknown-initial-state\", or start it earlier",
+                100.0 * fraction
+            ),
+            Self::MovingUndriven { fraction } => format!(
+                "the record is said to begin at rest, but {:.0} % of its first period are no response to the excitation: use regime = \
+                 \"unknown-initial-state\", or start it earlier; a reversed sign or a delay between both would look the same",
                 100.0 * fraction
             ),
             Self::CopyOf { other } => format!("it has the values of `{other}`: one of the two was not measured"),
@@ -276,31 +305,52 @@ pub fn natural_frequencies(model: &Model) -> Option<[Vec<f64>; 2]> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn check(model: &Model, dataset: &Dataset) -> Vec<Finding> {
-    let mut found = scale::of_model(model);
+    let mut found = model::of(model);
+    let records = &dataset.records;
+    let mut told: Vec<Vec<Finding>> =
+        (0..records.len()).map(|place| alone(&records[place], &records[..place])).collect();
     let linear = dynamic::Linear::of(model);
     // A model off by powers of ten is told once, and its responses are off, too.
     if let Some(linear) = &linear {
-        dynamic::of_frequencies(linear, &dataset.records, &mut found);
+        dynamic::of_frequencies(linear, records, &told, &mut found);
     }
     let linear = linear.filter(|_| found.is_empty());
-    for (place, record) in dataset.records.iter().enumerate() {
-        copies::of(record, &dataset.records[..place], &mut found);
+    for (record, told) in records.iter().zip(&mut told) {
         if !record.regime.is_table() {
-            of_signals(model, record, &mut found);
-            linear.iter().for_each(|linear| dynamic::of_response(linear, record, &mut found));
+            beside(model, linear.as_ref(), record, told);
         }
+    }
+    found.extend(told.into_iter().flatten());
+    found
+}
+
+/// What is wrong with a record whatever the model is.
+fn alone(record: &Record, before: &[Record]) -> Vec<Finding> {
+    let mut found = Vec::new();
+    copies::of(record, before, &mut found);
+    if !record.regime.is_table() {
+        time::of(record, &mut found);
+        samples::of(record, &mut found);
+        hum::of(record, &mut found);
     }
     found
 }
 
-/// What is wrong with a record in time.
-fn of_signals(model: &Model, record: &Record, found: &mut Vec<Finding>) {
-    time::of(record, found);
-    samples::of(record, found);
-    hum::of(record, found);
+/// What is wrong with a record in time and its model, beside what was `found` in the record alone.
+fn beside(model: &Model, linear: Option<&dynamic::Linear>, record: &Record, found: &mut Vec<Finding>) {
     sign::of(model, record, found);
+    rest::of(model, linear, record, found);
     scale::of_contact(model, record, found);
     table::of(model, record, found);
+    linear.iter().for_each(|linear| dynamic::of_response(linear, record, found));
+}
+
+/// Whether nothing was `found` in the channel that would make it say something wrong of the model.
+fn is_sound(found: &[Finding], channel: &Channel) -> bool {
+    let spoils = |fault: &Fault| {
+        matches!(fault, Fault::Outlier { .. } | Fault::DropOuts { .. } | Fault::CopyOf { .. })
+    };
+    !found.iter().any(|one| one.channel.as_deref() == Some(&channel.name) && spoils(&one.fault))
 }
 
 /// A finding in a channel of a record.

@@ -1,5 +1,7 @@
 //! Single samples and runs of them: outliers, clipping, drop-outs, and values of too few digits.
 
+use std::collections::BTreeSet;
+
 use super::{Fault, Finding, finding, largest, quantile};
 use crate::data::{Channel, Record};
 use crate::fit::predict::white_noise;
@@ -12,6 +14,17 @@ const OUT: [f64; 2] = [4.0, 20.0];
 const CERTAIN: f64 = 12.0;
 /// More outliers than this are no accidents.
 const FEW: usize = 5;
+/// Distance of an error code from all other values over their range: an impact reaches this far beyond the rest of a record, but does not
+/// return to the very same number.
+const CODE: f64 = 10.0;
+/// Fraction of the samples that may read a code: what stands there longer is a state of the machine.
+const CODED: f64 = 0.1;
+/// Zeros in motion that are no chance.
+const ZEROS: usize = 3;
+/// Ratio of the samples before and after a lost one: more is a motion that passes through zero.
+const ALIKE: f64 = 2.0;
+/// Equal samples in a row that noise of a step never makes, wherever they are: each repeats the one before with a chance of 0.4.
+const LONG: usize = 20;
 /// Relative distance from a power of ten.
 const NEAR: f64 = 0.1;
 /// Equal samples in a row that are no chance in noise.
@@ -30,10 +43,13 @@ pub(super) fn of(record: &Record, found: &mut Vec<Finding>) {
         if channel.quantity() == "time" || values.len() < 4 * AROUND {
             continue;
         }
-        let size = Size::of(values);
+        let coded = codes(channel);
+        let kept: Vec<f64> = (0..values.len()).filter(|k| !coded.contains(k)).map(|k| values[k]).collect();
+        let size = Size::of(&kept);
+        let zeros = lost_zeros(values, &size);
         let mut add = |fault| found.push(finding(record, &channel.name, fault));
-        outliers(channel, &size).into_iter().for_each(&mut add);
-        held(channel, &size).into_iter().for_each(&mut add);
+        outliers(channel, &size, &coded, &zeros).into_iter().for_each(&mut add);
+        held(channel, &size, &coded, zeros).into_iter().for_each(&mut add);
         let deviation = standard_deviation(values);
         if size.distinct >= LEVELS && size.step > COARSE * deviation {
             add(Fault::Quantisation { fraction: size.step / deviation });
@@ -58,7 +74,9 @@ struct Size {
 impl Size {
     fn of(values: &[f64]) -> Self {
         let largest = largest(values);
-        let changes: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+        // A lost sample that reads zero makes two changes that are none.
+        let changes = values.windows(2).filter(|pair| pair[0] != 0.0 && pair[1] != 0.0);
+        let changes: Vec<f64> = changes.map(|pair| (pair[1] - pair[0]).abs()).collect();
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
         // Numbers that differ by rounding are equal.
@@ -85,8 +103,39 @@ fn standard_deviation(values: &[f64]) -> f64 {
     (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// The first sample that stands alone, and how many there are.
-fn outliers(channel: &Channel, size: &Size) -> Option<Fault> {
+/// Samples that read what a logger writes for an error or an overload: the least or the largest value, far beyond all others.
+fn codes(channel: &Channel) -> BTreeSet<usize> {
+    let values = &channel.values;
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let inner = values.iter().filter(|value| **value > low && **value < high);
+    let [least, most] = inner.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| {
+        [least.min(*value), most.max(*value)]
+    });
+    let far = CODE * (most - least);
+    let mut all = BTreeSet::new();
+    for (code, distance) in [(low, least - low), (high, high - most)] {
+        let places: Vec<usize> = (0..values.len()).filter(|k| values[*k] == code).collect();
+        // One sample has neighbours to be judged by, except at the ends; that of an excitation may be the blow of a hammer.
+        let at_end = |k: usize| k < AROUND || k + AROUND >= values.len();
+        let told = match places[..] {
+            [one] => at_end(one) && channel.quantity() != "excitation",
+            _ => places.len() as f64 <= CODED * values.len() as f64,
+        };
+        if far > 0.0 && distance > far && told {
+            all.extend(places);
+        }
+    }
+    all
+}
+
+/// The first sample that stands alone or is one of the `coded`, and how many there are.
+fn outliers(
+    channel: &Channel,
+    size: &Size,
+    coded: &BTreeSet<usize>,
+    zeros: &[(usize, usize)],
+) -> Option<Fault> {
     let values = &channel.values;
     let least = (CERTAIN * size.noise).max(0.05 * size.range).max(3.0 * size.step);
     let stands_alone = |i: &usize| {
@@ -94,36 +143,97 @@ fn outliers(channel: &Channel, size: &Size) -> Option<Fault> {
         let (low, high) =
             around.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         let off = (low - values[*i]).max(values[*i] - high);
-        let power = (values[*i] / expected(values, *i)).log10();
+        let power = (values[*i] / cubic(values, *i)).log10();
         let of_ten =
             power.is_finite() && power.round() != 0.0 && (power - power.round()).abs() < NEAR.ln_1p();
         // Among equal samples it is these that were not measured.
         high > low && off > least && off > OUT[usize::from(!of_ten)] * (high - low)
     };
-    let alone: Vec<usize> = (AROUND..values.len() - AROUND).filter(stands_alone).collect();
-    let &sample = alone.first().filter(|_| alone.len() <= FEW)?;
-    let (value, expected) = (values[sample], expected(values, sample));
-    Some(Fault::Outlier { sample, value, expected, unit: channel.unit, count: alone.len() })
+    let is_zero = |i: &usize| zeros.iter().any(|(start, length)| (*start..start + length).contains(i));
+    let alone: Vec<usize> = (AROUND..values.len() - AROUND)
+        .filter(|i| !coded.contains(i) && !is_zero(i) && stands_alone(i))
+        .collect();
+    let kept = |k: &usize| !coded.contains(k);
+    let beside = |k: usize| {
+        let [before, after] = [(0..k).rev().find(kept), (k + 1..values.len()).find(kept)];
+        let both: Vec<f64> = [before, after].into_iter().flatten().map(|k| values[k]).collect();
+        both.iter().sum::<f64>() / both.len() as f64
+    };
+    let mut all = coded.clone();
+    all.extend(alone.iter().filter(|_| alone.len() <= FEW));
+    let &sample = all.first()?;
+    let expected = if coded.is_empty() { cubic(values, sample) } else { beside(sample) };
+    Some(Fault::Outlier { sample, value: values[sample], expected, unit: channel.unit, count: all.len() })
+}
+
+/// Start and length of runs of zeros, too short to be held, between samples that are far from zero and like each other; none where they may
+/// be chance.
+fn lost_zeros(values: &[f64], size: &Size) -> Vec<(usize, usize)> {
+    let far = (CERTAIN * size.noise).max(3.0 * size.change).max(0.05 * size.range);
+    let (mut lost, mut start) = (Vec::new(), 0);
+    for run in values.chunk_by(|a, b| a == b) {
+        let next = start + run.len();
+        if run[0] == 0.0 && run.len() < RUN && start > 0 && next < values.len() {
+            let (before, after) = (values[start - 1], values[next]);
+            let ratio = before / after;
+            if before.abs().min(after.abs()) > far && (1.0 / ALIKE..ALIKE).contains(&ratio) {
+                lost.push((start, run.len()));
+            }
+        }
+        start = next;
+    }
+    if lost.len() >= ZEROS { lost } else { Vec::new() }
 }
 
 /// What a cubic through the neighbours says of sample `i`.
-fn expected(values: &[f64], i: usize) -> f64 {
+fn cubic(values: &[f64], i: usize) -> f64 {
     (4.0 * (values[i - 1] + values[i + 1]) - values[i - 2] - values[i + 2]) / 6.0
 }
 
-/// Runs of equal samples in a channel whose noise would keep them from being equal.
-fn held(channel: &Channel, size: &Size) -> Vec<Fault> {
-    if size.noise < QUIET * size.largest || size.noise < 0.5 * size.step {
-        return Vec::new();
-    }
+/// Runs of equal samples in a channel whose noise would keep them from being equal, and `zeros` that were lost.
+fn held(channel: &Channel, size: &Size, coded: &BTreeSet<usize>, zeros: Vec<(usize, usize)>) -> Vec<Fault> {
     let values = &channel.values;
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mut found = Vec::new();
+    let mut lost = zeros;
+    if size.noise >= QUIET * size.largest && size.noise >= 0.5 * size.step {
+        let (fault, within) = runs(channel, coded);
+        found.extend(fault);
+        let jump = (CERTAIN * size.noise).max(3.0 * size.change);
+        let moves = ["displacement", "velocity", "acceleration"].contains(&channel.quantity());
+        let is_lost = |(start, length): &(usize, usize)| {
+            let inside = *start > 0 && start + length < values.len();
+            let never = moves && inside && *length >= LONG && size.noise > size.step;
+            never || jumps(values, *start, *length) > jump
+        };
+        let runs: Vec<(usize, usize)> = within.into_iter().filter(is_lost).collect();
+        if runs.len() > 1 || count(&runs) > RUN + 1 {
+            lost.extend(runs);
+        }
+    }
+    if let Some(first) = lost.iter().map(|(start, _)| *start).min() {
+        let zero = lost.iter().all(|(start, _)| values[*start] == 0.0);
+        found.push(Fault::DropOuts { count: lost.len(), first, zero });
+    }
+    found
+}
+
+fn count(runs: &[(usize, usize)]) -> usize {
+    runs.iter().map(|(_, length)| length).sum()
+}
+
+/// Whether the channel is clipped, and start and length of the runs that are not at its ends.
+fn runs(channel: &Channel, coded: &BTreeSet<usize>) -> (Option<Fault>, Vec<(usize, usize)>) {
+    let values = &channel.values;
+    let kept = (0..values.len()).filter(|k| !coded.contains(k)).map(|k| values[k]);
+    let (low, high) =
+        kept.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     let (mut at_ends, mut within, mut level) = (0, Vec::new(), f64::NAN);
     let mut start = 0;
     for run in values.chunk_by(|a, b| a == b) {
         let (value, length) = (run[0], run.len());
-        if length >= RUN && (value == low || value == high) && value != 0.0 {
+        if coded.contains(&start) {
+            // Told as outliers.
+        } else if length >= RUN && (value == low || value == high) && value != 0.0 {
             at_ends += length;
             level = value;
         } else if length >= RUN {
@@ -131,23 +241,10 @@ fn held(channel: &Channel, size: &Size) -> Vec<Fault> {
         }
         start += length;
     }
-    let count = |runs: &[(usize, usize)]| runs.iter().map(|(_, length)| length).sum::<usize>();
-    let mut found = Vec::new();
     // Of a coarse channel samples repeat each other everywhere.
-    if at_ends >= CLIPPED && at_ends > 5 * count(&within) {
-        let fraction = at_ends as f64 / values.len() as f64;
-        found.push(Fault::Clipping { level, unit: channel.unit, fraction });
-    }
-    let jump = (CERTAIN * size.noise).max(3.0 * size.change);
-    let lost: Vec<(usize, usize)> =
-        within.into_iter().filter(|(start, length)| jumps(values, *start, *length) > jump).collect();
-    if let Some((first, _)) = lost.first()
-        && (lost.len() > 1 || count(&lost) > RUN + 1)
-    {
-        let zero = lost.iter().all(|(start, _)| values[*start] == 0.0);
-        found.push(Fault::DropOuts { count: lost.len(), first: *first, zero });
-    }
-    found
+    let clipped = at_ends >= CLIPPED && at_ends > 5 * count(&within);
+    let fraction = at_ends as f64 / values.len() as f64;
+    (clipped.then_some(Fault::Clipping { level, unit: channel.unit, fraction }), within)
 }
 
 /// How far values jump where a run begins or ends.

@@ -2,7 +2,7 @@
 
 use realfft::num_complex::Complex;
 
-use super::{Fault, Finding, finding};
+use super::{Fault, Finding, finding, is_sound};
 use crate::data::{Channel, Record};
 use crate::fit::residual::reversals;
 use crate::model::Model;
@@ -18,7 +18,8 @@ const SLOW: f64 = 0.3;
 
 pub(super) fn of(model: &Model, record: &Record, found: &mut Vec<Finding>) {
     if let (Some(force), Some(displacement)) = (record.channel("force"), record.channel("displacement")) {
-        if let Some(fraction) = of_contact(&force.values, &displacement.values) {
+        let sound = is_sound(found, force) && is_sound(found, displacement);
+        if let Some(fraction) = of_contact(&force.values, &displacement.values).filter(|_| sound) {
             found.push(finding(record, "force", Fault::ReversedSign { fraction }));
         }
         return;
@@ -28,7 +29,8 @@ pub(super) fn of(model: &Model, record: &Record, found: &mut Vec<Finding>) {
     else {
         return;
     };
-    if let Some(fraction) = of_structure(record, excitation, moved) {
+    let sound = is_sound(found, excitation) && is_sound(found, moved);
+    if let Some(fraction) = of_structure(record, excitation, moved).filter(|_| sound) {
         found.push(finding(record, &excitation.name, Fault::ReversedSign { fraction }));
     }
 }

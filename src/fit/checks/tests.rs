@@ -1,5 +1,9 @@
 //! Every fault is found where it was put in, and nothing in clean records.
 
+mod models;
+mod records;
+mod starts;
+
 use super::{Fault, check};
 use crate::contact::{ContactLaw, Inputs, Jenkins};
 use crate::data::{Channel, Dataset, Record, Regime};
