@@ -67,7 +67,7 @@ fn force(record: &mut Record) -> &mut Channel {
 type Put = fn(&mut Record);
 
 /// Each fault as it is named, and how it comes about.
-const FAULTS: [(&str, Put); 11] = [
+const FAULTS: [(&str, Put); 13] = [
     ("reversed-sign", |record| force(record).values.iter_mut().for_each(|value| *value = -*value)),
     ("scale", |record| measured(record).values.iter_mut().for_each(|value| *value *= 1e3)),
     ("scale", |record| measured(record).values.iter_mut().for_each(|value| *value *= 1e-3)),
@@ -82,6 +82,17 @@ const FAULTS: [(&str, Put); 11] = [
         let middle = values.len() / 3..values.len() / 2;
         let place = middle.max_by(|a, b| values[*a].abs().total_cmp(&values[*b].abs())).unwrap();
         values[place] *= 10.0;
+    }),
+    // A single lost sample, and the code of an error.
+    ("time-gap", |record| {
+        let half = record.len() / 2;
+        record.channels.iter_mut().for_each(|channel| drop(channel.values.remove(half)));
+    }),
+    ("outlier", |record| {
+        let values = &mut measured(record).values;
+        let half = values.len() / 2;
+        let code = -999.0 * values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        values[half..half + 5].fill(code);
     }),
     ("clipping", |record| {
         let values = &mut measured(record).values;
