@@ -243,6 +243,8 @@ impl Fault {
                 1e6 * moved,
                 1e6 * range
             ),
+            // A ratio has no unit to be told.
+            Self::Implausible { value, unit: "1", cause } => format!("{value} is implausible: {cause}"),
             Self::Implausible { value, unit, cause } => format!("{value:e} {unit} is implausible: {cause}"),
         }
     }
