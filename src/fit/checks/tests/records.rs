@@ -98,7 +98,9 @@ fn single_lost_samples_are_gaps_and_counted() {
     let lost = |places: &[usize]| {
         said(|one| {
             for place in places.iter().rev() {
-                one.channels.iter_mut().for_each(|channel| drop(channel.values.remove(*place)));
+                one.channels.iter_mut().for_each(|channel| {
+                    _ = channel.values.remove(*place);
+                });
             }
         })
     };

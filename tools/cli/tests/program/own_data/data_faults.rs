@@ -86,7 +86,9 @@ const FAULTS: [(&str, Put); 13] = [
     // A single lost sample, and the code of an error.
     ("time-gap", |record| {
         let half = record.len() / 2;
-        record.channels.iter_mut().for_each(|channel| drop(channel.values.remove(half)));
+        record.channels.iter_mut().for_each(|channel| {
+            _ = channel.values.remove(half);
+        });
     }),
     ("outlier", |record| {
         let values = &mut measured(record).values;
