@@ -1,6 +1,8 @@
 //! The noise as far as it is known: stated, from repeated periods, from repeated records, or taken from records in which
 //! it was measured. Otherwise it is unknown.
 
+use rayon::prelude::*;
+
 use super::cycles::{Cycles, SAME, driver};
 use super::seen::Seen;
 use super::weighted_dataset::RecordResiduals;
@@ -27,9 +29,8 @@ pub fn noise_of(model: &Model, dataset: &Dataset) -> Vec<Noise> {
 
 /// Noise of every compared channel of every record, in the order of `lanes`.
 pub(in crate::diagnose) fn measure(lanes: &[RecordResiduals]) -> Vec<Noise> {
-    let mut found = Vec::new();
-    for (record, lane) in lanes.iter().enumerate() {
-        for (name, range) in &lane.channels {
+    let of_record = |(record, lane): (usize, &RecordResiduals)| {
+        let of_channel = |(name, range): &(&str, std::ops::Range<usize>)| {
             let stated = lane.record.channel(name).and_then(|channel| lane.record.stated_noise(channel));
             let stated = stated.filter(|noise| *noise > 0.0);
             let (seen, source) = match stated {
@@ -37,9 +38,11 @@ pub(in crate::diagnose) fn measure(lanes: &[RecordResiduals]) -> Vec<Noise> {
                 None => seen(lanes, record, name, &lane.measured[range.clone()]),
             };
             let (deviation, log_error) = (seen.map(|s| s.deviation), seen.map_or(0.0, |s| s.log_error));
-            found.push(Noise { record, channel: (*name).to_owned(), deviation, log_error, source });
-        }
-    }
+            Noise { record, channel: (*name).to_owned(), deviation, log_error, source }
+        };
+        lane.channels.iter().map(of_channel).collect::<Vec<_>>()
+    };
+    let mut found: Vec<Noise> = lanes.par_iter().enumerate().flat_map_iter(of_record).collect();
     carry_over(lanes, &mut found);
     found
 }

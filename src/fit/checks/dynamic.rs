@@ -77,7 +77,7 @@ impl Linear {
 
     /// What `output` does from rest under `force` (N) at samples `step` (s) apart, all frequencies of the model times `faster`: with the
     /// contact free, and stuck. `order` counts derivatives of the displacement (m).
-    pub fn from_rest(
+    pub fn response_from_rest(
         &self,
         output: &str,
         order: usize,

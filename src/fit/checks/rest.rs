@@ -121,7 +121,7 @@ fn undriven(model: &Model, linear: &Linear, record: &Record, channel: &Channel) 
     let (force, values) = (&excitation.values[..count], &channel.values[..count]);
     let left = FASTER
         .iter()
-        .filter_map(|faster| linear.from_rest(output, order, force, step, *faster))
+        .filter_map(|faster| linear.response_from_rest(output, order, force, step, *faster))
         .map(|driven| unexplained(values, &driven))
         .fold(f64::INFINITY, f64::min);
     let middle = mean(&channel.values);

@@ -1,5 +1,7 @@
 //! Refits the free parameters of a model to a dataset.
 
+use rayon::prelude::*;
+
 use super::score::RecordResidual;
 use super::{Skipped, Stage, evaluate, intervals};
 use crate::data::{Dataset, Record, Use};
@@ -186,10 +188,13 @@ struct Predicted<'d> {
 /// Those of `records` that `model` predicts as it stands: at least one.
 fn predicted<'d>(model: &Model, records: Vec<&'d Record>) -> Result<Predicted<'d>, RefitError> {
     let mut found = Predicted { records: Vec::new(), values: 0, skipped: Vec::new() };
-    let mut values = Vec::new();
-    for record in records {
-        let residual = RecordResidual::new(model, record);
-        match residual.and_then(|residual| residual.write(model, None, &mut values).map(|()| residual)) {
+    let tried = |record| {
+        let residual = RecordResidual::new(model, record)?;
+        residual.write(model, None, &mut Vec::new()).map(|()| residual)
+    };
+    let all: Vec<Result<RecordResidual, String>> = records.par_iter().map(|record| tried(record)).collect();
+    for (record, tried) in records.iter().zip(all) {
+        match tried {
             Ok(residual) => {
                 found.values += residual.len();
                 found.records.push(residual);
