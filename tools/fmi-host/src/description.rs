@@ -159,12 +159,12 @@ struct DeclaredType {
 }
 
 impl ModelDescription {
-    /// Reads the description in `bytes`.
+    /// Reads the description in the file at `path`, never as a whole: it may hold millions of variables.
     ///
     /// # Errors
     /// [`ImportProblem::Version`], [`ImportProblem::NoCoSimulation`], and what is not as the standard says.
-    pub fn read(bytes: Vec<u8>) -> Result<Self, ImportProblem> {
-        let file = &XmlFile::from_bytes_but(VARIABLES, Path::new("modelDescription.xml"), bytes)?;
+    pub fn read(path: &Path) -> Result<Self, ImportProblem> {
+        let file = &XmlFile::read_but(VARIABLES, path, Path::new("modelDescription.xml"))?;
         let root = file.root("fmiModelDescription")?;
         let version = file.required(root, "fmiVersion")?;
         if version == "3" || version.starts_with("3.0") {

@@ -174,8 +174,7 @@ impl Fmu {
         if !file.is_file() {
             return Err(ImportProblem::NoDescription);
         }
-        let bytes = std::fs::read(&file).map_err(|error| ArchiveProblem::System(error.to_string()))?;
-        let description = ModelDescription::read(bytes)?;
+        let description = ModelDescription::read(&file)?;
         let library =
             library(folder.path(), &description.co_simulation.model_identifier, description.version)?;
         Ok(Arc::new(Self { name, folder, description, library, loaded: Mutex::new(None) }))

@@ -1,10 +1,12 @@
 //! XML files as trees whose elements know their place, for errors that point at the line.
 
 use std::fmt;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::name::ResolveResult;
@@ -64,8 +66,56 @@ pub enum XmlProblem {
 /// A parsed file.
 #[derive(Debug)]
 pub struct XmlFile {
-    source: Source,
+    source: Origin,
     root: Element,
+}
+
+/// Where the text of a file is.
+#[derive(Debug)]
+enum Origin {
+    /// In memory.
+    Text(Source),
+    /// On the disk, at `path`, called otherwise in messages, for which alone it is read as a whole.
+    Disk { path: PathBuf, called: PathBuf, whole: OnceLock<Option<Source>> },
+}
+
+impl Origin {
+    fn error(&self, span: Range<usize>, problem: Problem) -> InputError {
+        match self {
+            Self::Text(source) => source.error(span, problem),
+            Self::Disk { path, called, .. } => {
+                // What is no text at all is the cause of every other problem.
+                let read = io_read(path, called).and_then(|bytes| Source::from_xml_bytes(called, bytes));
+                read.map_or_else(|error| error, |source| source.error(span, problem))
+            }
+        }
+    }
+
+    fn place(&self, at: usize) -> String {
+        let (source, called) = match self {
+            Self::Text(source) => (Some(source), source.path()),
+            Self::Disk { path, called, whole } => {
+                let read =
+                    || io_read(path, called).and_then(|bytes| Source::from_xml_bytes(called, bytes)).ok();
+                (whole.get_or_init(read).as_ref(), called.as_path())
+            }
+        };
+        let name = called.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        source.map_or(name.clone(), |source| format!("{name}:{}", source.line(at)))
+    }
+}
+
+/// The bytes of the file at `path`, which errors call `called`.
+fn io_read(path: &Path, called: &Path) -> Result<Vec<u8>, InputError> {
+    std::fs::read(path).map_err(|error| unreadable(called, &error))
+}
+
+fn unreadable(called: &Path, error: &io::Error) -> InputError {
+    InputError { path: called.to_owned(), excerpt: None, problem: Box::new(unread(error)) }
+}
+
+fn unread(error: &io::Error) -> Problem {
+    Problem::Unreadable { what: "the file".to_owned(), reason: error.to_string() }
 }
 
 /// An element: names without their namespace prefixes.
@@ -100,24 +150,50 @@ impl XmlFile {
         Self::parse(Source::from_xml_bytes(path, bytes)?, None)
     }
 
-    /// As [`XmlFile::from_bytes`], but what is in lists called `list` is left in the text, since it may be a million items:
-    /// [`XmlFile::items`] reads them one by one.
+    /// As [`XmlFile::read`], but what is in lists called `list` is left in the file, since it may be a million items:
+    /// [`XmlFile::items`] reads them one by one. Errors call the file `called`.
     ///
     /// # Errors
     /// As [`XmlFile::read`], of what is not in such lists.
-    pub fn from_bytes_but(list: &'static str, path: &Path, bytes: Vec<u8>) -> Result<Self, InputError> {
-        Self::parse(Source::from_xml_bytes(path, bytes)?, Some(list))
+    pub fn read_but(list: &'static str, path: &Path, called: &Path) -> Result<Self, InputError> {
+        let mut file = File::open(path).map_err(|error| unreadable(called, &error))?;
+        let mut mark = [0; 3];
+        let length = file.read(&mut mark).map_err(|error| unreadable(called, &error))?;
+        // What begins with a byte order mark is decoded as a whole.
+        if matches!(mark[..length], [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0xef, 0xbb, 0xbf]) {
+            return Self::parse(Source::from_xml_bytes(called, io_read(path, called)?)?, Some(list));
+        }
+        let source =
+            Origin::Disk { path: path.to_owned(), called: called.to_owned(), whole: OnceLock::new() };
+        let length = file.seek(SeekFrom::End(0)).and_then(|length| file.rewind().map(|()| length));
+        let length = length.map_err(|error| unreadable(called, &error))?;
+        let part = 0..usize::try_from(length).unwrap_or(usize::MAX);
+        let root = tree(Elements::new(Box::new(BufReader::new(file)), part, Some(list)));
+        match root {
+            Ok(root) => Ok(Self { source, root }),
+            Err((at, problem)) => Err(source.error(at..at + 1, problem.into())),
+        }
     }
 
-    /// The items of `list` that were left in the text. Their namespaces are those that they declare themselves.
+    /// The items of `list` that were left. Their namespaces are those that they declare themselves.
     pub fn items(&self, list: &Element) -> Items<'_> {
-        Items { file: self, elements: Elements::new(self.source.text(), list.left.clone(), None) }
+        let part = list.left.clone();
+        let reader: io::Result<Box<dyn BufRead + '_>> = match &self.source {
+            Origin::Text(source) => {
+                Ok(Box::new(source.text().get(part.clone()).unwrap_or_default().as_bytes()))
+            }
+            Origin::Disk { path, .. } => File::open(path).and_then(|mut file| {
+                file.seek(SeekFrom::Start(part.start as u64))?;
+                Ok(Box::new(BufReader::new(file.take(part.len() as u64))) as Box<dyn BufRead>)
+            }),
+        };
+        Items { file: self, elements: reader.map(|reader| Elements::new(reader, part, None)).map_err(Some) }
     }
 
     fn parse(source: Source, left: Option<&'static str>) -> Result<Self, InputError> {
-        let root =
-            tree(source.text(), left).map_err(|(at, problem)| source.error(at..at + 1, problem.into()))?;
-        Ok(Self { source, root })
+        let elements = Elements::new(Box::new(source.text().as_bytes()), 0..source.text().len(), left);
+        let root = tree(elements).map_err(|(at, problem)| source.error(at..at + 1, problem.into()))?;
+        Ok(Self { source: Origin::Text(source), root })
     }
 
     /// The root element, which must be called `name`.
@@ -139,8 +215,7 @@ impl XmlFile {
 
     /// `file:line` of an element, for remarks.
     pub fn place(&self, element: &Element) -> String {
-        let name = self.source.path().file_name().unwrap_or_default().to_string_lossy().into_owned();
-        format!("{name}:{}", self.source.line(element.span.start))
+        self.source.place(element.span.start)
     }
 
     /// The attribute `name` of `element`, which must be there.
@@ -285,51 +360,53 @@ impl fmt::Display for Element {
     }
 }
 
-/// The root of `text`, its lists called `left` without their items but with where those are; errors with the byte they are
-/// about.
-fn tree(text: &str, left: Option<&'static str>) -> Result<Element, (usize, XmlProblem)> {
-    let mut elements = Elements::new(text, 0..text.len(), left);
+/// The root of `elements`; errors with the byte they are about.
+fn tree(mut elements: Elements<'_>) -> Result<Element, (usize, XmlProblem)> {
     let malformed = |at, reason: &str| Err((at, XmlProblem::Malformed(reason.to_owned())));
     let Some(root) = elements.next()? else { return malformed(0, "there is no element") };
     match elements.next()? {
         None => Ok(root),
-        Some(_) => malformed(text.len(), "there is more than one root element"),
+        Some(_) => malformed(elements.part.end, "there is more than one root element"),
     }
 }
 
 /// Elements that stand one after the other in a part of a file.
 struct Elements<'t> {
-    reader: NsReader<&'t [u8]>,
-    text: &'t str,
-    /// Where the part begins in the file.
-    offset: usize,
+    reader: NsReader<Box<dyn BufRead + 't>>,
+    /// Where the part lies in the file.
+    part: Range<usize>,
     namespaces: Namespaces,
-    /// The items of what is called so are left in the text.
+    /// The items of what is called so are left where they are.
     left: Option<&'static str>,
 }
 
 impl<'t> Elements<'t> {
-    fn new(file: &'t str, part: Range<usize>, left: Option<&'static str>) -> Self {
-        let text = file.get(part.clone()).unwrap_or_default();
-        let namespaces = Namespaces::default();
-        Self { reader: NsReader::from_str(text), text, offset: part.start, namespaces, left }
+    /// Of the `part` of a file that `reader` reads; without the items of lists called `left`, but with where those are.
+    fn new(reader: Box<dyn BufRead + 't>, part: Range<usize>, left: Option<&'static str>) -> Self {
+        Self { reader: NsReader::from_reader(reader), part, namespaces: Namespaces::default(), left }
     }
 
     /// What the reader objects to, and where.
     fn malformed(&self, error: &quick_xml::Error) -> (usize, XmlProblem) {
-        let at = self.offset + position(self.reader.error_position(), self.text);
-        (at, XmlProblem::Malformed(error.to_string()))
+        (self.at(self.reader.error_position()), XmlProblem::Malformed(error.to_string()))
+    }
+
+    /// Where in the file the reader's `offset` is.
+    fn at(&self, offset: u64) -> usize {
+        self.part.start.saturating_add(usize::try_from(offset).unwrap_or(usize::MAX)).min(self.part.end)
     }
 
     /// The next with all that is in it.
     fn next(&mut self) -> Result<Option<Element>, (usize, XmlProblem)> {
         // Elements that have begun and not ended.
         let mut open: Vec<Element> = Vec::new();
+        let (mut buffer, mut skipped) = (Vec::new(), Vec::new());
         loop {
-            let start = self.offset + position(self.reader.buffer_position(), self.text);
+            buffer.clear();
+            let start = self.at(self.reader.buffer_position());
             let malformed = |reason: String| (start, XmlProblem::Malformed(reason));
-            let read = self.reader.read_event().map_err(|error| self.malformed(&error))?;
-            let end = self.offset + position(self.reader.buffer_position(), self.text);
+            let read = self.reader.read_event_into(&mut buffer).map_err(|error| self.malformed(&error))?;
+            let end = self.at(self.reader.buffer_position());
             let empty = matches!(read, Event::Empty(_));
             let ended = match read {
                 Event::Start(tag) | Event::Empty(tag) => {
@@ -338,10 +415,9 @@ impl<'t> Elements<'t> {
                     let mut element = element(&tag, namespace, start..end).map_err(malformed)?;
                     let left = !empty && self.left.is_some_and(|left| left == element.name);
                     if left {
-                        let skipped = self.reader.read_to_end(tag.name());
-                        let span = skipped.map_err(|error| self.malformed(&error))?;
-                        let [from, to] = [span.start, span.end].map(|at| position(at, self.text));
-                        element.left = self.offset + from..self.offset + to;
+                        let span = self.reader.read_to_end_into(tag.name(), &mut skipped);
+                        let span = span.map_err(|error| self.malformed(&error))?;
+                        element.left = self.at(span.start)..self.at(span.end);
                     }
                     if !empty && !left {
                         open.push(element);
@@ -374,10 +450,11 @@ impl<'t> Elements<'t> {
     }
 }
 
-/// The items of a list that [`XmlFile::from_bytes_but`] left in the text, one by one.
+/// The items of a list that [`XmlFile::read_but`] left in the file, one by one.
 pub struct Items<'f> {
     file: &'f XmlFile,
-    elements: Elements<'f>,
+    /// Or why the file cannot be read any more, until it is told.
+    elements: Result<Elements<'f>, Option<io::Error>>,
 }
 
 impl Iterator for Items<'_> {
@@ -385,12 +462,13 @@ impl Iterator for Items<'_> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let source = &self.file.source;
-        self.elements.next().map_err(|(at, problem)| source.error(at..at + 1, problem.into())).transpose()
+        match &mut self.elements {
+            Ok(elements) => {
+                elements.next().map_err(|(at, problem)| source.error(at..at + 1, problem.into())).transpose()
+            }
+            Err(error) => error.take().map(|error| Err(source.error(0..0, unread(&error)))),
+        }
     }
-}
-
-fn position(offset: u64, text: &str) -> usize {
-    usize::try_from(offset).unwrap_or(usize::MAX).min(text.len())
 }
 
 /// Namespaces of a file, each kept once.
@@ -448,7 +526,17 @@ mod tests {
     fn items_left_in_the_text_are_those_of_the_tree() {
         let text = "<m>\n<list n='1'>\n<a b='2'><c/></a><!-- a remark -->\n<d/></list>\n<e/><list/></m>";
         let whole = parse(text).unwrap();
-        let left = XmlFile::from_bytes_but("list", Path::new("a.xml"), text.into()).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("unpacked");
+        let read_but = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            XmlFile::read_but("list", &path, Path::new("a.xml"))
+        };
+        for mark in ["", "\u{feff}"] {
+            let marked = read_but(&format!("{mark}{text}")).unwrap();
+            assert_eq!(marked.items(marked.root("m").unwrap().child("list").unwrap()).count(), 2);
+        }
+        let left = read_but(text).unwrap();
         let (tree, but) = (whole.root("m").unwrap(), left.root("m").unwrap());
         let items: Vec<Element> =
             but.all("list").flat_map(|list| left.items(list)).collect::<Result<_, _>>().unwrap();
@@ -456,11 +544,14 @@ mod tests {
         assert_eq!(items, known);
         assert_eq!((left.place(&items[1]).as_str(), but.all("list").count()), ("a.xml:4", 2));
         assert!(but.all("list").all(|list| list.children().is_empty()) && but.child("e").is_some());
-        let broken =
-            XmlFile::from_bytes_but("list", Path::new("a.xml"), b"<m><list><a b=/></list></m>".to_vec());
-        let broken = broken.unwrap();
+        let broken = read_but("<m>\n<list><a b=/></list></m>").unwrap();
         let list = broken.root("m").unwrap().child("list").unwrap();
-        assert!(broken.items(list).next().unwrap().is_err());
+        let error = broken.items(list).next().unwrap().unwrap_err();
+        assert_eq!((error.line(), error.path.to_str()), (Some(2), Some("a.xml")));
+        std::fs::write(&path, b"<m>\xff</m>").unwrap();
+        let error = XmlFile::read_but("list", &path, Path::new("a.xml")).unwrap_err();
+        assert!(error.to_string().contains("UTF-8"), "{error}");
+        assert!(XmlFile::read_but("list", &folder.path().join("none"), Path::new("a.xml")).is_err());
     }
 
     #[test]
