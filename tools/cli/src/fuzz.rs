@@ -92,7 +92,7 @@ static PANIC: Mutex<String> = Mutex::new(String::new());
 /// A slider's loop, as a table of a laboratory.
 fn table(shift: f64) -> String {
     let (mut text, mut slider) = ("time [s];displacement [mm];Kraft (kN)\n".to_owned(), 0.0);
-    for row in 0..120 {
+    for row in 0..48 {
         let moved = 0.05 * (0.2 * f64::from(row) + shift).sin();
         let force = (3000.0 * (moved - slider)).clamp(-60.0, 60.0);
         slider = moved - force / 3000.0;
