@@ -15,8 +15,8 @@ type Dimension = [i32; 4];
 
 const STANDARD_GRAVITY: f64 = 9.80665;
 
-/// Symbols that take the prefixes below: name, dimension, size in m, kg, s and rad. Lengths, times and angles, and `g` as an
-/// acceleration, take those alone that make them smaller: `Grad` is no thousand million radians, it is German for a degree.
+/// Symbols that take the prefixes below: name, dimension, size in m, kg, s and rad. Lengths, times and angles take none
+/// above kilo, and `g` as an acceleration none above one: `Grad` is no thousand million radians, it is German for a degree.
 const PREFIXED: &[(&str, Dimension, f64)] = &[
     ("m", [1, 0, 0, 0], 1.0),
     ("s", [0, 0, 1, 0], 1.0),
@@ -101,8 +101,9 @@ pub fn unit_factor(unit: &str, quantity: &Quantity) -> Result<f64, UnitError> {
         expected: expected(quantity),
     };
     let (wanted, wanted_size) = parse(quantity.unit, Gram::Mass).map_err(unknown)?;
-    for gram in [Gram::Acceleration, Gram::Mass] {
-        let (dimension, size) = parse(unit, gram).map_err(unknown)?;
+    // What is a unit in neither reading is none.
+    let by_mass = parse(unit, Gram::Mass).map_err(unknown)?;
+    for (dimension, size) in parse(unit, Gram::Acceleration).into_iter().chain([by_mass]) {
         let factor = size / wanted_size;
         if dimension == wanted && factor.is_normal() {
             return Ok(factor);
@@ -194,11 +195,15 @@ fn symbol_size(symbol: &str, gram: Gram) -> Option<(Dimension, f64)> {
     if let Some((_, dimension, size)) = whole {
         return Some((dimension, size));
     }
-    let small = [[1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1], [1, 0, -2, 0]];
+    let largest = |dimension: Dimension| match dimension {
+        [1, 0, 0, 0] | [0, 0, 1, 0] | [0, 0, 0, 1] => 1e3,
+        [1, 0, -2, 0] => 1.0,
+        _ => f64::INFINITY,
+    };
     PREFIXES.iter().find_map(|(prefix, factor)| {
         let rest = symbol.strip_prefix(prefix)?;
         let (_, dimension, size) = prefixed().find(|(name, ..)| *name == rest)?;
-        (*factor < 1.0 || !small.contains(&dimension)).then_some((dimension, factor * size))
+        (*factor <= largest(dimension)).then_some((dimension, factor * size))
     })
 }
 
@@ -293,6 +298,7 @@ mod tests {
             ("m", &v::TIME),
             ("1/s", &v::FREQUENCY),
             ("kg", &v::FORCE),
+            ("kg", &v::ACCELERATION),
             ("s", &v::DAMPING_RATIO),
         ] {
             let error = unit_factor(unit, quantity).unwrap_err();
@@ -303,9 +309,10 @@ mod tests {
 
     #[test]
     fn what_is_no_unit_is_refused() {
-        for unit in
-            ["", " ", "MM", "furlong", "m^", "m^0", "m^99", "m//s", "/s", "^2", "m-", "²", "m\u{0}", "mmm"]
-        {
+        for unit in [
+            "", " ", "MM", "Mm", "Grad", "Gs", "furlong", "m^", "m^0", "m^99", "m//s", "/s", "^2", "m-", "²",
+            "m\u{0}", "mmm",
+        ] {
             let error = unit_factor(unit, &v::DISPLACEMENT).unwrap_err();
             assert!(matches!(error, UnitError::Unknown { .. }), "{unit}: {error}");
         }
