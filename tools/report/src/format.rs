@@ -71,9 +71,10 @@ fn minus(text: &str) -> String {
     text.strip_prefix('-').map_or_else(|| text.to_owned(), |rest| format!("−{rest}"))
 }
 
-/// Significant digits, where nothing asks for more, and at most.
 /// Sizes below, in a unit that fits the values beside them, are rounding.
-const ROUNDING: f64 = 1e-9;
+const ROUNDING: f64 = 1e-6;
+
+/// Significant digits, where nothing asks for more, and at most.
 const DIGITS: i32 = 4;
 const MOST_DIGITS: i32 = 12;
 
@@ -285,6 +286,8 @@ mod tests {
         assert_eq!(scale.label("displacement"), "displacement (µm)");
         assert_eq!(scale.number(12e-6), "12.0");
         assert_eq!(Scale::of([1.0], "Hz").signed(-1e-9), "0.0");
+        // Beside large ones a small number is small, and not zero.
+        assert_eq!(Scale::of([30.5], "N").number(2.5e-4), "0.00025");
         assert_eq!(Scale::of([1.0], "Hz").signed(0.3), "+0.3");
         assert_eq!(Scale::of([], "N").number(f64::NAN), ABSENT);
     }
