@@ -163,11 +163,13 @@ fn guess(words: &str, unit: Option<String>) -> Option<(ChannelName, Option<Strin
         lower.split(|letter: char| !letter.is_alphanumeric()).filter(|token| !token.is_empty()).collect();
     let is_place = |token: &&str| token.strip_prefix('m').is_some_and(|digits| digits.parse::<u32>().is_ok());
     let place = tokens.iter().position(is_place).map(|at| tokens.remove(at).to_owned());
+    let whole = tokens.join("_");
     tokens.retain(|token| !FILLERS.contains(token));
     let phrase = tokens.join("_");
     let suits =
         |name: &ChannelName| unit.as_ref().is_none_or(|unit| unit_factor(unit, name.quantity).is_ok());
-    let names = WORDS.iter().filter(|(_, words)| words.contains(&phrase.as_str()));
+    let names =
+        WORDS.iter().filter(|(_, words)| [&whole, &phrase].iter().any(|text| words.contains(&text.as_str())));
     names
         .filter_map(|(name, _)| ChannelName::parse(name).ok())
         .find(suits)

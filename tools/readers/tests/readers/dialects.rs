@@ -263,6 +263,8 @@ fn labview_and_catman_name_their_columns_in_the_line_that_does() {
         columns: vec![("X_Value".into(), ColumnRule::of("time [s]"))],
         ..ImportOptions::default()
     };
+    let said = import(labview.clone()).unwrap_err();
+    assert!(said.contains("`X_Value [s]`"), "{said}");
     let imported = import_with(labview, &options).unwrap();
     assert_eq!(imported.records[0].channel("displacement").unwrap().values, [0.1e-3, 0.2e-3, 0.3e-3]);
     assert_eq!(imported.records[0].channel("force").unwrap().values, [2.0, 3.0, 4.0]);
