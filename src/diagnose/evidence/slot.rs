@@ -40,7 +40,7 @@ impl<'d> Slot<'d> {
         let between = |p: &crate::fit::Parameter| Coordinate::between(p.lower, p.upper);
         self.own = parameters.iter().map(between).collect();
         if !parameters.is_empty() {
-            let settled = self.shown.settle_from(model, &parameters, measured, weights);
+            let settled = self.shown.settle_from(model, &parameters, measured, weights, None);
             self.own_start = self.own.iter().zip(&settled).map(|(c, v)| c.of(*v)).collect();
         }
         Ok(())

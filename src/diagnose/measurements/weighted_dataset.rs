@@ -151,7 +151,7 @@ impl<'d> WeightedDataset<'d> {
             // A rough look needs no settled start.
             Some(Seed::LinearisedAtMeasurement) => nuisances.iter().map(|nuisance| nuisance.start).collect(),
             _ if nuisances.is_empty() => Vec::new(),
-            _ => shown.settle_from(model, &nuisances, &lane.measured, &lane.scales),
+            _ => shown.settle_from(model, &nuisances, &lane.measured, &lane.scales, None),
         };
         let mut predictions = Vec::new();
         shown.predict(model, &settled, &mut predictions)?;

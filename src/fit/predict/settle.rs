@@ -43,7 +43,7 @@ impl ObservedSimulation<'_> {
             [alone] => Cow::Borrowed(alone.values.as_slice()),
             _ => channels.iter().flat_map(|channel| channel.values.iter().copied()).collect(),
         };
-        let settled = self.settled(model, &nuisances, (&measured, &weights), interrupt);
+        let settled = self.settle_from(model, &nuisances, &measured, &weights, interrupt);
         if asked() { Err(INTERRUPTED.to_owned()) } else { Ok(settled) }
     }
 
@@ -54,15 +54,6 @@ impl ObservedSimulation<'_> {
         nuisances: &[Parameter],
         measured: &[f64],
         weights: &[f64],
-    ) -> Vec<f64> {
-        self.settled(model, nuisances, (measured, weights), None)
-    }
-
-    fn settled(
-        &mut self,
-        model: &Model,
-        nuisances: &[Parameter],
-        (measured, weights): (&[f64], &[f64]),
         interrupt: Option<InterruptHook>,
     ) -> Vec<f64> {
         let coordinates: Vec<Coordinate> =

@@ -94,7 +94,7 @@ fn structures_from_rest_are_not_named() {
     }
 }
 
-/// Some starts look like a response to the excitation: of the others nearly all are named.
+/// Some starts look like a response to the excitation: of all of them two thirds are named.
 #[test]
 fn structures_that_were_moving_are_named() {
     let (mut tried, mut missed) = (0, Vec::new());

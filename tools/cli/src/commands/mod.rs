@@ -278,7 +278,7 @@ fn refitted(name: &str, model: &Model, dataset: &Dataset) -> Result<Option<Refit
         Ok(done) => Some(done),
     };
     if progress::interrupted() {
-        // What is left is to write what there is, of long records by far the most.
+        // There are only results to be written now, which of long records takes the most time.
         progress::begin_to_write();
     }
     match &done {
