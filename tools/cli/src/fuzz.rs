@@ -23,11 +23,10 @@ const COMMANDS: [&str; 10] =
 const CONTACT: &str = r#"schema = "stickslip.model/1"
 kind = "contact"
 [contact]
-law = "valanis"
+law = "jenkins"
 tangential_stiffness = 2.0e6
 friction_coefficient = 0.5
 normal_load = 100.0
-smoothness = 0.3
 residual_stiffness = 1e4
 [[effect]]
 id = "backlash"
@@ -146,14 +145,16 @@ fn numbers(data: &[u8]) -> Vec<std::ops::Range<usize>> {
 
 /// The command line of `command`, and the file that is changed for it.
 fn words(command: &str, lone: &str, chance: &mut Rng) -> (Vec<String>, String) {
-    let model = |chance: &mut Rng| ["model.toml", "oscillator.toml"][chance.usize(..2)];
-    let measured = ["model.toml", "data/dataset.toml", "data/loop.csv", "data/loop-2.csv"];
+    let model = |chance: &mut Rng| ["model.toml", "curved.toml", "oscillator.toml"][chance.usize(..3)];
+    // A curved law costs several times as much as a slider, and its file is read by the same lines.
+    let contact = if chance.u8(0..8) == 0 { "curved.toml" } else { "model.toml" };
+    let measured = [contact, "data/dataset.toml", "data/loop.csv", "data/loop-2.csv"];
     let changed = measured[chance.usize(..measured.len())];
     let (line, changed) = match command {
         "import" => (format!("import {lone} -o imported"), lone),
-        "lone" => (format!("compare model.toml {lone} --no-fit"), lone),
+        "lone" => (format!("compare {contact} {lone} --no-fit"), lone),
         "check" => match chance.bool() {
-            true => ("check model.toml data --json out.json".to_owned(), changed),
+            true => (format!("check {contact} data --json out.json"), changed),
             false => {
                 let model = model(chance);
                 (format!("check {model} --json out.json"), model)
@@ -169,22 +170,19 @@ fn words(command: &str, lone: &str, chance: &mut Rng) -> (Vec<String>, String) {
         }
         "decide" => {
             let changed =
-                ["model.toml", "four/dataset.toml", "four/loop.csv", "four/loop-3.csv"][chance.usize(..4)];
+                [contact, "four/dataset.toml", "four/loop.csv", "four/loop-3.csv"][chance.usize(..4)];
             (
-                "diagnose model.toml four --effects backlash,wear --json out.json --report out.html"
-                    .to_owned(),
+                format!("diagnose {contact} four --effects backlash,wear --json out.json --report out.html"),
                 changed,
             )
         }
-        "compare" => {
-            ("compare model.toml data --json out.json --report out.html --csv out".to_owned(), changed)
-        }
+        "compare" => (format!("compare {contact} data --json out.json --report out.html --csv out"), changed),
         "add" => {
             let effect = ["backlash", "wear", "contact_damping"][chance.usize(..3)];
-            (format!("add model.toml {effect} --fit data -o new.toml"), changed)
+            (format!("add {contact} {effect} --fit data -o new.toml"), changed)
         }
         _ => (
-            "diagnose model.toml data --effects backlash,wear --max-effects 1 --json out.json".to_owned(),
+            format!("diagnose {contact} data --effects backlash,wear --max-effects 1 --json out.json"),
             changed,
         ),
     };
@@ -233,6 +231,7 @@ fn prepare(folder: &Path, texts: &BTreeMap<String, Vec<u8>>, changed: &str, chan
 fn inputs() -> BTreeMap<String, Vec<u8>> {
     let mut texts: BTreeMap<String, Vec<u8>> = [
         ("model.toml", CONTACT.to_owned()),
+        ("curved.toml", CONTACT.replace("\"jenkins\"", "\"valanis\"\nsmoothness = 0.3")),
         ("oscillator.toml", OSCILLATOR.to_owned()),
         ("data/dataset.toml", DATASET.to_owned()),
         ("data/loop.csv", table(0.0)),
