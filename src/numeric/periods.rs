@@ -27,9 +27,11 @@ pub fn whole_periods(samples: &[f64]) -> Option<usize> {
     let strongest = sizes[1..].iter().copied().fold(0.0, f64::max);
     let floor = (ABOVE_NOISE * median(&sizes[1..])).max(FRACTION_OF_STRONGEST * strongest);
     let stands_out = |line: &usize| {
-        let around = lines_around(&sizes, *line, |other| other != *line);
-        let noise = MEDIAN_OVER_QUARTILE * quantile(&around, 4);
-        sizes[*line] > floor.max(ABOVE_NOISE * noise)
+        let above_noise = || {
+            let around = lines_around(&sizes, *line, |other| other != *line);
+            sizes[*line] > ABOVE_NOISE * MEDIAN_OVER_QUARTILE * quantile(&around, 4)
+        };
+        sizes[*line] > floor && above_noise()
     };
     match (1..sizes.len()).filter(stands_out).fold(0, greatest_common_divisor) {
         0 => None,

@@ -120,7 +120,11 @@ pub fn refit(name: &str, model: &Model, dataset: &Dataset, watch: Watch) -> Resu
     if free.is_empty() {
         return Err(RefitError::NothingFree);
     }
-    let Predicted { records: fitted, values: count, skipped } = predicted(model, fitted(dataset))?;
+    let found = predicted(model, fitted(dataset), watch.interrupt);
+    if watch.interrupt.is_some_and(|interrupted| interrupted()) {
+        return Err(FitError::Interrupted.into());
+    }
+    let Predicted { records: fitted, values: count, skipped } = found?;
     let with = |values: &[f64]| -> Result<Model, String> {
         let mut trial = model.clone();
         let pairs: Vec<_> =
@@ -186,11 +190,15 @@ struct Predicted<'d> {
 }
 
 /// Those of `records` that `model` predicts as it stands: at least one.
-fn predicted<'d>(model: &Model, records: Vec<&'d Record>) -> Result<Predicted<'d>, RefitError> {
+fn predicted<'d>(
+    model: &Model,
+    records: Vec<&'d Record>,
+    interrupt: Option<InterruptHook>,
+) -> Result<Predicted<'d>, RefitError> {
     let mut found = Predicted { records: Vec::new(), values: 0, skipped: Vec::new() };
     let tried = |record| {
         let residual = RecordResidual::new(model, record)?;
-        residual.write(model, None, &mut Vec::new()).map(|()| residual)
+        residual.write(model, interrupt, &mut Vec::new()).map(|()| residual)
     };
     let all: Vec<Result<RecordResidual, String>> = records.par_iter().map(|record| tried(record)).collect();
     for (record, tried) in records.iter().zip(all) {

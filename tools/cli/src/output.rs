@@ -81,6 +81,14 @@ impl Outputs {
         self.files.push((path.to_owned(), bytes.into()));
     }
 
+    /// As [`Self::write`], of the results, before what is made of them and takes longer: reports and tables, which an interrupt
+    /// does not wait for.
+    pub fn write_results(&mut self) -> Result<Vec<PathBuf>, Failure> {
+        let written = std::mem::take(self).write();
+        progress::results_are_written();
+        written
+    }
+
     /// Writes every file to a temporary neighbour first and renames them only when all are complete.
     /// Returns the paths.
     pub fn write(self) -> Result<Vec<PathBuf>, Failure> {

@@ -15,8 +15,10 @@ fn flag() -> &'static AtomicBool {
 
 /// Whether there are results already, which are to be kept.
 static RESULTS: AtomicBool = AtomicBool::new(false);
-/// Whether results are being written.
+/// Whether files are being written.
 static WRITING: AtomicBool = AtomicBool::new(false);
+/// Whether the results are written, and only what is made of them is missing.
+static WRITTEN: AtomicBool = AtomicBool::new(false);
 
 /// Work that has no results yet is left so long after an interrupt.
 const NOTICE: Duration = Duration::from_millis(800);
@@ -36,7 +38,10 @@ pub fn catch_interrupts() {
         std::thread::spawn(|| {
             std::thread::sleep(NOTICE);
             leave_unless(RESULTS.load(Ordering::SeqCst));
-            std::thread::sleep(PATIENCE - NOTICE);
+            for _ in 0..(PATIENCE - NOTICE).as_millis() / LOOK.as_millis() {
+                std::thread::sleep(LOOK);
+                leave_unless(true);
+            }
             tell!(
                 "note: interrupted; still waiting for a calculation or an FMU to come back; Ctrl-C again ends at once, \
                  without results"
@@ -47,13 +52,19 @@ pub fn catch_interrupts() {
     });
 }
 
-/// Ends the program without results, unless it is `on_its_way` to its end or writes them.
+/// Ends the program unless it is `on_its_way` to its results or writes files.
 fn leave_unless(on_its_way: bool) {
-    if !on_its_way && !WRITING.load(Ordering::SeqCst) {
-        tell!("interrupted in the middle of a calculation: there are no results");
-        stickslip_readers::archive::remove_unpacked();
-        std::process::exit(130);
+    let written = WRITTEN.load(Ordering::SeqCst);
+    if on_its_way && !written || WRITING.load(Ordering::SeqCst) {
+        return;
     }
+    if written {
+        tell!("note: interrupted: these are the results so far; their report and tables are not written");
+    } else {
+        tell!("interrupted in the middle of a calculation: there are no results");
+    }
+    stickslip_readers::archive::remove_unpacked();
+    std::process::exit(130);
 }
 
 #[cfg(unix)]
@@ -101,6 +112,12 @@ pub fn interrupted_after_a_step() -> bool {
 /// From here on an interrupt waits: results are being written, whole or not at all.
 pub fn begin_to_write() {
     WRITING.store(true, Ordering::SeqCst);
+}
+
+/// From here on only what is made of written results is missing, which an interrupt does not wait for.
+pub fn results_are_written() {
+    WRITTEN.store(true, Ordering::SeqCst);
+    WRITING.store(false, Ordering::SeqCst);
 }
 
 /// Between two looks at whether work is done.

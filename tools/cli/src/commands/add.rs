@@ -11,7 +11,7 @@ use stickslip_report::diagnosis::added_json;
 use super::diagnose::{effect, failed, watched};
 use super::{
     Measured, check_destinations, checked, colored, dataset_file, list, read_measured, read_model, settings,
-    tables, title_of, unused, written_soon,
+    tables, title_of, unused,
 };
 use crate::output::{Outputs, say};
 use crate::{Failure, LoneFile, ResultFiles, progress};
@@ -76,29 +76,29 @@ impl Add {
 
         let findings = checked(&model, &dataset);
         notes.extend(unused(&model, &dataset));
+        let noise = noise_of(&model, &dataset);
         let done = watched(|watch| add(&model, effect, location.clone(), &dataset, watch)).map_err(failed)?;
         if progress::interrupted() {
             tell!("note: interrupted; these are the results so far");
         }
-        let (wanted, csv) = written_soon(&self.files, self.csv.clone(), &dataset);
         let data = title_of(&dataset, &self.fit);
         let title = format!("{} added: {data}", effect.title);
-        let noise = noise_of(&model, &dataset);
         let comparison =
             Comparison { title, records: dataset.records, ring_downs, findings, notes, stages: done.stages };
         say(&stickslip_report::terminal_table(&comparison, &noise, 80, colored()))?;
         let mut outputs = Outputs::default();
-        tables::add(csv.as_deref(), &comparison, &mut outputs)?;
         outputs.add(&self.out, done.model.to_toml());
-        if let Some(path) = &wanted.json {
+        if let Some(path) = &self.files.json {
             let place = location.as_ref().map(ToString::to_string);
             let json = stickslip_report::json(&comparison, &noise);
             let out = self.out.display().to_string();
             outputs.add(path, format!("{:#}\n", added_json(id, place.as_deref(), &out, &json)));
         }
-        if let Some(path) = &wanted.report {
+        list(&outputs.write_results()?)?;
+        if let Some(path) = &self.files.report {
             outputs.add(path, stickslip_report::html(&comparison, &noise, &settings));
         }
+        tables::add(folder, &comparison, &mut outputs)?;
         list(&outputs.write()?)
     }
 }

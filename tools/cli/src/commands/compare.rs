@@ -7,7 +7,7 @@ use stickslip::model::Model;
 
 use super::{
     Measured, check_destinations, checked, colored, dataset_file, list, present, read_measured, read_model,
-    refitted, settings, tables, title_of, unused, written_soon,
+    refitted, settings, tables, title_of, unused,
 };
 use crate::output::{Outputs, say};
 use crate::{Failure, LoneFile, ResultFiles};
@@ -50,6 +50,7 @@ impl Compare {
         tables::check(&self.files, &self.out, folder, tables::compared(folder, &dataset.records), &read)?;
         notes.extend(unused(&model, &dataset));
         let findings = checked(&model, &dataset);
+        let noise = noise_of(&model, &dataset);
         let baseline = evaluate("baseline", &model, &dataset);
         let mut stages = vec![baseline];
         let mut outputs = Outputs::default();
@@ -61,13 +62,11 @@ impl Compare {
                 outputs.add(path, done.model.to_toml());
             }
         }
-        let (files, csv) = written_soon(&self.files, self.csv.clone(), &dataset);
         let title = title_of(&dataset, &self.dataset);
         let settings = settings(&read.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
-        let noise = noise_of(&model, &dataset);
         let comparison = Comparison { title, records: dataset.records, ring_downs, findings, notes, stages };
-        present(&comparison, &noise, &[], &settings, &files, &mut outputs)?;
-        tables::add(csv.as_deref(), &comparison, &mut outputs)?;
+        present(&comparison, &noise, &[], &settings, &self.files, &mut outputs)?;
+        tables::add(folder, &comparison, &mut outputs)?;
         if self.harmonics {
             say(&stickslip_report::harmonic_text(&comparison, 80, colored()))?;
         }

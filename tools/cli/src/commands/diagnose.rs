@@ -13,7 +13,7 @@ use stickslip_report::diagnosis::{Run, diagnosis_html, diagnosis_json, diagnosis
 
 use super::{
     Measured, check_destinations, checked, dataset_file, list, read_measured, read_model, settings, tables,
-    unused, written_soon,
+    unused,
 };
 use crate::output::{Outputs, say};
 use crate::{Failure, LoneFile, ResultFiles, progress};
@@ -81,7 +81,6 @@ impl Diagnose {
         let mut diagnosis = watched(|watch| diagnose(&model, &dataset, &options, watch)).map_err(failed)?;
         notes.extend(unused(&model, &dataset));
         diagnosis.comparison.notes = notes;
-        let (wanted, csv) = written_soon(&self.files, self.csv.clone(), &dataset);
         let mut outputs = Outputs::default();
         let run = Run {
             model: self.model.display().to_string(),
@@ -92,13 +91,14 @@ impl Diagnose {
             interrupted: progress::interrupted(),
         };
         say(&diagnosis_table(&diagnosis, &run, 80, super::colored()))?;
-        if let Some(path) = &wanted.json {
+        if let Some(path) = &self.files.json {
             outputs.add(path, format!("{:#}\n", diagnosis_json(&diagnosis, &run)));
         }
-        if let Some(path) = &wanted.report {
+        list(&outputs.write_results()?)?;
+        if let Some(path) = &self.files.report {
             outputs.add(path, diagnosis_html(&diagnosis, &run, &settings));
         }
-        tables::add(csv.as_deref(), &diagnosis.comparison, &mut outputs)?;
+        tables::add(folder, &diagnosis.comparison, &mut outputs)?;
         list(&outputs.write()?)?;
         Ok(diagnosis.exit_code())
     }

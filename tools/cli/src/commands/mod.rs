@@ -132,7 +132,8 @@ fn shown(error: stickslip_readers::InputError) -> Failure {
     Failure::rendered(error.render(errors_are_colored()))
 }
 
-/// Prints the comparison and puts the asked-for files among `outputs`, the page with `more` sections.
+/// Prints the comparison, writes its JSON and what is among `outputs` already, and puts the page with `more` sections, which takes
+/// longer, among them.
 fn present(
     comparison: &Comparison,
     noise: &[Noise],
@@ -147,6 +148,7 @@ fn present(
             .map_err(|error| Failure::other(error.to_string()))?;
         outputs.add(path, text + "\n");
     }
+    list(&outputs.write_results()?)?;
     if let Some(path) = &files.report {
         outputs.add(path, stickslip_report::html_with(comparison, noise, more, settings));
     }
@@ -239,26 +241,6 @@ fn dataset_files(path: &Path, dataset: &Dataset) -> Vec<PathBuf> {
     files
 }
 
-/// Samples beyond which report and tables take longer to write than one waits for after an interrupt.
-const LONG: usize = 200_000;
-
-/// Of an interrupted run with long records no report and no tables are written, which is told: the model and the JSON hold what
-/// was found, and the others can be made of them.
-fn written_soon(
-    files: &ResultFiles,
-    csv: Option<PathBuf>,
-    dataset: &Dataset,
-) -> (ResultFiles, Option<PathBuf>) {
-    let samples: usize = dataset.records.iter().map(Record::len).sum();
-    if !progress::interrupted() || samples <= LONG || files.report.is_none() && csv.is_none() {
-        return (files.clone(), csv);
-    }
-    tell!(
-        "note: interrupted: the report and the tables of {samples} samples are not written; `stickslip compare NEW.toml DATASET --no-fit` makes them"
-    );
-    (ResultFiles { report: None, ..files.clone() }, None)
-}
-
 /// Says what was written.
 fn list(written: &[PathBuf]) -> Result<(), Failure> {
     written.iter().try_for_each(|path| say(&format!("wrote {}\n", path.display())))
@@ -267,6 +249,9 @@ fn list(written: &[PathBuf]) -> Result<(), Failure> {
 /// Refits `model` as the stage `name`; what a reader must know of the fit is among its notes. `None` when it was
 /// interrupted before it had improved the model.
 fn refitted(name: &str, model: &Model, dataset: &Dataset) -> Result<Option<Refit>, Failure> {
+    if progress::interrupted() {
+        return Ok(None);
+    }
     // Those of the model as it was.
     progress::results_exist();
     let done = match watched(name, |watch| refit(name, model, dataset, watch)) {
@@ -277,10 +262,6 @@ fn refitted(name: &str, model: &Model, dataset: &Dataset) -> Result<Option<Refit
         Err(error) => return Err(Failure::other(format!("{name}: {error}"))),
         Ok(done) => Some(done),
     };
-    if progress::interrupted() {
-        // There are only results to be written now, which of long records takes the most time.
-        progress::begin_to_write();
-    }
     match &done {
         None => tell!("note: {name}: interrupted before the first result"),
         Some(_) if progress::interrupted() => {
