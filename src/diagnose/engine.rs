@@ -204,7 +204,11 @@ fn base(
     bench.reseed(&first.model, solutions);
     let through = inputs::through(&first.model, bench);
     let whole = evidence::again(&Measured::new(bench, records, measured, &through), &first);
-    let whole = whole.map_err(|reason| unpredictable(bench, &first.model, reason))?;
+    // Where the response is lost on the way, the first look is what there is.
+    let whole = match whole {
+        Err(_) if bench.interrupted() => return Err(RefitError::Fit(FitError::Interrupted).into()),
+        whole => whole.unwrap_or_else(|_| first.clone()),
+    };
     Ok(Base { first, whole, through })
 }
 

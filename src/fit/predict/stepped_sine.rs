@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::channels::{derivative_order, position};
 use super::observed_system::observed_system;
-use super::simulation::Simulation;
+use super::simulation::{Simulation, WRONG_BRANCH};
 use super::stepper::excitation::mass_of;
 use crate::data::{Channel, Record};
 use crate::harmonic::{Assembly, Control, CurveSettings, HarmonicError, Point, periodic_response};
@@ -13,8 +13,6 @@ use crate::model::{Model, Structure};
 /// Harmonics of the response: its first needs few.
 const HARMONICS: usize = 11;
 const TOLERANCE: f64 = 1e-9;
-/// Fraction of the motion above which a response may be another of several than the measured.
-const WRONG_BRANCH: f64 = 0.2;
 
 /// Predictions of a table's amplitudes, one column per sensor, and phases.
 pub(super) struct SteppedSine<'r> {

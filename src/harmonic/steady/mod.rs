@@ -29,7 +29,7 @@ const GOOD_STEP: f64 = 0.9;
 /// most, the others up to 5000 times, and under the forces there a single evaluation takes as long as ten solutions.
 const REACH: f64 = 20.0;
 /// Damped steps from a start that is not near enough for the factors, and from nothing.
-const NEAR_ITERATIONS: usize = 12;
+const NEAR_ITERATIONS: usize = 40;
 const FAR_ITERATIONS: usize = 25;
 /// Points of a path from a weak excitation or a neighbouring frequency, and the longest step on it as a fraction of the way.
 const MOST_POINTS: usize = 60;

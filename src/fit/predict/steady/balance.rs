@@ -1,7 +1,8 @@
 //! A beam in a steady state under a measured periodic excitation, by harmonic balance.
 
-use super::harmonics::{RecordHarmonics, WRONG_BRANCH};
+use super::harmonics::RecordHarmonics;
 use crate::data::{Channel, Record};
+use crate::fit::predict::simulation::WRONG_BRANCH;
 use crate::harmonic::steady::linearised::Linearised;
 use crate::harmonic::steady::{Start, Steady, SteadyProblem};
 use crate::harmonic::{Assembly, HarmonicError};

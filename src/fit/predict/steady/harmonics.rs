@@ -12,9 +12,6 @@ use crate::fit::predict::channels::derivative_order;
 use crate::numeric::common_periods;
 use crate::numeric::fourier::{self, time_derivative};
 
-/// Root-mean-square fraction of the motion above which a prediction may be another of several responses than the measured.
-pub(super) const WRONG_BRANCH: f64 = 0.2;
-
 /// A steady record.
 pub(super) struct RecordHarmonics {
     /// Fundamental (rad/s).

@@ -1,8 +1,9 @@
 //! An oscillator in a steady state under a measured periodic force on one mass, by harmonic balance.
 
-use super::harmonics::{RecordHarmonics, WRONG_BRANCH};
+use super::harmonics::RecordHarmonics;
 use crate::data::{Channel, Record};
 use crate::fit::predict::observed_system::observed_assembly;
+use crate::fit::predict::simulation::WRONG_BRANCH;
 use crate::fit::predict::stepper::excitation::mass_of;
 use crate::harmonic::{Assembly, Control, CurveSettings, HarmonicError, Point, periodic_response};
 use crate::model::{Model, Structure};
