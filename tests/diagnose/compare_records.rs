@@ -202,7 +202,7 @@ fn an_interrupted_refit_keeps_the_best_so_far() {
     let data = dataset(vec![measured_loop(0.0, 1, Regime::FromRest)]);
     let before = evaluate("", &start, &data).error;
     let calls = std::sync::atomic::AtomicUsize::new(0);
-    let interrupt = || calls.fetch_add(1, std::sync::atomic::Ordering::SeqCst) >= 8;
+    let interrupt = || calls.fetch_add(1, std::sync::atomic::Ordering::SeqCst) >= 12;
     let watch = Watch { interrupt: Some(&interrupt), ..Watch::default() };
     let Refit { stage, ending, .. } = refit("", &start, &data, watch).unwrap();
     assert_eq!(ending, Ending::Interrupted);
