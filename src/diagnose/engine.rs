@@ -148,7 +148,7 @@ fn diagnosis(
     }
     let (tried, untried) = candidates::tried(model, &bench, options.effects.as_deref());
     progress.expect(1 + tried.len());
-    let Base { first, whole: base, through } = base(&mut bench, model, &parts.seen(), &measured)?;
+    let Base { first, whole: base, lost, through } = base(&mut bench, model, &parts.seen(), &measured)?;
     let seen = parts.seen();
     let training = Fitted { records: &seen, noise: &measured, through: &through };
     let data = training.of(&bench);
@@ -169,6 +169,7 @@ fn diagnosis(
         verdict::of(&context, &weighed, decision, [&test, &all], (baseline, measured, untried));
     let reasons = &mut diagnosis.reasons;
     reasons.extend(split::copies(dataset));
+    reasons.extend(lost);
     if let Some(only) = &options.effects {
         let only = only.join(", ");
         reasons.push(format!("only {only} was tried: the result says nothing of the other effects"));
@@ -184,6 +185,8 @@ struct Base {
     /// As if the residual were white.
     first: Posterior,
     whole: Posterior,
+    /// Why `whole` is no more than a first look, if it is.
+    lost: Option<String>,
     /// What the noise of the inputs makes of every record's channels.
     through: Vec<Vec<f64>>,
 }
@@ -204,12 +207,16 @@ fn base(
     bench.reseed(&first.model, solutions);
     let through = inputs::through(&first.model, bench);
     let whole = evidence::again(&Measured::new(bench, records, measured, &through), &first);
-    // Where the response is lost on the way, the first look is what there is.
-    let whole = match whole {
-        Err(_) if bench.interrupted() => return Err(RefitError::Fit(FitError::Interrupted).into()),
-        whole => whole.unwrap_or_else(|_| first.clone()),
+    let (whole, lost) = match whole {
+        Ok(whole) => (whole, None),
+        Err(reason) if bench.interrupted() => return Err(unpredictable(bench, &first.model, reason)),
+        // Where the response is lost on the way, the first look is what there is.
+        Err(reason) => (
+            first.clone(),
+            Some(format!("the model as it is was only looked at, not fitted in full: {reason}")),
+        ),
     };
-    Ok(Base { first, whole, through })
+    Ok(Base { first, whole, lost, through })
 }
 
 /// The bench and the magnitudes, or why the model cannot be refitted to the dataset.
@@ -320,7 +327,7 @@ fn added(
     let progress = Progress { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(2) };
     let measured = noise_of(model, dataset);
     let mut bench = bench;
-    let Base { whole: base, through, .. } = base(&mut bench, model, &fit, &measured)?;
+    let Base { whole: base, lost, through, .. } = base(&mut bench, model, &fit, &measured)?;
     progress.tell("refitted");
     let forms = Candidate::forms(effect, location.as_ref(), model);
     let training = Fitted { records: &fit, noise: &measured, through: &through };
@@ -331,6 +338,7 @@ fn added(
     progress.tell(effect.id);
     let mut stages = vec![before];
     stages.push(stage("refitted", &base, model, dataset, &bench));
+    stages[1].notes.extend(lost);
     let law = |model: &Model| model.contact.map(|contact| contact.law.kind);
     let name = match law(&with.model) {
         Some(other) if law(model) != Some(other) => format!("{} (law {})", effect.id, other.name),

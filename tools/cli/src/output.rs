@@ -84,9 +84,9 @@ impl Outputs {
     /// As [`Self::write`], of the results, before what is made of them and takes longer: reports and tables, which an interrupt
     /// does not wait for.
     pub fn write_results(&mut self) -> Result<Vec<PathBuf>, Failure> {
-        let written = std::mem::take(self).write();
+        let written = std::mem::take(self).write()?;
         progress::results_are_written();
-        written
+        Ok(written)
     }
 
     /// Writes every file to a temporary neighbour first and renames them only when all are complete.

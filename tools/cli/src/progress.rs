@@ -38,18 +38,24 @@ pub fn catch_interrupts() {
         std::thread::spawn(|| {
             std::thread::sleep(NOTICE);
             leave_unless(RESULTS.load(Ordering::SeqCst));
-            for _ in 0..(PATIENCE - NOTICE).as_millis() / LOOK.as_millis() {
-                std::thread::sleep(LOOK);
-                leave_unless(true);
-            }
+            leave_when_written(PATIENCE - NOTICE);
             tell!(
                 "note: interrupted; still waiting for a calculation or an FMU to come back; Ctrl-C again ends at once, \
                  without results"
             );
-            std::thread::sleep(LONGEST - PATIENCE);
+            leave_when_written(LONGEST - PATIENCE);
             leave_unless(false);
         });
     });
+}
+
+/// For so long, ends the program as soon as its results are written.
+fn leave_when_written(within: Duration) {
+    let begin = Instant::now();
+    while begin.elapsed() < within {
+        std::thread::sleep(LOOK);
+        leave_unless(true);
+    }
 }
 
 /// Ends the program unless it is `on_its_way` to its results or writes files.

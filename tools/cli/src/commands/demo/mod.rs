@@ -104,7 +104,6 @@ impl Demo {
             json: Some(self.out.join("comparison.json")),
             report: Some(self.out.join("report.html")),
         };
-        present(&comparison, &noise, &sections, &settings, &files, &mut outputs)?;
         let exported = unseen.as_ref().map(|unseen| ("IdentifiedSupport", &unseen.model));
         for (name, model) in [("FrictionalSupport", &models[best])].into_iter().chain(exported) {
             let fmu = stickslip_fmu_package::write_fmu(name, &model.to_toml())
@@ -112,6 +111,7 @@ impl Demo {
             outputs.add(&self.out.join(format!("{name}.toml")), model.to_toml());
             outputs.add(&self.out.join(format!("{name}.fmu")), fmu);
         }
+        present(&comparison, &noise, &sections, &settings, &files, &mut outputs)?;
         say(&format!("\n{summary}\n{}\n", unseen.map_or(String::new(), |unseen| unseen.summary)))?;
         super::list(&outputs.write()?)
     }
