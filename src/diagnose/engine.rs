@@ -216,7 +216,10 @@ fn base(
             Some(format!("the model as it is was only looked at, not fitted in full: {reason}")),
         ),
     };
-    Ok(Base { first, whole, lost, through })
+    let freed = evidence::freed(&Measured::new(bench, records, measured, &through), &whole);
+    let Some(freed) = freed else { return Ok(Base { first, whole, lost, through }) };
+    bench.reseed(&freed.model, Vec::new());
+    Ok(Base { first, whole: freed, lost: None, through })
 }
 
 /// The bench and the magnitudes, or why the model cannot be refitted to the dataset.

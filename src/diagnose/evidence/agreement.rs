@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::again;
 use super::measured::Measured;
 use super::posterior::{Posterior, Start, screen};
+use super::{again, doubt};
 use crate::diagnose::diagnosis::Agreement;
 
 /// Multiples of what was found, of the model's own parameters from those given and of what effects brought, that other fits
@@ -25,6 +25,17 @@ pub(super) fn agreement(data: &Measured, posterior: &Posterior) -> (Posterior, A
     let told = better.unwrap_or_else(|| posterior.clone());
     let agreeing = ends.iter().filter(|end| is_same(data, &end.predictions, &told.predictions)).count();
     (told, Agreement { starts: ends.len(), agreeing })
+}
+
+/// A better fit than `of`, which lacks something, from elsewhere, where motions are solved for: a response that jumps as a
+/// record begins to slip ends a fit where it cannot be followed.
+pub(in crate::diagnose) fn freed(data: &Measured, of: &Posterior) -> Option<Posterior> {
+    let solved = data.records.iter().any(|record| data.bench.lanes[*record].seed.is_some());
+    if !solved || doubt(data, of).is_ok_and(|doubt| doubt < 0.0) {
+        return None;
+    }
+    let (found, _) = agreement(data, of);
+    (found.log_evidence > of.log_evidence).then_some(found)
 }
 
 /// Where a fit from `multiples` of `posterior` ends.
@@ -52,6 +63,61 @@ mod tests {
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
     use crate::fit::predict::predict;
     use crate::model::Model;
+
+    /// A beam at three levels with a little noise, the support within what it yields at and beyond.
+    fn steady(truth: &Model) -> Dataset {
+        const SAMPLES: usize = 96;
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let mut noise = fastrand::Rng::with_seed(7);
+        let mut record = |amplitude: f64| {
+            let time: Vec<f64> = (0..SAMPLES).map(|k| k as f64 / (SAMPLES as f64 * 55.0)).collect();
+            let cosine = |t: &f64| amplitude * (std::f64::consts::TAU * 55.0 * t).cos();
+            let force = time.iter().map(cosine).collect();
+            let channels = vec![
+                channel("time", "s", time),
+                channel("excitation", "N", force),
+                channel("acceleration:x=0.55", "m/s^2", (0..SAMPLES).map(|k| k as f64).collect()),
+            ];
+            let name = amplitude.to_string();
+            let mut record = Record { name, regime: Regime::Steady, use_for: None, channels };
+            let motion = predict(truth, &record).unwrap()[0].values.clone();
+            let size = 0.01 * motion.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            record.channels[2].values = motion.iter().map(|x| x + size * (noise.f64() - 0.5)).collect();
+            record
+        };
+        Dataset { title: None, records: [1.0, 6.0, 15.0].map(&mut record).to_vec() }
+    }
+
+    #[test]
+    fn a_base_that_stuck_is_freed_where_motions_are_solved_for() {
+        let text = |modulus: f64, friction: f64| {
+            format!(
+                "schema = \"stickslip.model/1\"\nkind = \"beam\"\nsupport = {{ offset = 0.006 }}\n\
+                 excitation = {{ position = 0.55 }}\n[contact]\nlaw = \"jenkins\"\ntangential_stiffness = 7e6\n\
+                 friction_coefficient = {friction}\nnormal_load = 150.0\n[beam]\nlength = 0.6\nwidth = 0.04\n\
+                 thickness = 0.005\ndensity = 7850.0\nyoungs_modulus = {modulus}\nmodes = 3\n\
+                 damping_ratio = 0.004\n"
+            )
+        };
+        let [truth, given] =
+            [text(1.94e11, 0.4), text(1.95e11, 0.42)].map(|text| Model::parse(&text).unwrap());
+        let dataset = steady(&truth);
+        let bench = WeightedDataset::new(&given, &dataset, Assumptions::default(), None).unwrap();
+        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
+        let found = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
+        assert!(freed(&data, &found).is_none());
+        let start = Start { model: &given, unknowns: &found.unknowns, y: &vec![0.0; found.unknowns.len()] };
+        let stuck = screen(&data, &start, false).unwrap();
+        // Where a glance left it, and taken for an end.
+        let stuck = Posterior {
+            predictions: stuck.predictions.iter().map(|of| of.iter().map(|x| 0.7 * x).collect()).collect(),
+            log_peak: f64::NEG_INFINITY,
+            log_evidence: f64::NEG_INFINITY,
+            ..stuck
+        };
+        let freed = freed(&data, &stuck).unwrap();
+        assert!(data.relevance(&freed.predictions, &found.predictions) < 1e-3);
+    }
 
     fn model(stiffness: f64, friction: f64) -> Model {
         Model::parse(&format!(

@@ -6,7 +6,7 @@
 //! `slot`s of one record each (`starts`: their unknown past) and with what a discrepancy adds (`latent`); `posterior`
 //! is its minimum with the volume around it, `probe` what amounts of each candidate would change to first order. `search`
 //! grows sets from none, and `neighbours` makes sure of the likely ones; `weights` makes probabilities of their evidence,
-//! `limits` tells what could not have been seen. Of the decided one `agreement` looks for a better minimum, and `refined`
+//! `limits` tells what could not have been seen. Of the base and of the decided one `agreement` looks for a better minimum, and `refined`
 //! takes off the error of the steps in time.
 
 mod agreement;
@@ -26,6 +26,7 @@ mod starts;
 mod unknown;
 mod weights;
 
+pub(super) use agreement::freed;
 pub(super) use discrepancy::Discrepancy;
 pub(super) use limits::{Sensitivities, around};
 pub(super) use measured::Measured;
