@@ -60,7 +60,7 @@ macro_rules! calls {
         #[cfg(test)]
         pub const FUNCTIONS: &[Function] = &[$(Function::$function),*];
 
-        const LEGAL: [[bool; COLUMNS]; TABLE.len()] = [$($crate::calls::columns($columns)),*];
+        const LEGAL: [u16; TABLE.len()] = [$($crate::calls::columns($columns, COLUMNS)),*];
     };
 }
 pub(crate) use calls;
@@ -127,7 +127,7 @@ impl Call for Function {
 
     #[inline]
     fn is_legal_in(self, state: State) -> bool {
-        LEGAL[self as usize][state.column(COLUMNS)]
+        LEGAL[self as usize] & 1 << state.column(COLUMNS) != 0
     }
 
     fn refusal(self, state: State) -> String {
@@ -161,14 +161,14 @@ fn state_name(stage: Stage) -> &'static str {
     }
 }
 
-/// The cells of one row.
-pub const fn columns<const COLUMNS: usize>(text: &str) -> [bool; COLUMNS] {
+/// The cells of one row, a bit each.
+pub const fn columns(text: &str, count: usize) -> u16 {
     let bytes = text.as_bytes();
-    assert!(bytes.len() == COLUMNS);
-    let mut legal = [false; COLUMNS];
+    assert!(bytes.len() == count);
+    let mut legal = 0;
     let mut column = 0;
-    while column < COLUMNS {
-        legal[column] = bytes[column] == b'x';
+    while column < count {
+        legal |= ((bytes[column] == b'x') as u16) << column;
         column += 1;
     }
     legal

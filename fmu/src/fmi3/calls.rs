@@ -123,7 +123,7 @@ impl Call for Function {
 
     #[inline]
     fn is_legal_in(self, state: State) -> bool {
-        LEGAL[self as usize][state.column(COLUMNS)]
+        LEGAL[self as usize] & 1 << state.column(COLUMNS) != 0
     }
 
     fn refusal(self, state: State) -> String {
