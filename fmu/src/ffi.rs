@@ -128,15 +128,20 @@ pub unsafe fn text<'a>(pointer: FmiString) -> Option<&'a CStr> {
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
 }
 
+#[inline]
 fn check_array<T>(pointer: *const T, length: usize, name: &str) -> Result<(), Failure> {
-    if pointer.is_null() {
-        return Err(Failure::error(format!("{name} is NULL")));
+    let possible = length <= isize::MAX as usize / size_of::<T>().max(1);
+    if !pointer.is_null() && pointer.is_aligned() && possible {
+        return Ok(());
     }
-    if !pointer.is_aligned() {
-        return Err(Failure::error(format!("{name} is not aligned")));
-    }
-    if length > isize::MAX as usize / size_of::<T>().max(1) {
-        return Err(Failure::error(format!("{name} cannot have {length} elements")));
-    }
-    Ok(())
+    Err(wrong_array(pointer.is_null(), possible, length, name))
+}
+
+#[cold]
+fn wrong_array(null: bool, possible: bool, length: usize, name: &str) -> Failure {
+    Failure::error(match (null, possible) {
+        (true, _) => format!("{name} is NULL"),
+        (false, true) => format!("{name} is not aligned"),
+        (false, false) => format!("{name} cannot have {length} elements"),
+    })
 }

@@ -209,6 +209,7 @@ impl Variable {
     }
 
     /// Finite and within the bounds?
+    #[inline]
     pub fn allows(&self, value: f64) -> bool {
         let Quantity { min, max, open, .. } = *self.quantity;
         value.is_finite()

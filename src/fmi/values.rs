@@ -15,13 +15,20 @@ impl Instance {
     /// An unknown or Integer variable; before the first step also parameters that make no model.
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Error> {
         self.check_rows(references, VariableType::Real)?;
-        self.read(references, values)
+        self.read_rows(references, values)
     }
 
     /// Reads variables of any type into `values`.
+    #[cfg(feature = "analysis")]
     pub(crate) fn read(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Error> {
-        same_length(references.len(), values.len())?;
         references.iter().try_for_each(|reference| self.variable(*reference).map(drop))?;
+        self.read_rows(references, values)
+    }
+
+    /// Reads rows that exist, of any type.
+    #[inline]
+    fn read_rows(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Error> {
+        same_length(references.len(), values.len())?;
         // What was set is read as it is, whether it makes a model or not.
         let rows = &self.shared.description.variables;
         let set = |reference: &u32| {
@@ -67,11 +74,7 @@ impl Instance {
     /// Sets variables of any type. Sets all or none.
     pub(crate) fn write(&mut self, references: &[u32], values: &[f64]) -> Result<(), Error> {
         same_length(references.len(), values.len())?;
-        for (reference, value) in references.iter().zip(values) {
-            let variable = self.variable(*reference)?;
-            self.check_settable(variable)?;
-            check_value(variable, *value)?;
-        }
+        self.check_values(references, values)?;
         for (reference, value) in references.iter().zip(values) {
             self.values[*reference as usize] = *value;
         }
@@ -86,6 +89,11 @@ impl Instance {
     pub fn check_inputs(&self, references: &[u32], values: &[f64]) -> Result<(), Error> {
         same_length(references.len(), values.len())?;
         self.check_rows(references, VariableType::Real)?;
+        self.check_values(references, values)
+    }
+
+    #[inline]
+    fn check_values(&self, references: &[u32], values: &[f64]) -> Result<(), Error> {
         for (reference, value) in references.iter().zip(values) {
             let variable = self.variable(*reference)?;
             self.check_settable(variable)?;
@@ -123,47 +131,59 @@ impl Instance {
         }
     }
 
+    #[inline]
     fn variable(&self, reference: u32) -> Result<&Variable, Error> {
         let variables = &self.shared.description.variables;
-        let unknown = || Error::UnknownReference { reference, largest: variables.len() - 1 };
-        variables.get(reference as usize).ok_or_else(unknown)
+        variables.get(reference as usize).ok_or_else(|| unknown(reference, variables))
     }
 
+    #[inline]
     pub(super) fn check_settable(&self, variable: &Variable) -> Result<(), Error> {
-        let open = matches!(self.stage, Stage::Instantiated | Stage::Initialization);
-        let reason = match variable.causality {
-            Causality::Input
-                if open
-                    || matches!(self.stage, Stage::StepComplete | Stage::Event | Stage::ContinuousTime) =>
-            {
-                None
-            }
-            Causality::Input => Some("the simulation cannot go on from here"),
-            Causality::Parameter if open => None,
-            Causality::Parameter => Some("a fixed parameter is settled when the initialization ends"),
-            Causality::Output => Some("it is an output"),
-            Causality::Local => Some("it is a continuous state or a derivative of one"),
+        let settable = match variable.causality {
+            Causality::Input => !matches!(self.stage, Stage::StepFailed | Stage::Terminated),
+            Causality::Parameter => matches!(self.stage, Stage::Instantiated | Stage::Initialization),
+            Causality::Output | Causality::Local => false,
         };
-        match reason {
-            Some(reason) => Err(Error::NotSettable { name: variable.name.to_string(), reason }),
-            None => Ok(()),
-        }
+        if settable { Ok(()) } else { Err(not_settable(variable)) }
     }
 }
 
+// Errors are made out of the way of calls that succeed.
+
+#[cold]
+fn unknown(reference: u32, variables: &[Variable]) -> Error {
+    Error::UnknownReference { reference, largest: variables.len() - 1 }
+}
+
+#[cold]
+fn not_settable(variable: &Variable) -> Error {
+    let reason = match variable.causality {
+        Causality::Input => "the simulation cannot go on from here",
+        Causality::Parameter => "a fixed parameter is settled when the initialization ends",
+        Causality::Output => "it is an output",
+        Causality::Local => "it is a continuous state or a derivative of one",
+    };
+    Error::NotSettable { name: variable.name.to_string(), reason }
+}
+
 /// Whether `variable` may be `value`.
+#[inline]
 pub(super) fn check_value(variable: &Variable, value: f64) -> Result<(), Error> {
-    if variable.allows(value) && value.abs() <= LARGEST_INPUT {
-        return Ok(());
-    }
+    let allowed = value.abs() <= LARGEST_INPUT && variable.allows(value);
+    if allowed { Ok(()) } else { Err(wrong_value(variable, value)) }
+}
+
+#[cold]
+fn wrong_value(variable: &Variable, value: f64) -> Error {
     let bounds = if value.abs() > LARGEST_INPUT && value.is_finite() {
         format!("at most {LARGEST_INPUT:e} in magnitude")
     } else {
         variable.bounds()
     };
-    Err(Error::Value { name: variable.name.to_string(), value, bounds })
+    Error::Value { name: variable.name.to_string(), value, bounds }
 }
 
+#[inline]
 pub(super) fn same_length(references: usize, values: usize) -> Result<(), Error> {
     if references == values { Ok(()) } else { Err(Error::Lengths { references, values }) }
 }
@@ -175,6 +195,7 @@ fn type_name(variable_type: VariableType) -> &'static str {
     }
 }
 
+#[cold]
 fn wrong_type(variable: &Variable, asked: &'static str) -> Error {
     Error::WrongType { name: variable.name.to_string(), is: type_name(variable.variable_type), asked }
 }
