@@ -7,6 +7,7 @@ use super::{
     bouc_wen, iwan, jenkins, measured, valanis,
 };
 use crate::vocabulary as v;
+use std::ops::Deref;
 
 /// Every law, in the order of the documentation.
 pub static LAWS: [&LawKind; 5] =
@@ -96,13 +97,46 @@ impl Law {
     }
 }
 
+/// A law; one whose step is shorter than the way to it is known by its type.
+#[derive(Debug)]
+pub(crate) enum AnyLaw {
+    Jenkins(Jenkins),
+    Other(Box<dyn ContactLaw>),
+}
+
+impl AnyLaw {
+    pub fn boxed(self) -> Box<dyn ContactLaw> {
+        match self {
+            Self::Jenkins(law) => Box::new(law),
+            Self::Other(law) => law,
+        }
+    }
+}
+
+impl Deref for AnyLaw {
+    type Target = dyn ContactLaw;
+
+    fn deref(&self) -> &Self::Target {
+        match self {
+            Self::Jenkins(law) => law,
+            Self::Other(law) => &**law,
+        }
+    }
+}
+
 impl JointBase {
     /// The law alone.
     pub fn into_law(self) -> Box<dyn ContactLaw> {
-        match self.0 {
-            BaseLaw::Slider(element) => Box::new(Jenkins::from(element)),
-            BaseLaw::Sliders(sliders) => Box::new(sliders),
-            BaseLaw::Gradual(law) => law,
+        AnyLaw::from(self).boxed()
+    }
+}
+
+impl From<JointBase> for AnyLaw {
+    fn from(base: JointBase) -> Self {
+        match base.0 {
+            BaseLaw::Slider(element) => Self::Jenkins(element.into()),
+            BaseLaw::Sliders(sliders) => Self::Other(Box::new(sliders)),
+            BaseLaw::Gradual(law) => Self::Other(law),
         }
     }
 }

@@ -103,7 +103,7 @@ impl Element {
     }
 
     /// The step from `start` to `inputs`.
-    #[inline]
+    #[inline(always)]
     pub fn evaluate(&self, start: Start, inputs: Inputs) -> Step {
         if inputs.normal_load <= 0.0 || start.normal_load <= 0.0 {
             return self.open(start, inputs);
@@ -243,12 +243,19 @@ impl Element {
     }
 
     /// [`super::ContactLaw::step`] of a law that is one element with the state `[z, u, N]`.
-    #[inline]
+    #[inline(always)]
     pub fn step(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> super::Response {
-        if inputs.normal_load <= 0.0 || state[2] <= 0.0 {
-            return self.step_open(state, inputs, next);
+        match self.step_closed(state, inputs, next) {
+            Some(response) => response,
+            None => self.step_open(state, inputs, next),
         }
-        self.step_any(state, inputs, next)
+    }
+
+    /// [`Element::step`] of a contact that is closed from beginning to end; `None` of another.
+    #[inline(always)]
+    pub fn step_closed(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> Option<super::Response> {
+        let open = inputs.normal_load <= 0.0 || state[2] <= 0.0;
+        if open { None } else { Some(self.step_any(state, inputs, next)) }
     }
 
     /// Out of the way of the closed contact, which then needs no copy of what it starts from.

@@ -93,6 +93,12 @@ impl Jenkins {
         self.element.stiffness
     }
 
+    /// [`ContactLaw::step`] of a contact that is closed from beginning to end, without a call; `None` of another.
+    #[inline(always)]
+    pub(crate) fn step_closed(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> Option<Response> {
+        self.element.step_closed(state, inputs, next)
+    }
+
     /// Coefficient of friction, μ (1).
     pub fn friction_coefficient(&self) -> f64 {
         self.element.friction
@@ -120,6 +126,7 @@ impl ContactLaw for Jenkins {
         self.element.set_state(displacement, normal_load, force, state);
     }
 
+    #[inline(always)]
     fn step(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> Response {
         self.element.step(state, inputs, next)
     }

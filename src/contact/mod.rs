@@ -33,6 +33,7 @@ mod valanis;
 
 pub use backlash::Backlash;
 pub use bouc_wen::BoucWen;
+pub(crate) use catalogue::AnyLaw;
 pub use catalogue::{LAWS, Law, MEASURED};
 pub use cubic::CubicSpring;
 pub use drag::Drag;
@@ -347,12 +348,8 @@ pub trait ContactLaw: std::fmt::Debug + Send + Sync {
 }
 
 /// `force` within `±limit`; NaN stays NaN, so that a diverged caller sees it.
+/// (Two selections, each one instruction; `limit` is not negative.)
 fn cut_to(force: f64, limit: f64) -> f64 {
-    if force > limit {
-        limit
-    } else if force < -limit {
-        -limit
-    } else {
-        force
-    }
+    let force = if limit < force { limit } else { force };
+    if -limit > force { -limit } else { force }
 }

@@ -69,8 +69,8 @@ impl Instance {
             }
         }
         for ((reference, order), derivative) in references.iter().zip(orders).zip(derivatives) {
-            self.slopes[*reference as usize].get_or_insert_default()[*order as usize - 1] = *derivative;
-            self.sloped = true;
+            self.asked.slopes.resize(self.shared.inputs, None);
+            self.asked.slopes[*reference as usize].get_or_insert_default()[*order as usize - 1] = *derivative;
         }
         Ok(())
     }
@@ -94,6 +94,7 @@ impl Instance {
         same_length(references.len(), derivatives.len())?;
         self.check_orders(references, orders, DERIVATIVE_ORDER)?;
         self.check_outputs(references)?;
+        self.rates.resize(self.shared.outputs, 0.0);
         let rates = self.behaviour.output_rates(&self.state, &mut self.rates);
         rates.map_err(Error::Derivative)?;
         self.read_outputs(references, derivatives)
@@ -163,20 +164,23 @@ impl Instance {
             }
         }
         self.refresh()?;
-        self.direction.fill(Ramp::held(0.0));
+        self.rates.resize(self.shared.outputs, 0.0);
+        self.direction.clear();
+        self.direction.resize(self.shared.inputs, Ramp::held(0.0));
         for (reference, line) in knowns.iter().zip(direction) {
             let sum = &mut self.direction[*reference as usize];
             *sum = Ramp::line(sum.start + line.start, sum.end + line.end);
         }
         let (state, direction) = (&self.state, &self.direction);
-        let changes = self.behaviour.sensitivity(state, unknowns, direction, self.tolerance, &mut self.rates);
+        let tolerance = self.asked.tolerance;
+        let changes = self.behaviour.sensitivity(state, unknowns, direction, tolerance, &mut self.rates);
         changes.map_err(Error::Derivative)?;
         self.read_outputs(unknowns, change)
     }
 
     /// Copies what `self.rates` has for outputs.
     fn read_outputs(&self, references: &[u32], out: &mut [f64]) -> Result<(), Error> {
-        let first = self.slopes.len();
+        let first = self.shared.inputs;
         let found = references.iter().map(|reference| self.rates[*reference as usize - first]);
         if !found.clone().all(f64::is_finite) {
             return Err(Error::Derivative("it is not a finite number".to_owned()));
@@ -209,18 +213,14 @@ impl Instance {
     }
 
     /// Whether the inputs stay within their bounds up to the end of a step of `step` (s).
+    #[inline(never)]
     pub(super) fn check_reached(&self, step: f64) -> Result<(), Error> {
-        for (row, slope) in self.slopes.iter().enumerate() {
+        for (row, slope) in self.asked.slopes.iter().enumerate() {
             if let Some(slopes) = slope {
                 let reached = Ramp::with_derivatives(self.values[row], *slopes, step).end;
                 check_value(&self.shared.description.variables[row], reached)?;
             }
         }
         Ok(())
-    }
-
-    pub(super) fn forget_slopes(&mut self) {
-        self.slopes.fill(None);
-        self.sloped = false;
     }
 }

@@ -1,15 +1,13 @@
 //! A running model: values, state, and the way through the stages of a simulation.
 
-use super::Behaviour;
 use super::continuous::Continuous;
 use super::description::Description;
 use super::error::Error;
 use super::kinds::behaviour;
-use super::lines::Derivatives;
 use super::parameter::with_values;
 use super::stage::{Setup, Stage};
 use super::template::{Shared, Template};
-use crate::contact::MEASURED;
+use super::{Asked, Behaviour};
 use crate::model::Model;
 use crate::time::Ramp;
 use crate::vocabulary as v;
@@ -53,13 +51,11 @@ pub struct Instance {
     /// Parameter values the behaviour was built from.
     built: Box<[f64]>,
     pub(super) stage: Stage,
-    pub(super) values: Vec<f64>,
-    pub(super) state: Vec<f64>,
-    /// Derivatives of the inputs with respect to time for the next step, where the master has set one.
-    pub(super) slopes: Vec<Option<Derivatives>>,
-    /// Some slope is set.
-    pub(super) sloped: bool,
-    /// Room for derivatives of all outputs, and for a direction of all inputs.
+    pub(super) values: Box<[f64]>,
+    pub(super) state: Box<[f64]>,
+    /// For the next step.
+    pub(super) asked: Asked,
+    /// Room for derivatives of all outputs, and for a direction of all inputs; none before it is needed.
     pub(super) rates: Vec<f64>,
     pub(super) direction: Vec<Ramp>,
     /// Outputs are older than inputs or parameters (before the first step, and where the importer integrates).
@@ -67,7 +63,6 @@ pub struct Instance {
     /// Of an instance that its importer integrates.
     pub(super) continuous: Option<Continuous>,
     pub(super) time: Option<f64>,
-    pub(super) tolerance: f64,
     pub(super) stop: f64,
 }
 
@@ -100,21 +95,18 @@ impl Instance {
 
     /// At the beginning of a simulation.
     pub(super) fn begin(shared: Arc<Shared>, behaviour: Box<dyn Behaviour>) -> Self {
-        let values: Vec<f64> = shared.starts().collect();
-        let state = vec![0.0; behaviour.state_len()];
-        let Shared { inputs, outputs, .. } = *shared;
+        let values: Box<[f64]> = shared.starts().collect();
+        let state = vec![0.0; behaviour.state_len()].into();
         Self {
             built: values[shared.parameters()].into(),
             stage: Stage::Instantiated,
             stale: true,
             continuous: None,
             time: None,
-            tolerance: DEFAULT_TOLERANCE,
             stop: f64::INFINITY,
-            slopes: vec![None; inputs],
-            sloped: false,
-            rates: vec![0.0; outputs],
-            direction: vec![Ramp::held(0.0); inputs],
+            asked: Asked { slopes: Vec::new(), tolerance: DEFAULT_TOLERANCE },
+            rates: Vec::new(),
+            direction: Vec::new(),
             behaviour,
             values,
             state,
@@ -166,7 +158,7 @@ impl Instance {
         }
         self.time = Some(setup.start);
         self.stop = setup.stop.unwrap_or(f64::INFINITY);
-        self.tolerance = setup.tolerance.unwrap_or(DEFAULT_TOLERANCE);
+        self.asked.tolerance = setup.tolerance.unwrap_or(DEFAULT_TOLERANCE);
         Ok(())
     }
 
@@ -203,20 +195,19 @@ impl Instance {
     /// `step` not positive, times not finite, `time` not the end of the last step, an end beyond the
     /// stop time, an input that its derivative takes beyond its bounds: the instance is unchanged. [`Error::Step`] if the
     /// integration fails: values and state are those at `time` and the stage is [`Stage::StepFailed`].
+    #[inline(always)]
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<(), Error> {
-        self.require(Stage::StepComplete)?;
-        self.check_times(time, step)?;
-        if self.sloped {
+        self.check_step(time, step)?;
+        let sloped = !self.asked.slopes.is_empty();
+        if sloped {
             self.check_reached(step)?;
         }
-        let slopes = if self.sloped { &self.slopes[..] } else { &[] };
-        let outcome = self.behaviour.step(&mut self.state, &mut self.values, slopes, step, self.tolerance);
-        if let Err(reason) = outcome {
+        if let Err(reason) = self.behaviour.step(&mut self.state, &mut self.values, &self.asked, step) {
             self.stage = Stage::StepFailed;
-            return Err(Error::Step { time, reason });
+            return Err(Error::Step { time, reason: reason.into() });
         }
-        if self.sloped {
-            self.forget_slopes();
+        if sloped {
+            self.asked.slopes.clear();
         }
         self.time = Some(time + step);
         Ok(())
@@ -242,8 +233,13 @@ impl Instance {
     /// assert!(contact.warning().unwrap().contains("beyond the table"));
     /// # Ok::<(), stickslip::fmi::Error>(())
     /// ```
+    #[inline]
     pub fn warning(&self) -> Option<String> {
-        let contact = self.shared.model.contact.filter(|contact| contact.law.kind == MEASURED)?;
+        if self.shared.may_warn { self.beyond_table() } else { None }
+    }
+
+    fn beyond_table(&self) -> Option<String> {
+        let contact = self.shared.model.contact?;
         let slips = self.shared.description.reference(v::SLIP_FRACTION.name)?;
         let load = self.shared.description.reference(v::NORMAL_LOAD.name);
         let pressed = load.is_none_or(|row| self.values[row as usize] > 0.0);
@@ -298,23 +294,25 @@ impl Instance {
     pub fn reset(&mut self) {
         self.values.iter_mut().zip(self.shared.starts()).for_each(|(value, start)| *value = start);
         self.state.fill(0.0);
-        self.forget_slopes();
+        self.asked.slopes.clear();
         self.stage = Stage::Instantiated;
         self.stale = true;
         self.time = None;
         self.stop = f64::INFINITY;
-        self.tolerance = DEFAULT_TOLERANCE;
+        self.asked.tolerance = DEFAULT_TOLERANCE;
     }
 
     /// Whether [`Instance::do_step`] would begin a step from `time` of `step` (s).
     ///
     /// # Errors
     /// As [`Instance::do_step`], but for what comes of the inputs and of the integration.
+    #[inline]
     pub fn check_step(&self, time: f64, step: f64) -> Result<(), Error> {
         self.require(Stage::StepComplete)?;
         self.check_times(time, step)
     }
 
+    #[inline]
     pub(super) fn require(&self, stage: Stage) -> Result<(), Error> {
         if self.stage == stage { Ok(()) } else { Err(Error::Stage(self.stage)) }
     }
@@ -323,10 +321,9 @@ impl Instance {
     fn check_times(&self, time: f64, step: f64) -> Result<(), Error> {
         let slack = 1e-3 * step + 1e-9 * time.abs();
         let expected = self.time.unwrap_or(time);
-        // Finite, in comparisons that cost less than asking whether they are.
+        // A slack that is finite tells that both are.
         let fits = step > 0.0
-            && step <= f64::MAX
-            && time.abs() <= f64::MAX
+            && slack <= f64::MAX
             && (time - expected).abs() <= slack
             && time + step <= self.stop + slack;
         if fits { Ok(()) } else { Err(self.wrong_times(time, step)) }

@@ -49,6 +49,11 @@ pub(super) fn parts(state: &mut [f64], memory: usize) -> (&mut [f64], &mut [f64]
     (now, before, lines)
 }
 
+/// Numbers that a state has of so many lines.
+pub(super) const fn length(inputs: usize) -> usize {
+    OF_STEP + PER_LINE * inputs
+}
+
 impl Lines {
     /// So many inputs, which `run` to their values or are held.
     pub fn new(inputs: usize, run: bool) -> Self {
@@ -66,7 +71,7 @@ impl Lines {
 
     /// Numbers that a state has of them.
     pub fn state_len(&self) -> usize {
-        OF_STEP + PER_LINE * self.all.len()
+        length(self.all.len())
     }
 
     /// Held at `values`, before the first step.
@@ -100,6 +105,14 @@ impl Lines {
         for (((line, given), from), saved) in lines.zip(state[OF_STEP..].chunks_exact_mut(PER_LINE)) {
             let Ramp { start, end, bow, skew } = *line;
             saved.copy_from_slice(&[start, end, bow, skew, f64::from(*given as u8), *from]);
+        }
+    }
+
+    /// Writes to `state` that all inputs are held at `values`, before the first step.
+    pub fn write_held(state: &mut [f64], values: &[f64]) {
+        state.fill(0.0);
+        for (value, saved) in values.iter().zip(state[OF_STEP..].as_chunks_mut::<PER_LINE>().0) {
+            *saved = [*value, *value, 0.0, 0.0, f64::from(Given::Held as u8), *value];
         }
     }
 

@@ -108,6 +108,15 @@ pub use template::Template;
 use crate::time::Ramp;
 use std::fmt::Debug;
 
+/// What a master asks of a step besides the values.
+#[derive(Debug)]
+pub(crate) struct Asked {
+    /// Derivatives of the inputs with respect to time; empty if there is none.
+    pub slopes: Vec<Option<lines::Derivatives>>,
+    /// Relative, of the integration inside.
+    pub tolerance: f64,
+}
+
 /// The physics behind an instance. It holds parameters and work space; what it remembers from step to
 /// step is in `state` and `values`, which belong to the instance, so that saving an instance is a copy.
 pub(crate) trait Behaviour: continuous::ContinuousTime + Debug + Send {
@@ -118,16 +127,15 @@ pub(crate) trait Behaviour: continuous::ContinuousTime + Debug + Send {
     /// `values`. On error both are as before.
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String>;
 
-    /// One step of length `step` (s) with the inputs in `values` and their derivatives in `slopes`, which is empty if
-    /// there is none; writes the outputs, and inputs that have run on, to `values`. On error both are as before.
+    /// One step of length `step` (s) with the inputs in `values`; writes the outputs, and inputs that have run on, to
+    /// `values`. On error both are as before. (Arguments and outcome are as many as go through registers.)
     fn step(
         &mut self,
         state: &mut [f64],
         values: &mut [f64],
-        slopes: &[Option<lines::Derivatives>],
+        asked: &Asked,
         step: f64,
-        tolerance: f64,
-    ) -> Result<(), String>;
+    ) -> Result<(), Box<str>>;
 
     /// Derivatives of all outputs with respect to time at the end of the last step.
     fn output_rates(&mut self, state: &[f64], rates: &mut [f64]) -> Result<(), String>;

@@ -27,20 +27,20 @@ impl Instance {
         numbers.reserve_exact(self.numbers());
         numbers.extend_from_slice(&self.values);
         numbers.extend_from_slice(&self.state);
-        let slopes = self.slopes.iter();
+        let slopes = (0..self.shared.inputs).map(|input| self.asked.slopes.get(input).copied().flatten());
         numbers.extend(slopes.flat_map(|slope| {
             let [first, second, third] = slope.unwrap_or_default();
             [f64::from(u8::from(slope.is_some())), first, second, third]
         }));
         let known = f64::from(u8::from(self.time.is_some()));
-        numbers.extend_from_slice(&[self.time.unwrap_or(0.0), known, self.tolerance, self.stop]);
+        numbers.extend_from_slice(&[self.time.unwrap_or(0.0), known, self.asked.tolerance, self.stop]);
         numbers.extend(self.continuous.iter().flat_map(|continuous| &continuous.accepted));
     }
 
     /// Numbers in a snapshot.
     fn numbers(&self) -> usize {
         let accepted = self.continuous.as_ref().map_or(0, |continuous| continuous.accepted.len());
-        self.values.len() + self.state.len() + PER_SLOPE * self.slopes.len() + CLOCK + accepted
+        self.values.len() + self.state.len() + PER_SLOPE * self.shared.inputs + CLOCK + accepted
     }
 
     /// Makes the instance continue where `snapshot` was saved, bit by bit.
@@ -78,7 +78,7 @@ impl Instance {
         }
         let (values, rest) = snapshot.numbers.split_at(values_len);
         let (state, rest) = rest.split_at(state_len);
-        let (slopes, rest) = rest.split_at(PER_SLOPE * self.slopes.len());
+        let (slopes, rest) = rest.split_at(PER_SLOPE * self.shared.inputs);
         let (clock, accepted) = rest.split_at(CLOCK);
         // Bytes may come from anywhere. Only the stop time may be infinite.
         let [_, _, tolerance, stop] = *clock else { return Err(SnapshotError::Corrupt.into()) };
@@ -100,17 +100,19 @@ impl Instance {
         }
         self.values.copy_from_slice(values);
         self.state.copy_from_slice(state);
-        for (slope, saved) in self.slopes.iter_mut().zip(slopes.chunks_exact(PER_SLOPE)) {
-            *slope = (saved[0] != 0.0).then_some([saved[1], saved[2], saved[3]]);
+        self.asked.slopes.clear();
+        let slopes = slopes.as_chunks::<PER_SLOPE>().0;
+        if slopes.iter().any(|[known, ..]| *known != 0.0) {
+            let slope = |[known, given @ ..]: &[f64; PER_SLOPE]| (*known != 0.0).then_some(*given);
+            self.asked.slopes.extend(slopes.iter().map(slope));
         }
-        self.sloped = self.slopes.iter().any(Option::is_some);
         self.stage = snapshot.stage;
         self.stale = stale || matches!(snapshot.stage, Stage::Event | Stage::ContinuousTime);
         if let Some(continuous) = &mut self.continuous {
             continuous.accepted.copy_from_slice(accepted);
         }
         self.time = (clock[1] != 0.0).then_some(clock[0]);
-        self.tolerance = tolerance;
+        self.asked.tolerance = tolerance;
         self.stop = stop;
         Ok(())
     }

@@ -7,6 +7,7 @@ use super::further::Further;
 use super::instance::Instance;
 use super::kinds::{behaviour, describe};
 use super::parameter::parameters;
+use crate::contact::MEASURED;
 use crate::model::Model;
 use std::ops::Range;
 use std::sync::Arc;
@@ -43,6 +44,8 @@ pub(super) struct Shared {
     /// Numbers of inputs and of outputs.
     pub inputs: usize,
     pub outputs: usize,
+    /// Whether there is a table that a contact can leave.
+    pub may_warn: bool,
 }
 
 impl Shared {
@@ -86,7 +89,9 @@ impl Template {
         let count = |causality| description.references(causality).count();
         let (inputs, outputs) = (count(Causality::Input), count(Causality::Output));
         let further = description.further();
-        Ok(Self(Arc::new(Shared { model, description, guid, paths, further, inputs, outputs })))
+        let may_warn = model.contact.is_some_and(|contact| contact.law.kind == MEASURED);
+        let shared = Shared { model, description, guid, paths, further, inputs, outputs, may_warn };
+        Ok(Self(Arc::new(shared)))
     }
 
     /// An instance, at the beginning of a simulation.

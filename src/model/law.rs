@@ -1,7 +1,7 @@
 //! From the model's contact to its law.
 
 use super::{Contact, Model};
-use crate::contact::{ContactLaw, Joint, JointBase, JointChanges, LawError, MICRO_SLIDERS};
+use crate::contact::{AnyLaw, ContactLaw, Joint, JointBase, JointChanges, LawError, MICRO_SLIDERS};
 
 impl Contact {
     /// The contact law with this contact's parameters. The normal load is not part of a law: it goes
@@ -52,13 +52,14 @@ impl Model {
     }
 
     /// As [`Model::law`], with a state whose length does not depend on the values of the parameters.
-    pub(crate) fn law_of_any_values(&self) -> Result<Option<Box<dyn ContactLaw>>, LawError> {
+    pub(crate) fn law_of_any_values(&self) -> Result<Option<AnyLaw>, LawError> {
         let Some(contact) = &self.contact else { return Ok(None) };
         if self.effects.is_empty() {
-            return contact.law().map(Some);
+            return Ok(Some(contact.base()?.into()));
         }
         let spreads = self.effects.iter().any(|applied| applied.effect.splits_slider());
         let sliders = if spreads { MICRO_SLIDERS } else { 1 };
-        Ok(Some(Box::new(Joint::with_sliders(contact.base()?, self.changes().joint, sliders)?)))
+        let joint = Joint::with_sliders(contact.base()?, self.changes().joint, sliders)?;
+        Ok(Some(AnyLaw::Other(Box::new(joint))))
     }
 }

@@ -209,7 +209,7 @@ impl Model {
         let (Some(normal), Some(law)) = (self.normal_direction()?, self.law_of_any_values()?) else {
             return Ok(None);
         };
-        let contact = SlipSlap::new(Arc::from(law), normal);
+        let contact = SlipSlap::new(Arc::from(law.boxed()), normal);
         Ok(Some(match self.contact.and_then(|contact| contact.normal) {
             Some(_) => contact,
             None => contact.with_load_gain(self.changes().joint.load_gain.unwrap_or(0.0)),

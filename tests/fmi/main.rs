@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod contact;
 mod continuous;
 mod dependencies;
 mod derivatives;

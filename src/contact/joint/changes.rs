@@ -38,6 +38,7 @@ impl JointChanges {
     /// Normal load (N) on a contact of the constant load `constant` (N), under which `measured` (N) was measured
     /// where a normal load was: the fraction of the measured change that reaches the contact is
     /// [`JointChanges::load_gain`], none where that is `None`. At zero or below the contact is apart.
+    #[inline]
     pub fn normal_load(&self, constant: f64, measured: Option<f64>) -> f64 {
         match (self.load_gain, measured) {
             (Some(gain), Some(measured)) => constant + gain * (measured - constant),

@@ -2,11 +2,11 @@
 
 use super::LoadRule;
 use super::slip::SlipFraction;
-use crate::contact::{ContactLaw, Inputs, Response, StateSensitivity, Tangents};
-use crate::fmi::Behaviour;
+use crate::contact::{AnyLaw, ContactLaw, Inputs, Response, StateSensitivity, Tangents};
 use crate::fmi::continuous::{self, ContinuousForm, ContinuousTime, Instant};
 use crate::fmi::description::{DependencyKind, Description, Experiment, Variable};
-use crate::fmi::lines::{Derivatives, Lines, parts};
+use crate::fmi::lines::{self, Derivatives, Lines};
+use crate::fmi::{Asked, Behaviour};
 use crate::model::{Contact, Model};
 use crate::time::Ramp;
 use crate::vocabulary as v;
@@ -62,6 +62,18 @@ const INPUTS: usize = 3;
 /// Part of the way on which a contact shows how it leaves.
 const AHEAD: f64 = 1e-9;
 
+impl LoadRule {
+    /// What acts where the inputs have reached `values`.
+    #[inline]
+    fn inputs(&self, values: impl Fn(usize) -> f64) -> Inputs {
+        Inputs {
+            displacement: values(DISPLACEMENT),
+            velocity: values(VELOCITY),
+            normal_load: self.acting(values(NORMAL_LOAD)),
+        }
+    }
+}
+
 /// How the inputs went over the last step, or go over the one under way.
 #[derive(Debug)]
 struct Way {
@@ -81,17 +93,7 @@ impl Way {
     }
 
     fn acting(&self, of: impl Fn(&Ramp) -> f64) -> Inputs {
-        self.reached(|input| of(&self.lines.all[input]))
-    }
-
-    /// What acts where the inputs have reached `values`.
-    #[inline]
-    fn reached(&self, values: impl Fn(usize) -> f64) -> Inputs {
-        Inputs {
-            displacement: values(DISPLACEMENT),
-            velocity: values(VELOCITY),
-            normal_load: self.load.acting(values(NORMAL_LOAD)),
-        }
+        self.load.inputs(|input| of(&self.lines.all[input]))
     }
 
     /// What acts at a fraction of the way.
@@ -122,52 +124,169 @@ impl Way {
 const FIRST: f64 = 0.0;
 const SECOND: f64 = 1.0;
 
+/// By its bits, which are compared sooner.
+#[inline]
+fn is_second(state: &[f64]) -> bool {
+    state[0].to_bits() == SECOND.to_bits()
+}
+
+/// What was the memory before the last step is the memory now.
+#[inline]
+fn turn_over(state: &mut [f64]) {
+    state[0] = if is_second(state) { FIRST } else { SECOND };
+}
+
+/// Numbers of a state whose memory has `memory`.
+#[inline]
+fn length(memory: usize) -> usize {
+    1 + 2 * memory + lines::length(INPUTS)
+}
+
 /// Places of the memory now and before the last step in a state whose memory has `memory` numbers.
+#[inline]
 fn halves(state: &[f64], memory: usize) -> (Range<usize>, Range<usize>) {
     let (first, second) = (1..1 + memory, 1 + memory..1 + 2 * memory);
-    if state[0] == SECOND { (second, first) } else { (first, second) }
+    if is_second(state) { (second, first) } else { (first, second) }
 }
 
 /// The memory now, that before the last step, and that step's lines.
+#[inline]
 fn split(state: &mut [f64], memory: usize) -> (&mut [f64], &mut [f64], &mut [f64]) {
-    let second = state[0] == SECOND;
-    let (first, other, lines) = parts(&mut state[1..], memory);
+    let (halves, lines) = state.split_at_mut(1 + 2 * memory);
+    let second = is_second(halves);
+    let (first, other) = halves[1..].split_at_mut(memory);
     if second { (other, first, lines) } else { (first, other, lines) }
 }
 
-/// The law and room for one step. The state is which half of it is the law's memory now, that and the memory before the last
-/// step, and that step's lines.
+/// What makes of a contact's inputs and law its table.
+#[derive(Debug)]
+struct Rules {
+    load: LoadRule,
+    slip: SlipFraction,
+}
+
+/// A step over which all inputs run straight from where they had ended: from the memory, of `memory` numbers, that is kept
+/// to the new one; the lines are read where they are asked for. False, and nothing done, if the law's `step` is `None`.
+#[inline(always)]
+fn run_straight(
+    step_of_law: impl FnOnce(&[f64], Inputs, &mut [f64]) -> Option<Response>,
+    memory: usize,
+    rules: &Rules,
+    state: &mut [f64],
+    row: &mut [f64; PARAMETERS],
+    step: f64,
+) -> bool {
+    // Asked once: where the number is known, every place is then known to be there.
+    let state = &mut state[..length(memory)];
+    let (memory, next, lines) = split(state, memory);
+    let Some(response) = step_of_law(memory, rules.load.inputs(|input| row[input]), next) else {
+        return false;
+    };
+    Lines::run_on(lines, [row[DISPLACEMENT], row[VELOCITY], row[NORMAL_LOAD]], step);
+    turn_over(state);
+    row[DISSIPATED_ENERGY] += response.dissipated_energy;
+    write_outputs(&response, rules.slip, row);
+    true
+}
+
+/// The law. The state is which half of it is the law's memory now, that and the memory before the last step, and that
+/// step's lines.
 #[derive(Debug)]
 pub(super) struct ContactBehaviour {
-    law: Box<dyn ContactLaw>,
-    slip: SlipFraction,
+    law: AnyLaw,
+    rules: Rules,
+    /// Made where it is first needed: most instances never do.
+    room: Option<Box<Room>>,
+}
+
+/// Room for what is not straight, and for derivatives.
+#[derive(Debug)]
+struct Room {
     next: Vec<f64>,
     sensitivity: StateSensitivity,
     way: Way,
+}
+
+impl Room {
+    /// One step of `law` in place.
+    fn advance(&mut self, law: &dyn ContactLaw, memory: &mut [f64], inputs: Inputs) -> Response {
+        let response = law.step(memory, inputs, &mut self.next);
+        memory.copy_from_slice(&self.next);
+        response
+    }
 }
 
 impl ContactBehaviour {
     pub(super) fn new(model: &Model) -> Result<Self, String> {
         let law = model.law_of_any_values().map_err(|error| error.to_string())?;
         let law = law.ok_or("a contact model needs a contact")?;
-        let next = vec![0.0; law.state_len()];
-        let way = Way { lines: Lines::new(INPUTS, true), load: LoadRule::new(model) };
         let slip = SlipFraction::new(&*law, model.contact.map_or(0.0, |contact| contact.normal_load));
-        Ok(Self { law, slip, next, sensitivity: StateSensitivity::default(), way })
+        Ok(Self { law, rules: Rules { load: LoadRule::new(model), slip }, room: None })
     }
 
-    /// One step of the law in place.
-    fn advance(&mut self, memory: &mut [f64], inputs: Inputs) -> Response {
-        let response = self.law.step(memory, inputs, &mut self.next);
-        memory.copy_from_slice(&self.next);
-        response
+    /// The law, the rules and the room.
+    fn with_room(&mut self) -> (&dyn ContactLaw, &Rules, &mut Room) {
+        let Self { law, rules, room } = self;
+        let room = room.get_or_insert_with(|| {
+            let way = Way { lines: Lines::new(INPUTS, true), load: rules.load };
+            let next = vec![0.0; law.state_len()];
+            Box::new(Room { next, sensitivity: StateSensitivity::default(), way })
+        });
+        (&**law, rules, room)
     }
 
-    /// Goes back to before the last step.
-    fn go_back(&mut self, state: &[f64]) {
-        let (_, before) = halves(state, self.next.len());
-        self.sensitivity.begin(&state[before]);
-        self.way.lines.read(&state[1 + 2 * self.next.len()..]);
+    /// [`run_straight`] with any law, which is called.
+    #[inline(never)]
+    fn run_straight(
+        &self,
+        state: &mut [f64],
+        row: &mut [f64; PARAMETERS],
+        step: f64,
+    ) -> Result<(), Box<str>> {
+        let law = &*self.law;
+        let step_of_law = |memory: &[f64], inputs, next: &mut [f64]| Some(law.step(memory, inputs, next));
+        run_straight(step_of_law, law.state_len(), &self.rules, state, row, step);
+        Ok(())
+    }
+
+    /// A step in which an input has a derivative: over its jump, and from turn to turn.
+    #[inline(never)]
+    fn run_along(
+        &mut self,
+        state: &mut [f64],
+        values: &mut [f64; PARAMETERS],
+        slopes: &[Option<Derivatives>],
+        step: f64,
+    ) -> Result<(), Box<str>> {
+        let (law, rules, room) = self.with_room();
+        let (memory, before, lines) = split(state, room.next.len());
+        before.copy_from_slice(memory);
+        room.way.lines.go_on(lines, &values[..INPUTS], slopes, step);
+        room.way.lines.write(lines);
+        if room.way.lines.jumped {
+            values[DISSIPATED_ENERGY] += room.advance(law, memory, room.way.starts()).dissipated_energy;
+        }
+        if let Some(turns) = room.way.turns() {
+            for fraction in turns {
+                let at = room.way.at(fraction);
+                values[DISSIPATED_ENERGY] += room.advance(law, memory, at).dissipated_energy;
+            }
+        }
+        let response = room.advance(law, memory, room.way.ends());
+        values[DISSIPATED_ENERGY] += response.dissipated_energy;
+        values.iter_mut().zip(&room.way.lines.all).for_each(|(value, line)| *value = line.end);
+        write_outputs(&response, rules.slip, values);
+        Ok(())
+    }
+
+    /// As [`ContactBehaviour::with_room`], gone back to before the last step.
+    fn go_back(&mut self, state: &[f64]) -> (&dyn ContactLaw, &mut Room) {
+        let (law, _, room) = self.with_room();
+        let memory = room.next.len();
+        let (_, before) = halves(state, memory);
+        room.sensitivity.begin(&state[before]);
+        room.way.lines.read(&state[1 + 2 * memory..]);
+        (law, room)
     }
 }
 
@@ -190,12 +309,12 @@ impl ContinuousTime for ContactBehaviour {
         values: &mut [f64],
         at: Instant<'_>,
     ) -> Result<(), String> {
-        self.way.lines.hold(&values[..INPUTS]);
-        let inputs = self.way.ends();
-        let (memory, _) = halves(state, self.next.len());
-        let response = self.law.step(&state[memory], inputs, &mut self.next);
+        let (law, rules, room) = self.with_room();
+        let inputs = rules.load.inputs(|input| values[input]);
+        let (memory, _) = halves(state, room.next.len());
+        let response = law.step(&state[memory], inputs, &mut room.next);
         values[DISSIPATED_ENERGY] = accepted[DISSIPATED_ENERGY] + response.dissipated_energy;
-        write_outputs(&response, self.slip, values);
+        write_outputs(&response, rules.slip, values);
         let moved = [DISPLACEMENT, NORMAL_LOAD].iter().any(|input| values[*input] != accepted[*input]);
         continuous::keep_slip(moved, SLIP_STATE, values, accepted);
         continuous::indicators(inputs.velocity, values[SLIP_STATE], inputs.normal_load, at.indicators);
@@ -203,31 +322,27 @@ impl ContinuousTime for ContactBehaviour {
     }
 
     fn accept(&mut self, state: &mut [f64], values: &[f64], _continuous: &[f64]) -> Result<(), String> {
-        self.way.lines.hold(&values[..INPUTS]);
-        let (memory, before, lines) = split(state, self.next.len());
-        before.copy_from_slice(memory);
-        self.way.lines.write(lines);
-        let inputs = self.way.ends();
-        self.advance(memory, inputs);
+        let (memory, next, lines) = split(state, self.law.state_len());
+        Lines::write_held(lines, &values[..INPUTS]);
+        self.law.step(memory, self.rules.load.inputs(|input| values[input]), next);
+        turn_over(state);
         Ok(())
     }
 }
 
 impl Behaviour for ContactBehaviour {
     fn state_len(&self) -> usize {
-        1 + 2 * self.law.state_len() + self.way.lines.state_len()
+        length(self.law.state_len())
     }
 
     fn start(&mut self, state: &mut [f64], values: &mut [f64]) -> Result<(), String> {
-        self.way.lines.hold(&values[..INPUTS]);
-        let at = self.way.ends();
-        let (memory, before, lines) = split(state, self.next.len());
-        self.law.set_state(0.0, at.normal_load, 0.0, memory);
-        before.copy_from_slice(memory);
-        self.way.lines.write(lines);
-        let response = self.advance(memory, at);
+        let at = self.rules.load.inputs(|input| values[input]);
+        let (memory, before, lines) = split(state, self.law.state_len());
+        Lines::write_held(lines, &values[..INPUTS]);
+        self.law.set_state(0.0, at.normal_load, 0.0, before);
+        let response = self.law.step(before, at, memory);
         values[DISSIPATED_ENERGY] = response.dissipated_energy;
-        write_outputs(&response, self.slip, values);
+        write_outputs(&response, self.rules.slip, values);
         Ok(())
     }
 
@@ -235,64 +350,45 @@ impl Behaviour for ContactBehaviour {
         &mut self,
         state: &mut [f64],
         values: &mut [f64],
-        slopes: &[Option<Derivatives>],
+        asked: &Asked,
         step: f64,
-        _tolerance: f64,
-    ) -> Result<(), String> {
-        let (memory, before, lines) = split(state, self.next.len());
-        if slopes.is_empty()
-            && let Some(row) = values.first_chunk_mut::<PARAMETERS>()
-        {
-            // Straight from the memory that is kept to the new one; the lines are read where they are asked for.
-            Lines::run_on(lines, [row[DISPLACEMENT], row[VELOCITY], row[NORMAL_LOAD]], step);
-            let response = self.law.step(memory, self.way.reached(|input| row[input]), before);
-            state[0] = if state[0] == SECOND { FIRST } else { SECOND };
-            row[DISSIPATED_ENERGY] += response.dissipated_energy;
-            write_outputs(&response, self.slip, row);
-            return Ok(());
+    ) -> Result<(), Box<str>> {
+        let row = values.first_chunk_mut().expect("a row for each input and output");
+        if !asked.slopes.is_empty() {
+            return self.run_along(state, row, &asked.slopes, step);
         }
-        before.copy_from_slice(memory);
-        self.way.lines.go_on(lines, &values[..INPUTS], slopes, step);
-        self.way.lines.write(lines);
-        if self.way.lines.jumped {
-            values[DISSIPATED_ENERGY] += self.advance(memory, self.way.starts()).dissipated_energy;
-        }
-        if let Some(turns) = self.way.turns() {
-            for fraction in turns {
-                values[DISSIPATED_ENERGY] += self.advance(memory, self.way.at(fraction)).dissipated_energy;
+        if let AnyLaw::Jenkins(law) = &self.law {
+            let step_of_law =
+                |memory: &[f64], inputs, next: &mut [f64]| law.step_closed(memory, inputs, next);
+            if run_straight(step_of_law, law.state_len(), &self.rules, state, row, step) {
+                return Ok(());
             }
         }
-        let response = self.advance(memory, self.way.ends());
-        values[DISSIPATED_ENERGY] += response.dissipated_energy;
-        values.iter_mut().zip(&self.way.lines.all).for_each(|(value, line)| *value = line.end);
-        write_outputs(&response, self.slip, values);
-        Ok(())
+        self.run_straight(state, row, step)
     }
 
     fn output_rates(&mut self, state: &[f64], rates: &mut [f64]) -> Result<(), String> {
-        self.go_back(state);
+        let (law, Room { next, sensitivity, way }) = self.go_back(state);
         rates.fill(0.0);
-        let step = self.way.lines.step;
+        let step = way.lines.step;
         if step == 0.0 {
             return Ok(());
         }
-        let rate = |input: usize| self.way.lines.all[input].rise() / step;
-        let (starts, ends) = (self.way.starts(), self.way.ends());
-        let mut memory = std::mem::take(&mut self.sensitivity.memory);
-        if self.way.lines.jumped {
-            self.law.advance(&mut memory, starts);
+        let rate = |input: usize| way.lines.all[input].rise() / step;
+        let memory = &mut sensitivity.memory;
+        if way.lines.jumped {
+            law.advance(memory, way.starts());
         }
         let mut dissipated = 0.0;
-        for fraction in self.way.turns().into_iter().flatten() {
-            dissipated += self.law.step(&memory, self.way.at(fraction), &mut self.next).dissipated_energy;
-            memory.copy_from_slice(&self.next);
+        for fraction in way.turns().into_iter().flatten() {
+            dissipated += law.step(memory, way.at(fraction), next).dissipated_energy;
+            memory.copy_from_slice(next);
         }
-        let response = self.law.step(&memory, ends, &mut self.next);
-        self.sensitivity.memory = memory;
+        let response = law.step(memory, way.ends(), next);
         let Tangents { displacement, velocity, normal_load } = response.tangents;
         rates[FORCE - INPUTS] = displacement * rate(DISPLACEMENT)
             + velocity * rate(VELOCITY)
-            + normal_load * self.way.load.gain() * rate(NORMAL_LOAD);
+            + normal_load * way.load.gain() * rate(NORMAL_LOAD);
         rates[DISSIPATED_ENERGY - INPUTS] = (dissipated + response.dissipated_energy) / step;
         Ok(())
     }
@@ -305,9 +401,7 @@ impl Behaviour for ContactBehaviour {
         _tolerance: f64,
         change: &mut [f64],
     ) -> Result<(), String> {
-        self.go_back(state);
-        let Self { law, sensitivity: carried, way, .. } = self;
-        let law = &**law;
+        let (law, Room { sensitivity: carried, way, .. }) = self.go_back(state);
         // A derivative of the energy costs several steps.
         let energy = unknowns.contains(&(DISSIPATED_ENERGY as u32));
         let mut dissipated = 0.0;

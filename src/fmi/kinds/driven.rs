@@ -2,9 +2,9 @@
 
 use super::LoadRule;
 use super::slip::SlipFraction;
-use crate::fmi::Behaviour;
 use crate::fmi::continuous::{self, ContinuousTime, Instant};
-use crate::fmi::lines::{Derivatives, Lines};
+use crate::fmi::lines::Lines;
+use crate::fmi::{Asked, Behaviour};
 use crate::system::{Element, System};
 use crate::time::{Integrator, Motion, OutputRates, Outputs, Ramp, Settings, Steps, Tangent};
 
@@ -270,20 +270,19 @@ impl Behaviour for DrivenSystem {
         &mut self,
         state: &mut [f64],
         values: &mut [f64],
-        slopes: &[Option<Derivatives>],
+        asked: &Asked,
         step: f64,
-        tolerance: f64,
-    ) -> Result<(), String> {
+    ) -> Result<(), Box<str>> {
         Self::read(&mut self.motion, state)?;
-        self.lines.go_on(&state[2 * self.room + 1..], values, slopes, step);
+        self.lines.go_on(&state[2 * self.room + 1..], values, &asked.slopes, step);
         self.act(Lines::along);
         let dissipated = self.dissipated();
-        let steps = self.table.steps(step, tolerance, &self.integrator)?;
+        let steps = self.table.steps(step, asked.tolerance, &self.integrator)?;
         let gone = self.integrator.go(&mut self.motion, step, &self.acting, steps);
         gone.map_err(|error| error.to_string())?;
         let dissipated = self.dissipated() - dissipated;
         self.write_outputs(values)?;
-        self.store(state, dissipated)
+        Ok(self.store(state, dissipated)?)
     }
 
     fn output_rates(&mut self, state: &[f64], rates: &mut [f64]) -> Result<(), String> {

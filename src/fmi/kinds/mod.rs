@@ -21,21 +21,22 @@ use crate::time::Ramp;
 /// The normal load that acts, from the one that comes in.
 #[derive(Debug, Clone, Copy)]
 struct LoadRule {
-    joint: JointChanges,
+    /// The fraction (1) of the change that reaches the contact; `None`: all.
+    fraction: Option<f64>,
     constant: f64,
 }
 
 impl LoadRule {
     fn new(model: &Model) -> Self {
         Self {
-            joint: model.changes().joint,
+            fraction: model.changes().joint.load_gain,
             constant: model.contact.map_or(0.0, |contact| contact.normal_load),
         }
     }
 
     /// Change of N per change of the input (1).
     fn gain(&self) -> f64 {
-        self.joint.load_gain.unwrap_or(1.0)
+        self.fraction.unwrap_or(1.0)
     }
 
     /// N over a step, of an input over it.
@@ -45,11 +46,10 @@ impl LoadRule {
     }
 
     /// N, of the `input` (N): all of it, or the fraction of its change that reaches the contact.
+    #[inline]
     fn acting(&self, input: f64) -> f64 {
-        match self.joint.load_gain {
-            None => input,
-            Some(_) => self.joint.normal_load(self.constant, Some(input)),
-        }
+        let changes = JointChanges { load_gain: self.fraction, ..JointChanges::default() };
+        if self.fraction.is_none() { input } else { changes.normal_load(self.constant, Some(input)) }
     }
 }
 

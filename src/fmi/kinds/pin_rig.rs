@@ -3,10 +3,10 @@
 
 use super::beam::sensor_positions;
 use super::slip::SlipFraction;
-use crate::fmi::Behaviour;
 use crate::fmi::continuous::{self, ContinuousForm, ContinuousTime, Instant};
 use crate::fmi::description::{DependencyKind, Description, Experiment, Variable};
-use crate::fmi::lines::{Derivatives, Lines, parts};
+use crate::fmi::lines::{Lines, parts};
+use crate::fmi::{Asked, Behaviour};
 use crate::model::{Model, PinnedBeam};
 use crate::system::Element;
 use crate::time::{ClassicalSteps, Energies, Ramp, SteppedMotion};
@@ -319,15 +319,14 @@ impl Behaviour for PinRigBehaviour {
         &mut self,
         state: &mut [f64],
         values: &mut [f64],
-        slopes: &[Option<Derivatives>],
+        asked: &Asked,
         step: f64,
-        tolerance: f64,
-    ) -> Result<(), String> {
+    ) -> Result<(), Box<str>> {
         let (now, before, last) = parts(state, self.motion.state_len());
         self.motion.read_state(now);
         let inputs = self.inputs();
-        self.lines.go_on(&last[KEPT..], &values[..inputs], slopes, step);
-        let (lines, count) = (self.lines.all.clone(), self.count(tolerance)?);
+        self.lines.go_on(&last[KEPT..], &values[..inputs], &asked.slopes, step);
+        let (lines, count) = (self.lines.all.clone(), self.count(asked.tolerance)?);
         self.go(&lines, count);
         self.observe(&ends(&lines))?;
         let lost = self.lost();

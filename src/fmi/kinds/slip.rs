@@ -26,14 +26,15 @@ impl SlipFraction {
         Self { stuck, slipping: tangent(FAR * law.limit(normal_load) / stuck) }
     }
 
+    #[inline]
     /// The share of the sliders that do not stick, by stiffness, where the law's tangent is `tangent` (N/m).
     pub fn of(&self, tangent: f64, state: SlipState) -> f64 {
         // One slider alone needs no division.
-        if tangent == self.slipping && self.slipping < self.stuck {
-            return 1.0;
-        }
         if tangent == self.stuck && state != SlipState::Separated {
             return 0.0;
+        }
+        if tangent == self.slipping && self.slipping < self.stuck {
+            return 1.0;
         }
         let share = (self.stuck - tangent) / (self.stuck - self.slipping);
         match state {

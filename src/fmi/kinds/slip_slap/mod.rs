@@ -4,10 +4,10 @@ mod carried;
 
 use super::slip::SlipFraction;
 use crate::contact::{SlipSlap, SlipSlapInputs, SlipSlapResponse, SlipSlapWork};
-use crate::fmi::Behaviour;
 use crate::fmi::continuous::{self, ContinuousForm, ContinuousTime, Instant};
 use crate::fmi::description::{DependencyKind, Description, Experiment, Variable};
-use crate::fmi::lines::{Derivatives, Lines, parts};
+use crate::fmi::lines::{Lines, parts};
+use crate::fmi::{Asked, Behaviour};
 use crate::model::{Contact, Model};
 use crate::time::Ramp;
 use crate::vocabulary as v;
@@ -234,13 +234,12 @@ impl Behaviour for SlipSlapBehaviour {
         &mut self,
         state: &mut [f64],
         values: &mut [f64],
-        slopes: &[Option<Derivatives>],
+        asked: &Asked,
         step: f64,
-        _tolerance: f64,
-    ) -> Result<(), String> {
+    ) -> Result<(), Box<str>> {
         let (now, before, lines) = parts(state, self.next.len());
         before.copy_from_slice(now);
-        self.lines.go_on(lines, &values[..INPUTS], slopes, step);
+        self.lines.go_on(lines, &values[..INPUTS], &asked.slopes, step);
         self.lines.write(lines);
         let mut lost = [0.0; 2];
         let mut add = |response: &SlipSlapResponse| {
