@@ -146,7 +146,12 @@ impl NormalDirection {
 
     /// N_c (N) with its derivatives by η (N/m) and η̇ (N s/m).
     pub fn force_and_slopes(&self, displacement: f64, velocity: f64) -> [f64; 3] {
-        let (elastic, slope) = self.elastic(displacement);
+        self.damped(self.elastic(displacement), velocity)
+    }
+
+    /// The elastic force and its slope with what the damping makes of them at η̇ (m/s).
+    #[inline]
+    fn damped(&self, (elastic, slope): (f64, f64), velocity: f64) -> [f64; 3] {
         let factor = 1.0 - self.impact_damping * velocity;
         // Written so that a NaN stays a NaN and a diverged caller sees it.
         if elastic <= 0.0 || factor <= 0.0 {
@@ -216,7 +221,8 @@ impl NormalDirection {
         let at = |place: f64| [0, 1].map(|i: usize| from[i] + place * (to[i] - from[i]));
         let loss = |place: f64| {
             let [displacement, velocity] = at(place);
-            self.force(displacement, velocity) - self.elastic(displacement).0
+            let elastic = self.elastic(displacement);
+            self.damped(elastic, velocity)[0] - elastic.0
         };
         let mut sum = 0.0;
         for ends in corners.windows(2) {
