@@ -106,7 +106,7 @@ pub use stage::{Setup, Stage};
 pub use template::Template;
 
 use crate::time::Ramp;
-use std::fmt::Debug;
+use std::fmt;
 
 /// What a master asks of a step besides the values.
 #[derive(Debug)]
@@ -117,9 +117,16 @@ pub(crate) struct Asked {
     pub tolerance: f64,
 }
 
+/// Not what is in it: every FMU would carry what it takes to write out an integrator.
+impl fmt::Debug for dyn Behaviour {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Behaviour")
+    }
+}
+
 /// The physics behind an instance. It holds parameters and work space; what it remembers from step to
 /// step is in `state` and `values`, which belong to the instance, so that saving an instance is a copy.
-pub(crate) trait Behaviour: continuous::ContinuousTime + Debug + Send {
+pub(crate) trait Behaviour: continuous::ContinuousTime + Send {
     /// Length of the state.
     fn state_len(&self) -> usize;
 
