@@ -87,6 +87,7 @@ pub type IntermediateUpdate = unsafe extern "C" fn(
 ///
 /// # Safety
 /// A non-NULL `pointer` must point to `length` elements that outlive `'a`.
+#[inline(always)]
 pub unsafe fn slice<'a, T>(pointer: *const T, length: usize, name: &str) -> Result<&'a [T], Failure> {
     if length == 0 {
         return Ok(&[]);
@@ -100,6 +101,7 @@ pub unsafe fn slice<'a, T>(pointer: *const T, length: usize, name: &str) -> Resu
 ///
 /// # Safety
 /// As [`slice`], and nothing else refers to the array during `'a`.
+#[inline(always)]
 pub unsafe fn slice_mut<'a, T>(pointer: *mut T, length: usize, name: &str) -> Result<&'a mut [T], Failure> {
     if length == 0 {
         return Ok(&mut []);
@@ -128,7 +130,7 @@ pub unsafe fn text<'a>(pointer: FmiString) -> Option<&'a CStr> {
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
 }
 
-#[inline]
+#[inline(always)]
 fn check_array<T>(pointer: *const T, length: usize, name: &str) -> Result<(), Failure> {
     let possible = length <= isize::MAX as usize / size_of::<T>().max(1);
     if !pointer.is_null() && pointer.is_aligned() && possible {

@@ -92,6 +92,7 @@ impl Element {
     }
 
     /// The spring's part (m) of a stretch (m) of spring and play together, and the slope (N/m) there.
+    #[inline(always)]
     fn spring(&self, stretch: f64) -> (f64, f64) {
         let taken_up = stretch - cut_to(stretch, self.play);
         (taken_up, if stretch.abs() < self.play { 0.0 } else { self.stiffness })
@@ -138,6 +139,7 @@ impl Element {
     }
 
     /// Force (N), not above the limit, and slope (N/m) with the slider at rest.
+    #[inline(always)]
     fn stuck(&self, stretch: f64, normal_load: f64) -> (f64, f64) {
         let (stretch, slope) = self.spring(stretch);
         (cut_to(self.stiffness * stretch, self.friction * normal_load), slope)

@@ -209,7 +209,7 @@ impl Variable {
     }
 
     /// Finite and within the bounds?
-    #[inline]
+    #[inline(always)]
     pub fn allows(&self, value: f64) -> bool {
         let Quantity { min, max, open, .. } = *self.quantity;
         value.is_finite()

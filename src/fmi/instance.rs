@@ -306,7 +306,7 @@ impl Instance {
     ///
     /// # Errors
     /// As [`Instance::do_step`], but for what comes of the inputs and of the integration.
-    #[inline]
+    #[inline(always)]
     pub fn check_step(&self, time: f64, step: f64) -> Result<(), Error> {
         self.require(Stage::StepComplete)?;
         self.check_times(time, step)
@@ -317,7 +317,7 @@ impl Instance {
         if self.stage == stage { Ok(()) } else { Err(Error::Stage(self.stage)) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn check_times(&self, time: f64, step: f64) -> Result<(), Error> {
         let slack = 1e-3 * step + 1e-9 * time.abs();
         let expected = self.time.unwrap_or(time);

@@ -26,7 +26,7 @@ impl Instance {
     }
 
     /// Reads rows that exist, of any type.
-    #[inline]
+    #[inline(always)]
     fn read_rows(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Error> {
         same_length(references.len(), values.len())?;
         // What was set is read as it is, whether it makes a model or not.
@@ -92,7 +92,7 @@ impl Instance {
         self.check_values(references, values)
     }
 
-    #[inline]
+    #[inline(always)]
     fn check_values(&self, references: &[u32], values: &[f64]) -> Result<(), Error> {
         for (reference, value) in references.iter().zip(values) {
             let variable = self.variable(*reference)?;
@@ -131,13 +131,13 @@ impl Instance {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn variable(&self, reference: u32) -> Result<&Variable, Error> {
         let variables = &self.shared.description.variables;
         variables.get(reference as usize).ok_or_else(|| unknown(reference, variables))
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn check_settable(&self, variable: &Variable) -> Result<(), Error> {
         let settable = match variable.causality {
             Causality::Input => !matches!(self.stage, Stage::StepFailed | Stage::Terminated),
@@ -167,7 +167,7 @@ fn not_settable(variable: &Variable) -> Error {
 }
 
 /// Whether `variable` may be `value`.
-#[inline]
+#[inline(always)]
 pub(super) fn check_value(variable: &Variable, value: f64) -> Result<(), Error> {
     let allowed = value.abs() <= LARGEST_INPUT && variable.allows(value);
     if allowed { Ok(()) } else { Err(wrong_value(variable, value)) }

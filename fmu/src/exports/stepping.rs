@@ -31,6 +31,7 @@ pub unsafe extern "C" fn fmi2DoStep(
 }
 
 /// The first warning of an instance; more of the same would fill the importer's log.
+#[inline(always)]
 pub fn warned_once(component: &mut Component) -> Result<(), Failure> {
     if component.warned {
         return Ok(());

@@ -290,7 +290,7 @@ impl ContactBehaviour {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn write_outputs(response: &Response, slip: SlipFraction, values: &mut [f64]) {
     values[FORCE] = response.force;
     values[SLIP_STATE] = f64::from(response.slip_state as i32);

@@ -190,6 +190,7 @@ pub fn write_stamped_fmu(
         // The default time is 1980-01-01: an FMU does not contain the time of its creation.
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
+            .compression_level(Some(9))
             .last_modified_time(zip::DateTime::default())
             .unix_permissions(mode);
         archive.start_file(name, options)?;
