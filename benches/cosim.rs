@@ -6,6 +6,7 @@
 use divan::counter::ItemsCount;
 use divan::{AllocProfiler, Bencher, black_box};
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use stickslip::cosim::{
     Abilities, Algorithm, Causality, Kind, Master, NativeSlave, Parallel, Settings, Slave, SlaveError,
     Stepped, Strong, System, Variable,
@@ -36,13 +37,13 @@ struct Structure {
 impl Structure {
     fn new(name: &str, forces: usize) -> Self {
         let row = |name: String, causality, unit: &str| Variable {
-            name,
+            name: name.into(),
             reference: 0,
             kind: Kind::Real,
             causality,
-            unit: Some(unit.to_owned()),
+            unit: Some(unit.into()),
             start: None,
-            depends_on: (causality == Causality::Output).then(Vec::new),
+            depends_on: (causality == Causality::Output).then(Arc::default),
         };
         let mut table: Vec<Variable> =
             (0..forces).map(|index| row(format!("force{index}"), Causality::Input, "N")).collect();

@@ -47,11 +47,11 @@ impl Linear {
         let (n, m, p) = (x.len(), inputs.len(), outputs.len());
         let d = DMatrix::from_row_slice(p, m, d);
         let row = |causality, (name, unit): &(&str, &str), depends_on| Variable {
-            name: (*name).to_owned(),
+            name: (*name).into(),
             reference: 0,
             kind: Kind::Real,
             causality,
-            unit: Some((*unit).to_owned()),
+            unit: Some((*unit).into()),
             start: None,
             depends_on,
         };

@@ -67,7 +67,7 @@ struct Switch([Variable; 3]);
 impl Switch {
     fn new() -> Self {
         let row = |name: &str, kind, causality| Variable {
-            name: name.to_owned(),
+            name: name.into(),
             reference: 0,
             kind,
             causality,

@@ -84,7 +84,8 @@ impl Master {
         let observed = system.observed().into_iter().map(|port| {
             let row = system.variable(port);
             let slave = system.slaves[port.slave].name().to_owned();
-            Observed { slave, variable: row.name.clone(), unit: row.unit.clone(), kind: row.kind }
+            let unit = row.unit.as_deref().map(str::to_owned);
+            Observed { slave, variable: row.name.to_string(), unit, kind: row.kind }
         });
         let observed = observed.collect();
         let abilities = || system.slaves.iter().map(|slave| slave.abilities());

@@ -9,6 +9,7 @@ pub use native::NativeSlave;
 pub use source::Source;
 
 use std::fmt::Debug;
+use std::sync::Arc;
 
 /// What kind of number a variable is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,11 +35,11 @@ pub enum Causality {
     Local,
 }
 
-/// A variable of a slave.
+/// A variable of a slave. A slave may have a million of them: texts are shared with whatever describes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
     /// Its name, unique in the slave.
-    pub name: String,
+    pub name: Arc<str>,
     /// By which it is set and read.
     pub reference: u32,
     /// What kind of number.
@@ -46,12 +47,12 @@ pub struct Variable {
     /// Who sets it.
     pub causality: Causality,
     /// Its unit as the slave writes it.
-    pub unit: Option<String>,
+    pub unit: Option<Arc<str>>,
     /// Its value unless set, where the slave declares it.
     pub start: Option<f64>,
     /// Of an output: the positions in the table of the inputs on which it depends at a communication point;
     /// absent where the slave does not declare them, which means all.
-    pub depends_on: Option<Vec<usize>>,
+    pub depends_on: Option<Arc<[usize]>>,
 }
 
 /// What a slave can do besides stepping.

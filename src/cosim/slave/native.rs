@@ -1,5 +1,7 @@
 //! The library's own models as slaves, without an FMU.
 
+use std::sync::Arc;
+
 use super::{Abilities, Causality, Kind, Setup, Severity, Slave, SlaveError, Stepped, Variable};
 use crate::fmi::{self, DERIVATIVE_ORDER, INPUT_DERIVATIVE_ORDER, Instance, Snapshot, VariableType};
 use crate::model::Model;
@@ -32,7 +34,7 @@ impl NativeSlave {
             .iter()
             .enumerate()
             .map(|(reference, row)| Variable {
-                name: row.name.to_string(),
+                name: Arc::from(&*row.name),
                 reference: reference as u32,
                 kind: match row.variable_type {
                     VariableType::Real => Kind::Real,
@@ -44,7 +46,7 @@ impl NativeSlave {
                     fmi::Causality::Output => Causality::Output,
                     fmi::Causality::Local => Causality::Local,
                 },
-                unit: Some(row.quantity.unit.to_owned()),
+                unit: Some(Arc::from(row.quantity.unit)),
                 start: row.start(),
                 depends_on: (row.causality == fmi::Causality::Output)
                     .then(|| row.dependencies.iter().map(|other| other.on as usize).collect()),

@@ -2,6 +2,7 @@
 
 use super::{Abilities, Causality, Kind, Setup, Severity, Slave, SlaveError, Stepped, Variable};
 use std::fmt;
+use std::sync::Arc;
 
 /// One output, given by a function of time: an exciter.
 pub struct Source {
@@ -28,13 +29,13 @@ impl Source {
     /// A slave called `name` with the one output `variable`, of unit `unit`, that is `value` of the time (s).
     pub fn new(name: &str, variable: &str, unit: &str, value: impl Fn(f64) -> f64 + Send + 'static) -> Self {
         let variable = Variable {
-            name: variable.to_owned(),
+            name: variable.into(),
             reference: 0,
             kind: Kind::Real,
             causality: Causality::Output,
-            unit: Some(unit.to_owned()),
+            unit: Some(unit.into()),
             start: None,
-            depends_on: Some(Vec::new()),
+            depends_on: Some(Arc::default()),
         };
         let value = Box::new(value);
         Self {

@@ -205,7 +205,7 @@ impl Unit {
     /// The full name of the output at `place` of what is read.
     pub fn output_name(&self, place: usize) -> String {
         let row = self.output_positions.get(place).map(|position| &self.slave.variables()[*position].name);
-        format!("{}.{}", self.slave.name(), row.map_or("", String::as_str))
+        format!("{}.{}", self.slave.name(), row.map_or("", |name| &**name))
     }
 
     /// Reads the outputs, which must be numbers, and finite where they feed others.

@@ -207,7 +207,7 @@ impl System {
     pub fn port(&self, slave: &str, variable: &str) -> Result<Port, SystemError> {
         let index = self.slave(slave)?;
         let mut table = self.slaves[index].variables().iter();
-        match table.position(|row| row.name == variable) {
+        match table.position(|row| *row.name == *variable) {
             Some(position) => Ok(Port { slave: index, variable: position }),
             None => {
                 Err(SystemError::UnknownVariable { slave: slave.to_owned(), variable: variable.to_owned() })
@@ -231,7 +231,7 @@ impl System {
     }
 
     fn names(&self, port: Port) -> (String, String) {
-        (self.slaves[port.slave].name().to_owned(), self.variable(port).name.clone())
+        (self.slaves[port.slave].name().to_owned(), self.variable(port).name.to_string())
     }
 
     /// Feeds the input `to` from `from`, both (slave, variable): `to = factor · from + offset`.

@@ -9,6 +9,7 @@
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 use std::hint::black_box;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::Instant;
 
 use stickslip::cosim::{
@@ -140,13 +141,13 @@ struct Structure {
 impl Structure {
     fn new(forces: usize) -> Self {
         let row = |name: String, causality, unit: &str| Variable {
-            name,
+            name: name.into(),
             reference: 0,
             kind: Kind::Real,
             causality,
-            unit: Some(unit.to_owned()),
+            unit: Some(unit.into()),
             start: None,
-            depends_on: (causality == Causality::Output).then(Vec::new),
+            depends_on: (causality == Causality::Output).then(Arc::default),
         };
         let mut table: Vec<Variable> =
             (0..forces).map(|index| row(format!("force{index}"), Causality::Input, "N")).collect();

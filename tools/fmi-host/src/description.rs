@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use stickslip::cosim::Causality;
 use stickslip_readers::InputError;
@@ -11,6 +12,7 @@ use stickslip_readers::xml::{Element, XmlFile};
 use crate::fmi3::Format;
 use crate::import::ImportProblem;
 use crate::log::NO_LETTER;
+use crate::words::Words;
 
 /// Versions of FMI.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,6 +44,9 @@ pub struct ModelDescription {
     pub experiment: Experiment,
     /// Its variables, in the order of the file.
     pub variables: Vec<ScalarVariable>,
+    /// On which variables outputs depend, all by their positions. An output that is not here has not declared it, which
+    /// means on all.
+    pub dependencies: BTreeMap<usize, Arc<[usize]>>,
 }
 
 /// Abilities in co-simulation.
@@ -88,18 +93,18 @@ pub struct Passed {
     /// Its type in C.
     pub format: Format,
     /// Its place in the array that has its value reference, and the length of that: 0 and 1 of a variable that is none.
-    pub element: usize,
+    pub element: u32,
     /// See above.
-    pub size: usize,
+    pub size: u32,
     /// It may be set within steps.
     pub intermediate: bool,
 }
 
-/// A variable; of an array, one of its elements.
+/// A variable; of an array, one of its elements. There may be a million of them: equal texts are kept once.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScalarVariable {
     /// Its name.
-    pub name: String,
+    pub name: Arc<str>,
     /// Its value reference.
     pub reference: u32,
     /// Who sets it; what is neither parameter, input nor output is local here.
@@ -111,12 +116,9 @@ pub struct ScalarVariable {
     /// How it is passed.
     pub passed: Passed,
     /// Name of its unit.
-    pub unit: Option<String>,
+    pub unit: Option<Arc<str>>,
     /// Its value unless set, as it is written.
-    pub start: Option<String>,
-    /// Of an output: positions of the variables on which it depends; absent where the file does not declare them, which
-    /// means all.
-    pub depends_on: Option<Vec<usize>>,
+    pub start: Option<Arc<str>>,
 }
 
 /// When a variable changes.
@@ -148,14 +150,14 @@ pub enum TypeOfVariable {
     /// What the master has no use for: binary data.
     Opaque,
     /// One of these items, each with its number.
-    Enumeration(Vec<(String, i32)>),
+    Enumeration(Arc<[(String, i32)]>),
 }
 
 /// What declared types hold for the variables that refer to them.
 #[derive(Debug, Default, Clone)]
 struct DeclaredType {
-    unit: Option<String>,
-    items: Vec<(String, i32)>,
+    unit: Option<Arc<str>>,
+    items: Arc<[(String, i32)]>,
 }
 
 impl ModelDescription {
@@ -175,17 +177,18 @@ impl ModelDescription {
         }
         let Some(element) = root.child("CoSimulation") else { return Err(ImportProblem::NoCoSimulation) };
         let declared = declared_types(file, root)?;
+        let mut words = Words::default();
         let rows = || {
             items(file, root).filter(|row| row.as_ref().map_or(true, |row| row.name() == "ScalarVariable"))
         };
-        let mut variables =
-            rows().map(|row| scalar_variable(file, &row?, &declared)).collect::<Result<Vec<_>, _>>()?;
+        let variables = rows()
+            .map(|row| scalar_variable(file, &row?, &declared, &mut words))
+            .collect::<Result<Vec<_>, _>>()?;
         if let Some(twice) = repeated(&variables) {
             let element = rows().nth(twice).transpose()?;
             let element = element.as_ref().unwrap_or(root);
             return Err(file.value_error(element, "name", "a name that no other variable has").into());
         }
-        dependencies(file, root, &mut variables)?;
         Ok(Self {
             version: FmiVersion::Two,
             model_name: root.attribute("modelName").unwrap_or_default().to_owned(),
@@ -198,13 +201,14 @@ impl ModelDescription {
                 .filter_map(|category| category.attribute("name").map(str::to_owned))
                 .collect(),
             experiment: experiment(file, root)?,
+            dependencies: dependencies(file, root, variables.len())?,
             variables,
         })
     }
 
     /// The position of the variable `name`.
     pub fn position(&self, name: &str) -> Option<usize> {
-        self.variables.iter().position(|variable| variable.name == name)
+        self.variables.iter().position(|variable| *variable.name == *name)
     }
 
     /// The name of the variable of a value reference whose type has a letter in messages: of several the last.
@@ -218,13 +222,13 @@ impl ModelDescription {
         };
         let mut rows = self.variables.iter().rev();
         let found = rows.find(|variable| variable.reference == reference && own(variable) == letter);
-        found.map(|variable| variable.name.as_str())
+        found.map(|variable| &*variable.name)
     }
 
     /// The unit of a variable: only its name where the FMU does not define it.
     pub fn unit(&self, variable: &ScalarVariable) -> Option<Unit> {
         let name = variable.unit.as_ref()?;
-        let defined = self.units.iter().find(|unit| unit.name == *name);
+        let defined = self.units.iter().find(|unit| unit.name == **name);
         Some(defined.cloned().unwrap_or_else(|| Unit::named(name)))
     }
 }
@@ -269,25 +273,35 @@ pub(crate) fn experiment(file: &XmlFile, root: &Element) -> Result<Experiment, I
 fn declared_types(file: &XmlFile, root: &Element) -> Result<BTreeMap<String, DeclaredType>, InputError> {
     let mut types = BTreeMap::new();
     for element in root.list("TypeDefinitions", "SimpleType") {
-        let mut declared = DeclaredType::default();
-        if let Some(real) = element.child("Real") {
-            declared.unit = real.attribute("unit").map(str::to_owned);
-        }
-        for item in element.list("Enumeration", "Item") {
-            let value = file.number(item, "value")?.unwrap_or_default();
-            declared.items.push((file.required(item, "name")?.to_owned(), value));
-        }
+        let real = element.child("Real");
+        let declared = DeclaredType {
+            unit: real.and_then(|real| real.attribute("unit")).map(Arc::from),
+            items: enumerated(file, element.list("Enumeration", "Item"))?,
+        };
         types.insert(file.required(element, "name")?.to_owned(), declared);
     }
     Ok(types)
+}
+
+/// The items of an enumeration, each with its number.
+pub(crate) fn enumerated<'e>(
+    file: &XmlFile,
+    items: impl Iterator<Item = &'e Element>,
+) -> Result<Arc<[(String, i32)]>, InputError> {
+    let item = |item: &'e Element| {
+        let value = file.number(item, "value")?.unwrap_or_default();
+        Ok((file.required(item, "name")?.to_owned(), value))
+    };
+    items.map(item).collect()
 }
 
 fn scalar_variable(
     file: &XmlFile,
     element: &Element,
     declared: &BTreeMap<String, DeclaredType>,
+    words: &mut Words,
 ) -> Result<ScalarVariable, InputError> {
-    let name = file.required(element, "name")?.to_owned();
+    let name = Arc::from(file.required(element, "name")?);
     file.required(element, "valueReference")?;
     let causality = match element.attribute("causality") {
         Some("parameter") => Causality::Parameter,
@@ -324,38 +338,42 @@ fn scalar_variable(
             _ => TypeOfVariable::Enumeration(own.items),
         },
         passed: Passed { format: Format::Float64, element: 0, size: 1, intermediate: false },
-        unit: typed.attribute("unit").map(str::to_owned).or(own.unit),
-        start: typed.attribute("start").map(str::to_owned),
-        depends_on: None,
+        unit: typed.attribute("unit").map(|unit| words.shared(unit)).or(own.unit),
+        start: typed.attribute("start").map(|start| words.shared(start)),
     })
 }
 
 /// The position of the first of `variables` whose name one before it has.
 pub(crate) fn repeated(variables: &[ScalarVariable]) -> Option<usize> {
     let mut order: Vec<usize> = (0..variables.len()).collect();
-    let name = |position: usize| variables[position].name.as_str();
-    order.sort_by(|a, b| name(*a).cmp(name(*b)).then(a.cmp(b)));
+    let name = |position: usize| &*variables[position].name;
+    order.sort_unstable_by(|a, b| name(*a).cmp(name(*b)).then(a.cmp(b)));
     order.windows(2).filter(|pair| name(pair[0]) == name(pair[1])).map(|pair| pair[1]).min()
 }
 
-/// Notes down on what outputs depend.
-fn dependencies(file: &XmlFile, root: &Element, variables: &mut [ScalarVariable]) -> Result<(), InputError> {
+/// On which of `count` variables outputs depend.
+fn dependencies(
+    file: &XmlFile,
+    root: &Element,
+    count: usize,
+) -> Result<BTreeMap<usize, Arc<[usize]>>, InputError> {
+    let mut found = BTreeMap::new();
     let expected = "numbers of variables, from 1";
     for unknown in root.all("ModelStructure").flat_map(|structure| structure.list("Outputs", "Unknown")) {
         file.required(unknown, "index")?;
         let index: u32 = file.number(unknown, "index")?.unwrap_or_default();
-        let position = (index as usize).checked_sub(1).filter(|position| *position < variables.len());
+        let position = (index as usize).checked_sub(1).filter(|position| *position < count);
         let Some(position) = position else { return Err(file.value_error(unknown, "index", expected)) };
         let Some(text) = unknown.attribute("dependencies") else { continue };
         let mut on = Vec::new();
         for word in text.split_whitespace() {
             let number: Option<usize> = word.parse().ok();
             match number.and_then(|number| number.checked_sub(1)) {
-                Some(other) if other < variables.len() => on.push(other),
+                Some(other) if other < count => on.push(other),
                 _ => return Err(file.value_error(unknown, "dependencies", expected)),
             }
         }
-        variables[position].depends_on = Some(on);
+        found.insert(position, on.into());
     }
-    Ok(())
+    Ok(found)
 }

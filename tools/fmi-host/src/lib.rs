@@ -17,6 +17,7 @@ mod import;
 mod isolate;
 mod log;
 mod slave;
+mod words;
 
 pub use binding::Status;
 pub use component::{Error, Library, Slave, State};

@@ -1,6 +1,7 @@
 //! `modelDescription.xml` of FMI 3.0.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use stickslip::cosim::Causality;
 use stickslip_readers::InputError;
@@ -10,12 +11,16 @@ use stickslip_readers::xml::{Element, XmlFile};
 use super::Format;
 use crate::description::{
     CoSimulation, FmiVersion, ModelDescription, Passed, ScalarVariable, TypeOfVariable, Variability,
-    experiment, items, repeated,
+    enumerated, experiment, items, repeated,
 };
 use crate::import::ImportProblem;
+use crate::words::Words;
 
 /// Elements of all arrays together, at most: each becomes a variable.
 const MOST_ELEMENTS: usize = 1_000_000;
+
+/// Declared dependencies of all outputs together, at most: a few words about arrays may mean any number.
+const MOST_DEPENDENCIES: usize = 10_000_000;
 
 /// Reads the description under `root`.
 ///
@@ -23,15 +28,19 @@ const MOST_ELEMENTS: usize = 1_000_000;
 /// [`ImportProblem::NoCoSimulation`], [`ImportProblem::Clocks`], and what is not as the standard says.
 pub(crate) fn read(file: &XmlFile, root: &Element) -> Result<ModelDescription, ImportProblem> {
     let Some(element) = root.child("CoSimulation") else { return Err(ImportProblem::NoCoSimulation) };
-    let mut rows =
-        Rows { file, types: declared_types(file, root)?, sizes: BTreeMap::new(), variables: Vec::new() };
+    let mut rows = Rows {
+        file,
+        types: declared_types(file, root)?,
+        sizes: BTreeMap::new(),
+        words: Words::default(),
+        variables: Vec::new(),
+    };
     rows.structural_parameters(items(file, root))?;
     for element in items(file, root) {
         rows.variable(&element?)?;
     }
-    let mut variables = rows.variables;
+    let variables = rows.variables;
     check_names(file, root, &variables)?;
-    dependencies(file, root, &mut variables)?;
     Ok(ModelDescription {
         version: FmiVersion::Three,
         model_name: root.attribute("modelName").unwrap_or_default().to_owned(),
@@ -44,6 +53,7 @@ pub(crate) fn read(file: &XmlFile, root: &Element) -> Result<ModelDescription, I
             .filter_map(|category| category.attribute("name").map(str::to_owned))
             .collect(),
         experiment: experiment(file, root)?,
+        dependencies: dependencies(file, root, &variables)?,
         variables,
     })
 }
@@ -67,19 +77,17 @@ fn co_simulation(file: &XmlFile, element: &Element) -> Result<CoSimulation, Inpu
 /// What declared types hold for the variables that refer to them.
 #[derive(Debug, Default, Clone)]
 struct DeclaredType {
-    unit: Option<String>,
-    items: Vec<(String, i32)>,
+    unit: Option<Arc<str>>,
+    items: Arc<[(String, i32)]>,
 }
 
 fn declared_types(file: &XmlFile, root: &Element) -> Result<BTreeMap<String, DeclaredType>, InputError> {
     let mut types = BTreeMap::new();
     for element in root.all("TypeDefinitions").flat_map(|list| list.children()) {
-        let mut declared =
-            DeclaredType { unit: element.attribute("unit").map(str::to_owned), items: Vec::new() };
-        for item in element.all("Item") {
-            let value = file.number(item, "value")?.unwrap_or_default();
-            declared.items.push((file.required(item, "name")?.to_owned(), value));
-        }
+        let declared = DeclaredType {
+            unit: element.attribute("unit").map(Arc::from),
+            items: enumerated(file, element.all("Item"))?,
+        };
         types.insert(file.required(element, "name")?.to_owned(), declared);
     }
     Ok(types)
@@ -90,7 +98,8 @@ struct Rows<'a> {
     file: &'a XmlFile,
     types: BTreeMap<String, DeclaredType>,
     /// Values of structural parameters, which sizes refer to, by their value references.
-    sizes: BTreeMap<u32, usize>,
+    sizes: BTreeMap<u32, u32>,
+    words: Words,
     variables: Vec<ScalarVariable>,
 }
 
@@ -107,18 +116,18 @@ impl Rows<'_> {
             self.file.required(&element, "valueReference")?;
             let reference = self.file.number(&element, "valueReference")?.unwrap_or_default();
             if let Some(size) = self.file.number::<u32>(&element, "start")? {
-                self.sizes.insert(reference, size as usize);
+                self.sizes.insert(reference, size);
             }
         }
         Ok(())
     }
 
     /// Lengths in all directions; none of a variable that is no array.
-    fn dimensions(&self, element: &Element) -> Result<Vec<usize>, InputError> {
+    fn dimensions(&self, element: &Element) -> Result<Vec<u32>, InputError> {
         let expected = "a length, or the value reference of a structural parameter";
         let lengths = element.all("Dimension").map(|dimension| {
             if let Some(start) = self.file.number::<u32>(dimension, "start")? {
-                return Ok(start as usize);
+                return Ok(start);
             }
             let reference: Option<u32> = self.file.number(dimension, "valueReference")?;
             let size = reference.and_then(|reference| self.sizes.get(&reference)).copied();
@@ -128,17 +137,17 @@ impl Rows<'_> {
     }
 
     fn variable(&mut self, element: &Element) -> Result<(), ImportProblem> {
-        let name = self.file.required(element, "name")?.to_owned();
+        let name = self.file.required(element, "name")?;
         let format = match (element.name(), Format::of_element(element.name())) {
-            ("Clock", _) => return Err(ImportProblem::Clocks(name)),
+            ("Clock", _) => return Err(ImportProblem::Clocks(name.to_owned())),
             ("String" | "Binary", _) => Format::default(),
             (_, Some(format)) => format,
             // Annotations and what later versions add.
             _ => return Ok(()),
         };
         let lengths = self.dimensions(element)?;
-        let size = lengths.iter().try_fold(1_usize, |size, length| size.checked_mul(*length));
-        let size = size.filter(|size| self.variables.len() + size <= MOST_ELEMENTS);
+        let size = lengths.iter().try_fold(1_u32, |size, length| size.checked_mul(*length));
+        let size = size.filter(|size| self.variables.len() + *size as usize <= MOST_ELEMENTS);
         let Some(size) = size else {
             return Err(self
                 .file
@@ -152,17 +161,21 @@ impl Rows<'_> {
         };
         for place in 0..size {
             // One value may stand for all of an array.
-            let start = starts.get(place).or_else(|| starts.first().filter(|_| starts.len() == 1));
+            let start = starts.get(place as usize).or_else(|| starts.first().filter(|_| starts.len() == 1));
             self.variables.push(ScalarVariable {
-                name: if lengths.is_empty() { name.clone() } else { element_name(&name, &lengths, place) },
-                start: start.map(|start| (*start).to_owned()),
+                name: if lengths.is_empty() {
+                    name.into()
+                } else {
+                    element_name(name, &lengths, place).into()
+                },
+                start: start.map(|start| self.words.shared(start)),
                 passed: Passed { element: place, ..row.passed },
                 ..row.clone()
             });
         }
         for alias in element.all("Alias").filter(|_| lengths.is_empty()) {
-            let name = self.file.required(alias, "name")?.to_owned();
-            let start = starts.first().map(|start| (*start).to_owned());
+            let name = Arc::from(self.file.required(alias, "name")?);
+            let start = starts.first().map(|start| self.words.shared(start));
             // The variable itself is recorded.
             let causality = if row.causality == Causality::Output { Causality::Local } else { row.causality };
             self.variables.push(ScalarVariable { name, start, causality, ..row.clone() });
@@ -171,7 +184,7 @@ impl Rows<'_> {
     }
 
     /// All of a variable but names and starts.
-    fn row(&self, element: &Element, format: Format, size: usize) -> Result<ScalarVariable, InputError> {
+    fn row(&mut self, element: &Element, format: Format, size: u32) -> Result<ScalarVariable, InputError> {
         let file = self.file;
         file.required(element, "valueReference")?;
         let causality = match element.attribute("causality") {
@@ -206,7 +219,7 @@ impl Rows<'_> {
             _ => TypeOfVariable::Integer,
         };
         Ok(ScalarVariable {
-            name: String::new(),
+            name: Arc::default(),
             reference: file.number(element, "valueReference")?.unwrap_or_default(),
             causality,
             variability,
@@ -217,15 +230,14 @@ impl Rows<'_> {
                 size,
                 intermediate: file.boolean(element, "intermediateUpdate")?.unwrap_or(false),
             },
-            unit: element.attribute("unit").map(str::to_owned).or(declared.unit),
+            unit: element.attribute("unit").map(|unit| self.words.shared(unit)).or(declared.unit),
             start: None,
-            depends_on: None,
         })
     }
 }
 
 /// `name[2,1]` of the element at `place`, the last index running fastest, all from 1.
-fn element_name(name: &str, lengths: &[usize], mut place: usize) -> String {
+fn element_name(name: &str, lengths: &[u32], mut place: u32) -> String {
     let mut indices = Vec::new();
     for length in lengths.iter().rev() {
         indices.push((place % length + 1).to_string());
@@ -237,7 +249,7 @@ fn element_name(name: &str, lengths: &[usize], mut place: usize) -> String {
 
 fn check_names(file: &XmlFile, root: &Element, variables: &[ScalarVariable]) -> Result<(), ImportProblem> {
     let Some(twice) = repeated(variables) else { return Ok(()) };
-    let twice = variables[twice].name.as_str();
+    let twice = &*variables[twice].name;
     let bare = twice.split('[').next().unwrap_or_default();
     let named =
         |element: &Element| element.attribute("name").is_some_and(|name| twice == name || bare == name);
@@ -249,8 +261,42 @@ fn check_names(file: &XmlFile, root: &Element, variables: &[ScalarVariable]) -> 
     Err(file.value_error(place, "name", "a name that no other variable has").into())
 }
 
-/// Notes down on what outputs depend.
-fn dependencies(file: &XmlFile, root: &Element, variables: &mut [ScalarVariable]) -> Result<(), InputError> {
+/// On which `variables` outputs depend. A value reference may be that of an array, or have aliases.
+fn dependencies(
+    file: &XmlFile,
+    root: &Element,
+    variables: &[ScalarVariable],
+) -> Result<BTreeMap<usize, Arc<[usize]>>, InputError> {
+    let places = mentioned(root, variables);
+    let (mut found, mut count) = (BTreeMap::new(), 0);
+    let expected = "value references of variables";
+    for unknown in root.list("ModelStructure", "Output") {
+        file.required(unknown, "valueReference")?;
+        let reference: u32 = file.number(unknown, "valueReference")?.unwrap_or_default();
+        let Some(own) = places.get(&reference) else {
+            return Err(file.value_error(unknown, "valueReference", expected));
+        };
+        let Some(text) = unknown.attribute("dependencies") else { continue };
+        let mut references = BTreeSet::new();
+        for word in text.split_whitespace() {
+            match word.parse().ok().filter(|reference| places.contains_key(reference)) {
+                Some(known) => references.insert(known),
+                None => return Err(file.value_error(unknown, "dependencies", expected)),
+            };
+        }
+        let of = |reference| places.get(reference).map_or(&[][..], Vec::as_slice);
+        count += references.iter().map(|reference| of(reference).len()).sum::<usize>();
+        if count > MOST_DEPENDENCIES {
+            return Err(file.value_error(unknown, "dependencies", "as many as fit in memory"));
+        }
+        let on: Arc<[usize]> = references.iter().flat_map(of).copied().collect();
+        found.extend(own.iter().map(|place| (*place, Arc::clone(&on))));
+    }
+    Ok(found)
+}
+
+/// The positions of what the outputs' declarations mention, by value references.
+fn mentioned(root: &Element, variables: &[ScalarVariable]) -> BTreeMap<u32, Vec<usize>> {
     let words = |unknown: &Element| {
         let told = ["valueReference", "dependencies"].map(|name| unknown.attribute(name).unwrap_or_default());
         told.join(" ").split_whitespace().filter_map(|word| word.parse().ok()).collect::<Vec<u32>>()
@@ -265,25 +311,5 @@ fn dependencies(file: &XmlFile, root: &Element, variables: &mut [ScalarVariable]
         }
     }
     places.retain(|_, known| !known.is_empty());
-    let expected = "value references of variables";
-    for unknown in root.list("ModelStructure", "Output") {
-        file.required(unknown, "valueReference")?;
-        let reference: u32 = file.number(unknown, "valueReference")?.unwrap_or_default();
-        let Some(own) = places.get(&reference) else {
-            return Err(file.value_error(unknown, "valueReference", expected));
-        };
-        let Some(text) = unknown.attribute("dependencies") else { continue };
-        let mut on = Vec::new();
-        for word in text.split_whitespace() {
-            let known = word.parse().ok().and_then(|reference: u32| places.get(&reference));
-            match known {
-                Some(known) => on.extend(known),
-                None => return Err(file.value_error(unknown, "dependencies", expected)),
-            }
-        }
-        for place in own {
-            variables[*place].depends_on = Some(on.clone());
-        }
-    }
-    Ok(())
+    places
 }

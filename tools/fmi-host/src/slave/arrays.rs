@@ -36,10 +36,10 @@ impl FmuSlave {
             let known = known.unwrap_or_else(|| {
                 spread.references.push(reference);
                 begins.push(spread.length);
-                spread.length += passed.size;
+                spread.length += passed.size as usize;
                 spread.references.len() - 1
             });
-            spread.places.push(begins[known] + passed.element);
+            spread.places.push(begins[known] + passed.element as usize);
         }
         spread
     }
@@ -55,11 +55,11 @@ impl FmuSlave {
         for (variable, value) in variables.iter().zip(values) {
             let (reference, passed) = (self.table[*variable].reference, self.passed[*variable]);
             if array.0 != Some(reference) || passed.size == 1 {
-                array = (Some(reference), vec![0.0; passed.size]);
+                array = (Some(reference), vec![0.0; passed.size as usize]);
                 let done = self.three()?.get_numbers(passed.format, reference, &mut array.1);
                 done.map_err(|error| self.not_read(error, &[*variable]))?;
             }
-            *value = array.1[passed.element];
+            *value = array.1[passed.element as usize];
         }
         Ok(())
     }
@@ -73,8 +73,8 @@ impl FmuSlave {
             let (reference, passed) = (self.table[first].reference, self.passed[first]);
             let same = |variable: &usize| passed.size > 1 && self.table[*variable].reference == reference;
             let count = 1 + variables[at + 1..].iter().take_while(|variable| same(variable)).count();
-            let mut all = vec![0.0; passed.size];
-            if count < passed.size {
+            let mut all = vec![0.0; passed.size as usize];
+            if count < passed.size as usize {
                 let done = self.three()?.get_numbers(passed.format, reference, &mut all);
                 done.map_err(|error| self.not_read(error, &[first]))?;
             }
@@ -85,7 +85,7 @@ impl FmuSlave {
                         self.refused(format!("{name} is of type {:?} and cannot be {value}", passed.format))
                     );
                 }
-                all[self.passed[*variable].element] = *value;
+                all[self.passed[*variable].element as usize] = *value;
             }
             let done = self.three()?.set_numbers(passed.format, reference, &all);
             let range = at..at + count;

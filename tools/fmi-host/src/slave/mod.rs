@@ -16,7 +16,7 @@ use stickslip::cosim::{self, Abilities, Setup, Severity, SlaveError, Stepped, Va
 
 use crate::binding::Status;
 use crate::component::{Error, State};
-use crate::description::{Passed, TypeOfVariable};
+use crate::description::{FmiVersion, Passed, TypeOfVariable};
 use crate::import::{Fmu, Lone};
 use crate::log::Log;
 use table::{abilities, name_unit, table};
@@ -28,7 +28,7 @@ pub struct FmuSlave {
     name: String,
     slave: Component,
     table: Vec<Variable>,
-    /// How each row of the table is passed.
+    /// How each row of the table is passed, in FMI 3.0.
     passed: Vec<Passed>,
     abilities: Abilities,
     slots: Vec<Option<State>>,
@@ -54,7 +54,7 @@ impl FmuSlave {
             passed: description
                 .variables
                 .iter()
-                .filter(|row| row.kind.is_number())
+                .filter(|row| description.version == FmiVersion::Three && row.kind.is_number())
                 .map(|row| row.passed)
                 .collect(),
             abilities: abilities(description),
@@ -92,7 +92,7 @@ impl FmuSlave {
     /// A variable that is no String, and what the FMU objects to.
     pub fn set_text(&mut self, variable: &str, text: &str) -> Result<(), SlaveError> {
         let rows = &self.fmu.description().variables;
-        let row = rows.iter().find(|row| row.name == variable && row.kind == TypeOfVariable::String);
+        let row = rows.iter().find(|row| *row.name == *variable && row.kind == TypeOfVariable::String);
         let Some(row) = row else { return Err(self.refused(format!("`{variable}` is no String"))) };
         let reference = row.reference;
         let done = self.slave.set_string(reference, text);
@@ -105,7 +105,7 @@ impl FmuSlave {
     /// As [`FmuSlave::set_text`].
     pub fn text(&mut self, variable: &str) -> Result<String, SlaveError> {
         let rows = &self.fmu.description().variables;
-        let row = rows.iter().find(|row| row.name == variable && row.kind == TypeOfVariable::String);
+        let row = rows.iter().find(|row| *row.name == *variable && row.kind == TypeOfVariable::String);
         let Some(row) = row else { return Err(self.refused(format!("`{variable}` is no String"))) };
         let reference = row.reference;
         self.slave
@@ -178,7 +178,7 @@ impl FmuSlave {
                 text += &format!(" and {} more", variables.len() - index);
                 break;
             }
-            let name = self.table.get(*variable).map_or("?", |row| row.name.as_str());
+            let name = self.table.get(*variable).map_or("?", |row| &*row.name);
             text += if index == 0 { "`" } else { ", `" };
             text += name;
             text += "`";

@@ -1,6 +1,7 @@
 //! What the master sees of an FMU: its variables, and what it can do.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use stickslip::cosim::{Abilities, Causality, Kind, Variable};
 use stickslip::fmi::INPUT_DERIVATIVE_ORDER;
@@ -10,16 +11,10 @@ use crate::fmi3::Format;
 
 /// The variables that are numbers, in the order of the description, as the master sees them.
 pub(crate) fn table(description: &ModelDescription) -> Vec<Variable> {
-    // Positions in the description become positions in the table, which has no texts.
-    let mut positions = Vec::new();
-    let mut next = 0;
-    for variable in &description.variables {
-        positions.push(next);
-        next += usize::from(variable.kind.is_number());
-    }
-    let rows = description.variables.iter().filter(|variable| variable.kind.is_number());
-    rows.map(|variable| Variable {
-        name: variable.name.clone(),
+    let mut known = Dependencies::new(description);
+    let rows = description.variables.iter().enumerate().filter(|(_, variable)| variable.kind.is_number());
+    rows.map(|(position, variable)| Variable {
+        name: Arc::clone(&variable.name),
         reference: variable.reference,
         kind: match variable.kind {
             TypeOfVariable::Boolean => Kind::Boolean,
@@ -29,23 +24,50 @@ pub(crate) fn table(description: &ModelDescription) -> Vec<Variable> {
         causality: variable.causality,
         unit: variable.unit.clone(),
         start: variable.start.as_deref().and_then(start_number),
-        depends_on: variable.depends_on.as_ref().filter(|_| variable.causality == Causality::Output).map(
-            |on| {
-                let numbers = on.iter().filter(|other| {
-                    let other = &description.variables[**other];
-                    other.causality == Causality::Input && other.kind.is_number()
-                });
-                numbers.map(|other| positions[*other]).collect()
-            },
-        ),
+        depends_on: if variable.causality == Causality::Output { known.of(position) } else { None },
     })
     .collect()
 }
 
+/// Dependencies as the master sees them: positions in the table, which has no texts, of inputs alone.
+struct Dependencies<'d> {
+    description: &'d ModelDescription,
+    /// Positions in the description of what is not in the table, in order.
+    absent: Vec<usize>,
+    /// The declaration that was translated last, and what it became: elements of an array have the same one.
+    last: Option<(&'d Arc<[usize]>, Arc<[usize]>)>,
+}
+
+impl<'d> Dependencies<'d> {
+    fn new(description: &'d ModelDescription) -> Self {
+        let rows = description.variables.iter().enumerate();
+        let absent = rows.filter(|(_, row)| !row.kind.is_number()).map(|(position, _)| position).collect();
+        Self { description, absent, last: None }
+    }
+
+    /// Those of the output at `position` in the description, if it declares them.
+    fn of(&mut self, position: usize) -> Option<Arc<[usize]>> {
+        let declared = self.description.dependencies.get(&position)?;
+        if let Some((last, translated)) = &self.last
+            && Arc::ptr_eq(last, declared)
+        {
+            return Some(Arc::clone(translated));
+        }
+        let inputs = declared.iter().filter(|on| {
+            let row = &self.description.variables[**on];
+            row.causality == Causality::Input && row.kind.is_number()
+        });
+        let translated: Arc<[usize]> =
+            inputs.map(|on| on - self.absent.partition_point(|absent| absent < on)).collect();
+        self.last = Some((declared, Arc::clone(&translated)));
+        Some(translated)
+    }
+}
+
 pub(crate) fn name_unit(table: &mut [Variable], variable: &str, unit: &str) {
-    let row = table.iter_mut().find(|row| row.name == variable && row.unit.is_none());
+    let row = table.iter_mut().find(|row| *row.name == *variable && row.unit.is_none());
     if let Some(row) = row {
-        row.unit = Some(unit.to_owned());
+        row.unit = Some(unit.into());
     }
 }
 

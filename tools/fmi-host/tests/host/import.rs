@@ -214,12 +214,18 @@ fn variables_come_with_types_units_and_dependencies() {
     let (_folder, file) = unruly::file();
     let fmu = Fmu::open(&file).unwrap();
     let slave = fmu.instantiate("one").unwrap();
-    let names: Vec<&str> = slave.variables().iter().map(|row| row.name.as_str()).collect();
+    let names: Vec<&str> = slave.variables().iter().map(|row| &*row.name).collect();
     assert_eq!(names, ["u", "y", "behaviour", "flag"], "texts are not among the numbers");
     assert_eq!(slave.variables()[1].depends_on.as_deref(), Some(&[][..]));
     assert_eq!(slave.variables()[0].unit.as_deref(), Some("N"));
     assert_eq!(slave.variables()[3].start, Some(0.0));
     let description = fmu.description();
+    // A million variables have room because what describes them and the master's table share their texts.
+    assert!(Arc::ptr_eq(&description.variables[0].name, &slave.variables()[0].name));
+    assert!(Arc::ptr_eq(
+        description.variables[0].unit.as_ref().unwrap(),
+        slave.variables()[0].unit.as_ref().unwrap()
+    ));
     let unit = description.unit(&description.variables[0]).unwrap();
     assert_eq!(unit.exponents.unwrap()[..3], [1, 1, -2]);
 }

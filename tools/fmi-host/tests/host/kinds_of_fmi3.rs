@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use stickslip::cosim::{Causality, Kind, Severity, Slave, Stepped};
-use stickslip_fmi_host::{FmiVersion, Fmu, FmuSlave, ImportProblem, TypeOfVariable};
+use stickslip_fmi_host::{FmiVersion, Fmu, FmuSlave, ImportProblem, ModelDescription, TypeOfVariable};
 
 use crate::kinds::{self, DESCRIPTION, beginning};
 use crate::unruly::{archive, written};
@@ -15,7 +15,7 @@ fn opened() -> (tempfile::TempDir, Arc<Fmu>) {
 }
 
 fn position(slave: &FmuSlave, name: &str) -> usize {
-    slave.variables().iter().position(|row| row.name == name).unwrap_or_else(|| panic!("{name}"))
+    slave.variables().iter().position(|row| *row.name == *name).unwrap_or_else(|| panic!("{name}"))
 }
 
 fn positions(slave: &FmuSlave, names: &[&str]) -> Vec<usize> {
@@ -102,13 +102,49 @@ fn the_description_is_read_with_declared_types_aliases_and_structural_parameters
     let row = |name: &str| &description.variables[description.position(name).unwrap()];
     assert_eq!(row("in_f64").unit.as_deref(), Some("N"));
     let items = vec![("off".to_owned(), 1), ("on".to_owned(), 4)];
-    assert_eq!(row("in_mode").kind, TypeOfVariable::Enumeration(items));
+    assert_eq!(row("in_mode").kind, TypeOfVariable::Enumeration(items.into()));
     assert_eq!((row("same_f64").reference, row("same_f64").causality), (101, Causality::Local));
-    assert_eq!(row("level").depends_on.as_deref(), Some(&[][..]));
+    assert_eq!(description.dependencies[&description.position("level").unwrap()][..], []);
     assert_eq!(row("in_list[3]").passed.size, 3);
     let slave = fmu.instantiate("one").unwrap();
     // Inputs that change at events only are not asked for within steps, and one is not enough.
     assert!(slave.abilities().saves_state && !slave.abilities().interpolates_inputs);
+}
+
+/// A description with an output and an input that are arrays of half a million elements each, and what is `told` of outputs.
+fn with_long_arrays(told: &str) -> Result<ModelDescription, ImportProblem> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("modelDescription.xml");
+    let array = |name: &str, reference: u32, causality: &str| {
+        format!(
+            "<Float64 name=\"{name}\" valueReference=\"{reference}\" causality=\"{causality}\" start=\"0\">\
+             <Dimension start=\"499000\"/></Float64>"
+        )
+    };
+    let text = format!(
+        "<fmiModelDescription fmiVersion=\"3.0\" instantiationToken=\"t\"><CoSimulation modelIdentifier=\"T\"/>\
+         <ModelVariables>{}{}<Float64 name=\"y\" valueReference=\"3\" causality=\"output\"/></ModelVariables>\
+         <ModelStructure>{told}</ModelStructure></fmiModelDescription>",
+        array("u", 1, "input"),
+        array("v", 2, "output"),
+    );
+    std::fs::write(&path, text).unwrap();
+    ModelDescription::read(&path)
+}
+
+#[test]
+fn a_few_words_about_long_arrays_take_no_more_memory_than_the_arrays() {
+    let told = "<Output valueReference=\"2\" dependencies=\"1 1\"/><Output valueReference=\"3\" dependencies=\"1\"/>";
+    let description = with_long_arrays(told).unwrap();
+    let dependencies = &description.dependencies;
+    assert_eq!((dependencies.len(), dependencies[&499_000].len()), (499_001, 499_000));
+    assert!(Arc::ptr_eq(&dependencies[&499_000], &dependencies[&997_999]));
+    let Err(ImportProblem::Description(error)) =
+        with_long_arrays(&"<Output valueReference=\"3\" dependencies=\"1\"/>".repeat(30))
+    else {
+        panic!("15 million dependencies in 2 kB");
+    };
+    assert!(error.render(false).contains("fit in memory"), "{}", error.render(false));
 }
 
 #[test]

@@ -72,7 +72,7 @@ impl Part {
     /// That there is no variable called `name`, and which may be meant.
     pub fn unknown(&self, name: &str) -> String {
         let names: Vec<&str> =
-            self.fmu.description().variables.iter().map(|variable| variable.name.as_str()).collect();
+            self.fmu.description().variables.iter().map(|variable| &*variable.name).collect();
         let meant =
             nearest(name, &names).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
         format!("{} ({}) has no variable `{name}`{meant}", self.name, self.fmu.name())
