@@ -325,6 +325,7 @@ impl Instance {
         let fits = step > 0.0
             && slack <= f64::MAX
             && (time - expected).abs() <= slack
+            && time + step <= f64::MAX
             && time + step <= self.stop + slack;
         if fits { Ok(()) } else { Err(self.wrong_times(time, step)) }
     }
@@ -336,6 +337,8 @@ impl Instance {
             argument("communicationStepSize", step, "a finite number, above 0".to_owned())
         } else if !time.is_finite() {
             argument("currentCommunicationPoint", time, "a finite number".to_owned())
+        } else if !(time + step).is_finite() {
+            argument("communicationStepSize", step, "so small that the step ends at a finite time".to_owned())
         } else if time + step > self.stop + 1e-3 * step + 1e-9 * time.abs() {
             let allowed = format!("so small that the step ends by the stop time, {:?}", self.stop);
             argument("communicationStepSize", step, allowed)

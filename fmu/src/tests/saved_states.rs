@@ -106,6 +106,17 @@ fn numbers_that_no_instance_has_are_refused() {
     assert_eq!(running.bytes(), bytes);
 }
 
+/// Found by random calls: two steps, each of a finite length, to a time that no saved state may have.
+#[test]
+fn a_step_that_ends_at_no_finite_time_is_refused() {
+    let importer = Importer::new(JENKINS);
+    let running = importer.running();
+    assert_eq!(running.do_step(0.0, 1e308), Status::Ok);
+    assert_eq!(running.do_step(1e308, 1e308), Status::Error);
+    assert!(running.error().contains("ends at a finite time"), "{}", running.error());
+    assert_eq!(running.set_bytes(&running.bytes()), Status::Ok);
+}
+
 #[test]
 fn the_state_of_another_model_is_refused() {
     let (jenkins, valanis) = (Importer::new(JENKINS), Importer::new(VALANIS));
