@@ -3,7 +3,7 @@
 use stickslip::document::{DocumentError, Table};
 use stickslip::rig::{DualMode, Frequencies, RandomTest, Release, RingDown, SteppedSine, Test, TestKind};
 
-use super::value::{not_negative, positive, positive_list, required_positive, whole};
+use super::value::{count, not_negative, positive, positive_list, required_positive, whole};
 use crate::dataset::USES;
 
 /// Keys of the tables of tests.
@@ -106,7 +106,7 @@ fn frequencies(table: &Table<'_>) -> Result<Frequencies, DocumentError> {
             return Err(table.missing("frequency").with_help(help));
         };
         let to = required_positive(table, "to", "Hz")?;
-        let count = whole(table, "count", 2)?.ok_or_else(|| table.missing("count").with_help(help))?;
+        let count = count(table, "count")?.ok_or_else(|| table.missing("count").with_help(help))?;
         let step = (to - from) / (count - 1) as f64;
         return Ok(Frequencies::List((0..count).map(|k| from + step * k as f64).collect()));
     }
@@ -119,7 +119,7 @@ fn frequencies(table: &Table<'_>) -> Result<Frequencies, DocumentError> {
     match positive(table, "band")? {
         None => refuse_others(&["count"], "the resonance without `band`").map(|()| Frequencies::Resonance),
         Some(band) => {
-            let count = whole(table, "count", 2)?.ok_or_else(|| table.missing("count"))?;
+            let count = count(table, "count")?.ok_or_else(|| table.missing("count"))?;
             Ok(Frequencies::AroundResonance { band, count })
         }
     }

@@ -20,6 +20,15 @@ pub(super) fn not_negative(table: &Table<'_>, key: &str) -> Result<Option<f64>, 
     bounded(table, key, |value| value >= 0.0, "0 or above")
 }
 
+/// How many records or the like: what is counted has to have room, and be carried out some day.
+pub(super) fn count(table: &Table<'_>, key: &str) -> Result<Option<usize>, DocumentError> {
+    const LEAST: f64 = 2.0;
+    const MOST: f64 = 10_000.0;
+    let legal = |value: f64| value.fract() == 0.0 && (LEAST..=MOST).contains(&value);
+    let bounds = format!("a whole number from {LEAST} to {MOST}");
+    Ok(bounded(table, key, legal, &bounds)?.map(|value| value as usize))
+}
+
 /// The whole number at `key`, if it is there, at least `least`.
 pub(super) fn whole(table: &Table<'_>, key: &str, least: usize) -> Result<Option<usize>, DocumentError> {
     let legal = |value: f64| value.fract() == 0.0 && (least as f64..LARGEST_WHOLE).contains(&value);

@@ -47,6 +47,16 @@ fn the_example_plans_are_read_and_have_the_levels_of_the_paper() {
     assert_eq!(free.from, [Release::Held(40.0)]);
 }
 
+/// Found by mutated plans: the list of so many frequencies was made before it was looked at, which ended the process.
+#[test]
+fn more_frequencies_than_have_room_are_refused() {
+    let sine = "[[stepped_sine]]\namplitude = 20\nfrom = 50\nto = 52\n";
+    says(&format!("{sine}count = 4294967296\n"), 5, &["count", "from 2 to 10000"]);
+    says(&format!("{sine}count = 1\n"), 5, &["from 2 to 10000"]);
+    let around = "[[stepped_sine]]\namplitude = 20\nfrequency = \"resonance\"\nband = 2\n";
+    says(&format!("{around}count = 1e12\n"), 5, &["from 2 to 10000"]);
+}
+
 #[test]
 fn tests_keep_their_order_and_sensors_their_channels() {
     let sensors = "[sensors]\npositions = [0.5, 0.2]\nmass = [0.01, 0.02]\nnoise = 0.02\nseed = 7\n\
