@@ -9,6 +9,8 @@
 //! - `guard`: what every function does first and last: pointers, locks, panics, the text of an error.
 
 mod exports;
+#[cfg(test)]
+mod fuzz;
 mod guard;
 mod object;
 #[cfg(test)]

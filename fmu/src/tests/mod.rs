@@ -4,6 +4,7 @@ mod call_table;
 mod derivatives;
 mod fixture;
 mod fmi3;
+mod fuzz;
 mod heap;
 mod lifecycle;
 pub mod model_exchange;

@@ -12,7 +12,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use clap::Parser as _;
-use fastrand::Rng;
+use stickslip_fuzz::{Rng, mutate};
 
 use crate::{Cli, terminal};
 
@@ -67,24 +67,6 @@ regime = "unknown-initial-state"
 file = "loop-4.csv"
 regime = "unknown-initial-state"
 "#;
-const NUMBERS: [&str; 15] = [
-    "0",
-    "-1",
-    "1e308",
-    "-1e-308",
-    "nan",
-    "inf",
-    "1e400",
-    "1e-9",
-    "1e9",
-    "",
-    "0x10",
-    "1_000",
-    "99999999999999999999",
-    "4294967296",
-    "[1, 2]",
-];
-
 /// Where the last panic was.
 static PANIC: Mutex<String> = Mutex::new(String::new());
 
@@ -98,49 +80,6 @@ fn table(shift: f64) -> String {
         text += &format!("{:.4};{moved:.6};{:.6}\n", f64::from(row) * 1e-3, -force * 1e-3);
     }
     text
-}
-
-/// Some bytes, words or numbers of `data` changed, moved, doubled or cut.
-fn mutated(mut data: Vec<u8>, chance: &mut Rng) -> Vec<u8> {
-    for _ in 0..*chance.choice([1, 1, 2, 4].iter()).unwrap_or(&1) {
-        if data.is_empty() {
-            return vec![0];
-        }
-        let at = chance.usize(..data.len());
-        match chance.u8(0..6) {
-            0 => data[at] = chance.u8(..),
-            1 => data.truncate(at),
-            2 => {
-                let piece = data[at..data.len().min(at + chance.usize(1..200))].to_vec();
-                let piece = piece.repeat(if chance.bool() { 1 } else { 3 });
-                data.splice(at..at, piece);
-            }
-            3 => drop(data.drain(at..data.len().min(at + chance.usize(1..60)))),
-            _ => {
-                let numbers = numbers(&data[..data.len().min(20_000)]);
-                if let Some(place) = chance.choice(numbers.iter()) {
-                    let other = chance.choice(NUMBERS.iter()).unwrap_or(&"0");
-                    data.splice(place.clone(), other.bytes());
-                }
-            }
-        }
-    }
-    data
-}
-
-/// Where numbers stand in a text.
-fn numbers(data: &[u8]) -> Vec<std::ops::Range<usize>> {
-    let (mut found, mut at) = (Vec::new(), 0);
-    while at < data.len() {
-        let start = at;
-        at += 1;
-        if data[start].is_ascii_digit() {
-            at +=
-                data[at..].iter().take_while(|byte| byte.is_ascii_digit() || b".eE+-".contains(byte)).count();
-            found.push(start..at);
-        }
-    }
-    found
 }
 
 /// The command line of `command`, and the file that is changed for it.
@@ -221,7 +160,7 @@ fn prepare(folder: &Path, texts: &BTreeMap<String, Vec<u8>>, changed: &str, chan
     }
     for (name, text) in texts {
         if name == changed {
-            std::fs::write(folder.join(name), mutated(text.clone(), chance)).unwrap();
+            std::fs::write(folder.join(name), mutate(text.clone(), chance)).unwrap();
         } else if !name.starts_with("files/") {
             std::fs::write(folder.join(name), text).unwrap();
         }

@@ -13,8 +13,8 @@ use crate::tests::model_exchange::Chance;
 use crate::tests::saved_states::seal;
 use stickslip::fmi::Stage;
 
-const BEAM: &str = include_str!("../../../../modelDescription/FrictionalBeam.toml");
-const SLIP_SLAP: &str = include_str!("../../../../modelDescription/SlipSlapContact.toml");
+pub const BEAM: &str = include_str!("../../../../modelDescription/FrictionalBeam.toml");
+pub const SLIP_SLAP: &str = include_str!("../../../../modelDescription/SlipSlapContact.toml");
 
 /// Numbers of values that are offered, among them too few and too many.
 const ROOM: usize = 80;
@@ -97,6 +97,42 @@ fn call(running: &Running<'_>, chance: &mut Chance, references: usize) -> Status
     }
 }
 
+/// `count` calls by chance, none of which may panic; how many of them were legal.
+pub fn wander(running: &Running<'_>, chance: &mut Chance, count: usize) -> Result<usize, String> {
+    let description = running.component().instance.description();
+    let references = description.variables.len() + description.further().len();
+    let mut legal = 0;
+    for _ in 0..count {
+        legal += usize::from(call(running, chance, references) == Status::Ok);
+        let state = running.component().state();
+        if state == State::Poisoned {
+            return Err(format!("poisoned: {:?}", running.importer.last()));
+        }
+        if state == State::Stage(Stage::Terminated) {
+            assert_eq!(unsafe { fmi3Reset(running.handle) }, Status::Ok);
+            if chance.next() < 0.9 {
+                running.initialize();
+            }
+        }
+    }
+    Ok(legal)
+}
+
+/// Saves, makes `count` calls by chance twice from there, and compares the two.
+pub fn goes_on_alike(running: &Running<'_>, seed: u64, count: usize) -> Result<(), String> {
+    let description = running.component().instance.description();
+    let references = description.variables.len() + description.further().len();
+    let saved = running.bytes();
+    let [first, second] = [0, 1].map(|_| {
+        assert_eq!(running.set_bytes(&saved), Status::Ok);
+        assert_eq!(running.bytes(), saved);
+        let mut again = Chance(seed);
+        let statuses: Vec<Status> = (0..count).map(|_| call(running, &mut again, references)).collect();
+        (statuses, running.bytes())
+    });
+    if first == second { Ok(()) } else { Err("from a saved state it goes on otherwise".to_owned()) }
+}
+
 #[test]
 fn calls_in_any_order_panic_nowhere_and_a_saved_state_goes_on_alike() {
     let mut legal = 0;
@@ -104,30 +140,10 @@ fn calls_in_any_order_panic_nowhere_and_a_saved_state_goes_on_alike() {
         let importer = Importer::new(model);
         for continuous in [false, true] {
             let running = if continuous { importer.continuous() } else { importer.slave() };
-            let description = running.component().instance.description();
-            let references = description.variables.len() + description.further().len();
             let mut chance = Chance(11);
             for round in 0..60 {
-                for _ in 0..60 {
-                    legal += i32::from(call(&running, &mut chance, references) == Status::Ok);
-                    let state = running.component().state();
-                    assert_ne!(state, State::Poisoned, "{:?}", importer.last());
-                    if state == State::Stage(Stage::Terminated) {
-                        assert_eq!(unsafe { fmi3Reset(running.handle) }, Status::Ok);
-                        if chance.next() < 0.9 {
-                            running.initialize();
-                        }
-                    }
-                }
-                let saved = running.bytes();
-                let [first, second] = [0, 1].map(|_| {
-                    assert_eq!(running.set_bytes(&saved), Status::Ok);
-                    let mut again = Chance(round);
-                    let statuses: Vec<Status> =
-                        (0..20).map(|_| call(&running, &mut again, references)).collect();
-                    (statuses, running.bytes())
-                });
-                assert_eq!(first, second);
+                legal += wander(&running, &mut chance, 60).unwrap();
+                goes_on_alike(&running, round, 20).unwrap();
             }
         }
     }

@@ -13,6 +13,9 @@ use crate::log::Message;
 /// Bytes of a frame at most: a state of an FMU may be large.
 const LARGEST: usize = 1 << 30;
 
+/// Bytes for which there is room before they come: what only claims to be long takes no memory.
+const PIECE: usize = 1 << 20;
+
 /// What is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
@@ -127,8 +130,12 @@ impl Frame {
             return Err(io::Error::other("a frame is too long"));
         }
         self.0.clear();
-        self.0.resize(length, 0);
-        from.read_exact(&mut self.0)
+        while self.0.len() < length {
+            let read = self.0.len();
+            self.0.resize(length.min(read + PIECE), 0);
+            from.read_exact(&mut self.0[read..])?;
+        }
+        Ok(())
     }
 
     pub fn reader(&self) -> Reader<'_> {
@@ -291,8 +298,55 @@ mod tests {
         assert!(frame.reader().text().is_err());
         assert!(frame.reader().messages().is_err());
         assert!(Frame::default().read(&mut [255_u8; 8].as_slice()).is_err());
+        assert!(frame.read(&mut (LARGEST as u32).to_le_bytes().as_slice()).is_err());
+        assert!(frame.0.capacity() < LARGEST / 100, "{} bytes for nothing", frame.0.capacity());
         for (number, call) in Call::ALL.iter().enumerate() {
             assert_eq!(*call as usize, number);
         }
+    }
+
+    /// Frames as the process of an FMU writes them, or as one that is out of its mind does.
+    #[test]
+    fn fuzz_frames_of_the_process_of_an_fmu() {
+        let mut good = Frame::default();
+        good.messages(&[Message {
+            status: Status::Warning,
+            category: "logStatusWarning".to_owned(),
+            text: "a warning".to_owned(),
+            times: 2,
+        }]);
+        good.byte(0);
+        good.numbers(&[1.0, 2.0]);
+        good.positions(&[1, 2]);
+        let mut bytes = Vec::new();
+        good.write(&mut bytes).unwrap();
+        let mut frame = Frame::default();
+        let (mut numbers, mut positions) = (Vec::new(), Vec::new());
+        stickslip_fuzz::fuzz("frames of an FMU's process", |chance| {
+            let changed = stickslip_fuzz::mutate(bytes.clone(), chance);
+            if frame.read(&mut changed.as_slice()).is_err() {
+                return Ok(1);
+            }
+            numbers.clear();
+            positions.clear();
+            let mut reader = frame.reader();
+            // In the order of an answer, then whatever there is.
+            let _ = reader.messages();
+            for _ in 0..8 {
+                let _ = match chance.u8(0..6) {
+                    0 => reader.byte().map(drop),
+                    1 => reader.numbers(&mut numbers),
+                    2 => reader.positions(&mut positions),
+                    3 => reader.text().map(drop),
+                    4 => reader.setup().map(drop),
+                    _ => reader.fill(&mut [0.0; 2]),
+                };
+            }
+            let room = changed.len();
+            if numbers.len() * 8 > room || positions.len() * 4 > room {
+                return Err(format!("more than the {room} bytes hold"));
+            }
+            Ok(1)
+        });
     }
 }

@@ -29,13 +29,16 @@ pub(crate) fn table(description: &ModelDescription) -> Vec<Variable> {
     .collect()
 }
 
+/// Positions in the description, or in the table.
+type Positions = Arc<[usize]>;
+
 /// Dependencies as the master sees them: positions in the table, which has no texts, of inputs alone.
 struct Dependencies<'d> {
     description: &'d ModelDescription,
     /// Positions in the description of what is not in the table, in order.
     absent: Vec<usize>,
     /// The declaration that was translated last, and what it became: elements of an array have the same one.
-    last: Option<(&'d Arc<[usize]>, Arc<[usize]>)>,
+    last: Option<(&'d Positions, Positions)>,
 }
 
 impl<'d> Dependencies<'d> {
@@ -46,7 +49,7 @@ impl<'d> Dependencies<'d> {
     }
 
     /// Those of the output at `position` in the description, if it declares them.
-    fn of(&mut self, position: usize) -> Option<Arc<[usize]>> {
+    fn of(&mut self, position: usize) -> Option<Positions> {
         let declared = self.description.dependencies.get(&position)?;
         if let Some((last, translated)) = &self.last
             && Arc::ptr_eq(last, declared)
@@ -57,7 +60,7 @@ impl<'d> Dependencies<'d> {
             let row = &self.description.variables[**on];
             row.causality == Causality::Input && row.kind.is_number()
         });
-        let translated: Arc<[usize]> =
+        let translated: Positions =
             inputs.map(|on| on - self.absent.partition_point(|absent| absent < on)).collect();
         self.last = Some((declared, Arc::clone(&translated)));
         Some(translated)

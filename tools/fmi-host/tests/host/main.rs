@@ -9,6 +9,7 @@ mod support;
 #[path = "../support/unruly.rs"]
 mod unruly;
 
+mod fuzz;
 mod import;
 mod isolation;
 mod kinds_of_fmi3;

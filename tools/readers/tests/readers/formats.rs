@@ -39,7 +39,7 @@ fn holds(imported: &Imported, record: usize, digits: i32) {
     }
 }
 
-fn hdf5() -> Vec<u8> {
+pub fn hdf5() -> Vec<u8> {
     let mut builder = hdf5_pure::FileBuilder::new();
     for (name, values, unit) in
         [("time", time(), "ms"), ("displacement", displacement(), "mm"), ("force", force(), "kN")]
@@ -51,7 +51,7 @@ fn hdf5() -> Vec<u8> {
     builder.finish().unwrap()
 }
 
-fn mat() -> Vec<u8> {
+pub fn mat() -> Vec<u8> {
     let mut run = matrw::MatFile::new();
     for (name, values) in [("time_ms", time()), ("displacement_mm", displacement()), ("force_kN", force())] {
         run.insert(name, matrw::MatVariable::from(values));
@@ -103,7 +103,7 @@ fn tdms_as(layout: Layout) -> Vec<u8> {
     [bytes, meta, raw].concat()
 }
 
-fn tdms() -> Vec<u8> {
+pub fn tdms() -> Vec<u8> {
     tdms_as(Layout::default())
 }
 
@@ -185,7 +185,7 @@ fn function(name: &str, unit: &str, kind: u32, values: &[f64], uneven: bool, bin
     out
 }
 
-fn universal(uneven: bool, binary: bool) -> Vec<u8> {
+pub fn universal(uneven: bool, binary: bool) -> Vec<u8> {
     let displacement = function("displacement", "mm", 8, &displacement(), uneven, binary);
     let other = b"    -1\n   151\nanything\nat all\n    -1\n".to_vec();
     [displacement, other, function("force", "kN", 13, &force(), uneven, binary)].concat()

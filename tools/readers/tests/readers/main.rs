@@ -8,6 +8,7 @@ mod bad_input;
 mod dialects;
 mod examples;
 mod formats;
+mod fuzz;
 mod plan;
 mod scales;
 mod shared_data;
