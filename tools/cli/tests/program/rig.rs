@@ -147,7 +147,7 @@ fn it_ends_soon_when_it_is_interrupted_and_writes_nothing() {
     let tests = [
         PLAN.replace("duration = 0.5", "duration = 0.5\nlead = 1e5"),
         PLAN.replace("amplitude = [", "amplitude = [1.0, ")
-            .replace("frequency = \"resonance\"", "from = 40\nto = 60\ncount = 20000"),
+            .replace("frequency = \"resonance\"", "from = 40\nto = 60\ncount = 10000"),
     ];
     for plan in tests {
         let folder = folder(&plan);
