@@ -125,29 +125,9 @@ impl Shipped {
     }
 }
 
-/// The beam under the shaker with its support and the damper at midspan, which slips.
 fn shaken() -> System {
-    let mut system = System::new();
     let source = Source::new("shaker", "force", "N", |time| SHAKER.force(time));
-    system.add(Box::new(source.with_derivative(|time| SHAKER.rate(time)))).expect("a name");
-    for (name, text) in [("beam", TWO_CONTACTS), ("contact", VALANIS), ("damper", &damper())] {
-        system.add(native(name, text)).expect("a name");
-    }
-    for (from, to) in [
-        (("shaker", "force"), ("beam", "excitation")),
-        (("beam", "displacement"), ("contact", "displacement")),
-        (("contact", "force"), ("beam", "contact_force")),
-        (("beam", "displacement:x=0.3"), ("damper", "displacement")),
-        (("damper", "force"), ("beam", "contact_force:x=0.3")),
-    ] {
-        system.connect(from, to, 1.0, 0.0).expect("a connection");
-    }
-    system
-}
-
-/// Jenkins' contact with a load of 15 N, as in the system that ships.
-fn damper() -> String {
-    JENKINS.replace("147.15 ", "15.0 ")
+    beam_with_two_contacts(source.with_derivative(|time| SHAKER.rate(time)))
 }
 
 fn two_contacts() -> Shipped {
@@ -176,7 +156,7 @@ fn in_one_piece() -> Vec<Vec<f64>> {
     let model = Model::parse(TWO_CONTACTS).expect("a model");
     let Structure::Beam(mut beam) = model.structure else { panic!("a beam") };
     beam.sensors = SENSORS.to_vec();
-    let [support, damper] = [VALANIS, &damper()].map(|contact| {
+    let [support, damper] = [VALANIS, &damper(15.0)].map(|contact| {
         let model = Model::parse(contact).expect("a model");
         let law = model.law().expect("a law").expect("a contact");
         (law.into(), model.contact.expect("a contact").normal_load)

@@ -120,11 +120,6 @@ fn as_many_forces_are_needed_as_contact_points() {
     advance(&[1.0]).unwrap();
 }
 
-/// A contact weak enough to slip on the beam.
-fn damper(load: f64) -> String {
-    JENKINS.replace("147.15 ", &format!("{load} "))
-}
-
 /// The beam of `text` under a shaker, with contacts of these models at these places.
 fn coupled(text: &str, shaker: Shaker, contacts: &[(f64, &str)]) -> System {
     let mut system = System::new();
@@ -238,20 +233,7 @@ fn two_coupled_contacts_approach_the_two_in_one_piece_with_the_order_of_the_algo
 /// Displacement at the exciter and forces of both contacts of the shipped system BeamWithTwoContacts under the default
 /// algorithm, from `start` (s) on.
 fn shipped(step: f64, stop: f64, start: f64, force: impl Fn(f64) -> f64 + Send + 'static) -> Vec<Vec<f64>> {
-    let mut system = System::new();
-    system.add(Box::new(Source::new("shaker", "force", "N", force))).unwrap();
-    system.add(native("beam", TWO_CONTACTS)).unwrap();
-    system.add(native("contact", VALANIS)).unwrap();
-    system.add(native("damper", &damper(15.0))).unwrap();
-    for (from, to) in [
-        (("shaker", "force"), ("beam", "excitation")),
-        (("beam", "displacement"), ("contact", "displacement")),
-        (("contact", "force"), ("beam", "contact_force")),
-        (("beam", "displacement:x=0.3"), ("damper", "displacement")),
-        (("damper", "force"), ("beam", "contact_force:x=0.3")),
-    ] {
-        system.connect(from, to, 1.0, 0.0).unwrap();
-    }
+    let mut system = beam_with_two_contacts(Source::new("shaker", "force", "N", force));
     for (slave, variable) in [("beam", "displacement:x=0.55"), ("contact", "force"), ("damper", "force")] {
         system.observe(slave, variable).unwrap();
     }

@@ -75,7 +75,31 @@ pub fn beam_with(contact: &str, shaker: Shaker) -> System {
     system
 }
 
-/// The same in one piece: rows of time, and the displacements at contact and shaker, every `every` steps.
+/// Jenkins' contact under this normal load (N), weak enough to slip on the beam.
+pub fn damper(load: f64) -> String {
+    JENKINS.replace("147.15 ", &format!("{load} "))
+}
+
+/// The shipped system BeamWithTwoContacts, with an exciter: a frictional support and a damper at midspan.
+pub fn beam_with_two_contacts(shaker: Source) -> System {
+    let mut system = System::new();
+    system.add(Box::new(shaker)).unwrap();
+    for (name, text) in [("beam", TWO_CONTACTS), ("contact", VALANIS), ("damper", &damper(15.0))] {
+        system.add(native(name, text)).unwrap();
+    }
+    for (from, to) in [
+        (("shaker", "force"), ("beam", "excitation")),
+        (("beam", "displacement"), ("contact", "displacement")),
+        (("contact", "force"), ("beam", "contact_force")),
+        (("beam", "displacement:x=0.3"), ("damper", "displacement")),
+        (("damper", "force"), ("beam", "contact_force:x=0.3")),
+    ] {
+        system.connect(from, to, 1.0, 0.0).unwrap();
+    }
+    system
+}
+
+/// The beam with one contact in one piece: rows of time, and the displacements at contact and shaker, every `every` steps.
 pub fn monolithic(contact: &str, shaker: Shaker, step: f64, stop: f64, every: u64) -> Vec<[f64; 3]> {
     let model = Model::parse(BEAM).unwrap();
     let Structure::Beam(mut beam) = model.structure.clone() else { panic!("a beam") };

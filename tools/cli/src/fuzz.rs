@@ -12,7 +12,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use clap::Parser as _;
-use stickslip_fuzz::{Rng, mutate};
+use stickslip_fuzz::{Rng, mutate, number};
 
 use crate::{Cli, terminal};
 
@@ -191,10 +191,6 @@ fn inputs() -> BTreeMap<String, Vec<u8>> {
         }
     }
     texts
-}
-
-fn number(name: &str, otherwise: u64) -> u64 {
-    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(otherwise)
 }
 
 #[test]

@@ -85,7 +85,8 @@ pub fn folder() -> PathBuf {
     if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() }
 }
 
-fn number(name: &str, otherwise: u64) -> u64 {
+/// The number in an environment variable, or another where there is none.
+pub fn number(name: &str, otherwise: u64) -> u64 {
     std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(otherwise)
 }
 
