@@ -3,8 +3,9 @@
 use rayon::prelude::*;
 
 use super::discrepancy::{self, Discrepancy};
+use super::looks::moved;
 use super::measured::Measured;
-use super::posterior::{Posterior, Start, fit, screen};
+use super::posterior::{Posterior, Start, fit};
 use super::probe::{self, Prepared, Probe};
 use super::unknown::Unknown;
 use crate::model::Model;
@@ -37,20 +38,19 @@ impl Set {
 
 /// What a line must promise (in nats) to be worth a fit where something is missing; where nothing is, the log evidence
 /// behind the best, and the fraction of a relevant change.
-const WORTH: f64 = 2.0;
+pub(super) const WORTH: f64 = 2.0;
 const UNLIKELY: f64 = -5.0;
 const IRRELEVANT: f64 = 0.3;
 /// Measured values below which every candidate is worth a fit, since none takes long.
 const FEW: usize = 100;
 /// Behind the best by how much (in nats) a set is not worth a whole fit.
 pub(super) const BEHIND: f64 = 20.0;
-/// Sets of a size that are looked at twice (of one member all, where motions are solved for), that are fitted in full, and
+/// Sets of a size that are looked at twice (of one member all, where motions are solved for and none of these lacks
+/// nothing), that are fitted in full, and
 /// that larger ones are made from, at most.
-const TWICE: usize = 8;
+pub(super) const TWICE: usize = 8;
 const FULL: usize = 5;
 const PARENTS: usize = 2;
-/// Sets that are followed from the beginnings of records to their ends, at most.
-const LED: usize = 3;
 /// Fraction of a residual that leads where it is not of the likeliest.
 const CLOSER: f64 = 0.95;
 
@@ -147,8 +147,7 @@ impl Search<'_, '_, '_> {
         let looks = self.looks.unwrap_or(self.data);
         if !adequate && let Some(looks) = self.looks {
             // What a wrong model moves through tells little of what else is missing: what was measured moves as it is.
-            for (k, parent) in from.clone().into_iter().enumerate() {
-                let mut about = parent;
+            for (k, mut about) in from.clone().into_iter().enumerate() {
                 if moved(looks, &mut about) {
                     let known = |c: usize| wanted.iter().any(|(of, probe)| *of == k && probe.candidate == c);
                     let mut probes = self.probed(looks, &about);
@@ -162,8 +161,9 @@ impl Search<'_, '_, '_> {
         let seen: Vec<Option<Set>> =
             wanted.par_iter().map(|(parent, probe)| self.glanced(looks, &from[*parent], probe)).collect();
         let led = parents.iter().filter(|_| !adequate).flat_map(|parent| self.led(&sets[*parent]));
-        let twice = if thorough { usize::MAX } else { TWICE };
-        let mut found = self.looked_at(best_of_each(seen.into_iter().flatten().chain(led)), twice);
+        let given = self.looks.filter(|_| thorough).map(|looks| self.beside_given(looks, &from[0]));
+        let found = best_of_each(seen.into_iter().flatten().chain(led));
+        let mut found = self.looked_at(given.unwrap_or_default(), found, thorough);
         let best = found.iter().chain(sets).map(evidence).fold(f64::NEG_INFINITY, f64::max);
         let mut near = found.iter().take(FULL).take_while(|set| evidence(set) > best - BEHIND).count();
         if let Some(closest) = self.closest(found.iter().enumerate()).filter(|k| !adequate && *k >= near) {
@@ -171,22 +171,6 @@ impl Search<'_, '_, '_> {
             near += 1;
         }
         found[..near].par_iter_mut().for_each(|set| self.finish(set));
-        found
-    }
-
-    /// The best `most` of those that were glanced at, which are `found`, looked at as the data are: what a line or a motion
-    /// as it was measured promises can be compared with the same of others alone.
-    fn looked_at(&self, mut found: Vec<Set>, most: usize) -> Vec<Set> {
-        rank(&mut found);
-        let twice = found.len().min(most);
-        if self.looks.is_some() {
-            found.truncate(twice);
-            let looked = |mut set: Set| moved(self.data, &mut set).then_some(set);
-            found = found.into_par_iter().filter_map(looked).collect();
-        } else {
-            found[..twice].par_iter_mut().for_each(|set| Self::screened(self.data, set));
-        }
-        rank(&mut found);
         found
     }
 
@@ -212,7 +196,7 @@ impl Search<'_, '_, '_> {
     }
 
     /// Amounts of one more member beside `parent`, the most promising first.
-    fn probed(&self, data: &Measured, parent: &Set) -> Vec<Probe> {
+    pub(super) fn probed(&self, data: &Measured, parent: &Set) -> Vec<Probe> {
         let own = |m: &usize| self.candidates[*m].candidate.law.is_none();
         let absent = |m: &usize| !parent.members.iter().any(|member| self.are_forms(*m, *member));
         let which: Vec<usize> = (0..self.candidates.len()).filter(own).filter(absent).collect();
@@ -226,29 +210,6 @@ impl Search<'_, '_, '_> {
         probes.iter().filter(of).map(|probe| Probe { multiple: 1.0, ..probe.clone() })
     }
 
-    /// Sets of one more member than `parent` that fit the beginnings of the records best, from there: the longer a record
-    /// is, the more a wrong frequency falls out of step.
-    fn led(&self, parent: &Set) -> Vec<Set> {
-        let Some((short, longer)) = self.beginnings.split_first() else { return Vec::new() };
-        let mut parent = parent.clone();
-        if !moved(short, &mut parent) {
-            return Vec::new();
-        }
-        let mut probes = self.probed(short, &parent);
-        probes.retain(|probe| probe.gain > WORTH);
-        let starts = promising(probes);
-        let mut found: Vec<Set> =
-            starts.par_iter().filter_map(|probe| self.glanced(short, &parent, probe)).collect();
-        rank(&mut found);
-        found.truncate(LED);
-        found.par_iter_mut().for_each(|set| Self::screened(short, set));
-        let mut found = best_of_each(found.into_iter());
-        let whole = self.looks.unwrap_or(self.data);
-        let reaches = |set: &mut Set| longer.iter().chain([whole]).all(|data| moved(data, set));
-        found.retain_mut(reaches);
-        found
-    }
-
     /// The best fit with one of the candidates, from every start that promises something.
     pub fn alone(&self, base: &Posterior) -> Option<Posterior> {
         let every: Vec<usize> = (0..self.candidates.len()).collect();
@@ -258,36 +219,13 @@ impl Search<'_, '_, '_> {
         let mut tried: Vec<Set> =
             probes.par_iter().filter_map(|probe| self.glanced(looks, &parent, probe)).collect();
         tried.extend(self.led(&parent));
-        let mut tried = self.looked_at(tried, TWICE);
+        let given = self.looks.map(|looks| self.beside_given(looks, &parent));
+        let mut tried = self.looked_at(given.unwrap_or_default(), tried, false);
         let near = tried.first().map(evidence)? - BEHIND;
         tried.retain(|set| evidence(set) > near);
         tried.truncate(FULL);
         tried.par_iter_mut().for_each(|set| self.finish(set));
         tried.into_iter().map(|set| set.posterior).max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
-    }
-
-    /// A set that was glanced at, looked at.
-    pub(super) fn screened(data: &Measured, set: &mut Set) {
-        let Posterior { model, unknowns, y, .. } = &set.posterior;
-        let start = Start { model, unknowns, y };
-        if let Ok(better) = screen(data, &start, true)
-            && better.log_evidence > evidence(set)
-        {
-            set.posterior = better;
-        }
-    }
-
-    fn glanced(&self, data: &Measured, parent: &Set, probe: &Probe) -> Option<Set> {
-        let prepared = &self.candidates[probe.candidate];
-        let mut y = probe.start();
-        let (low, high) = prepared.coordinates[0].bounds();
-        y[0] = y[0].clamp(low, high);
-        let (model, unknowns, start) = self.extended(&parent.posterior, probe.candidate, &y);
-        let start = Start { model: &model, unknowns: &unknowns, y: &start };
-        let posterior = screen(data, &start, false).ok()?;
-        (self.report)(prepared.candidate.effect.id);
-        let members = parent.members.iter().copied().chain([probe.candidate]).collect();
-        Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
     pub(super) fn extended(
@@ -353,7 +291,7 @@ impl Search<'_, '_, '_> {
     }
 
     /// `set` with a discrepancy, to first order.
-    fn doubted(&self, set: &Set) -> Option<Set> {
+    pub(super) fn doubted(&self, set: &Set) -> Option<Set> {
         let doubt = discrepancy::about(self.data, &set.posterior).ok()?;
         let mut with = set.clone();
         with.discrepancy = Some(doubt.kind);
@@ -374,7 +312,7 @@ impl Search<'_, '_, '_> {
 }
 
 /// The first two of each candidate, another where it promises nearly as much.
-fn promising(probes: Vec<Probe>) -> Vec<Probe> {
+pub(super) fn promising(probes: Vec<Probe>) -> Vec<Probe> {
     let mut starts: Vec<Probe> = Vec::new();
     for probe in probes {
         let same: Vec<&Probe> = starts.iter().filter(|s| s.candidate == probe.candidate).collect();
@@ -388,7 +326,7 @@ fn promising(probes: Vec<Probe>) -> Vec<Probe> {
 
 /// Whether `set` lacks nothing that `doubt` stands for. Without a doubt there is nothing to explain where its residual
 /// is no larger than the noise that is known, by anything relevant.
-fn is_adequate(data: &Measured, set: &Set, doubt: Option<&Set>) -> bool {
+pub(super) fn is_adequate(data: &Measured, set: &Set, doubt: Option<&Set>) -> bool {
     let is_noise =
         || data.noise_is_known() && data.excess(&set.posterior.predictions) < data.assumptions().relevant;
     doubt.map_or_else(is_noise, |doubt| evidence(doubt) < evidence(set))
@@ -403,23 +341,16 @@ pub(super) fn keep(sets: &mut Vec<Set>, set: Set) {
     }
 }
 
-fn rank(sets: &mut [Set]) {
+pub(super) fn rank(sets: &mut [Set]) {
     sets.sort_by(|a, b| evidence(b).total_cmp(&evidence(a)));
 }
 
 /// The likeliest of those that have the same members, in the order of their evidence.
-fn best_of_each(sets: impl Iterator<Item = Set>) -> Vec<Set> {
+pub(super) fn best_of_each(sets: impl Iterator<Item = Set>) -> Vec<Set> {
     let mut found = Vec::new();
     sets.for_each(|set| keep(&mut found, set));
     rank(&mut found);
     found
-}
-
-/// `set` looked at in other data than before.
-fn moved(data: &Measured, set: &mut Set) -> bool {
-    let Posterior { model, unknowns, y, .. } = &set.posterior;
-    let found = screen(data, &Start { model, unknowns, y: &y[..unknowns.len()] }, true);
-    found.map(|found| set.posterior = found).is_ok()
 }
 
 pub(in crate::diagnose) fn evidence(set: &Set) -> f64 {

@@ -1,5 +1,6 @@
 //! Noise from what a motion repeats: all of it, or the cycles while its level is held between ramps.
 
+use super::seen::Seen;
 use super::tone;
 use crate::data::{Channel, Record};
 use crate::fit::predict::{Motion, period};
@@ -83,14 +84,10 @@ impl Cycles {
         (lag..values.len()).filter(|i| self.is_held(*i)).map(|i| values[i] - values[i - lag]).collect()
     }
 
-    /// The standard deviation of what differs between periods. A drift that is linear over three periods (wear) is taken
-    /// off where it shows, and so is a tone.
-    pub fn noise(&self, values: &[f64]) -> Option<f64> {
+    /// The standard deviation of what differs between periods, with its standard error. A drift that is linear over three
+    /// periods (wear) is taken off where it shows, and so is a tone.
+    pub fn noise(&self, values: &[f64]) -> Option<Seen> {
         let (period, lag) = (self.period, self.period.floor() as usize);
-        let kept = |periods: f64| {
-            let part = (periods * period).fract();
-            (1.0 - part).powi(2) + part * part
-        };
         if (values.len() as f64) < 1.5 * period || lag == 0 {
             return None;
         }
@@ -101,6 +98,12 @@ impl Cycles {
         };
         let first = lag + 1;
         let second = (2.0 * period).ceil() as usize + 1;
+        let memory = self.memory(&(first..values.len()).filter_map(once).collect::<Vec<_>>());
+        // What is left of the noise's variance between two samples.
+        let kept = |periods: f64| {
+            let part = (periods * period).fract();
+            (1.0 - part).powi(2) + part * part + 2.0 * part * (1.0 - part) * memory
+        };
         let over = |from: usize| Some(mean_square(from..values.len(), lag / 2, once)? / (1.0 + kept(1.0)));
         // Later periods have forgotten the start; second differences do not see a drift.
         let mut variance = over(first)?;
@@ -114,9 +117,16 @@ impl Cycles {
         }
         let bends = mean_square(second..values.len(), lag / 2, twice)
             .map(|square| square / (1.0 + 4.0 * kept(1.0) + kept(2.0)));
-        for other in [over(second), bends].into_iter().flatten() {
-            if other < 0.8 * variance {
-                variance = other;
+        let [mut log_error, bent] = self.log_errors(values);
+        let bent = if bent > 0.0 { bent } else { log_error };
+        // A drift has a memory that the noise has not.
+        let least = log_error.min(bent);
+        let late = (values.len() as f64 / period - 1.0).sqrt().recip();
+        let less = |scatter: f64| (-2.0 * NO_CHANCE * scatter * least).exp() * variance;
+        let [less_late, less_bent] = [late, BENT].map(less);
+        for (other, less) in [(over(second), less_late), (bends, less_bent)] {
+            if let Some(other) = other.filter(|other| *other < less.min(variance)) {
+                (variance, log_error) = (other, bent);
             }
         }
         // What repeats at another frequency is no noise.
@@ -126,9 +136,42 @@ impl Cycles {
                 variance = variance.min(beside / (1.0 + kept(1.0)));
             }
         }
-        (variance > 0.0 && variance.is_finite()).then(|| variance.sqrt())
+        let is_noise = variance > 0.0 && variance.is_finite();
+        is_noise.then(|| Seen { deviation: variance.sqrt(), log_error })
+    }
+
+    /// Correlation of the noise from a sample to the next, at least 0, by that of differences a period apart, between samples
+    /// the mean of two: that of `differences` is `(ρ (1 + q) + s (1 + ρ²)) / (1 + q + 2 s ρ)` where the correlation of the noise
+    /// falls as a power.
+    fn memory(&self, differences: &[f64]) -> f64 {
+        let part = self.period.fract();
+        let (q, s) = ((1.0 - part).powi(2) + part * part, part * (1.0 - part));
+        let product: f64 = differences.windows(2).map(|pair| pair[0] * pair[1]).sum();
+        let square: f64 = differences.iter().map(|x| x * x).sum();
+        let seen = if square > 0.0 { product / square } else { 0.0 };
+        let (b, c) = (1.0 + q - 2.0 * s * seen, s - seen * (1.0 + q));
+        let root = (b * b - 4.0 * s * c).max(0.0).sqrt();
+        (-2.0 * c / (b + root)).clamp(0.0, 1.0)
+    }
+
+    /// Standard errors of the logarithm of a standard deviation by differences a period apart, and by those of these. Of many
+    /// periods every value is in several of them, which are alike by a half, or by two thirds and a sixth.
+    fn log_errors(&self, values: &[f64]) -> [f64; 2] {
+        let (periods, lag) = (values.len() as f64 / self.period, self.lag());
+        let shared = |taken: f64| ((periods - taken - 1.0) / (periods - taken)).max(0.0);
+        let bend = |i: usize| values[i] - 2.0 * values[i - lag] + values[i - 2 * lag];
+        let held = |i: &usize| self.is_held(*i) && self.is_held(*i - lag);
+        let bends: Vec<f64> = (2 * lag..values.len()).filter(held).map(bend).collect();
+        [(self.apart(values), 1.0 + 0.5 * shared(1.0)), (bends, 1.0 + 0.94 * shared(2.0))]
+            .map(|(differences, alike)| Seen::of(0.0, &differences, lag).log_error * alike.sqrt())
     }
 }
+
+/// Standard deviations by which the noise of other differences of the same samples is less that is less by no chance.
+const NO_CHANCE: f64 = 2.5;
+/// How far the noise by second differences and that by first ones scatter about each other, as a part of their standard
+/// error; that by the differences of later periods as one over the root of their number. Both in noise with any memory.
+const BENT: f64 = 0.4;
 
 /// Fraction of a variance between two periods below which that of their second halves tells that the start was still felt
 /// in the first: chance does not make so much of half a period.
@@ -176,7 +219,6 @@ fn held(values: &[f64], period: f64) -> Vec<bool> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::seen::Seen;
     use super::*;
     use std::f64::consts::TAU;
 
@@ -205,12 +247,12 @@ mod tests {
     fn of_two_periods_the_start_of_the_first_is_no_noise() {
         for start in [0.0, 0.1, 1.0] {
             let values = two_periods(|periods| if periods < 0.4 { start } else { 0.0 });
-            let found = everywhere(600.0).noise(&values).unwrap();
+            let found = everywhere(600.0).noise(&values).unwrap().deviation;
             assert!((found / DEVIATION - 1.0).abs() < 0.1, "a start of {start}: {found}");
         }
         // A difference that lasts is none of the start.
-        let found =
-            everywhere(600.0).noise(&two_periods(|periods| if periods < 1.0 { 0.1 } else { 0.0 })).unwrap();
+        let found = everywhere(600.0).noise(&two_periods(|periods| if periods < 1.0 { 0.1 } else { 0.0 }));
+        let found = found.unwrap().deviation;
         assert!(found > 3.0 * DEVIATION, "{found}");
     }
 
@@ -243,11 +285,41 @@ mod tests {
                 let (drive, force) = ramped(seed, memory, drift);
                 let cycles = Cycles::of(&drive).unwrap();
                 assert_eq!(cycles.lag(), 140);
-                let seen = Seen::of(cycles.noise(&force).unwrap(), &cycles.apart(&force), 70);
+                let seen = cycles.noise(&force).unwrap();
                 ((seen.deviation / DEVIATION).ln() / seen.log_error).powi(2)
             };
             let off = ((0..60).map(square).sum::<f64>() / 60.0).sqrt();
             assert!((0.5..1.5).contains(&off), "memory {memory}, drift {drift}: {off} standard errors");
+        }
+    }
+
+    /// Whatever its memory and whether a period is whole samples or not, the square of the noise that is told is right on
+    /// average, and its standard error is its scatter.
+    #[test]
+    fn noise_with_a_memory_is_neither_too_small_nor_too_large_on_average() {
+        const RECORDS: u64 = 300;
+        for (memory, period) in
+            [0.0, 0.8, 0.95].into_iter().flat_map(|m| [64.3, 128.0, 170.6].map(|p| (m, p)))
+        {
+            let told = |seed: u64| {
+                let mut noise = normal(seed);
+                let mut last = noise();
+                let mut next = || {
+                    last = memory * last + (1.0_f64 - memory * memory).sqrt() * noise();
+                    last
+                };
+                let values: Vec<f64> = (0..512).map(|_| next()).collect();
+                everywhere(period).noise(&values).unwrap()
+            };
+            let seen: Vec<Seen> = (0..RECORDS).map(told).collect();
+            let mean = |of: &dyn Fn(&Seen) -> f64| seen.iter().map(of).sum::<f64>() / RECORDS as f64;
+            let square = mean(&|seen| seen.deviation.powi(2));
+            let centre = mean(&|seen| seen.deviation.ln());
+            let scatter = mean(&|seen| (seen.deviation.ln() - centre).powi(2)).sqrt();
+            let error = mean(&|seen| seen.log_error.powi(2)).sqrt();
+            let chance = 2.0 * scatter / (RECORDS as f64).sqrt();
+            assert!((square - 1.0).abs() < 0.02 + 3.0 * chance, "{memory}, {period}: a square of {square}");
+            assert!((error / scatter - 1.0).abs() < 0.25, "{memory}, {period}: {error} for {scatter}");
         }
     }
 

@@ -52,9 +52,9 @@ fn seen(lanes: &[RecordResiduals], record: usize, name: &str, values: &[f64]) ->
     let Some(drive) = driver(lanes[record].record) else { return (None, NoiseSource::Unknown) };
     if let Some(cycles) = Cycles::of(drive)
         && cycles.inputs_repeat(lanes[record].record)
-        && let Some(deviation) = cycles.noise(values)
+        && let Some(seen) = cycles.noise(values)
     {
-        return (Some(Seen::of(deviation, &cycles.apart(values), cycles.lag() / 2)), NoiseSource::Periods);
+        return (Some(seen), NoiseSource::Periods);
     }
     let repeats = lanes
         .iter()
@@ -161,7 +161,9 @@ fn carry_over(lanes: &[RecordResiduals], found: &mut [Noise]) {
             let mean = logarithms.iter().sum::<f64>() / logarithms.len() as f64;
             let variance =
                 logarithms.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / logarithms.len() as f64;
-            (law, mean, variance.sqrt())
+            // A square of few values has the right mean; its logarithm is too small on average.
+            let square = logarithms.iter().map(|x| (2.0 * x).exp()).sum::<f64>() / logarithms.len() as f64;
+            (law, 0.5 * square.ln(), variance.sqrt())
         });
         let fits: Vec<(usize, f64, f64)> = fits.filter(|fit| fit.1.is_finite()).collect();
         let Some(&(law, mean, spread)) = fits.iter().min_by(|a, b| a.2.total_cmp(&b.2)) else { continue };
@@ -221,6 +223,40 @@ mod tests {
                 "memory {memory}: {log_error} instead of {spread}"
             );
         }
+    }
+
+    /// Few values tell a square that is right on average; what is carried over from several is, too.
+    #[test]
+    fn what_records_have_in_common_is_right_on_average() {
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let record = Record {
+            name: "r".into(),
+            regime: crate::data::Regime::FromRest,
+            use_for: None,
+            channels: vec![channel("force", "N", vec![0.0; 4])],
+        };
+        let mut lane = RecordResiduals::empty(&record, None);
+        lane.measured = vec![1.0, -1.0, 1.0, -1.0];
+        lane.channels.push(("force", 0..4));
+        let lanes = vec![lane; 8];
+        const FREEDOM: u64 = 12;
+        let told = |seed: u64| {
+            let mut noise = normal(seed);
+            let mut deviation =
+                || ((0..FREEDOM).map(|_| noise().powi(2)).sum::<f64>() / FREEDOM as f64).sqrt();
+            let one = |record| Noise {
+                record,
+                channel: "force".to_owned(),
+                deviation: Some(deviation()),
+                log_error: (0.5 / FREEDOM as f64).sqrt(),
+                source: NoiseSource::Periods,
+            };
+            let mut found: Vec<Noise> = (0..8).map(one).collect();
+            carry_over(&lanes, &mut found);
+            found.iter().map(|noise| noise.deviation.unwrap().powi(2)).sum::<f64>() / 8.0
+        };
+        let mean = (0..400).map(told).sum::<f64>() / 400.0;
+        assert!((mean - 1.0).abs() < 0.02, "{mean}");
     }
 
     #[test]

@@ -9,8 +9,10 @@ use crate::diagnose::evidence::{self, Measured, Sensitivities, Weighed};
 pub(in crate::diagnose) struct Decision {
     pub verdict: Verdict,
     pub probability: f64,
-    /// The likeliest set without a discrepancy.
+    /// The likeliest set without a discrepancy; none of its effects where it is taken back since it makes predictions worse.
     pub best: usize,
+    /// The same before anything is taken back.
+    pub likeliest: usize,
     /// Probability that something outside the catalogue is missing.
     pub doubt: f64,
     /// Ids of what is certain in a verdict that leaves something open.
@@ -52,6 +54,7 @@ impl Decision {
             verdict: Verdict::InsufficientData,
             probability: sum(&|k| sets[k].discrepancy.is_none() && ids(k) == ids(best)),
             best,
+            likeliest: best,
             doubt,
             certain: Vec::new(),
             groups: Vec::new(),
@@ -105,6 +108,7 @@ impl Decision {
         test: &Measured,
         all: &Measured,
     ) -> Self {
+        self.likeliest = self.best;
         let best = &weighed.sets[self.best];
         if self.verdict == Verdict::EffectFound
             && !best.members.iter().all(|member| best.posterior.determines(*member))

@@ -123,7 +123,7 @@ fn decided(explained: &Explained) -> String {
             format!("{suggest}with a probability of {p}, something of the catalogue is missing")
         }
         Verdict::Unexplained if decision.taken_back.is_some() => {
-            format!("the probabilities alone would say: {}", candidate(weighed, decision.best))
+            format!("the probabilities alone would say: {}", candidate(weighed, decision.likeliest))
         }
         Verdict::Unexplained if decision.doubt < assumed.certain => format!(
             "the residual is {} of the measured channels' standard deviation: what lowers it stands for the slip of a \

@@ -317,6 +317,8 @@ impl Drawn {
         if let Some(spoilt) = &self.spoilt {
             spoilt.spoil(&mut records, &mut random);
         }
+        // Where no level gave a steady state nothing was measured.
+        records.retain(|record| !record.is_silent());
         records
     }
 

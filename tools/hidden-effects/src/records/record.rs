@@ -91,6 +91,11 @@ impl Record {
         }
     }
 
+    /// Whether nothing moved in it.
+    pub fn is_silent(&self) -> bool {
+        self.responses().all(|column| column.values.iter().all(|value| *value == 0.0))
+    }
+
     /// The columns that a model has to explain.
     pub fn responses(&self) -> impl Iterator<Item = &Column> {
         self.columns.iter().filter(|column| column.role == Role::Response)
