@@ -6,7 +6,9 @@ use rayon::prelude::*;
 use super::measured::Measured;
 use super::posterior::{Posterior, Start, screen};
 use super::probe::Probe;
-use super::search::{Search, Set, TWICE, WORTH, best_of_each, evidence, is_adequate, promising, rank};
+use super::search::{
+    BEHIND, Search, Set, TWICE, WORTH, best_of_each, evidence, is_adequate, promising, rank,
+};
 
 /// Sets that are followed from the beginnings of records to their ends, at most.
 const LED: usize = 3;
@@ -36,8 +38,8 @@ impl Search<'_, '_, '_> {
         Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
-    /// Sets of one member, from the model as it is given in the place of `empty`: the likeliest where motions are as they
-    /// were measured. Where something is missing, it may be nearer to the truth than what fits best without it.
+    /// Sets of one member, beside the model as it was given, refitted about the motions as they were measured, in the place
+    /// of `empty`; the likeliest there. Where something is missing, it may be nearer to the truth than what fits best.
     pub(super) fn beside_given(&self, looks: &Measured, empty: &Set) -> Vec<Set> {
         let mut given = empty.clone();
         given.posterior.y.fill(0.0);
@@ -56,7 +58,8 @@ impl Search<'_, '_, '_> {
 
     /// Those that come from the model as it is `given` and the best of those that were `glanced` at, looked at as the data
     /// are: what a line or a motion as it was measured promises can be compared with the same of others alone. If `thorough`
-    /// all of them, unless the best lack nothing.
+    /// all of them, or where one of the best lacks nothing those that are as likely. Where nothing is solved for the rest stay
+    /// as they are.
     pub(super) fn looked_at(&self, given: Vec<Set>, mut glanced: Vec<Set>, thorough: bool) -> Vec<Set> {
         rank(&mut glanced);
         let twice = glanced.len().min(TWICE);
@@ -66,13 +69,17 @@ impl Search<'_, '_, '_> {
             return glanced;
         }
         let looked = |mut set: Set| moved(self.data, &mut set).then_some(set);
-        let rest = glanced.split_off(twice);
+        let mut rest = glanced.split_off(twice);
+        let best = glanced.first().map_or(f64::NEG_INFINITY, evidence);
         let mut found: Vec<Set> = given.into_par_iter().chain(glanced).filter_map(looked).collect();
         let lacks_nothing = |set: &Set| is_adequate(self.data, set, self.doubted(set).as_ref());
-        if thorough && !found.iter().any(lacks_nothing) {
+        if thorough {
+            let enough = found.iter().any(lacks_nothing);
+            rest.retain(|set| !enough || evidence(set) > best - BEHIND);
             found.par_extend(rest.into_par_iter().filter_map(looked));
         }
-        best_of_each(found.into_iter())
+        rank(&mut found);
+        found
     }
 
     /// Sets of one more member than `parent` that fit the beginnings of the records best, from there: the longer a record

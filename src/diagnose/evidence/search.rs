@@ -163,7 +163,8 @@ impl Search<'_, '_, '_> {
         let led = parents.iter().filter(|_| !adequate).flat_map(|parent| self.led(&sets[*parent]));
         let given = self.looks.filter(|_| thorough).map(|looks| self.beside_given(looks, &from[0]));
         let found = best_of_each(seen.into_iter().flatten().chain(led));
-        let mut found = self.looked_at(given.unwrap_or_default(), found, thorough);
+        let found = self.looked_at(given.unwrap_or_default(), found, thorough);
+        let mut found = best_of_each(found.into_iter());
         let best = found.iter().chain(sets).map(evidence).fold(f64::NEG_INFINITY, f64::max);
         let mut near = found.iter().take(FULL).take_while(|set| evidence(set) > best - BEHIND).count();
         if let Some(closest) = self.closest(found.iter().enumerate()).filter(|k| !adequate && *k >= near) {

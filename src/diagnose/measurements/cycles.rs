@@ -98,13 +98,11 @@ impl Cycles {
         };
         let first = lag + 1;
         let second = (2.0 * period).ceil() as usize + 1;
-        let memory = self.memory(&(first..values.len()).filter_map(once).collect::<Vec<_>>());
-        // What is left of the noise's variance between two samples.
-        let kept = |periods: f64| {
-            let part = (periods * period).fract();
-            (1.0 - part).powi(2) + part * part + 2.0 * part * (1.0 - part) * memory
+        let [one, two] = [1.0, 2.0].map(|periods| Between::samples(periods * period));
+        let over = |from: usize| {
+            let differences: Vec<f64> = (from..values.len()).filter_map(once).collect();
+            (differences.len() > lag / 2).then(|| one.variance(&differences))
         };
-        let over = |from: usize| Some(mean_square(from..values.len(), lag / 2, once)? / (1.0 + kept(1.0)));
         // Later periods have forgotten the start; second differences do not see a drift.
         let mut variance = over(first)?;
         // Of two periods alone the first remembers how it began, which the second half of it hardly does.
@@ -115,43 +113,28 @@ impl Cycles {
         {
             variance = late;
         }
-        let bends = mean_square(second..values.len(), lag / 2, twice)
-            .map(|square| square / (1.0 + 4.0 * kept(1.0) + kept(2.0)));
+        let bends: Vec<f64> = (second..values.len()).filter_map(twice).collect();
+        let bends = (bends.len() > lag / 2).then(|| Between::bend(&one, &two).variance(&bends));
         let [mut log_error, bent] = self.log_errors(values);
         let bent = if bent > 0.0 { bent } else { log_error };
         // A drift has a memory that the noise has not.
         let least = log_error.min(bent);
-        let late = (values.len() as f64 / period - 1.0).sqrt().recip();
-        let less = |scatter: f64| (-2.0 * NO_CHANCE * scatter * least).exp() * variance;
-        let [less_late, less_bent] = [late, BENT].map(less);
-        for (other, less) in [(over(second), less_late), (bends, less_bent)] {
-            if let Some(other) = other.filter(|other| *other < less.min(variance)) {
+        let late = (values.len() as f64 / period - BEGINNING).max(0.3).sqrt().recip();
+        for (other, scatter) in [(over(second), late), (bends, late.max(BENT))] {
+            let less = (-2.0 * NO_CHANCE * scatter * least).exp() * variance;
+            if let Some(other) = other.filter(|other| *other < less) {
                 (variance, log_error) = (other, bent);
             }
         }
-        // What repeats at another frequency is no noise.
+        // What repeats at another frequency is no noise; what memory the rest has is hidden by it.
         for from in [first, second] {
             let apart: Vec<f64> = (from..values.len()).filter_map(once).collect();
             if let Some(beside) = tone::variance_beside(&apart).filter(|_| self.held.is_none()) {
-                variance = variance.min(beside / (1.0 + kept(1.0)));
+                variance = variance.min(beside / (1.0 + one.squares));
             }
         }
         let is_noise = variance > 0.0 && variance.is_finite();
         is_noise.then(|| Seen { deviation: variance.sqrt(), log_error })
-    }
-
-    /// Correlation of the noise from a sample to the next, at least 0, by that of differences a period apart, between samples
-    /// the mean of two: that of `differences` is `(ρ (1 + q) + s (1 + ρ²)) / (1 + q + 2 s ρ)` where the correlation of the noise
-    /// falls as a power.
-    fn memory(&self, differences: &[f64]) -> f64 {
-        let part = self.period.fract();
-        let (q, s) = ((1.0 - part).powi(2) + part * part, part * (1.0 - part));
-        let product: f64 = differences.windows(2).map(|pair| pair[0] * pair[1]).sum();
-        let square: f64 = differences.iter().map(|x| x * x).sum();
-        let seen = if square > 0.0 { product / square } else { 0.0 };
-        let (b, c) = (1.0 + q - 2.0 * s * seen, s - seen * (1.0 + q));
-        let root = (b * b - 4.0 * s * c).max(0.0).sqrt();
-        (-2.0 * c / (b + root)).clamp(0.0, 1.0)
     }
 
     /// Standard errors of the logarithm of a standard deviation by differences a period apart, and by those of these. Of many
@@ -167,26 +150,55 @@ impl Cycles {
     }
 }
 
+/// What values that lie between samples, the mean of two each, add to the variance of a difference from them.
+struct Between {
+    /// By the variance of the samples, and by the covariance of neighbours, twice.
+    squares: f64,
+    products: f64,
+}
+
+impl Between {
+    /// One value some samples `back`.
+    fn samples(back: f64) -> Self {
+        let part = back.fract();
+        Self { squares: (1.0 - part).powi(2) + part * part, products: part * (1.0 - part) }
+    }
+
+    /// Twice one value, less another.
+    fn bend(one: &Self, two: &Self) -> Self {
+        Self { squares: 4.0 * one.squares + two.squares, products: 4.0 * one.products + two.products }
+    }
+
+    /// Variance of the noise of which `differences` are made: that of a difference is `σ² (1 + q + 2 s ρ)`.
+    fn variance(&self, differences: &[f64]) -> f64 {
+        let square = differences.iter().map(|x| x * x).sum::<f64>() / differences.len() as f64;
+        square / (1.0 + self.squares + 2.0 * self.products * self.memory(differences))
+    }
+
+    /// Correlation ρ of that noise from a sample to the next, at least 0. That of `differences` is
+    /// `(ρ (1 + q) + s (1 + ρ²)) / (1 + q + 2 s ρ)` where the correlation of the noise falls as a power.
+    fn memory(&self, differences: &[f64]) -> f64 {
+        let Self { squares: q, products: s } = self;
+        let product: f64 = differences.windows(2).map(|pair| pair[0] * pair[1]).sum();
+        let square: f64 = differences.iter().map(|x| x * x).sum();
+        let seen = if square > 0.0 { product / square } else { 0.0 };
+        let (b, c) = (1.0 + q - 2.0 * s * seen, s - seen * (1.0 + q));
+        let root = (b * b - 4.0 * s * c).max(0.0).sqrt();
+        (-2.0 * c / (b + root)).clamp(0.0, 1.0)
+    }
+}
+
 /// Standard deviations by which the noise of other differences of the same samples is less that is less by no chance.
 const NO_CHANCE: f64 = 2.5;
-/// How far the noise by second differences and that by first ones scatter about each other, as a part of their standard
-/// error; that by the differences of later periods as one over the root of their number. Both in noise with any memory.
-const BENT: f64 = 0.4;
+/// How far the noise by the differences of later periods and that by all scatter about each other, as a part of their
+/// standard error: one over the root of the periods beyond this many. Second differences scatter as far, and by many periods
+/// this part. So it is in noise with any memory.
+const BEGINNING: f64 = 1.8;
+const BENT: f64 = 0.5;
 
 /// Fraction of a variance between two periods below which that of their second halves tells that the start was still felt
 /// in the first: chance does not make so much of half a period.
 const FORGOTTEN: f64 = 0.25;
-
-/// Mean square of what there is of `of` in a range, where that is more than `fewest`.
-fn mean_square(
-    range: std::ops::Range<usize>,
-    fewest: usize,
-    of: impl Fn(usize) -> Option<f64>,
-) -> Option<f64> {
-    let squares = range.filter_map(of).map(|x| x * x);
-    let (sum, count) = squares.fold((0.0, 0_usize), |(sum, count), square| (sum + square, count + 1));
-    (count > fewest).then(|| sum / count as f64)
-}
 
 /// The value `back` samples before another; between two samples noise is averaged.
 fn earlier(values: &[f64], index: usize, back: f64) -> f64 {
@@ -293,13 +305,26 @@ mod tests {
         }
     }
 
+    /// A drift has a memory, and the noise beside it has none.
+    #[test]
+    fn beside_a_drift_noise_between_samples_is_told_as_it_is() {
+        let told = |seed: u64| {
+            let mut noise = normal(seed);
+            let drift = |i: usize| 0.02 * i as f64 * (TAU * i as f64 / 64.5).sin();
+            let values: Vec<f64> = (0..512).map(|i| drift(i) + noise()).collect();
+            everywhere(64.5).noise(&values).unwrap().deviation.powi(2)
+        };
+        let square = (0..200).map(told).sum::<f64>() / 200.0;
+        assert!((square - 1.0).abs() < 0.05, "{square}");
+    }
+
     /// Whatever its memory and whether a period is whole samples or not, the square of the noise that is told is right on
     /// average, and its standard error is its scatter.
     #[test]
     fn noise_with_a_memory_is_neither_too_small_nor_too_large_on_average() {
         const RECORDS: u64 = 300;
         for (memory, period) in
-            [0.0, 0.8, 0.95].into_iter().flat_map(|m| [64.3, 128.0, 170.6].map(|p| (m, p)))
+            [0.0, 0.8, 0.95].into_iter().flat_map(|m| [64.3, 128.0, 199.6].map(|p| (m, p)))
         {
             let told = |seed: u64| {
                 let mut noise = normal(seed);

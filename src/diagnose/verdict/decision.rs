@@ -9,7 +9,7 @@ use crate::diagnose::evidence::{self, Measured, Sensitivities, Weighed};
 pub(in crate::diagnose) struct Decision {
     pub verdict: Verdict,
     pub probability: f64,
-    /// The likeliest set without a discrepancy; none of its effects where it is taken back since it makes predictions worse.
+    /// The likeliest set without a discrepancy; the empty one where what it names is taken back.
     pub best: usize,
     /// The same before anything is taken back.
     pub likeliest: usize,

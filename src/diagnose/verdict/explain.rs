@@ -226,7 +226,7 @@ fn others(weighed: &Weighed, decision: &Decision, certain: f64) -> String {
         // The verdict is of all sets with something unknown.
         Verdict::Unexplained if decision.doubt >= certain => weighed.sets[k].discrepancy.is_some(),
         Verdict::NotDistinguishable | Verdict::InsufficientData => false,
-        _ => kind(k) == kind(decision.best),
+        _ => kind(k) == kind(decision.likeliest),
     };
     let mut others: Vec<(usize, f64)> = Vec::new();
     for (k, weight) in weighed.weights.iter().enumerate().filter(|(k, _)| !told(*k)) {

@@ -91,9 +91,11 @@ impl Record {
         }
     }
 
-    /// Whether nothing moved in it.
+    /// Whether it has an excitation, and that is none.
     pub fn is_silent(&self) -> bool {
-        self.responses().all(|column| column.values.iter().all(|value| *value == 0.0))
+        let excitations = || self.columns.iter().filter(|column| column.name.starts_with("excitation"));
+        let none = |column: &Column| column.values.iter().all(|value| *value == 0.0);
+        excitations().count() > 0 && excitations().all(none)
     }
 
     /// The columns that a model has to explain.
@@ -160,5 +162,27 @@ impl Fine {
                 gain * (self.values[left] * (1.0 - part) + self.values[right] * part) + bias
             })
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_without_a_drive_is_silent_whatever_its_sensors_show() {
+        let record = |drive: f64, shown: f64| Record {
+            regime: Regime::Steady,
+            columns: vec![
+                Column::new("excitation", "N", Role::Driven, vec![drive, -drive]),
+                Column::new("acceleration:x=0.1", "m/s^2", Role::Response, vec![shown; 2]),
+            ],
+            told: Vec::new(),
+        };
+        assert!(record(0.0, 0.0).is_silent());
+        assert!(record(0.0, 0.3).is_silent());
+        assert!(!record(1.0, 0.0).is_silent());
+        let moved = Record { columns: record(0.0, 0.0).columns.split_off(1), ..record(0.0, 0.0) };
+        assert!(!moved.is_silent());
     }
 }
