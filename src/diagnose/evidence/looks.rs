@@ -25,6 +25,7 @@ impl Search<'_, '_, '_> {
         }
     }
 
+    /// A set of one more member than `parent` from where a probe says, after a glance.
     pub(super) fn glanced(&self, data: &Measured, parent: &Set, probe: &Probe) -> Option<Set> {
         let prepared = &self.candidates[probe.candidate];
         let mut y = probe.start();
@@ -38,6 +39,13 @@ impl Search<'_, '_, '_> {
         Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
+    /// Glances at those sets of one more member than `parent` that a line promises something of.
+    fn glances(&self, data: &Measured, parent: &Set) -> Vec<Set> {
+        let mut probes = self.probed(data, parent);
+        probes.retain(|probe| probe.gain > WORTH);
+        promising(probes).par_iter().filter_map(|probe| self.glanced(data, parent, probe)).collect()
+    }
+
     /// Sets of one member, beside the model as it was given, refitted about the motions as they were measured, in the place
     /// of `empty`; the likeliest there. Where something is missing, it may be nearer to the truth than what fits best.
     pub(super) fn beside_given(&self, looks: &Measured, empty: &Set) -> Vec<Set> {
@@ -46,12 +54,7 @@ impl Search<'_, '_, '_> {
         if !moved(looks, &mut given) {
             return Vec::new();
         }
-        let mut probes = self.probed(looks, &given);
-        probes.retain(|probe| probe.gain > WORTH);
-        let starts = promising(probes);
-        let seen: Vec<Set> =
-            starts.par_iter().filter_map(|probe| self.glanced(looks, &given, probe)).collect();
-        let mut found = best_of_each(seen.into_iter());
+        let mut found = best_of_each(self.glances(looks, &given).into_iter());
         found.truncate(TWICE);
         found.into_par_iter().filter_map(|mut set| moved(looks, &mut set).then_some(set)).collect()
     }
@@ -90,11 +93,7 @@ impl Search<'_, '_, '_> {
         if !moved(short, &mut parent) {
             return Vec::new();
         }
-        let mut probes = self.probed(short, &parent);
-        probes.retain(|probe| probe.gain > WORTH);
-        let starts = promising(probes);
-        let mut found: Vec<Set> =
-            starts.par_iter().filter_map(|probe| self.glanced(short, &parent, probe)).collect();
+        let mut found = self.glances(short, &parent);
         rank(&mut found);
         found.truncate(LED);
         found.par_iter_mut().for_each(|set| Self::screened(short, set));

@@ -5,9 +5,9 @@
 //! `autoregression` with a size per record (`measured`). `joint` is the sum of squares of all that is unknown, over
 //! `slot`s of one record each (`starts`: their unknown past) and with what a discrepancy adds (`latent`); `posterior`
 //! is its minimum with the volume around it, `probe` what amounts of each candidate would change to first order. `search`
-//! grows sets from none by first `looks` and whole fits, and `neighbours` makes sure of the likely ones; `weights` makes probabilities of their evidence,
-//! `limits` tells what could not have been seen. Of the base and of the decided one `agreement` looks for a better minimum, and `refined`
-//! takes off the error of the steps in time.
+//! grows sets from none by first `looks` and whole fits, and `neighbours` makes sure of the likely ones; `weights` makes
+//! probabilities of their evidence, `limits` tells what could not have been seen. Of the base and of the decided one
+//! `agreement` looks for a better minimum, and `refined` takes off the error of the steps in time.
 
 mod agreement;
 mod autoregression;

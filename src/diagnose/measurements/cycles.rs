@@ -231,17 +231,11 @@ fn held(values: &[f64], period: f64) -> Vec<bool> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::seen::samples::{coloured, normal};
     use super::*;
     use std::f64::consts::TAU;
 
     const DEVIATION: f64 = 0.01;
-
-    /// Normal numbers (the sum of twelve uniform ones), the same in every run.
-    fn normal(seed: u64) -> impl FnMut() -> f64 {
-        // A fork, since the numbers of neighbouring seeds resemble each other.
-        let mut numbers = fastrand::Rng::with_seed(seed).fork();
-        move || (0..12).map(|_| numbers.f64()).sum::<f64>() - 6.0
-    }
 
     fn everywhere(period: f64) -> Cycles {
         Cycles { period, held: None }
@@ -327,13 +321,7 @@ mod tests {
             [0.0, 0.8, 0.95].into_iter().flat_map(|m| [64.3, 128.0, 199.6].map(|p| (m, p)))
         {
             let told = |seed: u64| {
-                let mut noise = normal(seed);
-                let mut last = noise();
-                let mut next = || {
-                    last = memory * last + (1.0_f64 - memory * memory).sqrt() * noise();
-                    last
-                };
-                let values: Vec<f64> = (0..512).map(|_| next()).collect();
+                let values = coloured(seed, memory, 512);
                 everywhere(period).noise(&values).unwrap()
             };
             let seen: Vec<Seen> = (0..RECORDS).map(told).collect();

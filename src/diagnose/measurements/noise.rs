@@ -188,28 +188,16 @@ fn carry_over(lanes: &[RecordResiduals], found: &mut [Noise]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::seen::samples::{coloured, normal};
     use super::*;
-
-    /// Normal numbers (the sum of twelve uniform ones), the same in every run.
-    fn normal(seed: u64) -> impl FnMut() -> f64 {
-        // A fork, since the numbers of neighbouring seeds resemble each other.
-        let mut numbers = fastrand::Rng::with_seed(seed).fork();
-        move || (0..12).map(|_| numbers.f64()).sum::<f64>() - 6.0
-    }
 
     /// The standard error of a deviation is its spread from record to record, white noise or not.
     #[test]
     fn the_standard_error_of_a_deviation_is_its_scatter() {
-        for memory in [0.0_f64, 0.8, 0.95] {
+        for memory in [0.0, 0.8, 0.95] {
             let seen: Vec<Seen> = (0..200)
                 .map(|seed| {
-                    let mut noise = normal(seed);
-                    let mut last = noise();
-                    let mut next = || {
-                        last = memory * last + (1.0 - memory * memory).sqrt() * noise();
-                        last
-                    };
-                    let apart: Vec<f64> = (0..400).map(|_| next()).collect();
+                    let apart = coloured(seed, memory, 400);
                     Seen::of(root_mean_square(&apart), &apart, 70)
                 })
                 .collect();

@@ -33,3 +33,25 @@ impl Seen {
 
 /// Correlation of noise below which it has died away.
 const DEAD: f64 = 0.1;
+
+/// Noise for tests.
+#[cfg(test)]
+pub(super) mod samples {
+    /// Normal numbers (the sum of twelve uniform ones), the same in every run.
+    pub fn normal(seed: u64) -> impl FnMut() -> f64 {
+        // A fork, since the numbers of neighbouring seeds resemble each other.
+        let mut numbers = fastrand::Rng::with_seed(seed).fork();
+        move || (0..12).map(|_| numbers.f64()).sum::<f64>() - 6.0
+    }
+
+    /// As many with a deviation of one, each correlated by `memory` with the one before.
+    pub fn coloured(seed: u64, memory: f64, count: usize) -> Vec<f64> {
+        let mut noise = normal(seed);
+        let mut last = noise();
+        let mut next = || {
+            last = memory * last + (1.0 - memory * memory).sqrt() * noise();
+            last
+        };
+        (0..count).map(|_| next()).collect()
+    }
+}
