@@ -173,7 +173,7 @@ fn along_frequency<'s>(
 
 /// Solves at `at` by Newton's method from equivalent linearisation, or from the structure without its contacts, which
 /// are then made as stiff as they are; `None` where both fail.
-fn directly(
+pub(crate) fn directly(
     system: &mut dyn PeriodicSystem,
     at: Operating,
     settings: &CurveSettings,

@@ -8,12 +8,13 @@
 
 pub(crate) mod linearised;
 mod measured;
+mod reached;
 
 use super::{Assembly, CurveSettings, HarmonicError, Method};
 use crate::harmonic::balance::modal::{Balance, Extent, Ports, Workspace};
 use crate::harmonic::newton::problem::{Stopping, length, solve};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
-use crate::harmonic::response::start::at_level;
+use crate::harmonic::response::start::{at_level, directly};
 use crate::numeric::fourier::coefficient_count;
 use crate::numeric::lu::Factors;
 use measured::explained;
@@ -130,16 +131,28 @@ impl SteadyProblem {
             solve(&mut balance, &mut unknowns, &mut at, &[], &mut [], &stopping)?;
             return Ok(Steady { balance, unknowns, at });
         }
-        let settings = CurveSettings {
+        let settings = self.settings();
+        if let Some(unknowns) = directly(&mut balance, at, &settings)? {
+            return Ok(Steady { balance, unknowns, at });
+        }
+        let reached = self.reached(assembly).and_then(|start| self.solve(assembly, neighbours, Some(&start)));
+        if reached.is_ok() {
+            return reached;
+        }
+        let (unknowns, _) = at_level(&mut balance, at, &settings)?;
+        Ok(Steady { balance, unknowns, at })
+    }
+
+    /// Of a search from nothing.
+    fn settings(&self) -> CurveSettings {
+        CurveSettings {
             harmonics: self.harmonics,
             tolerance: self.tolerance,
             max_iterations: FAR_ITERATIONS,
             max_step: LONGEST_STEP,
             max_points: MOST_POINTS,
             ..CurveSettings::default()
-        };
-        let (unknowns, _) = at_level(&mut balance, at, &settings)?;
-        Ok(Steady { balance, unknowns, at })
+        }
     }
 
     /// Where to look for the response that was measured: the displacement coefficients (m) of every sensor of the beam
