@@ -59,30 +59,41 @@ impl Search<'_, '_, '_> {
         found.into_par_iter().filter_map(|mut set| moved(looks, &mut set).then_some(set)).collect()
     }
 
-    /// Those that come from the model as it is `given` and the best of those that were `glanced` at, looked at as the data
-    /// are: what a line or a motion as it was measured promises can be compared with the same of others alone. If `thorough`
-    /// all of them, or where one of the best lacks nothing those that are as likely. Where nothing is solved for the rest stay
-    /// as they are.
-    pub(super) fn looked_at(&self, given: Vec<Set>, mut glanced: Vec<Set>, thorough: bool) -> Vec<Set> {
+    /// `sets` looked at as the data are: what a line or a motion as it was measured promises can be compared with the same of
+    /// others alone.
+    pub(super) fn looked_at(&self, sets: Vec<Set>) -> Vec<Set> {
+        sets.into_par_iter().filter_map(|mut set| moved(self.data, &mut set).then_some(set)).collect()
+    }
+
+    /// The best of those that were `glanced` at, looked at as the data are, and the rest. Where nothing is solved for the rest
+    /// are among the first as they are.
+    pub(super) fn looked_at_best(&self, mut glanced: Vec<Set>) -> (Vec<Set>, Vec<Set>) {
         rank(&mut glanced);
         let twice = glanced.len().min(TWICE);
         if self.looks.is_none() {
             glanced[..twice].par_iter_mut().for_each(|set| Self::screened(self.data, set));
             rank(&mut glanced);
-            return glanced;
+            return (glanced, Vec::new());
         }
-        let looked = |mut set: Set| moved(self.data, &mut set).then_some(set);
-        let mut rest = glanced.split_off(twice);
-        let best = glanced.first().map_or(f64::NEG_INFINITY, evidence);
-        let mut found: Vec<Set> = given.into_par_iter().chain(glanced).filter_map(looked).collect();
-        let lacks_nothing = |set: &Set| is_adequate(self.data, set, self.doubted(set).as_ref());
-        if thorough {
-            let enough = found.iter().any(lacks_nothing);
-            rest.retain(|set| !enough || evidence(set) > best - BEHIND);
-            found.par_extend(rest.into_par_iter().filter_map(looked));
-        }
+        let rest = glanced.split_off(twice);
+        let mut found = self.looked_at(glanced);
+        rank(&mut found);
+        (found, rest)
+    }
+
+    /// The same of all that were `glanced` at; where one of the best lacks nothing, of those that are as likely.
+    pub(super) fn thoroughly(&self, glanced: Vec<Set>) -> Vec<Set> {
+        let best = glanced.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
+        let (mut found, mut rest) = self.looked_at_best(glanced);
+        let enough = found.iter().any(|set| self.lacks_nothing(set));
+        rest.retain(|set| !enough || evidence(set) > best - BEHIND);
+        found.extend(self.looked_at(rest));
         rank(&mut found);
         found
+    }
+
+    pub(super) fn lacks_nothing(&self, set: &Set) -> bool {
+        is_adequate(self.data, set, self.doubted(set).as_ref())
     }
 
     /// Sets of one more member than `parent` that fit the beginnings of the records best, from there: the longer a record

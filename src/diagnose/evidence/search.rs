@@ -120,8 +120,32 @@ impl Search<'_, '_, '_> {
         });
     }
 
-    /// The sets of one more member, from `parents`; of those that lack nothing only what could be likelier.
+    /// The sets of one more member, from `parents`; of those that lack nothing only what could be likelier. The best are
+    /// fitted in full.
     fn grown(&self, sets: &[Set], parents: &[usize], adequate: bool) -> Vec<Set> {
+        let from: Vec<Set> = parents.iter().map(|parent| sets[*parent].clone()).collect();
+        // One effect alone is what is likeliest: none is passed over for what it does not promise.
+        let thorough = !adequate && self.looks.is_some() && from.iter().any(|set| set.members.is_empty());
+        let given = match self.looks.filter(|_| thorough) {
+            Some(looks) => self.looked_at(self.beside_given(looks, &from[0])),
+            None => Vec::new(),
+        };
+        let enough = given.iter().any(|set| self.lacks_nothing(set));
+        let around = if enough { Vec::new() } else { self.around(from, adequate, thorough) };
+        let mut found = best_of_each(given.into_iter().chain(around));
+        let best = found.iter().chain(sets).map(evidence).fold(f64::NEG_INFINITY, f64::max);
+        let mut near = found.iter().take(FULL).take_while(|set| evidence(set) > best - BEHIND).count();
+        if let Some(closest) = self.closest(found.iter().enumerate()).filter(|k| !adequate && *k >= near) {
+            found.swap(near, closest);
+            near += 1;
+        }
+        found[..near].par_iter_mut().for_each(|set| self.finish(set));
+        found
+    }
+
+    /// Looks at sets of one more member around the parents `from`, where a line through each promises something.
+    fn around(&self, mut from: Vec<Set>, adequate: bool, thorough: bool) -> Vec<Set> {
+        let parents = from.clone();
         let mut wanted: Vec<(usize, Probe)> = Vec::new();
         let few = (0..self.data.records.len()).map(|k| self.data.lane(k).measured.len()).sum::<usize>() < FEW;
         let worthy = |probe: &Probe| {
@@ -129,12 +153,9 @@ impl Search<'_, '_, '_> {
                 probe.evidence > UNLIKELY && probe.distance > IRRELEVANT * self.data.assumptions().relevant;
             (few || probe.gain > WORTH) && (!adequate || likely)
         };
-        let mut from: Vec<Set> = parents.iter().map(|parent| sets[*parent].clone()).collect();
         if !adequate && self.looks.is_none() {
             from.par_iter_mut().for_each(|set| self.whiten(set));
         }
-        // One effect alone is what is likeliest: none is passed over for what it does not promise.
-        let thorough = !adequate && self.looks.is_some() && from.iter().any(|set| set.members.is_empty());
         let mut everywhere: Vec<(usize, Probe)> = Vec::new();
         for (k, parent) in from.iter().enumerate() {
             let mut probes = self.probed(self.data, parent);
@@ -160,19 +181,9 @@ impl Search<'_, '_, '_> {
         wanted.extend(everywhere);
         let seen: Vec<Option<Set>> =
             wanted.par_iter().map(|(parent, probe)| self.glanced(looks, &from[*parent], probe)).collect();
-        let led = parents.iter().filter(|_| !adequate).flat_map(|parent| self.led(&sets[*parent]));
-        let given = self.looks.filter(|_| thorough).map(|looks| self.beside_given(looks, &from[0]));
+        let led = parents.iter().filter(|_| !adequate).flat_map(|parent| self.led(parent));
         let found = best_of_each(seen.into_iter().flatten().chain(led));
-        let found = self.looked_at(given.unwrap_or_default(), found, thorough);
-        let mut found = best_of_each(found.into_iter());
-        let best = found.iter().chain(sets).map(evidence).fold(f64::NEG_INFINITY, f64::max);
-        let mut near = found.iter().take(FULL).take_while(|set| evidence(set) > best - BEHIND).count();
-        if let Some(closest) = self.closest(found.iter().enumerate()).filter(|k| !adequate && *k >= near) {
-            found.swap(near, closest);
-            near += 1;
-        }
-        found[..near].par_iter_mut().for_each(|set| self.finish(set));
-        found
+        if thorough { self.thoroughly(found) } else { self.looked_at_best(found).0 }
     }
 
     /// Size of the residual of a set.
@@ -220,8 +231,11 @@ impl Search<'_, '_, '_> {
         let mut tried: Vec<Set> =
             probes.par_iter().filter_map(|probe| self.glanced(looks, &parent, probe)).collect();
         tried.extend(self.led(&parent));
-        let given = self.looks.map(|looks| self.beside_given(looks, &parent));
-        let mut tried = self.looked_at(given.unwrap_or_default(), tried, false);
+        let mut tried = self.looked_at_best(tried).0;
+        if let Some(looks) = self.looks {
+            tried.extend(self.looked_at(self.beside_given(looks, &parent)));
+        }
+        rank(&mut tried);
         let near = tried.first().map(evidence)? - BEHIND;
         tried.retain(|set| evidence(set) > near);
         tried.truncate(FULL);
@@ -272,7 +286,7 @@ impl Search<'_, '_, '_> {
             if force && (evidence(&with) - best).abs() < BEHIND {
                 self.doubt_in_full(&mut with);
             }
-            let without = self.refitted_from(set, &with);
+            let without = (evidence(&with) > best - BEHIND).then(|| self.refitted_from(set, &with)).flatten();
             Some((*k, with, without))
         };
         let found: Vec<(usize, Set, Option<Posterior>)> = order.par_iter().filter_map(doubted).collect();

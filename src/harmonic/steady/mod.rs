@@ -135,9 +135,8 @@ impl SteadyProblem {
         if let Some(unknowns) = directly(&mut balance, at, &settings)? {
             return Ok(Steady { balance, unknowns, at });
         }
-        let reached = self.reached(assembly).and_then(|start| self.solve(assembly, neighbours, Some(&start)));
-        if reached.is_ok() {
-            return reached;
+        if let Ok(start) = self.reached(assembly) {
+            return self.solve(assembly, neighbours, Some(&start));
         }
         let (unknowns, _) = at_level(&mut balance, at, &settings)?;
         Ok(Steady { balance, unknowns, at })

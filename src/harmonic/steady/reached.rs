@@ -13,8 +13,8 @@ use crate::time::{Integrator, Ramp, Settings};
 const INSTANTS: usize = 4;
 /// Change of the contact's motion from one period to the next, as a fraction of it, that is near enough to a steady state.
 const SETTLED: f64 = 1e-4;
-/// Instants after which a motion that has not settled is taken as it is.
-const MOST_INSTANTS: usize = 200_000;
+/// Steps after which a motion that has not settled is taken as it is: a light damping takes hundreds of periods.
+const MOST_STEPS: usize = 300_000;
 /// Error of a step as a fraction of the motion.
 const TOLERANCE: f64 = 1e-5;
 
@@ -38,7 +38,7 @@ impl SteadyProblem {
         let step = TAU / self.angular_frequency / instants as f64;
         let mut integrator = Integrator::new(&assembly.system).ok()?;
         let inputs = self.inputs(assembly, &integrator, instants);
-        let settings = Settings { tolerance: TOLERANCE, ..Settings::default() };
+        let settings = Settings { tolerance: TOLERANCE, step_limit: MOST_STEPS / instants };
         let mut motion = integrator.rest(&inputs[0]).ok()?;
         let mut force = vec![0.0; instants];
         let mut modes = vec![vec![0.0; instants]; motion.modes()];
@@ -48,13 +48,13 @@ impl SteadyProblem {
             coefficients.truncate(coefficient_count(harmonics));
             coefficients
         };
-        let mut before = Vec::new();
-        for _ in 0..MOST_INSTANTS / instants {
+        let (mut before, mut steps) = (Vec::new(), 0);
+        while steps < MOST_STEPS {
             for (instant, inputs) in inputs.iter().enumerate() {
                 force[instant] = (motion.contacts() > 0).then(|| motion.contact(0).force)?;
                 let moved = modes.iter_mut().zip(motion.modal_displacement());
                 moved.for_each(|(samples, now)| samples[instant] = *now);
-                integrator.advance(&mut motion, step, inputs, &settings).ok()?;
+                steps += integrator.advance(&mut motion, step, inputs, &settings).ok()?;
             }
             let now: Vec<f64> = modes.iter().flat_map(|samples| project(samples, self.harmonics)).collect();
             let settled = change(&now, &before) <= SETTLED;
