@@ -65,16 +65,25 @@ pub(crate) fn first(
     if found.is_err() && settings.interrupted() { Err(HarmonicError::Interrupted) } else { found }
 }
 
-/// Solves at `at` as [`first`] does: directly, along the level from a weak excitation up, from fewer harmonics, or
-/// along the frequency from a neighbouring one.
+/// Solves at `at` as [`first`] does.
 pub(crate) fn at_level(
     system: &mut dyn PeriodicSystem,
     at: Operating,
     settings: &CurveSettings,
 ) -> Result<(Vec<f64>, Operating), HarmonicError> {
-    if let Some(x) = directly(system, at, settings)? {
-        return Ok((x, at));
+    match directly(system, at, settings)? {
+        Some(x) => Ok((x, at)),
+        None => indirectly(system, at, settings),
     }
+}
+
+/// Solves at `at` along the level from a weak excitation up, from fewer harmonics, or along the frequency from a
+/// neighbouring one.
+pub(crate) fn indirectly(
+    system: &mut dyn PeriodicSystem,
+    at: Operating,
+    settings: &CurveSettings,
+) -> Result<(Vec<f64>, Operating), HarmonicError> {
     let from_weak = up(system, at, WEAK * at.level, at.level, settings);
     if let Some(found) = end_of(from_weak, settings)? {
         return Ok(found);

@@ -14,7 +14,7 @@ use super::{Assembly, CurveSettings, HarmonicError, Method};
 use crate::harmonic::balance::modal::{Balance, Extent, Ports, Workspace};
 use crate::harmonic::newton::problem::{Stopping, length, solve};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
-use crate::harmonic::response::start::{at_level, directly};
+use crate::harmonic::response::start::{directly, indirectly};
 use crate::numeric::fourier::coefficient_count;
 use crate::numeric::lu::Factors;
 use measured::explained;
@@ -135,10 +135,11 @@ impl SteadyProblem {
         if let Some(unknowns) = directly(&mut balance, at, &settings)? {
             return Ok(Steady { balance, unknowns, at });
         }
-        if let Ok(start) = self.reached(assembly) {
-            return self.solve(assembly, neighbours, Some(&start));
+        let stepped = self.reached(assembly).and_then(|start| self.solve(assembly, neighbours, Some(&start)));
+        if stepped.is_ok() {
+            return stepped;
         }
-        let (unknowns, _) = at_level(&mut balance, at, &settings)?;
+        let (unknowns, _) = indirectly(&mut balance, at, &settings)?;
         Ok(Steady { balance, unknowns, at })
     }
 
