@@ -43,7 +43,8 @@ fn end(data: &Measured, posterior: &Posterior, [own, brought]: [f64; 2]) -> Opti
     let Posterior { model, unknowns, y, .. } = posterior;
     let start = unknowns.iter().zip(y).map(|(unknown, y)| {
         let (low, high) = unknown.coordinate.bounds();
-        (y * if unknown.owner.is_none() { own } else { brought }).clamp(low, high)
+        let multiple = if unknown.owner.is_none() { own } else { brought };
+        unknown.coordinate.times(*y, multiple).clamp(low, high)
     });
     let start: Vec<f64> = start.collect();
     screen(data, &Start { model, unknowns, y: &start }, true).ok()

@@ -146,12 +146,18 @@ fn limit(change: &Change, candidates: usize, assumed: &Assumptions) -> f64 {
     let prior = (candidates as f64 + 1.0).ln() - assumed.odds.ln();
     let needed = assumed.certainty() + volume + prior;
     let seen = SMALL * (2.0 * needed / change.left).sqrt();
-    change.prepared.coordinates[0].distance(seen.max(relevant(change, assumed)))
+    change.prepared.coordinates[0].distance(coordinate(change, seen).max(relevant(change, assumed)))
 }
 
 /// The coordinate from which a change is relevant when all else is refitted.
 fn relevant(change: &Change, assumed: &Assumptions) -> f64 {
-    SMALL * assumed.relevant / (change.distance * (change.left / change.square).sqrt())
+    let linear = SMALL * assumed.relevant / (change.distance * (change.left / change.square).sqrt());
+    coordinate(change, linear)
+}
+
+/// The coordinate at which there is as much more of it than at a small one as `linear` says.
+fn coordinate(change: &Change, linear: f64) -> f64 {
+    change.prepared.coordinates[0].times(SMALL, linear / SMALL)
 }
 
 /// Probability that the coordinate is at least that, its prior and the data to first order together.

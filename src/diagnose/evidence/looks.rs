@@ -28,7 +28,7 @@ impl Search<'_, '_, '_> {
     /// A set of one more member than `parent` from where a probe says, after a glance.
     pub(super) fn glanced(&self, data: &Measured, parent: &Set, probe: &Probe) -> Option<Set> {
         let prepared = &self.candidates[probe.candidate];
-        let mut y = probe.start();
+        let mut y = probe.start(&prepared.coordinates[0]);
         let (low, high) = prepared.coordinates[0].bounds();
         y[0] = y[0].clamp(low, high);
         let (model, unknowns, start) = self.extended(&parent.posterior, probe.candidate, &y);
@@ -54,8 +54,16 @@ impl Search<'_, '_, '_> {
         if !moved(looks, &mut given) {
             return Vec::new();
         }
-        let mut found = best_of_each(self.glances(looks, &given).into_iter());
-        found.truncate(TWICE);
+        let probes = self.probed(looks, &given);
+        let everywhere: Vec<Probe> = self.everywhere(&probes).collect();
+        let worth = probes.into_iter().filter(|probe| probe.gain > WORTH).collect();
+        let wanted: Vec<Probe> = promising(worth).into_iter().chain(everywhere).collect();
+        let seen: Vec<Set> =
+            wanted.par_iter().filter_map(|probe| self.glanced(looks, &given, probe)).collect();
+        let mut found = best_of_each(seen.into_iter());
+        let least = found.first().map_or(0.0, evidence) - BEHIND;
+        let likely = found.iter().take_while(|set| evidence(set) > least).count();
+        found.truncate(likely.max(TWICE));
         found.into_par_iter().filter_map(|mut set| moved(looks, &mut set).then_some(set)).collect()
     }
 

@@ -85,10 +85,11 @@ impl Search<'_, '_, '_> {
         let member = *larger.members.iter().find(|member| !smaller.members.contains(member))?;
         let pairs = larger.posterior.unknowns.iter().zip(&larger.posterior.y);
         let own: Vec<f64> = pairs.filter(|(u, _)| u.owner == Some(member)).map(|(_, y)| *y).collect();
-        let (low, high) = self.candidates[member].coordinates[0].bounds();
+        let first = &self.candidates[member].coordinates[0];
+        let (low, high) = first.bounds();
         let fitted = |fraction: f64| {
             let mut own = own.clone();
-            own[0] = (fraction * own[0]).clamp(low, high);
+            own[0] = first.times(own[0], fraction).clamp(low, high);
             let (model, unknowns, y) = self.extended(&smaller.posterior, member, &own);
             let start = Start { model: &model, unknowns: &unknowns, y: &y };
             fit(self.data, &start, &Latent::default(), None).ok()

@@ -209,9 +209,9 @@ impl Probe {
         self.y[0].abs() == SIZES[1]
     }
 
-    /// Its coordinates, the first where the line is best, as far as lines can be trusted.
-    pub fn start(&self) -> Vec<f64> {
-        at(self.y[0] * self.multiple.clamp(NEAR.0, NEAR.1), &self.y[1..])
+    /// Its coordinates, the `first` where the line is best, as far as lines can be trusted.
+    pub fn start(&self, first: &Coordinate) -> Vec<f64> {
+        at(first.times(self.y[0], self.multiple.clamp(NEAR.0, NEAR.1)), &self.y[1..])
     }
 }
 

@@ -126,21 +126,35 @@ impl Search<'_, '_, '_> {
         let from: Vec<Set> = parents.iter().map(|parent| sets[*parent].clone()).collect();
         // One effect alone is what is likeliest: none is passed over for what it does not promise.
         let thorough = !adequate && self.looks.is_some() && from.iter().any(|set| set.members.is_empty());
-        let given = match self.looks.filter(|_| thorough) {
+        let mut found = match self.looks.filter(|_| thorough) {
             Some(looks) => self.looked_at(self.beside_given(looks, &from[0])),
             None => Vec::new(),
         };
-        let enough = given.iter().any(|set| self.lacks_nothing(set));
-        let around = if enough { Vec::new() } else { self.around(from, adequate, thorough) };
-        let mut found = best_of_each(given.into_iter().chain(around));
+        self.finish_best(&mut found, sets, adequate);
+        if !found.iter().any(|set| self.explains(set)) {
+            found.extend(self.around(from, adequate, thorough));
+            found = best_of_each(found.into_iter());
+            self.finish_best(&mut found, sets, adequate);
+        }
+        found
+    }
+
+    /// Ranks those `found` and fits those in full that may be the best of them and of `sets`.
+    fn finish_best(&self, found: &mut [Set], sets: &[Set], adequate: bool) {
+        rank(found);
         let best = found.iter().chain(sets).map(evidence).fold(f64::NEG_INFINITY, f64::max);
         let mut near = found.iter().take(FULL).take_while(|set| evidence(set) > best - BEHIND).count();
         if let Some(closest) = self.closest(found.iter().enumerate()).filter(|k| !adequate && *k >= near) {
             found.swap(near, closest);
             near += 1;
         }
-        found[..near].par_iter_mut().for_each(|set| self.finish(set));
-        found
+        found[..near].par_iter_mut().filter(|set| set.screened).for_each(|set| self.finish(set));
+    }
+
+    /// Whether `set`, fitted in full, leaves no more than the noise that is known: others may be as likely, none much likelier.
+    fn explains(&self, set: &Set) -> bool {
+        let known = !set.screened && self.data.noise_is_known();
+        known && self.lacks_nothing(set) && super::beyond_noise(self.data, &set.posterior.predictions) <= 0.0
     }
 
     /// Looks at sets of one more member around the parents `from`, where a line through each promises something.
@@ -217,7 +231,7 @@ impl Search<'_, '_, '_> {
 
     /// The largest amounts of those with a second number, at every place of it. What is narrow, such as a resonator near the
     /// drive, promises nothing to a line where a fit has come to terms without it.
-    fn everywhere<'p>(&self, probes: &'p [Probe]) -> impl Iterator<Item = Probe> + use<'p, '_> {
+    pub(super) fn everywhere<'p>(&self, probes: &'p [Probe]) -> impl Iterator<Item = Probe> + use<'p, '_> {
         let of = |probe: &&Probe| self.candidates[probe.candidate].has_places() && probe.is_largest();
         probes.iter().filter(of).map(|probe| Probe { multiple: 1.0, ..probe.clone() })
     }

@@ -12,7 +12,9 @@ enum Measure {
     Linear,
     /// `centre · exp(spread · y)`.
     Logarithmic,
-    /// `1 / (spread · y)`: neutral at infinity.
+    /// `centre + spread · sinh y`: what is large is known by its order of magnitude.
+    Stretched,
+    /// `1 / (spread · sinh y)`: the same, neutral at infinity.
     Inverse,
 }
 
@@ -27,7 +29,7 @@ pub(in crate::diagnose) struct Coordinate {
     upper: f64,
 }
 
-/// Coordinates beyond this many prior deviations are not looked at, logarithms and others.
+/// Coordinates beyond this many prior deviations are not looked at, those that grow like exponentials and others.
 const FARTHEST: [f64; 2] = [15.0, 100.0];
 
 impl Coordinate {
@@ -67,8 +69,10 @@ impl Coordinate {
         }
     }
 
-    /// Of the first number that a candidate brings, where `size` from neutral is one prior deviation.
+    /// Of the first number that a candidate brings, where `size` from neutral is one prior deviation. How much more there may be
+    /// is known by its order of magnitude: `size` comes from a model that lacks it.
     pub fn of_first(brought: &Brought, size: f64) -> Self {
+        let size = size / 1.0_f64.sinh();
         let neutral = brought.neutral.unwrap_or(0.0);
         let lower = brought.quantity.min.unwrap_or(f64::NEG_INFINITY);
         let mut upper = brought.quantity.max.unwrap_or(f64::INFINITY);
@@ -80,7 +84,7 @@ impl Coordinate {
             let upper = upper.min(1e4 / size);
             Self { measure: Measure::Inverse, centre: 0.0, spread: size, lower, upper }
         } else {
-            Self { measure: Measure::Linear, centre: neutral, spread: size, lower, upper }
+            Self { measure: Measure::Stretched, centre: neutral, spread: size, lower, upper }
         }
     }
 
@@ -100,7 +104,8 @@ impl Coordinate {
         let value = match self.measure {
             Measure::Linear => self.centre + self.spread * y,
             Measure::Logarithmic => self.centre * (self.spread * y).exp(),
-            Measure::Inverse => 1.0 / (self.spread * y),
+            Measure::Stretched => self.centre + self.spread * y.sinh(),
+            Measure::Inverse => 1.0 / (self.spread * y.sinh()),
         };
         value.clamp(self.lower, self.upper)
     }
@@ -109,7 +114,16 @@ impl Coordinate {
         match self.measure {
             Measure::Linear => (value - self.centre) / self.spread,
             Measure::Logarithmic => (value / self.centre).ln() / self.spread,
-            Measure::Inverse => 1.0 / (self.spread * value),
+            Measure::Stretched => ((value - self.centre) / self.spread).asinh(),
+            Measure::Inverse => (1.0 / (self.spread * value)).asinh(),
+        }
+    }
+
+    /// Where the value is a `multiple` as far from that at 0, or its inverse from none, as it is at `y`.
+    pub fn times(&self, y: f64, multiple: f64) -> f64 {
+        match self.measure {
+            Measure::Stretched | Measure::Inverse => (multiple * y.sinh()).asinh(),
+            Measure::Linear | Measure::Logarithmic => multiple * y,
         }
     }
 
@@ -118,7 +132,8 @@ impl Coordinate {
         match self.measure {
             Measure::Linear => self.spread * y,
             Measure::Logarithmic => self.centre * ((self.spread * y).exp() - 1.0),
-            Measure::Inverse => 1.0 / (self.spread * y),
+            Measure::Stretched => self.spread * y.sinh(),
+            Measure::Inverse => 1.0 / (self.spread * y.sinh()),
         }
         .abs()
     }
@@ -142,7 +157,7 @@ impl Coordinate {
 
     /// How far from 0 a coordinate is looked at.
     pub fn farthest(&self) -> f64 {
-        FARTHEST[usize::from(self.measure != Measure::Logarithmic)]
+        FARTHEST[usize::from(self.measure == Measure::Linear)]
     }
 }
 
@@ -168,4 +183,40 @@ impl Unknown {
 pub(super) fn of_model(model: &Model, assumed: &Assumptions) -> Vec<Unknown> {
     let parameters = model.parameters();
     parameters.iter().filter(|parameter| parameter.free).map(|one| Unknown::of(one, assumed)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stretched(measure: Measure, spread: f64) -> Coordinate {
+        Coordinate { measure, centre: 0.0, spread, lower: f64::NEG_INFINITY, upper: f64::INFINITY }
+    }
+
+    #[test]
+    fn every_value_has_its_coordinate() {
+        for measure in [Measure::Linear, Measure::Logarithmic, Measure::Stretched, Measure::Inverse] {
+            let centre = if measure == Measure::Logarithmic { 2.0 } else { 0.0 };
+            let coordinate = Coordinate { centre, ..stretched(measure, 0.3) };
+            for y in [-7.0, -1.0, 0.2, 3.0, 12.0] {
+                assert!((coordinate.of(coordinate.value(y)) - y).abs() < 1e-9, "{measure:?} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_small_amount_counts_by_its_size_and_a_large_one_by_its_order_of_magnitude() {
+        let coordinate = stretched(Measure::Stretched, 2.0);
+        assert!((coordinate.value(0.01) / 0.02 - 1.0).abs() < 1e-4);
+        let decade = coordinate.of(2e4) - coordinate.of(2e3);
+        assert!((decade - 10.0_f64.ln()).abs() < 1e-4, "{decade}");
+    }
+
+    #[test]
+    fn a_multiple_is_one_of_the_amount() {
+        let amount = stretched(Measure::Stretched, 2.0);
+        assert!((amount.value(amount.times(-3.0, 0.1)) / amount.value(-3.0) - 0.1).abs() < 1e-12);
+        let inverse = stretched(Measure::Inverse, 2.0);
+        assert!((inverse.value(inverse.times(3.0, 10.0)) / inverse.value(3.0) - 0.1).abs() < 1e-12);
+    }
 }
