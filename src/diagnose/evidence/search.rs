@@ -130,12 +130,10 @@ impl Search<'_, '_, '_> {
             Some(looks) => self.looked_at(self.beside_given(looks, &from[0])),
             None => Vec::new(),
         };
+        // What explains all may have a rival that does so, too: only those around the refitted model tell.
+        found.extend(self.around(from, adequate, thorough));
+        found = best_of_each(found.into_iter());
         self.finish_best(&mut found, sets, adequate);
-        if !found.iter().any(|set| self.explains(set)) {
-            found.extend(self.around(from, adequate, thorough));
-            found = best_of_each(found.into_iter());
-            self.finish_best(&mut found, sets, adequate);
-        }
         found
     }
 
@@ -149,12 +147,6 @@ impl Search<'_, '_, '_> {
             near += 1;
         }
         found[..near].par_iter_mut().filter(|set| set.screened).for_each(|set| self.finish(set));
-    }
-
-    /// Whether `set`, fitted in full, leaves no more than the noise that is known: others may be as likely, none much likelier.
-    fn explains(&self, set: &Set) -> bool {
-        let known = !set.screened && self.data.noise_is_known();
-        known && self.lacks_nothing(set) && super::beyond_noise(self.data, &set.posterior.predictions) <= 0.0
     }
 
     /// Looks at sets of one more member around the parents `from`, where a line through each promises something.
