@@ -100,7 +100,8 @@ impl Search<'_, '_, '_> {
         found
     }
 
-    pub(super) fn lacks_nothing(&self, set: &Set) -> bool {
+    /// Whether `set` leaves nothing that a discrepancy stands for.
+    fn lacks_nothing(&self, set: &Set) -> bool {
         is_adequate(self.data, set, self.doubted(set).as_ref())
     }
 

@@ -132,21 +132,20 @@ impl Search<'_, '_, '_> {
         };
         // What explains all may have a rival that does so, too: only those around the refitted model tell.
         found.extend(self.around(from, adequate, thorough));
-        found = best_of_each(found.into_iter());
+        let mut found = best_of_each(found.into_iter());
         self.finish_best(&mut found, sets, adequate);
         found
     }
 
-    /// Ranks those `found` and fits those in full that may be the best of them and of `sets`.
+    /// Fits those of the ranked `found` in full that may be the best of them and of `sets`.
     fn finish_best(&self, found: &mut [Set], sets: &[Set], adequate: bool) {
-        rank(found);
         let best = found.iter().chain(sets).map(evidence).fold(f64::NEG_INFINITY, f64::max);
         let mut near = found.iter().take(FULL).take_while(|set| evidence(set) > best - BEHIND).count();
         if let Some(closest) = self.closest(found.iter().enumerate()).filter(|k| !adequate && *k >= near) {
             found.swap(near, closest);
             near += 1;
         }
-        found[..near].par_iter_mut().filter(|set| set.screened).for_each(|set| self.finish(set));
+        found[..near].par_iter_mut().for_each(|set| self.finish(set));
     }
 
     /// Looks at sets of one more member around the parents `from`, where a line through each promises something.

@@ -128,7 +128,7 @@ mod tests {
     use crate::harmonic::response::start::directly;
     use crate::model::Model;
 
-    fn assembly(damping_ratio: f64, contact: &str, effects: &str) -> Assembly {
+    fn assembly(contact: &str, effects: &str) -> Assembly {
         let text = format!(
             r#"
             schema = "stickslip.model/1"
@@ -145,7 +145,7 @@ mod tests {
             density = 7850.0
             youngs_modulus = 2.09e11
             modes = 6
-            damping_ratio = {damping_ratio}
+            damping_ratio = 0.0032
             point_mass = [{{ position = 0.55, mass = 0.025 }}]
             "#
         );
@@ -195,7 +195,7 @@ mod tests {
             ("stiffening", JENKINS, stiffening, &[0.0, 6.0, 0.0], &[]),
             ("a load that swings", JENKINS, "", &[0.0, 8.0, 0.0], &[30.0, 0.0, 0.0, 20.0]),
         ] {
-            let (mut assembly, problem) = (assembly(0.0032, contact, effects), problem(53.0, coefficients));
+            let (mut assembly, problem) = (assembly(contact, effects), problem(53.0, coefficients));
             if !swing.is_empty() {
                 assembly.load_swings.push((0, swing.to_vec()));
             }
@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn a_response_that_no_search_finds_is_stepped_to() {
-        let (assembly, problem) = (assembly(0.0032, JENKINS, HANGING), problem(50.0, &[0.0, 24.0, 0.0]));
+        let (assembly, problem) = (assembly(JENKINS, HANGING), problem(50.0, &[0.0, 24.0, 0.0]));
         assert!(searched(&problem, &assembly).is_none());
         let (followed, distance) = followed(&problem, &assembly);
         let mut found = problem.solve(&assembly, &[], None).expect("a response");
@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn a_beam_without_a_contact_moves_as_its_modes_do() {
-        let mut assembly = assembly(0.0032, JENKINS, "");
+        let mut assembly = assembly(JENKINS, "");
         assembly.system.elements.clear();
         let problem = problem(53.0, &[0.0, 1.0, 0.0]);
         let distance = followed(&problem, &assembly).1;
