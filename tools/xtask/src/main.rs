@@ -81,21 +81,37 @@ fn golden() -> Result<(), String> {
 }
 
 /// Golden files are compared by the Rust tests, so a stale one fails here. All that can be tested is, whatever failed
-/// before.
+/// before. The two languages do not wait for each other: packages come over the network while the tests are built, and
+/// the FMUs under independent importers keep one processor busy, as some of the Rust tests do.
 fn test(tally: &mut Tally) -> Result<(), String> {
-    tally.count(|_| cargo(&["test", "--workspace", "--locked", "--no-run"], &[]))?;
+    let (built, environment) = beside(
+        || tally.count(|_| cargo(&["test", "--workspace", "--locked", "--no-run"], &[])),
+        python_environment,
+    );
+    built?;
+    let mut fmus = Tally::default();
     let rust = ["test", "--workspace", "--locked", "--no-fail-fast"];
-    let rust = tally.count(|tally| tally.watch(cargo_command(&rust)));
-    let python = tally.count(test_fmus);
+    let (rust, python) = beside(
+        || tally.count(|tally| tally.watch(cargo_command(&rust))),
+        || fmus.count(|tally| test_fmus(&environment?, tally)),
+    );
+    tally.join(&fmus);
     match (rust, python) {
         (Err(first), Err(second)) => Err(format!("{first}\n{second}")),
         (rust, python) => rust.and(python),
     }
 }
 
+/// Runs both at the same time.
+fn beside<A, B: Send>(first: impl FnOnce() -> A, second: impl FnOnce() -> B + Send) -> (A, B) {
+    std::thread::scope(|scope| {
+        let second = scope.spawn(second);
+        (first(), second.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    })
+}
+
 /// The FMUs under independent importers.
-fn test_fmus(tally: &mut Tally) -> Result<(), String> {
-    let python = python_environment()?;
+fn test_fmus(python: &Path, tally: &mut Tally) -> Result<(), String> {
     let fmus = target().join("fmus-under-test");
     // A file that an earlier version exported must not be what is judged.
     let _ = std::fs::remove_dir_all(&fmus);

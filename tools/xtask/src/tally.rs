@@ -30,6 +30,14 @@ impl Tally {
         done
     }
 
+    /// Adds what `other` has counted.
+    pub fn join(&mut self, other: &Self) {
+        self.passed += other.passed;
+        self.failed += other.failed;
+        self.skipped += other.skipped;
+        self.returned += other.returned;
+    }
+
     /// Passes on both outputs of a program line by line, in the order in which they come.
     pub fn watch(&mut self, mut command: Command) -> Result<(), String> {
         let shown = format!("{command:?}");
@@ -135,6 +143,13 @@ compiled 5 things in 3 s";
         let mut tally = Tally::default();
         assert!(tally.count(|_| Err::<(), _>("the build broke".to_owned())).is_err());
         assert_eq!(tally.to_string(), "0 passed, 1 failed, 0 skipped");
+    }
+
+    #[test]
+    fn two_that_counted_for_themselves_add_up() {
+        let mut tally = Tally { passed: 5, failed: 1, skipped: 2, returned: 1, open: 0 };
+        tally.join(&Tally { passed: 10, failed: 2, skipped: 3, returned: 2, open: 0 });
+        assert_eq!(tally.to_string(), "12 passed, 3 failed, 8 skipped");
     }
 
     #[test]
