@@ -61,47 +61,14 @@ mod tests {
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::Assumptions;
     use crate::diagnose::evidence::first;
+    use crate::diagnose::evidence::samples::{beam, steady};
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
     use crate::fit::predict::predict;
     use crate::model::Model;
 
-    /// A beam at three levels with a little noise, the support within what it yields at and beyond.
-    fn steady(truth: &Model) -> Dataset {
-        const SAMPLES: usize = 96;
-        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
-        let mut noise = fastrand::Rng::with_seed(7);
-        let mut record = |amplitude: f64| {
-            let time: Vec<f64> = (0..SAMPLES).map(|k| k as f64 / (SAMPLES as f64 * 55.0)).collect();
-            let cosine = |t: &f64| amplitude * (std::f64::consts::TAU * 55.0 * t).cos();
-            let force = time.iter().map(cosine).collect();
-            let channels = vec![
-                channel("time", "s", time),
-                channel("excitation", "N", force),
-                channel("acceleration:x=0.55", "m/s^2", (0..SAMPLES).map(|k| k as f64).collect()),
-            ];
-            let name = amplitude.to_string();
-            let mut record = Record { name, regime: Regime::Steady, use_for: None, channels };
-            let motion = predict(truth, &record).unwrap()[0].values.clone();
-            let size = 0.01 * motion.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            record.channels[2].values = motion.iter().map(|x| x + size * (noise.f64() - 0.5)).collect();
-            record
-        };
-        Dataset { title: None, records: [1.0, 6.0, 15.0].map(&mut record).to_vec() }
-    }
-
     #[test]
     fn a_base_that_stuck_is_freed_where_motions_are_solved_for() {
-        let text = |modulus: f64, friction: f64| {
-            format!(
-                "schema = \"stickslip.model/1\"\nkind = \"beam\"\nsupport = {{ offset = 0.006 }}\n\
-                 excitation = {{ position = 0.55 }}\n[contact]\nlaw = \"jenkins\"\ntangential_stiffness = 7e6\n\
-                 friction_coefficient = {friction}\nnormal_load = 150.0\n[beam]\nlength = 0.6\nwidth = 0.04\n\
-                 thickness = 0.005\ndensity = 7850.0\nyoungs_modulus = {modulus}\nmodes = 3\n\
-                 damping_ratio = 0.004\n"
-            )
-        };
-        let [truth, given] =
-            [text(1.94e11, 0.4), text(1.95e11, 0.42)].map(|text| Model::parse(&text).unwrap());
+        let (truth, given) = (beam(1.94e11, 0.4, ""), beam(1.95e11, 0.42, ""));
         let dataset = steady(&truth);
         let bench = WeightedDataset::new(&given, &dataset, Assumptions::default(), None).unwrap();
         let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);

@@ -131,3 +131,44 @@ pub(super) fn moved(data: &Measured, set: &mut Set) -> bool {
     let found = screen(data, &Start { model, unknowns, y: &y[..unknowns.len()] }, true);
     found.map(|found| set.posterior = found).is_ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::Assumptions;
+    use crate::diagnose::candidates::tried;
+    use crate::diagnose::evidence::samples::{beam, steady};
+    use crate::diagnose::evidence::{again, first, probe};
+    use crate::diagnose::measurements::magnitudes;
+    use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+
+    #[test]
+    fn a_hanging_mass_of_many_times_the_size_that_its_prior_has_is_found() {
+        let mass = "[[effect]]\nid = \"hanging_mass\"\nmass = 100.0\nhanging_frequency = 35.0\n";
+        let (truth, given) = (beam(1.94e11, 0.4, mass), beam(1.95e11, 0.42, ""));
+        let dataset = steady(&truth);
+        let bench = WeightedDataset::new(&given, &dataset, Assumptions::default(), None).unwrap();
+        let about = bench.linearised_at_measurement().unwrap();
+        let [data, looks] = [&bench, &about].map(|bench| Measured::new(bench, &[0, 1, 2], &[], &[]));
+        let base = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
+        let (tried, _) = tried(&given, &bench, Some(&["hanging_mass".to_owned()]));
+        let scales = magnitudes::of(&given, &dataset);
+        let (candidates, _) = probe::prepare(&data, &base, &tried, &scales, &dataset).unwrap();
+        let search = Search {
+            data: &data,
+            looks: Some(&looks),
+            beginnings: &[],
+            candidates: &candidates,
+            most: 1,
+            report: &|_| {},
+        };
+        let empty = Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false };
+        let mut best = search.looked_at(search.beside_given(&looks, &empty)).swap_remove(0);
+        search.finish(&mut best);
+        // The noise is uniform, of at most half a hundredth.
+        assert!(data.left(&best.posterior.predictions) < 0.01);
+        let estimates = best.posterior.estimates();
+        let mass = estimates.iter().find(|estimate| estimate.name.ends_with(".mass")).unwrap();
+        assert!((mass.value - 100.0).abs() < 10.0, "{mass:?}");
+    }
+}

@@ -21,6 +21,8 @@ mod neighbours;
 mod posterior;
 mod probe;
 mod refined;
+#[cfg(test)]
+mod samples;
 mod search;
 mod slot;
 mod starts;

@@ -209,6 +209,11 @@ impl Probe {
         self.y[0].abs() == SIZES[1]
     }
 
+    /// A `multiple` of it, whose `first` coordinate has this prior.
+    pub fn times(&self, first: &Coordinate, multiple: f64) -> Self {
+        Self { y: at(first.times(self.y[0], multiple), &self.y[1..]), ..self.clone() }
+    }
+
     /// Its coordinates, the `first` where the line is best, as far as lines can be trusted.
     pub fn start(&self, first: &Coordinate) -> Vec<f64> {
         at(first.times(self.y[0], self.multiple.clamp(NEAR.0, NEAR.1)), &self.y[1..])

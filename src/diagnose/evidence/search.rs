@@ -51,6 +51,8 @@ pub(super) const BEHIND: f64 = 20.0;
 pub(super) const TWICE: usize = 8;
 const FULL: usize = 5;
 const PARENTS: usize = 2;
+/// How much more there may be than a prior's deviation.
+const MORE: f64 = 10.0;
 /// Fraction of a residual that leads where it is not of the likeliest.
 const CLOSER: f64 = 0.95;
 
@@ -145,7 +147,14 @@ impl Search<'_, '_, '_> {
             found.swap(near, closest);
             near += 1;
         }
-        found[..near].par_iter_mut().for_each(|set| self.finish(set));
+        let (first, rest) = found.split_at_mut(near);
+        let gained = first.par_iter_mut().map(|set| self.finish(set)).reduce(|| 0.0, f64::max);
+        // A look may have ended as far below what a fit finds of others, too.
+        let rest = rest.iter_mut().take(FULL.saturating_sub(near));
+        let behind: Vec<&mut Set> = rest.filter(|set| evidence(set) > best - BEHIND - gained).collect();
+        behind.into_par_iter().for_each(|set| {
+            self.finish(set);
+        });
     }
 
     /// Looks at sets of one more member around the parents `from`, where a line through each promises something.
@@ -161,12 +170,8 @@ impl Search<'_, '_, '_> {
         if !adequate && self.looks.is_none() {
             from.par_iter_mut().for_each(|set| self.whiten(set));
         }
-        let mut everywhere: Vec<(usize, Probe)> = Vec::new();
         for (k, parent) in from.iter().enumerate() {
             let mut probes = self.probed(self.data, parent);
-            if thorough {
-                everywhere.extend(self.everywhere(&probes).map(|probe| (k, probe)));
-            }
             probes.retain(worthy);
             wanted.extend(promising(probes).into_iter().map(|probe| (k, probe)));
         }
@@ -183,7 +188,6 @@ impl Search<'_, '_, '_> {
                 }
             }
         }
-        wanted.extend(everywhere);
         let seen: Vec<Option<Set>> =
             wanted.par_iter().map(|(parent, probe)| self.glanced(looks, &from[*parent], probe)).collect();
         let led = parents.iter().filter(|_| !adequate).flat_map(|parent| self.led(parent));
@@ -220,11 +224,14 @@ impl Search<'_, '_, '_> {
         probe::around(data, &parent.posterior, self.candidates, &which).unwrap_or_default()
     }
 
-    /// The largest amounts of those with a second number, at every place of it. What is narrow, such as a resonator near the
-    /// drive, promises nothing to a line where a fit has come to terms without it.
+    /// The largest amounts of those with a second number and `MORE`, at every place of it. What is narrow, such as a
+    /// resonator near the drive, promises nothing to a line where a fit has come to terms without it.
     pub(super) fn everywhere<'p>(&self, probes: &'p [Probe]) -> impl Iterator<Item = Probe> + use<'p, '_> {
         let of = |probe: &&Probe| self.candidates[probe.candidate].has_places() && probe.is_largest();
-        probes.iter().filter(of).map(|probe| Probe { multiple: 1.0, ..probe.clone() })
+        probes.iter().filter(of).flat_map(|probe| {
+            let first = &self.candidates[probe.candidate].coordinates[0];
+            [1.0, MORE].map(|multiple| Probe { multiple: 1.0, ..probe.times(first, multiple) })
+        })
     }
 
     /// The best fit with one of the candidates, from every start that promises something.
@@ -244,7 +251,9 @@ impl Search<'_, '_, '_> {
         let near = tried.first().map(evidence)? - BEHIND;
         tried.retain(|set| evidence(set) > near);
         tried.truncate(FULL);
-        tried.par_iter_mut().for_each(|set| self.finish(set));
+        tried.par_iter_mut().for_each(|set| {
+            self.finish(set);
+        });
         tried.into_iter().map(|set| set.posterior).max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
     }
 
@@ -262,12 +271,14 @@ impl Search<'_, '_, '_> {
         (model, unknowns, start)
     }
 
-    /// Fits a set that was looked at.
-    pub(super) fn finish(&self, set: &mut Set) {
+    /// Fits a set that was looked at; what that gains of log evidence.
+    pub(super) fn finish(&self, set: &mut Set) -> f64 {
+        let before = evidence(set);
         if let Ok(whole) = super::again(self.data, &set.posterior) {
             set.posterior = whole;
             set.screened = false;
         }
+        evidence(set) - before
     }
 
     /// Adds the likely sets with a discrepancy, those of `known` as they are where their sets did not change; in full

@@ -1,0 +1,41 @@
+//! Measurements for tests.
+
+use crate::data::{Channel, Dataset, Record, Regime};
+use crate::fit::predict::predict;
+use crate::model::Model;
+
+/// A beam of a modulus (Pa) and a coefficient of friction, with what `effects` write.
+pub(super) fn beam(modulus: f64, friction: f64, effects: &str) -> Model {
+    Model::parse(&format!(
+        "schema = \"stickslip.model/1\"\nkind = \"beam\"\nsupport = {{ offset = 0.006 }}\n\
+         excitation = {{ position = 0.55 }}\n[contact]\nlaw = \"jenkins\"\ntangential_stiffness = 7e6\n\
+         friction_coefficient = {friction}\nnormal_load = 150.0\n[beam]\nlength = 0.6\nwidth = 0.04\n\
+         thickness = 0.005\ndensity = 7850.0\nyoungs_modulus = {modulus}\nmodes = 3\n\
+         damping_ratio = 0.004\n{effects}"
+    ))
+    .unwrap()
+}
+
+/// A beam at three levels with a little noise, the support within what it yields at and beyond.
+pub(super) fn steady(truth: &Model) -> Dataset {
+    const SAMPLES: usize = 96;
+    let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+    let mut noise = fastrand::Rng::with_seed(7);
+    let mut record = |amplitude: f64| {
+        let time: Vec<f64> = (0..SAMPLES).map(|k| k as f64 / (SAMPLES as f64 * 55.0)).collect();
+        let cosine = |t: &f64| amplitude * (std::f64::consts::TAU * 55.0 * t).cos();
+        let force = time.iter().map(cosine).collect();
+        let channels = vec![
+            channel("time", "s", time),
+            channel("excitation", "N", force),
+            channel("acceleration:x=0.55", "m/s^2", (0..SAMPLES).map(|k| k as f64).collect()),
+        ];
+        let name = amplitude.to_string();
+        let mut record = Record { name, regime: Regime::Steady, use_for: None, channels };
+        let motion = predict(truth, &record).unwrap()[0].values.clone();
+        let size = 0.01 * motion.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        record.channels[2].values = motion.iter().map(|x| x + size * (noise.f64() - 0.5)).collect();
+        record
+    };
+    Dataset { title: None, records: [1.0, 6.0, 15.0].map(&mut record).to_vec() }
+}
